@@ -1,0 +1,35 @@
+//! What can go wrong with a building model.
+
+use std::path::PathBuf;
+
+/// An error of this crate.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// A file that is not what its name says.
+    #[error("{path}: {why}")]
+    Malformed {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong in it.
+        why: String,
+    },
+    /// An object that the model refers to, or that an edit needs, is not there.
+    #[error("the model has no {class} named `{name}`")]
+    MissingObject {
+        /// EnergyPlus class.
+        class: String,
+        /// Object name.
+        name: String,
+    },
+    /// A file could not be read or written.
+    #[error("{path}: {source}")]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+}
+
+/// A result of this crate.
+pub type Result<T> = std::result::Result<T, Error>;

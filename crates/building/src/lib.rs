@@ -1,0 +1,7 @@
+//! Building models for control: read, size and make controllable.
+
+mod error;
+pub mod model;
+
+pub use error::{Error, Result};
+pub use model::Model;

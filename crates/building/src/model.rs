@@ -1,0 +1,262 @@
+//! An EnergyPlus model as an epJSON document, with the few operations that edits need.
+//!
+//! EnergyPlus names classes and objects without regard to case, and so does every query here. Objects
+//! come back in *model order*: the order of the IDF they were converted from (`idf_order`), then by name.
+
+use std::path::Path;
+
+use serde_json::{Map, Value};
+
+use crate::{Error, Result};
+
+/// The fields of one object.
+pub type Fields = Map<String, Value>;
+
+/// An EnergyPlus model: class → object name → fields.
+///
+/// Writing is deterministic: classes, names and fields are in alphabetical order.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Model {
+    classes: Map<String, Value>,
+}
+
+impl Model {
+    /// Parses an epJSON text.
+    ///
+    /// # Errors
+    /// [`Error::Malformed`] when the text is not JSON, or not class → name → fields.
+    pub fn from_epjson(text: &str, path: &Path) -> Result<Self> {
+        let malformed = |why: String| Error::Malformed {
+            path: path.to_owned(),
+            why,
+        };
+        let value: Value = serde_json::from_str(text).map_err(|e| malformed(e.to_string()))?;
+        let Value::Object(classes) = value else {
+            return Err(malformed("the document is not a JSON object".into()));
+        };
+        for (class, objects) in &classes {
+            let objects = objects
+                .as_object()
+                .ok_or_else(|| malformed(format!("class `{class}` is not a JSON object")))?;
+            for (name, fields) in objects {
+                if !fields.is_object() {
+                    return Err(malformed(format!("{class} `{name}` is not a JSON object")));
+                }
+            }
+        }
+        Ok(Self { classes })
+    }
+
+    /// The model as epJSON text.
+    pub fn to_epjson(&self) -> String {
+        serde_json::to_string_pretty(&self.classes).expect("a JSON map always serialises")
+    }
+
+    /// The objects of a class with their names, in model order.
+    pub fn objects(&self, class: &str) -> Vec<(&str, &Fields)> {
+        let mut objects: Vec<_> = self
+            .class(class)
+            .into_iter()
+            .flatten()
+            .filter_map(|(name, value)| Some((name.as_str(), value.as_object()?)))
+            .collect();
+        objects.sort_by_key(|(_, fields)| order(fields));
+        objects
+    }
+
+    /// The names of the objects of a class, in model order, as owned strings (for edits that follow).
+    pub fn names(&self, class: &str) -> Vec<String> {
+        self.objects(class)
+            .iter()
+            .map(|(name, _)| (*name).to_owned())
+            .collect()
+    }
+
+    /// The classes that have objects.
+    pub fn classes(&self) -> impl Iterator<Item = &str> {
+        self.classes.keys().map(String::as_str)
+    }
+
+    /// Whether the class has an object of this name.
+    pub fn contains(&self, class: &str, name: &str) -> bool {
+        self.get(class, name).is_some()
+    }
+
+    /// The fields of one object.
+    pub fn get(&self, class: &str, name: &str) -> Option<&Fields> {
+        self.class(class)?
+            .iter()
+            .find(|(key, _)| key.eq_ignore_ascii_case(name))
+            .and_then(|(_, value)| value.as_object())
+    }
+
+    /// The fields of one object, to edit.
+    pub fn get_mut(&mut self, class: &str, name: &str) -> Option<&mut Fields> {
+        self.class_mut(class)?
+            .iter_mut()
+            .find(|(key, _)| key.eq_ignore_ascii_case(name))
+            .and_then(|(_, value)| value.as_object_mut())
+    }
+
+    /// The fields of an object that must be there.
+    ///
+    /// # Errors
+    /// [`Error::MissingObject`] naming the class and the object.
+    pub fn require(&self, class: &str, name: &str) -> Result<&Fields> {
+        self.get(class, name).ok_or_else(|| missing(class, name))
+    }
+
+    /// The fields of an object that must be there, to edit.
+    ///
+    /// # Errors
+    /// [`Error::MissingObject`] naming the class and the object.
+    pub fn require_mut(&mut self, class: &str, name: &str) -> Result<&mut Fields> {
+        self.get_mut(class, name)
+            .ok_or_else(|| missing(class, name))
+    }
+
+    /// Puts an object in, replacing one of the same name.
+    ///
+    /// # Panics
+    /// When `fields` is not a JSON object: a mistake in the calling code, never in a user's file.
+    pub fn insert(&mut self, class: &str, name: &str, fields: Value) {
+        assert!(
+            fields.is_object(),
+            "{class} `{name}`: fields must be an object"
+        );
+        self.remove(class, name);
+        let class = self.class_key(class).unwrap_or_else(|| class.to_owned());
+        let objects = self
+            .classes
+            .entry(class)
+            .or_insert_with(|| Value::Object(Map::new()));
+        if let Value::Object(objects) = objects {
+            objects.insert(name.to_owned(), fields);
+        }
+    }
+
+    /// Takes an object out and returns its fields.
+    pub fn remove(&mut self, class: &str, name: &str) -> Option<Fields> {
+        let class = self.class_key(class)?;
+        let objects = self.classes.get_mut(&class)?.as_object_mut()?;
+        let key = objects
+            .keys()
+            .find(|k| k.eq_ignore_ascii_case(name))?
+            .clone();
+        let fields = objects.remove(&key);
+        if objects.is_empty() {
+            self.classes.remove(&class);
+        }
+        match fields {
+            Some(Value::Object(fields)) => Some(fields),
+            _ => None,
+        }
+    }
+
+    /// Takes out every object of a class.
+    pub fn remove_class(&mut self, class: &str) {
+        if let Some(class) = self.class_key(class) {
+            self.classes.remove(&class);
+        }
+    }
+
+    /// Every string field equal to `from`, anywhere in the model, becomes `to`: how a node or an object is
+    /// renamed everywhere it is referred to.
+    pub fn replace_references(&mut self, from: &str, to: &str) {
+        for objects in self.classes.values_mut() {
+            replace_strings(objects, from, to);
+        }
+    }
+
+    fn class_key(&self, class: &str) -> Option<String> {
+        if self.classes.contains_key(class) {
+            return Some(class.to_owned());
+        }
+        self.classes
+            .keys()
+            .find(|k| k.eq_ignore_ascii_case(class))
+            .cloned()
+    }
+
+    fn class(&self, class: &str) -> Option<&Map<String, Value>> {
+        self.classes.get(&self.class_key(class)?)?.as_object()
+    }
+
+    fn class_mut(&mut self, class: &str) -> Option<&mut Map<String, Value>> {
+        let key = self.class_key(class)?;
+        self.classes.get_mut(&key)?.as_object_mut()
+    }
+}
+
+/// A text field, if it is there and is text.
+pub fn text<'a>(fields: &'a Fields, field: &str) -> Option<&'a str> {
+    fields.get(field)?.as_str()
+}
+
+/// A numeric field, if it is there and is a number.
+pub fn number(fields: &Fields, field: &str) -> Option<f64> {
+    fields.get(field)?.as_f64()
+}
+
+fn order(fields: &Fields) -> u64 {
+    fields
+        .get("idf_order")
+        .and_then(Value::as_u64)
+        .unwrap_or(u64::MAX)
+}
+
+fn missing(class: &str, name: &str) -> Error {
+    Error::MissingObject {
+        class: class.to_owned(),
+        name: name.to_owned(),
+    }
+}
+
+fn replace_strings(value: &mut Value, from: &str, to: &str) {
+    match value {
+        Value::String(text) if text.eq_ignore_ascii_case(from) => *text = to.to_owned(),
+        Value::Array(items) => items.iter_mut().for_each(|v| replace_strings(v, from, to)),
+        Value::Object(fields) => fields
+            .values_mut()
+            .for_each(|v| replace_strings(v, from, to)),
+        _ => {}
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn model() -> Model {
+        let text = r#"{"Zone": {"B": {"idf_order": 1}, "A": {"idf_order": 2}}}"#;
+        Model::from_epjson(text, Path::new("test.epJSON")).unwrap()
+    }
+
+    #[test]
+    fn objects_come_in_model_order_and_names_ignore_case() {
+        assert_eq!(model().names("ZONE"), ["B", "A"]);
+        assert!(model().contains("zone", "a"));
+    }
+
+    #[test]
+    fn replacing_a_reference_reaches_every_field() {
+        let mut model = model();
+        model.insert(
+            "ZoneList",
+            "all",
+            serde_json::json!({"zones": [{"zone_name": "a"}]}),
+        );
+        model.replace_references("A", "C");
+        assert_eq!(
+            model.get("ZoneList", "all").unwrap()["zones"][0]["zone_name"],
+            "C"
+        );
+    }
+
+    #[test]
+    fn a_malformed_document_is_named() {
+        let error = Model::from_epjson("{\"Zone\": 3}", Path::new("bad.epJSON")).unwrap_err();
+        assert!(error.to_string().contains("bad.epJSON"), "{error}");
+        assert!(error.to_string().contains("Zone"), "{error}");
+    }
+}

@@ -1,0 +1,2 @@
+//! The `b2b` command.
+fn main() {}
