@@ -26,10 +26,7 @@ impl Model {
     /// # Errors
     /// [`Error::Malformed`] when the text is not JSON, or not class → name → fields.
     pub fn from_epjson(text: &str, path: &Path) -> Result<Self> {
-        let malformed = |why: String| Error::Malformed {
-            path: path.to_owned(),
-            why,
-        };
+        let malformed = |why: String| Error::Malformed { path: path.to_owned(), why };
         let value: Value = serde_json::from_str(text).map_err(|e| malformed(e.to_string()))?;
         let Value::Object(classes) = value else {
             return Err(malformed("the document is not a JSON object".into()));
@@ -66,10 +63,7 @@ impl Model {
 
     /// The names of the objects of a class, in model order, as owned strings (for edits that follow).
     pub fn names(&self, class: &str) -> Vec<String> {
-        self.objects(class)
-            .iter()
-            .map(|(name, _)| (*name).to_owned())
-            .collect()
+        self.objects(class).iter().map(|(name, _)| (*name).to_owned()).collect()
     }
 
     /// The classes that have objects.
@@ -111,8 +105,7 @@ impl Model {
     /// # Errors
     /// [`Error::MissingObject`] naming the class and the object.
     pub fn require_mut(&mut self, class: &str, name: &str) -> Result<&mut Fields> {
-        self.get_mut(class, name)
-            .ok_or_else(|| missing(class, name))
+        self.get_mut(class, name).ok_or_else(|| missing(class, name))
     }
 
     /// Puts an object in, replacing one of the same name.
@@ -120,16 +113,10 @@ impl Model {
     /// # Panics
     /// When `fields` is not a JSON object: a mistake in the calling code, never in a user's file.
     pub fn insert(&mut self, class: &str, name: &str, fields: Value) {
-        assert!(
-            fields.is_object(),
-            "{class} `{name}`: fields must be an object"
-        );
+        assert!(fields.is_object(), "{class} `{name}`: fields must be an object");
         self.remove(class, name);
         let class = self.class_key(class).unwrap_or_else(|| class.to_owned());
-        let objects = self
-            .classes
-            .entry(class)
-            .or_insert_with(|| Value::Object(Map::new()));
+        let objects = self.classes.entry(class).or_insert_with(|| Value::Object(Map::new()));
         if let Value::Object(objects) = objects {
             objects.insert(name.to_owned(), fields);
         }
@@ -139,10 +126,7 @@ impl Model {
     pub fn remove(&mut self, class: &str, name: &str) -> Option<Fields> {
         let class = self.class_key(class)?;
         let objects = self.classes.get_mut(&class)?.as_object_mut()?;
-        let key = objects
-            .keys()
-            .find(|k| k.eq_ignore_ascii_case(name))?
-            .clone();
+        let key = objects.keys().find(|k| k.eq_ignore_ascii_case(name))?.clone();
         let fields = objects.remove(&key);
         if objects.is_empty() {
             self.classes.remove(&class);
@@ -172,10 +156,7 @@ impl Model {
         if self.classes.contains_key(class) {
             return Some(class.to_owned());
         }
-        self.classes
-            .keys()
-            .find(|k| k.eq_ignore_ascii_case(class))
-            .cloned()
+        self.classes.keys().find(|k| k.eq_ignore_ascii_case(class)).cloned()
     }
 
     fn class(&self, class: &str) -> Option<&Map<String, Value>> {
@@ -199,26 +180,18 @@ pub fn number(fields: &Fields, field: &str) -> Option<f64> {
 }
 
 fn order(fields: &Fields) -> u64 {
-    fields
-        .get("idf_order")
-        .and_then(Value::as_u64)
-        .unwrap_or(u64::MAX)
+    fields.get("idf_order").and_then(Value::as_u64).unwrap_or(u64::MAX)
 }
 
 fn missing(class: &str, name: &str) -> Error {
-    Error::MissingObject {
-        class: class.to_owned(),
-        name: name.to_owned(),
-    }
+    Error::MissingObject { class: class.to_owned(), name: name.to_owned() }
 }
 
 fn replace_strings(value: &mut Value, from: &str, to: &str) {
     match value {
         Value::String(text) if text.eq_ignore_ascii_case(from) => *text = to.to_owned(),
         Value::Array(items) => items.iter_mut().for_each(|v| replace_strings(v, from, to)),
-        Value::Object(fields) => fields
-            .values_mut()
-            .for_each(|v| replace_strings(v, from, to)),
+        Value::Object(fields) => fields.values_mut().for_each(|v| replace_strings(v, from, to)),
         _ => {}
     }
 }
@@ -241,16 +214,9 @@ mod tests {
     #[test]
     fn replacing_a_reference_reaches_every_field() {
         let mut model = model();
-        model.insert(
-            "ZoneList",
-            "all",
-            serde_json::json!({"zones": [{"zone_name": "a"}]}),
-        );
+        model.insert("ZoneList", "all", serde_json::json!({"zones": [{"zone_name": "a"}]}));
         model.replace_references("A", "C");
-        assert_eq!(
-            model.get("ZoneList", "all").unwrap()["zones"][0]["zone_name"],
-            "C"
-        );
+        assert_eq!(model.get("ZoneList", "all").unwrap()["zones"][0]["zone_name"], "C");
     }
 
     #[test]

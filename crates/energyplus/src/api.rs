@@ -1,0 +1,70 @@
+//! The C functions of the engine that this crate calls, resolved once.
+
+use std::ffi::{c_char, c_int, c_void};
+use std::path::Path;
+
+/// The engine's opaque state.
+pub(crate) type State = *mut c_void;
+/// A callback at a point of the run.
+pub(crate) type StateCallback = extern "C" fn(State);
+/// A callback with an error level and a text.
+pub(crate) type ErrorCallback = extern "C" fn(c_int, *const c_char);
+/// A callback with a line of standard output.
+pub(crate) type ConsoleCallback = extern "C" fn(*const c_char);
+
+macro_rules! functions {
+    ($(fn $name:ident($($argument:ty),*) $(-> $result:ty)?;)*) => {
+        /// Function pointers, valid as long as the library is loaded, which is for ever.
+        #[allow(non_snake_case)]
+        pub(crate) struct Api {
+            $(pub(crate) $name: unsafe extern "C" fn($($argument),*) $(-> $result)?,)*
+        }
+
+        impl Api {
+            /// Loads the library and resolves every function. It is never unloaded: unloading runs C++
+            /// destructors under the feet of whoever still uses it.
+            pub(crate) fn load(path: &Path) -> Result<Self, libloading::Error> {
+                // SAFETY: loading runs the initialisers of a library that the user named as EnergyPlus,
+                // which only set up its own static data.
+                let library = std::mem::ManuallyDrop::new(unsafe { libloading::Library::new(path)? });
+                Ok(Self {
+                    // SAFETY: the signatures below are those of the engine's C headers (25.2); the
+                    // pointers stay valid because the library is never unloaded.
+                    $($name: unsafe { *library.get(concat!(stringify!($name), "\0").as_bytes())? },)*
+                })
+            }
+        }
+    };
+}
+
+functions! {
+    fn stateNew() -> State;
+    fn stateDelete(State);
+    fn energyplus(State, c_int, *const *const c_char) -> c_int;
+    fn stopSimulation(State);
+    fn setConsoleOutputState(State, c_int);
+    fn energyPlusVersion() -> *const c_char;
+
+    fn registerErrorCallback(State, ErrorCallback);
+    fn registerStdOutCallback(State, ConsoleCallback);
+    fn callbackBeginZoneTimeStepBeforeInitHeatBalance(State, StateCallback);
+    fn callbackAfterNewEnvironmentWarmupComplete(State, StateCallback);
+    fn callbackEndOfZoneTimeStepAfterZoneReporting(State, StateCallback);
+
+    fn apiDataFullyReady(State) -> c_int;
+    fn kindOfSim(State) -> c_int;
+    fn warmupFlag(State) -> c_int;
+    fn dayOfYear(State) -> c_int;
+    fn dayOfWeek(State) -> c_int;
+    fn currentTime(State) -> f64;
+    fn currentSimTime(State) -> f64;
+
+    fn requestVariable(State, *const c_char, *const c_char);
+    fn getVariableHandle(State, *const c_char, *const c_char) -> c_int;
+    fn getVariableValue(State, c_int) -> f64;
+    fn getMeterHandle(State, *const c_char) -> c_int;
+    fn getMeterValue(State, c_int) -> f64;
+    fn getActuatorHandle(State, *const c_char, *const c_char, *const c_char) -> c_int;
+    fn getActuatorValue(State, c_int) -> f64;
+    fn setActuatorValue(State, c_int, f64);
+}

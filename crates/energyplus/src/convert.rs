@@ -1,0 +1,35 @@
+//! IDF to epJSON, through the engine itself.
+
+use std::path::Path;
+
+use crate::coroutine::{EngineRun, Outcome};
+use crate::simulation::{path_text, temporary_folder};
+use crate::{Error, Library, Result};
+
+impl Library {
+    /// Converts an IDF file and returns its epJSON text.
+    ///
+    /// # Errors
+    /// [`Error::MissingFile`] when there is no such file; [`Error::Engine`] with the engine's words when it
+    /// cannot read it.
+    pub fn convert_idf(&self, idf: &Path) -> Result<String> {
+        if !idf.is_file() {
+            return Err(Error::MissingFile { what: "model", path: idf.to_owned() });
+        }
+        let folder = temporary_folder()?;
+        let arguments =
+            ["energyplus", "-c", "--convert-only", "-d", path_text(folder.path())?, path_text(idf)?];
+        let mut run = EngineRun::new(self, &arguments, &[], false)?;
+        let code = loop {
+            if let Outcome::Returned(code) = run.resume() {
+                break code;
+            }
+        };
+        let stem = idf.file_stem().unwrap_or_default().to_string_lossy();
+        let converted = folder.path().join(format!("{stem}.epJSON"));
+        match std::fs::read_to_string(&converted) {
+            Ok(text) if code == 0 => Ok(text),
+            _ => Err(Error::Engine { code, model: idf.to_owned(), messages: run.messages() }),
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! What the engine says in a run.
+
+use std::fmt;
+
+/// How grave a message is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Level {
+    /// A note.
+    Info,
+    /// Something odd; the run goes on.
+    Warning,
+    /// Something wrong; the run may go on.
+    Severe,
+    /// The run ends.
+    Fatal,
+}
+
+impl fmt::Display for Level {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Level::Info => "info",
+            Level::Warning => "warning",
+            Level::Severe => "severe",
+            Level::Fatal => "fatal",
+        })
+    }
+}
+
+/// One message with its continuation lines.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Message {
+    /// How grave it is.
+    pub level: Level,
+    /// The engine's words, lines joined by newlines.
+    pub text: String,
+}
+
+/// The messages of a run: every count, and the first texts of each level (a run may repeat itself for
+/// months, so what is kept is bounded).
+#[derive(Clone, Debug, Default)]
+pub struct Messages {
+    kept: Vec<Message>,
+    counts: [usize; 4],
+    /// Whether continuation lines belong to the last kept message.
+    last_was_kept: bool,
+    /// The last lines of the engine's standard output, for failures that are said nowhere else.
+    console: Vec<String>,
+}
+
+/// Texts kept per level.
+const KEPT_PER_LEVEL: usize = 100;
+/// Continuation lines are kept up to this many bytes of a message.
+const KEPT_BYTES: usize = 4000;
+/// Console lines kept.
+const CONSOLE_LINES: usize = 20;
+
+impl Messages {
+    /// How many messages of a level there were.
+    pub fn count(&self, level: Level) -> usize {
+        self.counts[level as usize]
+    }
+
+    /// The messages kept, in the order they came.
+    pub fn iter(&self) -> impl Iterator<Item = &Message> {
+        self.kept.iter()
+    }
+
+    /// The messages kept that are at least this grave.
+    pub fn at_least(&self, level: Level) -> impl Iterator<Item = &Message> {
+        self.kept.iter().filter(move |m| m.level >= level)
+    }
+
+    /// Takes one line as the engine's error callback gives it: 0 continues the message before.
+    pub(crate) fn push(&mut self, level: i32, text: &str) {
+        let level = match level {
+            1 => Level::Info,
+            2 => Level::Warning,
+            3 => Level::Severe,
+            4 => Level::Fatal,
+            _ => return self.continue_last(text),
+        };
+        self.counts[level as usize] += 1;
+        self.last_was_kept = self.count(level) <= KEPT_PER_LEVEL;
+        if self.last_was_kept {
+            let text = text.trim().to_owned();
+            self.kept.push(Message { level, text });
+        }
+    }
+
+    /// Takes one line of the engine's standard output.
+    pub(crate) fn push_console(&mut self, line: &str) {
+        if self.console.len() == CONSOLE_LINES {
+            self.console.remove(0);
+        }
+        self.console.push(line.trim_end().to_owned());
+    }
+
+    fn continue_last(&mut self, text: &str) {
+        if let (true, Some(last)) = (self.last_was_kept, self.kept.last_mut())
+            && last.text.len() < KEPT_BYTES
+        {
+            last.text.push('\n');
+            last.text.push_str(text.trim());
+        }
+    }
+}
+
+/// Severe and fatal messages; if there are none, what was last seen on the console.
+impl fmt::Display for Messages {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.at_least(Level::Severe).next().is_none() {
+            return f.write_str(&self.console.join("\n"));
+        }
+        for (i, message) in self.at_least(Level::Severe).enumerate() {
+            if i > 0 {
+                writeln!(f)?;
+            }
+            write!(f, "  {}: {}", message.level, message.text.replace('\n', "\n    "))?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn continuation_lines_join_their_message() {
+        let mut messages = Messages::default();
+        messages.push(3, " Zone is cold ");
+        messages.push(0, "...at noon");
+        let kept: Vec<_> = messages.iter().collect();
+        assert_eq!(kept.len(), 1);
+        assert_eq!(kept[0].text, "Zone is cold\n...at noon");
+        assert_eq!(messages.count(Level::Severe), 1);
+    }
+
+    #[test]
+    fn a_message_repeated_for_months_is_counted_but_kept_a_bounded_number_of_times() {
+        let mut messages = Messages::default();
+        for _ in 0..10_000 {
+            messages.push(2, "iteration limit");
+            messages.push(0, "...again");
+        }
+        assert_eq!(messages.count(Level::Warning), 10_000);
+        assert_eq!(messages.iter().count(), KEPT_PER_LEVEL);
+    }
+}
