@@ -1,6 +1,7 @@
 //! Building models for control: read, size and make controllable.
 
 mod error;
+pub mod hvac;
 pub mod model;
 
 pub use error::{Error, Result};

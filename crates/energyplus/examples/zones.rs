@@ -9,7 +9,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("{}", json.len());
     let zones = ["Core_ZN", "Attic"];
     let mut run = Run::new(&a[2], &a[3]);
-    for z in zones { run = run.request("Zone Mean Air Temperature", z); }
+    for z in zones {
+        run = run.request("Zone Mean Air Temperature", z);
+    }
     let mut sim = run.start(&library)?;
     println!("{:?}", sim.clock());
     let handles = zones.map(|z| sim.variable("Zone Mean Air Temperature", z).unwrap());
@@ -19,8 +21,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let t = std::time::Instant::now();
     while let Some(e) = sim.advance()? {
         n += 1;
-        if n < 4 || n == 5000 { println!("{e:?} {:?} {:?} {}", sim.clock(), handles.map(|h| sim.read(h)), sim.read_meter(m)); }
-        if n == 8000 { sim.stop(); println!("stopped") }
+        if n < 4 || n == 5000 {
+            println!("{e:?} {:?} {:?} {}", sim.clock(), handles.map(|h| sim.read(h)), sim.read_meter(m));
+        }
+        if n == 8000 {
+            sim.stop();
+            println!("stopped")
+        }
     }
     println!("{:?} {:?}", t.elapsed(), sim.messages());
     Ok(())

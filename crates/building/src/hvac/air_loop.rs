@@ -1,0 +1,1 @@
+//! Central air loops: supply temperature, outdoor air, dampers, reheat.

@@ -1,0 +1,133 @@
+//! HVAC systems, as an agent sees them: what can be driven, between which bounds, and how to see its effect.
+
+pub mod air_loop;
+
+use serde::{Deserialize, Serialize};
+
+/// What an actuator drives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Quantity {
+    /// Air mass flow from a unitary system to its zone, kg/s.
+    SupplyAirFlow,
+    /// Air temperature at the outlet of a unitary system or of a central air handler, °C.
+    SupplyAirTemperature,
+    /// Outdoor air mass flow through the mixer of a central air loop, kg/s.
+    OutdoorAirFlow,
+    /// Opening of a zone's damper: the share of its terminal's design flow, 0 to 1.
+    DamperOpening,
+    /// Heating setpoint of a zone's thermostat, °C: reheat of a terminal, a unit heater.
+    HeatingSetpoint,
+}
+
+impl Quantity {
+    /// SI unit of the value an agent gives.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Quantity::SupplyAirFlow | Quantity::OutdoorAirFlow => "kg/s",
+            Quantity::SupplyAirTemperature | Quantity::HeatingSetpoint => "°C",
+            Quantity::DamperOpening => "1",
+        }
+    }
+}
+
+/// An engine variable: its name and its key.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct EngineVariable {
+    /// Variable name, for example `System Node Mass Flow Rate`.
+    pub name: String,
+    /// Key: a zone, a node, an object.
+    pub key: String,
+}
+
+impl EngineVariable {
+    /// A variable of a key.
+    pub fn new(name: &str, key: &str) -> Self {
+        Self { name: name.to_owned(), key: key.to_owned() }
+    }
+}
+
+/// One entry of the action.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Actuator {
+    /// Unique name for people, for example `Core_ZN supply air flow`.
+    pub name: String,
+    /// What it drives; gives the unit.
+    pub quantity: Quantity,
+    /// Lowest value an agent may give.
+    pub low: f64,
+    /// Highest value an agent may give.
+    pub high: f64,
+    /// Engine actuator: component type, for example `Schedule:Constant`.
+    pub component: String,
+    /// Engine actuator: control type, for example `Schedule Value`.
+    pub control: String,
+    /// Engine actuator: object name.
+    pub key: String,
+    /// Engine value per unit of the agent's value (1 / design flow where the engine takes a fraction).
+    pub scale: f64,
+    /// The engine variable that shows the driven quantity, in the same unit; for a damper its air flow, kg/s.
+    pub effect: EngineVariable,
+    /// Value of `effect` per unit of the agent's value (1, or for a damper its design flow, kg/s).
+    pub effect_scale: f64,
+}
+
+/// A group of actuators that act together on their zones.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum System {
+    /// One unit, one zone: flow and supply temperature.
+    Unitary(Unitary),
+    /// One air handler, many zones.
+    AirLoop(AirLoop),
+    /// A heater under a thermostat.
+    HeatingOnly(HeatingOnly),
+}
+
+/// A unitary system.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Unitary {
+    /// Zone it serves.
+    pub zone: String,
+    /// [`Quantity::SupplyAirFlow`].
+    pub flow: Actuator,
+    /// [`Quantity::SupplyAirTemperature`].
+    pub supply_temperature: Actuator,
+}
+
+/// A central air loop.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct AirLoop {
+    /// Name of the `AirLoopHVAC`.
+    pub name: String,
+    /// [`Quantity::SupplyAirTemperature`], of the air handler.
+    pub supply_temperature: Actuator,
+    /// [`Quantity::OutdoorAirFlow`].
+    pub outdoor_air: Actuator,
+    /// Design flow of the supply fan, kg/s. All dampers open may ask for more: the fan limits.
+    pub fan_flow: f64,
+    /// The terminals, in model order of their zones.
+    pub terminals: Vec<Terminal>,
+}
+
+/// The terminal of one zone on a central air loop.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Terminal {
+    /// Zone it serves.
+    pub zone: String,
+    /// [`Quantity::DamperOpening`].
+    pub damper: Actuator,
+    /// [`Quantity::HeatingSetpoint`], of the reheat coil.
+    pub reheat: Actuator,
+    /// Design flow, kg/s.
+    pub design_flow: f64,
+}
+
+/// A zone heater without cooling.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct HeatingOnly {
+    /// Zone it serves.
+    pub zone: String,
+    /// [`Quantity::HeatingSetpoint`].
+    pub setpoint: Actuator,
+}
