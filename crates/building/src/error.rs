@@ -21,6 +21,34 @@ pub enum Error {
         /// Object name.
         name: String,
     },
+    /// The model has HVAC that cannot be made controllable.
+    #[error("{class} `{name}` cannot be made controllable: {why}")]
+    Unsupported {
+        /// EnergyPlus class.
+        class: String,
+        /// Object name.
+        name: String,
+        /// Why, and what would do.
+        why: String,
+    },
+    /// Text that is no day of the year.
+    #[error("`{text}` is no date of the year: give MM-DD, for example 02-28 (there is no 29 February)")]
+    Date {
+        /// The text.
+        text: String,
+    },
+    /// Text that is no run period.
+    #[error(
+        "`{text}` is no run period: give winter, summer, full_year or MM-DD..MM-DD, \
+         first day before last"
+    )]
+    RunPeriod {
+        /// The text.
+        text: String,
+    },
+    /// A run of the engine failed.
+    #[error(transparent)]
+    Engine(#[from] b2b_energyplus::Error),
     /// A file could not be read or written.
     #[error("{path}: {source}")]
     Io {

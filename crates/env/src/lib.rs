@@ -1,1 +1,25 @@
-//! TODO
+//! Buildings as reinforcement-learning environments on EnergyPlus.
+//!
+//! An [`Env`] is composed of a prepared building, a weather file, a [`Task`] and a run period. One step is one
+//! zone time step of the engine: the action is set, the engine computes, the observation is the state at the
+//! end of the step, and energy is that step's meter reading, counted once.
+
+mod action;
+#[allow(clippy::module_inception, reason = "one file a concept, and the concept is the environment")]
+mod env;
+mod error;
+mod metrics;
+mod observation;
+mod reward;
+mod task;
+mod trajectory;
+mod warmup;
+
+pub use action::ActionSpace;
+pub use env::{Env, Episode, Step};
+pub use error::{Error, Result};
+pub use metrics::{Metrics, ZoneMetrics};
+pub use observation::{ObservationSpace, Slot};
+pub use reward::Reward;
+pub use task::{HeatingOnlyZones, Task};
+pub use trajectory::Trajectory;

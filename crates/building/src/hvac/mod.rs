@@ -1,8 +1,14 @@
 //! HVAC systems, as an agent sees them: what can be driven, between which bounds, and how to see its effect.
 
 pub mod air_loop;
+pub mod common;
+pub mod heating_only;
+pub mod unitary;
 
 use serde::{Deserialize, Serialize};
+
+use crate::model::Model;
+use crate::{Error, Result};
 
 /// What an actuator drives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -82,6 +88,66 @@ pub enum System {
     AirLoop(AirLoop),
     /// A heater under a thermostat.
     HeatingOnly(HeatingOnly),
+}
+
+impl System {
+    /// Its actuators, in the order of the action.
+    pub fn actuators(&self) -> Vec<&Actuator> {
+        match self {
+            System::Unitary(unit) => vec![&unit.flow, &unit.supply_temperature],
+            System::AirLoop(air_loop) => {
+                let terminals = air_loop.terminals.iter().flat_map(|t| [&t.damper, &t.reheat]);
+                [&air_loop.supply_temperature, &air_loop.outdoor_air].into_iter().chain(terminals).collect()
+            }
+            System::HeatingOnly(heater) => vec![&heater.setpoint],
+        }
+    }
+
+    /// The zones it serves.
+    pub fn zones(&self) -> Vec<&str> {
+        match self {
+            System::Unitary(unit) => vec![&unit.zone],
+            System::AirLoop(air_loop) => air_loop.terminals.iter().map(|t| t.zone.as_str()).collect(),
+            System::HeatingOnly(heater) => vec![&heater.zone],
+        }
+    }
+}
+
+/// Makes every HVAC system of a hard-sized model controllable: unitary systems and air loops in model order,
+/// then heaters in the order of their zones. `air_density`, kg/m³, turns design volume flows into mass flows.
+///
+/// # Errors
+/// [`Error::Unsupported`] naming the object that cannot be driven.
+pub fn make_controllable(model: &mut Model, air_density: f64) -> Result<Vec<System>> {
+    let mut systems = Vec::new();
+    for air_loop in model.names("AirLoopHVAC") {
+        let components = common::supply_components(model, &air_loop)?;
+        systems.push(if components.iter().any(|c| unitary::is_unit(&c.class)) {
+            System::Unitary(unitary::make_controllable(model, &air_loop, air_density)?)
+        } else {
+            System::AirLoop(air_loop::make_controllable(model, &air_loop, air_density)?)
+        });
+    }
+    for zone in model.names("Zone") {
+        let equipment = common::zone_equipment(model, &zone)?;
+        if let Some(heater) = equipment.iter().find(|e| heating_only::is_heater(&e.class)) {
+            refuse_second_system(&systems, &zone, heater)?;
+            systems.push(System::HeatingOnly(heating_only::make_controllable(model, &zone, heater)?));
+        }
+    }
+    Ok(systems)
+}
+
+/// Two systems in one zone would need one thermostat each.
+fn refuse_second_system(systems: &[System], zone: &str, heater: &common::Reference) -> Result<()> {
+    if systems.iter().any(|s| s.zones().iter().any(|z| z.eq_ignore_ascii_case(zone))) {
+        return Err(Error::Unsupported {
+            class: heater.class.clone(),
+            name: heater.name.clone(),
+            why: format!("zone `{zone}` has an air system too, and one thermostat cannot drive both"),
+        });
+    }
+    Ok(())
 }
 
 /// A unitary system.

@@ -1,0 +1,333 @@
+//! Edits that every kind of system needs before an agent can drive it.
+
+use serde_json::{Value, json};
+
+use crate::model::{Fields, text};
+use crate::{Error, Model, Result};
+
+/// Schedule that is always 1.
+pub const ALWAYS_ON: &str = "B2B Always On";
+/// Type limits of the schedules that an agent drives: any number, because bounds are the agent's.
+const ANY_NUMBER: &str = "B2B Any Number";
+/// Control type of a thermostat with a heating and a cooling setpoint, as a schedule.
+const DUAL_SETPOINT: &str = "B2B Dual Setpoint";
+/// Schedules that switch a component, in every class that has them.
+const SWITCHES: [&str; 2] = ["availability_schedule_name", "supply_air_fan_operating_mode_schedule_name"];
+
+/// A class and the name of one of its objects.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Reference {
+    /// EnergyPlus class.
+    pub class: String,
+    /// Object name.
+    pub name: String,
+}
+
+/// The schedules behind a zone's thermostat.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Setpoints {
+    /// Name of the `Schedule:Constant` of the heating setpoint.
+    pub heating: String,
+    /// Name of the `Schedule:Constant` of the cooling setpoint.
+    pub cooling: String,
+}
+
+/// Puts a `Schedule:Constant` in: the kind of schedule that an actuator sets.
+pub fn constant_schedule(model: &mut Model, name: &str, value: f64) {
+    model.insert("ScheduleTypeLimits", ANY_NUMBER, json!({}));
+    let fields = json!({"hourly_value": value, "schedule_type_limits_name": ANY_NUMBER});
+    model.insert("Schedule:Constant", name, fields);
+}
+
+/// Lets an air loop run at every hour: without its availability managers, and with every fan, unit and coil
+/// switched on by schedule. Otherwise the fan delivers nothing at night, whatever is commanded.
+///
+/// # Errors
+/// [`Error::MissingObject`] when the loop or one of its components is not in the model.
+pub fn always_on(model: &mut Model, air_loop: &str) -> Result<()> {
+    remove_availability_managers(model, air_loop)?;
+    for component in supply_components(model, air_loop)? {
+        switch_on(model, &component)?;
+    }
+    Ok(())
+}
+
+/// The components on the supply side of an air loop, in the order of its branches.
+///
+/// # Errors
+/// [`Error::MissingObject`] when the loop, its branch list or a branch is not in the model.
+pub fn supply_components(model: &Model, air_loop: &str) -> Result<Vec<Reference>> {
+    let fields = model.require("AirLoopHVAC", air_loop)?;
+    let list = text(fields, "branch_list_name").unwrap_or_default();
+    let branches = model.require("BranchList", list)?;
+    let mut components = Vec::new();
+    for branch in items(branches, "branches").filter_map(|item| text(item, "branch_name")) {
+        components.extend(
+            items(model.require("Branch", branch)?, "components")
+                .filter_map(|item| reference(item, "component_object_type", "component_name")),
+        );
+    }
+    Ok(components)
+}
+
+/// Switches a component on for good, and the fans and coils that it refers to.
+///
+/// # Errors
+/// [`Error::MissingObject`] when it, or one that it refers to, is not in the model.
+pub fn switch_on(model: &mut Model, component: &Reference) -> Result<()> {
+    constant_schedule(model, ALWAYS_ON, 1.0);
+    let fields = model.require_mut(&component.class, &component.name)?;
+    for switch in SWITCHES {
+        if fields.contains_key(switch) {
+            fields.insert(switch.into(), ALWAYS_ON.into());
+        }
+    }
+    for part in parts(fields) {
+        switch_on(model, &part)?;
+    }
+    Ok(())
+}
+
+/// The fans and coils that an object refers to, as `…_object_type` with `…_name`.
+pub fn parts(fields: &Fields) -> Vec<Reference> {
+    fields
+        .keys()
+        .filter_map(|key| key.strip_suffix("_object_type"))
+        .filter(|part| part.contains("fan") || part.contains("coil"))
+        .filter_map(|part| reference(fields, &format!("{part}_object_type"), &format!("{part}_name")))
+        .collect()
+}
+
+/// Gives a zone a thermostat of its own: a heating and a cooling setpoint that no other zone shares, in the
+/// schedules `<zone> Heating Setpoint` and `<zone> Cooling Setpoint`, at these values (°C).
+///
+/// # Errors
+/// [`Error::Unsupported`] when the zone's thermostat controls a list of zones; [`Error::MissingObject`] when
+/// the zone has none.
+pub fn own_thermostat(model: &mut Model, zone: &str, heating: f64, cooling: f64) -> Result<Setpoints> {
+    let thermostat = thermostat(model, zone)?;
+    let setpoints = Setpoints {
+        heating: format!("{zone} Heating Setpoint"),
+        cooling: format!("{zone} Cooling Setpoint"),
+    };
+    constant_schedule(model, &setpoints.heating, heating);
+    constant_schedule(model, &setpoints.cooling, cooling);
+    constant_schedule(model, DUAL_SETPOINT, 4.0);
+    let dual = format!("{zone} Dual Setpoint");
+    model.insert(
+        "ThermostatSetpoint:DualSetpoint",
+        &dual,
+        json!({
+            "heating_setpoint_temperature_schedule_name": setpoints.heating,
+            "cooling_setpoint_temperature_schedule_name": setpoints.cooling,
+        }),
+    );
+    let fields = model.require_mut("ZoneControl:Thermostat", &thermostat)?;
+    fields.retain(|field, _| matches!(field.as_str(), "idf_order" | "zone_or_zonelist_name"));
+    fields.insert("control_type_schedule_name".into(), DUAL_SETPOINT.into());
+    fields.insert("control_1_object_type".into(), "ThermostatSetpoint:DualSetpoint".into());
+    fields.insert("control_1_name".into(), dual.into());
+    Ok(setpoints)
+}
+
+/// Removes the EMS actuators that are unwanted, given their fields, with every program that sets one of them
+/// and the calls of these programs. They would take from the agent what it drives.
+pub fn remove_ems_programs(model: &mut Model, unwanted: impl Fn(&Fields) -> bool) {
+    let actuators: Vec<String> = model
+        .objects("EnergyManagementSystem:Actuator")
+        .into_iter()
+        .filter(|(_, fields)| unwanted(fields))
+        .map(|(name, _)| name.to_owned())
+        .collect();
+    let programs: Vec<String> = model
+        .objects("EnergyManagementSystem:Program")
+        .into_iter()
+        .filter(|(_, fields)| actuators.iter().any(|actuator| mentions(fields, actuator)))
+        .map(|(name, _)| name.to_owned())
+        .collect();
+    for program in &programs {
+        remove_calls(model, program);
+        model.remove("EnergyManagementSystem:Program", program);
+    }
+    for actuator in &actuators {
+        model.remove("EnergyManagementSystem:Actuator", actuator);
+    }
+}
+
+/// Whether an EMS actuator sets a schedule: thermostats and availability are schedules, lights are not.
+pub fn sets_a_schedule(actuator: &Fields) -> bool {
+    text(actuator, "actuated_component_type").is_some_and(|class| class.starts_with("Schedule:"))
+}
+
+/// The objects in an array field.
+pub fn items<'a>(fields: &'a Fields, array: &str) -> impl Iterator<Item = &'a Fields> {
+    fields.get(array).and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_object)
+}
+
+fn reference(fields: &Fields, class: &str, name: &str) -> Option<Reference> {
+    Some(Reference { class: text(fields, class)?.to_owned(), name: text(fields, name)?.to_owned() })
+}
+
+/// The equipment of a zone, in the order of its equipment list. Empty for a zone without any.
+///
+/// # Errors
+/// [`Error::MissingObject`] when the equipment list that the zone names is not in the model.
+pub fn zone_equipment(model: &Model, zone: &str) -> Result<Vec<Reference>> {
+    let connections = model
+        .objects("ZoneHVAC:EquipmentConnections")
+        .into_iter()
+        .find(|(_, fields)| text(fields, "zone_name").is_some_and(|z| z.eq_ignore_ascii_case(zone)));
+    let Some((_, connections)) = connections else { return Ok(Vec::new()) };
+    let list = text(connections, "zone_conditioning_equipment_list_name").unwrap_or_default();
+    Ok(items(model.require("ZoneHVAC:EquipmentList", list)?, "equipment")
+        .filter_map(|item| reference(item, "zone_equipment_object_type", "zone_equipment_name"))
+        .collect())
+}
+
+fn remove_availability_managers(model: &mut Model, air_loop: &str) -> Result<()> {
+    let fields = model.require_mut("AirLoopHVAC", air_loop)?;
+    let Some(Value::String(list)) = fields.remove("availability_manager_list_name") else {
+        return Ok(());
+    };
+    let Some(list) = model.remove("AvailabilityManagerAssignmentList", &list) else {
+        return Ok(());
+    };
+    let managers = items(&list, "managers")
+        .filter_map(|item| reference(item, "availability_manager_object_type", "availability_manager_name"));
+    for manager in managers {
+        model.remove(&manager.class, &manager.name);
+    }
+    Ok(())
+}
+
+fn thermostat(model: &Model, zone: &str) -> Result<String> {
+    let class = "ZoneControl:Thermostat";
+    for (name, fields) in model.objects(class) {
+        let zones = text(fields, "zone_or_zonelist_name").unwrap_or_default();
+        if zones.eq_ignore_ascii_case(zone) {
+            return Ok(name.to_owned());
+        }
+        if model.get("ZoneList", zones).is_some_and(|list| lists(list, zone)) {
+            let why = format!("it controls the list `{zones}`; give each zone a thermostat");
+            return Err(Error::Unsupported { class: class.into(), name: name.into(), why });
+        }
+    }
+    Err(Error::MissingObject { class: class.into(), name: format!("thermostat of {zone}") })
+}
+
+fn lists(zone_list: &Fields, zone: &str) -> bool {
+    items(zone_list, "zones")
+        .filter_map(|item| text(item, "zone_name"))
+        .any(|name| name.eq_ignore_ascii_case(zone))
+}
+
+/// Whether a line of an EMS program has this variable as a word.
+fn mentions(program: &Fields, variable: &str) -> bool {
+    items(program, "lines")
+        .filter_map(|item| text(item, "program_line"))
+        .flat_map(|line| line.split(|c: char| !c.is_alphanumeric() && c != '_'))
+        .any(|word| word.eq_ignore_ascii_case(variable))
+}
+
+fn remove_calls(model: &mut Model, program: &str) {
+    let class = "EnergyManagementSystem:ProgramCallingManager";
+    for manager in model.names(class) {
+        let Some(calls) = model.get_mut(class, &manager).and_then(|f| f.get_mut("programs")) else {
+            continue;
+        };
+        let Some(calls) = calls.as_array_mut() else { continue };
+        calls.retain(|call| {
+            !call["program_name"].as_str().is_some_and(|name| name.eq_ignore_ascii_case(program))
+        });
+        if calls.is_empty() {
+            model.remove(class, &manager);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    fn model(text: Value) -> Model {
+        Model::from_epjson(&text.to_string(), Path::new("test.epJSON")).unwrap()
+    }
+
+    fn night_cycling_loop() -> Model {
+        model(json!({
+            "AirLoopHVAC": {"L": {
+                "availability_manager_list_name": "L List", "branch_list_name": "L Branches"}},
+            "AvailabilityManagerAssignmentList": {"L List": {"managers": [{
+                "availability_manager_object_type": "AvailabilityManager:NightCycle",
+                "availability_manager_name": "L Night"}]}},
+            "AvailabilityManager:NightCycle": {"L Night": {}, "Other Night": {}},
+            "BranchList": {"L Branches": {"branches": [{"branch_name": "L Main"}]}},
+            "Branch": {"L Main": {"components": [
+                {"component_object_type": "AirLoopHVAC:UnitarySystem", "component_name": "U"}]}},
+            "AirLoopHVAC:UnitarySystem": {"U": {
+                "supply_air_fan_operating_mode_schedule_name": "Day",
+                "supply_fan_object_type": "Fan:OnOff", "supply_fan_name": "F"}},
+            "Fan:OnOff": {"F": {"availability_schedule_name": "Day"}},
+        }))
+    }
+
+    #[test]
+    fn a_loop_that_is_always_on_has_no_managers_and_no_switched_component() {
+        let mut model = night_cycling_loop();
+        always_on(&mut model, "l").unwrap();
+        assert_eq!(model.names("AvailabilityManager:NightCycle"), ["Other Night"]);
+        assert!(!model.require("AirLoopHVAC", "L").unwrap().contains_key("availability_manager_list_name"));
+        let unit = model.require("AirLoopHVAC:UnitarySystem", "U").unwrap();
+        assert_eq!(unit["supply_air_fan_operating_mode_schedule_name"], ALWAYS_ON);
+        let fan = model.require("Fan:OnOff", "F").unwrap();
+        assert_eq!(fan["availability_schedule_name"], ALWAYS_ON);
+        assert_eq!(model.require("Schedule:Constant", ALWAYS_ON).unwrap()["hourly_value"], 1.0);
+    }
+
+    #[test]
+    fn a_thermostat_that_two_zones_shared_is_split() {
+        let mut model = model(json!({"ZoneControl:Thermostat": {
+            "A": {"zone_or_zonelist_name": "ZA", "control_1_name": "Shared", "control_2_name": "X"},
+            "B": {"zone_or_zonelist_name": "ZB", "control_1_name": "Shared"},
+        }}));
+        let setpoints = own_thermostat(&mut model, "ZA", 21.0, 90.0).unwrap();
+        let thermostat = model.require("ZoneControl:Thermostat", "A").unwrap();
+        let dual = model.require("ThermostatSetpoint:DualSetpoint", "ZA Dual Setpoint").unwrap();
+        assert_eq!(thermostat["control_1_name"], "ZA Dual Setpoint");
+        assert!(!thermostat.contains_key("control_2_name"));
+        assert_eq!(dual["heating_setpoint_temperature_schedule_name"], setpoints.heating);
+        assert_eq!(model.require("Schedule:Constant", &setpoints.cooling).unwrap()["hourly_value"], 90.0);
+        assert_eq!(model.require("ZoneControl:Thermostat", "B").unwrap()["control_1_name"], "Shared");
+    }
+
+    #[test]
+    fn a_thermostat_over_a_list_of_zones_is_named_as_unsupported() {
+        let mut model = model(json!({
+            "ZoneControl:Thermostat": {"T": {"zone_or_zonelist_name": "All"}},
+            "ZoneList": {"All": {"zones": [{"zone_name": "ZA"}]}},
+        }));
+        let error = own_thermostat(&mut model, "ZA", 21.0, 90.0).unwrap_err();
+        assert!(error.to_string().contains("`T`"), "{error}");
+    }
+
+    #[test]
+    fn programs_that_set_schedules_go_and_the_others_stay() {
+        let mut model = model(json!({
+            "EnergyManagementSystem:Actuator": {
+                "Heat": {"actuated_component_type": "Schedule:Compact"},
+                "Lamp": {"actuated_component_type": "Lights"}},
+            "EnergyManagementSystem:Program": {
+                "Start": {"lines": [{"program_line": "IF Hour==5"}, {"program_line": "SET HEAT=15.6"}]},
+                "Dim": {"lines": [{"program_line": "SET Lamp = Heat_Of_Lamp"}]}},
+            "EnergyManagementSystem:ProgramCallingManager": {
+                "Start Manager": {"programs": [{"program_name": "start"}]},
+                "Both": {"programs": [{"program_name": "Start"}, {"program_name": "Dim"}]}},
+        }));
+        remove_ems_programs(&mut model, sets_a_schedule);
+        assert_eq!(model.names("EnergyManagementSystem:Program"), ["Dim"]);
+        assert_eq!(model.names("EnergyManagementSystem:Actuator"), ["Lamp"]);
+        assert_eq!(model.names("EnergyManagementSystem:ProgramCallingManager"), ["Both"]);
+    }
+}

@@ -1,0 +1,522 @@
+//! Unitary systems: one unit, one zone, driven by air flow and supply air temperature.
+//!
+//! Whatever packaged unit the model has is rewritten as one kind that obeys both commands exactly: a
+//! blow-through `AirLoopHVAC:UnitarySystem` under setpoint control with a variable-volume fan and a two-speed
+//! cooling coil, feeding a terminal whose minimum flow is the command. Capacities, efficiencies, pressures and
+//! curves are those of the original unit.
+
+use serde_json::{Value, json};
+
+use super::common;
+use super::{Actuator, EngineVariable, Quantity, Unitary};
+use crate::model::{Fields, Model, number, text};
+use crate::{Error, Result};
+
+/// Supply air temperatures an agent may ask for, °C. The lower end is what a cooling coil delivers without
+/// freezing; the upper end is below what gas coils and heat pumps reach at full flow on a design day.
+const SUPPLY_TEMPERATURE: (f64, f64) = (10.0, 45.0);
+/// The engine's limit on supply air temperature, °C: above what an agent may ask for, so that it never binds.
+const MAXIMUM_SUPPLY_TEMPERATURE: f64 = 80.0;
+/// Low speed of a single-speed cooling coil made two-speed: share of capacity and of air flow, typical of the
+/// two-stage rooftop units of ASHRAE 90.1-2019 (table 6.5.3.2.1 asks for at most 66 % flow at low stage).
+const LOW_SPEED: (f64, f64) = (0.5, 0.66);
+/// Outdoor temperature under which the compressor stops cooling, °C. Out of reach: an overheated zone is the
+/// agent's to cool in any weather, and a lock-out would take the actuator away without a word.
+const COOLING_LOCKOUT: f64 = -60.0;
+/// Part-load power of a variable-speed fan, by powers of the flow fraction (ASHRAE 90.1 appendix G, table
+/// G3.1.3.15, method 2, without its minimum).
+const FAN_POWER: [f64; 5] = [0.0013, 0.1470, 0.9506, -0.0998, 0.0];
+
+/// Makes the unitary system of an air loop controllable. The model must be hard-sized.
+///
+/// # Errors
+/// [`Error::Unsupported`] naming the object that cannot be rewritten; [`Error::MissingObject`] for a dangling
+/// reference.
+pub fn make_controllable(model: &mut Model, air_loop: &str, air_density: f64) -> Result<Unitary> {
+    let unit = Unit::find(model, air_loop)?;
+    let schedules = Schedules::insert(model, &unit.zone);
+    common::always_on(model, air_loop)?;
+    common::own_thermostat(model, &unit.zone, 0.0, 90.0)?;
+    let nodes = unit.rewrite(model)?;
+    follow_supply_temperature(model, &unit, &nodes, &schedules.temperature);
+    admit_any_outdoor_air_share(model, &unit)?;
+    let terminal = follow_flow(model, &unit, &schedules.flow)?;
+    let flow = terminal.design_flow * air_density;
+    Ok(Unitary {
+        flow: Actuator {
+            name: format!("{} supply air flow", unit.zone),
+            quantity: Quantity::SupplyAirFlow,
+            low: 0.0,
+            high: flow,
+            component: "Schedule:Constant".into(),
+            control: "Schedule Value".into(),
+            key: schedules.flow,
+            scale: 1.0 / flow,
+            effect: EngineVariable::new("System Node Mass Flow Rate", &terminal.outlet),
+            effect_scale: 1.0,
+        },
+        supply_temperature: Actuator {
+            name: format!("{} supply air temperature", unit.zone),
+            quantity: Quantity::SupplyAirTemperature,
+            low: SUPPLY_TEMPERATURE.0,
+            high: SUPPLY_TEMPERATURE.1,
+            component: "Schedule:Constant".into(),
+            control: "Schedule Value".into(),
+            key: schedules.temperature,
+            scale: 1.0,
+            effect: EngineVariable::new("System Node Temperature", &unit.outlet),
+            effect_scale: 1.0,
+        },
+        zone: unit.zone,
+    })
+}
+
+/// The classes this module rewrites.
+const UNIT_CLASSES: [&str; 2] = ["AirLoopHVAC:UnitarySystem", "AirLoopHVAC:UnitaryHeatPump:AirToAir"];
+
+/// Whether an object class is a unit that this module rewrites.
+pub(super) fn is_unit(class: &str) -> bool {
+    UNIT_CLASSES.iter().any(|c| c.eq_ignore_ascii_case(class))
+}
+
+/// The branch and the component entry of the first unit on an air loop's supply side.
+fn unit_component<'a>(model: &'a Model, air_loop: &str) -> Result<Option<(String, &'a Fields)>> {
+    let fields = model.require("AirLoopHVAC", air_loop)?;
+    let list = required(fields, "AirLoopHVAC", air_loop, "branch_list_name")?;
+    for branch in common::items(model.require("BranchList", &list)?, "branches") {
+        let branch = text(branch, "branch_name").unwrap_or_default();
+        let unit = common::items(model.require("Branch", branch)?, "components")
+            .find(|c| text(c, "component_object_type").is_some_and(is_unit));
+        if let Some(unit) = unit {
+            return Ok(Some((branch.to_owned(), unit)));
+        }
+    }
+    Ok(None)
+}
+
+/// The packaged unit of an air loop, as the model has it.
+struct Unit {
+    air_loop: String,
+    branch: String,
+    class: String,
+    name: String,
+    zone: String,
+    inlet: String,
+    outlet: String,
+    demand_inlet: String,
+}
+
+/// The control schedules of a zone's unit.
+struct Schedules {
+    flow: String,
+    temperature: String,
+}
+
+/// A terminal after its edit.
+struct Terminal {
+    /// Volume flow, m³/s.
+    design_flow: f64,
+    outlet: String,
+}
+
+impl Schedules {
+    fn insert(model: &mut Model, zone: &str) -> Self {
+        let schedules = Self {
+            flow: format!("{zone} Supply Air Flow Fraction"),
+            temperature: format!("{zone} Supply Air Temperature"),
+        };
+        common::constant_schedule(model, &schedules.flow, 0.0);
+        common::constant_schedule(model, &schedules.temperature, 20.0);
+        schedules
+    }
+}
+
+impl Unit {
+    fn find(model: &Model, air_loop: &str) -> Result<Self> {
+        let fields = model.require("AirLoopHVAC", air_loop)?;
+        let demand_inlet = required(fields, "AirLoopHVAC", air_loop, "demand_side_inlet_node_names")?;
+        let (branch, component) = unit_component(model, air_loop)?
+            .ok_or_else(|| unsupported("AirLoopHVAC", air_loop, "its branches have no unitary system"))?;
+        let part = |field: &str| text(component, field).unwrap_or_default().to_owned();
+        let (class, name) = (part("component_object_type"), part("component_name"));
+        let zone = required(
+            model.require(&class, &name)?,
+            &class,
+            &name,
+            "controlling_zone_or_thermostat_location",
+        )?;
+        Ok(Self {
+            air_loop: air_loop.to_owned(),
+            branch,
+            inlet: part("component_inlet_node_name"),
+            outlet: part("component_outlet_node_name"),
+            class,
+            name,
+            zone,
+            demand_inlet,
+        })
+    }
+
+    /// Replaces the unit by its controllable form and returns the nodes inside it.
+    fn rewrite(&self, model: &mut Model) -> Result<Nodes> {
+        let old = model
+            .remove(&self.class, &self.name)
+            .ok_or_else(|| Error::MissingObject { class: self.class.clone(), name: self.name.clone() })?;
+        remove_multispeed_design(model, &old);
+        let supplemental = coil(&old, "supplemental_heating_coil");
+        let nodes = Nodes {
+            fan: format!("{} Fan Outlet", self.air_loop),
+            cooling: format!("{} Cooling Coil Outlet", self.air_loop),
+            heating: match &supplemental {
+                Some(_) => format!("{} Heating Coil Outlet", self.air_loop),
+                None => self.outlet.clone(),
+            },
+        };
+        let (fan, flow) = self.rewrite_fan(model, &old, &nodes)?;
+        let cooling = self.rewrite_cooling_coil(model, &old, &nodes)?;
+        let heating = coil(&old, "heating_coil")
+            .ok_or_else(|| unsupported(&self.class, &self.name, "it has no heating coil"))?;
+        place_heating_coil(model, &heating, &nodes.cooling, &nodes.heating)?;
+        if let Some(supplemental) = &supplemental {
+            place_heating_coil(model, supplemental, &nodes.heating, &self.outlet)?;
+        }
+        let mut unit = json!({
+            "control_type": "SetPoint",
+            "controlling_zone_or_thermostat_location": self.zone,
+            "dehumidification_control_type": "None",
+            "availability_schedule_name": common::ALWAYS_ON,
+            "air_inlet_node_name": self.inlet,
+            "air_outlet_node_name": self.outlet,
+            "supply_fan_object_type": "Fan:VariableVolume",
+            "supply_fan_name": fan,
+            "fan_placement": "BlowThrough",
+            "supply_air_fan_operating_mode_schedule_name": common::ALWAYS_ON,
+            "cooling_coil_object_type": "Coil:Cooling:DX:TwoSpeed",
+            "cooling_coil_name": cooling,
+            "heating_coil_object_type": heating.0,
+            "heating_coil_name": heating.1,
+            "dx_heating_coil_sizing_ratio": 1.0,
+            "minimum_supply_air_temperature": 2.0,
+            "latent_load_control": "SensibleOnlyLoadControl",
+            "maximum_supply_air_temperature": MAXIMUM_SUPPLY_TEMPERATURE,
+        });
+        for regime in ["cooling", "heating", "no_load"] {
+            unit[format!("{regime}_supply_air_flow_rate_method")] = json!("SupplyAirFlowRate");
+            unit[format!("{regime}_supply_air_flow_rate")] = json!(flow);
+        }
+        if let Some((class, name)) = supplemental {
+            unit["supplemental_heating_coil_object_type"] = json!(class);
+            unit["supplemental_heating_coil_name"] = json!(name);
+            let limit = "maximum_outdoor_dry_bulb_temperature_for_supplemental_heater_operation";
+            unit[limit] = old.get(limit).cloned().unwrap_or(json!(21.0));
+        }
+        model.insert("AirLoopHVAC:UnitarySystem", &self.name, unit);
+        self.retype_branch(model)?;
+        Ok(nodes)
+    }
+
+    fn retype_branch(&self, model: &mut Model) -> Result<()> {
+        let branch = model.require_mut("Branch", &self.branch)?;
+        for component in branch.get_mut("components").and_then(Value::as_array_mut).into_iter().flatten() {
+            if component["component_name"].as_str() == Some(&self.name) {
+                component["component_object_type"] = json!("AirLoopHVAC:UnitarySystem");
+            }
+        }
+        Ok(())
+    }
+
+    /// A variable-volume fan with the old fan's pressure and efficiencies, and no minimum flow.
+    /// Returns its name and its design flow, m³/s.
+    fn rewrite_fan(&self, model: &mut Model, unit: &Fields, nodes: &Nodes) -> Result<(String, f64)> {
+        let class = text(unit, "supply_fan_object_type").or(text(unit, "supply_air_fan_object_type"));
+        let name = text(unit, "supply_fan_name").or(text(unit, "supply_air_fan_name"));
+        let (Some(class), Some(name)) = (class, name) else {
+            return Err(unsupported(&self.class, &self.name, "it has no supply fan"));
+        };
+        let fan = model
+            .remove(class, name)
+            .ok_or_else(|| Error::MissingObject { class: class.to_owned(), name: name.to_owned() })?;
+        let read = |fields: &[&str]| {
+            fields.iter().find_map(|f| number(&fan, f)).ok_or_else(|| {
+                unsupported(class, name, &format!("`{}` is not a number (is the model sized?)", fields[0]))
+            })
+        };
+        let flow = read(&["design_maximum_air_flow_rate", "maximum_flow_rate"])?;
+        let [c1, c2, c3, c4, c5] = FAN_POWER;
+        model.insert(
+            "Fan:VariableVolume",
+            name,
+            json!({
+                "availability_schedule_name": common::ALWAYS_ON,
+                "fan_total_efficiency": read(&["fan_total_efficiency"])?,
+                "pressure_rise": read(&["design_pressure_rise", "pressure_rise"])?,
+                "maximum_flow_rate": flow,
+                "fan_power_minimum_flow_rate_input_method": "Fraction",
+                "fan_power_minimum_flow_fraction": 0.0,
+                "motor_efficiency": read(&["motor_efficiency"])?,
+                "motor_in_airstream_fraction":
+                    read(&["motor_in_air_stream_fraction", "motor_in_airstream_fraction"])?,
+                "fan_power_coefficient_1": c1,
+                "fan_power_coefficient_2": c2,
+                "fan_power_coefficient_3": c3,
+                "fan_power_coefficient_4": c4,
+                "fan_power_coefficient_5": c5,
+                "air_inlet_node_name": self.inlet,
+                "air_outlet_node_name": nodes.fan,
+            }),
+        );
+        Ok((name.to_owned(), flow))
+    }
+
+    /// A two-speed coil with the old coil's performance. Single-speed coils jump to −39 °C at low flow,
+    /// multi-speed ones drive the fan themselves, variable-speed ones misjudge power under 20 % flow.
+    fn rewrite_cooling_coil(&self, model: &mut Model, unit: &Fields, nodes: &Nodes) -> Result<String> {
+        let (class, name) = coil(unit, "cooling_coil")
+            .ok_or_else(|| unsupported(&self.class, &self.name, "it has no cooling coil"))?;
+        let old = model
+            .remove(&class, &name)
+            .ok_or_else(|| Error::MissingObject { class: class.clone(), name: name.clone() })?;
+        let mut new = match class.as_str() {
+            "Coil:Cooling:DX:SingleSpeed" => two_speed_from_single(&old),
+            "Coil:Cooling:DX:MultiSpeed" => two_speed_from_multi(&old),
+            "Coil:Cooling:DX:TwoSpeed" => Some(Value::Object(old)),
+            _ => None,
+        }
+        .ok_or_else(|| unsupported(&class, &name, "no two-speed equivalent is known for it"))?;
+        new["availability_schedule_name"] = json!(common::ALWAYS_ON);
+        new["air_inlet_node_name"] = json!(nodes.fan);
+        new["air_outlet_node_name"] = json!(nodes.cooling);
+        new["condenser_type"] = json!("AirCooled");
+        new["minimum_outdoor_dry_bulb_temperature_for_compressor_operation"] = json!(COOLING_LOCKOUT);
+        model.insert("Coil:Cooling:DX:TwoSpeed", &name, new);
+        Ok(name)
+    }
+}
+
+/// The nodes inside a unit.
+struct Nodes {
+    fan: String,
+    cooling: String,
+    heating: String,
+}
+
+/// Class and name of a coil that a unit refers to.
+fn coil(unit: &Fields, which: &str) -> Option<(String, String)> {
+    let class = text(unit, &format!("{which}_object_type"))?;
+    let name = text(unit, &format!("{which}_name"))?;
+    Some((class.to_owned(), name.to_owned()))
+}
+
+fn remove_multispeed_design(model: &mut Model, unit: &Fields) {
+    if let Some((class, name)) = coil(unit, "design_specification_multispeed") {
+        model.remove(&class, &name);
+    }
+}
+
+/// Heating coils that can follow a setpoint keep their class; only their place in the air changes.
+fn place_heating_coil(model: &mut Model, coil: &(String, String), inlet: &str, outlet: &str) -> Result<()> {
+    let (class, name) = coil;
+    if !["Coil:Heating:DX:SingleSpeed", "Coil:Heating:Fuel", "Coil:Heating:Electric"]
+        .iter()
+        .any(|c| c.eq_ignore_ascii_case(class))
+    {
+        return Err(unsupported(class, name, "no setpoint control is known for this heating coil"));
+    }
+    let fields = model.require_mut(class, name)?;
+    fields.insert("availability_schedule_name".into(), json!(common::ALWAYS_ON));
+    fields.insert("air_inlet_node_name".into(), json!(inlet));
+    fields.insert("air_outlet_node_name".into(), json!(outlet));
+    if class.eq_ignore_ascii_case("Coil:Heating:DX:SingleSpeed") {
+        return Ok(());
+    }
+    // The unitary system controls the coil; a setpoint node of its own would be a second master.
+    fields.remove("temperature_setpoint_node_name");
+    Ok(())
+}
+
+/// Performance curves that single-speed coils and the speeds of multi-speed coils name alike.
+const CURVES: [&str; 4] = [
+    "total_cooling_capacity_function_of_temperature_curve_name",
+    "total_cooling_capacity_function_of_flow_fraction_curve_name",
+    "energy_input_ratio_function_of_temperature_curve_name",
+    "energy_input_ratio_function_of_flow_fraction_curve_name",
+];
+const PART_LOAD_CURVE: &str = "part_load_fraction_correlation_curve_name";
+
+fn two_speed_from_single(old: &Fields) -> Option<Value> {
+    let capacity = number(old, "gross_rated_total_cooling_capacity")?;
+    let flow = number(old, "rated_air_flow_rate")?;
+    let cop = number(old, "gross_rated_cooling_cop")?;
+    let sensible = number(old, "gross_rated_sensible_heat_ratio")?;
+    let high = Speed { capacity, flow, cop, sensible };
+    let low = Speed { capacity: capacity * LOW_SPEED.0, flow: flow * LOW_SPEED.1, cop, sensible };
+    two_speed(low, high, |curve| old.get(curve).cloned())
+}
+
+fn two_speed_from_multi(old: &Fields) -> Option<Value> {
+    let speed = |n: u8| {
+        Some(Speed {
+            capacity: number(old, &format!("speed_{n}_gross_rated_total_cooling_capacity"))?,
+            flow: number(old, &format!("speed_{n}_rated_air_flow_rate"))?,
+            cop: number(old, &format!("speed_{n}_gross_rated_cooling_cop"))?,
+            sensible: number(old, &format!("speed_{n}_gross_rated_sensible_heat_ratio"))?,
+        })
+    };
+    two_speed(speed(1)?, speed(2)?, |curve| old.get(&format!("speed_2_{curve}")).cloned())
+}
+
+/// One speed of a cooling coil: W, m³/s, and two ratios.
+struct Speed {
+    capacity: f64,
+    flow: f64,
+    cop: f64,
+    sensible: f64,
+}
+
+fn two_speed(low: Speed, high: Speed, curve: impl Fn(&str) -> Option<Value>) -> Option<Value> {
+    let mut coil = json!({
+        "high_speed_gross_rated_total_cooling_capacity": high.capacity,
+        "high_speed_rated_sensible_heat_ratio": high.sensible,
+        "high_speed_gross_rated_cooling_cop": high.cop,
+        "high_speed_rated_air_flow_rate": high.flow,
+        "low_speed_gross_rated_total_cooling_capacity": low.capacity,
+        "low_speed_gross_rated_sensible_heat_ratio": low.sensible,
+        "low_speed_gross_rated_cooling_cop": low.cop,
+        "low_speed_rated_air_flow_rate": low.flow,
+        PART_LOAD_CURVE: curve(PART_LOAD_CURVE)?,
+    });
+    for name in CURVES {
+        coil[name] = curve(name)?;
+    }
+    for name in [CURVES[0], CURVES[2]] {
+        coil[format!("low_speed_{name}")] = curve(name)?;
+    }
+    Some(coil)
+}
+
+/// One scheduled setpoint on every node from the cooling coil to the demand side; the mixer keeps its own
+/// manager, which lowers the unit's setpoint by the heat of the fan.
+fn follow_supply_temperature(model: &mut Model, unit: &Unit, nodes: &Nodes, schedule: &str) {
+    let driven = [&nodes.cooling, &nodes.heating, &unit.outlet, &unit.demand_inlet];
+    let mut inside: Vec<&str> = driven.iter().map(|n| n.as_str()).collect();
+    inside.push(&unit.inlet);
+    remove_setpoint_managers(model, &inside);
+    let list = format!("{} Setpoint Nodes", unit.air_loop);
+    let mut unique: Vec<&String> = driven.to_vec();
+    unique.dedup();
+    model.insert(
+        "NodeList",
+        &list,
+        json!({"nodes": unique.iter().map(|n| json!({"node_name": n})).collect::<Vec<_>>()}),
+    );
+    model.insert(
+        "SetpointManager:Scheduled",
+        &format!("{} Supply Setpoint", unit.air_loop),
+        json!({
+            "control_variable": "Temperature",
+            "schedule_name": schedule,
+            "setpoint_node_or_nodelist_name": list,
+        }),
+    );
+    model.insert(
+        "SetpointManager:MixedAir",
+        &format!("{} Mixed Air Setpoint", unit.air_loop),
+        json!({
+            "control_variable": "Temperature",
+            "reference_setpoint_node_name": unit.outlet,
+            "fan_inlet_node_name": unit.inlet,
+            "fan_outlet_node_name": nodes.fan,
+            "setpoint_node_or_nodelist_name": unit.inlet,
+        }),
+    );
+}
+
+/// The terminal becomes one whose minimum flow is the command: with the zone's cooling setpoint out of reach
+/// it never asks for more.
+fn follow_flow(model: &mut Model, unit: &Unit, schedule: &str) -> Result<Terminal> {
+    const OLD: &str = "AirTerminal:SingleDuct:ConstantVolume:NoReheat";
+    const NEW: &str = "AirTerminal:SingleDuct:VAV:NoReheat";
+    let distribution = air_distribution_unit(model, &unit.zone)?;
+    let fields = model.require_mut("ZoneHVAC:AirDistributionUnit", &distribution)?;
+    let class = text(fields, "air_terminal_object_type").unwrap_or_default().to_owned();
+    let name = text(fields, "air_terminal_name").unwrap_or_default().to_owned();
+    if !class.eq_ignore_ascii_case(OLD) {
+        return Err(unsupported(&class, &name, "only constant-volume terminals without reheat are known"));
+    }
+    fields.insert("air_terminal_object_type".into(), json!(NEW));
+    let old = model.remove(OLD, &name).ok_or_else(|| Error::MissingObject { class, name: name.clone() })?;
+    let design_flow = number(&old, "maximum_air_flow_rate")
+        .ok_or_else(|| unsupported(OLD, &name, "`maximum_air_flow_rate` is not a number"))?;
+    let outlet = required(&old, OLD, &name, "air_outlet_node_name")?;
+    model.insert(
+        NEW,
+        &name,
+        json!({
+            "availability_schedule_name": common::ALWAYS_ON,
+            "air_inlet_node_name": required(&old, OLD, &name, "air_inlet_node_name")?,
+            "air_outlet_node_name": outlet,
+            "maximum_air_flow_rate": design_flow,
+            "zone_minimum_air_flow_input_method": "Scheduled",
+            "minimum_air_flow_fraction_schedule_name": schedule,
+        }),
+    );
+    Ok(Terminal { design_flow, outlet })
+}
+
+/// Takes off the limit on the share of outdoor air: with an exhaust fan it makes the supply flow collapse.
+fn admit_any_outdoor_air_share(model: &mut Model, unit: &Unit) -> Result<()> {
+    const CLASS: &str = "Controller:OutdoorAir";
+    for name in model.names(CLASS) {
+        let controller = model.require_mut(CLASS, &name)?;
+        if text(controller, "mixed_air_node_name").is_some_and(|n| n.eq_ignore_ascii_case(&unit.inlet)) {
+            controller.remove("maximum_fraction_of_outdoor_air_schedule_name");
+        }
+    }
+    Ok(())
+}
+
+/// Removes every setpoint manager that sets one of these nodes and those that would follow them.
+fn remove_setpoint_managers(model: &mut Model, nodes: &[&str]) {
+    let classes: Vec<String> =
+        model.classes().filter(|c| c.starts_with("SetpointManager:")).map(str::to_owned).collect();
+    for class in classes {
+        for name in model.names(&class) {
+            let target = model.get(&class, &name).and_then(|f| text(f, "setpoint_node_or_nodelist_name"));
+            if target.is_some_and(|t| nodes.iter().any(|n| sets(model, t, n))) {
+                model.remove(&class, &name);
+            }
+        }
+    }
+}
+
+/// Whether a setpoint target, a node or a list of nodes, means this node.
+fn sets(model: &Model, target: &str, node: &str) -> bool {
+    target.eq_ignore_ascii_case(node)
+        || model.get("NodeList", target).is_some_and(|list| {
+            common::items(list, "nodes")
+                .filter_map(|n| text(n, "node_name"))
+                .any(|n| n.eq_ignore_ascii_case(node))
+        })
+}
+
+/// The air distribution unit in a zone's equipment list.
+fn air_distribution_unit(model: &Model, zone: &str) -> Result<String> {
+    common::zone_equipment(model, zone)?
+        .into_iter()
+        .find(|e| e.class.eq_ignore_ascii_case("ZoneHVAC:AirDistributionUnit"))
+        .map(|e| e.name)
+        .ok_or_else(|| Error::MissingObject {
+            class: "ZoneHVAC:AirDistributionUnit".into(),
+            name: format!("terminal of {zone}"),
+        })
+}
+
+fn required(fields: &Fields, class: &str, name: &str, field: &str) -> Result<String> {
+    text(fields, field)
+        .map(str::to_owned)
+        .ok_or_else(|| unsupported(class, name, &format!("`{field}` is not given")))
+}
+
+fn unsupported(class: &str, name: &str, why: &str) -> Error {
+    Error::Unsupported { class: class.to_owned(), name: name.to_owned(), why: why.to_owned() }
+}

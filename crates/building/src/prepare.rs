@@ -1,0 +1,225 @@
+//! From a model as its author left it to one that an agent can drive.
+
+use std::path::Path;
+
+use b2b_energyplus::Library;
+use serde_json::json;
+
+use crate::hvac::{self, Actuator, System};
+use crate::model::Model;
+use crate::run_period::RunPeriod;
+use crate::sizing::Sizes;
+use crate::zone;
+use crate::{Result, climate::Site};
+
+/// A building ready for control: hard-sized, every actuator bites, nothing is written.
+#[derive(Clone, Debug)]
+pub struct PreparedBuilding {
+    /// Name for people and for results, for example `OfficeSmall`.
+    pub name: String,
+    /// The model: [`PreparedBuilding::model_for`] gives it a run period.
+    model: Model,
+    /// Every zone, in model order.
+    pub zones: Vec<Zone>,
+    /// The systems whose actuators make the action, in the order of the action.
+    pub systems: Vec<System>,
+    /// Floor area of the conditioned zones, m²: what energy is divided by.
+    pub conditioned_floor_area: f64,
+}
+
+/// A zone as an agent meets it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Zone {
+    /// Name.
+    pub name: String,
+    /// Floor area with multiplier, m².
+    pub floor_area: f64,
+    /// What its equipment can do.
+    pub conditioning: Conditioning,
+}
+
+/// What the equipment of a zone can do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Conditioning {
+    /// Nothing: an attic, a plenum.
+    None,
+    /// Heat only.
+    Heating,
+    /// Heat and cool.
+    HeatingAndCooling,
+}
+
+impl PreparedBuilding {
+    /// Sizes a model as it is for a site and a weather file, then makes it controllable.
+    ///
+    /// # Errors
+    /// [`crate::Error::Unsupported`] naming the object that cannot be driven; [`crate::Error::Engine`] when the
+    /// engine refuses the model.
+    pub fn new(name: &str, mut model: Model, weather: &Path, library: &Library) -> Result<Self> {
+        let site = Site::read(weather)?;
+        Sizes::of(&model, weather, library)?.write_into(&mut model)?;
+        hvac::common::remove_ems_programs(&mut model, hvac::common::sets_a_schedule);
+        let systems = hvac::make_controllable(&mut model, standard_air_density(site.elevation))?;
+        silence(&mut model);
+        keep_standard_time(&mut model);
+        balance_exhaust(&mut model);
+        bound_warmup(&mut model);
+        let zones = zones(&model, &systems)?;
+        Ok(Self {
+            name: name.to_owned(),
+            model,
+            conditioned_floor_area: zones
+                .iter()
+                .filter(|z| z.conditioning != Conditioning::None)
+                .map(|z| z.floor_area)
+                .sum(),
+            zones,
+            systems,
+        })
+    }
+
+    /// The model for one run period, with this many zone time steps an hour.
+    pub fn model_for(&self, period: RunPeriod, steps_per_hour: u32) -> Model {
+        let mut model = self.model.clone();
+        model.remove_class("Timestep");
+        model.insert("Timestep", "Timestep 1", json!({"number_of_timesteps_per_hour": steps_per_hour}));
+        model.remove_class("RunPeriod");
+        model.insert("RunPeriod", "Episode", period.to_epjson());
+        model
+    }
+
+    /// The actuators, in the order of the action.
+    pub fn actuators(&self) -> impl Iterator<Item = &Actuator> {
+        self.systems.iter().flat_map(System::actuators)
+    }
+
+    /// The zones that an agent can act on, in model order.
+    pub fn controlled_zones(&self) -> impl Iterator<Item = &Zone> {
+        self.zones.iter().filter(|z| z.conditioning != Conditioning::None)
+    }
+}
+
+/// Density the engine takes for design flows, kg/m³: dry air at 20 °C at the standard pressure of the site's
+/// elevation (m), which it reads from the weather file.
+pub fn standard_air_density(elevation: f64) -> f64 {
+    // Standard atmosphere and ideal gas law with the engine's constants (Engineering Reference,
+    // "Psychrometric Services").
+    let pressure = 101_325.0 * (1.0 - 2.25577e-05 * elevation).powf(5.2559);
+    pressure / (287.0 * (20.0 + 273.15))
+}
+
+fn zones(model: &Model, systems: &[System]) -> Result<Vec<Zone>> {
+    let conditioning = |zone: &str| {
+        let serving = |s: &&System| s.zones().iter().any(|z| z.eq_ignore_ascii_case(zone));
+        match systems.iter().find(serving) {
+            None => Conditioning::None,
+            Some(System::HeatingOnly(_)) => Conditioning::Heating,
+            Some(_) => Conditioning::HeatingAndCooling,
+        }
+    };
+    let zones = zone::zones(model)?.into_iter().map(|zone| Zone {
+        conditioning: conditioning(&zone.name),
+        floor_area: zone.floor_area * zone.multiplier,
+        name: zone.name,
+    });
+    Ok(zones.collect())
+}
+
+/// Removes every output: an environment reads what it needs from memory, and files cost a third of a run.
+/// `Meter:Custom` objects stay: a transformer may refer to one, and a dangling reference crashes the engine.
+fn silence(model: &mut Model) {
+    let outputs: Vec<String> = model
+        .classes()
+        .filter(|c| c.starts_with("Output:") || c.starts_with("OutputControl:"))
+        .map(str::to_owned)
+        .collect();
+    for class in outputs {
+        model.remove_class(&class);
+    }
+    model.insert("OutputControl:Files", "No files", no_files());
+}
+
+/// Fields of an `OutputControl:Files` that writes nothing.
+fn no_files() -> serde_json::Value {
+    const FILES: [&str; 31] = [
+        "output_audit",
+        "output_bnd",
+        "output_csv",
+        "output_dbg",
+        "output_delightdfdmp",
+        "output_delighteldmp",
+        "output_delightin",
+        "output_dfs",
+        "output_dxf",
+        "output_edd",
+        "output_eio",
+        "output_end",
+        "output_epmdet",
+        "output_epmidf",
+        "output_eso",
+        "output_extshd",
+        "output_glhe",
+        "output_json",
+        "output_mdd",
+        "output_mtd",
+        "output_mtr",
+        "output_perflog",
+        "output_rdd",
+        "output_screen",
+        "output_sci",
+        "output_shd",
+        "output_sln",
+        "output_sqlite",
+        "output_tabular",
+        "output_tarcog",
+        "output_wrl",
+    ];
+    FILES.iter().map(|f| ((*f).to_owned(), json!("No"))).collect::<serde_json::Map<_, _>>().into()
+}
+
+/// Removes daylight saving: the clock that an agent sees and the occupants' schedules then agree all year,
+/// and neither jumps.
+fn keep_standard_time(model: &mut Model) {
+    model.remove_class("RunPeriodControl:DaylightSavingTime");
+}
+
+/// Lets outdoor air leak in where an exhaust fan takes more than the supply brings; otherwise the engine
+/// lets the missing air appear from nowhere, at room temperature.
+fn balance_exhaust(model: &mut Model) {
+    if model.objects("Fan:ZoneExhaust").is_empty() {
+        return;
+    }
+    model.insert(
+        "ZoneAirMassFlowConservation",
+        "Mass balance",
+        json!({
+            "adjust_zone_mixing_and_return_for_air_mass_flow_balance": "None",
+            "infiltration_balancing_method": "AddInfiltrationFlow",
+            "infiltration_balancing_zones": "AllZones",
+        }),
+    );
+}
+
+/// A fixed number of warm-up days: part of the environment's definition, the same for every agent.
+const WARMUP_DAYS: u32 = 6;
+
+fn bound_warmup(model: &mut Model) {
+    for name in model.names("Building") {
+        if let Some(building) = model.get_mut("Building", &name) {
+            building.insert("minimum_number_of_warmup_days".into(), json!(WARMUP_DAYS));
+            building.insert("maximum_number_of_warmup_days".into(), json!(25));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn air_is_thinner_in_denver_than_at_the_sea() {
+        // The engine's own figures for the weather files of Denver (1726 m) and Miami (11 m).
+        assert!((standard_air_density(1726.0) - 0.977).abs() < 5e-4);
+        assert!((standard_air_density(11.0) - 1.203).abs() < 5e-4);
+    }
+}

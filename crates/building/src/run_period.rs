@@ -1,0 +1,221 @@
+//! The days an episode covers.
+
+use std::fmt;
+use std::str::FromStr;
+
+use serde_json::{Value, json};
+
+use crate::{Error, Result};
+
+/// The calendar year of every episode: not a leap year, as weather files, and it starts on a Sunday.
+const YEAR: u32 = 2017;
+const MONTH_DAYS: [u32; 12] = [31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31];
+const WEEKDAYS: [&str; 7] = ["Monday", "Tuesday", "Wednesday", "Thursday", "Friday", "Saturday", "Sunday"];
+
+/// A day of the year.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Date {
+    month: u32,
+    day: u32,
+}
+
+/// The first and the last day of an episode, both included, within one year.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct RunPeriod {
+    first: Date,
+    last: Date,
+}
+
+impl Date {
+    /// A date of the year, month and day from 1.
+    ///
+    /// # Errors
+    /// [`Error::Date`] when there is no such day.
+    pub fn new(month: u32, day: u32) -> Result<Self> {
+        let days = (1..=12).contains(&month).then(|| MONTH_DAYS[month as usize - 1]);
+        match days {
+            Some(days) if (1..=days).contains(&day) => Ok(Self { month, day }),
+            _ => Err(Error::Date { text: format!("{month:02}-{day:02}") }),
+        }
+    }
+
+    /// The date of a day of the year, 1 to 365.
+    pub fn of_day(mut day_of_year: u32) -> Self {
+        for (month, days) in (1..).zip(MONTH_DAYS) {
+            if day_of_year <= days {
+                return Self { month, day: day_of_year.max(1) };
+            }
+            day_of_year -= days;
+        }
+        Self { month: 12, day: 31 }
+    }
+
+    /// Month, 1 to 12.
+    pub fn month(self) -> u32 {
+        self.month
+    }
+
+    /// Day of the month, from 1.
+    pub fn day(self) -> u32 {
+        self.day
+    }
+
+    /// Day of the year, 1 to 365.
+    pub fn day_of_year(self) -> u32 {
+        MONTH_DAYS[..self.month as usize - 1].iter().sum::<u32>() + self.day
+    }
+
+    /// Day of the week, 0 (Monday) to 6 (Sunday).
+    pub fn weekday(self) -> u32 {
+        // 1 January of the calendar year is a Sunday.
+        (self.day_of_year() - 1 + 6) % 7
+    }
+}
+
+impl fmt::Display for Date {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:02}-{:02}", self.month, self.day)
+    }
+}
+
+impl FromStr for Date {
+    type Err = Error;
+
+    /// Reads `MM-DD`.
+    fn from_str(text: &str) -> Result<Self> {
+        let date = text.split_once('-').and_then(|(month, day)| {
+            Self::new(month.trim().parse().ok()?, day.trim().parse().ok()?).ok()
+        });
+        date.ok_or_else(|| Error::Date { text: text.to_owned() })
+    }
+}
+
+impl RunPeriod {
+    /// 1 January to 31 December.
+    pub const FULL_YEAR: Self = Self::between((1, 1), (12, 31));
+    /// 1 January to 31 March: 90 days.
+    pub const WINTER: Self = Self::between((1, 1), (3, 31));
+    /// 1 June to 31 August: 92 days.
+    pub const SUMMER: Self = Self::between((6, 1), (8, 31));
+
+    const fn between(first: (u32, u32), last: (u32, u32)) -> Self {
+        Self {
+            first: Date { month: first.0, day: first.1 },
+            last: Date { month: last.0, day: last.1 },
+        }
+    }
+
+    /// A run period from a first to a last day, both included.
+    ///
+    /// # Errors
+    /// [`Error::RunPeriod`] when it would end before it starts: an episode stays within one year.
+    pub fn new(first: Date, last: Date) -> Result<Self> {
+        if last < first {
+            return Err(Error::RunPeriod { text: format!("{first}..{last}") });
+        }
+        Ok(Self { first, last })
+    }
+
+    /// First day.
+    pub fn first(self) -> Date {
+        self.first
+    }
+
+    /// Last day.
+    pub fn last(self) -> Date {
+        self.last
+    }
+
+    /// Number of days.
+    pub fn days(self) -> u32 {
+        self.last.day_of_year() - self.first.day_of_year() + 1
+    }
+
+    /// The engine's `RunPeriod` object. The weekday follows the start date: the engine takes it from here,
+    /// not from the year.
+    pub(crate) fn to_epjson(self) -> Value {
+        json!({
+            "begin_month": self.first.month,
+            "begin_day_of_month": self.first.day,
+            "begin_year": YEAR,
+            "end_month": self.last.month,
+            "end_day_of_month": self.last.day,
+            "end_year": YEAR,
+            "day_of_week_for_start_day": WEEKDAYS[self.first.weekday() as usize],
+            "use_weather_file_holidays_and_special_days": "No",
+            "use_weather_file_daylight_saving_period": "No",
+            "apply_weekend_holiday_rule": "No",
+            "use_weather_file_rain_indicators": "Yes",
+            "use_weather_file_snow_indicators": "Yes",
+        })
+    }
+}
+
+impl fmt::Display for RunPeriod {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::FULL_YEAR => f.write_str("full_year"),
+            Self::WINTER => f.write_str("winter"),
+            Self::SUMMER => f.write_str("summer"),
+            Self { first, last } => write!(f, "{first}..{last}"),
+        }
+    }
+}
+
+impl FromStr for RunPeriod {
+    type Err = Error;
+
+    /// Reads `winter`, `summer`, `full_year` or `MM-DD..MM-DD`.
+    fn from_str(text: &str) -> Result<Self> {
+        match text {
+            "winter" => Ok(Self::WINTER),
+            "summer" => Ok(Self::SUMMER),
+            "full_year" => Ok(Self::FULL_YEAR),
+            _ => {
+                let (first, last) =
+                    text.split_once("..").ok_or_else(|| Error::RunPeriod { text: text.to_owned() })?;
+                Self::new(first.parse()?, last.parse()?)
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn winter_has_90_days_and_summer_92() {
+        assert_eq!(RunPeriod::WINTER.days(), 90);
+        assert_eq!(RunPeriod::SUMMER.days(), 92);
+        assert_eq!(RunPeriod::FULL_YEAR.days(), 365);
+    }
+
+    #[test]
+    fn the_weekday_follows_the_date() {
+        assert_eq!(Date::new(1, 1).unwrap().weekday(), 6, "1 January 2017 was a Sunday");
+        assert_eq!(Date::new(6, 1).unwrap().weekday(), 3, "1 June 2017 was a Thursday");
+    }
+
+    #[test]
+    fn every_day_of_the_year_has_one_date() {
+        for day in 1..=365 {
+            assert_eq!(Date::of_day(day).day_of_year(), day);
+        }
+    }
+
+    #[test]
+    fn a_run_period_is_read_as_it_is_written() {
+        for text in ["winter", "summer", "full_year", "02-03..02-10"] {
+            assert_eq!(text.parse::<RunPeriod>().unwrap().to_string(), text);
+        }
+    }
+
+    #[test]
+    fn a_bad_date_is_named_with_what_is_accepted() {
+        for text in ["spring", "02-30..03-01", "03-01..02-01", "0201..0301"] {
+            let error = text.parse::<RunPeriod>().unwrap_err().to_string();
+            assert!(error.contains("MM-DD"), "{error}");
+        }
+    }
+}

@@ -1,0 +1,144 @@
+//! Zones and their surfaces, as the model describes them.
+
+use serde_json::Value;
+
+use crate::model::{Fields, Model, number, text};
+use crate::{Error, Result};
+
+/// A zone of the model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Zone {
+    /// Name.
+    pub name: String,
+    /// Floor area, m²: the model's own figure, or the sum of its floor surfaces.
+    pub floor_area: f64,
+    /// How many times the zone stands for itself in the building.
+    pub multiplier: f64,
+}
+
+/// What a surface is part of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SurfaceKind {
+    /// Wall.
+    Wall,
+    /// Floor.
+    Floor,
+    /// Ceiling.
+    Ceiling,
+    /// Roof.
+    Roof,
+}
+
+/// A heat-transfer surface with its corners.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Surface {
+    /// Name.
+    pub name: String,
+    /// Zone it belongs to.
+    pub zone: String,
+    /// What it is part of.
+    pub kind: SurfaceKind,
+    /// Name of its construction.
+    pub construction: String,
+    /// What is behind it: `Outdoors`, `Ground`, `Surface`, …
+    pub boundary: String,
+    /// Corners, m.
+    pub corners: Vec<[f64; 3]>,
+}
+
+impl Surface {
+    /// Area, m².
+    pub fn area(&self) -> f64 {
+        polygon_area(&self.corners)
+    }
+}
+
+/// The zones of a model, in model order.
+///
+/// # Errors
+/// As [`surfaces`].
+pub fn zones(model: &Model) -> Result<Vec<Zone>> {
+    let surfaces = surfaces(model)?;
+    let zones = model.objects("Zone").into_iter().map(|(name, fields)| Zone {
+        name: name.to_owned(),
+        floor_area: number(fields, "floor_area").unwrap_or_else(|| floor_area(&surfaces, name)),
+        multiplier: number(fields, "multiplier").unwrap_or(1.0),
+    });
+    Ok(zones.collect())
+}
+
+/// The surfaces of a model, in model order (`BuildingSurface:Detailed`).
+///
+/// # Errors
+/// [`Error::Unsupported`] when a surface has no kind or fewer than three corners.
+pub fn surfaces(model: &Model) -> Result<Vec<Surface>> {
+    const CLASS: &str = "BuildingSurface:Detailed";
+    model
+        .objects(CLASS)
+        .into_iter()
+        .map(|(name, fields)| {
+            surface(name, fields).ok_or_else(|| Error::Unsupported {
+                class: CLASS.into(),
+                name: name.into(),
+                why: "it needs a surface type and at least three corners".into(),
+            })
+        })
+        .collect()
+}
+
+fn surface(name: &str, fields: &Fields) -> Option<Surface> {
+    let kind = match text(fields, "surface_type")?.to_ascii_lowercase().as_str() {
+        "wall" => SurfaceKind::Wall,
+        "floor" => SurfaceKind::Floor,
+        "ceiling" => SurfaceKind::Ceiling,
+        "roof" => SurfaceKind::Roof,
+        _ => return None,
+    };
+    let part = |field: &str| text(fields, field).unwrap_or_default().to_owned();
+    let corners: Vec<_> = fields.get("vertices")?.as_array()?.iter().map(corner).collect::<Option<_>>()?;
+    (corners.len() >= 3).then(|| Surface {
+        name: name.to_owned(),
+        zone: part("zone_name"),
+        kind,
+        construction: part("construction_name"),
+        boundary: part("outside_boundary_condition"),
+        corners,
+    })
+}
+
+fn corner(vertex: &Value) -> Option<[f64; 3]> {
+    let at = |axis: &str| vertex.get(format!("vertex_{axis}_coordinate"))?.as_f64();
+    Some([at("x")?, at("y")?, at("z")?])
+}
+
+fn floor_area(surfaces: &[Surface], zone: &str) -> f64 {
+    surfaces
+        .iter()
+        .filter(|s| s.kind == SurfaceKind::Floor && s.zone.eq_ignore_ascii_case(zone))
+        .map(Surface::area)
+        .sum()
+}
+
+/// Area of a plane polygon in space, by Newell's method.
+fn polygon_area(corners: &[[f64; 3]]) -> f64 {
+    let mut normal = [0.0; 3];
+    for (i, a) in corners.iter().enumerate() {
+        let b = corners[(i + 1) % corners.len()];
+        for axis in 0..3 {
+            let (j, k) = ((axis + 1) % 3, (axis + 2) % 3);
+            normal[axis] += a[j] * b[k] - a[k] * b[j];
+        }
+    }
+    normal.iter().map(|n| n * n).sum::<f64>().sqrt() / 2.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_area_of_a_tilted_rectangle_is_length_times_width() {
+        let roof = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.0, 3.0, 4.0], [0.0, 3.0, 4.0]];
+        assert!((polygon_area(&roof) - 20.0).abs() < 1e-12);
+    }
+}

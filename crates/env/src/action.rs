@@ -1,0 +1,118 @@
+//! The action: one value per actuator, in physical units.
+
+use b2b_building::PreparedBuilding;
+use b2b_building::hvac::Quantity;
+
+use crate::{Error, Result};
+
+/// Names, units and bounds of the action, in its order.
+#[derive(Clone, Debug)]
+pub struct ActionSpace {
+    names: Vec<String>,
+    quantities: Vec<Quantity>,
+    low: Vec<f64>,
+    high: Vec<f64>,
+}
+
+impl ActionSpace {
+    pub(crate) fn of(building: &PreparedBuilding) -> Self {
+        let of = |value: fn(&b2b_building::hvac::Actuator) -> f64| building.actuators().map(value).collect();
+        Self {
+            names: building.actuators().map(|a| a.name.clone()).collect(),
+            quantities: building.actuators().map(|a| a.quantity).collect(),
+            low: of(|a| a.low),
+            high: of(|a| a.high),
+        }
+    }
+
+    /// Number of actuators.
+    pub fn len(&self) -> usize {
+        self.names.len()
+    }
+
+    /// Whether there is nothing to drive.
+    pub fn is_empty(&self) -> bool {
+        self.names.is_empty()
+    }
+
+    /// Names, for example `Core_ZN supply air flow`.
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// What each actuator drives; gives its unit.
+    pub fn quantities(&self) -> &[Quantity] {
+        &self.quantities
+    }
+
+    /// Lowest values.
+    pub fn low(&self) -> &[f64] {
+        &self.low
+    }
+
+    /// Highest values.
+    pub fn high(&self) -> &[f64] {
+        &self.high
+    }
+
+    /// Writes the action that is carried out for the one given: every value within its bounds. Returns how
+    /// many values were out of bounds.
+    ///
+    /// # Errors
+    /// [`Error::ActionLength`]; [`Error::ActionNotFinite`] naming the actuator, before anything is written to
+    /// the engine.
+    pub fn clamp_into(&self, given: &[f64], carried_out: &mut [f64]) -> Result<usize> {
+        if given.len() != self.len() {
+            return Err(Error::ActionLength { given: given.len(), expected: self.len() });
+        }
+        if let Some(i) = given.iter().position(|v| !v.is_finite()) {
+            return Err(Error::ActionNotFinite {
+                actuator: self.names[i].clone(),
+                value: given[i],
+                low: self.low[i],
+                high: self.high[i],
+                unit: self.quantities[i].unit(),
+            });
+        }
+        let mut outside = 0;
+        for (i, value) in given.iter().enumerate() {
+            carried_out[i] = value.clamp(self.low[i], self.high[i]);
+            outside += usize::from(carried_out[i] != *value);
+        }
+        Ok(outside)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn space() -> ActionSpace {
+        ActionSpace {
+            names: vec!["fan".into(), "supply".into()],
+            quantities: vec![Quantity::SupplyAirFlow, Quantity::SupplyAirTemperature],
+            low: vec![0.0, 10.0],
+            high: vec![0.5, 45.0],
+        }
+    }
+
+    #[test]
+    fn an_action_out_of_bounds_is_clamped_and_counted() {
+        let mut done = [0.0; 2];
+        assert_eq!(space().clamp_into(&[0.7, 20.0], &mut done).unwrap(), 1);
+        assert_eq!(done, [0.5, 20.0]);
+    }
+
+    #[test]
+    fn a_nan_is_refused_by_name() {
+        let error = space().clamp_into(&[0.1, f64::NAN], &mut [0.0; 2]).unwrap_err().to_string();
+        assert!(error.contains("`supply`") && error.contains("NaN") && error.contains("°C"), "{error}");
+        assert!(space().clamp_into(&[f64::INFINITY, 20.0], &mut [0.0; 2]).is_err());
+    }
+
+    #[test]
+    fn an_action_of_the_wrong_length_is_refused() {
+        let error = space().clamp_into(&[0.1], &mut [0.0; 2]).unwrap_err().to_string();
+        assert!(error.contains('1') && error.contains('2'), "{error}");
+    }
+}

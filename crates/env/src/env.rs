@@ -1,0 +1,368 @@
+//! The environment: reset and step.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use b2b_building::{PreparedBuilding, RunPeriod};
+use b2b_energyplus::{Actuator, Event, Level, Library, Messages, Meter, Run, Simulation, Variable};
+use tempfile::TempDir;
+
+use crate::action::ActionSpace;
+use crate::metrics::Metrics;
+use crate::observation::{ObservationSpace, Shared};
+use crate::reward::{JudgedZone, Reward, judged_zones, reward};
+use crate::task::Task;
+use crate::warmup;
+use crate::{Error, Result};
+
+/// What the engine takes.
+const STEPS_PER_HOUR: [u32; 12] = [1, 2, 3, 4, 5, 6, 10, 12, 15, 20, 30, 60];
+/// The meters that make HVAC energy; a building need not have both.
+const METERS: [&str; 2] = ["Electricity:HVAC", "NaturalGas:HVAC"];
+const JOULES_PER_WATT_HOUR: f64 = 3600.0;
+
+/// What an episode is made of, beside the building.
+#[derive(Clone, Debug)]
+pub struct Episode {
+    /// Weather file (EPW).
+    pub weather: PathBuf,
+    /// Days it covers.
+    pub period: RunPeriod,
+    /// Zone time steps an hour, each one step of the environment.
+    pub steps_per_hour: u32,
+    /// What is asked.
+    pub task: Task,
+}
+
+/// A building as an environment.
+///
+/// - Observation: [`ObservationSpace`], f64, the state at the end of the step.
+/// - Action: [`ActionSpace`], f64, physical units, clamped to its bounds.
+/// - Reward: [`Reward`], the paper's two penalties.
+/// - End: truncated at the end of the run period; never terminated.
+///
+/// A step allocates nothing and starts no thread.
+#[derive(Debug)]
+pub struct Env {
+    library: Library,
+    building: Arc<PreparedBuilding>,
+    episode: Episode,
+    action_space: ActionSpace,
+    observation_space: ObservationSpace,
+    zones: Vec<JudgedZone>,
+    live: Option<Live>,
+    observation: Vec<f64>,
+    action: Vec<f64>,
+    metrics: Metrics,
+    messages: Messages,
+    /// The model file and the engine's own files; goes with the environment.
+    folder: TempDir,
+}
+
+/// What a step gives.
+#[derive(Clone, Copy, Debug)]
+pub struct Step<'a> {
+    /// State at the end of the step.
+    pub observation: &'a [f64],
+    /// The action as carried out.
+    pub action: &'a [f64],
+    /// Reward by its terms.
+    pub reward: Reward,
+    /// Whether the run period is over.
+    pub truncated: bool,
+}
+
+/// A simulation in progress with its handles.
+#[derive(Debug)]
+struct Live {
+    simulation: Simulation,
+    temperatures: Vec<Variable>,
+    outdoor: [Variable; 2],
+    meters: [Option<Meter>; 2],
+    actuators: Vec<(Actuator, f64)>,
+}
+
+impl Env {
+    /// An environment; [`Env::reset`] starts its first episode.
+    ///
+    /// # Errors
+    /// [`Error::StepsPerHour`]; [`Error::Io`] when the model cannot be written to the temporary folder.
+    pub fn new(library: Library, building: Arc<PreparedBuilding>, episode: Episode) -> Result<Self> {
+        if !STEPS_PER_HOUR.contains(&episode.steps_per_hour) {
+            return Err(Error::StepsPerHour(episode.steps_per_hour));
+        }
+        let folder = tempfile::Builder::new()
+            .prefix("b2b-env-")
+            .tempdir()
+            .map_err(|source| Error::Io { path: std::env::temp_dir(), source })?;
+        let mut model = building.model_for(episode.period, episode.steps_per_hour);
+        report_meters(&mut model);
+        let path = folder.path().join(MODEL_FILE);
+        std::fs::write(&path, model.to_epjson()).map_err(|source| Error::Io { path, source })?;
+        let action_space = ActionSpace::of(&building);
+        let observation_space = ObservationSpace::of(&building, episode.steps_per_hour);
+        let zones = judged_zones(&building, &episode.task);
+        Ok(Self {
+            live: None,
+            observation: vec![0.0; observation_space.len()],
+            action: vec![0.0; action_space.len()],
+            metrics: Metrics::new(&zones, episode.steps_per_hour),
+            messages: Messages::default(),
+            library,
+            building,
+            episode,
+            action_space,
+            observation_space,
+            zones,
+            folder,
+        })
+    }
+
+    /// Starts an episode: the engine is started and warmed up under a small fixed controller. Returns the
+    /// observation at midnight of the first day, with no energy yet.
+    ///
+    /// # Errors
+    /// [`Error::Engine`] with the engine's words.
+    pub fn reset(&mut self) -> Result<&[f64]> {
+        self.live = None;
+        self.metrics = Metrics::new(&self.zones, self.episode.steps_per_hour);
+        let mut live = Live::start(&self.library, &self.building, &self.model_path(), &self.episode.weather)?;
+        self.warm_up(&mut live)?;
+        self.observe(&live, [0.0; 2])?;
+        self.live = Some(live);
+        Ok(&self.observation)
+    }
+
+    /// Carries out an action for one zone time step.
+    ///
+    /// # Errors
+    /// [`Error::ActionNotFinite`] and [`Error::ActionLength`] leave the episode as it is;
+    /// [`Error::Engine`] ends it; [`Error::NotReset`].
+    pub fn step(&mut self, action: &[f64]) -> Result<Step<'_>> {
+        let mut live = self.live.take().ok_or(Error::NotReset)?;
+        match self.action_space.clamp_into(action, &mut self.action) {
+            Ok(outside) => self.metrics.clamped_actions += outside,
+            Err(error) => {
+                self.live = Some(live);
+                return Err(error);
+            }
+        }
+        live.act(&self.action);
+        if live.simulation.advance()? != Some(Event::Step) {
+            return Err(self.wrong_length());
+        }
+        let energy = live.energy(self.building.conditioned_floor_area);
+        self.metrics.steps += 1;
+        self.observe(&live, energy)?;
+        let reward = reward(&self.episode.task, &self.zones, &self.observation, energy[0] + energy[1]);
+        self.metrics.add(reward, self.episode.task.target, &self.observation, energy);
+        let truncated = self.metrics.steps == self.episode_steps();
+        if truncated {
+            self.finish(live)?;
+        } else {
+            self.live = Some(live);
+        }
+        Ok(Step { observation: &self.observation, action: &self.action, reward, truncated })
+    }
+
+    /// What is driven, between which bounds.
+    pub fn action_space(&self) -> &ActionSpace {
+        &self.action_space
+    }
+
+    /// What is seen.
+    pub fn observation_space(&self) -> &ObservationSpace {
+        &self.observation_space
+    }
+
+    /// The building.
+    pub fn building(&self) -> &PreparedBuilding {
+        &self.building
+    }
+
+    /// What the episode is made of.
+    pub fn episode(&self) -> &Episode {
+        &self.episode
+    }
+
+    /// Steps of a whole episode.
+    pub fn episode_steps(&self) -> usize {
+        (self.episode.period.days() * 24 * self.episode.steps_per_hour) as usize
+    }
+
+    /// Sums over the episode in progress, or the last one.
+    pub fn metrics(&self) -> &Metrics {
+        &self.metrics
+    }
+
+    /// How many messages of a level the engine has given in this episode.
+    pub fn message_count(&self, level: Level) -> usize {
+        match &self.live {
+            Some(live) => live.simulation.message_count(level),
+            None => self.messages.count(level),
+        }
+    }
+
+    /// What the engine has said in this episode.
+    pub fn messages(&self) -> Messages {
+        match &self.live {
+            Some(live) => live.simulation.messages(),
+            None => self.messages.clone(),
+        }
+    }
+
+    /// The engine's own meters over a finished episode, Wh/m²: electricity and gas.
+    ///
+    /// # Errors
+    /// [`Error::Io`] when the engine has not written them, which it does at the end of the run period.
+    pub fn engine_meters(&self) -> Result<[f64; 2]> {
+        let path = self.folder.path().join("eplusout.mtr");
+        let text = std::fs::read_to_string(&path).map_err(|source| Error::Io { path, source })?;
+        let area = self.building.conditioned_floor_area;
+        Ok(METERS.map(|meter| run_period_value(&text, meter).unwrap_or(0.0) / JOULES_PER_WATT_HOUR / area))
+    }
+
+    /// The simulation behind the episode in progress, to read what is not in the observation. Variables must
+    /// have been requested, and are: those of the actuators' effects.
+    pub fn simulation(&self) -> Option<&Simulation> {
+        self.live.as_ref().map(|live| &live.simulation)
+    }
+
+    fn model_path(&self) -> PathBuf {
+        self.folder.path().join(MODEL_FILE)
+    }
+
+    fn warm_up(&mut self, live: &mut Live) -> Result<()> {
+        let target = self.episode.task.target;
+        let systems = &self.building.systems;
+        warmup::action(systems, target, |_| target, &mut self.action);
+        live.act(&self.action);
+        loop {
+            match live.simulation.advance()? {
+                Some(Event::WarmupStep) => {
+                    let temperature = |zone: &str| {
+                        let zone = self.building.zones.iter().position(|z| z.name == zone);
+                        zone.map_or(target, |z| live.simulation.read(live.temperatures[z]))
+                    };
+                    warmup::action(systems, target, temperature, &mut self.action);
+                    live.act(&self.action);
+                }
+                Some(Event::WarmedUp) => return Ok(()),
+                _ => return Err(self.wrong_length()),
+            }
+        }
+    }
+
+    /// Writes the observation. `energy` in Wh/m², electricity and gas.
+    fn observe(&mut self, live: &Live, energy: [f64; 2]) -> Result<()> {
+        for (slot, variable) in self.observation.iter_mut().zip(&live.temperatures) {
+            *slot = live.simulation.read(*variable);
+        }
+        let space = &self.observation_space;
+        let [temperature, humidity] = live.outdoor.map(|v| live.simulation.read(v));
+        let mut put = |slot: Shared, value: f64| self.observation[space.shared(slot)] = value;
+        put(Shared::OutdoorTemperature, temperature);
+        put(Shared::OutdoorHumidity, humidity);
+        let steps_per_day = 24 * self.episode.steps_per_hour as usize;
+        let day = (self.metrics.steps / steps_per_day) as u32;
+        let step_of_day = self.metrics.steps % steps_per_day;
+        let first = self.episode.period.first();
+        put(Shared::TimeOfDay, step_of_day as f64 / f64::from(self.episode.steps_per_hour));
+        put(Shared::DayOfWeek, f64::from((first.weekday() + day) % 7));
+        put(Shared::DayOfYear, f64::from((first.day_of_year() - 1 + day) % 365 + 1));
+        put(Shared::Electricity, energy[0]);
+        put(Shared::Gas, energy[1]);
+        match self.observation.iter().position(|v| !v.is_finite()) {
+            None => Ok(()),
+            Some(slot) => Err(Error::ObservationNotFinite {
+                slot: space.slots()[slot].name.clone(),
+                value: self.observation[slot],
+                step: self.metrics.steps,
+            }),
+        }
+    }
+
+    /// Lets the engine end its run: it must agree that the run period is over.
+    fn finish(&mut self, mut live: Live) -> Result<()> {
+        let end = live.simulation.advance()?;
+        self.messages = live.simulation.messages();
+        if end.is_some() {
+            return Err(self.wrong_length());
+        }
+        Ok(())
+    }
+
+    fn wrong_length(&self) -> Error {
+        Error::EpisodeLength { done: self.metrics.steps, expected: self.episode_steps() }
+    }
+}
+
+const MODEL_FILE: &str = "model.epJSON";
+
+impl Live {
+    fn start(library: &Library, building: &PreparedBuilding, model: &Path, weather: &Path) -> Result<Self> {
+        const TEMPERATURE: &str = "Zone Mean Air Temperature";
+        const OUTDOOR: [&str; 2] =
+            ["Site Outdoor Air Drybulb Temperature", "Site Outdoor Air Relative Humidity"];
+        const SITE: &str = "Environment";
+        let folder = model.parent().unwrap_or(Path::new("."));
+        let mut run = Run::new(model, weather).output(folder).yield_in_warmup();
+        for zone in &building.zones {
+            run = run.request(TEMPERATURE, &zone.name);
+        }
+        for name in OUTDOOR {
+            run = run.request(name, SITE);
+        }
+        let simulation = run.start(library)?;
+        let actuator = |a: &b2b_building::hvac::Actuator| {
+            Ok((simulation.actuator(&a.component, &a.control, &a.key)?, a.scale))
+        };
+        Ok(Self {
+            temperatures: building
+                .zones
+                .iter()
+                .map(|zone| simulation.variable(TEMPERATURE, &zone.name))
+                .collect::<std::result::Result<_, _>>()?,
+            outdoor: [simulation.variable(OUTDOOR[0], SITE)?, simulation.variable(OUTDOOR[1], SITE)?],
+            meters: METERS.map(|meter| simulation.meter(meter).ok()),
+            actuators: building.actuators().map(actuator).collect::<Result<_>>()?,
+            simulation,
+        })
+    }
+
+    fn act(&mut self, action: &[f64]) {
+        for ((actuator, scale), value) in self.actuators.iter().zip(action) {
+            self.simulation.set(*actuator, value * scale);
+        }
+    }
+
+    /// HVAC energy of the step by fuel, Wh/m².
+    fn energy(&self, floor_area: f64) -> [f64; 2] {
+        self.meters.map(|meter| {
+            meter.map_or(0.0, |m| self.simulation.read_meter(m)) / JOULES_PER_WATT_HOUR / floor_area
+        })
+    }
+}
+
+/// Has the engine write its own sum of the HVAC meters over the run period, to be compared with ours.
+fn report_meters(model: &mut b2b_building::Model) {
+    for meter in METERS {
+        let fields = serde_json::json!({"key_name": meter, "reporting_frequency": "RunPeriod"});
+        model.insert("Output:Meter:MeterFileOnly", meter, fields);
+    }
+    for name in model.names("OutputControl:Files") {
+        if let Some(files) = model.get_mut("OutputControl:Files", &name) {
+            files.insert("output_mtr".into(), "Yes".into());
+        }
+    }
+}
+
+/// A run-period value from the text of a meter file: `12,1,Electricity:HVAC [J] !RunPeriod …` names the number
+/// under which the value stands, `12,123.4,…`.
+fn run_period_value(text: &str, meter: &str) -> Option<f64> {
+    let named = format!(",{meter} [J] !RunPeriod");
+    let number = text.lines().find(|line| line.contains(&named))?.split(',').next()?;
+    let value = text.lines().skip_while(|line| !line.starts_with("End of Data Dictionary"));
+    let mut fields = value.map(|line| line.split(',')).find(|f| f.clone().next() == Some(number))?;
+    fields.nth(1)?.trim().parse().ok()
+}

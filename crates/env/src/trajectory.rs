@@ -1,0 +1,55 @@
+//! An episode, step by step.
+
+use sha2::{Digest, Sha256};
+
+use crate::env::{Env, Step};
+
+/// The steps of an episode: what was seen, what was done, and what it was worth. Row-major, one row a step.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Trajectory {
+    /// Observations at the ends of the steps.
+    pub observations: Vec<f64>,
+    /// Actions carried out (within bounds).
+    pub actions: Vec<f64>,
+    /// Temperature and energy penalty of each step.
+    pub penalties: Vec<[f64; 2]>,
+}
+
+impl Trajectory {
+    /// An empty trajectory with room for an episode.
+    pub fn for_episode(env: &Env) -> Self {
+        let steps = env.episode_steps();
+        Self {
+            observations: Vec::with_capacity(steps * env.observation_space().len()),
+            actions: Vec::with_capacity(steps * env.action_space().len()),
+            penalties: Vec::with_capacity(steps),
+        }
+    }
+
+    /// Appends a step.
+    pub fn push(&mut self, step: &Step<'_>) {
+        self.observations.extend_from_slice(step.observation);
+        self.actions.extend_from_slice(step.action);
+        self.penalties.push([step.reward.temperature_penalty, step.reward.energy_penalty]);
+    }
+
+    /// Number of steps.
+    pub fn len(&self) -> usize {
+        self.penalties.len()
+    }
+
+    /// Whether there is no step.
+    pub fn is_empty(&self) -> bool {
+        self.penalties.is_empty()
+    }
+
+    /// SHA-256 of every bit of it, in hexadecimal: equal hashes mean equal episodes.
+    pub fn hash(&self) -> String {
+        let mut hasher = Sha256::new();
+        let penalties = self.penalties.iter().flatten();
+        for value in self.observations.iter().chain(&self.actions).chain(penalties) {
+            hasher.update(value.to_le_bytes());
+        }
+        hasher.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+    }
+}

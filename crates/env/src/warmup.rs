@@ -1,0 +1,52 @@
+//! The small fixed controller that runs in warm-up.
+//!
+//! It is part of the environment's definition: every episode starts near its target, the same for every agent.
+//! With idle systems zones drift to 30 °C and the engine's warm-up does not converge.
+
+use b2b_building::hvac::{AirLoop, System};
+
+/// Temperature deviation at which a proportional command is full, K.
+const BAND: f64 = 2.0;
+/// Smallest share of a unitary system's design flow.
+const LEAST_FLOW: f64 = 0.3;
+/// Supply air over and under target at full command, K.
+const HEATING_LIFT: f64 = 20.0;
+const COOLING_DROP: f64 = 8.0;
+/// Supply temperature of a central air loop, °C.
+const CENTRAL_SUPPLY: f64 = 14.0;
+/// Smallest opening of a damper, and outdoor air as a share of the fan's design flow.
+const LEAST_OPENING: f64 = 0.2;
+const OUTDOOR_SHARE: f64 = 0.2;
+
+/// Writes the action of the warm-up controller. `temperature` gives a zone's air temperature, °C.
+pub(crate) fn action(systems: &[System], target: f64, temperature: impl Fn(&str) -> f64, action: &mut [f64]) {
+    let mut rest = action;
+    for system in systems {
+        match system {
+            System::Unitary(unit) => {
+                let demand = ((target - temperature(&unit.zone)) / BAND).clamp(-1.0, 1.0);
+                rest[0] = unit.flow.high * demand.abs().max(LEAST_FLOW);
+                rest[1] = target + demand * if demand > 0.0 { HEATING_LIFT } else { COOLING_DROP };
+                rest = &mut rest[2..];
+            }
+            System::AirLoop(air_loop) => {
+                central(air_loop, target, &temperature, rest);
+                rest = &mut rest[2 + 2 * air_loop.terminals.len()..];
+            }
+            System::HeatingOnly(_) => {
+                rest[0] = target;
+                rest = &mut rest[1..];
+            }
+        }
+    }
+}
+
+fn central(air_loop: &AirLoop, target: f64, temperature: &impl Fn(&str) -> f64, action: &mut [f64]) {
+    action[0] = CENTRAL_SUPPLY;
+    action[1] = OUTDOOR_SHARE * air_loop.fan_flow;
+    for (terminal, action) in air_loop.terminals.iter().zip(action[2..].chunks_exact_mut(2)) {
+        let too_warm = (temperature(&terminal.zone) - target) / BAND;
+        action[0] = (LEAST_OPENING + too_warm).clamp(LEAST_OPENING, 1.0);
+        action[1] = target;
+    }
+}
