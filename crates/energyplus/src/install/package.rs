@@ -367,10 +367,11 @@ impl Package {
 }
 
 impl Installed {
-    /// Path and record of an unpacked file, by its path in the package's folder.
+    /// Where an unpacked file is, and its record, found by its name or the last parts of its path.
     pub fn file(&self, path: &str) -> Option<(PathBuf, &UnpackedFile)> {
-        let record = self.manifest.files.iter().find(|file| file.path == path)?;
-        Some((self.root.join(path), record))
+        let mut files = self.manifest.files.iter();
+        let record = files.find(|file| Path::new(&file.path).ends_with(path))?;
+        Some((self.root.join(&record.path), record))
     }
 }
 
