@@ -104,7 +104,8 @@ fn start(words: &[&str]) -> Command {
     command
 }
 
-/// A child that does not outlive us: killed when we fail, are cancelled or unwind.
+/// A child that does not outlive us: killed when we fail, are cancelled or unwind. (`uv` runs the client as
+/// a child of its own, which then fails for want of its folders.)
 struct Running(Child);
 
 impl Drop for Running {

@@ -33,7 +33,9 @@ pub enum Error {
         platform: String,
     },
     /// A download is needed but refused by the settings.
-    #[error("{package} is not in {cache}, and B2B_OFFLINE forbids downloads: {ADVICE}")]
+    #[error(
+        "{package} is not in {cache}, or not whole, and B2B_OFFLINE forbids downloads: {ADVICE}"
+    )]
     Offline {
         /// The package, as `name==version`.
         package: String,
@@ -78,7 +80,7 @@ pub enum Error {
         what: String,
     },
     /// The engine has not been fetched yet.
-    #[error("EnergyPlus is not in {cache}: {ADVICE}")]
+    #[error("EnergyPlus is not in {cache}, or not whole: {ADVICE}")]
     NotInstalled {
         /// The cache folder.
         cache: PathBuf,
