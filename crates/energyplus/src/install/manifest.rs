@@ -1,0 +1,137 @@
+//! What was unpacked from a wheel, written beside the files so that they can be checked later.
+
+use std::fs::File;
+use std::io::{Read, Write};
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+use super::error::at;
+use super::{Package, Result, Wheel};
+
+/// The manifest's name in the package's folder.
+const FILE_NAME: &str = "manifest.json";
+
+/// What was unpacked from which wheel.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+pub struct Manifest {
+    /// Package name.
+    pub package: String,
+    /// Package version.
+    pub version: String,
+    /// SHA-256 of the wheel.
+    pub wheel_sha256: String,
+    /// The patterns the files were chosen by.
+    pub keep: Vec<String>,
+    /// The unpacked files.
+    pub files: Vec<UnpackedFile>,
+}
+
+/// One unpacked file.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+pub struct UnpackedFile {
+    /// Path in the package's folder, with forward slashes.
+    pub path: String,
+    /// Size in bytes.
+    pub bytes: u64,
+    /// SHA-256, as hexadecimal digits.
+    pub sha256: String,
+}
+
+impl Manifest {
+    pub(super) fn new(package: &Package, wheel: &Wheel, files: Vec<UnpackedFile>) -> Self {
+        Self {
+            package: package.name.to_owned(),
+            version: package.version.to_owned(),
+            wheel_sha256: wheel.sha256.to_owned(),
+            keep: package.keep.iter().map(|&keep| keep.to_owned()).collect(),
+            files,
+        }
+    }
+
+    /// The manifest in this folder, if there is one and it can be read.
+    pub(super) fn read(folder: &Path) -> Option<Self> {
+        let text = std::fs::read(folder.join(FILE_NAME)).ok()?;
+        serde_json::from_slice(&text).ok()
+    }
+
+    pub(super) fn write(&self, folder: &Path) -> Result<()> {
+        let path = folder.join(FILE_NAME);
+        let text = serde_json::to_vec_pretty(self).expect("strings and numbers always serialise");
+        std::fs::write(&path, text).map_err(at(path))
+    }
+
+    /// Whether it tells of this wheel and this choice of files.
+    pub(super) fn is_of(&self, package: &Package, wheel: &Wheel) -> bool {
+        self.wheel_sha256 == wheel.sha256 && self.keep == package.keep
+    }
+}
+
+impl UnpackedFile {
+    /// What is wrong with the file by name and size: microseconds.
+    pub(super) fn missing_or_truncated(&self, folder: &Path) -> Option<String> {
+        let path = folder.join(&self.path);
+        match std::fs::metadata(&path) {
+            Ok(found) if found.is_file() && found.len() == self.bytes => None,
+            Ok(found) => Some(format!(
+                "{}: {} bytes, expected {}",
+                path.display(),
+                found.len(),
+                self.bytes
+            )),
+            Err(error) => Some(format!("{}: {error}", path.display())),
+        }
+    }
+
+    /// What is wrong with the file, its content included.
+    pub(super) fn damage(&self, folder: &Path) -> Option<String> {
+        if let Some(damage) = self.missing_or_truncated(folder) {
+            return Some(damage);
+        }
+        match sha256(&folder.join(&self.path)) {
+            Ok(found) if found == self.sha256 => None,
+            Ok(found) => Some(format!(
+                "{}: SHA-256 {found}, expected {}",
+                folder.join(&self.path).display(),
+                self.sha256
+            )),
+            Err(error) => Some(error.to_string()),
+        }
+    }
+}
+
+/// The SHA-256 of a file.
+pub(super) fn sha256(path: &Path) -> Result<String> {
+    let mut file = File::open(path).map_err(at(path))?;
+    let (_, digest) = copy(&mut file, &mut std::io::sink(), |_| Ok(()), path)?;
+    Ok(digest)
+}
+
+/// Copies and hashes: returns the bytes and the SHA-256. `advance` is told the bytes so far.
+pub(super) fn copy(
+    from: &mut impl Read,
+    to: &mut impl Write,
+    mut advance: impl FnMut(u64) -> Result<()>,
+    path: &Path,
+) -> Result<(u64, String)> {
+    let mut hash = Sha256::new();
+    let mut buffer = vec![0; 1 << 16];
+    let mut bytes = 0;
+    loop {
+        let read = from.read(&mut buffer).map_err(at(path))?;
+        if read == 0 {
+            break;
+        }
+        hash.update(&buffer[..read]);
+        to.write_all(&buffer[..read]).map_err(at(path))?;
+        bytes += read as u64;
+        advance(bytes)?;
+    }
+    let digest = hash
+        .finalize()
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect();
+    Ok((bytes, digest))
+}

