@@ -29,6 +29,23 @@ pub enum Error {
         /// What the system said.
         source: std::io::Error,
     },
+    /// The engine refused a model or stopped.
+    #[error(transparent)]
+    Engine(#[from] b2b_energyplus::Error),
+    /// The engine's table of sizes could not be read.
+    #[error("the sizes in {path} cannot be read: {source}")]
+    SizeTable {
+        /// The engine's SQLite output.
+        path: PathBuf,
+        /// What SQLite said.
+        source: rusqlite::Error,
+    },
+    /// Fields that the model leaves to the engine to size and for which the engine gave no size.
+    #[error("the engine gives no size for:\n  {}\nGive each a number in the model.", fields.join("\n  "))]
+    Unsized {
+        /// Each field as class, object and field.
+        fields: Vec<String>,
+    },
 }
 
 /// A result of this crate.
