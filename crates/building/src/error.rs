@@ -46,9 +46,6 @@ pub enum Error {
         /// The text.
         text: String,
     },
-    /// A run of the engine failed.
-    #[error(transparent)]
-    Engine(#[from] b2b_energyplus::Error),
     /// A place that no known weather file is of.
     #[error(
         "there is no weather for `{name}`{}; the places are {}, or give the path of an EPW file",
@@ -73,6 +70,23 @@ pub enum Error {
         path: PathBuf,
         /// What the system said.
         source: std::io::Error,
+    },
+    /// The engine refused a model or stopped.
+    #[error(transparent)]
+    Engine(#[from] b2b_energyplus::Error),
+    /// The engine's table of sizes could not be read.
+    #[error("the sizes in {path} cannot be read: {source}")]
+    SizeTable {
+        /// The engine's SQLite output.
+        path: PathBuf,
+        /// What SQLite said.
+        source: rusqlite::Error,
+    },
+    /// Fields that the model leaves to the engine to size and for which the engine gave no size.
+    #[error("the engine gives no size for:\n  {}\nGive each a number in the model.", fields.join("\n  "))]
+    Unsized {
+        /// Each field as class, object and field.
+        fields: Vec<String>,
     },
 }
 

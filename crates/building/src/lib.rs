@@ -4,6 +4,8 @@ pub mod climate;
 mod error;
 pub mod hvac;
 pub mod model;
+pub mod sizing;
 
 pub use error::{Error, Result};
 pub use model::Model;
+pub use sizing::Sizes;

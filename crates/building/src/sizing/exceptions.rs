@@ -1,0 +1,70 @@
+//! Where the engine's words differ from the fields' names, and fields that it leaves unsized.
+//!
+//! Found by sizing the 32 models that come with the engine (25.2).
+
+/// Fields whose size is reported under another description, without `Design Size`. One description counts
+/// only among those of the field's own object.
+pub(super) const ALIASES: &[(&str, &str)] = &[
+    // Unitary heat pumps, furnaces and packaged units name the flows by operation.
+    ("cooling_supply_air_flow_rate", "Supply Air Flow Rate During Cooling Operation"),
+    ("heating_supply_air_flow_rate", "Supply Air Flow Rate During Heating Operation"),
+    ("no_load_supply_air_flow_rate", "Supply Air Flow Rate When No Cooling or Heating is Needed"),
+    ("cooling_outdoor_air_flow_rate", "Outdoor Air Flow Rate During Cooling Operation"),
+    ("heating_outdoor_air_flow_rate", "Outdoor Air Flow Rate During Heating Operation"),
+    ("no_load_outdoor_air_flow_rate", "Outdoor Air Flow Rate When No Cooling or Heating is Needed"),
+    ("maximum_supply_air_temperature", "Maximum Supply Air Temperature from Supplemental Heater"),
+    // Water-to-air heat pump coils leave "Gross" out.
+    ("gross_rated_total_cooling_capacity", "Rated Total Cooling Capacity"),
+    ("gross_rated_sensible_cooling_capacity", "Rated Sensible Cooling Capacity"),
+    ("gross_rated_heating_capacity", "Rated Heating Capacity"),
+    // Terminals, fan coils and unit heaters with water or steam coils.
+    ("maximum_hot_water_or_steam_flow_rate", "Maximum Reheat Water Flow Rate"),
+    ("maximum_hot_water_or_steam_flow_rate", "Maximum Reheat Steam Flow Rate"),
+    ("maximum_hot_water_or_steam_flow_rate", "Maximum Hot Water Flow"),
+    ("maximum_hot_water_or_steam_flow_rate", "Maximum Steam Flow"),
+    ("maximum_hot_water_flow_rate", "Maximum Hot Water Flow"),
+    ("maximum_cold_water_flow_rate", "Maximum Cold Water Flow"),
+    // The high-temperature radiant heater reports the size of an autosized capacity as the user's.
+    ("heating_design_capacity", "User-Specified heating_design_capacity"),
+    // Plant.
+    ("total_design_flow_rate", "Design Flow Rate"),
+    ("design_maximum_flow_rate", "Design Flow Rate"),
+    ("design_heat_recovery_water_flow_rate", "Heat Recovery Water Flow Rate"),
+    ("loop_demand_side_design_flow_rate", "Loop Demand Side Design Fluid Flow Rate"),
+    ("loop_supply_side_design_flow_rate", "Loop Supply Side Design Fluid Flow Rate"),
+    ("design_fan_power", "Fan Power at Design Air Flow Rate"),
+    ("design_u_factor_times_area_value", "U-Factor Times Area Value at Design Air Flow Rate"),
+    ("free_convection_regime_u_factor_times_area_value", "Free Convection U-Factor Times Area Value"),
+    ("high_fan_speed_air_flow_rate", "Air Flow Rate at High Fan Speed"),
+    ("high_fan_speed_fan_power", "Fan Power at High Fan Speed"),
+    ("high_fan_speed_u_factor_times_area_value", "U-Factor Times Area Value at High Fan Speed"),
+    ("low_fan_speed_air_flow_rate", "Air Flow Rate at Low Fan Speed"),
+    ("low_fan_speed_fan_power", "Fan Power at Low Fan Speed"),
+    ("low_fan_speed_u_factor_times_area_value", "U-Factor Times Area Value at Low Fan Speed"),
+];
+
+/// An autosized field that the engine gives no size because the object does not use it.
+pub(super) struct Unused {
+    /// Class, or the beginning of the names of several.
+    pub(super) class: &'static str,
+    /// The field.
+    pub(super) field: &'static str,
+    /// What to write; it has no effect.
+    pub(super) value: f64,
+}
+
+/// Fields without effect, which must still hold a number.
+pub(super) const UNUSED: &[Unused] = &[
+    // The defrost is by reverse cycle; a resistive one is sized and reported.
+    Unused { class: "Coil:Heating:DX:", field: "resistive_defrost_heater_capacity", value: 0.0 },
+    // The reheat coil is electric or burns gas; the flow of a water or steam coil is reported.
+    Unused {
+        class: "AirTerminal:SingleDuct:VAV:Reheat",
+        field: "maximum_hot_water_or_steam_flow_rate",
+        value: 0.0,
+    },
+    // The same for a unit heater, whose input must be more than zero.
+    Unused { class: "ZoneHVAC:UnitHeater", field: "maximum_hot_water_or_steam_flow_rate", value: 1e-3 },
+    // No loop on the source side.
+    Unused { class: "WaterHeater:", field: "source_side_design_flow_rate", value: 0.0 },
+];
