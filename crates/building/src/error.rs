@@ -31,6 +31,27 @@ pub enum Error {
         /// Why, and what would do.
         why: String,
     },
+    /// A name that is no building type.
+    #[error(
+        "there is no building type `{text}`{}; the types are {known}",
+        near.map(|near| format!(": did you mean {near}?")).unwrap_or_default()
+    )]
+    UnknownType {
+        /// The name.
+        text: String,
+        /// The type it resembles.
+        near: Option<&'static str>,
+        /// Every type.
+        known: String,
+    },
+    /// The engine has no stock models beside it.
+    #[error(
+        "this EnergyPlus has no {file} beside it: unset B2B_ENERGYPLUS so that the packaged engine is used"
+    )]
+    NoStockModels {
+        /// The file looked for.
+        file: String,
+    },
     /// Text that is no day of the year.
     #[error("`{text}` is no date of the year: give MM-DD, for example 02-28 (there is no 29 February)")]
     Date {

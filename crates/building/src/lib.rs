@@ -1,11 +1,19 @@
-//! Building models for control: read, size and make controllable.
+//! Building models for control: generate, read, size and make controllable.
 
+pub mod archetype;
 pub mod climate;
 mod error;
+pub mod house;
 pub mod hvac;
 pub mod model;
+mod prepare;
+mod run_period;
 pub mod sizing;
+pub mod zone;
 
+pub use archetype::BuildingType;
 pub use error::{Error, Result};
 pub use model::Model;
+pub use prepare::{Conditioning, PreparedBuilding, Zone};
+pub use run_period::{Date, RunPeriod};
 pub use sizing::Sizes;

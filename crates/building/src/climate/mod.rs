@@ -1,5 +1,8 @@
-//! Climate: the places whose weather is known, and their files.
+//! Climate: the places whose weather is known, their files, and what a model needs to know of a place.
 
+pub mod epw;
+pub mod site;
 pub mod weather;
 
+pub use site::{DesignDay, Site};
 pub use weather::{PLACES, Place};

@@ -1,0 +1,263 @@
+//! The place of a building, read from the header of its EPW weather file.
+
+use std::path::Path;
+
+use crate::{Error, Result};
+
+/// Depth of the ground temperatures that a foundation sees, m: the middle set of an EPW header, about the depth of
+/// a basement floor.
+const GROUND_DEPTH: f64 = 2.0;
+/// Fields of one depth in GROUND TEMPERATURES: depth, conductivity, density, specific heat, 12 months.
+const GROUND_FIELDS: usize = 16;
+
+/// A place: where it is, its ground, and the weather that equipment is sized for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Site {
+    /// Name of the station.
+    pub name: String,
+    /// Degrees north.
+    pub latitude: f64,
+    /// Degrees east.
+    pub longitude: f64,
+    /// Hours ahead of UTC.
+    pub time_zone: f64,
+    /// Metres above the sea.
+    pub elevation: f64,
+    /// Monthly mean temperature of undisturbed ground at 2 m, °C, January first.
+    pub ground_temperatures: [f64; 12],
+    /// The cold design day: 99.6 % dry bulb.
+    pub heating: DesignDay,
+    /// The hot design day: 0.4 % dry bulb.
+    pub cooling: DesignDay,
+}
+
+/// The weather that equipment is sized for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DesignDay {
+    /// Month, 1 to 12.
+    pub month: u32,
+    /// Extreme dry bulb of the day, °C.
+    pub dry_bulb: f64,
+    /// Difference between the day's highest and lowest dry bulb, K; 0 in winter, as sizing days are flat.
+    pub daily_range: f64,
+    /// Mean coincident wind speed at 10 m, m/s; `None` where the station has no record.
+    pub wind_speed: Option<f64>,
+}
+
+impl Site {
+    /// Reads the place from the header of an EPW file.
+    ///
+    /// # Errors
+    /// [`Error::Io`] when the file cannot be read, otherwise those of [`Site::from_epw`].
+    pub fn read(path: &Path) -> Result<Self> {
+        let bytes = std::fs::read(path).map_err(|source| Error::Io {
+            path: path.to_owned(),
+            source,
+        })?;
+        Self::from_epw(&String::from_utf8_lossy(&bytes), path)
+    }
+
+    /// Reads the place from an EPW text; `path` is for the error messages.
+    ///
+    /// # Errors
+    /// [`Error::Malformed`] naming the header line and the value when LOCATION, DESIGN CONDITIONS or
+    /// GROUND TEMPERATURES is missing, cut short or not numeric.
+    pub fn from_epw(text: &str, path: &Path) -> Result<Self> {
+        let header = Header { text, path };
+        let location = header.line("LOCATION")?;
+        let design = header.line("DESIGN CONDITIONS")?;
+        Ok(Self {
+            name: location.text(1)?.to_owned(),
+            latitude: location.within(6, 90.0)?,
+            longitude: location.within(7, 180.0)?,
+            time_zone: location.within(8, 14.0)?,
+            elevation: location.number(9)?,
+            ground_temperatures: ground_temperatures(&header.line("GROUND TEMPERATURES")?)?,
+            heating: design.after("Heating")?.heating()?,
+            cooling: design.after("Cooling")?.cooling()?,
+        })
+    }
+}
+
+/// The header of an EPW file.
+struct Header<'a> {
+    text: &'a str,
+    path: &'a Path,
+}
+
+impl<'a> Header<'a> {
+    fn line(&self, title: &'a str) -> Result<Line<'a>> {
+        let line = |text: &'a str| Line {
+            title,
+            fields: text.split(',').map(str::trim).collect(),
+            path: self.path.to_owned(),
+        };
+        self.text
+            .lines()
+            .take(8)
+            .map(line)
+            .find(|line| line.fields[0].eq_ignore_ascii_case(title))
+            .ok_or_else(|| Error::Malformed {
+                path: self.path.to_owned(),
+                why: format!("no {title} line: not an EPW file, or cut short"),
+            })
+    }
+}
+
+/// The fields of one header line, or of a part of it.
+struct Line<'a> {
+    title: &'a str,
+    fields: Vec<&'a str>,
+    path: std::path::PathBuf,
+}
+
+impl<'a> Line<'a> {
+    fn malformed(&self, why: String) -> Error {
+        Error::Malformed {
+            path: self.path.clone(),
+            why: format!("{}: {why}", self.title),
+        }
+    }
+
+    fn text(&self, index: usize) -> Result<&'a str> {
+        self.fields
+            .get(index)
+            .copied()
+            .ok_or_else(|| self.malformed(format!("cut short, no field {}", index + 1)))
+    }
+
+    fn number(&self, index: usize) -> Result<f64> {
+        let text = self.text(index)?;
+        text.parse()
+            .ok()
+            .filter(|value: &f64| value.is_finite())
+            .ok_or_else(|| self.malformed(format!("field {} is `{text}`, not a number", index + 1)))
+    }
+
+    fn within(&self, index: usize, bound: f64) -> Result<f64> {
+        let value = self.number(index)?;
+        if value.abs() <= bound {
+            Ok(value)
+        } else {
+            Err(self.malformed(format!("field {} is {value}, beyond ±{bound}", index + 1)))
+        }
+    }
+
+    fn month(&self, index: usize) -> Result<u32> {
+        let text = self.text(index)?;
+        text.parse()
+            .ok()
+            .filter(|month| (1..=12).contains(month))
+            .ok_or_else(|| self.malformed(format!("`{text}` is not a month")))
+    }
+
+    /// The fields that follow a word in the line.
+    fn after(&self, word: &str) -> Result<Self> {
+        let start = self
+            .fields
+            .iter()
+            .position(|field| field.eq_ignore_ascii_case(word))
+            .ok_or_else(|| self.malformed(format!("no {word} part")))?;
+        Ok(Self {
+            title: self.title,
+            fields: self.fields[start + 1..].to_vec(),
+            path: self.path.clone(),
+        })
+    }
+
+    /// ASHRAE heating conditions: month, 99.6 % and 99 % dry bulb, ..., wind speed with the 99.6 % dry bulb.
+    fn heating(&self) -> Result<DesignDay> {
+        Ok(DesignDay {
+            month: self.month(0)?,
+            dry_bulb: self.within(1, 70.0)?,
+            daily_range: 0.0,
+            wind_speed: self.number(13).ok(),
+        })
+    }
+
+    /// ASHRAE cooling conditions: month, daily range, 0.4 % dry bulb, its wet bulb, ..., wind speed with it.
+    fn cooling(&self) -> Result<DesignDay> {
+        Ok(DesignDay {
+            month: self.month(0)?,
+            daily_range: self.within(1, 50.0)?,
+            dry_bulb: self.within(2, 70.0)?,
+            wind_speed: self.number(14).ok(),
+        })
+    }
+}
+
+fn ground_temperatures(line: &Line) -> Result<[f64; 12]> {
+    let depths = line.number(1)? as usize;
+    for depth in 0..depths {
+        let start = 2 + depth * GROUND_FIELDS;
+        if (line.number(start)? - GROUND_DEPTH).abs() < 0.05 {
+            let mut months = [0.0; 12];
+            for (month, temperature) in months.iter_mut().enumerate() {
+                *temperature = line.within(start + 4 + month, 70.0)?;
+            }
+            return Ok(months);
+        }
+    }
+    Err(line.malformed(format!("no temperatures at {GROUND_DEPTH} m")))
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    /// The header of Montréal's CWEC file, with a warmer ground at the other depths left out.
+    pub(crate) const MONTREAL: &str = "\
+LOCATION,Montreal Int'l,PQ,CAN,WYEC2-B-94792,716270,45.47,-73.75,-5.0,36.0
+DESIGN CONDITIONS,1,Climate Design Data 2009 ASHRAE Handbook,,Heating,1,-23.7,-21.1,-30.5,0.2,-23,-27.9,0.3,-20.6,12.9,-5.3,11.5,-7.9,3.9,260,Cooling,7,9.3,30,22.1,28.5,21.1,27.1,20.2,23.2,28.1,22.2,26.6,21.4,25.6,4.9,220,21.6
+TYPICAL/EXTREME PERIODS,0
+GROUND TEMPERATURES,2,.5,,,,-1.50,-6.19,-7.46,-6.35,-0.03,7.05,13.71,18.53,19.94,17.67,12.21,5.33,2,,,,2.71,-1.68,-3.77,-3.85,-0.51,4.33,9.54,14.01,16.32,15.89,12.81,8.08
+HOLIDAYS/DAYLIGHT SAVINGS,No,0,0,0
+COMMENTS 1,
+COMMENTS 2,
+DATA PERIODS,1,1,Data,Sunday, 1/ 1,12/31
+";
+
+    fn why(text: &str) -> String {
+        Site::from_epw(text, Path::new("a.epw"))
+            .unwrap_err()
+            .to_string()
+    }
+
+    #[test]
+    fn the_header_gives_place_ground_and_design_days() {
+        let site = Site::from_epw(MONTREAL, Path::new("a.epw")).unwrap();
+        assert_eq!(
+            (site.latitude, site.longitude, site.elevation),
+            (45.47, -73.75, 36.0)
+        );
+        assert_eq!(site.ground_temperatures[0], 2.71);
+        assert_eq!(site.ground_temperatures[11], 8.08);
+        assert_eq!(
+            (site.heating.dry_bulb, site.heating.wind_speed),
+            (-23.7, Some(3.9))
+        );
+        assert_eq!(
+            (site.cooling.dry_bulb, site.cooling.daily_range),
+            (30.0, 9.3)
+        );
+    }
+
+    #[test]
+    fn a_missing_wind_record_is_not_an_error() {
+        let text = MONTREAL.replace(",3.9,260,", ",N/A,N/A,");
+        let site = Site::from_epw(&text, Path::new("a.epw")).unwrap();
+        assert_eq!(site.heating.wind_speed, None);
+    }
+
+    #[test]
+    fn a_cut_header_names_the_line_that_is_wrong() {
+        assert!(why("").contains("no LOCATION line"));
+        assert!(why("LOCATION,Montreal,PQ\nDESIGN CONDITIONS,0").contains("LOCATION: cut short"));
+        let text = MONTREAL.replace(",Cooling,", ",");
+        assert!(why(&text).contains("DESIGN CONDITIONS: no Cooling part"));
+        let text = MONTREAL.replace(",12.81,8.08", "");
+        assert!(why(&text).contains("GROUND TEMPERATURES: cut short"));
+        let text = MONTREAL.replace("45.47", "north");
+        assert!(why(&text).contains("`north`"));
+    }
+}

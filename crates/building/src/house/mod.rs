@@ -1,0 +1,65 @@
+//! A detached Québec house, generated from its parameters.
+//!
+//! 1. [`House`] holds the parameters; [`Geometry`] follows from them.
+//! 2. [`Capacities`] follow from the heat loss and gain on the site's design days, unless the parameters give them.
+//! 3. [`house`] writes the model: a heated zone [`LIVING`] over every storey and the basement, a vented [`ATTIC`],
+//!    and one ducted heat pump with a backup heater whose air flow and supply temperature follow two schedules.
+//!
+//! # Control
+//! | `Schedule:Constant` | meaning | range |
+//! |---|---|---|
+//! | `Living Supply Air Flow Fraction` | flow over design flow (`AirTerminal:SingleDuct:VAV:NoReheat`, `maximum_air_flow_rate`) | 0, or 0.2 to 1 |
+//! | `Living Supply Air Temperature` | supply air, °C | 10 to 45 |
+//! | `Living Heating Setpoint`, `Living Cooling Setpoint` | thermostat, °C; held apart so that it never moves the damper | leave |
+//!
+//! # What it stands for
+//! The ducted houses of Québec. They are about a quarter of its detached stock; half of that stock heats with
+//! baseboards and has no air system to control.
+
+mod air_loop;
+mod coils;
+mod envelope;
+mod gains;
+mod geometry;
+mod ground;
+mod infiltration;
+mod loads;
+mod parameters;
+mod schedules;
+mod simulation;
+mod zones;
+
+pub use geometry::Geometry;
+pub use loads::Capacities;
+pub use parameters::{Backup, Foundation, House};
+
+use crate::Model;
+use crate::climate::Site;
+
+/// The heated zone.
+pub const LIVING: &str = "Living";
+/// The vented zone under the roof.
+pub const ATTIC: &str = "Attic";
+
+/// The model of a house at a place, hard-sized and ready to run.
+///
+/// The same parameters give the same bytes.
+pub fn house(parameters: &House, site: &Site) -> Model {
+    let geometry = Geometry::new(parameters);
+    let capacities = parameters
+        .capacities
+        .unwrap_or_else(|| Capacities::for_design_days(parameters, site));
+    let mut model = Model::default();
+    simulation::add(&mut model, parameters, site);
+    zones::add(&mut model, &geometry);
+    envelope::add(&mut model, parameters, &geometry);
+    ground::add(&mut model, parameters, &geometry, site);
+    infiltration::add(&mut model, parameters, &geometry);
+    gains::add(&mut model, parameters);
+    air_loop::add(&mut model, &capacities);
+    coils::add(&mut model, parameters, &capacities);
+    model
+}
+
+#[cfg(test)]
+mod tests;

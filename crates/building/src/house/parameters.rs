@@ -1,0 +1,128 @@
+//! The parameters of a house.
+
+use super::Capacities;
+
+/// One Btu-based R (h·ft²·°F/Btu) in m²K/W.
+const IMPERIAL_R: f64 = 0.1761;
+/// One Btu-based U (Btu/h·ft²·°F) in W/m²K.
+const IMPERIAL_U: f64 = 5.678;
+
+/// Effective over nominal resistance of a wood-frame wall. Parallel paths (NBC note A-9.36.2.4): 23 % studs of
+/// 0.0085 m²K/W per mm in a 140 mm cavity of 3.52 m²K/W leave 2.43; sheathing, siding, gypsum and films bring back
+/// about 0.45.
+const WALL_EFFECTIVENESS: f64 = 0.8;
+/// Effective over nominal resistance of an attic floor: parallel paths through 11 % truss chords that the insulation
+/// covers give 0.97; compression at the eaves and the hatch take the rest (engineering judgement).
+const ATTIC_EFFECTIVENESS: f64 = 0.9;
+/// Effective over nominal resistance of a finished basement wall: 89 mm studs lose as the walls above do, and many
+/// are insulated over a part of their height (engineering judgement).
+const FOUNDATION_EFFECTIVENESS: f64 = 0.8;
+
+/// A detached house. SI units; resistances are nominal, as a renovator or a survey states them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct House {
+    /// Heated floor area over all storeys and the basement, m².
+    pub floor_area: f64,
+    /// Storeys above the foundation, 1 or 2.
+    pub storeys: u32,
+    /// Length over width of the footprint; the long sides face south and north before `orientation`.
+    pub aspect: f64,
+    /// Clockwise turn of the south façade from south, degrees.
+    pub orientation: f64,
+    /// What the house stands on.
+    pub foundation: Foundation,
+    /// Nominal resistance of the walls, m²K/W.
+    pub wall_resistance: f64,
+    /// Nominal resistance of the attic floor, m²K/W.
+    pub attic_resistance: f64,
+    /// Nominal resistance of the basement walls, or of the insulation at the edge of the slab, m²K/W.
+    pub foundation_resistance: f64,
+    /// Air changes per hour at 50 Pa.
+    pub air_changes_50: f64,
+    /// Window area over the area of the walls above the foundation.
+    pub window_to_wall: f64,
+    /// Window U-factor with films, W/m²K.
+    pub window_u: f64,
+    /// Window solar heat gain coefficient.
+    pub window_shgc: f64,
+    /// People who live there.
+    pub occupants: f64,
+    /// Mean flow of exhaust fans and opened windows, without heat recovery, L/s.
+    pub ventilation: f64,
+    /// Gross COP of the heat pump in heating, at 8.3 °C outdoors.
+    pub heating_cop: f64,
+    /// Gross COP of the heat pump in cooling, at 35 °C outdoors.
+    pub cooling_cop: f64,
+    /// Outdoor temperature under which the compressor does not heat, °C.
+    pub cutoff: f64,
+    /// The heater behind the heat pump.
+    pub backup: Backup,
+    /// Sizes of the equipment; `None` takes them from the design days of the site.
+    pub capacities: Option<Capacities>,
+}
+
+/// What a house stands on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Foundation {
+    /// A heated basement of a storey's height, counted in the floor area.
+    Basement,
+    /// A slab on the ground.
+    Slab,
+}
+
+/// The heater behind the heat pump.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Backup {
+    /// Electric resistance.
+    Electric,
+    /// A gas furnace and its efficiency.
+    Gas {
+        /// Heat delivered over fuel burnt, higher heating value.
+        efficiency: f64,
+    },
+}
+
+impl Default for House {
+    /// A typical 1971-86 detached house: one storey over a heated basement, 160 m² (medians of the stock survey of
+    /// Québec's detached houses for that vintage).
+    fn default() -> Self {
+        Self {
+            floor_area: 160.0,
+            storeys: 1,
+            aspect: 1.8,
+            orientation: 0.0,
+            foundation: Foundation::Basement,
+            wall_resistance: 17.2 * IMPERIAL_R,
+            attic_resistance: 27.3 * IMPERIAL_R,
+            foundation_resistance: 14.4 * IMPERIAL_R,
+            air_changes_50: 4.0,
+            window_to_wall: 0.12,
+            window_u: 0.49 * IMPERIAL_U,
+            window_shgc: 0.56,
+            occupants: 2.0,
+            ventilation: 25.0,
+            heating_cop: 3.3,
+            cooling_cop: 3.5,
+            cutoff: -12.0,
+            backup: Backup::Electric,
+            capacities: None,
+        }
+    }
+}
+
+impl House {
+    /// Resistance of the walls with thermal bridges and films, m²K/W.
+    pub fn effective_wall_resistance(&self) -> f64 {
+        self.wall_resistance * WALL_EFFECTIVENESS
+    }
+
+    /// Resistance of the attic floor with thermal bridges and films, m²K/W.
+    pub fn effective_attic_resistance(&self) -> f64 {
+        self.attic_resistance * ATTIC_EFFECTIVENESS
+    }
+
+    /// Resistance of the basement walls with thermal bridges and films, without soil, m²K/W.
+    pub fn effective_foundation_resistance(&self) -> f64 {
+        self.foundation_resistance * FOUNDATION_EFFECTIVENESS
+    }
+}
