@@ -99,7 +99,8 @@ impl FromStr for BuildingType {
 
     fn from_str(text: &str) -> Result<Self> {
         Self::ALL.into_iter().find(|t| t.name().eq_ignore_ascii_case(text)).ok_or_else(|| {
-            let near = |t: &&Self| strsim::jaro_winkler(&t.name().to_lowercase(), &text.to_lowercase()) > 0.75;
+            let near =
+                |t: &&Self| strsim::jaro_winkler(&t.name().to_lowercase(), &text.to_lowercase()) > 0.75;
             Error::UnknownType {
                 text: text.to_owned(),
                 near: Self::ALL.iter().find(near).map(|t| t.name()),

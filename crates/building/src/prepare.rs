@@ -8,7 +8,7 @@ use serde_json::json;
 use crate::hvac::{self, Actuator, System};
 use crate::model::Model;
 use crate::run_period::RunPeriod;
-use crate::sizing::Sizes;
+use crate::sizing::{self, Sizes};
 use crate::zone;
 use crate::{Result, climate::Site};
 
@@ -57,12 +57,15 @@ impl PreparedBuilding {
     /// engine refuses the model.
     pub fn new(name: &str, mut model: Model, weather: &Path, library: &Library) -> Result<Self> {
         let site = Site::read(weather)?;
-        Sizes::of(&model, weather, library)?.write_into(&mut model)?;
+        if sizing::wants_sizing(&model) {
+            Sizes::of(&model, weather, library)?.write_into(&mut model)?;
+        }
         hvac::common::remove_ems_programs(&mut model, hvac::common::sets_a_schedule);
         let systems = hvac::make_controllable(&mut model, standard_air_density(site.elevation))?;
         silence(&mut model);
         keep_standard_time(&mut model);
         balance_exhaust(&mut model);
+        one_system_step(&mut model);
         bound_warmup(&mut model);
         let zones = zones(&model, &systems)?;
         Ok(Self {
@@ -197,6 +200,18 @@ fn balance_exhaust(model: &mut Model) {
             "infiltration_balancing_method": "AddInfiltrationFlow",
             "infiltration_balancing_zones": "AllZones",
         }),
+    );
+}
+
+/// One system step in each zone step: the engine may otherwise cut a zone step up to reach its tolerances, and
+/// a meter reading would then cover several controls. Iterations are the engine's default: some prototypes
+/// allow 5, which sudden actions exceed.
+fn one_system_step(model: &mut Model) {
+    model.remove_class("ConvergenceLimits");
+    model.insert(
+        "ConvergenceLimits",
+        "One system step",
+        json!({"minimum_system_timestep": 60, "maximum_hvac_iterations": 20}),
     );
 }
 

@@ -83,9 +83,9 @@ impl FromStr for Date {
 
     /// Reads `MM-DD`.
     fn from_str(text: &str) -> Result<Self> {
-        let date = text.split_once('-').and_then(|(month, day)| {
-            Self::new(month.trim().parse().ok()?, day.trim().parse().ok()?).ok()
-        });
+        let date = text
+            .split_once('-')
+            .and_then(|(month, day)| Self::new(month.trim().parse().ok()?, day.trim().parse().ok()?).ok());
         date.ok_or_else(|| Error::Date { text: text.to_owned() })
     }
 }
@@ -99,10 +99,7 @@ impl RunPeriod {
     pub const SUMMER: Self = Self::between((6, 1), (8, 31));
 
     const fn between(first: (u32, u32), last: (u32, u32)) -> Self {
-        Self {
-            first: Date { month: first.0, day: first.1 },
-            last: Date { month: last.0, day: last.1 },
-        }
+        Self { first: Date { month: first.0, day: first.1 }, last: Date { month: last.0, day: last.1 } }
     }
 
     /// A run period from a first to a last day, both included.

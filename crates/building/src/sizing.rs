@@ -132,6 +132,14 @@ impl Sizes {
     }
 }
 
+/// Whether a model asks for sizing at all: a generated house comes with its sizes.
+pub fn wants_sizing(model: &Model) -> bool {
+    let calculations = |fields: &Fields| {
+        fields.iter().any(|(name, value)| name.ends_with("_sizing_calculation") && is_word(value, "Yes"))
+    };
+    model.objects("SimulationControl").iter().any(|(_, fields)| calculations(fields))
+}
+
 /// Every file of `OutputControl:Files`.
 const FILES: &str = "csv mtr eso eio tabular sqlite json audit space_sizing zone_sizing system_sizing dxf bnd \
                      rdd mdd mtd end shd dfs glhe delightin delighteldmp delightdfdmp edd dbg perflog sln sci \

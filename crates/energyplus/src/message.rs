@@ -37,7 +37,7 @@ pub struct Message {
 
 /// The messages of a run: every count, and the first texts of each level (a run may repeat itself for
 /// months, so what is kept is bounded).
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Default)]
 pub struct Messages {
     kept: Vec<Message>,
     counts: [usize; 4],
@@ -102,6 +102,13 @@ impl Messages {
             last.text.push('\n');
             last.text.push_str(text.trim());
         }
+    }
+}
+
+/// As [`fmt::Display`]: an error that is unwrapped stays readable.
+impl fmt::Debug for Messages {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{self}")
     }
 }
 

@@ -61,8 +61,8 @@ impl Metrics {
         Self { zones: zones.collect(), hours_per_step: 1.0 / f64::from(steps_per_hour), ..Self::default() }
     }
 
+    /// Adds what the step just counted was worth. `energy` in Wh/m², electricity and gas.
     pub(crate) fn add(&mut self, reward: Reward, target: f64, observation: &[f64], energy: [f64; 2]) {
-        self.steps += 1;
         self.episode_return += reward.total();
         self.temperature_penalty += reward.temperature_penalty;
         self.energy_penalty += reward.energy_penalty;

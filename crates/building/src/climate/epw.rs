@@ -22,10 +22,7 @@ const HOURS: [usize; 2] = [8760, 8784];
 /// [`Error::Malformed`] naming the line when an hour has fewer than 35 columns or a value that is not a finite
 /// number, or when hours are missing.
 pub fn check(text: &str, path: &Path) -> Result<usize> {
-    let malformed = |why| Error::Malformed {
-        path: path.to_owned(),
-        why,
-    };
+    let malformed = |why| Error::Malformed { path: path.to_owned(), why };
     let mut hours = 0;
     for (index, line) in text.lines().enumerate().skip(HEADER_LINES) {
         if line.trim().is_empty() {
@@ -49,10 +46,7 @@ fn check_hour(line: &str) -> std::result::Result<(), String> {
         columns += 1;
         let finite = value.trim().parse::<f64>().is_ok_and(f64::is_finite);
         if index != FLAGS && !finite {
-            return Err(format!(
-                "column {} is `{value}`, not a finite number",
-                index + 1
-            ));
+            return Err(format!("column {} is `{value}`, not a finite number", index + 1));
         }
     }
     if columns < COLUMNS {

@@ -50,10 +50,7 @@ impl Site {
     /// # Errors
     /// [`Error::Io`] when the file cannot be read, otherwise those of [`Site::from_epw`].
     pub fn read(path: &Path) -> Result<Self> {
-        let bytes = std::fs::read(path).map_err(|source| Error::Io {
-            path: path.to_owned(),
-            source,
-        })?;
+        let bytes = std::fs::read(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
         Self::from_epw(&String::from_utf8_lossy(&bytes), path)
     }
 
@@ -113,10 +110,7 @@ struct Line<'a> {
 
 impl<'a> Line<'a> {
     fn malformed(&self, why: String) -> Error {
-        Error::Malformed {
-            path: self.path.clone(),
-            why: format!("{}: {why}", self.title),
-        }
+        Error::Malformed { path: self.path.clone(), why: format!("{}: {why}", self.title) }
     }
 
     fn text(&self, index: usize) -> Result<&'a str> {
@@ -158,11 +152,7 @@ impl<'a> Line<'a> {
             .iter()
             .position(|field| field.eq_ignore_ascii_case(word))
             .ok_or_else(|| self.malformed(format!("no {word} part")))?;
-        Ok(Self {
-            title: self.title,
-            fields: self.fields[start + 1..].to_vec(),
-            path: self.path.clone(),
-        })
+        Ok(Self { title: self.title, fields: self.fields[start + 1..].to_vec(), path: self.path.clone() })
     }
 
     /// ASHRAE heating conditions: month, 99.6 % and 99 % dry bulb, ..., wind speed with the 99.6 % dry bulb.
@@ -218,28 +208,17 @@ DATA PERIODS,1,1,Data,Sunday, 1/ 1,12/31
 ";
 
     fn why(text: &str) -> String {
-        Site::from_epw(text, Path::new("a.epw"))
-            .unwrap_err()
-            .to_string()
+        Site::from_epw(text, Path::new("a.epw")).unwrap_err().to_string()
     }
 
     #[test]
     fn the_header_gives_place_ground_and_design_days() {
         let site = Site::from_epw(MONTREAL, Path::new("a.epw")).unwrap();
-        assert_eq!(
-            (site.latitude, site.longitude, site.elevation),
-            (45.47, -73.75, 36.0)
-        );
+        assert_eq!((site.latitude, site.longitude, site.elevation), (45.47, -73.75, 36.0));
         assert_eq!(site.ground_temperatures[0], 2.71);
         assert_eq!(site.ground_temperatures[11], 8.08);
-        assert_eq!(
-            (site.heating.dry_bulb, site.heating.wind_speed),
-            (-23.7, Some(3.9))
-        );
-        assert_eq!(
-            (site.cooling.dry_bulb, site.cooling.daily_range),
-            (30.0, 9.3)
-        );
+        assert_eq!((site.heating.dry_bulb, site.heating.wind_speed), (-23.7, Some(3.9)));
+        assert_eq!((site.cooling.dry_bulb, site.cooling.daily_range), (30.0, 9.3));
     }
 
     #[test]

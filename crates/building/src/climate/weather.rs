@@ -338,16 +338,10 @@ mod tests {
 
     #[test]
     fn names_are_unique_and_every_zone_is_there() {
-        let names: std::collections::BTreeSet<_> =
-            PLACES.iter().map(|place| plain(place.name)).collect();
+        let names: std::collections::BTreeSet<_> = PLACES.iter().map(|place| plain(place.name)).collect();
         assert_eq!(names.len(), PLACES.len());
         for zone in '1'..='8' {
-            assert!(
-                PLACES
-                    .iter()
-                    .any(|place| place.ashrae_zone.starts_with(zone)),
-                "{zone}"
-            );
+            assert!(PLACES.iter().any(|place| place.ashrae_zone.starts_with(zone)), "{zone}");
         }
     }
 
@@ -364,10 +358,7 @@ mod tests {
             assert!(location.contains(&format!(",{},", place.wmo)), "{location}");
         }
         for package in PACKAGES {
-            assert!(
-                matches!(package.verify(&cache), State::Whole { .. }),
-                "{package}"
-            );
+            assert!(matches!(package.verify(&cache), State::Whole { .. }), "{package}");
         }
     }
 }

@@ -134,11 +134,7 @@ fn setpoint_managers(model: &mut Model) {
             "schedule_name": schedules::supply_air_temperature(LIVING),
             "setpoint_node_or_nodelist_name": node,
         });
-        model.insert(
-            "SetpointManager:Scheduled",
-            &format!("{node} Setpoint"),
-            manager,
-        );
+        model.insert("SetpointManager:Scheduled", &format!("{node} Setpoint"), manager);
     }
 }
 
@@ -197,11 +193,7 @@ fn zone(model: &mut Model) {
         "zone_air_node_name": "Living Air",
         "zone_return_air_node_or_nodelist_name": ZONE_RETURN,
     });
-    model.insert(
-        "ZoneHVAC:EquipmentConnections",
-        "Living Connections",
-        connections,
-    );
+    model.insert("ZoneHVAC:EquipmentConnections", "Living Connections", connections);
     let equipment = json!({"equipment": [{
         "zone_equipment_object_type": "ZoneHVAC:AirDistributionUnit",
         "zone_equipment_name": DISTRIBUTION,
@@ -212,10 +204,7 @@ fn zone(model: &mut Model) {
 }
 
 fn thermostat(model: &mut Model) {
-    let (heating, cooling) = (
-        schedules::heating_setpoint(LIVING),
-        schedules::cooling_setpoint(LIVING),
-    );
+    let (heating, cooling) = (schedules::heating_setpoint(LIVING), schedules::cooling_setpoint(LIVING));
     schedules::constant(model, &heating, HEATING_SETPOINT);
     schedules::constant(model, &cooling, COOLING_SETPOINT);
     // 4: heating and cooling setpoints together.
@@ -231,9 +220,5 @@ fn thermostat(model: &mut Model) {
         "heating_setpoint_temperature_schedule_name": heating,
         "cooling_setpoint_temperature_schedule_name": cooling,
     });
-    model.insert(
-        "ThermostatSetpoint:DualSetpoint",
-        "Living Setpoints",
-        setpoints,
-    );
+    model.insert("ThermostatSetpoint:DualSetpoint", "Living Setpoints", setpoints);
 }

@@ -107,27 +107,13 @@ fn curves(model: &mut Model) {
     biquadratic(
         model,
         "Cooling Capacity by Temperature",
-        [
-            0.766956,
-            0.0107756,
-            -0.0000414703,
-            0.00134961,
-            -0.000261144,
-            0.000457488,
-        ],
+        [0.766956, 0.0107756, -0.0000414703, 0.00134961, -0.000261144, 0.000457488],
         wet_bulb_and_outdoor,
     );
     biquadratic(
         model,
         "Cooling Input by Temperature",
-        [
-            0.297145,
-            0.0430933,
-            -0.000748766,
-            0.00597727,
-            0.000482112,
-            -0.000956448,
-        ],
+        [0.297145, 0.0430933, -0.000748766, 0.00597727, 0.000482112, -0.000956448],
         wet_bulb_and_outdoor,
     );
     biquadratic(
@@ -137,43 +123,13 @@ fn curves(model: &mut Model) {
         [[-50.0, 50.0], [-50.0, 50.0]],
     );
     let outdoor = [-20.0, 20.0];
-    cubic(
-        model,
-        "Heating Capacity by Temperature",
-        [0.758746, 0.027626, 0.000148716, 0.0000034992],
-        outdoor,
-    );
-    cubic(
-        model,
-        "Heating Input by Temperature",
-        [1.19248, -0.0300438, 0.00103745, -0.000023328],
-        outdoor,
-    );
+    cubic(model, "Heating Capacity by Temperature", [0.758746, 0.027626, 0.000148716, 0.0000034992], outdoor);
+    cubic(model, "Heating Input by Temperature", [1.19248, -0.0300438, 0.00103745, -0.000023328], outdoor);
     let flow = [0.5, 1.5];
-    cubic(
-        model,
-        "Cooling Capacity by Flow",
-        [0.8, 0.2, 0.0, 0.0],
-        flow,
-    );
-    cubic(
-        model,
-        "Cooling Input by Flow",
-        [1.156, -0.1816, 0.0256, 0.0],
-        flow,
-    );
-    cubic(
-        model,
-        "Heating Capacity by Flow",
-        [0.84, 0.16, 0.0, 0.0],
-        flow,
-    );
-    cubic(
-        model,
-        "Heating Input by Flow",
-        [1.3824, -0.4336, 0.0512, 0.0],
-        flow,
-    );
+    cubic(model, "Cooling Capacity by Flow", [0.8, 0.2, 0.0, 0.0], flow);
+    cubic(model, "Cooling Input by Flow", [1.156, -0.1816, 0.0256, 0.0], flow);
+    cubic(model, "Heating Capacity by Flow", [0.84, 0.16, 0.0, 0.0], flow);
+    cubic(model, "Heating Input by Flow", [1.3824, -0.4336, 0.0512, 0.0], flow);
     cubic(model, "Cycling Loss", [0.85, 0.15, 0.0, 0.0], [0.0, 1.0]);
 }
 

@@ -25,15 +25,7 @@ const PARTITIONS: f64 = 1.0;
 struct Layer(&'static str, f64, f64, f64, f64, &'static str, f64);
 
 const SIDING: Layer = Layer("Siding", 0.0127, 0.094, 540.0, 1210.0, "MediumSmooth", 0.6);
-const SHEATHING: Layer = Layer(
-    "Sheathing",
-    0.0127,
-    0.12,
-    540.0,
-    1210.0,
-    "MediumSmooth",
-    0.7,
-);
+const SHEATHING: Layer = Layer("Sheathing", 0.0127, 0.12, 540.0, 1210.0, "MediumSmooth", 0.7);
 const SHINGLES: Layer = Layer("Shingles", 0.006, 0.081, 1120.0, 1260.0, "VeryRough", 0.9);
 const GYPSUM: Layer = Layer("Gypsum", 0.0127, 0.16, 800.0, 1090.0, "Smooth", 0.5);
 const CONCRETE: Layer = Layer("Concrete", 0.2, 1.73, 2240.0, 900.0, "Rough", 0.65);
@@ -71,32 +63,13 @@ pub(super) fn add(model: &mut Model, house: &House, geometry: &Geometry) {
 }
 
 fn walls(model: &mut Model, house: &House, geometry: &Geometry) {
-    let others = FILM_OUTSIDE
-        + SIDING.resistance()
-        + SHEATHING.resistance()
-        + GYPSUM.resistance()
-        + FILM_WALL;
-    insulation(
-        model,
-        "Wall Insulation",
-        house.effective_wall_resistance() - others,
-    );
-    construction(
-        model,
-        "Wall",
-        &["Siding", "Sheathing", "Wall Insulation", "Gypsum"],
-    );
+    let others =
+        FILM_OUTSIDE + SIDING.resistance() + SHEATHING.resistance() + GYPSUM.resistance() + FILM_WALL;
+    insulation(model, "Wall Insulation", house.effective_wall_resistance() - others);
+    construction(model, "Wall", &["Siding", "Sheathing", "Wall Insulation", "Gypsum"]);
     for side in Side::ALL {
         let vertices = geometry.wall(side, geometry.sill, geometry.ceiling);
-        surface(
-            model,
-            &wall_name(side),
-            LIVING,
-            "Wall",
-            "Wall",
-            Faces::Outdoors,
-            &vertices,
-        );
+        surface(model, &wall_name(side), LIVING, "Wall", "Wall", Faces::Outdoors, &vertices);
     }
 }
 
@@ -104,57 +77,25 @@ fn foundation_above_grade(model: &mut Model, house: &House, geometry: &Geometry)
     let others = FILM_OUTSIDE + CONCRETE.resistance() + GYPSUM.resistance() + FILM_WALL;
     let resistance = house.effective_foundation_resistance() - others;
     insulation(model, "Foundation Insulation", resistance);
-    construction(
-        model,
-        "Foundation Wall",
-        &["Concrete", "Foundation Insulation", "Gypsum"],
-    );
+    construction(model, "Foundation Wall", &["Concrete", "Foundation Insulation", "Gypsum"]);
     for side in Side::ALL {
         let name = format!("Living {} Foundation Wall", side.name());
         let vertices = geometry.wall(side, 0.0, geometry.sill);
-        surface(
-            model,
-            &name,
-            LIVING,
-            "Wall",
-            "Foundation Wall",
-            Faces::Outdoors,
-            &vertices,
-        );
+        surface(model, &name, LIVING, "Wall", "Foundation Wall", Faces::Outdoors, &vertices);
     }
 }
 
 fn ceiling(model: &mut Model, house: &House, geometry: &Geometry) {
     let others = 2.0 * FILM_CEILING + GYPSUM.resistance();
-    insulation(
-        model,
-        "Attic Insulation",
-        house.effective_attic_resistance() - others,
-    );
+    insulation(model, "Attic Insulation", house.effective_attic_resistance() - others);
     construction(model, "Ceiling", &["Attic Insulation", "Gypsum"]);
     construction(model, "Attic Floor", &["Gypsum", "Attic Insulation"]);
     let z = geometry.ceiling;
     let (ceiling, floor) = ("Living Ceiling", "Attic Floor");
     let up = geometry.facing_up(z);
-    surface(
-        model,
-        ceiling,
-        LIVING,
-        "Ceiling",
-        "Ceiling",
-        Faces::Surface(floor),
-        &up,
-    );
+    surface(model, ceiling, LIVING, "Ceiling", "Ceiling", Faces::Surface(floor), &up);
     let down = geometry.facing_down(z);
-    surface(
-        model,
-        floor,
-        ATTIC,
-        "Floor",
-        "Attic Floor",
-        Faces::Surface(ceiling),
-        &down,
-    );
+    surface(model, floor, ATTIC, "Floor", "Attic Floor", Faces::Surface(ceiling), &down);
 }
 
 fn roof(model: &mut Model, geometry: &Geometry) {
@@ -166,15 +107,7 @@ fn roof(model: &mut Model, geometry: &Geometry) {
             Side::East | Side::West => ("Wall", "Gable"),
         };
         let name = format!("Attic {} {built}", side.name());
-        surface(
-            model,
-            &name,
-            ATTIC,
-            kind,
-            built,
-            Faces::Outdoors,
-            &geometry.roof(side),
-        );
+        surface(model, &name, ATTIC, kind, built, Faces::Outdoors, &geometry.roof(side));
     }
 }
 
@@ -260,9 +193,9 @@ pub(super) fn surface(
     };
     let vertices: Vec<Value> = vertices
         .iter()
-        .map(|[x, y, z]| {
-            json!({"vertex_x_coordinate": x, "vertex_y_coordinate": y, "vertex_z_coordinate": z})
-        })
+        .map(
+            |[x, y, z]| json!({"vertex_x_coordinate": x, "vertex_y_coordinate": y, "vertex_z_coordinate": z}),
+        )
         .collect();
     let mut fields = json!({
         "surface_type": kind,

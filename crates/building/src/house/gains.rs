@@ -20,22 +20,22 @@ const APPLIANCES_LATENT: f64 = 0.1;
 /// Share of the occupants at home, by hour: away on working days, asleep at night (engineering judgement, as are the
 /// two shapes below).
 const HOME_WEEKDAY: [f64; 24] = [
-    1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.8, 0.4, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 0.5, 0.8, 0.9,
-    0.9, 0.9, 1.0, 1.0, 1.0,
+    1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.8, 0.4, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 0.5, 0.8, 0.9, 0.9, 0.9,
+    1.0, 1.0, 1.0,
 ];
 const HOME_WEEKEND: [f64; 24] = [
-    1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.9, 0.8, 0.7, 0.7, 0.7, 0.6, 0.6, 0.6, 0.7, 0.8, 0.8,
-    0.8, 0.8, 0.9, 1.0, 1.0,
+    1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.9, 0.8, 0.7, 0.7, 0.7, 0.6, 0.6, 0.6, 0.7, 0.8, 0.8, 0.8, 0.8,
+    0.9, 1.0, 1.0,
 ];
 /// Lighting over its daily mean.
 const LIGHTS: [f64; 24] = [
-    0.2, 0.1, 0.1, 0.1, 0.1, 0.4, 1.0, 1.2, 0.8, 0.5, 0.4, 0.4, 0.4, 0.4, 0.4, 0.6, 1.3, 2.2, 2.6,
-    2.9, 3.0, 2.6, 1.6, 0.7,
+    0.2, 0.1, 0.1, 0.1, 0.1, 0.4, 1.0, 1.2, 0.8, 0.5, 0.4, 0.4, 0.4, 0.4, 0.4, 0.6, 1.3, 2.2, 2.6, 2.9, 3.0,
+    2.6, 1.6, 0.7,
 ];
 /// Appliances over their daily mean.
 const APPLIANCE_USE: [f64; 24] = [
-    0.6, 0.5, 0.5, 0.5, 0.5, 0.6, 0.9, 1.1, 1.0, 0.9, 0.9, 1.0, 1.1, 1.0, 0.9, 1.0, 1.3, 1.8, 1.9,
-    1.6, 1.4, 1.2, 1.0, 0.8,
+    0.6, 0.5, 0.5, 0.5, 0.5, 0.6, 0.9, 1.1, 1.0, 0.9, 0.9, 1.0, 1.1, 1.0, 0.9, 1.0, 1.3, 1.8, 1.9, 1.6, 1.4,
+    1.2, 1.0, 0.8,
 ];
 
 pub(super) fn add(model: &mut Model, house: &House) {
@@ -46,9 +46,7 @@ pub(super) fn add(model: &mut Model, house: &House) {
 
 /// Mean heat to the air and the room with everyone at home, W.
 pub(super) fn mean(house: &House) -> f64 {
-    house.occupants * ACTIVITY
-        + lighting_power(house)
-        + appliance_power(house) * (1.0 - APPLIANCES_LOST)
+    house.occupants * ACTIVITY + lighting_power(house) + appliance_power(house) * (1.0 - APPLIANCES_LOST)
 }
 
 fn people(model: &mut Model, house: &House) {

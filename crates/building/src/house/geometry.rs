@@ -117,12 +117,7 @@ impl Geometry {
     /// The wall of a side between two levels.
     pub fn wall(&self, side: Side, bottom: f64, top: f64) -> Vec<Point> {
         let ([x0, y0], [x1, y1]) = self.ends(side);
-        vec![
-            [x0, y0, top],
-            [x0, y0, bottom],
-            [x1, y1, bottom],
-            [x1, y1, top],
-        ]
+        vec![[x0, y0, top], [x0, y0, bottom], [x1, y1, bottom], [x1, y1, top]]
     }
 
     /// A window in the middle of a wall that covers `fraction` of it.
@@ -131,9 +126,7 @@ impl Geometry {
         let centre: Point =
             std::array::from_fn(|i| wall.iter().map(|p| p[i]).sum::<f64>() / wall.len() as f64);
         let scale = fraction.sqrt();
-        wall.iter()
-            .map(|p| std::array::from_fn(|i| centre[i] + scale * (p[i] - centre[i])))
-            .collect()
+        wall.iter().map(|p| std::array::from_fn(|i| centre[i] + scale * (p[i] - centre[i]))).collect()
     }
 
     /// A horizontal polygon that faces down.
@@ -153,12 +146,9 @@ impl Geometry {
         let ([x0, y0], [x1, y1]) = self.ends(side);
         let (eave, ridge, middle) = (self.ceiling, self.ridge, self.width / 2.0);
         match side {
-            Side::South | Side::North => vec![
-                [x0, middle, ridge],
-                [x0, y0, eave],
-                [x1, y1, eave],
-                [x1, middle, ridge],
-            ],
+            Side::South | Side::North => {
+                vec![[x0, middle, ridge], [x0, y0, eave], [x1, y1, eave], [x1, middle, ridge]]
+            }
             Side::East | Side::West => {
                 vec![[x0, middle, ridge], [x0, y0, eave], [x1, y1, eave]]
             }

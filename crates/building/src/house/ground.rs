@@ -20,14 +20,8 @@ const SOIL_CONDUCTIVITY: f64 = 1.4;
 const FLOOR_RESISTANCE: f64 = 0.26;
 /// F-factor of an unheated slab, W/m·K, by resistance of 0.6 m of vertical insulation at its edge, m²K/W (ASHRAE
 /// 90.1 Table A6.3, R 0 to 20).
-const SLAB_F: [(f64, f64); 6] = [
-    (0.0, 1.264),
-    (0.88, 1.004),
-    (1.32, 0.969),
-    (1.76, 0.935),
-    (2.64, 0.900),
-    (3.52, 0.883),
-];
+const SLAB_F: [(f64, f64); 6] =
+    [(0.0, 1.264), (0.88, 1.004), (1.32, 0.969), (1.76, 0.935), (2.64, 0.900), (3.52, 0.883)];
 const MONTHS: [&str; 12] = [
     "january",
     "february",
@@ -68,9 +62,7 @@ pub(super) fn conductance(house: &House, geometry: &Geometry) -> f64 {
 fn floor_f(house: &House, geometry: &Geometry) -> f64 {
     match house.foundation {
         Foundation::Slab => slab_f(house.effective_foundation_resistance()),
-        Foundation::Basement => {
-            basement_floor_u(geometry) * geometry.footprint() / geometry.perimeter()
-        }
+        Foundation::Basement => basement_floor_u(geometry) * geometry.footprint() / geometry.perimeter(),
     }
 }
 
@@ -84,13 +76,10 @@ fn basement_floor_u(geometry: &Geometry) -> f64 {
 
 fn slab_f(resistance: f64) -> f64 {
     let last = SLAB_F[SLAB_F.len() - 1].1;
-    SLAB_F
-        .windows(2)
-        .find(|pair| resistance <= pair[1].0)
-        .map_or(last, |pair| {
-            let ((r0, f0), (r1, f1)) = (pair[0], pair[1]);
-            f0 + (f1 - f0) * (resistance - r0) / (r1 - r0)
-        })
+    SLAB_F.windows(2).find(|pair| resistance <= pair[1].0).map_or(last, |pair| {
+        let ((r0, f0), (r1, f1)) = (pair[0], pair[1]);
+        f0 + (f1 - f0) * (resistance - r0) / (r1 - r0)
+    })
 }
 
 /// Resistance of the soil outside a wall, m²K/W, as EnergyPlus adds it to a C-factor wall.
@@ -116,15 +105,7 @@ fn floor(model: &mut Model, house: &House, geometry: &Geometry) {
     });
     model.insert("Construction:FfactorGroundFloor", "Floor", construction);
     let vertices = geometry.facing_down(geometry.floor);
-    surface(
-        model,
-        "Living Floor",
-        LIVING,
-        "Floor",
-        "Floor",
-        Faces::Ground,
-        &vertices,
-    );
+    surface(model, "Living Floor", LIVING, "Floor", "Floor", Faces::Ground, &vertices);
 }
 
 /// A C-factor counts the wall without films.

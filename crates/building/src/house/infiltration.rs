@@ -71,11 +71,7 @@ fn attic(model: &mut Model, geometry: &Geometry) {
         "stack_coefficient": ATTIC_STACK,
         "wind_coefficient": ATTIC_WIND,
     });
-    model.insert(
-        "ZoneInfiltration:EffectiveLeakageArea",
-        "Attic Vents",
-        vents,
-    );
+    model.insert("ZoneInfiltration:EffectiveLeakageArea", "Attic Vents", vents);
 }
 
 fn exhaust(model: &mut Model, house: &House) {

@@ -51,12 +51,7 @@ impl Capacities {
         let cooling = COOLING_MARGIN * heat_gain(house, site) / SENSIBLE;
         let flow = (backup / (AIR * SUPPLY_RISE)).max(cooling * FLOW_PER_CAPACITY);
         let heat_pump = flow / FLOW_PER_CAPACITY;
-        Self {
-            flow,
-            cooling: heat_pump,
-            heating: heat_pump,
-            backup,
-        }
+        Self { flow, cooling: heat_pump, heating: heat_pump, backup }
     }
 }
 
@@ -64,15 +59,10 @@ impl Capacities {
 pub(super) fn heat_loss(house: &House, site: &Site) -> f64 {
     let geometry = Geometry::new(house);
     let difference = INDOOR[0] - site.heating.dry_bulb;
-    let soil = site
-        .ground_temperatures
-        .iter()
-        .copied()
-        .fold(f64::INFINITY, f64::min);
+    let soil = site.ground_temperatures.iter().copied().fold(f64::INFINITY, f64::min);
     let envelope = walls(house, &geometry) + ceiling(house, &geometry) + windows(house, &geometry);
     let air = outdoor_air(house, &geometry, &site.heating, difference, WIND[0]);
-    let loss =
-        (envelope + air) * difference + ground::conductance(house, &geometry) * (INDOOR[0] - soil);
+    let loss = (envelope + air) * difference + ground::conductance(house, &geometry) * (INDOOR[0] - soil);
     loss.max(0.0)
 }
 
@@ -94,8 +84,7 @@ pub(super) fn heat_gain(house: &House, site: &Site) -> f64 {
 fn walls(house: &House, geometry: &Geometry) -> f64 {
     let opaque = geometry.wall_area() * (1.0 - house.window_to_wall);
     let foundation = geometry.perimeter() * geometry.sill;
-    opaque / house.effective_wall_resistance()
-        + foundation / house.effective_foundation_resistance()
+    opaque / house.effective_wall_resistance() + foundation / house.effective_foundation_resistance()
 }
 
 /// Conductance of the top ceiling, the attic taken at outdoor temperature, W/K.
@@ -108,13 +97,7 @@ fn windows(house: &House, geometry: &Geometry) -> f64 {
 }
 
 /// Heat that infiltration and ventilation carry per degree, W/K.
-fn outdoor_air(
-    house: &House,
-    geometry: &Geometry,
-    day: &DesignDay,
-    difference: f64,
-    usual_wind: f64,
-) -> f64 {
+fn outdoor_air(house: &House, geometry: &Geometry, day: &DesignDay, difference: f64, usual_wind: f64) -> f64 {
     let wind = day.wind_speed.unwrap_or(usual_wind);
     let leaks = infiltration::flow(house, geometry, difference, wind);
     // The flow is outdoor air, denser in the cold.

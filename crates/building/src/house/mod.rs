@@ -46,9 +46,7 @@ pub const ATTIC: &str = "Attic";
 /// The same parameters give the same bytes.
 pub fn house(parameters: &House, site: &Site) -> Model {
     let geometry = Geometry::new(parameters);
-    let capacities = parameters
-        .capacities
-        .unwrap_or_else(|| Capacities::for_design_days(parameters, site));
+    let capacities = parameters.capacities.unwrap_or_else(|| Capacities::for_design_days(parameters, site));
     let mut model = Model::default();
     simulation::add(&mut model, parameters, site);
     zones::add(&mut model, &geometry);

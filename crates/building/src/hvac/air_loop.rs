@@ -2,4 +2,6 @@
 use super::AirLoop;
 use crate::{Model, Result};
 /// TODO
-pub fn make_controllable(_model: &mut Model, _air_loop: &str, _air_density: f64) -> Result<AirLoop> { todo!() }
+pub fn make_controllable(_model: &mut Model, _air_loop: &str, _air_density: f64) -> Result<AirLoop> {
+    todo!()
+}

@@ -17,9 +17,9 @@ use crate::{Error, Result};
 const SUPPLY_TEMPERATURE: (f64, f64) = (10.0, 45.0);
 /// The engine's limit on supply air temperature, °C: above what an agent may ask for, so that it never binds.
 const MAXIMUM_SUPPLY_TEMPERATURE: f64 = 80.0;
-/// Low speed of a single-speed cooling coil made two-speed: share of capacity and of air flow, typical of the
-/// two-stage rooftop units of ASHRAE 90.1-2019 (table 6.5.3.2.1 asks for at most 66 % flow at low stage).
-const LOW_SPEED: (f64, f64) = (0.5, 0.66);
+/// Low speed of a single-speed cooling coil made two-speed: share of its capacity and of its air flow. Both
+/// are the same, so that the flow per watt stays in the range the engine accepts.
+const LOW_SPEED: f64 = 0.5;
 /// Outdoor temperature under which the compressor stops cooling, °C. Out of reach: an overheated zone is the
 /// agent's to cool in any weather, and a lock-out would take the actuator away without a word.
 const COOLING_LOCKOUT: f64 = -60.0;
@@ -104,6 +104,8 @@ struct Unit {
     inlet: String,
     outlet: String,
     demand_inlet: String,
+    /// Nodes between its parts, as they were.
+    old_nodes: Vec<String>,
 }
 
 /// The control schedules of a zone's unit.
@@ -139,12 +141,9 @@ impl Unit {
             .ok_or_else(|| unsupported("AirLoopHVAC", air_loop, "its branches have no unitary system"))?;
         let part = |field: &str| text(component, field).unwrap_or_default().to_owned();
         let (class, name) = (part("component_object_type"), part("component_name"));
-        let zone = required(
-            model.require(&class, &name)?,
-            &class,
-            &name,
-            "controlling_zone_or_thermostat_location",
-        )?;
+        let unit = model.require(&class, &name)?;
+        let zone = required(unit, &class, &name, "controlling_zone_or_thermostat_location")?;
+        let old_nodes = inner_nodes(model, unit)?;
         Ok(Self {
             air_loop: air_loop.to_owned(),
             branch,
@@ -154,6 +153,7 @@ impl Unit {
             name,
             zone,
             demand_inlet,
+            old_nodes,
         })
     }
 
@@ -293,6 +293,17 @@ impl Unit {
     }
 }
 
+/// Every node that a fan or a coil of a unit is on.
+fn inner_nodes(model: &Model, unit: &Fields) -> Result<Vec<String>> {
+    let mut nodes = Vec::new();
+    for part in common::parts(unit) {
+        let part = model.require(&part.class, &part.name)?;
+        let ends = ["air_inlet_node_name", "air_outlet_node_name"];
+        nodes.extend(ends.iter().filter_map(|end| text(part, end)).map(str::to_owned));
+    }
+    Ok(nodes)
+}
+
 /// The nodes inside a unit.
 struct Nodes {
     fan: String,
@@ -349,7 +360,7 @@ fn two_speed_from_single(old: &Fields) -> Option<Value> {
     let cop = number(old, "gross_rated_cooling_cop")?;
     let sensible = number(old, "gross_rated_sensible_heat_ratio")?;
     let high = Speed { capacity, flow, cop, sensible };
-    let low = Speed { capacity: capacity * LOW_SPEED.0, flow: flow * LOW_SPEED.1, cop, sensible };
+    let low = Speed { capacity: capacity * LOW_SPEED, flow: flow * LOW_SPEED, cop, sensible };
     two_speed(low, high, |curve| old.get(curve).cloned())
 }
 
@@ -398,9 +409,9 @@ fn two_speed(low: Speed, high: Speed, curve: impl Fn(&str) -> Option<Value>) -> 
 /// manager, which lowers the unit's setpoint by the heat of the fan.
 fn follow_supply_temperature(model: &mut Model, unit: &Unit, nodes: &Nodes, schedule: &str) {
     let driven = [&nodes.cooling, &nodes.heating, &unit.outlet, &unit.demand_inlet];
-    let mut inside: Vec<&str> = driven.iter().map(|n| n.as_str()).collect();
-    inside.push(&unit.inlet);
-    remove_setpoint_managers(model, &inside);
+    let ends = [&unit.inlet, &unit.outlet, &unit.demand_inlet];
+    let set_before: Vec<&str> = unit.old_nodes.iter().chain(ends).map(String::as_str).collect();
+    remove_setpoint_managers(model, &set_before);
     let list = format!("{} Setpoint Nodes", unit.air_loop);
     let mut unique: Vec<&String> = driven.to_vec();
     unique.dedup();

@@ -19,11 +19,7 @@ pub struct Cache {
 impl Cache {
     /// A cache in this folder that may download.
     pub fn new(root: impl Into<PathBuf>) -> Self {
-        Self {
-            root: root.into(),
-            offline: false,
-            client_environment: Vec::new(),
-        }
+        Self { root: root.into(), offline: false, client_environment: Vec::new() }
     }
 
     /// The cache the environment asks for: [`cache_dir`], and no downloads when `B2B_OFFLINE` is set (and
@@ -33,10 +29,7 @@ impl Cache {
     /// [`Error::NoCacheFolder`] when no home folder is known.
     pub fn from_env() -> Result<Self> {
         let offline = variable("B2B_OFFLINE").is_some_and(|value| value != "0");
-        Ok(Self {
-            offline,
-            ..Self::new(cache_dir()?)
-        })
+        Ok(Self { offline, ..Self::new(cache_dir()?) })
     }
 }
 
@@ -50,10 +43,7 @@ pub fn cache_dir() -> Result<PathBuf> {
     std::path::absolute(&folder).map_err(super::error::at(folder))
 }
 
-fn cache_dir_from(
-    variable: impl Fn(&str) -> Option<OsString>,
-    home: Option<PathBuf>,
-) -> Option<PathBuf> {
+fn cache_dir_from(variable: impl Fn(&str) -> Option<OsString>, home: Option<PathBuf>) -> Option<PathBuf> {
     if let Some(folder) = variable("B2B_CACHE") {
         return Some(folder.into());
     }
@@ -67,9 +57,7 @@ fn cache_dir_from(
     } else if cfg!(target_os = "macos") {
         home?.join("Library/Caches")
     } else if cfg!(windows) {
-        variable("LOCALAPPDATA")
-            .map(PathBuf::from)
-            .or_else(|| Some(home?.join("AppData").join("Local")))?
+        variable("LOCALAPPDATA").map(PathBuf::from).or_else(|| Some(home?.join("AppData").join("Local")))?
     } else {
         home?.join(".cache")
     };
@@ -98,15 +86,9 @@ mod tests {
     fn the_cache_folder_is_b2b_cache_then_xdg_then_home() {
         let all = [("B2B_CACHE", "/b2b"), ("XDG_CACHE_HOME", "/xdg")];
         assert_eq!(dir(&all, Some("/home/me")), Some("/b2b".into()));
-        assert_eq!(
-            dir(&all[1..], Some("/home/me")),
-            Some("/xdg/building2building".into())
-        );
+        assert_eq!(dir(&all[1..], Some("/home/me")), Some("/xdg/building2building".into()));
         let relative = [("XDG_CACHE_HOME", "xdg")];
-        assert_eq!(
-            dir(&relative, Some("/home/me")),
-            Some("/home/me/.cache/building2building".into())
-        );
+        assert_eq!(dir(&relative, Some("/home/me")), Some("/home/me/.cache/building2building".into()));
     }
 
     #[cfg(target_os = "linux")]

@@ -34,8 +34,7 @@ impl Client {
         CANDIDATES.iter().find_map(|&command| {
             let output = start(command).arg("--version").output().ok()?;
             let version = String::from_utf8_lossy(&output.stdout).trim().to_owned();
-            (output.status.success() && version.starts_with("pip "))
-                .then_some(Self { command, version })
+            (output.status.success() && version.starts_with("pip ")).then_some(Self { command, version })
         })
     }
 
@@ -90,10 +89,7 @@ impl Client {
         if status.success() {
             return task.advance(bytes);
         }
-        Err(Error::Download {
-            package: requirement.to_owned(),
-            said: last_lines(&messages, 4),
-        })
+        Err(Error::Download { package: requirement.to_owned(), said: last_lines(&messages, 4) })
     }
 }
 
@@ -134,14 +130,7 @@ fn size(folder: &Path) -> u64 {
 fn last_lines(path: &Path, count: usize) -> String {
     let text = std::fs::read(path).unwrap_or_default();
     let text = String::from_utf8_lossy(&text);
-    let lines: Vec<_> = text
-        .lines()
-        .filter(|line| !line.trim().is_empty())
-        .collect();
+    let lines: Vec<_> = text.lines().filter(|line| !line.trim().is_empty()).collect();
     let last = &lines[lines.len().saturating_sub(count)..];
-    last.iter()
-        .map(|line| format!("  {line}\n"))
-        .collect::<String>()
-        .trim_end()
-        .to_owned()
+    last.iter().map(|line| format!("  {line}\n")).collect::<String>().trim_end().to_owned()
 }

@@ -40,21 +40,14 @@ pub fn report(cache: &Cache, installed: Option<&Path>, packages: &[&Package]) ->
 }
 
 fn finding(about: impl Into<String>, health: Health, detail: impl Into<String>) -> Finding {
-    Finding {
-        about: about.into(),
-        health,
-        detail: detail.into(),
-    }
+    Finding { about: about.into(), health, detail: detail.into() }
 }
 
 fn cache_folder(cache: &Cache) -> Finding {
     let path = cache.root.display();
     let (health, detail) = match std::fs::metadata(&cache.root) {
         Ok(found) if found.is_dir() => (Health::Good, format!("{path}")),
-        Ok(_) => (
-            Health::Bad,
-            format!("{path} is not a folder: remove it or set B2B_CACHE"),
-        ),
+        Ok(_) => (Health::Bad, format!("{path} is not a folder: remove it or set B2B_CACHE")),
         Err(_) => (Health::Absent, format!("{path} is made by `b2b setup`")),
     };
     finding("cache folder", health, detail)
@@ -98,21 +91,11 @@ fn installed_version(root: &Path) -> Option<String> {
 
 fn package(cache: &Cache, package: &Package) -> Finding {
     let (health, detail) = match package.verify(cache) {
-        State::Absent => (
-            Health::Absent,
-            "fetched when first needed, or by `b2b setup`".to_owned(),
-        ),
-        State::Whole { files, bytes } => (
-            Health::Good,
-            format!(
-                "{files} files, {:.0} MB, every SHA-256 is right",
-                bytes as f64 / 1e6
-            ),
-        ),
-        State::Damaged(lines) => (
-            Health::Bad,
-            format!("run `b2b setup` to repair it: {}", lines.join("; ")),
-        ),
+        State::Absent => (Health::Absent, "fetched when first needed, or by `b2b setup`".to_owned()),
+        State::Whole { files, bytes } => {
+            (Health::Good, format!("{files} files, {:.0} MB, every SHA-256 is right", bytes as f64 / 1e6))
+        }
+        State::Damaged(lines) => (Health::Bad, format!("run `b2b setup` to repair it: {}", lines.join("; "))),
     };
     finding(package.to_string(), health, detail)
 }
@@ -125,10 +108,7 @@ fn client(cache: &Cache) -> Finding {
         None => finding(
             about,
             Health::Bad,
-            format!(
-                "none of {} answers: install Python 3 with pip",
-                Client::candidates()
-            ),
+            format!("none of {} answers: install Python 3 with pip", Client::candidates()),
         ),
     }
 }

@@ -101,11 +101,7 @@ impl Engine {
     /// # Errors
     /// [`Error::NoLibrary`], and those of [`Package::ensure`].
     pub fn ensure(progress: &mut dyn Progress) -> Result<Self> {
-        Self::ensure_in(
-            &Cache::from_env()?,
-            Self::installed_by_user().as_deref(),
-            progress,
-        )
+        Self::ensure_in(&Cache::from_env()?, Self::installed_by_user().as_deref(), progress)
     }
 
     /// [`Engine::find`] with the cache and the value of `B2B_ENERGYPLUS` given.
@@ -116,9 +112,7 @@ impl Engine {
         if let Some(path) = installed {
             return Self::installed(path);
         }
-        let found = ENGINE.find(cache).ok_or_else(|| Error::NotInstalled {
-            cache: cache.root.clone(),
-        })?;
+        let found = ENGINE.find(cache).ok_or_else(|| Error::NotInstalled { cache: cache.root.clone() })?;
         Ok(Self::cached(found))
     }
 
@@ -126,11 +120,7 @@ impl Engine {
     ///
     /// # Errors
     /// As [`Engine::ensure`].
-    pub fn ensure_in(
-        cache: &Cache,
-        installed: Option<&Path>,
-        progress: &mut dyn Progress,
-    ) -> Result<Self> {
+    pub fn ensure_in(cache: &Cache, installed: Option<&Path>, progress: &mut dyn Progress) -> Result<Self> {
         match installed {
             Some(path) => Self::installed(path),
             None => Ok(Self::cached(ENGINE.ensure(cache, progress)?)),
@@ -143,19 +133,11 @@ impl Engine {
     }
 
     fn installed(path: &Path) -> Result<Self> {
-        let none = || Error::NoLibrary {
-            path: path.to_owned(),
-            looked_for: LIBRARY,
-        };
+        let none = || Error::NoLibrary { path: path.to_owned(), looked_for: LIBRARY };
         let path = std::path::absolute(path).map_err(|_| none())?;
-        let library = if path.is_dir() {
-            path.join(LIBRARY)
-        } else {
-            path
-        };
-        let is_library = library
-            .file_name()
-            .is_some_and(|name| name.to_string_lossy().contains("energyplusapi"));
+        let library = if path.is_dir() { path.join(LIBRARY) } else { path };
+        let is_library =
+            library.file_name().is_some_and(|name| name.to_string_lossy().contains("energyplusapi"));
         if !library.is_file() || !is_library {
             return Err(none());
         }
@@ -174,13 +156,7 @@ impl Engine {
             there.find(|folder| folder.is_dir())
         };
         let (models, weather) = (first(MODELS), first(WEATHER));
-        Self {
-            root,
-            library,
-            models,
-            weather,
-            source,
-        }
+        Self { root, library, models, weather, source }
     }
 }
 
@@ -211,9 +187,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let cache = Cache::new(folder.path());
         for path in [folder.path().to_owned(), folder.path().join("nowhere")] {
-            let error = Engine::find_in(&cache, Some(&path))
-                .unwrap_err()
-                .to_string();
+            let error = Engine::find_in(&cache, Some(&path)).unwrap_err().to_string();
             assert!(error.contains(path.to_str().unwrap()), "{error}");
             assert!(error.contains(LIBRARY), "{error}");
         }
@@ -222,9 +196,7 @@ mod tests {
     #[test]
     fn an_engine_that_is_nowhere_says_what_to_do() {
         let folder = tempfile::tempdir().unwrap();
-        let error = Engine::find_in(&Cache::new(folder.path()), None)
-            .unwrap_err()
-            .to_string();
+        let error = Engine::find_in(&Cache::new(folder.path()), None).unwrap_err().to_string();
         for way in ["b2b setup", "B2B_CACHE", "B2B_ENERGYPLUS"] {
             assert!(error.contains(way), "{error}");
         }
@@ -237,8 +209,7 @@ mod tests {
         let engine = Engine::ensure_in(&cache, None, &mut Quiet).unwrap();
         assert_eq!(engine, Engine::find_in(&cache, None).unwrap());
         assert_eq!(engine.source, Source::Cached);
-        let count =
-            |folder: &Option<PathBuf>| std::fs::read_dir(folder.as_ref().unwrap()).unwrap().count();
+        let count = |folder: &Option<PathBuf>| std::fs::read_dir(folder.as_ref().unwrap()).unwrap().count();
         assert_eq!(count(&engine.models), 32);
         assert_eq!(count(&engine.weather), 16);
         assert!(matches!(ENGINE.verify(&cache), State::Whole { .. }));

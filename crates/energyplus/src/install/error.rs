@@ -6,9 +6,7 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// Nothing says where the user's cache is.
-    #[error(
-        "no home folder is known, so there is no place for the cache: set B2B_CACHE to a folder"
-    )]
+    #[error("no home folder is known, so there is no place for the cache: set B2B_CACHE to a folder")]
     NoCacheFolder,
     /// No Python package client to download with.
     #[error(
@@ -33,9 +31,7 @@ pub enum Error {
         platform: String,
     },
     /// A download is needed but refused by the settings.
-    #[error(
-        "{package} is not in {cache}, or not whole, and B2B_OFFLINE forbids downloads: {ADVICE}"
-    )]
+    #[error("{package} is not in {cache}, or not whole, and B2B_OFFLINE forbids downloads: {ADVICE}")]
     Offline {
         /// The package, as `name==version`.
         package: String,

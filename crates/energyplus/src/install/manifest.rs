@@ -74,12 +74,7 @@ impl UnpackedFile {
         let path = folder.join(&self.path);
         match std::fs::metadata(&path) {
             Ok(found) if found.is_file() && found.len() == self.bytes => None,
-            Ok(found) => Some(format!(
-                "{}: {} bytes, expected {}",
-                path.display(),
-                found.len(),
-                self.bytes
-            )),
+            Ok(found) => Some(format!("{}: {} bytes, expected {}", path.display(), found.len(), self.bytes)),
             Err(error) => Some(format!("{}: {error}", path.display())),
         }
     }
@@ -128,10 +123,6 @@ pub(super) fn copy(
         bytes += read as u64;
         advance(bytes)?;
     }
-    let digest = hash
-        .finalize()
-        .iter()
-        .map(|byte| format!("{byte:02x}"))
-        .collect();
+    let digest = hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
     Ok((bytes, digest))
 }

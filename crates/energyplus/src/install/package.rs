@@ -118,10 +118,7 @@ impl Package {
         let root = self.folder(cache);
         let manifest = Manifest::read(&root)?;
         let whole = manifest.is_of(self, self.wheel().ok()?)
-            && manifest
-                .files
-                .iter()
-                .all(|file| file.missing_or_truncated(&root).is_none());
+            && manifest.files.iter().all(|file| file.missing_or_truncated(&root).is_none());
         whole.then_some(Installed { root, manifest })
     }
 
@@ -134,11 +131,7 @@ impl Package {
         let Some(manifest) = Manifest::read(&root).filter(|found| found.is_of(self, wheel)) else {
             return State::Absent;
         };
-        let damage: Vec<_> = manifest
-            .files
-            .iter()
-            .filter_map(|file| file.damage(&root))
-            .collect();
+        let damage: Vec<_> = manifest.files.iter().filter_map(|file| file.damage(&root)).collect();
         if damage.is_empty() {
             State::Whole {
                 files: manifest.files.len(),
@@ -184,10 +177,7 @@ impl Package {
         }
         let wheel = self.wheel()?;
         if cache.offline {
-            return Err(Error::Offline {
-                package: self.to_string(),
-                cache: cache.root.clone(),
-            });
+            return Err(Error::Offline { package: self.to_string(), cache: cache.root.clone() });
         }
         std::fs::create_dir_all(&cache.root).map_err(at(&cache.root))?;
         let _lock = self.lock(cache, progress)?;
@@ -199,12 +189,7 @@ impl Package {
     }
 
     /// Downloads, checks, unpacks aside and moves into place. The lock is held.
-    fn install(
-        &self,
-        wheel: &Wheel,
-        cache: &Cache,
-        progress: &mut dyn Progress,
-    ) -> Result<Installed> {
+    fn install(&self, wheel: &Wheel, cache: &Cache, progress: &mut dyn Progress) -> Result<Installed> {
         let aside = Aside::new(cache.root.join(format!(".{}.partial", self.stem())))?;
         let file = self.download(wheel, &aside, cache, progress)?;
         let unpacked = aside.folder("unpacked")?;
@@ -227,10 +212,8 @@ impl Package {
         cache: &Cache,
         progress: &mut dyn Progress,
     ) -> Result<PathBuf> {
-        let client = Client::find().ok_or_else(|| Error::NoClient {
-            package: self.to_string(),
-            tried: Client::candidates(),
-        })?;
+        let client = Client::find()
+            .ok_or_else(|| Error::NoClient { package: self.to_string(), tried: Client::candidates() })?;
         let [destination, scratch] = [aside.folder("wheel")?, aside.folder("scratch")?];
         let mut task = Task::begin(progress, format!("downloading {self}"), wheel.bytes);
         client.download(
@@ -262,10 +245,7 @@ impl Package {
         folder: &Path,
         progress: &mut dyn Progress,
     ) -> Result<Vec<UnpackedFile>> {
-        let bad = |why: String| Error::BadWheel {
-            file: wheel.file_name.to_owned(),
-            why,
-        };
+        let bad = |why: String| Error::BadWheel { file: wheel.file_name.to_owned(), why };
         let opened = File::open(file).map_err(at(file))?;
         let mut archive = ZipArchive::new(opened).map_err(|e| bad(e.to_string()))?;
         let mut wanted = Vec::new();
@@ -283,10 +263,7 @@ impl Package {
         for index in wanted {
             let mut entry = archive.by_index(index).map_err(|e| bad(e.to_string()))?;
             let name = entry.name().map_err(|e| bad(e.to_string()))?.into_owned();
-            if !Path::new(&name)
-                .components()
-                .all(|part| matches!(part, Component::Normal(_)))
-            {
+            if !Path::new(&name).components().all(|part| matches!(part, Component::Normal(_))) {
                 return Err(bad(format!("`{name}` leads out of its folder")));
             }
             let path = self.respell(&name);
@@ -298,45 +275,32 @@ impl Package {
             let advance = |bytes| task.advance(before + bytes);
             let (bytes, sha256) = manifest::copy(&mut entry, &mut out, advance, &to)?;
             before += bytes;
-            files.push(UnpackedFile {
-                path,
-                bytes,
-                sha256,
-            });
+            files.push(UnpackedFile { path, bytes, sha256 });
         }
         task.end();
         Ok(files)
     }
 
     fn wants(&self, path: &str) -> bool {
-        self.keep
-            .iter()
-            .any(|pattern| match pattern.split_once('*') {
-                None => *pattern == path,
-                Some((start, end)) => path
-                    .strip_prefix(start)
-                    .and_then(|rest| rest.strip_suffix(end))
-                    .is_some_and(|middle| !middle.contains('/')),
-            })
+        self.keep.iter().any(|pattern| match pattern.split_once('*') {
+            None => *pattern == path,
+            Some((start, end)) => path
+                .strip_prefix(start)
+                .and_then(|rest| rest.strip_suffix(end))
+                .is_some_and(|middle| !middle.contains('/')),
+        })
     }
 
     fn respell(&self, path: &str) -> String {
-        self.respelt
-            .iter()
-            .fold(path.to_owned(), |path, (wrong, right)| {
-                path.replace(wrong, right)
-            })
+        self.respelt.iter().fold(path.to_owned(), |path, (wrong, right)| path.replace(wrong, right))
     }
 
     /// The wheel for this machine.
     fn wheel(&self) -> Result<&'static Wheel> {
-        self.wheels
-            .iter()
-            .find(|wheel| wheel.platform.is_here())
-            .ok_or_else(|| Error::NoWheel {
-                package: self.to_string(),
-                platform: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
-            })
+        self.wheels.iter().find(|wheel| wheel.platform.is_here()).ok_or_else(|| Error::NoWheel {
+            package: self.to_string(),
+            platform: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
+        })
     }
 
     fn stem(&self) -> String {

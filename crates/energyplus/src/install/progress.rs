@@ -44,9 +44,7 @@ impl<'a> Task<'a> {
     pub(super) fn advance(&mut self, bytes: u64) -> Result<()> {
         match self.progress.advance(bytes) {
             ControlFlow::Continue(()) => Ok(()),
-            ControlFlow::Break(()) => Err(Error::Cancelled {
-                what: self.what.clone(),
-            }),
+            ControlFlow::Break(()) => Err(Error::Cancelled { what: self.what.clone() }),
         }
     }
 

@@ -43,19 +43,14 @@ impl Registry {
             (EPW, "LOCATION,Here\n"),
             ("tiny/weather/CA_San.Deigo.epw", "LOCATION,San Diego\n"),
         ];
-        for (path, text) in files
-            .into_iter()
-            .chain(further.iter().map(|path| (*path, "more")))
-        {
+        for (path, text) in files.into_iter().chain(further.iter().map(|path| (*path, "more"))) {
             zip.start_file(path, SimpleFileOptions::default()).unwrap();
             zip.write_all(text.as_bytes()).unwrap();
         }
         zip.finish().unwrap();
         let mut cache = Cache::new(folder.path().join("cache"));
-        cache.client_environment = vec![
-            ("PIP_NO_INDEX".into(), "1".into()),
-            ("PIP_FIND_LINKS".into(), folder.path().into()),
-        ];
+        cache.client_environment =
+            vec![("PIP_NO_INDEX".into(), "1".into()), ("PIP_FIND_LINKS".into(), folder.path().into())];
         let pinned = Wheel {
             platform: Platform::Any,
             file_name: "tiny-1.0-py3-none-any.whl",
@@ -69,11 +64,7 @@ impl Registry {
             keep,
             respelt: &[("San.Deigo", "San.Diego")],
         };
-        Self {
-            folder,
-            cache,
-            package,
-        }
+        Self { folder, cache, package }
     }
 
     fn wheel(&self) -> PathBuf {
@@ -107,16 +98,8 @@ impl Progress for &Downloads {
 #[test]
 fn only_the_wanted_files_are_unpacked_and_recorded() {
     let registry = Registry::new();
-    let found = registry
-        .package
-        .ensure(&registry.cache, &mut Quiet)
-        .unwrap();
-    let paths: Vec<_> = found
-        .manifest
-        .files
-        .iter()
-        .map(|file| file.path.as_str())
-        .collect();
+    let found = registry.package.ensure(&registry.cache, &mut Quiet).unwrap();
+    let paths: Vec<_> = found.manifest.files.iter().map(|file| file.path.as_str()).collect();
     assert_eq!(paths, [EPW, "tiny/weather/CA_San.Diego.epw"]);
     let (path, record) = found.file(EPW).unwrap();
     assert_eq!(std::fs::read_to_string(&path).unwrap(), "LOCATION,Here\n");
@@ -127,15 +110,9 @@ fn only_the_wanted_files_are_unpacked_and_recorded() {
 #[test]
 fn a_corrupted_wheel_is_refused_and_nothing_stays() {
     let registry = Registry::new();
-    let mut wheel = std::fs::OpenOptions::new()
-        .append(true)
-        .open(registry.wheel())
-        .unwrap();
+    let mut wheel = std::fs::OpenOptions::new().append(true).open(registry.wheel()).unwrap();
     wheel.write_all(b"?").unwrap();
-    let error = registry
-        .package
-        .ensure(&registry.cache, &mut Quiet)
-        .unwrap_err();
+    let error = registry.package.ensure(&registry.cache, &mut Quiet).unwrap_err();
     assert!(matches!(error, Error::Checksum { .. }), "{error}");
     assert_eq!(registry.cached(), [""; 0]);
 }
@@ -143,10 +120,7 @@ fn a_corrupted_wheel_is_refused_and_nothing_stays() {
 #[test]
 fn a_file_that_leads_out_of_the_folder_is_refused() {
     let registry = Registry::with(&["../*.epw"], &["../evil.epw"]);
-    let error = registry
-        .package
-        .ensure(&registry.cache, &mut Quiet)
-        .unwrap_err();
+    let error = registry.package.ensure(&registry.cache, &mut Quiet).unwrap_err();
     assert!(matches!(error, Error::BadWheel { .. }), "{error}");
     assert_eq!(registry.cached(), [""; 0]);
 }
@@ -160,10 +134,7 @@ fn many_at_once_download_once() {
         for _ in 0..4 {
             scope.spawn(|| {
                 start.wait();
-                registry
-                    .package
-                    .ensure(&registry.cache, &mut &downloads)
-                    .unwrap();
+                registry.package.ensure(&registry.cache, &mut &downloads).unwrap();
             });
         }
     });
@@ -175,10 +146,7 @@ fn many_at_once_download_once() {
 fn offline_without_a_cache_says_what_to_do() {
     let mut registry = Registry::new();
     registry.cache.offline = true;
-    let error = registry
-        .package
-        .ensure(&registry.cache, &mut Quiet)
-        .unwrap_err();
+    let error = registry.package.ensure(&registry.cache, &mut Quiet).unwrap_err();
     assert!(matches!(error, Error::Offline { .. }), "{error}");
     for way in ["tiny==1.0", "b2b setup", "B2B_CACHE", "B2B_ENERGYPLUS"] {
         assert!(error.to_string().contains(way), "{error}");
@@ -189,16 +157,10 @@ fn offline_without_a_cache_says_what_to_do() {
 #[test]
 fn offline_with_a_full_cache_works() {
     let mut registry = Registry::new();
-    let online = registry
-        .package
-        .ensure(&registry.cache, &mut Quiet)
-        .unwrap();
+    let online = registry.package.ensure(&registry.cache, &mut Quiet).unwrap();
     registry.cache.offline = true;
     std::fs::remove_file(registry.wheel()).unwrap();
-    let offline = registry
-        .package
-        .ensure(&registry.cache, &mut Quiet)
-        .unwrap();
+    let offline = registry.package.ensure(&registry.cache, &mut Quiet).unwrap();
     assert_eq!(offline.manifest, online.manifest);
 }
 
@@ -206,10 +168,7 @@ fn offline_with_a_full_cache_works() {
 fn a_failing_client_is_quoted() {
     let registry = Registry::new();
     std::fs::remove_file(registry.wheel()).unwrap();
-    let error = registry
-        .package
-        .ensure(&registry.cache, &mut Quiet)
-        .unwrap_err();
+    let error = registry.package.ensure(&registry.cache, &mut Quiet).unwrap_err();
     assert!(matches!(error, Error::Download { .. }), "{error}");
     for part in ["No matching distribution found for tiny==1.0", "b2b setup"] {
         assert!(error.to_string().contains(part), "{error}");
@@ -234,28 +193,18 @@ fn a_truncated_or_lost_file_is_found_and_repaired() {
         assert!(!matches!(package.verify(cache), State::Whole { .. }));
         let repaired = package.ensure(cache, &mut Quiet).unwrap();
         assert_eq!(repaired.manifest, found.manifest);
-        assert!(matches!(
-            package.verify(cache),
-            State::Whole { files: 2, .. }
-        ));
+        assert!(matches!(package.verify(cache), State::Whole { files: 2, .. }));
     }
     assert_eq!(registry.cached(), ["tiny-1.0"]);
 }
 
 #[test]
 fn a_changed_byte_is_found_by_the_doctor_and_repaired_by_setup() {
-    let Registry {
-        cache,
-        package,
-        folder: _folder,
-    } = &Registry::new();
+    let Registry { cache, package, folder: _folder } = &Registry::new();
     let found = package.ensure(cache, &mut Quiet).unwrap();
     let health = || {
         let findings = doctor::report(cache, None, &[package]);
-        let finding = findings
-            .iter()
-            .find(|finding| finding.about == "tiny==1.0")
-            .unwrap();
+        let finding = findings.iter().find(|finding| finding.about == "tiny==1.0").unwrap();
         (finding.health, finding.detail.clone())
     };
     assert_eq!(health().0, Health::Good);
@@ -271,16 +220,10 @@ fn a_changed_byte_is_found_by_the_doctor_and_repaired_by_setup() {
 #[test]
 fn another_choice_of_files_is_another_installation() {
     let mut registry = Registry::new();
-    registry
-        .package
-        .ensure(&registry.cache, &mut Quiet)
-        .unwrap();
+    registry.package.ensure(&registry.cache, &mut Quiet).unwrap();
     registry.package.keep = &["tiny/__init__.py"];
     assert!(registry.package.find(&registry.cache).is_none());
-    let found = registry
-        .package
-        .ensure(&registry.cache, &mut Quiet)
-        .unwrap();
+    let found = registry.package.ensure(&registry.cache, &mut Quiet).unwrap();
     assert!(found.file("tiny/__init__.py").is_some());
     assert!(!found.root.join(EPW).exists());
 }
@@ -291,10 +234,7 @@ fn what_a_killed_process_left_is_cleared() {
     let left = registry.cache.root.join(".tiny-1.0.partial/wheel");
     std::fs::create_dir_all(&left).unwrap();
     std::fs::write(left.join("tiny-1.0-py3-none-any.whl"), "half").unwrap();
-    registry
-        .package
-        .ensure(&registry.cache, &mut Quiet)
-        .unwrap();
+    registry.package.ensure(&registry.cache, &mut Quiet).unwrap();
     assert_eq!(registry.cached(), ["tiny-1.0"]);
 }
 
@@ -311,10 +251,7 @@ impl Progress for AtOnce {
 fn cancelling_leaves_nothing() {
     let registry = Registry::new();
     let mut cancel = AtOnce(|| ControlFlow::Break(()));
-    let error = registry
-        .package
-        .ensure(&registry.cache, &mut cancel)
-        .unwrap_err();
+    let error = registry.package.ensure(&registry.cache, &mut cancel).unwrap_err();
     assert!(matches!(&error, Error::Cancelled { what } if what == "downloading tiny==1.0"));
     assert_eq!(registry.cached(), [""; 0]);
 }
@@ -326,8 +263,5 @@ fn unwinding_leaves_nothing_and_frees_the_lock() {
     let ensure = || registry.package.ensure(&registry.cache, &mut panic);
     assert!(std::panic::catch_unwind(AssertUnwindSafe(ensure)).is_err());
     assert_eq!(registry.cached(), [""; 0]);
-    registry
-        .package
-        .ensure(&registry.cache, &mut Quiet)
-        .unwrap();
+    registry.package.ensure(&registry.cache, &mut Quiet).unwrap();
 }
