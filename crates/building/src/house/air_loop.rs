@@ -53,8 +53,7 @@ pub(super) fn add(model: &mut Model, capacities: &Capacities) {
 }
 
 fn commands(model: &mut Model) {
-    schedules::constant(model, schedules::ALWAYS, 1.0);
-    // A terminal keeps the highest value it starts with as its floor: start at 0.
+    // A VAV terminal never closes further than the value that its schedule starts with (measured).
     let flow = schedules::supply_air_flow_fraction(LIVING);
     schedules::constant(model, &flow, 0.0);
     let temperature = schedules::supply_air_temperature(LIVING);

@@ -51,6 +51,7 @@ pub fn house(parameters: &House, site: &Site) -> Model {
         .unwrap_or_else(|| Capacities::for_design_days(parameters, site));
     let mut model = Model::default();
     simulation::add(&mut model, parameters, site);
+    schedules::add(&mut model);
     zones::add(&mut model, &geometry);
     envelope::add(&mut model, parameters, &geometry);
     ground::add(&mut model, parameters, &geometry, site);
