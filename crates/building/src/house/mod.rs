@@ -12,6 +12,13 @@
 //! | `Living Supply Air Temperature` | supply air, °C | 10 to 45 |
 //! | `Living Heating Setpoint`, `Living Cooling Setpoint` | thermostat, °C; held apart so that it never moves the damper | leave |
 //!
+//! The flow is exact, and so is the supply temperature wherever the coils have the capacity (measured).
+//!
+//! # What the engine says
+//! It notes that the heating coil's flow per capacity is out of range under half of the design flow: a heat pump of
+//! usual size has a narrower range than a variable flow, and the supply temperature stays exact. Under 0.1 of the
+//! design flow its psychrometrics leave their range: keep to 0, or 0.2 and more.
+//!
 //! # What it stands for
 //! The ducted houses of Québec. They are about a quarter of its detached stock; half of that stock heats with
 //! baseboards and has no air system to control.
