@@ -16,7 +16,7 @@
 //!
 //! # What the engine says
 //! It notes that the heating coil's flow per capacity is out of range under half of the design flow: a heat pump of
-//! usual size has a narrower range than a variable flow, and the supply temperature stays exact. Under 0.1 of the
+//! usual size has a narrower range than a variable flow, and the supply temperature stays exact. At 0.1 and less of the
 //! design flow its psychrometrics leave their range: keep to 0, or 0.2 and more.
 //!
 //! # What it stands for
