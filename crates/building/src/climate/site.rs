@@ -56,6 +56,8 @@ impl Site {
 
     /// Reads the place from an EPW text; `path` is for the error messages.
     ///
+    /// A file without design conditions gets them from its own hours.
+    ///
     /// # Errors
     /// [`Error::Malformed`] naming the header line and the value when LOCATION, DESIGN CONDITIONS or
     /// GROUND TEMPERATURES is missing, cut short or not numeric.
@@ -63,6 +65,13 @@ impl Site {
         let header = Header { text, path };
         let location = header.line("LOCATION")?;
         let design = header.line("DESIGN CONDITIONS")?;
+        let (heating, cooling) = match design.text(1)? {
+            "0" => design_days_of_year(text, &design)?,
+            _ => (
+                design.after("Heating")?.heating()?,
+                design.after("Cooling")?.cooling()?,
+            ),
+        };
         Ok(Self {
             name: location.text(1)?.to_owned(),
             latitude: location.within(6, 90.0)?,
@@ -70,8 +79,8 @@ impl Site {
             time_zone: location.within(8, 14.0)?,
             elevation: location.number(9)?,
             ground_temperatures: ground_temperatures(&header.line("GROUND TEMPERATURES")?)?,
-            heating: design.after("Heating")?.heating()?,
-            cooling: design.after("Cooling")?.cooling()?,
+            heating,
+            cooling,
         })
     }
 }
@@ -176,6 +185,56 @@ impl<'a> Line<'a> {
     }
 }
 
+/// Design days of a file whose header has none: the 99.6 % and 0.4 % dry bulbs of its hours, as ASHRAE defines them,
+/// without wind.
+fn design_days_of_year(text: &str, line: &Line) -> Result<(DesignDay, DesignDay)> {
+    let mut hours: Vec<(f64, u32)> = text
+        .lines()
+        .skip(8)
+        .filter_map(month_and_dry_bulb)
+        .collect();
+    if hours.len() < 8760 {
+        let why = format!("none, and only {} hours to take them from", hours.len());
+        return Err(line.malformed(why));
+    }
+    let daily_range = |month| mean_daily_range(&hours, month);
+    let ranges: Vec<f64> = (1..=12).map(daily_range).collect();
+    hours.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let exceeded = |fraction: f64| hours[(fraction * (hours.len() - 1) as f64) as usize];
+    let day = |(dry_bulb, month): (f64, u32), daily_range| DesignDay {
+        month,
+        dry_bulb,
+        daily_range,
+        wind_speed: None,
+    };
+    let (cold, hot) = (exceeded(0.004), exceeded(0.996));
+    Ok((day(cold, 0.0), day(hot, ranges[hot.1 as usize - 1])))
+}
+
+fn month_and_dry_bulb(hour: &str) -> Option<(f64, u32)> {
+    let mut fields = hour.split(',').map(str::trim);
+    let month = fields.nth(1)?.parse().ok()?;
+    let dry_bulb: f64 = fields.nth(4)?.parse().ok()?;
+    (dry_bulb.is_finite() && (1..=12).contains(&month)).then_some((dry_bulb, month))
+}
+
+/// Mean over the days of a month of their highest minus their lowest hour, K.
+fn mean_daily_range(hours: &[(f64, u32)], month: u32) -> f64 {
+    let ranges: Vec<f64> = hours
+        .chunks(24)
+        .filter(|day| day[0].1 == month)
+        .map(|day| {
+            let (low, high) = day
+                .iter()
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), d| {
+                    (l.min(d.0), h.max(d.0))
+                });
+            high - low
+        })
+        .collect();
+    ranges.iter().sum::<f64>() / ranges.len().max(1) as f64
+}
+
 fn ground_temperatures(line: &Line) -> Result<[f64; 12]> {
     let depths = line.number(1)? as usize;
     for depth in 0..depths {
@@ -195,7 +254,7 @@ fn ground_temperatures(line: &Line) -> Result<[f64; 12]> {
 pub(crate) mod tests {
     use super::*;
 
-    /// The header of Montréal's CWEC file, with a warmer ground at the other depths left out.
+    /// The header of Montréal's CWEC file, shortened.
     pub(crate) const MONTREAL: &str = "\
 LOCATION,Montreal Int'l,PQ,CAN,WYEC2-B-94792,716270,45.47,-73.75,-5.0,36.0
 DESIGN CONDITIONS,1,Climate Design Data 2009 ASHRAE Handbook,,Heating,1,-23.7,-21.1,-30.5,0.2,-23,-27.9,0.3,-20.6,12.9,-5.3,11.5,-7.9,3.9,260,Cooling,7,9.3,30,22.1,28.5,21.1,27.1,20.2,23.2,28.1,22.2,26.6,21.4,25.6,4.9,220,21.6
@@ -229,9 +288,29 @@ DATA PERIODS,1,1,Data,Sunday, 1/ 1,12/31
     }
 
     #[test]
+    fn a_file_without_design_conditions_takes_them_from_its_hours() {
+        let (before, after) = MONTREAL.split_once("DESIGN CONDITIONS").unwrap();
+        let (_, after) = after.split_once('\n').unwrap();
+        let mut text = format!("{before}DESIGN CONDITIONS,0\n{after}");
+        assert!(why(&text).contains("only 0 hours"), "{}", why(&text));
+        for hour in 0..8760 {
+            let month = 1 + (hour / 24) / 31;
+            let dry_bulb = if month == 1 { -20 } else { 20 + hour % 24 % 12 };
+            text += &format!("1999,{month},1,1,60,flags,{dry_bulb}\n");
+        }
+        let site = Site::from_epw(&text, Path::new("a.epw")).unwrap();
+        assert_eq!((site.heating.month, site.heating.dry_bulb), (1, -20.0));
+        assert_eq!(
+            (site.cooling.dry_bulb, site.cooling.daily_range),
+            (31.0, 11.0)
+        );
+    }
+
+    #[test]
     fn a_cut_header_names_the_line_that_is_wrong() {
         assert!(why("").contains("no LOCATION line"));
-        assert!(why("LOCATION,Montreal,PQ\nDESIGN CONDITIONS,0").contains("LOCATION: cut short"));
+        let text = MONTREAL.replace(",45.47,-73.75,-5.0,36.0", "");
+        assert!(why(&text).contains("LOCATION: cut short"));
         let text = MONTREAL.replace(",Cooling,", ",");
         assert!(why(&text).contains("DESIGN CONDITIONS: no Cooling part"));
         let text = MONTREAL.replace(",12.81,8.08", "");

@@ -17,7 +17,7 @@ pub(super) const FILM_WALL: f64 = 0.12;
 pub(super) const FILM_CEILING: f64 = 0.11;
 /// Least resistance of a layer that EnergyPlus accepts without mass, m²K/W.
 const LEAST_RESISTANCE: f64 = 0.01;
-/// Area of partitions and floors between levels per heated floor area (engineering judgement).
+/// Area of partitions per heated floor area (engineering judgement).
 const PARTITIONS: f64 = 1.0;
 
 /// A layer with mass: name, thickness m, conductivity W/m·K, density kg/m³, specific heat J/kg·K, roughness, solar
@@ -49,7 +49,7 @@ impl Layer {
 }
 
 pub(super) fn add(model: &mut Model, house: &House, geometry: &Geometry) {
-    for layer in [SIDING, SHEATHING, SHINGLES, GYPSUM, CONCRETE] {
+    for layer in [SIDING, SHEATHING, SHINGLES, GYPSUM] {
         layer.add(model);
     }
     walls(model, house, geometry);
@@ -59,6 +59,7 @@ pub(super) fn add(model: &mut Model, house: &House, geometry: &Geometry) {
     if house.foundation == Foundation::Basement {
         foundation_above_grade(model, house, geometry);
     }
+    floors(model, geometry);
     partitions(model, house);
 }
 
@@ -74,6 +75,7 @@ fn walls(model: &mut Model, house: &House, geometry: &Geometry) {
 }
 
 fn foundation_above_grade(model: &mut Model, house: &House, geometry: &Geometry) {
+    CONCRETE.add(model);
     let others = FILM_OUTSIDE + CONCRETE.resistance() + GYPSUM.resistance() + FILM_WALL;
     let resistance = house.effective_foundation_resistance() - others;
     insulation(model, "Foundation Insulation", resistance);
@@ -133,6 +135,39 @@ fn windows(model: &mut Model, house: &House, geometry: &Geometry) {
         }
         let name = format!("Living {} Window", side.name());
         model.insert("FenestrationSurface:Detailed", &name, window);
+    }
+}
+
+/// The floors between levels: both faces are in the heated zone, which they give mass and floor area.
+fn floors(model: &mut Model, geometry: &Geometry) {
+    if geometry.levels < 2 {
+        return;
+    }
+    construction(model, "Storey Floor", &["Gypsum", "Sheathing"]);
+    construction(model, "Storey Ceiling", &["Sheathing", "Gypsum"]);
+    for (level, z) in geometry.storey_floors().enumerate() {
+        let floor = format!("Living Floor {}", level + 2);
+        let ceiling = format!("Living Ceiling {}", level + 1);
+        let down = geometry.facing_down(z);
+        surface(
+            model,
+            &floor,
+            LIVING,
+            "Floor",
+            "Storey Floor",
+            Faces::Surface(&ceiling),
+            &down,
+        );
+        let up = geometry.facing_up(z);
+        surface(
+            model,
+            &ceiling,
+            LIVING,
+            "Ceiling",
+            "Storey Ceiling",
+            Faces::Surface(&floor),
+            &up,
+        );
     }
 }
 

@@ -9,6 +9,8 @@ use super::{Foundation, House};
 const STOREY_HEIGHT: f64 = 2.44;
 /// Basement wall above grade, m (engineering judgement; NBC 9.15.4.6 asks for at least 0.15).
 const FOUNDATION_ABOVE_GRADE: f64 = 0.4;
+/// Joists under a floor between storeys, m; they rest on the sill (engineering judgement).
+const JOISTS: f64 = 0.25;
 /// Rise over run of the roof (engineering judgement).
 const ROOF_PITCH: f64 = 5.0 / 12.0;
 
@@ -102,6 +104,12 @@ impl Geometry {
     /// Depth of the lowest floor under grade, m.
     pub fn depth(&self) -> f64 {
         -self.floor
+    }
+
+    /// Levels of the floors between storeys, from below.
+    pub fn storey_floors(&self) -> impl Iterator<Item = f64> {
+        let floor = self.floor + JOISTS;
+        (1..self.levels).map(move |level| floor + STOREY_HEIGHT * f64::from(level))
     }
 
     /// Volume of the heated zone, m³.

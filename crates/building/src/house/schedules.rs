@@ -4,8 +4,17 @@ use serde_json::{Value, json};
 
 use crate::Model;
 
+/// Values of every schedule: any number.
+const ANY_NUMBER: &str = "Any Number";
 /// A schedule that is 1.
 pub(super) const ALWAYS: &str = "Always On";
+
+/// What every other schedule refers to.
+pub(super) fn add(model: &mut Model) {
+    let limits = json!({"numeric_type": "Continuous"});
+    model.insert("ScheduleTypeLimits", ANY_NUMBER, limits);
+    constant(model, ALWAYS, 1.0);
+}
 
 /// The flow command of a zone, as a fraction of its terminal's design flow.
 pub(super) fn supply_air_flow_fraction(zone: &str) -> String {
@@ -29,7 +38,8 @@ pub(super) fn cooling_setpoint(zone: &str) -> String {
 
 /// A schedule that holds a value, and that an actuator may set.
 pub(super) fn constant(model: &mut Model, name: &str, value: f64) {
-    model.insert("Schedule:Constant", name, json!({"hourly_value": value}));
+    let schedule = json!({"schedule_type_limits_name": ANY_NUMBER, "hourly_value": value});
+    model.insert("Schedule:Constant", name, schedule);
 }
 
 /// A schedule of every weekday hour and every weekend hour.
@@ -42,7 +52,8 @@ pub(super) fn daily(model: &mut Model, name: &str, weekday: &[f64; 24], weekend:
             data.push(json!({"field": value}));
         }
     }
-    model.insert("Schedule:Compact", name, json!({"data": data}));
+    let schedule = json!({"schedule_type_limits_name": ANY_NUMBER, "data": data});
+    model.insert("Schedule:Compact", name, schedule);
 }
 
 fn field(text: &str) -> Value {

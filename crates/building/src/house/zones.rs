@@ -13,13 +13,11 @@ pub(super) fn add(model: &mut Model, geometry: &Geometry) {
     let living = json!({
         "idf_order": 1,
         "volume": geometry.living_volume(),
-        "floor_area": geometry.footprint() * f64::from(geometry.levels),
     });
     model.insert("Zone", LIVING, living);
     let attic = json!({
         "idf_order": 2,
         "volume": geometry.attic_volume(),
-        "floor_area": geometry.footprint(),
         "part_of_total_floor_area": "No",
     });
     model.insert("Zone", ATTIC, attic);
