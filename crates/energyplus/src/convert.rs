@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::coroutine::{EngineRun, Outcome};
+use crate::coroutine::{EngineRun, Outcome, Stops};
 use crate::simulation::{path_text, temporary_folder};
 use crate::{Error, Library, Result};
 
@@ -19,7 +19,7 @@ impl Library {
         let folder = temporary_folder()?;
         let arguments =
             ["energyplus", "-c", "--convert-only", "-d", path_text(folder.path())?, path_text(idf)?];
-        let mut run = EngineRun::new(self, &arguments, &[], false)?;
+        let mut run = EngineRun::new(self, &arguments, &[], Stops { warmup_steps: false, steps: false })?;
         let code = loop {
             if let Outcome::Returned(code) = run.resume() {
                 break code;

@@ -27,13 +27,19 @@ thread_local! {
     static CURRENT: Cell<*const Context> = const { Cell::new(ptr::null()) };
 }
 
+/// At which zone time steps a run is suspended.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Stops {
+    pub(crate) warmup_steps: bool,
+    pub(crate) steps: bool,
+}
+
 /// What the callbacks of one run share with its owner.
 struct Context {
     api: Arc<Api>,
     state: State,
     yielder: Cell<*const Yielder<(), Event>>,
-    /// Whether warm-up steps suspend the run.
-    yield_in_warmup: bool,
+    stops: Stops,
     started: Cell<bool>,
     stopping: Cell<bool>,
     messages: RefCell<Messages>,
@@ -59,7 +65,7 @@ impl EngineRun {
         library: &Library,
         arguments: &[&str],
         requests: &[(String, String)],
-        yield_in_warmup: bool,
+        stops: Stops,
     ) -> Result<Self> {
         let _turn = turn();
         let api = Arc::clone(&library.api);
@@ -76,7 +82,7 @@ impl EngineRun {
             api: Arc::clone(&api),
             state,
             yielder: Cell::new(ptr::null()),
-            yield_in_warmup,
+            stops,
             started: Cell::new(false),
             stopping: Cell::new(false),
             messages: RefCell::new(Messages::default()),
@@ -89,7 +95,9 @@ impl EngineRun {
             (api.registerStdOutCallback)(state, on_console);
             (api.callbackBeginZoneTimeStepBeforeInitHeatBalance)(state, on_begin_zone_step);
             (api.callbackAfterNewEnvironmentWarmupComplete)(state, on_warmup_complete);
-            (api.callbackEndOfZoneTimeStepAfterZoneReporting)(state, on_end_zone_step);
+            if stops.steps || stops.warmup_steps {
+                (api.callbackEndOfZoneTimeStepAfterZoneReporting)(state, on_end_zone_step);
+            }
             for (name, key) in &requests {
                 (api.requestVariable)(state, name.as_ptr(), key.as_ptr());
             }
@@ -228,10 +236,10 @@ extern "C" fn on_end_zone_step(_: State) {
     if !run.in_weather_run() {
         return;
     }
-    if !run.in_warmup() {
-        run.suspend(Event::Step);
-    } else if run.yield_in_warmup {
-        run.suspend(Event::WarmupStep);
+    match run.in_warmup() {
+        true if run.stops.warmup_steps => run.suspend(Event::WarmupStep),
+        false if run.stops.steps => run.suspend(Event::Step),
+        _ => {}
     }
 }
 

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
 
-use crate::coroutine::{EngineRun, Outcome, c_string};
+use crate::coroutine::{EngineRun, Outcome, Stops, c_string};
 use crate::message::{Level, Messages};
 use crate::{Error, Library, Result};
 
@@ -28,7 +28,7 @@ pub struct Run {
     weather: PathBuf,
     output: Option<PathBuf>,
     requests: Vec<(String, String)>,
-    yield_in_warmup: bool,
+    stops: Stops,
 }
 
 impl Run {
@@ -39,7 +39,7 @@ impl Run {
             weather: weather.into(),
             output: None,
             requests: Vec::new(),
-            yield_in_warmup: false,
+            stops: Stops { warmup_steps: false, steps: true },
         }
     }
 
@@ -60,7 +60,15 @@ impl Run {
     /// Suspends the run at every zone time step of warm-up too, so that it can be controlled there.
     #[must_use]
     pub fn yield_in_warmup(mut self) -> Self {
-        self.yield_in_warmup = true;
+        self.stops.warmup_steps = true;
+        self
+    }
+
+    /// Suspends the run at no zone time step: only before and after warm-up. This is the engine at its own
+    /// speed.
+    #[must_use]
+    pub fn uninterrupted(mut self) -> Self {
+        self.stops = Stops { warmup_steps: false, steps: false };
         self
     }
 
@@ -82,7 +90,7 @@ impl Run {
     /// # Errors
     /// As [`Run::start`].
     pub fn to_end(self, library: &Library) -> Result<Messages> {
-        let mut simulation = self.prepare(library)?;
+        let mut simulation = self.uninterrupted().prepare(library)?;
         while simulation.advance()?.is_some() {}
         Ok(simulation.messages())
     }
@@ -108,7 +116,7 @@ impl Run {
             path_text(&self.weather)?,
             path_text(&self.model)?,
         ];
-        let run = EngineRun::new(library, &arguments, &self.requests, self.yield_in_warmup)?;
+        let run = EngineRun::new(library, &arguments, &self.requests, self.stops)?;
         Ok(Simulation { run, model: self.model, _temporary: temporary })
     }
 }

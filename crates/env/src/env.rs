@@ -55,6 +55,7 @@ pub struct Env {
     action: Vec<f64>,
     metrics: Metrics,
     messages: Messages,
+    observe_effects: bool,
     /// The model file and the engine's own files; goes with the environment.
     folder: TempDir,
 }
@@ -80,6 +81,8 @@ struct Live {
     outdoor: [Variable; 2],
     meters: [Option<Meter>; 2],
     actuators: Vec<(Actuator, f64)>,
+    /// What the actuators drive, if it is observed.
+    effects: Vec<Variable>,
 }
 
 impl Env {
@@ -108,6 +111,7 @@ impl Env {
             action: vec![0.0; action_space.len()],
             metrics: Metrics::new(&zones, episode.steps_per_hour),
             messages: Messages::default(),
+            observe_effects: false,
             library,
             building,
             episode,
@@ -118,6 +122,13 @@ impl Env {
         })
     }
 
+    /// Has the engine keep what each actuator drives readable: see [`Env::effect`].
+    #[must_use]
+    pub fn observe_effects(mut self) -> Self {
+        self.observe_effects = true;
+        self
+    }
+
     /// Starts an episode: the engine is started and warmed up under a small fixed controller. Returns the
     /// observation at midnight of the first day, with no energy yet.
     ///
@@ -126,7 +137,9 @@ impl Env {
     pub fn reset(&mut self) -> Result<&[f64]> {
         self.live = None;
         self.metrics = Metrics::new(&self.zones, self.episode.steps_per_hour);
-        let mut live = Live::start(&self.library, &self.building, &self.model_path(), &self.episode.weather)?;
+        let effects = self.observe_effects;
+        let (model, weather) = (self.model_path(), &self.episode.weather);
+        let mut live = Live::start(&self.library, &self.building, &model, weather, effects)?;
         self.warm_up(&mut live)?;
         self.observe(&live, [0.0; 2])?;
         self.live = Some(live);
@@ -222,10 +235,11 @@ impl Env {
         Ok(METERS.map(|meter| run_period_value(&text, meter).unwrap_or(0.0) / JOULES_PER_WATT_HOUR / area))
     }
 
-    /// The simulation behind the episode in progress, to read what is not in the observation. Variables must
-    /// have been requested, and are: those of the actuators' effects.
-    pub fn simulation(&self) -> Option<&Simulation> {
-        self.live.as_ref().map(|live| &live.simulation)
+    /// The quantity that an actuator drives, as the engine has it at the end of the last step, in the unit of
+    /// its effect. `None` without [`Env::observe_effects`] or an episode in progress.
+    pub fn effect(&self, actuator: usize) -> Option<f64> {
+        let live = self.live.as_ref()?;
+        live.effects.get(actuator).map(|variable| live.simulation.read(*variable))
     }
 
     fn model_path(&self) -> PathBuf {
@@ -300,7 +314,13 @@ impl Env {
 const MODEL_FILE: &str = "model.epJSON";
 
 impl Live {
-    fn start(library: &Library, building: &PreparedBuilding, model: &Path, weather: &Path) -> Result<Self> {
+    fn start(
+        library: &Library,
+        building: &PreparedBuilding,
+        model: &Path,
+        weather: &Path,
+        observe_effects: bool,
+    ) -> Result<Self> {
         const TEMPERATURE: &str = "Zone Mean Air Temperature";
         const OUTDOOR: [&str; 2] =
             ["Site Outdoor Air Drybulb Temperature", "Site Outdoor Air Relative Humidity"];
@@ -312,6 +332,10 @@ impl Live {
         }
         for name in OUTDOOR {
             run = run.request(name, SITE);
+        }
+        let effects: Vec<_> = building.actuators().map(|a| &a.effect).filter(|_| observe_effects).collect();
+        for effect in &effects {
+            run = run.request(&effect.name, &effect.key);
         }
         let simulation = run.start(library)?;
         let actuator = |a: &b2b_building::hvac::Actuator| {
@@ -326,6 +350,10 @@ impl Live {
             outdoor: [simulation.variable(OUTDOOR[0], SITE)?, simulation.variable(OUTDOOR[1], SITE)?],
             meters: METERS.map(|meter| simulation.meter(meter).ok()),
             actuators: building.actuators().map(actuator).collect::<Result<_>>()?,
+            effects: effects
+                .iter()
+                .map(|effect| simulation.variable(&effect.name, &effect.key))
+                .collect::<std::result::Result<_, _>>()?,
             simulation,
         })
     }

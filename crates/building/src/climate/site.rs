@@ -67,10 +67,7 @@ impl Site {
         let design = header.line("DESIGN CONDITIONS")?;
         let (heating, cooling) = match design.text(1)? {
             "0" => design_days_of_year(text, &design)?,
-            _ => (
-                design.after("Heating")?.heating()?,
-                design.after("Cooling")?.cooling()?,
-            ),
+            _ => (design.after("Heating")?.heating()?, design.after("Cooling")?.cooling()?),
         };
         Ok(Self {
             name: location.text(1)?.to_owned(),
@@ -188,11 +185,7 @@ impl<'a> Line<'a> {
 /// Design days of a file whose header has none: the 99.6 % and 0.4 % dry bulbs of its hours, as ASHRAE defines them,
 /// without wind.
 fn design_days_of_year(text: &str, line: &Line) -> Result<(DesignDay, DesignDay)> {
-    let mut hours: Vec<(f64, u32)> = text
-        .lines()
-        .skip(8)
-        .filter_map(month_and_dry_bulb)
-        .collect();
+    let mut hours: Vec<(f64, u32)> = text.lines().skip(8).filter_map(month_and_dry_bulb).collect();
     if hours.len() < 8760 {
         let why = format!("none, and only {} hours to take them from", hours.len());
         return Err(line.malformed(why));
@@ -224,11 +217,8 @@ fn mean_daily_range(hours: &[(f64, u32)], month: u32) -> f64 {
         .chunks(24)
         .filter(|day| day[0].1 == month)
         .map(|day| {
-            let (low, high) = day
-                .iter()
-                .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), d| {
-                    (l.min(d.0), h.max(d.0))
-                });
+            let (low, high) =
+                day.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), d| (l.min(d.0), h.max(d.0)));
             high - low
         })
         .collect();
@@ -300,10 +290,7 @@ DATA PERIODS,1,1,Data,Sunday, 1/ 1,12/31
         }
         let site = Site::from_epw(&text, Path::new("a.epw")).unwrap();
         assert_eq!((site.heating.month, site.heating.dry_bulb), (1, -20.0));
-        assert_eq!(
-            (site.cooling.dry_bulb, site.cooling.daily_range),
-            (31.0, 11.0)
-        );
+        assert_eq!((site.cooling.dry_bulb, site.cooling.daily_range), (31.0, 11.0));
     }
 
     #[test]

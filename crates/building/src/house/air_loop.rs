@@ -84,6 +84,7 @@ fn supply_side(model: &mut Model, capacities: &Capacities) {
 fn unit(model: &mut Model, capacities: &Capacities) {
     let mut unit = json!({
         "control_type": "SetPoint",
+                "controlling_zone_or_thermostat_location": LIVING,
         "availability_schedule_name": schedules::ALWAYS,
         "supply_air_fan_operating_mode_schedule_name": schedules::ALWAYS,
         "air_inlet_node_name": UNIT_INLET,

@@ -149,25 +149,9 @@ fn floors(model: &mut Model, geometry: &Geometry) {
         let floor = format!("Living Floor {}", level + 2);
         let ceiling = format!("Living Ceiling {}", level + 1);
         let down = geometry.facing_down(z);
-        surface(
-            model,
-            &floor,
-            LIVING,
-            "Floor",
-            "Storey Floor",
-            Faces::Surface(&ceiling),
-            &down,
-        );
+        surface(model, &floor, LIVING, "Floor", "Storey Floor", Faces::Surface(&ceiling), &down);
         let up = geometry.facing_up(z);
-        surface(
-            model,
-            &ceiling,
-            LIVING,
-            "Ceiling",
-            "Storey Ceiling",
-            Faces::Surface(&floor),
-            &up,
-        );
+        surface(model, &ceiling, LIVING, "Ceiling", "Storey Ceiling", Faces::Surface(&floor), &up);
     }
 }
 

@@ -16,12 +16,7 @@ fn houses() -> Vec<House> {
     for foundation in [Foundation::Basement, Foundation::Slab] {
         for storeys in [1, 2] {
             for backup in [Backup::Electric, Backup::Gas { efficiency: 0.9 }] {
-                houses.push(House {
-                    foundation,
-                    storeys,
-                    backup,
-                    ..House::default()
-                });
+                houses.push(House { foundation, storeys, backup, ..House::default() });
             }
         }
     }
@@ -29,30 +24,20 @@ fn houses() -> Vec<House> {
 }
 
 fn close(a: f64, b: f64) {
-    assert!(
-        (a - b).abs() < TOLERANCE * b.abs().max(1.0),
-        "{a} is not {b}"
-    );
+    assert!((a - b).abs() < TOLERANCE * b.abs().max(1.0), "{a} is not {b}");
 }
 
 /// The polygons of a zone, outward.
 fn polygons(model: &Model, zone: &str) -> Vec<Vec<[f64; 3]>> {
     let of_zone = |(_, fields): &(&str, &Fields)| text(fields, "zone_name") == Some(zone);
     let surfaces = model.objects("BuildingSurface:Detailed");
-    surfaces
-        .iter()
-        .filter(|s| of_zone(s))
-        .map(|(_, fields)| vertices(fields))
-        .collect()
+    surfaces.iter().filter(|s| of_zone(s)).map(|(_, fields)| vertices(fields)).collect()
 }
 
 fn vertices(fields: &Fields) -> Vec<[f64; 3]> {
     let vertices = fields["vertices"].as_array().unwrap();
     let axis = |v: &Value, name: &str| v[format!("vertex_{name}_coordinate")].as_f64().unwrap();
-    vertices
-        .iter()
-        .map(|v| ["x", "y", "z"].map(|name| axis(v, name)))
-        .collect()
+    vertices.iter().map(|v| ["x", "y", "z"].map(|name| axis(v, name))).collect()
 }
 
 /// Area times unit normal.
@@ -79,17 +64,12 @@ fn volume(polygons: &[Vec<[f64; 3]>]) -> f64 {
 /// Resistance of a layered construction between its faces, m²K/W.
 fn resistance(model: &Model, construction: &str) -> f64 {
     let layers = model.require("Construction", construction).unwrap();
-    layers
-        .values()
-        .map(|layer| layer_resistance(model, layer.as_str().unwrap()))
-        .sum()
+    layers.values().map(|layer| layer_resistance(model, layer.as_str().unwrap())).sum()
 }
 
 fn layer_resistance(model: &Model, layer: &str) -> f64 {
     match model.get("Material", layer) {
-        Some(material) => {
-            number(material, "thickness").unwrap() / number(material, "conductivity").unwrap()
-        }
+        Some(material) => number(material, "thickness").unwrap() / number(material, "conductivity").unwrap(),
         None => {
             let material = model.require("Material:NoMass", layer).unwrap();
             number(material, "thermal_resistance").unwrap()
@@ -104,11 +84,7 @@ fn volumes_and_areas_follow_from_the_parameters() {
     close(geometry.footprint(), 80.0);
     close(geometry.length / geometry.width, house.aspect);
     close(geometry.living_volume(), 160.0 * 2.44);
-    let two_storeys = House {
-        storeys: 2,
-        foundation: Foundation::Slab,
-        ..house
-    };
+    let two_storeys = House { storeys: 2, foundation: Foundation::Slab, ..house };
     close(Geometry::new(&two_storeys).footprint(), 80.0);
     close(Geometry::new(&two_storeys).depth(), 0.0);
 }
@@ -144,19 +120,12 @@ fn surfaces_close_the_zone() {
 
 #[test]
 fn windows_cover_their_share_of_the_walls() {
-    let parameters = House {
-        window_to_wall: 0.18,
-        ..House::default()
-    };
+    let parameters = House { window_to_wall: 0.18, ..House::default() };
     let geometry = Geometry::new(&parameters);
     let norm = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
     let area: f64 = geometry::Side::ALL
         .iter()
-        .map(|side| {
-            norm(area_vector(
-                &geometry.window(*side, parameters.window_to_wall),
-            ))
-        })
+        .map(|side| norm(area_vector(&geometry.window(*side, parameters.window_to_wall))))
         .sum();
     close(area, 0.18 * geometry.wall_area());
 }
@@ -166,40 +135,25 @@ fn assembly_u_values_match_the_effective_r() {
     for parameters in houses() {
         let model = house(&parameters, &site());
         let films = envelope::FILM_OUTSIDE + envelope::FILM_WALL;
-        close(
-            resistance(&model, "Wall") + films,
-            parameters.effective_wall_resistance(),
-        );
+        close(resistance(&model, "Wall") + films, parameters.effective_wall_resistance());
         let ceiling = resistance(&model, "Ceiling") + 2.0 * envelope::FILM_CEILING;
         close(ceiling, parameters.effective_attic_resistance());
-        close(
-            resistance(&model, "Ceiling"),
-            resistance(&model, "Attic Floor"),
-        );
+        close(resistance(&model, "Ceiling"), resistance(&model, "Attic Floor"));
         if parameters.foundation == Foundation::Basement {
             let foundation = parameters.effective_foundation_resistance();
             close(resistance(&model, "Foundation Wall") + films, foundation);
             let class = "Construction:CfactorUndergroundWall";
             let wall = model.require(class, "Basement Wall").unwrap();
-            close(
-                1.0 / number(wall, "c_factor").unwrap() + envelope::FILM_WALL,
-                foundation,
-            );
+            close(1.0 / number(wall, "c_factor").unwrap() + envelope::FILM_WALL, foundation);
         }
-        let glazing = model
-            .require("WindowMaterial:SimpleGlazingSystem", "Glazing")
-            .unwrap();
+        let glazing = model.require("WindowMaterial:SimpleGlazingSystem", "Glazing").unwrap();
         assert_eq!(number(glazing, "u_factor"), Some(parameters.window_u));
     }
 }
 
 #[test]
 fn a_poor_assembly_still_has_a_positive_resistance() {
-    let parameters = House {
-        wall_resistance: 0.1,
-        attic_resistance: 0.1,
-        ..House::default()
-    };
+    let parameters = House { wall_resistance: 0.1, attic_resistance: 0.1, ..House::default() };
     assert!(resistance(&house(&parameters, &site()), "Wall") > 0.0);
 }
 
@@ -225,48 +179,29 @@ fn every_construction_of_a_surface_exists() {
         let model = house(&parameters, &site());
         for (name, surface) in model.objects("BuildingSurface:Detailed") {
             let construction = text(surface, "construction_name").unwrap();
-            let classes = [
-                "Construction",
-                "Construction:CfactorUndergroundWall",
-                "Construction:FfactorGroundFloor",
-            ];
-            assert!(
-                classes
-                    .iter()
-                    .any(|class| model.contains(class, construction)),
-                "{name}"
-            );
+            let classes =
+                ["Construction", "Construction:CfactorUndergroundWall", "Construction:FfactorGroundFloor"];
+            assert!(classes.iter().any(|class| model.contains(class, construction)), "{name}");
         }
     }
 }
 
 #[test]
 fn the_heated_zone_comes_first() {
-    assert_eq!(
-        house(&House::default(), &site()).names("Zone"),
-        [LIVING, ATTIC]
-    );
+    assert_eq!(house(&House::default(), &site()).names("Zone"), [LIVING, ATTIC]);
 }
 
 #[test]
 fn the_commands_are_constant_schedules_and_the_damper_starts_closed() {
     let model = house(&House::default(), &site());
-    let value = |name| {
-        number(
-            model.require("Schedule:Constant", name).unwrap(),
-            "hourly_value",
-        )
-    };
+    let value = |name| number(model.require("Schedule:Constant", name).unwrap(), "hourly_value");
     assert_eq!(value("Living Supply Air Flow Fraction"), Some(0.0));
     assert_eq!(value("Living Supply Air Temperature"), Some(21.0));
     assert!(value("Living Heating Setpoint") < value("Living Cooling Setpoint"));
     let managers = model.objects("SetpointManager:Scheduled");
     assert_eq!(managers.len(), 4);
     for (_, manager) in managers {
-        assert_eq!(
-            text(manager, "schedule_name"),
-            Some("Living Supply Air Temperature")
-        );
+        assert_eq!(text(manager, "schedule_name"), Some("Living Supply Air Temperature"));
     }
 }
 
@@ -280,37 +215,18 @@ fn the_design_flow_carries_the_backup_at_45_degrees() {
         close(sizes.backup, 1.3 * loss);
         let model = house(&parameters, &site());
         let terminal = model.objects("AirTerminal:SingleDuct:VAV:NoReheat");
-        assert_eq!(
-            number(terminal[0].1, "maximum_air_flow_rate"),
-            Some(sizes.flow)
-        );
+        assert_eq!(number(terminal[0].1, "maximum_air_flow_rate"), Some(sizes.flow));
     }
 }
 
 #[test]
 fn a_leaky_house_loses_more_and_a_given_size_is_kept() {
     let tight = House::default();
-    let leaky = House {
-        air_changes_50: 8.0,
-        ..tight.clone()
-    };
+    let leaky = House { air_changes_50: 8.0, ..tight.clone() };
     assert!(loads::heat_loss(&leaky, &site()) > 1.1 * loads::heat_loss(&tight, &site()));
-    let sizes = Capacities {
-        flow: 0.2,
-        cooling: 4000.0,
-        heating: 3500.0,
-        backup: 8600.0,
-    };
-    let model = house(
-        &House {
-            capacities: Some(sizes),
-            ..tight
-        },
-        &site(),
-    );
-    let heater = model
-        .require("Coil:Heating:Electric", "Backup Heater")
-        .unwrap();
+    let sizes = Capacities { flow: 0.2, cooling: 4000.0, heating: 3500.0, backup: 8600.0 };
+    let model = house(&House { capacities: Some(sizes), ..tight }, &site());
+    let heater = model.require("Coil:Heating:Electric", "Backup Heater").unwrap();
     assert_eq!(number(heater, "nominal_capacity"), Some(8600.0));
 }
 
@@ -333,9 +249,6 @@ fn the_backup_is_the_one_asked_for() {
         };
         assert!(model.contains(class, "Backup Heater"));
         let unit = model.objects("AirLoopHVAC:UnitarySystem")[0].1;
-        assert_eq!(
-            text(unit, "supplemental_heating_coil_object_type"),
-            Some(class)
-        );
+        assert_eq!(text(unit, "supplemental_heating_coil_object_type"), Some(class));
     }
 }

@@ -39,7 +39,10 @@ pub fn make_controllable(model: &mut Model, air_loop: &str, air_density: f64) ->
     common::own_thermostat(model, &unit.zone, 0.0, 90.0)?;
     let nodes = unit.rewrite(model)?;
     follow_supply_temperature(model, &unit, &nodes, &schedules.temperature);
-    admit_any_outdoor_air_share(model, &unit)?;
+    if let Some(controller) = outdoor_air_controller(model, &unit) {
+        mix_for_supply_temperature(model, &unit, &nodes);
+        admit_any_outdoor_air_share(model, &controller)?;
+    }
     let terminal = follow_flow(model, &unit, &schedules.flow)?;
     let flow = terminal.design_flow * air_density;
     Ok(Unitary {
@@ -405,8 +408,7 @@ fn two_speed(low: Speed, high: Speed, curve: impl Fn(&str) -> Option<Value>) -> 
     Some(coil)
 }
 
-/// One scheduled setpoint on every node from the cooling coil to the demand side; the mixer keeps its own
-/// manager, which lowers the unit's setpoint by the heat of the fan.
+/// One scheduled setpoint on every node from the cooling coil to the demand side, in place of all others.
 fn follow_supply_temperature(model: &mut Model, unit: &Unit, nodes: &Nodes, schedule: &str) {
     let driven = [&nodes.cooling, &nodes.heating, &unit.outlet, &unit.demand_inlet];
     let ends = [&unit.inlet, &unit.outlet, &unit.demand_inlet];
@@ -429,6 +431,10 @@ fn follow_supply_temperature(model: &mut Model, unit: &Unit, nodes: &Nodes, sche
             "setpoint_node_or_nodelist_name": list,
         }),
     );
+}
+
+/// The mixer aims at the unit's setpoint less the heat of the fan: this is what the economiser follows.
+fn mix_for_supply_temperature(model: &mut Model, unit: &Unit, nodes: &Nodes) {
     model.insert(
         "SetpointManager:MixedAir",
         &format!("{} Mixed Air Setpoint", unit.air_loop),
@@ -445,26 +451,32 @@ fn follow_supply_temperature(model: &mut Model, unit: &Unit, nodes: &Nodes, sche
 /// The terminal becomes one whose minimum flow is the command: with the zone's cooling setpoint out of reach
 /// it never asks for more.
 fn follow_flow(model: &mut Model, unit: &Unit, schedule: &str) -> Result<Terminal> {
-    const OLD: &str = "AirTerminal:SingleDuct:ConstantVolume:NoReheat";
-    const NEW: &str = "AirTerminal:SingleDuct:VAV:NoReheat";
+    const CONSTANT: &str = "AirTerminal:SingleDuct:ConstantVolume:NoReheat";
+    const VARIABLE: &str = "AirTerminal:SingleDuct:VAV:NoReheat";
     let distribution = air_distribution_unit(model, &unit.zone)?;
     let fields = model.require_mut("ZoneHVAC:AirDistributionUnit", &distribution)?;
     let class = text(fields, "air_terminal_object_type").unwrap_or_default().to_owned();
     let name = text(fields, "air_terminal_name").unwrap_or_default().to_owned();
-    if !class.eq_ignore_ascii_case(OLD) {
-        return Err(unsupported(&class, &name, "only constant-volume terminals without reheat are known"));
+    if ![CONSTANT, VARIABLE].iter().any(|known| class.eq_ignore_ascii_case(known)) {
+        return Err(unsupported(
+            &class,
+            &name,
+            "only terminals without reheat are known on a unitary system",
+        ));
     }
-    fields.insert("air_terminal_object_type".into(), json!(NEW));
-    let old = model.remove(OLD, &name).ok_or_else(|| Error::MissingObject { class, name: name.clone() })?;
+    fields.insert("air_terminal_object_type".into(), json!(VARIABLE));
+    let old = model
+        .remove(&class, &name)
+        .ok_or_else(|| Error::MissingObject { class: class.clone(), name: name.clone() })?;
     let design_flow = number(&old, "maximum_air_flow_rate")
-        .ok_or_else(|| unsupported(OLD, &name, "`maximum_air_flow_rate` is not a number"))?;
-    let outlet = required(&old, OLD, &name, "air_outlet_node_name")?;
+        .ok_or_else(|| unsupported(&class, &name, "`maximum_air_flow_rate` is not a number"))?;
+    let outlet = required(&old, &class, &name, "air_outlet_node_name")?;
     model.insert(
-        NEW,
+        VARIABLE,
         &name,
         json!({
             "availability_schedule_name": common::ALWAYS_ON,
-            "air_inlet_node_name": required(&old, OLD, &name, "air_inlet_node_name")?,
+            "air_inlet_node_name": required(&old, &class, &name, "air_inlet_node_name")?,
             "air_outlet_node_name": outlet,
             "maximum_air_flow_rate": design_flow,
             "zone_minimum_air_flow_input_method": "Scheduled",
@@ -474,17 +486,23 @@ fn follow_flow(model: &mut Model, unit: &Unit, schedule: &str) -> Result<Termina
     Ok(Terminal { design_flow, outlet })
 }
 
+/// The controller of the outdoor air that a unit takes, if it takes any.
+fn outdoor_air_controller(model: &Model, unit: &Unit) -> Option<String> {
+    let mixes_for = |fields: &Fields| {
+        text(fields, "mixed_air_node_name").is_some_and(|n| n.eq_ignore_ascii_case(&unit.inlet))
+    };
+    let controllers = model.objects(OUTDOOR_AIR_CONTROLLER);
+    controllers.iter().find(|(_, fields)| mixes_for(fields)).map(|(name, _)| (*name).to_owned())
+}
+
 /// Takes off the limit on the share of outdoor air: with an exhaust fan it makes the supply flow collapse.
-fn admit_any_outdoor_air_share(model: &mut Model, unit: &Unit) -> Result<()> {
-    const CLASS: &str = "Controller:OutdoorAir";
-    for name in model.names(CLASS) {
-        let controller = model.require_mut(CLASS, &name)?;
-        if text(controller, "mixed_air_node_name").is_some_and(|n| n.eq_ignore_ascii_case(&unit.inlet)) {
-            controller.remove("maximum_fraction_of_outdoor_air_schedule_name");
-        }
-    }
+fn admit_any_outdoor_air_share(model: &mut Model, controller: &str) -> Result<()> {
+    let controller = model.require_mut(OUTDOOR_AIR_CONTROLLER, controller)?;
+    controller.remove("maximum_fraction_of_outdoor_air_schedule_name");
     Ok(())
 }
+
+const OUTDOOR_AIR_CONTROLLER: &str = "Controller:OutdoorAir";
 
 /// Removes every setpoint manager that sets one of these nodes and those that would follow them.
 fn remove_setpoint_managers(model: &mut Model, nodes: &[&str]) {

@@ -1,0 +1,31 @@
+//! The same action at every step.
+
+use b2b_env::ActionSpace;
+
+use crate::Controller;
+
+/// The same action at every step.
+#[derive(Clone, Debug)]
+pub struct Constant {
+    action: Vec<f64>,
+}
+
+impl Constant {
+    /// Repeats this action.
+    pub fn new(action: Vec<f64>) -> Self {
+        Self { action }
+    }
+
+    /// Repeats the middle of every bound.
+    pub fn middle(space: &ActionSpace) -> Self {
+        Self::new(space.low().iter().zip(space.high()).map(|(low, high)| (low + high) / 2.0).collect())
+    }
+}
+
+impl Controller for Constant {
+    fn reset(&mut self) {}
+
+    fn act(&mut self, _observation: &[f64], action: &mut [f64]) {
+        action.copy_from_slice(&self.action);
+    }
+}

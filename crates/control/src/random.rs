@@ -1,0 +1,41 @@
+//! A fresh uniform action at every step.
+
+use b2b_env::ActionSpace;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use crate::Controller;
+
+/// Uniform in the bounds of every actuator, independent from step to step; the same seed gives the same
+/// actions on every machine.
+#[derive(Clone, Debug)]
+pub struct Random {
+    low: Vec<f64>,
+    high: Vec<f64>,
+    seed: u64,
+    random: ChaCha8Rng,
+}
+
+impl Random {
+    /// Random actions in the bounds of a space.
+    pub fn new(space: &ActionSpace, seed: u64) -> Self {
+        Self {
+            low: space.low().to_vec(),
+            high: space.high().to_vec(),
+            seed,
+            random: ChaCha8Rng::seed_from_u64(seed),
+        }
+    }
+}
+
+impl Controller for Random {
+    fn reset(&mut self) {
+        self.random = ChaCha8Rng::seed_from_u64(self.seed);
+    }
+
+    fn act(&mut self, _observation: &[f64], action: &mut [f64]) {
+        for ((value, low), high) in action.iter_mut().zip(&self.low).zip(&self.high) {
+            *value = self.random.random_range(*low..=*high);
+        }
+    }
+}
