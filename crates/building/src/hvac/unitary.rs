@@ -57,6 +57,7 @@ pub fn make_controllable(model: &mut Model, air_loop: &str, air_density: f64) ->
             scale: 1.0 / flow,
             effect: EngineVariable::new("System Node Mass Flow Rate", &terminal.outlet),
             effect_scale: 1.0,
+            heat: None,
         },
         supply_temperature: Actuator {
             name: format!("{} supply air temperature", unit.zone),
@@ -69,6 +70,7 @@ pub fn make_controllable(model: &mut Model, air_loop: &str, air_density: f64) ->
             scale: 1.0,
             effect: EngineVariable::new("System Node Temperature", &unit.outlet),
             effect_scale: 1.0,
+            heat: None,
         },
         zone: unit.zone,
     })
