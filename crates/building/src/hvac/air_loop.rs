@@ -12,7 +12,10 @@
 //!    setpoint; the cooling setpoint is out of reach, so that the thermostat never opens a damper.
 //!
 //! All dampers open ask for more than the fan gives (the boxes peak at different hours): then the flows of
-//! all terminals scale down together, to [`AirLoop::fan_flow`] in sum.
+//! all terminals scale down by the same share, to [`AirLoop::fan_flow`] in sum.
+//!
+//! **Leave the dampers alone until the first warm-up step is over.** What their schedules hold when the engine
+//! begins a run (0 in the model) stays the least flow of the terminals for the whole run.
 
 use std::collections::HashSet;
 
@@ -35,9 +38,9 @@ pub const HIGHEST_HEATING_SETPOINT: f64 = 30.0;
 const OUT_OF_REACH: f64 = 90.0;
 /// Supply temperature before the first action, °C.
 const NEUTRAL_SUPPLY_TEMPERATURE: f64 = 20.0;
-/// By how much the main heating coil can warm the fan's design flow, K. The shipped coils (about 4 K) are
-/// sized to temper outdoor air under full reheat: with them a supply temperature over 25 °C is out of reach
-/// in winter.
+/// By how much the main heating coil can warm the fan's design flow, K: room air to the highest supply
+/// temperature with a quarter of outdoor air at -17 °C. The shipped coils (about 4 K) only temper outdoor air
+/// and leave all heating to reheat: over 25 °C is out of their reach in winter.
 const HEATING_COIL_RISE: f64 = 45.0;
 /// Specific heat of air, J/(kg K).
 const AIR_SPECIFIC_HEAT: f64 = 1006.0;
@@ -47,7 +50,9 @@ const TERMINAL: &str = "AirTerminal:SingleDuct:VAV:Reheat";
 const OUTDOOR_AIR_SYSTEM: &str = "AirLoopHVAC:OutdoorAirSystem";
 const COOLING: &str = "CoilSystem:Cooling:DX";
 const HEATING: [&str; 2] = ["Coil:Heating:Fuel", "Coil:Heating:Electric"];
-const FAN: &str = "Fan:VariableVolume";
+/// Fans of variable flow, each with the field of its design flow.
+const FANS: [(&str, &str); 2] =
+    [("Fan:VariableVolume", "maximum_flow_rate"), ("Fan:SystemModel", "design_maximum_air_flow_rate")];
 
 /// Makes a central air loop do what an agent says, and lists its actuators.
 ///
@@ -61,7 +66,7 @@ pub fn make_controllable(model: &mut Model, air_loop: &str, air_density: f64) ->
     let branch = MainBranch::find(model, air_loop)?;
     let terminals = find_terminals(model, air_loop)?;
     let controller = outdoor_air_controller(model, &branch.outdoor_air)?;
-    let fan_flow = size(model, FAN, &branch.fan.name, "maximum_flow_rate")? * air_density;
+    let fan_flow = fan_flow(model, &branch.fan)? * air_density;
 
     common::always_on(model, air_loop)?;
     remove_setpoint_managers(model, &branch.nodes());
@@ -112,7 +117,7 @@ impl MainBranch {
             outdoor_air: one(&[OUTDOOR_AIR_SYSTEM])?,
             cooling: one(&[COOLING])?,
             heating: one(&HEATING)?,
-            fan: one(&[FAN])?,
+            fan: one(&FANS.map(|(class, _)| class))?,
             ends,
             name,
         })
@@ -173,13 +178,11 @@ fn only_branch(model: &Model, air_loop: &str) -> Result<String> {
 fn require_known(model: &Model, component: &Reference) -> Result<()> {
     let Reference { class, name } = component;
     let fields = model.require(class, name)?;
-    let known = [&[OUTDOOR_AIR_SYSTEM, COOLING, FAN][..], &HEATING].concat();
+    let [fan, fan_system] = FANS.map(|(class, _)| class);
+    let [gas, electric] = HEATING;
+    let known = [OUTDOOR_AIR_SYSTEM, COOLING, gas, electric, fan, fan_system];
     if !is_one_of(class, &known) {
-        return Err(unsupported(
-            class,
-            name,
-            "a central air loop may have an outdoor air system, a DX cooling coil system, a gas or electric heating coil and a variable-volume fan",
-        ));
+        return Err(unsupported(class, name, &format!("the air handler may have: {}", known.join(", "))));
     }
     let coil = text(fields, "cooling_coil_object_type");
     if coil.is_some_and(|class| !class.eq_ignore_ascii_case("Coil:Cooling:DX:TwoSpeed")) {
@@ -338,8 +341,8 @@ fn drive_terminal(model: &mut Model, zone: String, terminal: &str, air_density: 
 }
 
 /// Makes the scheduled opening the terminal's minimum flow. With the cooling setpoint out of reach and the
-/// damper not reversed for heating, a terminal never leaves its minimum. The schedule starts at 0: its first
-/// value is a floor for the whole run.
+/// damper not reversed for heating, a terminal never leaves its minimum. The schedule is 0 because its value at
+/// the begin of a run is a floor for the whole run.
 fn schedule_damper(model: &mut Model, zone: &str, terminal: &str) -> Result<String> {
     let name = format!("{zone} Damper Opening");
     constant_schedule(model, &name, 0.0);
@@ -400,6 +403,7 @@ fn find_terminals(model: &Model, air_loop: &str) -> Result<Vec<(String, String)>
         if !class.eq_ignore_ascii_case(TERMINAL) {
             return Err(unsupported(class, terminal, &format!("a terminal must be an {TERMINAL}")));
         }
+        require_reheat(model, terminal)?;
         terminals.push((zone_of(model, unit)?, terminal.to_owned()));
     }
     let zones = model.names("Zone");
@@ -408,6 +412,14 @@ fn find_terminals(model: &Model, air_loop: &str) -> Result<Vec<(String, String)>
         return Err(unsupported("AirLoopHVAC", air_loop, "no terminal is on its supply path"));
     }
     Ok(terminals)
+}
+
+fn require_reheat(model: &Model, terminal: &str) -> Result<()> {
+    let coil = text(model.require(TERMINAL, terminal)?, "reheat_coil_object_type").unwrap_or_default();
+    if is_one_of(coil, &HEATING) {
+        return Ok(());
+    }
+    Err(unsupported(TERMINAL, terminal, &format!("its reheat coil must be a {}", HEATING.join(" or a "))))
 }
 
 fn terminal_inlet(terminal: &Fields) -> Option<&str> {
@@ -465,6 +477,13 @@ fn zone_of(model: &Model, unit: &str) -> Result<String> {
         .ok_or_else(|| unsupported("ZoneHVAC:AirDistributionUnit", unit, "no zone has it"))
 }
 
+/// Design flow of a fan, m³/s.
+fn fan_flow(model: &Model, fan: &Reference) -> Result<f64> {
+    let field = FANS.iter().find(|(class, _)| class.eq_ignore_ascii_case(&fan.class)).map(|(_, field)| field);
+    let field = field.ok_or_else(|| unsupported(&fan.class, &fan.name, "it is no fan of variable flow"))?;
+    size(model, &fan.class, &fan.name, field)
+}
+
 /// A size that the model must carry.
 fn size(model: &Model, class: &str, name: &str, field: &str) -> Result<f64> {
     number(model.require(class, name)?, field)
@@ -478,3 +497,6 @@ fn is_one_of(class: &str, classes: &[&str]) -> bool {
 fn unsupported(class: &str, name: &str, why: &str) -> Error {
     Error::Unsupported { class: class.to_owned(), name: name.to_owned(), why: why.to_owned() }
 }
+
+#[cfg(test)]
+mod tests;
