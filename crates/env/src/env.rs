@@ -262,11 +262,11 @@ impl Env {
         self.folder.path().join(MODEL_FILE)
     }
 
+    /// Nothing is set before the first step: the engine takes the first opening of a damper for a floor under
+    /// all that follow.
     fn warm_up(&mut self, live: &mut Live) -> Result<()> {
         let target = self.episode.task.target;
         let systems = &self.building.systems;
-        warmup::action(systems, target, |_| target, &mut self.action);
-        live.act(&self.action);
         loop {
             match live.simulation.advance()? {
                 Some(Event::WarmupStep) => {
