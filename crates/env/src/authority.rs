@@ -50,7 +50,7 @@ const SATURATED: f64 = 0.2;
 const DRIFT: f64 = 0.05;
 /// Supply air while flows are tested, °C; while heating setpoints are tested.
 const NEUTRAL_SUPPLY: f64 = 20.0;
-const COOL_SUPPLY: f64 = 16.0;
+const COOL_SUPPLY: f64 = 12.0;
 /// Opening of all dampers that stays within the fan's design flow.
 const OPEN_TOGETHER: f64 = 0.8;
 /// A zone is at its heating setpoint within this, K.
@@ -347,7 +347,7 @@ fn all_open_hold(building: &PreparedBuilding) -> Hold {
 fn heat_hold(building: &PreparedBuilding, level: Level) -> Hold {
     Hold::new(building, Condition::CoolSupply, |_, actuator| match actuator.quantity {
         Quantity::SupplyAirFlow => Give::Value(0.3 * actuator.high),
-        Quantity::DamperOpening => Give::Value(0.5),
+        Quantity::DamperOpening => Give::Value(OPEN_TOGETHER),
         Quantity::OutdoorAirFlow => Give::Value(0.1 * actuator.high),
         Quantity::SupplyAirTemperature => Give::Value(COOL_SUPPLY),
         Quantity::HeatingSetpoint => Give::Judged(level),

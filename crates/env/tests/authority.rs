@@ -47,6 +47,11 @@ fn every_actuator_of_the_small_office_bites() {
 }
 
 #[test]
+fn every_actuator_of_the_medium_office_bites() {
+    every_actuator_bites(BuildingType::OfficeMedium);
+}
+
+#[test]
 fn every_actuator_of_the_shop_bites() {
     every_actuator_bites(BuildingType::RetailStandalone);
 }

@@ -37,6 +37,11 @@ fn energy_of_the_small_office_is_counted_once() {
 }
 
 #[test]
+fn energy_of_the_medium_office_is_counted_once() {
+    energy_is_the_engine_s_own(BuildingType::OfficeMedium);
+}
+
+#[test]
 fn energy_of_the_shop_is_counted_once() {
     energy_is_the_engine_s_own(BuildingType::RetailStandalone);
 }

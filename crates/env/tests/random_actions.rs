@@ -49,6 +49,11 @@ fn random_actions_do_no_harm_to_the_small_office() {
 }
 
 #[test]
+fn random_actions_do_no_harm_to_the_medium_office() {
+    random_actions_do_no_harm_to(BuildingType::OfficeMedium);
+}
+
+#[test]
 fn random_actions_do_no_harm_to_the_shop() {
     random_actions_do_no_harm_to(BuildingType::RetailStandalone);
 }
