@@ -215,14 +215,20 @@ fn one_system_step(model: &mut Model) {
     );
 }
 
-/// A fixed number of warm-up days: part of the environment's definition, the same for every agent.
-const WARMUP_DAYS: u32 = 6;
+/// Least and most warm-up days. The warm-up controller is the same for every agent, so that their number is
+/// part of the environment's definition: 4 almost everywhere (measured on all types in Denver, Miami and
+/// Fairbanks), up to 9 for a hall without cooling in summer and for cold zones in Fairbanks.
+const WARMUP_DAYS: [u32; 2] = [4, 25];
+/// How far two warm-up days may differ: K, and share of the loads. The engine's widest.
+const WARMUP_TOLERANCES: [f64; 2] = [0.5, 0.5];
 
 fn bound_warmup(model: &mut Model) {
     for name in model.names("Building") {
         if let Some(building) = model.get_mut("Building", &name) {
-            building.insert("minimum_number_of_warmup_days".into(), json!(WARMUP_DAYS));
-            building.insert("maximum_number_of_warmup_days".into(), json!(25));
+            building.insert("minimum_number_of_warmup_days".into(), json!(WARMUP_DAYS[0]));
+            building.insert("maximum_number_of_warmup_days".into(), json!(WARMUP_DAYS[1]));
+            building.insert("temperature_convergence_tolerance_value".into(), json!(WARMUP_TOLERANCES[0]));
+            building.insert("loads_convergence_tolerance_value".into(), json!(WARMUP_TOLERANCES[1]));
         }
     }
 }

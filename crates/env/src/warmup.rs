@@ -5,8 +5,11 @@
 
 use b2b_building::hvac::{AirLoop, System};
 
-/// Temperature deviation at which a proportional command is full, K.
-const BAND: f64 = 2.0;
+/// Temperature deviation at which a proportional command is full, K. With half of it kitchens, whose supply is
+/// a large share of their air, swing for ever in the cold and warm-up does not converge.
+const UNITARY_BAND: f64 = 4.0;
+/// The same for the dampers of a central air loop, K.
+const DAMPER_BAND: f64 = 2.0;
 /// Smallest share of a unitary system's design flow.
 const LEAST_FLOW: f64 = 0.3;
 /// Supply air over and under target at full command, K.
@@ -24,8 +27,8 @@ pub(crate) fn action(systems: &[System], target: f64, temperature: impl Fn(&str)
     for system in systems {
         match system {
             System::Unitary(unit) => {
-                let demand = ((target - temperature(&unit.zone)) / BAND).clamp(-1.0, 1.0);
-                rest[0] = unit.flow.high * demand.abs().max(LEAST_FLOW);
+                let demand = ((target - temperature(&unit.zone)) / UNITARY_BAND).clamp(-1.0, 1.0);
+                rest[0] = unit.flow.high * (LEAST_FLOW + (1.0 - LEAST_FLOW) * demand.abs());
                 rest[1] = target + demand * if demand > 0.0 { HEATING_LIFT } else { COOLING_DROP };
                 rest = &mut rest[2..];
             }
@@ -45,7 +48,7 @@ fn central(air_loop: &AirLoop, target: f64, temperature: &impl Fn(&str) -> f64, 
     action[0] = CENTRAL_SUPPLY;
     action[1] = OUTDOOR_SHARE * air_loop.fan_flow;
     for (terminal, action) in air_loop.terminals.iter().zip(action[2..].chunks_exact_mut(2)) {
-        let too_warm = (temperature(&terminal.zone) - target) / BAND;
+        let too_warm = (temperature(&terminal.zone) - target) / DAMPER_BAND;
         action[0] = (LEAST_OPENING + too_warm).clamp(LEAST_OPENING, 1.0);
         action[1] = target;
     }
