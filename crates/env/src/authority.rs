@@ -13,15 +13,18 @@
 //! - air flow: 1 % of the command; nothing at zero;
 //! - supply air temperature: 0.2 K;
 //! - outdoor air flow: 2 % of the command; nothing at zero;
-//! - heating setpoint: raised, it raises the heat and the zone's temperature over what they are before and
-//!   after at the low setpoint; a zone that is above its setpoint gets no heat and one below it gets some.
+//! - heating setpoint: raised, it raises the heat over what it is before and after at the low setpoint, and
+//!   raises the zone's temperature too or holds it at the setpoint; a zone above its setpoint gets no heat, and one
+//!   below it gets some.
 //!
 //! A miss counts as [`Verdict::AtCapacity`] only where the equipment shows that it has no more to give:
 //!
 //! - **supply temperature**: after each missed step the command is brought halfway to what was reached, for one
-//!   step, and the outlet moves by less than a fifth of the change from where it is before and after. A coil with
-//!   something left would follow. An outlet that never moves fails: some other command at the same flow and in
-//!   the same season must be followed.
+//!   step, and the outlet moves by less than a fifth of the change from the mean of the steps before and after
+//!   (and a quarter of what it drifts between these): a coil with something left would follow. Where the nearer
+//!   command is met at once, the coil is catching up as its inlet air comes closer (control that lags would not
+//!   meet it), and must meet the command itself by the end of the hold. An outlet that never moves fails: some
+//!   other command at the same flow and in the same season must be followed.
 //! - **damper**: the terminals of the loop together are at the fan's design flow, and were asked for more.
 //! - **outdoor air**: it is all of the supply air, and more was asked for.
 //! - **heating setpoint**: the zone is above it without any heat.
@@ -42,12 +45,16 @@ use crate::task::Task;
 const STEPS_PER_HOUR: u32 = 12;
 /// Steps of a hold; the first is for settling.
 const HELD: usize = 9;
+/// Steps that a probe of a miss at the end of a hold may add.
+const PROBED: usize = 2;
 /// Steps of a heating setpoint.
 const HEATED: usize = 24;
 /// Outlet movement over command movement under which a coil has nothing left to give, and the movement that
 /// inlet air may cause, K.
 const SATURATED: f64 = 0.2;
 const DRIFT: f64 = 0.05;
+/// How far halfway between two steps a decaying outlet may be off their mean, as a share of its decay.
+const CURVATURE: f64 = 0.25;
 /// Supply air while flows are tested, °C; while heating setpoints are tested.
 const NEUTRAL_SUPPLY: f64 = 20.0;
 const COOL_SUPPLY: f64 = 12.0;
@@ -364,7 +371,9 @@ struct Reading {
     nearer: Option<f64>,
     /// That command and what came of it.
     probed: Option<(f64, f64)>,
-    /// Whether a nearer command has ever moved the outlet.
+    /// Whether a nearer command has ever been met, has ever left the outlet in place, has ever moved it.
+    caught_up: bool,
+    held: bool,
     moves: bool,
     limit: Option<Limit>,
 }
@@ -386,7 +395,17 @@ impl Reading {
             heat: None,
             verdict: Verdict::Follows,
         };
-        Self { row, steps: 0, last: f64::NAN, nearer: None, probed: None, moves: false, limit: None }
+        Self {
+            row,
+            steps: 0,
+            last: f64::NAN,
+            nearer: None,
+            probed: None,
+            caught_up: false,
+            held: false,
+            moves: false,
+            limit: None,
+        }
     }
 
     /// Takes in what came of a step, and has a missed supply temperature followed by a nearer command.
@@ -397,8 +416,12 @@ impl Reading {
         }
         if let Some((nearer, outlet)) = self.probed.take() {
             let moved = (outlet - 0.5 * (self.last + effect)).abs();
-            self.moves |= moved > SATURATED * (nearer - self.row.command).abs() + DRIFT;
-            self.limit = (!self.moves).then_some(Limit::Coil);
+            let little = SATURATED * (nearer - self.row.command).abs();
+            let met = (outlet - nearer).abs() <= little;
+            self.caught_up |= met;
+            self.held |= !met;
+            let drift = DRIFT + CURVATURE * (self.last - effect).abs();
+            self.moves |= !met && moved > little + drift;
         }
         self.add(actuator, effect);
         let misses = deviation(actuator, self.row.command, effect) > self.row.tolerance;
@@ -415,6 +438,17 @@ impl Reading {
         row.error = row.error.max(deviation(actuator, row.command, effect));
         self.steps += 1;
         self.last = effect;
+    }
+
+    /// Whether every miss has been followed up.
+    fn is_settled(&self) -> bool {
+        self.nearer.is_none() && self.probed.is_none()
+    }
+
+    /// Whether the coil has shown that it is, or at first was, at its limit.
+    fn coil_limit(&self) -> Option<Limit> {
+        let ended_well = (self.last - self.row.command).abs() <= self.row.tolerance;
+        (!self.moves && (self.held || self.caught_up && ended_well)).then_some(Limit::Coil)
     }
 
     fn misses(&self) -> bool {
@@ -463,20 +497,22 @@ impl Bench<'_> {
             |(i, level): &(usize, Level)| Reading::new(actuators[*i], self.season, hold.condition, *level);
         let mut readings: Vec<_> = hold.judged.iter().map(judged).collect();
         let mut action = hold.action.clone();
-        for step in 0..HELD {
+        for step in 0..HELD + PROBED {
+            if step >= HELD && readings.iter().all(Reading::is_settled) {
+                break;
+            }
             for ((i, _), reading) in hold.judged.iter().zip(&readings) {
                 action[*i] = reading.nearer.unwrap_or(reading.row.command);
             }
             self.env.step(&action)?;
-            for ((i, _), reading) in hold.judged.iter().zip(&mut readings).filter(|_| step > 0) {
-                reading.see(actuators[*i], self.effect(*i, actuators[*i]));
-                if step + 2 >= HELD {
-                    reading.nearer = None;
+            for ((i, _), reading) in hold.judged.iter().zip(&mut readings) {
+                if (1..HELD).contains(&step) || !reading.is_settled() {
+                    reading.see(actuators[*i], self.effect(*i, actuators[*i]));
                 }
             }
         }
         for ((i, _), reading) in hold.judged.iter().zip(&mut readings) {
-            reading.limit = reading.limit.or(self.flow_limit(*i, reading.row.quantity));
+            reading.limit = reading.coil_limit().or(self.flow_limit(*i, reading.row.quantity));
         }
         self.readings.append(&mut readings);
         Ok(())
@@ -575,7 +611,9 @@ fn judge_heat(holds: [&Row; 5]) -> [Row; 3] {
 fn judge_raise(row: &Row, low: [&Row; 2]) -> Verdict {
     let base = |value: fn(&Row) -> f64| 0.5 * (value(low[0]) + value(low[1]));
     let heat = |row: &Row| row.heat.unwrap_or(0.0);
-    if heat(row) > base(heat) + SOME_HEAT && row.mean > base(|row| row.mean) + RISE {
+    let rises = row.mean > base(|row| row.mean) + RISE;
+    let holds = (row.mean - row.command).abs() <= AT_SETPOINT;
+    if heat(row) > base(heat) + SOME_HEAT && (rises || holds) {
         Verdict::Follows
     } else if heat(row) < SOME_HEAT && row.mean > row.command {
         Verdict::AtCapacity(Limit::WarmZone)
