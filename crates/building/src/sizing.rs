@@ -12,6 +12,10 @@
 //! elevation from the weather file, whatever `Site:Location` says, and with them the air's density and the
 //! design days' sun. They also depend on `Timestep`. Set both before sizing.
 //!
+//! What a hard-sized model does differently: the cap on outdoor air of a `Controller:MechanicalVentilation`
+//! with the procedure `Standard62.1VentilationRateProcedureWithLimit` is lifted, because the engine knows it
+//! only from its own system sizing. In the medium office's first week of January that is up to 0.03 K.
+//!
 //! `Sizing:*` objects stay in the model. With sizing off the engine sizes nothing from them, but it still
 //! reads them: an outdoor-air controller without a `DesignSpecification:OutdoorAir` of its own takes the
 //! zone's from `Sizing:Zone`.
@@ -113,6 +117,7 @@ impl Sizes {
             return Err(Error::Unsized { fields: missing });
         }
         switch_sizing_off(&mut sized);
+        lift_outdoor_air_limit(&mut sized);
         *model = sized;
         Ok(())
     }
@@ -177,6 +182,22 @@ fn switch_sizing_off(model: &mut Model) {
         "do_hvac_sizing_simulation_for_sizing_periods",
     ] {
         control.insert(field.to_owned(), json!("No"));
+    }
+}
+
+/// Says in the model what the engine does without system sizing: the ventilation rate procedure "with limit"
+/// caps outdoor air at the design flow of the sized system, which it then does not know, and so runs without
+/// the cap.
+fn lift_outdoor_air_limit(model: &mut Model) {
+    const CLASS: &str = "Controller:MechanicalVentilation";
+    const LIMITED: &str = "Standard62.1VentilationRateProcedureWithLimit";
+    const PLAIN: &str = "Standard62.1VentilationRateProcedure";
+    for name in model.names(CLASS) {
+        let method = model.get_mut(CLASS, &name).and_then(|c| c.get_mut("system_outdoor_air_method"));
+        if let Some(method) = method.filter(|method| is_word(method, LIMITED)) {
+            tracing::info!("{CLASS} `{name}`: no limit on outdoor air without system sizing");
+            *method = json!(PLAIN);
+        }
     }
 }
 
