@@ -3,8 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use b2b_building::hvac::EngineVariable;
 use b2b_building::{PreparedBuilding, RunPeriod};
-use b2b_energyplus::{Actuator, Event, Level, Library, Messages, Meter, Run, Simulation, Variable};
+use b2b_energyplus::{Actuator, Clock, Event, Level, Library, Messages, Meter, Run, Simulation, Variable};
 use tempfile::TempDir;
 
 use crate::action::ActionSpace;
@@ -83,6 +84,8 @@ struct Live {
     actuators: Vec<(Actuator, f64)>,
     /// What the actuators drive, if it is observed.
     effects: Vec<Variable>,
+    /// The heat that heating setpoints call for, if it is observed.
+    heats: Vec<Option<Variable>>,
 }
 
 impl Env {
@@ -242,10 +245,25 @@ impl Env {
         live.effects.get(actuator).map(|variable| live.simulation.read(*variable))
     }
 
+    /// The heat that a heating setpoint called for in the last step, W. `None` for other actuators, and as
+    /// [`Env::effect`].
+    pub fn heat(&self, actuator: usize) -> Option<f64> {
+        let live = self.live.as_ref()?;
+        live.heats.get(actuator).copied().flatten().map(|variable| live.simulation.read(variable))
+    }
+
+    /// The engine's own clock at the end of the last step; the observation's is the calendar's. `None` without
+    /// an episode in progress.
+    pub fn engine_clock(&self) -> Option<Clock> {
+        self.live.as_ref().map(|live| live.simulation.clock())
+    }
+
     fn model_path(&self) -> PathBuf {
         self.folder.path().join(MODEL_FILE)
     }
 
+    /// Nothing is set before the first step: the engine takes the first opening of a damper for a floor under
+    /// all that follow.
     fn warm_up(&mut self, live: &mut Live) -> Result<()> {
         // Nothing is set before the first step: a terminal takes the value of its flow schedule at the start of
         // the run for its least flow, and the prepared model has 0 there.
@@ -333,14 +351,15 @@ impl Live {
         for name in OUTDOOR {
             run = run.request(name, SITE);
         }
-        let effects: Vec<_> = building.actuators().map(|a| &a.effect).filter(|_| observe_effects).collect();
-        for effect in &effects {
-            run = run.request(&effect.name, &effect.key);
+        let observed: Vec<_> = building.actuators().filter(|_| observe_effects).collect();
+        for variable in observed.iter().flat_map(|a| [Some(&a.effect), a.heat.as_ref()]).flatten() {
+            run = run.request(&variable.name, &variable.key);
         }
         let simulation = run.start(library)?;
         let actuator = |a: &b2b_building::hvac::Actuator| {
             Ok((simulation.actuator(&a.component, &a.control, &a.key)?, a.scale))
         };
+        let variable = |v: &EngineVariable| Ok(simulation.variable(&v.name, &v.key)?);
         Ok(Self {
             temperatures: building
                 .zones
@@ -350,10 +369,11 @@ impl Live {
             outdoor: [simulation.variable(OUTDOOR[0], SITE)?, simulation.variable(OUTDOOR[1], SITE)?],
             meters: METERS.map(|meter| simulation.meter(meter).ok()),
             actuators: building.actuators().map(actuator).collect::<Result<_>>()?,
-            effects: effects
+            effects: observed.iter().map(|a| variable(&a.effect)).collect::<Result<_>>()?,
+            heats: observed
                 .iter()
-                .map(|effect| simulation.variable(&effect.name, &effect.key))
-                .collect::<std::result::Result<_, _>>()?,
+                .map(|a| a.heat.as_ref().map(variable).transpose())
+                .collect::<Result<_>>()?,
             simulation,
         })
     }

@@ -5,6 +5,7 @@
 //! end of the step, and energy is that step's meter reading, counted once.
 
 mod action;
+pub mod authority;
 #[allow(clippy::module_inception, reason = "one file a concept, and the concept is the environment")]
 mod env;
 mod error;

@@ -291,6 +291,7 @@ fn free_outdoor_air(model: &mut Model, air_loop: &str, controller: &str, fan_flo
         scale: 1.0,
         effect: EngineVariable::new("System Node Mass Flow Rate", &node),
         effect_scale: 1.0,
+        heat: None,
     })
 }
 
@@ -300,7 +301,9 @@ fn drive_terminal(model: &mut Model, zone: String, terminal: &str, air_density: 
     let design_flow = size(model, TERMINAL, terminal, "maximum_air_flow_rate")? * air_density;
     let opening = schedule_damper(model, &zone, terminal)?;
     let setpoints = common::own_thermostat(model, &zone, REHEAT_OFF, OUT_OF_REACH)?;
-    let inlet = text(model.require(TERMINAL, terminal)?, "air_inlet_node_name").unwrap_or_default();
+    let fields = model.require(TERMINAL, terminal)?;
+    let inlet = text(fields, "air_inlet_node_name").unwrap_or_default();
+    let coil = text(fields, "reheat_coil_name").unwrap_or_default();
     let damper = Actuator {
         quantity: Quantity::DamperOpening,
         low: 0.0,
@@ -314,6 +317,7 @@ fn drive_terminal(model: &mut Model, zone: String, terminal: &str, air_density: 
         low: REHEAT_OFF,
         high: HIGHEST_HEATING_SETPOINT,
         effect: EngineVariable::new("Zone Thermostat Heating Setpoint Temperature", &zone),
+        heat: Some(EngineVariable::new("Heating Coil Heating Rate", coil)),
         ..scheduled(setpoints.heating, format!("{zone} heating setpoint"))
     };
     Ok(Terminal { zone, damper, reheat, design_flow })
@@ -351,6 +355,7 @@ fn scheduled(schedule: String, name: String) -> Actuator {
         scale: 1.0,
         effect: EngineVariable::new("", ""),
         effect_scale: 1.0,
+        heat: None,
     }
 }
 

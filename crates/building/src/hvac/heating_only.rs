@@ -3,7 +3,7 @@
 use super::common::{self, Reference};
 use super::{Actuator, EngineVariable, HeatingOnly, Quantity};
 use crate::Result;
-use crate::model::Model;
+use crate::model::{Model, text};
 
 /// Heating setpoints an agent may ask for, °C. The lowest is under any temperature that a heated zone should
 /// reach and means "off".
@@ -38,6 +38,16 @@ pub fn make_controllable(model: &mut Model, zone: &str, heater: &Reference) -> R
             scale: 1.0,
             effect: EngineVariable::new("Zone Thermostat Heating Setpoint Temperature", zone),
             effect_scale: 1.0,
+            heat: Some(heat(model, heater)?),
         },
+    })
+}
+
+/// The heat of a heater: that of its coil, or its own where it has none.
+fn heat(model: &Model, heater: &Reference) -> Result<EngineVariable> {
+    let coil = text(model.require(&heater.class, &heater.name)?, "heating_coil_name");
+    Ok(match coil {
+        Some(coil) => EngineVariable::new("Heating Coil Heating Rate", coil),
+        None => EngineVariable::new("Baseboard Total Heating Rate", &heater.name),
     })
 }

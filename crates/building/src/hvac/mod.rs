@@ -77,6 +77,8 @@ pub struct Actuator {
     pub effect: EngineVariable,
     /// Value of `effect` per unit of the agent's value (1, or for a damper its design flow, kg/s).
     pub effect_scale: f64,
+    /// The engine variable that shows the heat, W, that a heating setpoint calls for. `None` for other quantities.
+    pub heat: Option<EngineVariable>,
 }
 
 /// A group of actuators that act together on their zones.

@@ -60,6 +60,7 @@ pub fn make_controllable(model: &mut Model, air_loop: &str, air_density: f64) ->
             scale: 1.0 / flow,
             effect: EngineVariable::new("System Node Mass Flow Rate", &terminal.outlet),
             effect_scale: 1.0,
+            heat: None,
         },
         supply_temperature: Actuator {
             name: format!("{} supply air temperature", unit.served.zone),
@@ -72,6 +73,7 @@ pub fn make_controllable(model: &mut Model, air_loop: &str, air_density: f64) ->
             scale: 1.0,
             effect: EngineVariable::new("System Node Temperature", &unit.outlet),
             effect_scale: 1.0,
+            heat: None,
         },
         zone: unit.served.zone,
     })

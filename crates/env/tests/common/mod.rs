@@ -1,0 +1,87 @@
+//! Buildings on the real engine.
+#![allow(dead_code, reason = "every test file takes what it needs")]
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use b2b_building::climate::{Place, Site};
+use b2b_building::{BuildingType, PreparedBuilding};
+use b2b_energyplus::Library;
+use b2b_energyplus::install::{Engine, Quiet};
+use b2b_env::{ActionSpace, Env, Episode, Task, Trajectory};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// A building where it stands.
+pub struct Case {
+    pub library: Library,
+    pub building: Arc<PreparedBuilding>,
+    pub weather: PathBuf,
+}
+
+impl Case {
+    pub fn at_home(building_type: BuildingType) -> Self {
+        Self::at(building_type, building_type.home())
+    }
+
+    pub fn at(building_type: BuildingType, place: &str) -> Self {
+        let engine = Engine::ensure(&mut Quiet).unwrap();
+        let library = Library::load(&engine.library).unwrap();
+        let weather = Place::find(place).unwrap().epw(&mut Quiet).unwrap();
+        let site = Site::read(&weather).unwrap();
+        let model = building_type.base_model(&engine, &library, &site).unwrap();
+        let building = PreparedBuilding::new(building_type.name(), model, &weather, &library).unwrap();
+        Self { library, building: Arc::new(building), weather }
+    }
+
+    /// An environment over some days, as in `01-01..01-07`, at 12 steps an hour.
+    pub fn env(&self, period: &str) -> Env {
+        let episode = Episode {
+            weather: self.weather.clone(),
+            period: period.parse().unwrap(),
+            steps_per_hour: 12,
+            task: Task::default(),
+        };
+        Env::new(self.library.clone(), Arc::clone(&self.building), episode).unwrap()
+    }
+}
+
+/// Uniform random actions, the same for the same seed.
+pub struct Dice {
+    random: ChaCha8Rng,
+    low: Vec<f64>,
+    high: Vec<f64>,
+    action: Vec<f64>,
+}
+
+impl Dice {
+    pub fn new(space: &ActionSpace, seed: u64) -> Self {
+        Self {
+            random: ChaCha8Rng::seed_from_u64(seed),
+            low: space.low().to_vec(),
+            high: space.high().to_vec(),
+            action: vec![0.0; space.len()],
+        }
+    }
+
+    pub fn roll(&mut self) -> &[f64] {
+        for ((value, low), high) in self.action.iter_mut().zip(&self.low).zip(&self.high) {
+            *value = self.random.random_range(*low..=*high);
+        }
+        &self.action
+    }
+}
+
+/// An episode under random actions, observed step by step.
+pub fn random_episode(env: &mut Env, seed: u64) -> Trajectory {
+    let mut dice = Dice::new(env.action_space(), seed);
+    let mut trajectory = Trajectory::for_episode(env);
+    env.reset().unwrap();
+    loop {
+        let step = env.step(dice.roll()).unwrap();
+        trajectory.push(&step);
+        if step.truncated {
+            return trajectory;
+        }
+    }
+}
