@@ -75,8 +75,7 @@ fn run(model: &Model, library: &Library) -> Trace {
 }
 
 fn autosized(model: &Model) -> Vec<String> {
-    let classes = model.classes().filter(|class| !class.starts_with("Sizing:"));
-    let objects = classes.flat_map(|class| model.objects(class));
+    let objects = model.classes().flat_map(|class| model.objects(class));
     let holds = |fields: &Value| fields.to_string().to_lowercase().contains("\"autosize\"");
     objects.filter(|(_, f)| holds(&Value::Object((*f).clone()))).map(|(name, _)| name.to_owned()).collect()
 }
