@@ -1,0 +1,196 @@
+//! `picture.html`: an episode to look at, in one file that needs no network.
+//!
+//! Every series goes into the page as the mean, the least and the greatest value of each of at most
+//! [`MAXIMUM_POINTS`] spans of equal length, in 16 bits between the least and the greatest of the whole series;
+//! that keeps a year of the largest building below 5 MB. The page draws with its own script.
+
+use std::io::Write;
+use std::ops::Range;
+
+use anyhow::Result;
+use b2b_building::PreparedBuilding;
+use b2b_building::hvac::{Quantity, System};
+use b2b_env::{Env, Trajectory};
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
+use serde::Serialize;
+use serde_json::json;
+
+use crate::summary::Summary;
+
+/// Name of the file.
+pub const NAME: &str = "picture.html";
+
+const PAGE: &str = include_str!("picture.html");
+/// Points of a series: a year of hours, the last day's rounding included.
+const MAXIMUM_POINTS: usize = 8784;
+
+/// Graphs of one unit over the time axis.
+#[derive(Serialize)]
+struct Panel {
+    title: &'static str,
+    unit: &'static str,
+    series: Vec<Series>,
+    /// A band to be shaded: the target, 1 K to both sides.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    band: Option<[f64; 2]>,
+}
+
+/// One graph.
+#[derive(Serialize)]
+struct Series {
+    name: String,
+    /// Series of the same colour belong to the same zone.
+    color: usize,
+    low: f64,
+    high: f64,
+    /// Means, minima and maxima of the spans, base64 of little-endian 16-bit numbers from `low` to `high`.
+    mean: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    extremes: Option<[String; 2]>,
+}
+
+/// Writes the page.
+pub fn write(file: &mut impl Write, env: &Env, trajectory: &Trajectory, summary: &Summary) -> Result<()> {
+    let picture = Picture { env, trajectory, span: trajectory.len().div_ceil(MAXIMUM_POINTS).max(1) };
+    let data = json!({
+        "title": summary.title(),
+        "summary": summary,
+        "first_day": env.episode().period.first().day_of_year(),
+        "steps_per_hour": env.episode().steps_per_hour,
+        "span": picture.span,
+        "points": trajectory.len().div_ceil(picture.span),
+        "panels": picture.panels(),
+    });
+    // `<` would let a name end the script element.
+    let data = data.to_string().replace('<', "\\u003c");
+    Ok(file.write_all(PAGE.replace("{{DATA}}", &data).as_bytes())?)
+}
+
+struct Picture<'a> {
+    env: &'a Env,
+    trajectory: &'a Trajectory,
+    /// Steps to a point.
+    span: usize,
+}
+
+impl Picture<'_> {
+    fn panels(&self) -> Vec<Panel> {
+        let mut panels = vec![self.temperatures(), self.outdoor(), self.power()];
+        const GROUPS: [(Quantity, &str); 5] = [
+            (Quantity::SupplyAirFlow, "Action: supply air flow"),
+            (Quantity::SupplyAirTemperature, "Action: supply air temperature"),
+            (Quantity::OutdoorAirFlow, "Action: outdoor air flow"),
+            (Quantity::DamperOpening, "Action: damper opening"),
+            (Quantity::HeatingSetpoint, "Action: heating setpoint"),
+        ];
+        panels.extend(GROUPS.map(|(quantity, title)| self.actions(quantity, title)));
+        panels.retain(|panel| !panel.series.is_empty());
+        panels
+    }
+
+    fn temperatures(&self) -> Panel {
+        let target = self.env.episode().task.target;
+        let zones = self.env.building().zones.iter().enumerate();
+        let series = zones.map(|(zone, about)| self.slot(about.name.clone(), zone, zone, 1.0));
+        let band = Some([target - 1.0, target + 1.0]);
+        Panel { title: "Zone air temperature", unit: "°C", series: series.collect(), band }
+    }
+
+    fn outdoor(&self) -> Panel {
+        let slot = self.env.observation_space().outdoor_temperature();
+        let series = vec![self.slot("outdoor air".into(), 0, slot, 1.0)];
+        Panel { title: "Outdoor air temperature", unit: "°C", series, band: None }
+    }
+
+    fn power(&self) -> Panel {
+        let space = self.env.observation_space();
+        let per_hour = f64::from(self.env.episode().steps_per_hour);
+        let series = vec![
+            self.slot("electricity".into(), 0, space.electricity(), per_hour),
+            self.slot("gas".into(), 1, space.gas(), per_hour),
+        ];
+        Panel { title: "HVAC power", unit: "W/m²", series, band: None }
+    }
+
+    fn actions(&self, quantity: Quantity, title: &'static str) -> Panel {
+        let building = self.env.building();
+        let zones = building.systems.iter().flat_map(|system| actuator_zones(building, system));
+        let actuators = building.actuators().zip(zones).enumerate();
+        let width = self.env.action_space().len();
+        let series = actuators.filter(|(_, (actuator, _))| actuator.quantity == quantity).map(
+            |(k, (actuator, zone))| {
+                self.series(actuator.name.clone(), zone, &self.trajectory.actions, k..width, 1.0)
+            },
+        );
+        Panel { title, unit: quantity.unit(), series: series.collect(), band: None }
+    }
+
+    fn slot(&self, name: String, color: usize, slot: usize, scale: f64) -> Series {
+        let width = self.env.observation_space().len();
+        self.series(name, color, &self.trajectory.observations, slot..width, scale)
+    }
+
+    /// Column `column.start` of a row-major matrix of `column.end` columns.
+    fn series(&self, name: String, color: usize, matrix: &[f64], column: Range<usize>, scale: f64) -> Series {
+        let values: Vec<f64> =
+            matrix.iter().skip(column.start).step_by(column.end).map(|value| value * scale).collect();
+        let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let points = |of: fn(&[f64]) -> f64| encode(values.chunks(self.span).map(of), low, high);
+        Series {
+            name,
+            color,
+            low,
+            high,
+            mean: points(|span| span.iter().sum::<f64>() / span.len() as f64),
+            extremes: (self.span > 1).then(|| {
+                [
+                    points(|span| span.iter().copied().fold(f64::INFINITY, f64::min)),
+                    points(|span| span.iter().copied().fold(f64::NEG_INFINITY, f64::max)),
+                ]
+            }),
+        }
+    }
+}
+
+/// The zone of each actuator of a system, by its number; for those of a whole air loop its first zone.
+fn actuator_zones(building: &PreparedBuilding, system: &System) -> Vec<usize> {
+    let number =
+        |zone: &str| building.zones.iter().position(|z| z.name.eq_ignore_ascii_case(zone)).unwrap_or(0);
+    let zones: Vec<usize> = system.zones().into_iter().map(number).collect();
+    match system {
+        System::AirLoop(_) => {
+            [zones[0]; 2].into_iter().chain(zones.iter().flat_map(|zone| [*zone; 2])).collect()
+        }
+        System::Unitary(_) | System::HeatingOnly(_) => vec![zones[0]; system.actuators().len()],
+    }
+}
+
+/// Base64 of 16-bit numbers, 0 for `low` and 65535 for `high`.
+fn encode(values: impl Iterator<Item = f64>, low: f64, high: f64) -> String {
+    let range = if high > low { high - low } else { 1.0 };
+    let bytes: Vec<u8> = values
+        .flat_map(|value| (((value - low) / range * f64::from(u16::MAX)).round() as u16).to_le_bytes())
+        .collect();
+    BASE64_STANDARD.encode(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_value_is_encoded_between_the_least_and_the_greatest() {
+        let bytes = BASE64_STANDARD.decode(encode([1.0, 2.0, 3.0].into_iter(), 1.0, 3.0)).unwrap();
+        assert_eq!(bytes, [0, 0, 0, 128, 255, 255]);
+    }
+
+    #[test]
+    fn the_page_loads_nothing_from_elsewhere() {
+        assert_eq!(PAGE.matches("{{DATA}}").count(), 1);
+        for word in ["http://", "https://", "src=", "@import", "<link"] {
+            assert!(!PAGE.contains(word), "{word}");
+        }
+    }
+}
