@@ -8,7 +8,7 @@ mod reactive;
 
 pub use constant::Constant;
 pub use random::Random;
-pub use reactive::{AirLoopParameters, Reactive, ReactiveParameters, UnitaryParameters};
+pub use reactive::{AirLoopParameters, Gains, Reactive, ReactiveParameters, TrimRespond, UnitaryParameters};
 
 /// Something that acts on an environment.
 pub trait Controller {

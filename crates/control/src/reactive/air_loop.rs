@@ -1,0 +1,126 @@
+//! A central air loop: dampers cool, reheat heats, and the supply temperature follows the warmest zones.
+
+use b2b_building::hvac;
+
+use super::pi::{Gains, Pi};
+use super::trim_respond::TrimRespond;
+
+/// Parameters of the controller of a central air loop.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AirLoopParameters {
+    /// Damper opening per K of error.
+    pub gains: Gains,
+    /// Least opening of a damper.
+    pub least_opening: f64,
+    /// Warmest supply temperature, °C.
+    pub warmest_supply: f64,
+    /// Coldest supply temperature, °C.
+    pub coldest_supply: f64,
+    /// How the supply temperature is pushed from warmest to coldest by the largest demand for cooling.
+    pub trim_respond: TrimRespond,
+    /// Least outdoor air, as a share of the fan's design flow.
+    pub least_outdoor_air: f64,
+    /// Opening added per K under target: heating needs air to carry it.
+    pub heating_opening: f64,
+}
+
+impl Default for AirLoopParameters {
+    fn default() -> Self {
+        Self {
+            gains: Gains { proportional: 0.4, integral: 1.0 },
+            least_opening: 0.2,
+            warmest_supply: 18.0,
+            coldest_supply: 11.0,
+            trim_respond: TrimRespond { respond: 12.0, trim: 4.0, threshold: 0.7 },
+            least_outdoor_air: 0.1,
+            heating_opening: 0.5,
+        }
+    }
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct AirLoop {
+    parameters: AirLoopParameters,
+    /// Slot of the outdoor temperature.
+    outdoor: usize,
+    hours: f64,
+    fan_flow: f64,
+    terminals: Vec<Terminal>,
+    push: f64,
+}
+
+#[derive(Clone, Debug)]
+struct Terminal {
+    slot: usize,
+    design_flow: f64,
+    cooling: Pi,
+}
+
+impl AirLoop {
+    pub(super) fn new(
+        air_loop: &hvac::AirLoop,
+        slot: impl Fn(&str) -> usize,
+        outdoor: usize,
+        hours: f64,
+        parameters: &AirLoopParameters,
+    ) -> Self {
+        let terminals = air_loop.terminals.iter().map(|terminal| Terminal {
+            slot: slot(&terminal.zone),
+            design_flow: terminal.design_flow,
+            cooling: Pi::new(parameters.gains, 0.0, 1.0, hours),
+        });
+        Self {
+            parameters: parameters.clone(),
+            outdoor,
+            hours,
+            fan_flow: air_loop.fan_flow,
+            terminals: terminals.collect(),
+            push: 0.0,
+        }
+    }
+
+    /// Number of actuators.
+    pub(super) fn width(&self) -> usize {
+        2 + 2 * self.terminals.len()
+    }
+
+    pub(super) fn reset(&mut self) {
+        self.push = 0.0;
+        self.terminals.iter_mut().for_each(|terminal| terminal.cooling.reset());
+    }
+
+    pub(super) fn act(&mut self, observation: &[f64], target: f64, action: &mut [f64]) {
+        let (central, boxes) = action.split_at_mut(2);
+        let mut flow = 0.0;
+        let mut heat = 0.0;
+        let mut greatest_demand = 0.0f64;
+        for (terminal, action) in self.terminals.iter_mut().zip(boxes.chunks_exact_mut(2)) {
+            let error = observation[terminal.slot] - target;
+            let demand = terminal.cooling.step(error);
+            greatest_demand = greatest_demand.max(demand);
+            let least = self.parameters.least_opening;
+            let heating = (self.parameters.heating_opening * -error).clamp(0.0, 1.0);
+            action[0] = least + (1.0 - least) * demand.max(heating);
+            action[1] = target;
+            flow += action[0] * terminal.design_flow;
+            heat += action[0] * terminal.design_flow * observation[terminal.slot];
+        }
+        let range = self.parameters.warmest_supply - self.parameters.coldest_supply;
+        self.push = self.parameters.trim_respond.step(self.push, greatest_demand, self.hours, range);
+        central[0] = self.parameters.warmest_supply - self.push;
+        central[1] = self.outdoor_air(flow.min(self.fan_flow), heat / flow, observation, central[0]);
+    }
+
+    /// Outdoor air flow, kg/s: as much as mixes with return air (°C) to the supply temperature where outdoor
+    /// air helps, and the least elsewhere.
+    fn outdoor_air(&self, flow: f64, return_air: f64, observation: &[f64], supply: f64) -> f64 {
+        let outdoor = observation[self.outdoor];
+        let least = self.parameters.least_outdoor_air * self.fan_flow;
+        let share = match () {
+            () if outdoor >= return_air => 0.0,
+            () if outdoor >= supply => 1.0,
+            () => (return_air - supply) / (return_air - outdoor),
+        };
+        (share.clamp(0.0, 1.0) * flow).max(least)
+    }
+}

@@ -1,0 +1,104 @@
+//! The paper's reactive controllers, after ASHRAE Guideline 36: PI on air flow, trim-and-respond on supply air
+//! temperature, and thermostats for heaters.
+
+mod air_loop;
+mod pi;
+mod trim_respond;
+mod unitary;
+
+use b2b_building::PreparedBuilding;
+use b2b_building::hvac::System;
+
+pub use air_loop::AirLoopParameters;
+pub use pi::Gains;
+pub use trim_respond::TrimRespond;
+pub use unitary::UnitaryParameters;
+
+use crate::Controller;
+
+/// Parameters of the reactive controllers. The defaults hold 21 °C in every base building; they are not tuned
+/// to any one.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ReactiveParameters {
+    /// For unitary systems.
+    pub unitary: UnitaryParameters,
+    /// For central air loops.
+    pub air_loop: AirLoopParameters,
+}
+
+/// The paper's reactive controllers, one for each system of a building.
+#[derive(Clone, Debug)]
+pub struct Reactive {
+    systems: Vec<Loop>,
+    target: f64,
+}
+
+/// The controller of one system.
+#[derive(Clone, Debug)]
+enum Loop {
+    Unitary(unitary::Unitary),
+    AirLoop(air_loop::AirLoop),
+    /// A heater under its own thermostat: the setpoint is the target.
+    Heater,
+}
+
+impl Reactive {
+    /// Controllers that hold every controlled zone of a building at a target, °C, with this many steps an
+    /// hour.
+    pub fn new(
+        building: &PreparedBuilding,
+        target: f64,
+        steps_per_hour: u32,
+        parameters: &ReactiveParameters,
+    ) -> Self {
+        let hours = 1.0 / f64::from(steps_per_hour);
+        let slot = |name: &str| {
+            // A system's zones are zones of its building: preparation took them from there.
+            building.zones.iter().position(|z| z.name.eq_ignore_ascii_case(name)).unwrap_or_default()
+        };
+        let outdoor = building.zones.len();
+        let control = |system: &System| match system {
+            System::Unitary(unit) => Loop::Unitary(unitary::Unitary::new(
+                unit,
+                slot(&unit.zone),
+                target,
+                hours,
+                &parameters.unitary,
+            )),
+            System::AirLoop(air_loop) => {
+                Loop::AirLoop(air_loop::AirLoop::new(air_loop, slot, outdoor, hours, &parameters.air_loop))
+            }
+            System::HeatingOnly(_) => Loop::Heater,
+        };
+        Self { systems: building.systems.iter().map(control).collect(), target }
+    }
+}
+
+impl Controller for Reactive {
+    fn reset(&mut self) {
+        for system in &mut self.systems {
+            match system {
+                Loop::Unitary(unit) => unit.reset(),
+                Loop::AirLoop(air_loop) => air_loop.reset(),
+                Loop::Heater => {}
+            }
+        }
+    }
+
+    fn act(&mut self, observation: &[f64], mut action: &mut [f64]) {
+        for system in &mut self.systems {
+            let width = match system {
+                Loop::Unitary(_) => 2,
+                Loop::AirLoop(air_loop) => air_loop.width(),
+                Loop::Heater => 1,
+            };
+            let (own, rest) = action.split_at_mut(width);
+            match system {
+                Loop::Unitary(unit) => unit.act(observation, own),
+                Loop::AirLoop(air_loop) => air_loop.act(observation, self.target, own),
+                Loop::Heater => own[0] = self.target,
+            }
+            action = rest;
+        }
+    }
+}
