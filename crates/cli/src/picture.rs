@@ -8,8 +8,8 @@ use std::io::Write;
 use std::ops::Range;
 
 use anyhow::Result;
-use b2b_building::PreparedBuilding;
 use b2b_building::hvac::{Quantity, System};
+use b2b_building::{Conditioning, PreparedBuilding};
 use b2b_env::{Env, Trajectory};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
@@ -28,7 +28,7 @@ const MAXIMUM_POINTS: usize = 8784;
 /// Graphs of one unit over the time axis.
 #[derive(Serialize)]
 struct Panel {
-    title: &'static str,
+    title: String,
     unit: &'static str,
     series: Vec<Series>,
     /// A band to be shaded: the target, 1 K to both sides.
@@ -78,29 +78,40 @@ impl Picture<'_> {
     fn panels(&self) -> Vec<Panel> {
         let mut panels = vec![self.temperatures(), self.outdoor(), self.power()];
         const GROUPS: [(Quantity, &str); 5] = [
-            (Quantity::SupplyAirFlow, "Action: supply air flow"),
-            (Quantity::SupplyAirTemperature, "Action: supply air temperature"),
-            (Quantity::OutdoorAirFlow, "Action: outdoor air flow"),
-            (Quantity::DamperOpening, "Action: damper opening"),
-            (Quantity::HeatingSetpoint, "Action: heating setpoint"),
+            (Quantity::SupplyAirFlow, "supply air flow"),
+            (Quantity::SupplyAirTemperature, "supply air temperature"),
+            (Quantity::OutdoorAirFlow, "outdoor air flow"),
+            (Quantity::DamperOpening, "damper opening"),
+            (Quantity::HeatingSetpoint, "heating setpoint"),
         ];
-        panels.extend(GROUPS.map(|(quantity, title)| self.actions(quantity, title)));
+        panels.extend(GROUPS.map(|(quantity, what)| self.actions(quantity, what)));
         panels.retain(|panel| !panel.series.is_empty());
         panels
     }
 
     fn temperatures(&self) -> Panel {
         let target = self.env.episode().task.target;
-        let zones = self.env.building().zones.iter().enumerate();
-        let series = zones.map(|(zone, about)| self.slot(about.name.clone(), zone, zone, 1.0));
+        let series = self.zones(|conditioning| conditioning != Conditioning::None).collect();
         let band = Some([target - 1.0, target + 1.0]);
-        Panel { title: "Zone air temperature", unit: "°C", series: series.collect(), band }
+        Panel { title: "Zone air temperature".into(), unit: "°C", series, band }
     }
 
+    /// Attics and plenums with the outdoors, which they follow more than they follow any target.
     fn outdoor(&self) -> Panel {
-        let slot = self.env.observation_space().outdoor_temperature();
-        let series = vec![self.slot("outdoor air".into(), 0, slot, 1.0)];
-        Panel { title: "Outdoor air temperature", unit: "°C", series, band: None }
+        let outdoor = self.env.observation_space().outdoor_temperature();
+        let mut series = vec![self.slot("outdoor air".into(), self.env.building().zones.len(), outdoor, 1.0)];
+        series.extend(self.zones(|conditioning| conditioning == Conditioning::None));
+        Panel { title: "Outdoors and unconditioned zones".into(), unit: "°C", series, band: None }
+    }
+
+    /// Temperatures of the zones with such equipment.
+    fn zones(&self, with: impl Fn(Conditioning) -> bool) -> impl Iterator<Item = Series> {
+        let zones = self.env.building().zones.iter().enumerate();
+        let slots = self.env.observation_space().zone_temperatures();
+        zones
+            .zip(slots)
+            .filter(move |((_, zone), _)| with(zone.conditioning))
+            .map(|((number, zone), slot)| self.slot(zone.name.clone(), number, slot, 1.0))
     }
 
     fn power(&self) -> Panel {
@@ -110,20 +121,26 @@ impl Picture<'_> {
             self.slot("electricity".into(), 0, space.electricity(), per_hour),
             self.slot("gas".into(), 1, space.gas(), per_hour),
         ];
-        Panel { title: "HVAC power", unit: "W/m²", series, band: None }
+        Panel { title: "HVAC power".into(), unit: "W/m²", series, band: None }
     }
 
-    fn actions(&self, quantity: Quantity, title: &'static str) -> Panel {
+    fn actions(&self, quantity: Quantity, what: &str) -> Panel {
         let building = self.env.building();
         let zones = building.systems.iter().flat_map(|system| actuator_zones(building, system));
         let actuators = building.actuators().zip(zones).enumerate();
         let width = self.env.action_space().len();
         let series = actuators.filter(|(_, (actuator, _))| actuator.quantity == quantity).map(
             |(k, (actuator, zone))| {
-                self.series(actuator.name.clone(), zone, &self.trajectory.actions, k..width, 1.0)
+                let name = actuator.name.trim_end_matches(what).trim_end().to_owned();
+                self.series(name, zone, &self.trajectory.actions, k..width, 1.0)
             },
         );
-        Panel { title, unit: quantity.unit(), series: series.collect(), band: None }
+        Panel {
+            title: format!("Action: {what}"),
+            unit: quantity.unit(),
+            series: series.collect(),
+            band: None,
+        }
     }
 
     fn slot(&self, name: String, color: usize, slot: usize, scale: f64) -> Series {
