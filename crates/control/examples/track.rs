@@ -39,6 +39,7 @@ fn main() -> std::result::Result<(), Box<dyn std::error::Error>> {
     v("ARESP", &mut p.air_loop.trim_respond.respond);
     v("ATRIM", &mut p.air_loop.trim_respond.trim);
     v("ATH", &mut p.air_loop.trim_respond.threshold);
+    v("ADB", &mut p.air_loop.deadband);
     v("AHO", &mut p.air_loop.heating_opening);
     v("AOA", &mut p.air_loop.least_outdoor_air);
     for period in a[2..].iter() {

@@ -1,7 +1,502 @@
 //! Central air loops: supply temperature, outdoor air, dampers, reheat.
-use super::AirLoop;
-use crate::{Model, Result};
-/// TODO
-pub fn make_controllable(_model: &mut Model, _air_loop: &str, _air_density: f64) -> Result<AirLoop> {
-    todo!()
+//!
+//! [`make_controllable`] turns an air loop with variable-volume reheat terminals into one that does what an
+//! agent says. What the shipped controls decide (supply temperature reset, economiser, minimum flows,
+//! dampers under the thermostat) goes; the equipment and its capacities stay, but for the main heating coil.
+//!
+//! 1. The loop runs at every hour ([`common::always_on`]).
+//! 2. The branch becomes outdoor air → fan → cooling coil → heating coil, so that the fan's heat is ahead of
+//!    the coils that answer for the supply temperature.
+//! 3. Both coils follow one scheduled supply temperature; outdoor air follows an actuator.
+//! 4. Every terminal's damper stands where its schedule says, and its reheat coil holds the zone's heating
+//!    setpoint; the cooling setpoint is out of reach, so that the thermostat never opens a damper.
+//!
+//! All dampers open ask for more than the fan gives (the boxes peak at different hours): then the flows of
+//! all terminals scale down by the same share, to [`AirLoop::fan_flow`] in sum.
+//!
+//! **Leave the dampers alone until the first warm-up step is over.** What their schedules hold when the engine
+//! begins a run (0 in the model) stays the least flow of the terminals for the whole run.
+
+use std::collections::HashSet;
+
+use serde_json::{Value, json};
+
+use super::common::{self, Reference, constant_schedule, items};
+use super::{Actuator, AirLoop, EngineVariable, Quantity, Terminal};
+use crate::model::{Fields, number, text};
+use crate::{Error, Model, Result};
+
+/// Lowest supply temperature an agent may ask for, °C: what the cooling coils reach in summer.
+pub const LOWEST_SUPPLY_TEMPERATURE: f64 = 10.0;
+/// Highest supply temperature an agent may ask for, °C: what the heating coil reaches in winter.
+pub const HIGHEST_SUPPLY_TEMPERATURE: f64 = 55.0;
+/// Heating setpoint that no zone falls to, °C: reheat off.
+pub const REHEAT_OFF: f64 = 10.0;
+/// Highest heating setpoint an agent may give, °C.
+pub const HIGHEST_HEATING_SETPOINT: f64 = 30.0;
+/// Cooling setpoint that no zone reaches, °C.
+const OUT_OF_REACH: f64 = 90.0;
+/// Supply temperature before the first action, °C.
+const NEUTRAL_SUPPLY_TEMPERATURE: f64 = 20.0;
+/// By how much the main heating coil can warm the fan's design flow, K: room air to the highest supply
+/// temperature with a quarter of outdoor air at -17 °C. The shipped coils (about 4 K) only temper outdoor air
+/// and leave all heating to reheat: over 25 °C is out of their reach in winter.
+const HEATING_COIL_RISE: f64 = 45.0;
+/// Specific heat of air, J/(kg K).
+const AIR_SPECIFIC_HEAT: f64 = 1006.0;
+
+const SCHEDULE: [&str; 2] = ["Schedule:Constant", "Schedule Value"];
+const TERMINAL: &str = "AirTerminal:SingleDuct:VAV:Reheat";
+const OUTDOOR_AIR_SYSTEM: &str = "AirLoopHVAC:OutdoorAirSystem";
+const COOLING: &str = "CoilSystem:Cooling:DX";
+const HEATING: [&str; 2] = ["Coil:Heating:Fuel", "Coil:Heating:Electric"];
+/// Fans of variable flow, each with the field of its design flow.
+const FANS: [(&str, &str); 2] =
+    [("Fan:VariableVolume", "maximum_flow_rate"), ("Fan:SystemModel", "design_maximum_air_flow_rate")];
+
+/// Makes a central air loop do what an agent says, and lists its actuators.
+///
+/// The model must carry its sizes (no `Autosize` in the fan and the terminals). `air_density` (kg/m³) is the
+/// engine's standard density at the site, which turns design volume flows into mass flows.
+///
+/// # Errors
+/// [`Error::Unsupported`] naming the object that these edits do not know; [`Error::MissingObject`] when the
+/// model refers to something that is not there.
+pub fn make_controllable(model: &mut Model, air_loop: &str, air_density: f64) -> Result<AirLoop> {
+    let branch = MainBranch::find(model, air_loop)?;
+    let terminals = find_terminals(model, air_loop)?;
+    let controller = outdoor_air_controller(model, &branch.outdoor_air)?;
+    let fan_flow = fan_flow(model, &branch.fan)? * air_density;
+
+    common::always_on(model, air_loop)?;
+    remove_setpoint_managers(model, &branch.nodes());
+    blow_through(model, &branch)?;
+    enlarge_heating_coil(model, &branch.heating, fan_flow)?;
+    let supply_temperature = schedule_supply_temperature(model, air_loop, &branch);
+    let outdoor_air = free_outdoor_air(model, air_loop, &controller, fan_flow)?;
+    let terminals = terminals
+        .into_iter()
+        .map(|(zone, terminal)| drive_terminal(model, zone, &terminal, air_density))
+        .collect::<Result<_>>()?;
+    Ok(AirLoop { name: air_loop.to_owned(), supply_temperature, outdoor_air, fan_flow, terminals })
 }
+
+/// The supply branch of an air loop: what is on it and the nodes between.
+struct MainBranch {
+    name: String,
+    outdoor_air: Reference,
+    cooling: Reference,
+    heating: Reference,
+    fan: Reference,
+    /// The ends of each component, in the order of the branch.
+    ends: Vec<(Reference, Ends)>,
+}
+
+/// Inlet and outlet node of a component.
+#[derive(Clone, Debug, PartialEq)]
+struct Ends {
+    inlet: String,
+    outlet: String,
+}
+
+impl MainBranch {
+    /// Reads the branch, and refuses components that the edits do not know.
+    fn find(model: &Model, air_loop: &str) -> Result<Self> {
+        let name = only_branch(model, air_loop)?;
+        let mut ends = Vec::new();
+        for item in items(model.require("Branch", &name)?, "components") {
+            let field = |field| text(item, field).unwrap_or_default().to_owned();
+            let component =
+                Reference { class: field("component_object_type"), name: field("component_name") };
+            require_known(model, &component)?;
+            let [inlet, outlet] = ["component_inlet_node_name", "component_outlet_node_name"].map(field);
+            ends.push((component, Ends { inlet, outlet }));
+        }
+        let one = |classes: &[&str]| one_of(&ends, classes, &name);
+        Ok(Self {
+            outdoor_air: one(&[OUTDOOR_AIR_SYSTEM])?,
+            cooling: one(&[COOLING])?,
+            heating: one(&HEATING)?,
+            fan: one(&FANS.map(|(class, _)| class))?,
+            ends,
+            name,
+        })
+    }
+
+    /// Every node of the branch.
+    fn nodes(&self) -> HashSet<String> {
+        self.ends
+            .iter()
+            .flat_map(|(_, ends)| [&ends.inlet, &ends.outlet])
+            .map(|node| node.to_lowercase())
+            .collect()
+    }
+
+    /// The node at the end of the branch, where the air leaves the air handler.
+    fn outlet(&self) -> &str {
+        self.ends.last().map_or("", |(_, ends)| &ends.outlet)
+    }
+
+    /// The node between the cooling and the heating coil of the rewired branch.
+    fn cooling_outlet(&self) -> String {
+        outlet_node(&self.cooling)
+    }
+
+    /// The components in blow-through order with their nodes there.
+    fn blow_through(&self) -> Vec<(Reference, Ends)> {
+        let order = [&self.outdoor_air, &self.fan, &self.cooling, &self.heating];
+        let mut inlet = self.ends[0].1.inlet.clone();
+        let mut placed: Vec<(Reference, Ends)> = Vec::new();
+        for component in order {
+            let outlet = match component {
+                c if c == &self.outdoor_air => self.ends[0].1.outlet.clone(),
+                c if c == &self.heating => self.outlet().to_owned(),
+                c => outlet_node(c),
+            };
+            placed.push((component.clone(), Ends { inlet, outlet: outlet.clone() }));
+            inlet = outlet;
+        }
+        placed
+    }
+}
+
+fn outlet_node(component: &Reference) -> String {
+    format!("{} Outlet Node", component.name)
+}
+
+fn only_branch(model: &Model, air_loop: &str) -> Result<String> {
+    let list = text(model.require("AirLoopHVAC", air_loop)?, "branch_list_name").unwrap_or_default();
+    let branches: Vec<_> = items(model.require("BranchList", list)?, "branches")
+        .filter_map(|item| text(item, "branch_name"))
+        .collect();
+    match branches[..] {
+        [branch] => Ok(branch.to_owned()),
+        _ => Err(unsupported("BranchList", list, "a central air loop has one branch")),
+    }
+}
+
+fn require_known(model: &Model, component: &Reference) -> Result<()> {
+    let Reference { class, name } = component;
+    let fields = model.require(class, name)?;
+    let [fan, fan_system] = FANS.map(|(class, _)| class);
+    let [gas, electric] = HEATING;
+    let known = [OUTDOOR_AIR_SYSTEM, COOLING, gas, electric, fan, fan_system];
+    if !is_one_of(class, &known) {
+        return Err(unsupported(class, name, &format!("the air handler may have: {}", known.join(", "))));
+    }
+    let coil = text(fields, "cooling_coil_object_type");
+    if coil.is_some_and(|class| !class.eq_ignore_ascii_case("Coil:Cooling:DX:TwoSpeed")) {
+        return Err(unsupported(class, name, "its coil must be a Coil:Cooling:DX:TwoSpeed"));
+    }
+    Ok(())
+}
+
+fn one_of(ends: &[(Reference, Ends)], classes: &[&str], branch: &str) -> Result<Reference> {
+    let mut found = ends.iter().map(|(component, _)| component).filter(|c| is_one_of(&c.class, classes));
+    match (found.next(), found.next()) {
+        (Some(component), None) => Ok(component.clone()),
+        _ => Err(unsupported("Branch", branch, &format!("it must have one {}", classes.join(" or ")))),
+    }
+}
+
+/// Takes out the setpoint managers on the branch's nodes: each would write over the supply temperature.
+fn remove_setpoint_managers(model: &mut Model, nodes: &HashSet<String>) {
+    let classes: Vec<String> =
+        model.classes().filter(|class| class.starts_with("SetpointManager:")).map(str::to_owned).collect();
+    for class in &classes {
+        for manager in model.names(class) {
+            let fields = model.get(class, &manager);
+            let node = fields.and_then(|f| text(f, "setpoint_node_or_nodelist_name"));
+            if node.is_some_and(|node| on_branch(model, node, nodes)) {
+                model.remove(class, &manager);
+            }
+        }
+    }
+}
+
+/// Whether a node, or one of a list of nodes, is among these.
+fn on_branch(model: &Model, node: &str, nodes: &HashSet<String>) -> bool {
+    let listed = model.get("NodeList", node).into_iter().flat_map(|list| items(list, "nodes"));
+    let mut names = listed.filter_map(|item| text(item, "node_name")).chain([node]);
+    names.any(|name| nodes.contains(&name.to_lowercase()))
+}
+
+/// Puts the fan ahead of the coils. Behind them its heat would be taken off the coils' setpoints by an
+/// estimate that lags whenever the flow jumps.
+fn blow_through(model: &mut Model, branch: &MainBranch) -> Result<()> {
+    let placed = branch.blow_through();
+    for (component, ends) in &placed {
+        if let Some((_, before)) = branch.ends.iter().find(|(c, _)| c == component) {
+            move_component(model, component, before, ends)?;
+        }
+    }
+    let components: Vec<Value> =
+        placed.iter().map(|(component, ends)| branch_item(component, ends)).collect();
+    model.require_mut("Branch", &branch.name)?.insert("components".into(), components.into());
+    Ok(())
+}
+
+fn branch_item(component: &Reference, ends: &Ends) -> Value {
+    json!({
+        "component_object_type": component.class,
+        "component_name": component.name,
+        "component_inlet_node_name": ends.inlet,
+        "component_outlet_node_name": ends.outlet,
+    })
+}
+
+/// Gives a component, and the coil in it, other nodes; a setpoint or sensor node at its outlet moves with it.
+fn move_component(model: &mut Model, component: &Reference, from: &Ends, to: &Ends) -> Result<()> {
+    let fields = model.require_mut(&component.class, &component.name)?;
+    for value in fields.values_mut() {
+        match value.as_str() {
+            Some(node) if node.eq_ignore_ascii_case(&from.inlet) => *value = to.inlet.clone().into(),
+            Some(node) if node.eq_ignore_ascii_case(&from.outlet) => *value = to.outlet.clone().into(),
+            _ => {}
+        }
+    }
+    if fields.contains_key("temperature_setpoint_node_name") {
+        fields.insert("temperature_setpoint_node_name".into(), to.outlet.clone().into());
+    }
+    for part in common::parts(fields) {
+        move_component(model, &part, from, to)?;
+    }
+    Ok(())
+}
+
+/// Lets the main heating coil warm the fan's design flow (kg/s) by [`HEATING_COIL_RISE`].
+fn enlarge_heating_coil(model: &mut Model, coil: &Reference, fan_flow: f64) -> Result<()> {
+    let enough = HEATING_COIL_RISE * AIR_SPECIFIC_HEAT * fan_flow;
+    let shipped = size(model, &coil.class, &coil.name, "nominal_capacity")?;
+    let fields = model.require_mut(&coil.class, &coil.name)?;
+    fields.insert("nominal_capacity".into(), shipped.max(enough).into());
+    Ok(())
+}
+
+/// One scheduled temperature for both coils: behind the cooling coil and behind the heating coil.
+fn schedule_supply_temperature(model: &mut Model, air_loop: &str, branch: &MainBranch) -> Actuator {
+    let name = format!("{air_loop} Supply Air Temperature");
+    constant_schedule(model, &name, NEUTRAL_SUPPLY_TEMPERATURE);
+    for (place, node) in [("Cooling", branch.cooling_outlet()), ("Heating", branch.outlet().to_owned())] {
+        let fields = json!({
+            "control_variable": "Temperature",
+            "schedule_name": name,
+            "setpoint_node_or_nodelist_name": node,
+        });
+        model.insert("SetpointManager:Scheduled", &format!("{air_loop} {place} Setpoint"), fields);
+    }
+    Actuator {
+        quantity: Quantity::SupplyAirTemperature,
+        low: LOWEST_SUPPLY_TEMPERATURE,
+        high: HIGHEST_SUPPLY_TEMPERATURE,
+        effect: EngineVariable::new("System Node Temperature", branch.outlet()),
+        ..scheduled(name, format!("{air_loop} supply air temperature"))
+    }
+}
+
+/// Leaves outdoor air to its actuator: no economiser beside it. The controller's ventilation requirement
+/// stays, as what is asked for when nothing is commanded, and to be read.
+fn free_outdoor_air(model: &mut Model, air_loop: &str, controller: &str, fan_flow: f64) -> Result<Actuator> {
+    let fields = model.require_mut("Controller:OutdoorAir", controller)?;
+    fields.insert("economizer_control_type".into(), "NoEconomizer".into());
+    fields.insert("lockout_type".into(), "NoLockout".into());
+    let node = text(fields, "actuator_node_name").unwrap_or_default().to_owned();
+    Ok(Actuator {
+        name: format!("{air_loop} outdoor air flow"),
+        quantity: Quantity::OutdoorAirFlow,
+        low: 0.0,
+        high: fan_flow,
+        component: "Outdoor Air Controller".into(),
+        control: "Air Mass Flow Rate".into(),
+        key: controller.to_owned(),
+        scale: 1.0,
+        effect: EngineVariable::new("System Node Mass Flow Rate", &node),
+        effect_scale: 1.0,
+    })
+}
+
+/// Puts a terminal's damper on a schedule, and its reheat coil on the zone's own heating setpoint.
+fn drive_terminal(model: &mut Model, zone: String, terminal: &str, air_density: f64) -> Result<Terminal> {
+    common::switch_on(model, &Reference { class: TERMINAL.into(), name: terminal.into() })?;
+    let design_flow = size(model, TERMINAL, terminal, "maximum_air_flow_rate")? * air_density;
+    let opening = schedule_damper(model, &zone, terminal)?;
+    let setpoints = common::own_thermostat(model, &zone, REHEAT_OFF, OUT_OF_REACH)?;
+    let inlet = text(model.require(TERMINAL, terminal)?, "air_inlet_node_name").unwrap_or_default();
+    let damper = Actuator {
+        quantity: Quantity::DamperOpening,
+        low: 0.0,
+        high: 1.0,
+        effect: EngineVariable::new("System Node Mass Flow Rate", inlet),
+        effect_scale: design_flow,
+        ..scheduled(opening, format!("{zone} damper opening"))
+    };
+    let reheat = Actuator {
+        quantity: Quantity::HeatingSetpoint,
+        low: REHEAT_OFF,
+        high: HIGHEST_HEATING_SETPOINT,
+        effect: EngineVariable::new("Zone Thermostat Heating Setpoint Temperature", &zone),
+        ..scheduled(setpoints.heating, format!("{zone} heating setpoint"))
+    };
+    Ok(Terminal { zone, damper, reheat, design_flow })
+}
+
+/// Makes the scheduled opening the terminal's minimum flow. With the cooling setpoint out of reach and the
+/// damper not reversed for heating, a terminal never leaves its minimum. The schedule is 0 because its value at
+/// the begin of a run is a floor for the whole run.
+fn schedule_damper(model: &mut Model, zone: &str, terminal: &str) -> Result<String> {
+    let name = format!("{zone} Damper Opening");
+    constant_schedule(model, &name, 0.0);
+    let fields = model.require_mut(TERMINAL, terminal)?;
+    fields.retain(|field, _| {
+        !field.contains("minimum_air_flow")
+            && !field.starts_with("maximum_flow_")
+            && !field.contains("turndown")
+    });
+    fields.insert("zone_minimum_air_flow_input_method".into(), "Scheduled".into());
+    fields.insert("minimum_air_flow_fraction_schedule_name".into(), name.clone().into());
+    fields.insert("damper_heating_action".into(), "Normal".into());
+    Ok(name)
+}
+
+/// An actuator of a `Schedule:Constant`, to be completed.
+fn scheduled(schedule: String, name: String) -> Actuator {
+    let [component, control] = SCHEDULE.map(str::to_owned);
+    Actuator {
+        name,
+        quantity: Quantity::SupplyAirTemperature,
+        low: 0.0,
+        high: 0.0,
+        component,
+        control,
+        key: schedule,
+        scale: 1.0,
+        effect: EngineVariable::new("", ""),
+        effect_scale: 1.0,
+    }
+}
+
+/// The outdoor air controller among the controllers of an outdoor air system.
+fn outdoor_air_controller(model: &Model, system: &Reference) -> Result<String> {
+    let list = text(model.require(&system.class, &system.name)?, "controller_list_name").unwrap_or_default();
+    let controllers = model.require("AirLoopHVAC:ControllerList", list)?;
+    (1..=8)
+        .filter(|i| {
+            text(controllers, &format!("controller_{i}_object_type"))
+                .is_some_and(|class| class.eq_ignore_ascii_case("Controller:OutdoorAir"))
+        })
+        .find_map(|i| text(controllers, &format!("controller_{i}_name")))
+        .map(str::to_owned)
+        .ok_or_else(|| unsupported(&system.class, &system.name, "it has no Controller:OutdoorAir"))
+}
+
+/// The terminals of an air loop, each with its zone, in model order of the zones.
+fn find_terminals(model: &Model, air_loop: &str) -> Result<Vec<(String, String)>> {
+    let nodes = terminal_nodes(model, air_loop)?;
+    let mut terminals = Vec::new();
+    for (unit, fields) in model.objects("ZoneHVAC:AirDistributionUnit") {
+        let field = |field| text(fields, field).unwrap_or_default();
+        let (class, terminal) = (field("air_terminal_object_type"), field("air_terminal_name"));
+        let inlet = terminal_inlet(model.require(class, terminal)?);
+        if !inlet.is_some_and(|node| nodes.contains(&node.to_lowercase())) {
+            continue;
+        }
+        if !class.eq_ignore_ascii_case(TERMINAL) {
+            return Err(unsupported(class, terminal, &format!("a terminal must be an {TERMINAL}")));
+        }
+        require_reheat(model, terminal)?;
+        terminals.push((zone_of(model, unit)?, terminal.to_owned()));
+    }
+    let zones = model.names("Zone");
+    terminals.sort_by_key(|(zone, _)| zones.iter().position(|z| z.eq_ignore_ascii_case(zone)));
+    if terminals.is_empty() {
+        return Err(unsupported("AirLoopHVAC", air_loop, "no terminal is on its supply path"));
+    }
+    Ok(terminals)
+}
+
+fn require_reheat(model: &Model, terminal: &str) -> Result<()> {
+    let coil = text(model.require(TERMINAL, terminal)?, "reheat_coil_object_type").unwrap_or_default();
+    if is_one_of(coil, &HEATING) {
+        return Ok(());
+    }
+    Err(unsupported(TERMINAL, terminal, &format!("its reheat coil must be a {}", HEATING.join(" or a "))))
+}
+
+fn terminal_inlet(terminal: &Fields) -> Option<&str> {
+    ["air_inlet_node_name", "air_inlet_node", "primary_air_inlet_node_name", "supply_air_inlet_node_name"]
+        .into_iter()
+        .find_map(|field| text(terminal, field))
+}
+
+/// The nodes where a loop's supply path ends, in lower case.
+fn terminal_nodes(model: &Model, air_loop: &str) -> Result<HashSet<String>> {
+    let fields = model.require("AirLoopHVAC", air_loop)?;
+    let inlet = text(fields, "demand_side_inlet_node_names").unwrap_or_default();
+    let inlets = nodes_of(model, inlet);
+    let mut nodes = HashSet::new();
+    for (_, path) in model.objects("AirLoopHVAC:SupplyPath") {
+        let start = text(path, "supply_air_path_inlet_node_name").unwrap_or_default();
+        if !inlets.iter().any(|node| node.eq_ignore_ascii_case(start)) {
+            continue;
+        }
+        for item in items(path, "components") {
+            let field = |field| text(item, field).unwrap_or_default();
+            let splitter = model.require(field("component_object_type"), field("component_name"))?;
+            let outlets = items(splitter, "nodes").filter_map(|node| text(node, "outlet_node_name"));
+            nodes.extend(outlets.map(str::to_lowercase));
+        }
+    }
+    Ok(nodes)
+}
+
+/// The nodes of a list, or the one node of this name.
+fn nodes_of(model: &Model, name: &str) -> Vec<String> {
+    match model.get("NodeList", name) {
+        Some(list) => {
+            items(list, "nodes").filter_map(|item| text(item, "node_name")).map(str::to_owned).collect()
+        }
+        None => vec![name.to_owned()],
+    }
+}
+
+/// The zone that an air distribution unit serves.
+fn zone_of(model: &Model, unit: &str) -> Result<String> {
+    let is = |name: Option<&str>, other: &str| name.is_some_and(|name| name.eq_ignore_ascii_case(other));
+    let lists_unit =
+        |list: &Fields| items(list, "equipment").any(|item| is(text(item, "zone_equipment_name"), unit));
+    let lists = model.objects("ZoneHVAC:EquipmentList").into_iter().filter(|(_, list)| lists_unit(list));
+    lists
+        .flat_map(|(list, _)| {
+            model
+                .objects("ZoneHVAC:EquipmentConnections")
+                .into_iter()
+                .filter(move |(_, zone)| is(text(zone, "zone_conditioning_equipment_list_name"), list))
+        })
+        .find_map(|(_, zone)| text(zone, "zone_name"))
+        .map(str::to_owned)
+        .ok_or_else(|| unsupported("ZoneHVAC:AirDistributionUnit", unit, "no zone has it"))
+}
+
+/// Design flow of a fan, m³/s.
+fn fan_flow(model: &Model, fan: &Reference) -> Result<f64> {
+    let field = FANS.iter().find(|(class, _)| class.eq_ignore_ascii_case(&fan.class)).map(|(_, field)| field);
+    let field = field.ok_or_else(|| unsupported(&fan.class, &fan.name, "it is no fan of variable flow"))?;
+    size(model, &fan.class, &fan.name, field)
+}
+
+/// A size that the model must carry.
+fn size(model: &Model, class: &str, name: &str, field: &str) -> Result<f64> {
+    number(model.require(class, name)?, field)
+        .ok_or_else(|| unsupported(class, name, &format!("`{field}` must be a number: size the model first")))
+}
+
+fn is_one_of(class: &str, classes: &[&str]) -> bool {
+    classes.iter().any(|known| known.eq_ignore_ascii_case(class))
+}
+
+fn unsupported(class: &str, name: &str, why: &str) -> Error {
+    Error::Unsupported { class: class.to_owned(), name: name.to_owned(), why: why.to_owned() }
+}
+
+#[cfg(test)]
+mod tests;

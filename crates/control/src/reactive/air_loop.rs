@@ -20,6 +20,9 @@ pub struct AirLoopParameters {
     pub trim_respond: TrimRespond,
     /// Least outdoor air, as a share of the fan's design flow.
     pub least_outdoor_air: f64,
+    /// Reheat starts this far under target, K: without it reheat holds the target exactly, the dampers' loops see
+    /// no error, and a zone may be cooled and reheated for ever.
+    pub deadband: f64,
     /// Opening added per K under target: heating needs air to carry it.
     pub heating_opening: f64,
 }
@@ -28,11 +31,12 @@ impl Default for AirLoopParameters {
     fn default() -> Self {
         Self {
             gains: Gains { proportional: 0.4, integral: 1.0 },
-            least_opening: 0.2,
+            least_opening: 0.1,
             warmest_supply: 18.0,
             coldest_supply: 11.0,
             trim_respond: TrimRespond { respond: 12.0, trim: 4.0, threshold: 0.7 },
             least_outdoor_air: 0.1,
+            deadband: 0.1,
             heating_opening: 0.5,
         }
     }
@@ -101,7 +105,7 @@ impl AirLoop {
             let least = self.parameters.least_opening;
             let heating = (self.parameters.heating_opening * -error).clamp(0.0, 1.0);
             action[0] = least + (1.0 - least) * demand.max(heating);
-            action[1] = target;
+            action[1] = target - self.parameters.deadband;
             flow += action[0] * terminal.design_flow;
             heat += action[0] * terminal.design_flow * observation[terminal.slot];
         }

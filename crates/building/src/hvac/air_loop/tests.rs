@@ -1,0 +1,184 @@
+use std::path::Path;
+
+use serde_json::json;
+
+use super::*;
+
+const DENSITY: f64 = 1.2;
+
+/// One loop, draw-through, with two terminals whose zones come in the other order.
+fn office() -> Model {
+    let model = json!({
+        "AirLoopHVAC": {"L": {
+            "branch_list_name": "LB", "demand_side_inlet_node_names": "demand",
+            "supply_side_outlet_node_names": "supply"}},
+        "BranchList": {"LB": {"branches": [{"branch_name": "Main"}]}},
+        "Branch": {"Main": {"components": [
+            component(OUTDOOR_AIR_SYSTEM, "OA", "return", "mixed"),
+            component(COOLING, "Cool", "mixed", "cold"),
+            component("Coil:Heating:Fuel", "Heat", "cold", "warm"),
+            component("Fan:VariableVolume", "Fan", "warm", "supply")]}},
+        OUTDOOR_AIR_SYSTEM: {"OA": {"controller_list_name": "OA List"}},
+        "AirLoopHVAC:ControllerList": {"OA List": {
+            "controller_1_object_type": "Controller:OutdoorAir", "controller_1_name": "OA Controller"}},
+        "Controller:OutdoorAir": {"OA Controller": {
+            "actuator_node_name": "outside", "economizer_control_type": "DifferentialDryBulb"}},
+        COOLING: {"Cool": {
+            "dx_cooling_coil_system_inlet_node_name": "mixed", "dx_cooling_coil_system_outlet_node_name": "cold",
+            "dx_cooling_coil_system_sensor_node_name": "COLD", "cooling_coil_name": "DX",
+            "cooling_coil_object_type": "Coil:Cooling:DX:TwoSpeed"}},
+        "Coil:Cooling:DX:TwoSpeed": {"DX": {"air_inlet_node_name": "mixed", "air_outlet_node_name": "cold"}},
+        "Coil:Heating:Fuel": {"Heat": {
+            "air_inlet_node_name": "cold", "air_outlet_node_name": "warm", "nominal_capacity": 100.0,
+            "temperature_setpoint_node_name": "warm"}},
+        "Fan:VariableVolume": {"Fan": {
+            "air_inlet_node_name": "warm", "air_outlet_node_name": "supply", "maximum_flow_rate": 2.0}},
+        "SetpointManager:MixedAir": {"M": {"setpoint_node_or_nodelist_name": "Cold Nodes"}},
+        "SetpointManager:OutdoorAirReset": {"R": {"setpoint_node_or_nodelist_name": "SUPPLY"}},
+        "SetpointManager:Scheduled": {"Hot Water": {"setpoint_node_or_nodelist_name": "hot water"}},
+        "NodeList": {"Cold Nodes": {"nodes": [{"node_name": "cold"}]}},
+        "AirLoopHVAC:SupplyPath": {"P": {"supply_air_path_inlet_node_name": "demand", "components": [{
+            "component_object_type": "AirLoopHVAC:ZoneSplitter", "component_name": "S"}]}},
+        "AirLoopHVAC:ZoneSplitter": {"S": {"nodes": [
+            {"outlet_node_name": "b in"}, {"outlet_node_name": "a in"}]}},
+        "Zone": {"A": {"idf_order": 1}, "B": {"idf_order": 2}},
+    });
+    let mut model = Model::from_epjson(&model.to_string(), Path::new("test.epJSON")).unwrap();
+    for (zone, order) in [("B", 1), ("A", 2)] {
+        add_terminal(&mut model, zone, order);
+    }
+    model
+}
+
+fn component(class: &str, name: &str, inlet: &str, outlet: &str) -> Value {
+    json!({"component_object_type": class, "component_name": name,
+        "component_inlet_node_name": inlet, "component_outlet_node_name": outlet})
+}
+
+fn add_terminal(model: &mut Model, zone: &str, order: u32) {
+    let name = |what: &str| format!("{zone} {what}");
+    let fields = json!({
+        "air_inlet_node_name": name("in"), "maximum_air_flow_rate": 1.5, "damper_heating_action": "Reverse",
+        "constant_minimum_air_flow_fraction": 0.3, "zone_minimum_air_flow_input_method": "Constant",
+        "reheat_coil_object_type": "Coil:Heating:Electric", "reheat_coil_name": name("Coil")});
+    model.insert(TERMINAL, &name("Box"), fields);
+    model.insert("Coil:Heating:Electric", &name("Coil"), json!({"availability_schedule_name": "Day"}));
+    let unit =
+        json!({"idf_order": order, "air_terminal_object_type": TERMINAL, "air_terminal_name": name("Box")});
+    model.insert("ZoneHVAC:AirDistributionUnit", &name("Unit"), unit);
+    let list = json!({"equipment": [{"zone_equipment_name": name("Unit"),
+        "zone_equipment_object_type": "ZoneHVAC:AirDistributionUnit"}]});
+    model.insert("ZoneHVAC:EquipmentList", &name("List"), list);
+    let connections = json!({"zone_name": zone, "zone_conditioning_equipment_list_name": name("List")});
+    model.insert("ZoneHVAC:EquipmentConnections", &name("Connections"), connections);
+    model.insert("ZoneControl:Thermostat", &name("Thermostat"), json!({"zone_or_zonelist_name": zone}));
+}
+
+fn field<'a>(model: &'a Model, class: &str, name: &str, field: &str) -> &'a str {
+    text(model.require(class, name).unwrap(), field).unwrap()
+}
+
+#[test]
+fn the_fan_blows_through_the_coils_and_every_node_moves_with_its_component() {
+    let mut model = office();
+    make_controllable(&mut model, "L", DENSITY).unwrap();
+    let branch = model.require("Branch", "Main").unwrap();
+    let chain: Vec<_> = items(branch, "components")
+        .map(|item| {
+            ["component_name", "component_inlet_node_name", "component_outlet_node_name"]
+                .map(|f| text(item, f).unwrap())
+        })
+        .collect();
+    let expected = [
+        ["OA", "return", "mixed"],
+        ["Fan", "mixed", "Fan Outlet Node"],
+        ["Cool", "Fan Outlet Node", "Cool Outlet Node"],
+        ["Heat", "Cool Outlet Node", "supply"],
+    ];
+    assert_eq!(chain, expected);
+    assert_eq!(field(&model, "Fan:VariableVolume", "Fan", "air_inlet_node_name"), "mixed");
+    let coil = "Coil:Cooling:DX:TwoSpeed";
+    assert_eq!(field(&model, coil, "DX", "air_inlet_node_name"), "Fan Outlet Node");
+    assert_eq!(field(&model, coil, "DX", "air_outlet_node_name"), "Cool Outlet Node");
+    let sensor = "dx_cooling_coil_system_sensor_node_name";
+    assert_eq!(field(&model, COOLING, "Cool", sensor), "Cool Outlet Node");
+    assert_eq!(field(&model, "Coil:Heating:Fuel", "Heat", "temperature_setpoint_node_name"), "supply");
+}
+
+#[test]
+fn only_the_scheduled_temperature_is_left_on_the_branch() {
+    let mut model = office();
+    make_controllable(&mut model, "L", DENSITY).unwrap();
+    assert!(model.names("SetpointManager:MixedAir").is_empty());
+    assert!(model.names("SetpointManager:OutdoorAirReset").is_empty());
+    let managers = model.objects("SetpointManager:Scheduled");
+    let nodes = |schedule: &str| {
+        let on = managers.iter().filter(|(_, f)| text(f, "schedule_name") == Some(schedule));
+        on.map(|(_, f)| text(f, "setpoint_node_or_nodelist_name").unwrap()).collect::<Vec<_>>()
+    };
+    assert_eq!(nodes("L Supply Air Temperature"), ["Cool Outlet Node", "supply"]);
+    assert!(model.contains("SetpointManager:Scheduled", "Hot Water"));
+}
+
+#[test]
+fn a_terminal_stands_at_its_schedule_and_only_heats() {
+    let mut model = office();
+    make_controllable(&mut model, "L", DENSITY).unwrap();
+    let terminal = model.require(TERMINAL, "A Box").unwrap();
+    assert_eq!(terminal["minimum_air_flow_fraction_schedule_name"], "A Damper Opening");
+    assert_eq!(terminal["zone_minimum_air_flow_input_method"], "Scheduled");
+    assert_eq!(terminal["damper_heating_action"], "Normal");
+    assert!(!terminal.contains_key("constant_minimum_air_flow_fraction"));
+    let value = |name| number(model.require("Schedule:Constant", name).unwrap(), "hourly_value");
+    assert_eq!(value("A Damper Opening"), Some(0.0));
+    assert_eq!(value("A Cooling Setpoint"), Some(OUT_OF_REACH));
+    let coil = field(&model, "Coil:Heating:Electric", "A Coil", "availability_schedule_name");
+    assert_eq!(coil, common::ALWAYS_ON);
+}
+
+#[test]
+fn actuators_come_in_the_order_of_the_zones_with_mass_flows() {
+    let mut model = office();
+    let air_loop = make_controllable(&mut model, "L", DENSITY).unwrap();
+    let zones: Vec<_> = air_loop.terminals.iter().map(|t| t.zone.as_str()).collect();
+    assert_eq!(zones, ["A", "B"]);
+    assert_eq!(air_loop.fan_flow, 2.0 * DENSITY);
+    assert_eq!(air_loop.terminals[0].damper.effect_scale, 1.5 * DENSITY);
+    assert_eq!(air_loop.terminals[0].damper.effect.key, "A in");
+    assert_eq!(air_loop.outdoor_air.key, "OA Controller");
+    assert_eq!(air_loop.outdoor_air.effect.key, "outside");
+}
+
+#[test]
+fn the_economiser_does_not_decide_beside_the_agent() {
+    let mut model = office();
+    make_controllable(&mut model, "L", DENSITY).unwrap();
+    let economiser = field(&model, "Controller:OutdoorAir", "OA Controller", "economizer_control_type");
+    assert_eq!(economiser, "NoEconomizer");
+}
+
+#[test]
+fn a_heating_coil_grows_to_its_rise_and_never_shrinks() {
+    for (shipped, expected) in [(100.0, HEATING_COIL_RISE * AIR_SPECIFIC_HEAT * 2.4), (1e9, 1e9)] {
+        let mut model = office();
+        model.require_mut("Coil:Heating:Fuel", "Heat").unwrap()["nominal_capacity"] = shipped.into();
+        make_controllable(&mut model, "L", DENSITY).unwrap();
+        let heat = model.require("Coil:Heating:Fuel", "Heat").unwrap();
+        assert!((number(heat, "nominal_capacity").unwrap() - expected).abs() < 1e-6);
+    }
+}
+
+#[test]
+fn what_is_not_known_is_named() {
+    let refused = |class: &str, name: &str, field: &str, value: &str| {
+        let mut model = office();
+        model.require_mut(class, name).unwrap().insert(field.into(), value.into());
+        make_controllable(&mut model, "L", DENSITY).unwrap_err().to_string()
+    };
+    let error = refused(COOLING, "Cool", "cooling_coil_object_type", "Coil:Cooling:DX:VariableSpeed");
+    assert!(error.contains("`Cool`"), "{error}");
+    let error = refused(TERMINAL, "B Box", "reheat_coil_object_type", "Coil:Heating:Water");
+    assert!(error.contains("`B Box`"), "{error}");
+    let error = refused("Fan:VariableVolume", "Fan", "maximum_flow_rate", "Autosize");
+    assert!(error.contains("`Fan`") && error.contains("size the model first"), "{error}");
+}
