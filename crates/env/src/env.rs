@@ -247,10 +247,10 @@ impl Env {
     }
 
     fn warm_up(&mut self, live: &mut Live) -> Result<()> {
+        // Nothing is set before the first step: a terminal takes the value of its flow schedule at the start of
+        // the run for its least flow, and the prepared model has 0 there.
         let target = self.episode.task.target;
         let systems = &self.building.systems;
-        warmup::action(systems, target, |_| target, &mut self.action);
-        live.act(&self.action);
         loop {
             match live.simulation.advance()? {
                 Some(Event::WarmupStep) => {
