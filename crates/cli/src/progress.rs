@@ -63,6 +63,11 @@ impl Days {
         Self { bar, period, steps_per_day: 24 * steps_per_hour as usize }
     }
 
+    /// The first step begins: what was before does not count for the speed.
+    pub fn start(&self) {
+        self.bar.reset_elapsed();
+    }
+
     /// So many steps are done. Costs nothing within a day.
     pub fn step(&self, steps: usize) {
         if steps.is_multiple_of(self.steps_per_day) {
@@ -95,8 +100,9 @@ pub fn spinner(message: String, quiet: bool) -> ProgressBar {
 fn bar(length: u64, template: &str, quiet: bool) -> ProgressBar {
     let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
     let days_per_second = |state: &ProgressState, out: &mut dyn std::fmt::Write| {
+        let speed = state.pos() as f64 / state.elapsed().as_secs_f64().max(1e-3);
         // A bar that cannot be written is no reason to stop.
-        let _ = write!(out, "{:.0} simulated days/s", state.per_sec());
+        let _ = write!(out, "{speed:.0} simulated days/s");
     };
     let style = ProgressStyle::with_template(template).expect("the templates are constants that parse");
     let style = style.with_key("days_per_second", days_per_second).progress_chars("━╸ ");

@@ -129,6 +129,7 @@ fn roll_out(env: &mut Env, controller: &mut dyn Controller, quiet: bool) -> Resu
     let before = ProcessTime::now();
     let mut observation = env.reset()?;
     env_cpu += before.elapsed();
+    days.start();
     let start = Instant::now();
     loop {
         if interrupt::requested() {
