@@ -1,9 +1,10 @@
 //! `b2b bench`: what a step costs, and how much of it is the engine.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Duration;
 
 use anyhow::{Result, bail};
+use b2b_building::hvac::{Actuator, Quantity};
 use b2b_building::{BuildingType, Date, RunPeriod};
 use b2b_energyplus::{Event, Run, Simulation};
 use b2b_env::{Env, Task};
@@ -177,20 +178,24 @@ impl Bench {
     /// A run at the end of warm-up, with every actuator at the middle of its bounds.
     fn start(&self, stops: impl FnOnce(Run) -> Run) -> Result<Simulation> {
         interrupt::check()?;
-        let run = stops(Run::new(&self.model, self.weather()));
+        let run = stops(Run::new(&self.model, &self.prepared.weather));
         let mut simulation = run.start(&self.prepared.library)?;
-        for each in self.prepared.building.actuators() {
+        // The engine takes a damper's first value for its least opening, which is 0 in the prepared model.
+        self.hold_middle(&mut simulation, |actuator| actuator.quantity != Quantity::DamperOpening)?;
+        match simulation.advance()? {
+            Some(Event::WarmedUp) => {}
+            other => bail!("the engine stood at {other:?} instead of at the end of warm-up"),
+        }
+        self.hold_middle(&mut simulation, |_| true)?;
+        Ok(simulation)
+    }
+
+    fn hold_middle(&self, simulation: &mut Simulation, which: impl Fn(&Actuator) -> bool) -> Result<()> {
+        for each in self.prepared.building.actuators().filter(|actuator| which(actuator)) {
             let actuator = simulation.actuator(&each.component, &each.control, &each.key)?;
             simulation.set(actuator, (each.low + each.high) / 2.0 * each.scale);
         }
-        match simulation.advance()? {
-            Some(Event::WarmedUp) => Ok(simulation),
-            other => bail!("the engine stood at {other:?} instead of at the end of warm-up"),
-        }
-    }
-
-    fn weather(&self) -> &Path {
-        &self.prepared.weather
+        Ok(())
     }
 }
 

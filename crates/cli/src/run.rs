@@ -13,7 +13,7 @@ use crate::controller::Kind;
 use crate::output_folder::OutputFolder;
 use crate::prepare::{Location, Prepared};
 use crate::progress::{Days, date_text};
-use crate::summary::Summary;
+use crate::summary::{About, Summary};
 use crate::{interrupt, picture, stdout, trajectory_file};
 
 /// Run one episode and show what came of it
@@ -94,11 +94,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let mut controller = arguments.controller.build(&env, arguments.seed);
     let rollout = roll_out(&mut env, controller.as_mut(), arguments.json)?;
 
-    let mut summary = Summary::of(&env, &rollout)?;
-    summary.place = prepared.place;
-    summary.controller = arguments.controller.name();
-    summary.seed = arguments.seed;
-    summary.files = folder.destinations(&[trajectory_file::NAME, Summary::NAME, picture::NAME]);
+    let about = About {
+        place: prepared.place,
+        controller: arguments.controller.name(),
+        seed: arguments.seed,
+        files: folder.destinations(&[trajectory_file::NAME, Summary::NAME, picture::NAME]),
+    };
+    let summary = Summary::of(&env, &rollout, about)?;
     folder.write(trajectory_file::NAME, |file| {
         trajectory_file::write(file, &env, &rollout.trajectory, &summary)
     })?;

@@ -17,14 +17,11 @@ use crate::table::Table;
 pub struct Summary {
     /// Building type.
     pub building: String,
-    /// Name of the place, or of the weather file.
-    pub place: String,
+    /// What only the command line knows.
+    #[serde(flatten)]
+    pub about: About,
     /// Run period, as on the command line.
     pub period: String,
-    /// Name of the controller.
-    pub controller: &'static str,
-    /// Seed of the random controller.
-    pub seed: u64,
     /// Zone time steps an hour.
     pub steps_per_hour: u32,
     /// Target temperature, °C.
@@ -70,6 +67,17 @@ pub struct Summary {
     pub steps_per_s: f64,
     /// The controlled zones.
     pub zones: Vec<ZoneSummary>,
+}
+
+/// What an environment does not know of its run.
+#[derive(Serialize)]
+pub struct About {
+    /// Name of the place, or of the weather file.
+    pub place: String,
+    /// Name of the controller.
+    pub controller: &'static str,
+    /// Seed of the random controller.
+    pub seed: u64,
     /// Where the files are.
     pub files: Vec<PathBuf>,
 }
@@ -96,17 +104,15 @@ impl Summary {
     /// Name of the file.
     pub const NAME: &str = "summary.json";
 
-    /// Sums up a finished episode. What only the command line knows is left empty.
-    pub fn of(env: &Env, rollout: &Rollout) -> Result<Self> {
+    /// Sums up a finished episode.
+    pub fn of(env: &Env, rollout: &Rollout, about: About) -> Result<Self> {
         let (metrics, episode) = (env.metrics(), env.episode());
         let severes = env.messages();
         let severes = severes.at_least(Level::Severe).take(SEVERES_KEPT);
         Ok(Self {
             building: env.building().name.clone(),
-            place: String::new(),
+            about,
             period: episode.period.to_string(),
-            controller: "",
-            seed: 0,
             steps_per_hour: episode.steps_per_hour,
             target_c: episode.task.target,
             energy_weight: episode.task.energy_weight,
@@ -129,7 +135,6 @@ impl Summary {
             engine_cpu_s: rollout.env_cpu.as_secs_f64(),
             steps_per_s: metrics.steps as f64 / rollout.wall.as_secs_f64(),
             zones: zones(env),
-            files: Vec::new(),
         })
     }
 
@@ -137,7 +142,7 @@ impl Summary {
     pub fn text(&self) -> String {
         let severes: String =
             self.severe_messages.iter().map(|m| format!("    severe: {}\n", m.replace('\n', " "))).collect();
-        let files: Vec<_> = self.files.iter().map(|file| format!("  {}", file.display())).collect();
+        let files: Vec<_> = self.about.files.iter().map(|file| format!("  {}", file.display())).collect();
         format!(
             "{}\n\n{}\n{severes}\n{}\n\n{}",
             self.title(),
@@ -149,7 +154,7 @@ impl Summary {
 
     /// One line that names the episode.
     pub fn title(&self) -> String {
-        let Self { building, place, period, controller, steps, .. } = self;
+        let Self { building, period, steps, about: About { place, controller, .. }, .. } = self;
         format!("{building} in {place}, {period}, {controller} controller: {steps} steps")
     }
 

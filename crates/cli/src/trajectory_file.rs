@@ -82,9 +82,9 @@ impl Columns {
     fn write(self, file: &mut (impl Write + Send), summary: &Summary) -> Result<()> {
         let about = [
             ("building", summary.building.clone()),
-            ("place", summary.place.clone()),
+            ("place", summary.about.place.clone()),
             ("period", summary.period.clone()),
-            ("controller", summary.controller.to_owned()),
+            ("controller", summary.about.controller.to_owned()),
             ("target_c", summary.target_c.to_string()),
         ];
         let about = about.map(|(key, value)| (key.to_owned(), value));
