@@ -5,7 +5,6 @@
 //! that keeps a year of the largest building below 5 MB. The page draws with its own script.
 
 use std::io::Write;
-use std::ops::Range;
 
 use anyhow::Result;
 use b2b_building::hvac::{Quantity, System};
@@ -128,11 +127,10 @@ impl Picture<'_> {
         let building = self.env.building();
         let zones = building.systems.iter().flat_map(|system| actuator_zones(building, system));
         let actuators = building.actuators().zip(zones).enumerate();
-        let width = self.env.action_space().len();
         let series = actuators.filter(|(_, (actuator, _))| actuator.quantity == quantity).map(
             |(k, (actuator, zone))| {
                 let name = actuator.name.trim_end_matches(what).trim_end().to_owned();
-                self.series(name, zone, &self.trajectory.actions, k..width, 1.0)
+                self.series(name, zone, self.trajectory.acted(k).collect())
             },
         );
         Panel {
@@ -143,17 +141,13 @@ impl Picture<'_> {
         }
     }
 
+    /// What a slot of the observation was, times a scale.
     fn slot(&self, name: String, color: usize, slot: usize, scale: f64) -> Series {
-        let width = self.env.observation_space().len();
-        self.series(name, color, &self.trajectory.observations, slot..width, scale)
+        self.series(name, color, self.trajectory.observed(slot).map(|value| value * scale).collect())
     }
 
-    /// Column `column.start` of a row-major matrix of `column.end` columns.
-    fn series(&self, name: String, color: usize, matrix: &[f64], column: Range<usize>, scale: f64) -> Series {
-        let values: Vec<f64> =
-            matrix.iter().skip(column.start).step_by(column.end).map(|value| value * scale).collect();
-        let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-        let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    fn series(&self, name: String, color: usize, values: Vec<f64>) -> Series {
+        let (low, high) = (least(&values), greatest(&values));
         let points = |of: fn(&[f64]) -> f64| encode(values.chunks(self.span).map(of), low, high);
         Series {
             name,
@@ -161,14 +155,17 @@ impl Picture<'_> {
             low,
             high,
             mean: points(|span| span.iter().sum::<f64>() / span.len() as f64),
-            extremes: (self.span > 1).then(|| {
-                [
-                    points(|span| span.iter().copied().fold(f64::INFINITY, f64::min)),
-                    points(|span| span.iter().copied().fold(f64::NEG_INFINITY, f64::max)),
-                ]
-            }),
+            extremes: (self.span > 1).then(|| [points(least), points(greatest)]),
         }
     }
+}
+
+fn least(values: &[f64]) -> f64 {
+    values.iter().copied().fold(f64::INFINITY, f64::min)
+}
+
+fn greatest(values: &[f64]) -> f64 {
+    values.iter().copied().fold(f64::NEG_INFINITY, f64::max)
 }
 
 /// The zone of each actuator of a system, by its number; for those of a whole air loop its first zone.

@@ -29,11 +29,11 @@ pub fn write(
     let mut columns = Columns::default();
     columns.calendar(env, trajectory.len());
     for (k, slot) in env.observation_space().slots().iter().enumerate() {
-        columns.push_strided(&slot.name, slot.unit, &trajectory.observations, k, trajectory.len());
+        columns.push::<Float64Type>(&slot.name, slot.unit, trajectory.observed(k));
     }
     let actions = env.action_space();
     for (k, (name, quantity)) in actions.names().iter().zip(actions.quantities()).enumerate() {
-        columns.push_strided(name, quantity.unit(), &trajectory.actions, k, trajectory.len());
+        columns.push::<Float64Type>(name, quantity.unit(), trajectory.acted(k));
     }
     let penalties = &trajectory.penalties;
     columns.push::<Float64Type>("temperature penalty", "K²", penalties.iter().map(|p| p[0]));
@@ -58,12 +58,6 @@ impl Columns {
         let unit = HashMap::from([("unit".to_owned(), unit.to_owned())]);
         self.fields.push(Field::new(name, T::DATA_TYPE, false).with_metadata(unit));
         self.arrays.push(Arc::new(PrimitiveArray::<T>::from_iter_values(values)));
-    }
-
-    /// Column `k` of a row-major matrix.
-    fn push_strided(&mut self, name: &str, unit: &str, matrix: &[f64], k: usize, rows: usize) {
-        let width = matrix.len() / rows.max(1);
-        self.push::<Float64Type>(name, unit, matrix.iter().skip(k).step_by(width.max(1)).copied());
     }
 
     /// The number of the step from 1, and the date and the time of its end.
