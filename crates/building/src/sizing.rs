@@ -30,6 +30,7 @@ use rusqlite::{Connection, OpenFlags};
 use serde_json::{Value, json};
 
 use crate::model::Fields;
+use crate::outputs;
 use crate::{Error, Model, Result};
 use exceptions::{ALIASES, UNUSED};
 
@@ -150,32 +151,16 @@ pub fn wants_sizing(model: &Model) -> bool {
 /// Classes that the engine reads only while it sizes.
 const FOR_SIZING: [&str; 3] = ["Sizing:Zone", "Sizing:System", "Sizing:Plant"];
 
-/// Every file of `OutputControl:Files`.
-const FILES: &str = "csv mtr eso eio tabular sqlite json audit space_sizing zone_sizing system_sizing dxf bnd \
-                     rdd mdd mtd end shd dfs glhe delightin delighteldmp delightdfdmp edd dbg perflog sln sci \
-                     wrl screen extshd tarcog";
-
 /// The model with what is needed to size it, and nothing that costs more.
 fn sizing_only(model: &Model) -> Model {
     let mut sizing = model.clone();
-    let is_output = |class: &&str| starts_with(class, "Output:") || starts_with(class, "OutputControl:");
-    for class in model.classes().filter(is_output) {
-        sizing.remove_class(class);
-    }
+    outputs::write_only(&mut sizing, &["sqlite"]);
     sizing.insert("Output:SQLite", "sizes", json!({"option_type": "Simple"}));
-    sizing.insert("OutputControl:Files", "sizes", only_sqlite());
     let control = simulation_control(&mut sizing);
     for field in ["run_simulation_for_weather_file_run_periods", "run_simulation_for_sizing_periods"] {
         control.insert(field.to_owned(), json!("No"));
     }
     sizing
-}
-
-/// The fields of an `OutputControl:Files` that writes the SQLite file alone.
-fn only_sqlite() -> Value {
-    let wanted = |file: &str| if file == "sqlite" { "Yes" } else { "No" };
-    let fields = FILES.split_whitespace().map(|file| (format!("output_{file}"), json!(wanted(file))));
-    Value::Object(fields.collect())
 }
 
 fn switch_sizing_off(model: &mut Model) {
