@@ -6,6 +6,7 @@ mod error;
 pub mod house;
 pub mod hvac;
 pub mod model;
+mod outputs;
 mod prepare;
 mod run_period;
 pub mod sizing;

@@ -7,6 +7,7 @@ use serde_json::json;
 
 use crate::hvac::{self, Actuator, System};
 use crate::model::Model;
+use crate::outputs;
 use crate::run_period::RunPeriod;
 use crate::sizing::{self, Sizes};
 use crate::zone;
@@ -62,7 +63,7 @@ impl PreparedBuilding {
         }
         hvac::common::remove_ems_programs(&mut model, hvac::common::sets_a_schedule);
         let systems = hvac::make_controllable(&mut model, standard_air_density(site.elevation))?;
-        silence(&mut model);
+        outputs::write_only(&mut model, &[]);
         keep_standard_time(&mut model);
         balance_exhaust(&mut model);
         one_system_step(&mut model);
@@ -126,58 +127,6 @@ fn zones(model: &Model, systems: &[System]) -> Result<Vec<Zone>> {
         name: zone.name,
     });
     Ok(zones.collect())
-}
-
-/// Removes every output: an environment reads what it needs from memory, and files cost a third of a run.
-/// `Meter:Custom` objects stay: a transformer may refer to one, and a dangling reference crashes the engine.
-fn silence(model: &mut Model) {
-    let outputs: Vec<String> = model
-        .classes()
-        .filter(|c| c.starts_with("Output:") || c.starts_with("OutputControl:"))
-        .map(str::to_owned)
-        .collect();
-    for class in outputs {
-        model.remove_class(&class);
-    }
-    model.insert("OutputControl:Files", "No files", no_files());
-}
-
-/// Fields of an `OutputControl:Files` that writes nothing.
-fn no_files() -> serde_json::Value {
-    const FILES: [&str; 31] = [
-        "output_audit",
-        "output_bnd",
-        "output_csv",
-        "output_dbg",
-        "output_delightdfdmp",
-        "output_delighteldmp",
-        "output_delightin",
-        "output_dfs",
-        "output_dxf",
-        "output_edd",
-        "output_eio",
-        "output_end",
-        "output_epmdet",
-        "output_epmidf",
-        "output_eso",
-        "output_extshd",
-        "output_glhe",
-        "output_json",
-        "output_mdd",
-        "output_mtd",
-        "output_mtr",
-        "output_perflog",
-        "output_rdd",
-        "output_screen",
-        "output_sci",
-        "output_shd",
-        "output_sln",
-        "output_sqlite",
-        "output_tabular",
-        "output_tarcog",
-        "output_wrl",
-    ];
-    FILES.iter().map(|f| ((*f).to_owned(), json!("No"))).collect::<serde_json::Map<_, _>>().into()
 }
 
 /// Removes daylight saving: the clock that an agent sees and the occupants' schedules then agree all year,

@@ -124,10 +124,9 @@ fn polygon_area(corners: &[[f64; 3]]) -> f64 {
     let mut normal = [0.0; 3];
     for (i, a) in corners.iter().enumerate() {
         let b = corners[(i + 1) % corners.len()];
-        for axis in 0..3 {
-            let (j, k) = ((axis + 1) % 3, (axis + 2) % 3);
-            normal[axis] += a[j] * b[k] - a[k] * b[j];
-        }
+        normal[0] += a[1] * b[2] - a[2] * b[1];
+        normal[1] += a[2] * b[0] - a[0] * b[2];
+        normal[2] += a[0] * b[1] - a[1] * b[0];
     }
     normal.iter().map(|n| n * n).sum::<f64>().sqrt() / 2.0
 }

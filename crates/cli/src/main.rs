@@ -1,2 +1,122 @@
-//! The `b2b` command.
-fn main() {}
+//! The `b2b` command: buildings as reinforcement-learning environments, from a terminal.
+
+mod bench;
+mod controller;
+mod doctor;
+mod interrupt;
+mod list;
+mod output_folder;
+mod picture;
+mod prepare;
+mod progress;
+mod run;
+mod setup;
+mod show;
+mod stdout;
+mod summary;
+mod table;
+mod trajectory_file;
+
+use std::process::ExitCode;
+
+use anyhow::Result;
+use clap::{Parser, Subcommand};
+
+/// EnergyPlus buildings as reinforcement-learning environments.
+#[derive(Parser)]
+#[command(name = "b2b", version, after_help = EXAMPLES)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  b2b run OfficeSmall                      a winter in Denver under a reactive controller
+  b2b run Warehouse --place Miami --period 07-01..07-14 --controller random
+  b2b list                                 the building types
+  b2b show RetailStandalone                what can be seen and driven in one of them
+  b2b doctor                               what is installed and whether it is whole
+
+EnergyPlus and weather files are fetched by themselves when first needed, with the Python
+package client of this machine, into a cache folder.
+
+Environment:
+  B2B_ENERGYPLUS   an installed EnergyPlus (its folder or its library) to use instead
+  B2B_CACHE        the cache folder
+  B2B_OFFLINE=1    refuse downloads
+
+Exit codes: 0 done, 1 failed, 130 interrupted.";
+
+#[derive(Subcommand)]
+enum Command {
+    Run(run::Arguments),
+    List(list::Arguments),
+    Show(show::Arguments),
+    Setup(setup::Arguments),
+    Doctor(doctor::Arguments),
+    Bench(bench::Arguments),
+}
+
+fn main() -> ExitCode {
+    let command = match Cli::try_parse() {
+        Ok(cli) => cli.command,
+        Err(usage) => {
+            // Nothing is left to do when the terminal is gone.
+            let _ = usage.print();
+            return if usage.use_stderr() { ExitCode::FAILURE } else { ExitCode::SUCCESS };
+        }
+    };
+    match interrupt::listen().and_then(|()| execute(command)) {
+        Ok(code) => code,
+        Err(error) if interrupt::requested() => {
+            eprintln!("{error}");
+            ExitCode::from(interrupt::EXIT_CODE)
+        }
+        Err(error) if stdout::is_closed(&error) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {}", with_causes(&error));
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn execute(command: Command) -> Result<ExitCode> {
+    match command {
+        Command::Run(arguments) => run::run(&arguments)?,
+        Command::List(arguments) => list::list(&arguments)?,
+        Command::Show(arguments) => show::show(&arguments)?,
+        Command::Setup(arguments) => setup::setup(&arguments)?,
+        Command::Doctor(arguments) => return doctor::doctor(&arguments),
+        Command::Bench(arguments) => bench::bench(&arguments)?,
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// An error with the causes that it does not name itself.
+fn with_causes(error: &anyhow::Error) -> String {
+    let mut text = error.to_string();
+    for cause in error.chain().skip(1).map(ToString::to_string) {
+        if !text.contains(&cause) {
+            text += &format!("\n  because: {cause}");
+        }
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_arguments_are_well_formed() {
+        use clap::CommandFactory;
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn a_cause_that_is_named_already_is_not_named_twice() {
+        let error = anyhow::anyhow!("disk full").context("a.txt: disk full").context("cannot write");
+        assert_eq!(with_causes(&error), "cannot write\n  because: a.txt: disk full");
+    }
+}

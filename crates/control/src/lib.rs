@@ -18,3 +18,8 @@ pub trait Controller {
     /// Writes the action for an observation. Both in the order and the units of the environment's spaces.
     fn act(&mut self, observation: &[f64], action: &mut [f64]);
 }
+
+/// The README's example, which runs as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;

@@ -265,6 +265,8 @@ impl Env {
     /// Nothing is set before the first step: the engine takes the first opening of a damper for a floor under
     /// all that follow.
     fn warm_up(&mut self, live: &mut Live) -> Result<()> {
+        // Nothing is set before the first step: a terminal takes the value of its flow schedule at the start of
+        // the run for its least flow, and the prepared model has 0 there.
         let target = self.episode.task.target;
         let systems = &self.building.systems;
         loop {

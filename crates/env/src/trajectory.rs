@@ -33,6 +33,21 @@ impl Trajectory {
         self.penalties.push([step.reward.temperature_penalty, step.reward.energy_penalty]);
     }
 
+    /// What one slot of the observation was at the ends of the steps.
+    pub fn observed(&self, slot: usize) -> impl Iterator<Item = f64> {
+        self.column(&self.observations, slot)
+    }
+
+    /// What one actuator was set to in the steps.
+    pub fn acted(&self, actuator: usize) -> impl Iterator<Item = f64> {
+        self.column(&self.actions, actuator)
+    }
+
+    fn column<'a>(&self, rows: &'a [f64], index: usize) -> impl Iterator<Item = f64> + use<'a> {
+        let width = rows.len() / self.len().max(1);
+        rows.iter().skip(index).step_by(width.max(1)).copied()
+    }
+
     /// Number of steps.
     pub fn len(&self) -> usize {
         self.penalties.len()
@@ -51,5 +66,22 @@ impl Trajectory {
             hasher.update(value.to_le_bytes());
         }
         hasher.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_column_has_a_value_a_step() {
+        let trajectory = Trajectory {
+            observations: vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0],
+            actions: vec![7.0, 8.0],
+            penalties: vec![[0.0; 2]; 2],
+        };
+        assert_eq!(trajectory.observed(1).collect::<Vec<_>>(), [2.0, 5.0]);
+        assert_eq!(trajectory.acted(0).collect::<Vec<_>>(), [7.0, 8.0]);
+        assert_eq!(Trajectory::default().observed(0).count(), 0);
     }
 }

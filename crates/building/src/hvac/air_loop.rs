@@ -21,10 +21,11 @@ use std::collections::HashSet;
 
 use serde_json::{Value, json};
 
-use super::common::{self, Reference, constant_schedule, items};
+use super::common::{self, Reference, constant_schedule, items, size, unsupported};
+use super::distribution::{ServedZone, served_zones};
 use super::{Actuator, AirLoop, EngineVariable, Quantity, Terminal};
-use crate::model::{Fields, number, text};
-use crate::{Error, Model, Result};
+use crate::model::text;
+use crate::{Model, Result};
 
 /// Lowest supply temperature an agent may ask for, °C: what the cooling coils reach in summer.
 pub const LOWEST_SUPPLY_TEMPERATURE: f64 = 10.0;
@@ -69,7 +70,7 @@ pub fn make_controllable(model: &mut Model, air_loop: &str, air_density: f64) ->
     let fan_flow = fan_flow(model, &branch.fan)? * air_density;
 
     common::always_on(model, air_loop)?;
-    remove_setpoint_managers(model, &branch.nodes());
+    common::remove_setpoint_managers(model, &branch.nodes());
     blow_through(model, &branch)?;
     enlarge_heating_coil(model, &branch.heating, fan_flow)?;
     let supply_temperature = schedule_supply_temperature(model, air_loop, &branch);
@@ -197,28 +198,6 @@ fn one_of(ends: &[(Reference, Ends)], classes: &[&str], branch: &str) -> Result<
         (Some(component), None) => Ok(component.clone()),
         _ => Err(unsupported("Branch", branch, &format!("it must have one {}", classes.join(" or ")))),
     }
-}
-
-/// Takes out the setpoint managers on the branch's nodes: each would write over the supply temperature.
-fn remove_setpoint_managers(model: &mut Model, nodes: &HashSet<String>) {
-    let classes: Vec<String> =
-        model.classes().filter(|class| class.starts_with("SetpointManager:")).map(str::to_owned).collect();
-    for class in &classes {
-        for manager in model.names(class) {
-            let fields = model.get(class, &manager);
-            let node = fields.and_then(|f| text(f, "setpoint_node_or_nodelist_name"));
-            if node.is_some_and(|node| on_branch(model, node, nodes)) {
-                model.remove(class, &manager);
-            }
-        }
-    }
-}
-
-/// Whether a node, or one of a list of nodes, is among these.
-fn on_branch(model: &Model, node: &str, nodes: &HashSet<String>) -> bool {
-    let listed = model.get("NodeList", node).into_iter().flat_map(|list| items(list, "nodes"));
-    let mut names = listed.filter_map(|item| text(item, "node_name")).chain([node]);
-    names.any(|name| nodes.contains(&name.to_lowercase()))
 }
 
 /// Puts the fan ahead of the coils. Behind them its heat would be taken off the coils' setpoints by an
@@ -396,25 +375,14 @@ fn outdoor_air_controller(model: &Model, system: &Reference) -> Result<String> {
 
 /// The terminals of an air loop, each with its zone, in model order of the zones.
 fn find_terminals(model: &Model, air_loop: &str) -> Result<Vec<(String, String)>> {
-    let nodes = terminal_nodes(model, air_loop)?;
     let mut terminals = Vec::new();
-    for (unit, fields) in model.objects("ZoneHVAC:AirDistributionUnit") {
-        let field = |field| text(fields, field).unwrap_or_default();
-        let (class, terminal) = (field("air_terminal_object_type"), field("air_terminal_name"));
-        let inlet = terminal_inlet(model.require(class, terminal)?);
-        if !inlet.is_some_and(|node| nodes.contains(&node.to_lowercase())) {
-            continue;
+    for ServedZone { zone, terminal, .. } in served_zones(model, air_loop)? {
+        if !terminal.class.eq_ignore_ascii_case(TERMINAL) {
+            let why = format!("a terminal must be an {TERMINAL}");
+            return Err(unsupported(&terminal.class, &terminal.name, &why));
         }
-        if !class.eq_ignore_ascii_case(TERMINAL) {
-            return Err(unsupported(class, terminal, &format!("a terminal must be an {TERMINAL}")));
-        }
-        require_reheat(model, terminal)?;
-        terminals.push((zone_of(model, unit)?, terminal.to_owned()));
-    }
-    let zones = model.names("Zone");
-    terminals.sort_by_key(|(zone, _)| zones.iter().position(|z| z.eq_ignore_ascii_case(zone)));
-    if terminals.is_empty() {
-        return Err(unsupported("AirLoopHVAC", air_loop, "no terminal is on its supply path"));
+        require_reheat(model, &terminal.name)?;
+        terminals.push((zone, terminal.name));
     }
     Ok(terminals)
 }
@@ -427,61 +395,6 @@ fn require_reheat(model: &Model, terminal: &str) -> Result<()> {
     Err(unsupported(TERMINAL, terminal, &format!("its reheat coil must be a {}", HEATING.join(" or a "))))
 }
 
-fn terminal_inlet(terminal: &Fields) -> Option<&str> {
-    ["air_inlet_node_name", "air_inlet_node", "primary_air_inlet_node_name", "supply_air_inlet_node_name"]
-        .into_iter()
-        .find_map(|field| text(terminal, field))
-}
-
-/// The nodes where a loop's supply path ends, in lower case.
-fn terminal_nodes(model: &Model, air_loop: &str) -> Result<HashSet<String>> {
-    let fields = model.require("AirLoopHVAC", air_loop)?;
-    let inlet = text(fields, "demand_side_inlet_node_names").unwrap_or_default();
-    let inlets = nodes_of(model, inlet);
-    let mut nodes = HashSet::new();
-    for (_, path) in model.objects("AirLoopHVAC:SupplyPath") {
-        let start = text(path, "supply_air_path_inlet_node_name").unwrap_or_default();
-        if !inlets.iter().any(|node| node.eq_ignore_ascii_case(start)) {
-            continue;
-        }
-        for item in items(path, "components") {
-            let field = |field| text(item, field).unwrap_or_default();
-            let splitter = model.require(field("component_object_type"), field("component_name"))?;
-            let outlets = items(splitter, "nodes").filter_map(|node| text(node, "outlet_node_name"));
-            nodes.extend(outlets.map(str::to_lowercase));
-        }
-    }
-    Ok(nodes)
-}
-
-/// The nodes of a list, or the one node of this name.
-fn nodes_of(model: &Model, name: &str) -> Vec<String> {
-    match model.get("NodeList", name) {
-        Some(list) => {
-            items(list, "nodes").filter_map(|item| text(item, "node_name")).map(str::to_owned).collect()
-        }
-        None => vec![name.to_owned()],
-    }
-}
-
-/// The zone that an air distribution unit serves.
-fn zone_of(model: &Model, unit: &str) -> Result<String> {
-    let is = |name: Option<&str>, other: &str| name.is_some_and(|name| name.eq_ignore_ascii_case(other));
-    let lists_unit =
-        |list: &Fields| items(list, "equipment").any(|item| is(text(item, "zone_equipment_name"), unit));
-    let lists = model.objects("ZoneHVAC:EquipmentList").into_iter().filter(|(_, list)| lists_unit(list));
-    lists
-        .flat_map(|(list, _)| {
-            model
-                .objects("ZoneHVAC:EquipmentConnections")
-                .into_iter()
-                .filter(move |(_, zone)| is(text(zone, "zone_conditioning_equipment_list_name"), list))
-        })
-        .find_map(|(_, zone)| text(zone, "zone_name"))
-        .map(str::to_owned)
-        .ok_or_else(|| unsupported("ZoneHVAC:AirDistributionUnit", unit, "no zone has it"))
-}
-
 /// Design flow of a fan, m³/s.
 fn fan_flow(model: &Model, fan: &Reference) -> Result<f64> {
     let field = FANS.iter().find(|(class, _)| class.eq_ignore_ascii_case(&fan.class)).map(|(_, field)| field);
@@ -489,18 +402,8 @@ fn fan_flow(model: &Model, fan: &Reference) -> Result<f64> {
     size(model, &fan.class, &fan.name, field)
 }
 
-/// A size that the model must carry.
-fn size(model: &Model, class: &str, name: &str, field: &str) -> Result<f64> {
-    number(model.require(class, name)?, field)
-        .ok_or_else(|| unsupported(class, name, &format!("`{field}` must be a number: size the model first")))
-}
-
 fn is_one_of(class: &str, classes: &[&str]) -> bool {
     classes.iter().any(|known| known.eq_ignore_ascii_case(class))
-}
-
-fn unsupported(class: &str, name: &str, why: &str) -> Error {
-    Error::Unsupported { class: class.to_owned(), name: name.to_owned(), why: why.to_owned() }
 }
 
 #[cfg(test)]

@@ -1,8 +1,10 @@
 //! Edits that every kind of system needs before an agent can drive it.
 
+use std::collections::HashSet;
+
 use serde_json::{Value, json};
 
-use crate::model::{Fields, text};
+use crate::model::{Fields, number, text};
 use crate::{Error, Model, Result};
 
 /// Schedule that is always 1.
@@ -168,6 +170,47 @@ fn reference(fields: &Fields, class: &str, name: &str) -> Option<Reference> {
     Some(Reference { class: text(fields, class)?.to_owned(), name: text(fields, name)?.to_owned() })
 }
 
+/// Takes out the setpoint managers on any of these nodes (in lower case): each would write over the setpoint
+/// that an agent gives.
+pub fn remove_setpoint_managers(model: &mut Model, nodes: &HashSet<String>) {
+    let classes: Vec<String> =
+        model.classes().filter(|class| class.starts_with("SetpointManager:")).map(str::to_owned).collect();
+    for class in &classes {
+        for manager in model.names(class) {
+            let fields = model.get(class, &manager);
+            let target = fields.and_then(|f| text(f, "setpoint_node_or_nodelist_name"));
+            let mut set = target.into_iter().flat_map(|target| nodes_of(model, target));
+            if set.any(|node| nodes.contains(&node.to_lowercase())) {
+                model.remove(class, &manager);
+            }
+        }
+    }
+}
+
+/// The nodes of a list, or the one node of this name.
+pub fn nodes_of(model: &Model, name: &str) -> Vec<String> {
+    match model.get("NodeList", name) {
+        Some(list) => {
+            items(list, "nodes").filter_map(|item| text(item, "node_name")).map(str::to_owned).collect()
+        }
+        None => vec![name.to_owned()],
+    }
+}
+
+/// A size that the model must carry.
+///
+/// # Errors
+/// [`Error::Unsupported`] when the field is not a number.
+pub fn size(model: &Model, class: &str, name: &str, field: &str) -> Result<f64> {
+    number(model.require(class, name)?, field)
+        .ok_or_else(|| unsupported(class, name, &format!("`{field}` must be a number: size the model first")))
+}
+
+/// The error for an object that the edits do not know.
+pub fn unsupported(class: &str, name: &str, why: &str) -> Error {
+    Error::Unsupported { class: class.to_owned(), name: name.to_owned(), why: why.to_owned() }
+}
+
 /// The equipment of a zone, in the order of its equipment list. Empty for a zone without any.
 ///
 /// # Errors
@@ -209,7 +252,7 @@ fn thermostat(model: &Model, zone: &str) -> Result<String> {
         }
         if model.get("ZoneList", zones).is_some_and(|list| lists(list, zone)) {
             let why = format!("it controls the list `{zones}`; give each zone a thermostat");
-            return Err(Error::Unsupported { class: class.into(), name: name.into(), why });
+            return Err(unsupported(class, name, &why));
         }
     }
     Err(Error::MissingObject { class: class.into(), name: format!("thermostat of {zone}") })

@@ -2,13 +2,14 @@
 
 pub mod air_loop;
 pub mod common;
+mod distribution;
 pub mod heating_only;
 pub mod unitary;
 
 use serde::{Deserialize, Serialize};
 
+use crate::Result;
 use crate::model::Model;
-use crate::{Error, Result};
 
 /// What an actuator drives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -119,7 +120,7 @@ impl System {
 /// then heaters in the order of their zones. `air_density`, kg/m³, turns design volume flows into mass flows.
 ///
 /// # Errors
-/// [`Error::Unsupported`] naming the object that cannot be driven.
+/// [`crate::Error::Unsupported`] naming the object that cannot be driven.
 pub fn make_controllable(model: &mut Model, air_density: f64) -> Result<Vec<System>> {
     let mut systems = Vec::new();
     for air_loop in model.names("AirLoopHVAC") {
@@ -143,11 +144,8 @@ pub fn make_controllable(model: &mut Model, air_density: f64) -> Result<Vec<Syst
 /// Two systems in one zone would need one thermostat each.
 fn refuse_second_system(systems: &[System], zone: &str, heater: &common::Reference) -> Result<()> {
     if systems.iter().any(|s| s.zones().iter().any(|z| z.eq_ignore_ascii_case(zone))) {
-        return Err(Error::Unsupported {
-            class: heater.class.clone(),
-            name: heater.name.clone(),
-            why: format!("zone `{zone}` has an air system too, and one thermostat cannot drive both"),
-        });
+        let why = format!("zone `{zone}` has an air system too, and one thermostat cannot drive both");
+        return Err(common::unsupported(&heater.class, &heater.name, &why));
     }
     Ok(())
 }

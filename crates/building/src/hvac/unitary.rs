@@ -5,9 +5,12 @@
 //! cooling coil, feeding a terminal whose minimum flow is the command. Capacities, efficiencies, pressures and
 //! curves are those of the original unit.
 
+use std::collections::HashSet;
+
 use serde_json::{Value, json};
 
-use super::common;
+use super::common::{self, unsupported};
+use super::distribution::{ServedZone, served_zones};
 use super::{Actuator, EngineVariable, Quantity, Unitary};
 use crate::model::{Fields, Model, number, text};
 use crate::{Error, Result};
@@ -34,9 +37,9 @@ const FAN_POWER: [f64; 5] = [0.0013, 0.1470, 0.9506, -0.0998, 0.0];
 /// reference.
 pub fn make_controllable(model: &mut Model, air_loop: &str, air_density: f64) -> Result<Unitary> {
     let unit = Unit::find(model, air_loop)?;
-    let schedules = Schedules::insert(model, &unit.zone);
+    let schedules = Schedules::insert(model, &unit.served.zone);
     common::always_on(model, air_loop)?;
-    common::own_thermostat(model, &unit.zone, 0.0, 90.0)?;
+    common::own_thermostat(model, &unit.served.zone, 0.0, 90.0)?;
     let nodes = unit.rewrite(model)?;
     follow_supply_temperature(model, &unit, &nodes, &schedules.temperature);
     if let Some(controller) = outdoor_air_controller(model, &unit) {
@@ -47,7 +50,7 @@ pub fn make_controllable(model: &mut Model, air_loop: &str, air_density: f64) ->
     let flow = terminal.design_flow * air_density;
     Ok(Unitary {
         flow: Actuator {
-            name: format!("{} supply air flow", unit.zone),
+            name: format!("{} supply air flow", unit.served.zone),
             quantity: Quantity::SupplyAirFlow,
             low: 0.0,
             high: flow,
@@ -60,7 +63,7 @@ pub fn make_controllable(model: &mut Model, air_loop: &str, air_density: f64) ->
             heat: None,
         },
         supply_temperature: Actuator {
-            name: format!("{} supply air temperature", unit.zone),
+            name: format!("{} supply air temperature", unit.served.zone),
             quantity: Quantity::SupplyAirTemperature,
             low: SUPPLY_TEMPERATURE.0,
             high: SUPPLY_TEMPERATURE.1,
@@ -72,7 +75,7 @@ pub fn make_controllable(model: &mut Model, air_loop: &str, air_density: f64) ->
             effect_scale: 1.0,
             heat: None,
         },
-        zone: unit.zone,
+        zone: unit.served.zone,
     })
 }
 
@@ -105,12 +108,12 @@ struct Unit {
     branch: String,
     class: String,
     name: String,
-    zone: String,
     inlet: String,
     outlet: String,
     demand_inlet: String,
-    /// Nodes between its parts, as they were.
-    old_nodes: Vec<String>,
+    served: ServedZone,
+    /// Every node in it and at its ends, as they were, in lower case.
+    old_nodes: HashSet<String>,
 }
 
 /// The control schedules of a zone's unit.
@@ -146,27 +149,18 @@ impl Unit {
             .ok_or_else(|| unsupported("AirLoopHVAC", air_loop, "its branches have no unitary system"))?;
         let part = |field: &str| text(component, field).unwrap_or_default().to_owned();
         let (class, name) = (part("component_object_type"), part("component_name"));
-        let unit = model.require(&class, &name)?;
-        let zone = required(unit, &class, &name, "controlling_zone_or_thermostat_location")?;
-        let old_nodes = inner_nodes(model, unit)?;
-        Ok(Self {
-            air_loop: air_loop.to_owned(),
-            branch,
-            inlet: part("component_inlet_node_name"),
-            outlet: part("component_outlet_node_name"),
-            class,
-            name,
-            zone,
-            demand_inlet,
-            old_nodes,
-        })
+        let (inlet, outlet) = (part("component_inlet_node_name"), part("component_outlet_node_name"));
+        let mut old_nodes = inner_nodes(model, model.require(&class, &name)?)?;
+        old_nodes.extend([inlet.clone(), outlet.clone(), demand_inlet.clone()]);
+        let old_nodes = old_nodes.iter().map(|node| node.to_lowercase()).collect();
+        let served = only_zone(model, air_loop)?;
+        let air_loop = air_loop.to_owned();
+        Ok(Self { air_loop, branch, class, name, inlet, outlet, demand_inlet, served, old_nodes })
     }
 
     /// Replaces the unit by its controllable form and returns the nodes inside it.
     fn rewrite(&self, model: &mut Model) -> Result<Nodes> {
-        let old = model
-            .remove(&self.class, &self.name)
-            .ok_or_else(|| Error::MissingObject { class: self.class.clone(), name: self.name.clone() })?;
+        let old = take(model, &self.class, &self.name)?;
         remove_multispeed_design(model, &old);
         let supplemental = coil(&old, "supplemental_heating_coil");
         let nodes = Nodes {
@@ -187,7 +181,7 @@ impl Unit {
         }
         let mut unit = json!({
             "control_type": "SetPoint",
-            "controlling_zone_or_thermostat_location": self.zone,
+            "controlling_zone_or_thermostat_location": self.served.zone,
             "dehumidification_control_type": "None",
             "availability_schedule_name": common::ALWAYS_ON,
             "air_inlet_node_name": self.inlet,
@@ -238,9 +232,7 @@ impl Unit {
         let (Some(class), Some(name)) = (class, name) else {
             return Err(unsupported(&self.class, &self.name, "it has no supply fan"));
         };
-        let fan = model
-            .remove(class, name)
-            .ok_or_else(|| Error::MissingObject { class: class.to_owned(), name: name.to_owned() })?;
+        let fan = take(model, class, name)?;
         let read = |fields: &[&str]| {
             fields.iter().find_map(|f| number(&fan, f)).ok_or_else(|| {
                 unsupported(class, name, &format!("`{}` is not a number (is the model sized?)", fields[0]))
@@ -278,9 +270,7 @@ impl Unit {
     fn rewrite_cooling_coil(&self, model: &mut Model, unit: &Fields, nodes: &Nodes) -> Result<String> {
         let (class, name) = coil(unit, "cooling_coil")
             .ok_or_else(|| unsupported(&self.class, &self.name, "it has no cooling coil"))?;
-        let old = model
-            .remove(&class, &name)
-            .ok_or_else(|| Error::MissingObject { class: class.clone(), name: name.clone() })?;
+        let old = take(model, &class, &name)?;
         let mut new = match class.as_str() {
             "Coil:Cooling:DX:SingleSpeed" => two_speed_from_single(&old),
             "Coil:Cooling:DX:MultiSpeed" => two_speed_from_multi(&old),
@@ -414,9 +404,7 @@ fn two_speed(low: Speed, high: Speed, curve: impl Fn(&str) -> Option<Value>) -> 
 /// One scheduled setpoint on every node from the cooling coil to the demand side, in place of all others.
 fn follow_supply_temperature(model: &mut Model, unit: &Unit, nodes: &Nodes, schedule: &str) {
     let driven = [&nodes.cooling, &nodes.heating, &unit.outlet, &unit.demand_inlet];
-    let ends = [&unit.inlet, &unit.outlet, &unit.demand_inlet];
-    let set_before: Vec<&str> = unit.old_nodes.iter().chain(ends).map(String::as_str).collect();
-    remove_setpoint_managers(model, &set_before);
+    common::remove_setpoint_managers(model, &unit.old_nodes);
     let list = format!("{} Setpoint Nodes", unit.air_loop);
     let mut unique: Vec<&String> = driven.to_vec();
     unique.dedup();
@@ -456,30 +444,21 @@ fn mix_for_supply_temperature(model: &mut Model, unit: &Unit, nodes: &Nodes) {
 fn follow_flow(model: &mut Model, unit: &Unit, schedule: &str) -> Result<Terminal> {
     const CONSTANT: &str = "AirTerminal:SingleDuct:ConstantVolume:NoReheat";
     const VARIABLE: &str = "AirTerminal:SingleDuct:VAV:NoReheat";
-    let distribution = air_distribution_unit(model, &unit.zone)?;
-    let fields = model.require_mut("ZoneHVAC:AirDistributionUnit", &distribution)?;
-    let class = text(fields, "air_terminal_object_type").unwrap_or_default().to_owned();
-    let name = text(fields, "air_terminal_name").unwrap_or_default().to_owned();
+    let ServedZone { unit: distribution, terminal: common::Reference { class, name }, .. } = &unit.served;
     if ![CONSTANT, VARIABLE].iter().any(|known| class.eq_ignore_ascii_case(known)) {
-        return Err(unsupported(
-            &class,
-            &name,
-            "only terminals without reheat are known on a unitary system",
-        ));
+        return Err(unsupported(class, name, "only terminals without reheat are known on a unitary system"));
     }
+    let design_flow = common::size(model, class, name, "maximum_air_flow_rate")?;
+    let fields = model.require_mut("ZoneHVAC:AirDistributionUnit", distribution)?;
     fields.insert("air_terminal_object_type".into(), json!(VARIABLE));
-    let old = model
-        .remove(&class, &name)
-        .ok_or_else(|| Error::MissingObject { class: class.clone(), name: name.clone() })?;
-    let design_flow = number(&old, "maximum_air_flow_rate")
-        .ok_or_else(|| unsupported(&class, &name, "`maximum_air_flow_rate` is not a number"))?;
-    let outlet = required(&old, &class, &name, "air_outlet_node_name")?;
+    let old = take(model, class, name)?;
+    let outlet = required(&old, class, name, "air_outlet_node_name")?;
     model.insert(
         VARIABLE,
-        &name,
+        name,
         json!({
             "availability_schedule_name": common::ALWAYS_ON,
-            "air_inlet_node_name": required(&old, &class, &name, "air_inlet_node_name")?,
+            "air_inlet_node_name": required(&old, class, name, "air_inlet_node_name")?,
             "air_outlet_node_name": outlet,
             "maximum_air_flow_rate": design_flow,
             "zone_minimum_air_flow_input_method": "Scheduled",
@@ -507,50 +486,28 @@ fn admit_any_outdoor_air_share(model: &mut Model, controller: &str) -> Result<()
 
 const OUTDOOR_AIR_CONTROLLER: &str = "Controller:OutdoorAir";
 
-/// Removes every setpoint manager that sets one of these nodes and those that would follow them.
-fn remove_setpoint_managers(model: &mut Model, nodes: &[&str]) {
-    let classes: Vec<String> =
-        model.classes().filter(|c| c.starts_with("SetpointManager:")).map(str::to_owned).collect();
-    for class in classes {
-        for name in model.names(&class) {
-            let target = model.get(&class, &name).and_then(|f| text(f, "setpoint_node_or_nodelist_name"));
-            if target.is_some_and(|t| nodes.iter().any(|n| sets(model, t, n))) {
-                model.remove(&class, &name);
-            }
-        }
-    }
+/// The one zone of an air loop.
+fn only_zone(model: &Model, air_loop: &str) -> Result<ServedZone> {
+    let served = served_zones(model, air_loop)?;
+    let [zone] = <[ServedZone; 1]>::try_from(served).map_err(|served| {
+        let zones: Vec<_> = served.iter().map(|s| s.zone.as_str()).collect();
+        let why = format!("its unitary system serves several zones ({}), known is one", zones.join(", "));
+        unsupported("AirLoopHVAC", air_loop, &why)
+    })?;
+    Ok(zone)
 }
 
-/// Whether a setpoint target, a node or a list of nodes, means this node.
-fn sets(model: &Model, target: &str, node: &str) -> bool {
-    target.eq_ignore_ascii_case(node)
-        || model.get("NodeList", target).is_some_and(|list| {
-            common::items(list, "nodes")
-                .filter_map(|n| text(n, "node_name"))
-                .any(|n| n.eq_ignore_ascii_case(node))
-        })
-}
-
-/// The air distribution unit in a zone's equipment list.
-fn air_distribution_unit(model: &Model, zone: &str) -> Result<String> {
-    common::zone_equipment(model, zone)?
-        .into_iter()
-        .find(|e| e.class.eq_ignore_ascii_case("ZoneHVAC:AirDistributionUnit"))
-        .map(|e| e.name)
-        .ok_or_else(|| Error::MissingObject {
-            class: "ZoneHVAC:AirDistributionUnit".into(),
-            name: format!("terminal of {zone}"),
-        })
+/// Takes an object out that must be there.
+fn take(model: &mut Model, class: &str, name: &str) -> Result<Fields> {
+    model
+        .remove(class, name)
+        .ok_or_else(|| Error::MissingObject { class: class.to_owned(), name: name.to_owned() })
 }
 
 fn required(fields: &Fields, class: &str, name: &str, field: &str) -> Result<String> {
     text(fields, field)
         .map(str::to_owned)
         .ok_or_else(|| unsupported(class, name, &format!("`{field}` is not given")))
-}
-
-fn unsupported(class: &str, name: &str, why: &str) -> Error {
-    Error::Unsupported { class: class.to_owned(), name: name.to_owned(), why: why.to_owned() }
 }
 
 #[cfg(test)]
@@ -622,6 +579,12 @@ mod tests {
             "AirTerminal:SingleDuct:ConstantVolume:NoReheat": {"Terminal": {
                 "air_inlet_node_name": "Terminal inlet", "air_outlet_node_name": "Zone inlet",
                 "maximum_air_flow_rate": 0.5}},
+            "Zone": {"Zone": {}},
+            "AirLoopHVAC:SupplyPath": {"Path": {
+                "supply_air_path_inlet_node_name": "Demand inlet",
+                "components": [{"component_object_type": "AirLoopHVAC:ZoneSplitter",
+                    "component_name": "Splitter"}]}},
+            "AirLoopHVAC:ZoneSplitter": {"Splitter": {"nodes": [{"outlet_node_name": "Terminal inlet"}]}},
             "ZoneControl:Thermostat": {"T": {"zone_or_zonelist_name": "Zone"}},
         });
         Model::from_epjson(&model.to_string(), Path::new("rooftop.epJSON")).unwrap()

@@ -18,8 +18,10 @@ pub struct AirLoopParameters {
     pub coldest_supply: f64,
     /// How the supply temperature is pushed from warmest to coldest by the largest demand for cooling.
     pub trim_respond: TrimRespond,
-    /// Least outdoor air, as a share of the fan's design flow.
+    /// Least outdoor air, as a share of the supply.
     pub least_outdoor_air: f64,
+    /// How much the fan warms the air, K: the mixer aims that much under the supply temperature.
+    pub fan_rise: f64,
     /// Reheat starts this far under target, K: without it reheat holds the target exactly, the dampers' loops see
     /// no error, and a zone may be cooled and reheated for ever.
     pub deadband: f64,
@@ -30,13 +32,14 @@ pub struct AirLoopParameters {
 impl Default for AirLoopParameters {
     fn default() -> Self {
         Self {
-            gains: Gains { proportional: 0.4, integral: 1.0 },
+            gains: Gains { proportional: 0.6, integral: 2.4 },
             least_opening: 0.1,
             warmest_supply: 18.0,
-            coldest_supply: 11.0,
+            coldest_supply: 10.0,
             trim_respond: TrimRespond { respond: 12.0, trim: 4.0, threshold: 0.7 },
-            least_outdoor_air: 0.1,
-            deadband: 0.1,
+            least_outdoor_air: 0.15,
+            fan_rise: 1.5,
+            deadband: 0.05,
             heating_opening: 0.5,
         }
     }
@@ -119,12 +122,12 @@ impl AirLoop {
     /// air helps, and the least elsewhere.
     fn outdoor_air(&self, flow: f64, return_air: f64, observation: &[f64], supply: f64) -> f64 {
         let outdoor = observation[self.outdoor];
-        let least = self.parameters.least_outdoor_air * self.fan_flow;
+        let mixed = supply - self.parameters.fan_rise;
         let share = match () {
             () if outdoor >= return_air => 0.0,
-            () if outdoor >= supply => 1.0,
-            () => (return_air - supply) / (return_air - outdoor),
+            () if outdoor >= mixed => 1.0,
+            () => (return_air - mixed) / (return_air - outdoor),
         };
-        (share.clamp(0.0, 1.0) * flow).max(least)
+        flow * share.clamp(self.parameters.least_outdoor_air, 1.0)
     }
 }

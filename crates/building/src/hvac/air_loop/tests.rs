@@ -3,6 +3,7 @@ use std::path::Path;
 use serde_json::json;
 
 use super::*;
+use crate::model::number;
 
 const DENSITY: f64 = 1.2;
 

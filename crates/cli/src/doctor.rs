@@ -1,0 +1,84 @@
+//! `b2b doctor`: what is installed and whether it is whole.
+
+use std::process::ExitCode;
+
+use anyhow::Result;
+use b2b_building::climate::weather::PACKAGES;
+use b2b_building::{BuildingType, RunPeriod};
+use b2b_energyplus::Level;
+use b2b_energyplus::install::doctor::{Finding, Health, report};
+use b2b_energyplus::install::{Cache, Engine};
+use b2b_env::Task;
+use serde_json::json;
+
+use crate::controller::Kind;
+use crate::prepare::{Location, Prepared};
+use crate::stdout;
+
+/// Tell what is installed and whether it is whole
+///
+/// Every cached file is read and compared with its SHA-256. Exits with 1 when something has to be
+/// put right.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  b2b doctor                 the cache, the engine, the weather, the package client
+  b2b doctor OfficeSmall     and one simulated day of that building")]
+pub struct Arguments {
+    /// Building type to try out: prepare it and run one day
+    #[arg(value_name = "TYPE")]
+    building_type: Option<BuildingType>,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs the command; exit code 1 when a finding is bad.
+pub fn doctor(arguments: &Arguments) -> Result<ExitCode> {
+    let installed = Engine::installed_by_user();
+    let mut findings = report(&Cache::from_env()?, installed.as_deref(), &PACKAGES);
+    findings.extend(arguments.building_type.map(|each| building(each, arguments.json)));
+    print(&findings, arguments.json)?;
+    let bad = findings.iter().any(|finding| finding.health == Health::Bad);
+    Ok(if bad { ExitCode::FAILURE } else { ExitCode::SUCCESS })
+}
+
+/// Tries a building out.
+fn building(building_type: BuildingType, quiet: bool) -> Finding {
+    let (health, detail) = match one_day(building_type, quiet) {
+        Ok(detail) => (Health::Good, detail),
+        Err(error) => (Health::Bad, format!("{error:#}")),
+    };
+    Finding { about: building_type.to_string(), health, detail }
+}
+
+fn one_day(building_type: BuildingType, quiet: bool) -> Result<String> {
+    let prepared = Prepared::new(building_type, &Location::default(), quiet)?;
+    let mut env = prepared.env("01-01..01-01".parse::<RunPeriod>()?, 12, Task::default())?;
+    let mut controller = Kind::Constant.build(&env, 0);
+    let mut action = vec![0.0; env.action_space().len()];
+    controller.act(env.reset()?, &mut action);
+    while !env.step(&action)?.truncated {}
+    let [warnings, severes] = [Level::Warning, Level::Severe].map(|level| env.message_count(level));
+    Ok(format!("one day in {} ran, {warnings} warnings, {severes} severe", prepared.place))
+}
+
+fn print(findings: &[Finding], json: bool) -> Result<()> {
+    if json {
+        let finding = |finding: &Finding| {
+            let health = format!("{:?}", finding.health).to_lowercase();
+            json!({"about": finding.about, "health": health, "detail": finding.detail})
+        };
+        return stdout::print_json(&findings.iter().map(finding).collect::<Vec<_>>());
+    }
+    let width = findings.iter().map(|finding| finding.about.chars().count()).max().unwrap_or(0);
+    let line = |finding: &Finding| {
+        let mark = match finding.health {
+            Health::Good => '✓',
+            Health::Absent => '–',
+            Health::Bad => '✗',
+        };
+        format!("{mark} {:<width$}  {}", finding.about, finding.detail)
+    };
+    stdout::print(&findings.iter().map(line).collect::<Vec<_>>().join("\n"))
+}

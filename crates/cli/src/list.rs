@@ -1,0 +1,131 @@
+//! `b2b list`: what there is to run.
+
+use anyhow::Result;
+use b2b_building::climate::PLACES;
+use b2b_building::{BuildingType, RunPeriod};
+use b2b_env::Task;
+use serde_json::{Value, json};
+
+use crate::prepare::{Location, Prepared};
+use crate::stdout;
+use crate::table::Table;
+
+/// List building types or places
+#[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  b2b list
+  b2b list --sizes         prepares each type, to tell zones, observation and action sizes
+  b2b list places --json")]
+pub struct Arguments {
+    /// What to list
+    #[arg(value_enum, default_value_t = What::Types)]
+    what: What,
+    /// Prepare each type to count its zones, observation and action (about a second each)
+    #[arg(long)]
+    sizes: bool,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// What can be listed.
+#[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
+enum What {
+    /// Building types
+    Types,
+    /// Places with weather
+    Places,
+}
+
+/// Sizes of a prepared type.
+struct Sizes {
+    zones: usize,
+    observation: usize,
+    action: usize,
+}
+
+/// Runs the command.
+pub fn list(arguments: &Arguments) -> Result<()> {
+    match (arguments.what, arguments.json) {
+        (What::Places, true) => stdout::print_json(&places_json()),
+        (What::Places, false) => stdout::print(&places_text()),
+        (What::Types, _) => types(arguments),
+    }
+}
+
+fn types(arguments: &Arguments) -> Result<()> {
+    let mut types = Vec::new();
+    for each in BuildingType::ALL {
+        let sizes = if arguments.sizes { Some(sizes(each, arguments.json)?) } else { None };
+        types.push((each, sizes));
+    }
+    if arguments.json {
+        return stdout::print_json(
+            &types.iter().map(|(each, sizes)| type_json(*each, sizes)).collect::<Vec<_>>(),
+        );
+    }
+    stdout::print(&types_text(&types, arguments.sizes))
+}
+
+fn sizes(building_type: BuildingType, quiet: bool) -> Result<Sizes> {
+    let prepared = Prepared::new(building_type, &Location::default(), quiet)?;
+    let env = prepared.env(RunPeriod::WINTER, 12, Task::default())?;
+    Ok(Sizes {
+        zones: prepared.building.controlled_zones().count(),
+        observation: env.observation_space().len(),
+        action: env.action_space().len(),
+    })
+}
+
+fn types_text(types: &[(BuildingType, Option<Sizes>)], with_sizes: bool) -> String {
+    let mut plain = Table::new(["type", "home", "what it is"]);
+    let mut sized = Table::new(["type", "home", "zones", "observation", "action", "what it is"]);
+    for (each, sizes) in types {
+        let [name, home, what] = [each.name(), each.home(), each.description()].map(str::to_owned);
+        match sizes {
+            None => plain.row([name, home, what]),
+            Some(Sizes { zones, observation, action }) => {
+                let [zones, observation, action] = [zones, observation, action].map(usize::to_string);
+                sized.row([name, home, zones, observation, action, what]);
+            }
+        }
+    }
+    if with_sizes { sized.text() } else { plain.text() }
+}
+
+fn type_json(building_type: BuildingType, sizes: &Option<Sizes>) -> Value {
+    let mut object = json!({
+        "type": building_type.name(),
+        "description": building_type.description(),
+        "home": building_type.home(),
+    });
+    if let Some(Sizes { zones, observation, action }) = sizes {
+        object["controlled_zones"] = json!(zones);
+        object["observation_size"] = json!(observation);
+        object["action_size"] = json!(action);
+    }
+    object
+}
+
+fn places_text() -> String {
+    let mut table = Table::new(["place", "climate", "weather file", "comes with"]);
+    for place in &PLACES {
+        let cells = [place.name, place.ashrae_zone, place.file_name, place.package.name];
+        table.row(cells.map(str::to_owned));
+    }
+    table.text()
+}
+
+fn places_json() -> Value {
+    let place = |place: &b2b_building::climate::Place| {
+        json!({
+            "place": place.name,
+            "ashrae_climate_zone": place.ashrae_zone,
+            "wmo_station": place.wmo,
+            "weather_file": place.file_name,
+            "package": place.package.name,
+        })
+    };
+    PLACES.iter().map(place).collect()
+}

@@ -1,0 +1,110 @@
+//! Progress bars on standard error: downloads and simulated days. They are silent where nobody looks.
+
+use std::ops::ControlFlow;
+
+use b2b_building::{Date, RunPeriod};
+use b2b_energyplus::install;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+
+use crate::interrupt;
+
+const MONTHS: [&str; 12] =
+    ["Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"];
+
+/// A date for people, for example `14 Jan`.
+pub fn date_text(date: Date) -> String {
+    format!("{} {}", date.day(), MONTHS[date.month() as usize - 1])
+}
+
+/// Downloads, shown; an interrupt cancels them.
+pub struct Download {
+    quiet: bool,
+    bar: ProgressBar,
+}
+
+impl Download {
+    /// Shows nothing when `quiet`.
+    pub fn new(quiet: bool) -> Self {
+        Self { quiet, bar: ProgressBar::hidden() }
+    }
+}
+
+impl install::Progress for Download {
+    fn begin(&mut self, what: &str, total_bytes: u64) {
+        self.bar = bar(total_bytes, "{msg}  {wide_bar} {bytes}/{total_bytes}", self.quiet);
+        self.bar.set_message(what.to_owned());
+        if self.bar.is_hidden() && !self.quiet {
+            eprintln!("{what}");
+        }
+    }
+
+    fn advance(&mut self, bytes: u64) -> ControlFlow<()> {
+        self.bar.set_position(bytes);
+        if interrupt::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+
+    fn end(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+/// The simulated days of an episode, shown once a day.
+pub struct Days {
+    bar: ProgressBar,
+    period: RunPeriod,
+    steps_per_day: usize,
+}
+
+impl Days {
+    /// Shows nothing when `quiet`.
+    pub fn new(period: RunPeriod, steps_per_hour: u32, quiet: bool) -> Self {
+        let days = u64::from(period.days());
+        let bar = bar(days, "{msg:>6}  {wide_bar} {pos}/{len} days, {days_per_second}", quiet);
+        Self { bar, period, steps_per_day: 24 * steps_per_hour as usize }
+    }
+
+    /// The first step begins: what was before does not count for the speed.
+    pub fn start(&self) {
+        self.bar.reset_elapsed();
+    }
+
+    /// So many steps are done. Costs nothing within a day.
+    pub fn step(&self, steps: usize) {
+        if steps.is_multiple_of(self.steps_per_day) {
+            self.bar.set_message(date_text(self.date(steps)));
+            self.bar.set_position((steps / self.steps_per_day) as u64);
+        }
+    }
+
+    /// The date on which so many steps are done.
+    pub fn date(&self, steps: usize) -> Date {
+        let day = (steps / self.steps_per_day) as u32;
+        Date::of_day((self.period.first().day_of_year() + day).min(self.period.last().day_of_year()))
+    }
+}
+
+impl Drop for Days {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+/// A message while something of unknown length is done.
+pub fn spinner(message: String, quiet: bool) -> ProgressBar {
+    let bar = bar(0, "{spinner} {msg}", quiet);
+    bar.set_message(message);
+    bar.tick();
+    bar
+}
+
+fn bar(length: u64, template: &str, quiet: bool) -> ProgressBar {
+    let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
+    let days_per_second = |state: &ProgressState, out: &mut dyn std::fmt::Write| {
+        let speed = state.pos() as f64 / state.elapsed().as_secs_f64().max(1e-3);
+        // A bar that cannot be written is no reason to stop.
+        let _ = write!(out, "{speed:.0} simulated days/s");
+    };
+    let style = ProgressStyle::with_template(template).expect("the templates are constants that parse");
+    let style = style.with_key("days_per_second", days_per_second).progress_chars("━╸ ");
+    ProgressBar::with_draw_target(Some(length), target).with_style(style)
+}

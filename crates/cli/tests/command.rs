@@ -1,0 +1,302 @@
+//! The `b2b` command seen from outside, on the real engine.
+#![cfg(unix)]
+
+use std::fs::File;
+use std::os::unix::process::{CommandExt, ExitStatusExt};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::time::Duration;
+
+use b2b_building::climate::Place;
+use b2b_energyplus::install::Quiet;
+use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use rustix::process::{Pid, Signal, kill_process, test_kill_process_group};
+use serde_json::Value;
+use tempfile::TempDir;
+
+const B2B: &str = env!("CARGO_BIN_EXE_b2b");
+
+/// A folder to work in and a folder for temporary files, both new.
+struct Sandbox {
+    work: TempDir,
+    temporary: TempDir,
+}
+
+impl Sandbox {
+    fn new() -> Self {
+        Self { work: tempfile::tempdir().unwrap(), temporary: tempfile::tempdir().unwrap() }
+    }
+
+    fn command(&self, program: &str, arguments: &str) -> Command {
+        let mut command = Command::new(program);
+        command.args(arguments.split_whitespace()).current_dir(self.work.path());
+        command.env("TMPDIR", self.temporary.path()).stdin(Stdio::null());
+        command
+    }
+
+    fn b2b(&self, arguments: &str) -> Output {
+        self.command(B2B, arguments).output().unwrap()
+    }
+
+    /// The object that a run with `--json` prints.
+    fn json(&self, arguments: &str) -> Value {
+        let output = self.b2b(&format!("{arguments} --json"));
+        assert!(output.status.success(), "{}", stderr(&output));
+        serde_json::from_slice(&output.stdout).expect("standard output holds one JSON value alone")
+    }
+
+    /// Names of everything in the two folders.
+    fn left_behind(&self) -> Vec<PathBuf> {
+        let entries = |folder: &Path| std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+        entries(self.work.path()).chain(entries(self.temporary.path())).collect()
+    }
+
+    /// A command that fails with code 1, says `words` on standard error and leaves nothing behind.
+    fn assert_refused(&self, command: &mut Command, words: &[&str]) {
+        let before = self.left_behind();
+        let output = command.output().unwrap();
+        let said = stderr(&output);
+        assert_eq!(output.status.code(), Some(1), "{said}");
+        assert!(said.starts_with("error: ") && !said.contains("panicked"), "{said}");
+        for word in words {
+            assert!(said.contains(word), "`{word}` is not in: {said}");
+        }
+        assert_eq!(String::from_utf8_lossy(&output.stdout), "");
+        assert_eq!(self.left_behind(), before);
+    }
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// The fastest building, for two days.
+const SHORT: &str = "run RestaurantFastFood --period 01-01..01-02";
+
+#[test]
+fn run_prints_one_json_object_with_every_promised_key() {
+    let sandbox = Sandbox::new();
+    let object = sandbox.json(SHORT);
+    for key in ["building", "place", "period", "controller", "trajectory_hash"] {
+        assert!(object[key].is_string(), "{key}: {object}");
+    }
+    for key in [
+        "steps",
+        "seed",
+        "return",
+        "temperature_penalty",
+        "energy_penalty",
+        "rms_deviation_k",
+        "mean_abs_deviation_k",
+        "hours_outside_1k",
+        "electricity_wh_m2",
+        "gas_wh_m2",
+        "meter_relative_error",
+        "engine_warnings",
+        "engine_severes",
+        "clamped_actions",
+        "cpu_s",
+        "engine_cpu_s",
+    ] {
+        assert!(object[key].is_number(), "{key}: {object}");
+    }
+    assert_eq!(object["steps"], 2 * 24 * 12);
+    assert!(object["meter_relative_error"].as_f64().unwrap() < 1e-9, "{object}");
+    for zone in object["zones"].as_array().unwrap() {
+        assert!(zone["name"].is_string() && zone["rms_deviation_k"].is_number(), "{zone}");
+        assert!(zone["mean_abs_deviation_k"].is_number() && zone["hours_outside_1k"].is_number(), "{zone}");
+        assert!(zone["heating_and_cooling"].is_boolean(), "{zone}");
+    }
+    let files: Vec<_> = object["files"].as_array().unwrap().iter().map(|f| f.as_str().unwrap()).collect();
+    assert_eq!(files.len(), 3);
+    for file in files {
+        assert!(sandbox.work.path().join(file).is_file(), "{file}");
+    }
+}
+
+#[test]
+fn the_summary_file_is_what_json_prints() {
+    let sandbox = Sandbox::new();
+    let printed = sandbox.json(&format!("{SHORT} --out here"));
+    let file = File::open(sandbox.work.path().join("here/summary.json")).unwrap();
+    assert_eq!(serde_json::from_reader::<_, Value>(file).unwrap(), printed);
+}
+
+#[test]
+fn the_same_run_twice_in_two_processes_has_the_same_hash() {
+    let hash = |seed: u32| {
+        let object = Sandbox::new().json(&format!("{SHORT} --controller random --seed {seed}"));
+        object["trajectory_hash"].as_str().unwrap().to_owned()
+    };
+    assert_eq!(hash(1), hash(1));
+    assert_ne!(hash(1), hash(2));
+}
+
+#[test]
+fn a_run_for_people_shows_the_zones_and_where_the_files_are() {
+    let sandbox = Sandbox::new();
+    let output = sandbox.b2b(&format!("{SHORT} --controller constant"));
+    let text = String::from_utf8(output.stdout).unwrap();
+    for word in ["RestaurantFastFood in Denver", "mean absolute deviation", "Kitchen", "picture.html"] {
+        assert!(text.contains(word), "{text}");
+    }
+    assert_eq!(std::fs::read_dir(sandbox.temporary.path()).unwrap().count(), 0);
+}
+
+#[test]
+fn the_trajectory_file_has_a_row_a_step_and_a_named_column_for_everything() {
+    let sandbox = Sandbox::new();
+    sandbox.json(&format!("{SHORT} --out here"));
+    let file = File::open(sandbox.work.path().join("here/trajectory.parquet")).unwrap();
+    let table = ParquetRecordBatchReaderBuilder::try_new(file).unwrap();
+    assert_eq!(table.metadata().file_metadata().num_rows(), 2 * 24 * 12);
+    let schema = table.schema();
+    assert_eq!(schema.metadata()["building"], "RestaurantFastFood");
+    for name in [
+        "step",
+        "month",
+        "hour",
+        "Kitchen air temperature",
+        "outdoor air temperature",
+        "HVAC gas",
+        "Kitchen supply air flow",
+        "Dining supply air temperature",
+        "temperature penalty",
+        "energy penalty",
+        "reward",
+    ] {
+        let field = schema.field_with_name(name).unwrap_or_else(|_| panic!("no {name} in {schema}"));
+        assert!(field.metadata().contains_key("unit"), "{field}");
+    }
+}
+
+#[test]
+fn a_wrong_name_is_answered_with_the_right_one() {
+    for (arguments, words) in [
+        ("run OficeSmall", ["OficeSmall", "OfficeSmall"]),
+        ("show Warehose", ["Warehose", "Warehouse"]),
+        ("run Warehouse --place Dever", ["Dever", "Denver"]),
+        ("run Warehouse --period 02-30..03-05", ["02-30", "MM-DD"]),
+        ("run Warehouse --period spring", ["spring", "winter, summer, full_year"]),
+        ("run Warehouse --controller reactiv", ["reactiv", "'reactive'"]),
+        ("run Warehouse --target warm", ["warm", "°C"]),
+        ("run Warehouse --steps-per-hour 7", ["7", "12"]),
+        ("run Warehouse --weather nowhere.epw", ["nowhere.epw", "No such file"]),
+        ("list palces", ["palces", "places"]),
+    ] {
+        let sandbox = Sandbox::new();
+        sandbox.assert_refused(&mut sandbox.command(B2B, arguments), &words);
+    }
+}
+
+#[test]
+fn a_truncated_weather_file_is_refused_by_name() {
+    let sandbox = Sandbox::new();
+    let whole = std::fs::read(Place::find("Denver").unwrap().epw(&mut Quiet).unwrap()).unwrap();
+    std::fs::write(sandbox.work.path().join("half.epw"), &whole[..whole.len() / 2]).unwrap();
+    let mut command = sandbox.command(B2B, "run Warehouse --weather half.epw --json");
+    sandbox.assert_refused(&mut command, &["half.epw", "columns"]);
+}
+
+#[test]
+fn a_missing_engine_is_answered_with_what_to_do() {
+    let sandbox = Sandbox::new();
+    let empty = tempfile::tempdir().unwrap();
+    let mut command = sandbox.command(B2B, SHORT);
+    command.env("B2B_ENERGYPLUS", empty.path());
+    sandbox.assert_refused(&mut command, &["B2B_ENERGYPLUS", empty.path().to_str().unwrap()]);
+    let mut command = sandbox.command(B2B, SHORT);
+    command.env_remove("B2B_ENERGYPLUS").env("B2B_CACHE", empty.path()).env("B2B_OFFLINE", "1");
+    sandbox.assert_refused(&mut command, &["B2B_OFFLINE", "b2b setup"]);
+}
+
+#[test]
+fn doctor_fails_when_something_is_bad_and_says_what() {
+    let sandbox = Sandbox::new();
+    let mut command = sandbox.command(B2B, "doctor");
+    let output = command.env("B2B_ENERGYPLUS", "/nowhere").output().unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.contains("✗ EnergyPlus") && text.contains("/nowhere"), "{text}");
+}
+
+#[test]
+fn a_full_disk_is_named_with_the_file_and_nothing_half_written_stays() {
+    let sandbox = Sandbox::new();
+    // Files may have 400 KiB at most: enough for the engine, too little for a month of random actions.
+    let run = "run RestaurantFastFood --period 01-01..01-31 --controller random --json";
+    let mut command = sandbox.command("bash", "-c");
+    command.arg(format!("trap '' XFSZ; ulimit -f 400; exec {B2B} {run}"));
+    sandbox.assert_refused(&mut command, &["trajectory.parquet", "File too large"]);
+}
+
+#[test]
+fn an_output_folder_that_cannot_be_is_refused_before_the_run() {
+    let sandbox = Sandbox::new();
+    std::fs::write(sandbox.work.path().join("taken"), "").unwrap();
+    for out in ["taken", "taken/below"] {
+        let mut command = sandbox.command(B2B, &format!("{SHORT} --out {out}"));
+        sandbox.assert_refused(&mut command, &["taken"]);
+    }
+}
+
+#[test]
+fn an_interrupted_run_stops_between_steps_and_leaves_nothing() {
+    for signal in [Signal::INT, Signal::TERM] {
+        let sandbox = Sandbox::new();
+        let mut command = sandbox.command(B2B, "run OfficeSmall --period full_year");
+        let child = command.process_group(0).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        let pid = Pid::from_child(&child);
+        wait_until(|| sandbox.left_behind().iter().any(|path| path.ends_with("b2b-out")));
+        std::thread::sleep(Duration::from_secs(1));
+        kill_process(pid, signal).unwrap();
+        let output = child.wait_with_output().unwrap();
+        let said = stderr(&output);
+        assert_eq!((output.status.code(), output.status.signal()), (Some(130), None), "{said}");
+        assert!(said.starts_with("interrupted after "), "{said}");
+        assert_eq!(sandbox.left_behind(), Vec::<PathBuf>::new());
+        assert!(test_kill_process_group(pid).is_err(), "a process of the run is still there");
+    }
+}
+
+fn wait_until(done: impl Fn() -> bool) {
+    for _ in 0..1200 {
+        if done() {
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    panic!("it did not happen within a minute");
+}
+
+#[test]
+fn show_tells_bounds_and_units_of_what_is_driven_and_seen() {
+    let object = Sandbox::new().json("show RestaurantFastFood");
+    let (action, observation) =
+        (object["action"].as_array().unwrap(), object["observation"].as_array().unwrap());
+    assert_eq!(action.len(), 4);
+    for each in action.iter().chain(observation) {
+        assert!(each["low"].as_f64().unwrap() < each["high"].as_f64().unwrap(), "{each}");
+        assert!(each["unit"].is_string(), "{each}");
+    }
+}
+
+#[test]
+fn list_names_every_type_and_every_place() {
+    let sandbox = Sandbox::new();
+    let types = sandbox.json("list");
+    assert_eq!(types.as_array().unwrap().len(), 6);
+    assert!(types.as_array().unwrap().iter().any(|each| each["type"] == "OfficeMedium"));
+    let places = sandbox.json("list places");
+    assert!(places.as_array().unwrap().iter().any(|each| each["place"] == "Montréal"));
+}
+
+#[test]
+fn bench_tells_the_three_costs_of_a_step() {
+    let speeds = Sandbox::new().json("bench speed --type RestaurantFastFood --days 1 --rounds 1");
+    let speed = &speeds.as_array().unwrap()[0];
+    assert_eq!((&speed["type"], &speed["steps"]), (&"RestaurantFastFood".into(), &288.into()));
+    for key in ["engine_ms", "advance_ms", "env_ms"] {
+        assert!(speed[key].as_f64().unwrap() > 0.0, "{speed}");
+    }
+}
