@@ -8,7 +8,7 @@ use b2b_building::{BuildingType, RunPeriod};
 use b2b_energyplus::Level;
 use b2b_energyplus::install::doctor::{Finding, Health, report};
 use b2b_energyplus::install::{Cache, Engine};
-use b2b_env::Task;
+use b2b_env::{Task, authority};
 use serde_json::json;
 
 use crate::controller::Kind;
@@ -23,11 +23,16 @@ use crate::stdout;
 #[command(after_help = "\
 Examples:
   b2b doctor                 the cache, the engine, the weather, the package client
-  b2b doctor OfficeSmall     and one simulated day of that building")]
+  b2b doctor OfficeSmall     and one simulated day of that building
+  b2b doctor --authority OfficeSmall     what each of its actuators is told, and what it then does")]
 pub struct Arguments {
     /// Building type to try out: prepare it and run one day
     #[arg(value_name = "TYPE")]
     building_type: Option<BuildingType>,
+    /// Drive every actuator of this building type low, middle and high in a winter and a summer day, and
+    /// compare the physical quantity with the command; exits with 1 when one does not obey
+    #[arg(long, value_name = "TYPE", conflicts_with = "building_type")]
+    authority: Option<BuildingType>,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -35,12 +40,27 @@ pub struct Arguments {
 
 /// Runs the command; exit code 1 when a finding is bad.
 pub fn doctor(arguments: &Arguments) -> Result<ExitCode> {
+    if let Some(building_type) = arguments.authority {
+        return authority(building_type, arguments.json);
+    }
     let installed = Engine::installed_by_user();
     let mut findings = report(&Cache::from_env()?, installed.as_deref(), &PACKAGES);
     findings.extend(arguments.building_type.map(|each| building(each, arguments.json)));
     print(&findings, arguments.json)?;
     let bad = findings.iter().any(|finding| finding.health == Health::Bad);
     Ok(if bad { ExitCode::FAILURE } else { ExitCode::SUCCESS })
+}
+
+/// Measures what the actuators of a building do; exit code 1 when one does not obey.
+fn authority(building_type: BuildingType, json: bool) -> Result<ExitCode> {
+    let prepared = Prepared::new(building_type, &Location::default(), json)?;
+    let report = authority::measure(&prepared.library, &prepared.building, &prepared.weather)?;
+    if json {
+        stdout::print_json(&report)?;
+    } else {
+        stdout::print(&report.to_string())?;
+    }
+    Ok(if report.failures().next().is_none() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
 /// Tries a building out.
