@@ -30,7 +30,8 @@ pub(super) fn scale(model: &mut Model, multiplier: f64) {
     }
 }
 
-fn is_door(name: &str) -> bool {
+/// Whether an infiltration object is of people opening doors.
+pub(super) fn is_door(name: &str) -> bool {
     name.to_ascii_lowercase().contains("door")
 }
 

@@ -82,6 +82,6 @@ pub fn generate_in_zone(
     windows::resize(&mut model, parameters.window_to_wall)?;
     infiltration::scale(&mut model, parameters.infiltration);
     economizer::choose(&mut model, ashrae_zone);
-    capacity::leave_to_sizing(&mut model);
+    capacity::leave_to_sizing(&mut model)?;
     Ok(model)
 }
