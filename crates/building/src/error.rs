@@ -67,6 +67,30 @@ pub enum Error {
         /// The text.
         text: String,
     },
+    /// A parameter of a generated building that is out of its bounds.
+    #[error("`{name}` is {value}, and must be a number from {low} to {high}")]
+    Parameter {
+        /// The parameter.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// Lowest value.
+        low: f64,
+        /// Highest value.
+        high: f64,
+    },
+    /// Text that is no climate zone of ASHRAE 169 with a row in the code's tables.
+    #[error("there is no climate zone `{zone}`: give 1 to 8 with the letter of its humidity, for example 5B")]
+    ClimateZone {
+        /// The text.
+        zone: String,
+    },
+    /// A building type that the commercial generator does not make.
+    #[error("{building_type} is no commercial building: it has a generator of its own")]
+    NotCommercial {
+        /// The type.
+        building_type: crate::BuildingType,
+    },
     /// A place that no known weather file is of.
     #[error(
         "there is no weather for `{name}`{}; the places are {}, or give the path of an EPW file",

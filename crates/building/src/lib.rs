@@ -2,6 +2,7 @@
 
 pub mod archetype;
 pub mod climate;
+pub mod commercial;
 mod error;
 pub mod house;
 pub mod hvac;
