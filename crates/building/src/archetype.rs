@@ -80,7 +80,7 @@ impl BuildingType {
     /// cannot convert the file.
     pub fn base_model(self, engine: &Engine, library: &Library, site: &Site) -> Result<Model> {
         if self == Self::SingleFamilyHouse {
-            return Ok(house::house(&House::default(), site));
+            return house::house(&House::default(), site);
         }
         let file = format!("ASHRAE901_{}_STD2019_Denver.idf", self.name());
         let models = engine.models.as_ref().ok_or_else(|| Error::NoStockModels { file: file.clone() })?;

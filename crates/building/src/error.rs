@@ -67,6 +67,18 @@ pub enum Error {
         /// The text.
         text: String,
     },
+    /// A parameter of a building that is not a number, or out of its bounds.
+    #[error("{name} is {value}, and must be from {low} to {high}")]
+    Parameter {
+        /// The parameter, with its unit.
+        name: &'static str,
+        /// What was given.
+        value: f64,
+        /// Least value.
+        low: f64,
+        /// Greatest value.
+        high: f64,
+    },
     /// A place that no known weather file is of.
     #[error(
         "there is no weather for `{name}`{}; the places are {}, or give the path of an EPW file",

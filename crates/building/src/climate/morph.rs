@@ -57,7 +57,6 @@ pub fn morph(base_epw: &str, station: &Station) -> Result<String> {
 
 /// What an EPW header says of where its station is.
 struct Location {
-    name: String,
     sun: sun::Place,
     elevation: f64,
 }
@@ -330,8 +329,7 @@ fn location(line: &str) -> Result<Location> {
     else {
         return Err(malformed("LOCATION has no latitude, longitude, time zone and elevation"));
     };
-    let name = fields[1].trim().to_owned();
-    Ok(Location { name, sun: sun::Place { latitude, longitude, time_zone }, elevation })
+    Ok(Location { sun: sun::Place { latitude, longitude, time_zone }, elevation })
 }
 
 fn malformed(why: &str) -> Error {
