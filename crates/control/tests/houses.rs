@@ -17,9 +17,9 @@ fn library() -> Library {
     Library::load(&Engine::ensure(&mut Quiet).unwrap().library).unwrap()
 }
 
-/// Points of a golden-ratio lattice: every coordinate is spread evenly over the draws.
+/// Points whose coordinates turn by steps that have no common measure.
 fn sample(index: usize) -> HouseSample {
-    let step = |dimension: usize| (2.0f64 + dimension as f64).sqrt().fract();
+    let step = |dimension: usize| 0.618 * (2.0 + dimension as f64).sqrt();
     let point: [f64; DIMENSIONS] = std::array::from_fn(|d| (0.5 + index as f64 * step(d)).fract());
     HouseSample::from_unit(&point).unwrap()
 }

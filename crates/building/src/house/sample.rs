@@ -55,9 +55,12 @@ const FUEL: Heater = Heater::Fuel { efficiency: 0.8 };
 /// Cooling of a house with a furnace, SEER: that of the stock's usual heat pump (engineering judgement: the table
 /// tells who has central cooling, not how good it is).
 const FURNACE_SEER: f64 = 13.0;
-/// The ducted systems of the stock table: heat pumps as (SEER, HSPF), or none, and the heater. Two furnaces in one
-/// house and ground-source heat pumps, 5 % of the ducted houses, are left out.
-const SYSTEMS: [(&str, Option<(f64, f64)>, Heater); 8] = [
+/// SEER and HSPF of a heat pump.
+type Ratings = (f64, f64);
+
+/// The ducted systems of the stock table: the heat pump, if there is one, and the heater. Two furnaces in one house
+/// and ground-source heat pumps, 5 % of the ducted houses, are left out.
+const SYSTEMS: [(&str, Option<Ratings>, Heater); 8] = [
     ("ASHP, SEER 10, 6.2 HSPF", Some((10.0, 6.2)), Heater::Electric),
     ("ASHP, SEER 13, 7.7 HSPF", Some((13.0, 7.7)), Heater::Electric),
     ("ASHP, SEER 15, 8.5 HSPF", Some((15.0, 8.5)), Heater::Electric),
