@@ -55,7 +55,7 @@ impl BuildingType {
     /// One line for people.
     pub fn description(self) -> &'static str {
         match self {
-            Self::SingleFamilyHouse => "detached Québec house, ducted heat pump with backup",
+            Self::SingleFamilyHouse => "detached Québec house, ducted heat pump or furnace with cooling",
             Self::OfficeSmall => "small office, a heat pump for each of five zones",
             Self::OfficeMedium => "medium office, three central air loops over fifteen zones",
             Self::RetailStandalone => "shop, four rooftop units and a heated entrance",

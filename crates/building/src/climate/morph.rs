@@ -1,8 +1,8 @@
 //! Weather of a Québec station, morphed from Montréal's typical year.
 //!
 //! Shift and stretch after Belcher, Hacker and Powell (2005), month by month:
-//! - dry bulb: daily means move to the month's mean and spread as the station's daily means do; the swing within a
-//!   day is scaled to the station's daily range;
+//! - dry bulb: daily means move to the month's mean and spread as the station's daily means do; the swing around
+//!   their trend is scaled to the station's daily range;
 //! - dew point: daily means spread as those of the dry bulb, move to the month's mean, and stay under the dry bulb;
 //!   humidity and long-wave sky radiation follow;
 //! - sun: the clearness index of each hour, under the station's own sun, scaled to the month's total and split anew
@@ -28,7 +28,7 @@ const HOURS: usize = 8760;
 const CLEAREST: f64 = 0.82;
 /// Sun outside the atmosphere under which an hour's clearness means nothing, Wh/m².
 const LOW_SUN: f64 = 30.0;
-/// Passes in which a sum that is clamped by hour is brought to its target.
+/// Passes that bring a month to its target where no closed form does.
 const PASSES: usize = 30;
 /// Stefan and Boltzmann, W/m²K⁴.
 const STEFAN_BOLTZMANN: f64 = 5.6697e-8;
@@ -117,13 +117,17 @@ impl<'a> Year<'a> {
         let mut dry_bulb = Vec::with_capacity(HOURS);
         let mut dew_point = Vec::with_capacity(HOURS);
         let mut wind = Vec::with_capacity(HOURS);
+        let (dry_bulb_trend, dew_point_trend) = (trend(&self.dry_bulb), trend(&self.dew_point));
         for (month, hours) in months().enumerate() {
             let normals = &station.months[month];
-            let days = Days::of(&self.dry_bulb[hours.clone()]);
-            let spread = normals.daily_spread / days.spread();
-            dry_bulb.extend(days.stretched(normals.dry_bulb, spread, normals.daily_range / days.range()));
-            let days = Days::of(&self.dew_point[hours.clone()]);
-            let dew = days.stretched(normals.dew_point, spread, 1.0);
+            let own = &self.dry_bulb[hours.clone()];
+            let target =
+                Target { mean: normals.dry_bulb, spread: normals.daily_spread, range: normals.daily_range };
+            let stretch = target.spread / spread(own);
+            dry_bulb.extend(target.reached_by(own, &dry_bulb_trend[hours.clone()]));
+            let own = &self.dew_point[hours.clone()];
+            let target = Target { mean: normals.dew_point, spread: stretch * spread(own), range: range(own) };
+            let dew = target.reached_by(own, &dew_point_trend[hours.clone()]);
             dew_point.extend(held_under(dew, &dry_bulb[hours.clone()], normals.dew_point));
             wind.extend(scaled(&self.wind[hours], normals.wind_speed));
         }
@@ -198,41 +202,64 @@ fn months() -> impl Iterator<Item = Range<usize>> {
     })
 }
 
-/// A month by day: daily means and what each hour is off its day's.
-struct Days {
-    means: Vec<f64>,
-    swings: Vec<f64>,
+/// Means, one a day.
+fn daily_means(hours: &[f64]) -> Vec<f64> {
+    hours.chunks(24).map(mean).collect()
 }
 
-impl Days {
-    fn of(hours: &[f64]) -> Self {
-        let means: Vec<f64> = hours.chunks(24).map(mean).collect();
-        let swings = hours.iter().enumerate().map(|(hour, value)| value - means[hour / 24]).collect();
-        Self { means, swings }
-    }
+/// The slow part of a year: daily means at noon, joined by straight lines, so that stretching it tears nothing at
+/// midnight.
+fn trend(hours: &[f64]) -> Vec<f64> {
+    let means = daily_means(hours);
+    let at = |hour: usize| {
+        // The middle of the hour, in days after the first noon.
+        let days = ((hour as f64 + 0.5) / 24.0 - 0.5).clamp(0.0, (means.len() - 1) as f64);
+        let day = (days as usize).min(means.len() - 2);
+        means[day] + (days - day as f64) * (means[day + 1] - means[day])
+    };
+    (0..hours.len()).map(at).collect()
+}
 
+/// Standard deviation of the daily means.
+fn spread(hours: &[f64]) -> f64 {
+    let days = daily_means(hours);
+    let mean = mean(&days);
+    let squares: f64 = days.iter().map(|day| (day - mean) * (day - mean)).sum();
+    (squares / (days.len() - 1) as f64).sqrt()
+}
+
+/// Mean over the days of highest less lowest hour.
+fn range(hours: &[f64]) -> f64 {
+    let range = |day: &[f64]| {
+        let (low, high) =
+            day.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
+        high - low
+    };
+    hours.chunks(24).map(range).sum::<f64>() / (hours.len() / 24) as f64
+}
+
+/// What the hours of a month shall have.
+struct Target {
+    mean: f64,
     /// Standard deviation of the daily means.
-    fn spread(&self) -> f64 {
-        let mean = mean(&self.means);
-        let squares: f64 = self.means.iter().map(|day| (day - mean) * (day - mean)).sum();
-        (squares / (self.means.len() - 1) as f64).sqrt()
-    }
+    spread: f64,
+    /// Mean daily range.
+    range: f64,
+}
 
-    /// Mean over the days of highest less lowest hour.
-    fn range(&self) -> f64 {
-        let range = |day: &[f64]| {
-            let (low, high) =
-                day.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
-            high - low
-        };
-        self.swings.chunks(24).map(range).sum::<f64>() / self.means.len() as f64
-    }
-
-    /// The hours with another mean, and with daily means and swings stretched.
-    fn stretched(&self, to: f64, spread: f64, swing: f64) -> Vec<f64> {
-        let from = mean(&self.means);
-        let hour = |(hour, off): (usize, &f64)| to + spread * (self.means[hour / 24] - from) + swing * off;
-        self.swings.iter().enumerate().map(hour).collect()
+impl Target {
+    /// The hours with their trend and what is off it stretched, and then shifted.
+    fn reached_by(&self, hours: &[f64], trend: &[f64]) -> Vec<f64> {
+        let (mut slow, mut fast) = (1.0, 1.0);
+        let mut stretched = hours.to_vec();
+        for _ in 0..PASSES {
+            slow *= self.spread / spread(&stretched);
+            fast *= self.range / range(&stretched);
+            let pairs = hours.iter().zip(trend);
+            stretched = pairs.map(|(hour, trend)| slow * trend + fast * (hour - trend)).collect();
+        }
+        let shift = self.mean - mean(&stretched);
+        stretched.iter().map(|hour| hour + shift).collect()
     }
 }
 

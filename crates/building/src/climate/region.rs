@@ -78,10 +78,10 @@ fn read() -> Vec<Region> {
 fn write(folder: &Path, file: &Path, text: &str) -> Result<()> {
     let at = |source| Error::Io { path: file.to_owned(), source };
     std::fs::create_dir_all(folder).map_err(at)?;
-    let new = tempfile::NamedTempFile::new_in(folder).map_err(at)?;
-    std::fs::write(new.path(), text).map_err(at)?;
-    new.persist(file).map_err(|error| at(error.error))?;
-    Ok(())
+    let aside = tempfile::TempDir::new_in(folder).map_err(at)?;
+    let new = aside.path().join("new.epw");
+    std::fs::write(&new, text).map_err(at)?;
+    std::fs::rename(&new, file).map_err(at)
 }
 
 #[cfg(test)]

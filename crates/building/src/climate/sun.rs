@@ -30,12 +30,10 @@ pub(super) struct Sun {
 impl Sun {
     /// The sun over the hour that ends at `hour` (1 to 24), standard time, of a day of the year from 1.
     pub fn over(place: Place, day_of_year: u32, hour: u32) -> Self {
+        let day = Day::of(place, day_of_year);
         let sample = |i| f64::from(hour - 1) + (f64::from(i) + 0.5) / f64::from(SAMPLES);
-        let cosines = (0..SAMPLES).map(|i| cosine(place, day_of_year, sample(i)).max(0.0));
-        Self {
-            extraterrestrial: SOLAR_CONSTANT * eccentricity(day_angle(day_of_year)),
-            cosine: cosines.sum::<f64>() / f64::from(SAMPLES),
-        }
+        let cosines = (0..SAMPLES).map(|i| day.cosine(sample(i)).max(0.0));
+        Self { extraterrestrial: day.extraterrestrial, cosine: cosines.sum::<f64>() / f64::from(SAMPLES) }
     }
 
     /// On a horizontal surface outside the atmosphere, Wh/m² in the hour.
@@ -83,13 +81,33 @@ fn harmonics(angle: f64) -> [f64; 6] {
     [a.0, a.1, b.0, b.1, c.0, c.1]
 }
 
-fn cosine(place: Place, day_of_year: u32, hour: f64) -> f64 {
-    let angle = day_angle(day_of_year);
-    let solar = hour + place.longitude / 15.0 - place.time_zone + equation_of_time(angle);
-    let hour_angle = (solar - 12.0) * PI / 12.0;
-    let ((sin_l, cos_l), (sin_d, cos_d)) =
-        (libm::sincos(place.latitude.to_radians()), libm::sincos(declination(angle)));
-    sin_l * sin_d + cos_l * cos_d * libm::cos(hour_angle)
+/// What the sun's height depends on in a day.
+struct Day {
+    /// Sine of latitude times sine of declination, and cosine times cosine.
+    sines: f64,
+    cosines: f64,
+    /// Standard time of the sun's highest point, h.
+    noon: f64,
+    extraterrestrial: f64,
+}
+
+impl Day {
+    fn of(place: Place, day_of_year: u32) -> Self {
+        let angle = day_angle(day_of_year);
+        let (sin_l, cos_l) = libm::sincos(place.latitude.to_radians());
+        let (sin_d, cos_d) = libm::sincos(declination(angle));
+        Self {
+            sines: sin_l * sin_d,
+            cosines: cos_l * cos_d,
+            noon: 12.0 - place.longitude / 15.0 + place.time_zone - equation_of_time(angle),
+            extraterrestrial: SOLAR_CONSTANT * eccentricity(angle),
+        }
+    }
+
+    /// Cosine of the angle from the zenith at a standard time, h; negative at night.
+    fn cosine(&self, hour: f64) -> f64 {
+        self.sines + self.cosines * libm::cos((hour - self.noon) * PI / 12.0)
+    }
 }
 
 #[cfg(test)]
@@ -102,7 +120,7 @@ mod tests {
     fn the_noon_sun_stands_at_its_known_height() {
         // 90° − latitude + declination, at the solstices, when declination is ±23.44°.
         for (day, declination) in [(172, 23.44f64), (355, -23.44)] {
-            let noon = cosine(MONTREAL, day, 12.0 - 0.1);
+            let noon = Day::of(MONTREAL, day).cosine(12.0 - 0.1);
             let expected = (45.47 - declination).to_radians().cos();
             assert!((noon - expected).abs() < 0.003, "{noon} {expected}");
         }
