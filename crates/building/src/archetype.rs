@@ -55,7 +55,7 @@ impl BuildingType {
     /// One line for people.
     pub fn description(self) -> &'static str {
         match self {
-            Self::SingleFamilyHouse => "detached Québec house, ducted heat pump with backup",
+            Self::SingleFamilyHouse => "detached Québec house, ducted heat pump or furnace with cooling",
             Self::OfficeSmall => "small office, a heat pump for each of five zones",
             Self::OfficeMedium => "medium office, three central air loops over fifteen zones",
             Self::RetailStandalone => "shop, four rooftop units and a heated entrance",
@@ -80,7 +80,7 @@ impl BuildingType {
     /// cannot convert the file.
     pub fn base_model(self, engine: &Engine, library: &Library, site: &Site) -> Result<Model> {
         if self == Self::SingleFamilyHouse {
-            return Ok(house::house(&House::default(), site));
+            return house::house(&House::default(), site);
         }
         let file = format!("ASHRAE901_{}_STD2019_Denver.idf", self.name());
         let models = engine.models.as_ref().ok_or_else(|| Error::NoStockModels { file: file.clone() })?;

@@ -259,7 +259,7 @@ impl Place {
 }
 
 /// Lower-case letters and digits alone, French accents off.
-fn plain(name: &str) -> String {
+pub(super) fn plain(name: &str) -> String {
     let letters = name.chars().flat_map(char::to_lowercase);
     letters
         .filter(|letter| letter.is_alphanumeric())
