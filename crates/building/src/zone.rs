@@ -124,9 +124,9 @@ fn polygon_area(corners: &[[f64; 3]]) -> f64 {
     let mut normal = [0.0; 3];
     for (i, a) in corners.iter().enumerate() {
         let b = corners[(i + 1) % corners.len()];
-        for axis in 0..3 {
+        for (axis, sum) in normal.iter_mut().enumerate() {
             let (j, k) = ((axis + 1) % 3, (axis + 2) % 3);
-            normal[axis] += a[j] * b[k] - a[k] * b[j];
+            *sum += a[j] * b[k] - a[k] * b[j];
         }
     }
     normal.iter().map(|n| n * n).sum::<f64>().sqrt() / 2.0
