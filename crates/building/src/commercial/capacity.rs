@@ -19,9 +19,6 @@ const SIZING_FACTORS: [(&str, f64); 2] = [("heating_sizing_factor", 1.25), ("coo
 const SPEED_SIZES: [&str; 3] =
     ["gross_rated_total_cooling_capacity", "rated_air_flow_rate", "gross_rated_sensible_heat_ratio"];
 
-/// Least design flow of a zone with an exhaust fan, over the fan's: with room to spare, the zone's unit can bring in all
-/// that the fan takes out.
-const SUPPLY_OVER_EXHAUST: f64 = 1.25;
 /// How far doors stand open all through the winter design day, 0 to 1. They open fully for an hour at a time, of which
 /// the zone's mass covers a part.
 const DOORS_ON_DESIGN_DAY: f64 = 0.5;
@@ -31,14 +28,13 @@ const DOORS_ON_DESIGN_DAY: f64 = 0.5;
 const UNIT_HEATER_SIZING_FACTOR: f64 = 1.5;
 
 /// Puts every size that was computed for Denver back on `Autosize`, and has the sizing see what the prototypes hide from
-/// it: heat for entrances, whose doors they keep shut on design days, and air for kitchens.
+/// it: the doors of entrances, which they keep shut on design days, and storage at room temperature.
 ///
 /// # Errors
 /// [`crate::Error::MissingObject`] for a dangling reference.
 pub(super) fn leave_to_sizing(model: &mut Model) -> Result<()> {
     raise_sizing_factors(model);
     autosize_speeds(model);
-    supply_what_is_exhausted(model)?;
     heat_storage_to_room_temperature(model)?;
     open_doors_on_design_day(model);
     Ok(())
@@ -60,26 +56,6 @@ fn autosize_speeds(model: &mut Model) {
             fields.insert(field, Value::from("Autosize"));
         }
     });
-}
-
-/// Sizes the flow of a zone with an exhaust fan for more than the fan's.
-fn supply_what_is_exhausted(model: &mut Model) -> Result<()> {
-    for sizing in model.names(SIZING) {
-        let zone = text(model.require(SIZING, &sizing)?, "zone_or_zonelist_name").unwrap_or_default();
-        let equipment = common::zone_equipment(model, zone)?;
-        let exhaust: f64 = equipment
-            .iter()
-            .filter(|e| e.class.eq_ignore_ascii_case("Fan:ZoneExhaust"))
-            .filter_map(|fan| number(model.get(&fan.class, &fan.name)?, "maximum_flow_rate"))
-            .sum();
-        let fields = model.require_mut(SIZING, &sizing)?;
-        let least = number(fields, "cooling_minimum_air_flow").unwrap_or_default();
-        if SUPPLY_OVER_EXHAUST * exhaust > least {
-            fields.insert("cooling_minimum_air_flow".into(), json!(SUPPLY_OVER_EXHAUST * exhaust));
-            fields.insert("cooling_design_air_flow_method".into(), "DesignDayWithLimit".into());
-        }
-    }
-    Ok(())
 }
 
 /// Sizes unit heaters for the temperature of a room.
@@ -150,23 +126,6 @@ mod tests {
         assert_eq!(coil["speed_1_rated_air_flow_rate"], "Autosize");
         assert_eq!(coil["speed_2_gross_rated_total_cooling_capacity"], "Autosize");
         assert_eq!(coil["speed_2_gross_rated_cooling_cop"], 3.0);
-    }
-
-    #[test]
-    fn a_kitchen_can_bring_in_what_its_hood_takes_out() {
-        let mut model = Model::default();
-        model.insert(
-            "Sizing:Zone",
-            "S",
-            json!({"zone_or_zonelist_name": "Kitchen", "cooling_minimum_air_flow": 1.0}),
-        );
-        let connections = json!({"zone_name": "Kitchen", "zone_conditioning_equipment_list_name": "L"});
-        model.insert("ZoneHVAC:EquipmentConnections", "C", connections);
-        let hood = json!({"zone_equipment_object_type": "Fan:ZoneExhaust", "zone_equipment_name": "Hood"});
-        model.insert("ZoneHVAC:EquipmentList", "L", json!({"equipment": [hood]}));
-        model.insert("Fan:ZoneExhaust", "Hood", json!({"maximum_flow_rate": 2.0}));
-        leave_to_sizing(&mut model).unwrap();
-        assert_eq!(model.get("Sizing:Zone", "S").unwrap()["cooling_minimum_air_flow"], 2.5);
     }
 
     #[test]

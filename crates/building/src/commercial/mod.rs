@@ -8,7 +8,7 @@
 //!    its floor.
 //! 3. [`opaque`], [`glazing`], [`windows`] and [`infiltration`]: the envelope, relative to what the code asks of the
 //!    place's climate zone ([`prescriptive`]).
-//! 4. [`economizer`] and [`capacity`]: what the code and the climate ask of the equipment.
+//! 4. [`economizer`], [`capacity`] and [`kitchen`]: what the code and the climate ask of the equipment.
 //!
 //! The model comes out autosized: [`crate::PreparedBuilding`] sizes it for its own design days.
 //!
@@ -16,6 +16,7 @@
 //! - Exhaust-air energy recovery: the prototypes of these five types have none in Denver, and where the code would ask
 //!   for it in other zones it takes another air path than the controllable ones.
 //! - The economiser's capacity threshold (54,000 Btu/h) is that of the unstretched unit in Denver.
+//! - A stretched restaurant keeps its refrigerated cases.
 //! - Skylights, doors and slab edges keep the prototype's values, those of climate zone 5.
 //! - The code's classes of assembly: walls are steel-framed and roofs insulated above deck, as in the paper; attics,
 //!   metal buildings and semi-heated storage follow the same two values.
@@ -28,6 +29,7 @@ mod economizer;
 mod geometry;
 mod glazing;
 mod infiltration;
+mod kitchen;
 mod loads;
 mod opaque;
 mod parameters;
@@ -83,5 +85,6 @@ pub fn generate_in_zone(
     infiltration::scale(&mut model, parameters.infiltration);
     economizer::choose(&mut model, ashrae_zone);
     capacity::leave_to_sizing(&mut model)?;
+    kitchen::settle(&mut model)?;
     Ok(model)
 }
