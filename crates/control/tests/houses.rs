@@ -1,6 +1,6 @@
 //! Houses drawn from the Québec stock, under the reactive controller on the real engine.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use b2b_building::climate::{Region, Site};
@@ -49,22 +49,21 @@ fn weather(sample: &HouseSample) -> PathBuf {
     sample.region.epw(&Cache::from_env().unwrap(), &mut Quiet).unwrap()
 }
 
-fn prepared(sample: &HouseSample, library: &Library) -> Arc<PreparedBuilding> {
-    let weather = weather(sample);
-    let model = house(&sample.house, &Site::read(&weather).unwrap()).unwrap();
-    Arc::new(PreparedBuilding::new("house", model, &weather, library).unwrap())
+fn prepared(sample: &HouseSample, weather: &Path, library: &Library) -> Arc<PreparedBuilding> {
+    let model = house(&sample.house, &Site::read(weather).unwrap()).unwrap();
+    Arc::new(PreparedBuilding::new("house", model, weather, library).unwrap())
 }
 
 /// Runs a period under the controller. Returns the lowest and the highest temperature of the heated zone.
 fn extremes(
     building: &Arc<PreparedBuilding>,
-    weather: PathBuf,
+    weather: &Path,
     period: RunPeriod,
     library: &Library,
 ) -> (f64, f64) {
     let task = Task::default();
     let mut controller = Reactive::new(building, task.target, STEPS_PER_HOUR, &ReactiveParameters::default());
-    let episode = Episode { weather, period, steps_per_hour: STEPS_PER_HOUR, task };
+    let episode = Episode { weather: weather.to_owned(), period, steps_per_hour: STEPS_PER_HOUR, task };
     let mut env = Env::new(library.clone(), building.clone(), episode).unwrap();
     let mut observation = env.reset().unwrap().to_vec();
     let mut action = vec![0.0; env.action_space().len()];
@@ -88,13 +87,14 @@ fn extremes(
 fn drawn_houses_stay_warm_in_january_and_cool_in_july() {
     let library = library();
     for sample in houses() {
-        let building = prepared(&sample, &library);
+        let weather = weather(&sample);
+        let building = prepared(&sample, &weather, &library);
         let zones = 2
             + usize::from(sample.house.foundation == Foundation::Crawlspace)
             + usize::from(sample.house.garage);
         assert_eq!(building.zones.len(), zones);
         assert_eq!(building.actuators().count(), 2);
-        let run = |period: &str| extremes(&building, weather(&sample), period.parse().unwrap(), &library);
+        let run = |period: &str| extremes(&building, &weather, period.parse().unwrap(), &library);
         let (winter, summer) = (run("01-14..01-15"), run("07-14..07-15"));
         println!("{} {:?}: {winter:.1?} {summer:.1?}", sample.region.name, sample.house.heating);
         assert!(winter.0 >= 12.0 && winter.1 <= 30.0, "{sample:?}: {winter:?}");
@@ -108,9 +108,10 @@ fn a_house_runs_a_week_on_morphed_weather() {
     let library = library();
     let mut sample = sample(3);
     sample.region = Region::find("Saguenay-Lac-Saint-Jean").unwrap();
-    let building = prepared(&sample, &library);
+    let weather = weather(&sample);
+    let building = prepared(&sample, &weather, &library);
     for week in ["01-08..01-14", "07-08..07-14"] {
-        let (low, high) = extremes(&building, weather(&sample), week.parse().unwrap(), &library);
+        let (low, high) = extremes(&building, &weather, week.parse().unwrap(), &library);
         assert!(low >= 12.0 && high <= 32.0, "{week}: {low} {high}");
     }
 }

@@ -51,15 +51,16 @@ impl Region {
     /// # Errors
     /// Those of [`Place::epw_in`] and [`morph`]; [`Error::Io`] when the cache cannot be written.
     pub fn epw(&self, cache: &Cache, progress: &mut dyn Progress) -> Result<PathBuf> {
-        let base = Place::find(BASE)?.epw_in(cache, progress)?;
+        let mut base = || Place::find(BASE)?.epw_in(cache, progress);
         if self.station.name == BASE_STATION {
-            return Ok(base);
+            return base();
         }
         let folder = cache.root.join(format!("morphed-{MORPH_VERSION}"));
         let file = folder.join(format!("{}_morphed.epw", self.station.name.replace('\'', "")));
         if !file.exists() {
-            let base = std::fs::read(&base).map_err(|source| Error::Io { path: base.clone(), source })?;
-            write(&folder, &file, &morph(&String::from_utf8_lossy(&base), self.station)?)?;
+            let base = base()?;
+            let text = std::fs::read(&base).map_err(|source| Error::Io { path: base, source })?;
+            write(&folder, &file, &morph(&String::from_utf8_lossy(&text), self.station)?)?;
         }
         Ok(file)
     }

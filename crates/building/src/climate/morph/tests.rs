@@ -1,3 +1,5 @@
+use std::sync::LazyLock;
+
 use b2b_energyplus::install::{Cache, Quiet};
 
 use super::*;
@@ -8,6 +10,12 @@ fn base() -> String {
     let path = Place::find("Montréal").unwrap().epw_in(&Cache::from_env().unwrap(), &mut Quiet).unwrap();
     std::fs::read_to_string(path).unwrap()
 }
+
+/// Every station with its morphed text.
+static MORPHED: LazyLock<Vec<(&Station, String)>> = LazyLock::new(|| {
+    let base = base();
+    Station::all().iter().map(|station| (station, morph(&base, station).unwrap())).collect()
+});
 
 /// The hours of an EPW text, all columns but the flags.
 fn hours(text: &str) -> Vec<Vec<f64>> {
@@ -25,11 +33,9 @@ fn close(a: f64, b: f64, tolerance: f64, what: &str) {
 
 #[test]
 fn every_station_s_months_have_its_normals() {
-    let base = base();
-    for station in Station::all() {
-        let text = morph(&base, station).unwrap();
-        assert_eq!(epw::check(&text, Path::new(station.name)).unwrap(), HOURS);
-        let hours = hours(&text);
+    for (station, text) in MORPHED.iter() {
+        assert_eq!(epw::check(text, Path::new(station.name)).unwrap(), HOURS);
+        let hours = hours(text);
         for (month, normals) in station.months.iter().enumerate() {
             let what = format!("{} month {}", station.name, month + 1);
             let values = |column| of_month(&hours, month, column);
@@ -49,9 +55,8 @@ fn every_station_s_months_have_its_normals() {
 #[test]
 fn heating_degree_days_follow_from_the_normals() {
     const COLD: [usize; 5] = [0, 1, 2, 10, 11];
-    let base = base();
-    for station in Station::all() {
-        let hours = hours(&morph(&base, station).unwrap());
+    for (station, text) in MORPHED.iter() {
+        let hours = hours(text);
         let days = |month| {
             let dry_bulb = of_month(&hours, month, column::DRY_BULB);
             dry_bulb.chunks(24).map(|day| (18.0 - mean(day)).max(0.0)).sum::<f64>()
@@ -65,11 +70,10 @@ fn heating_degree_days_follow_from_the_normals() {
 
 #[test]
 fn humidity_is_physical_and_sunlight_adds_up() {
-    let base = base();
-    for station in Station::all() {
+    for (station, text) in MORPHED.iter() {
         let place = sun::Place { latitude: station.latitude, longitude: station.longitude, time_zone: -5.0 };
         let suns = suns(place);
-        for (hour, sun) in hours(&morph(&base, station).unwrap()).iter().zip(suns) {
+        for (hour, sun) in hours(text).iter().zip(suns) {
             let what = format!("{} {}-{} {}h", station.name, hour[1], hour[2], hour[3]);
             assert!(hour[column::DEW_POINT] <= hour[column::DRY_BULB], "{what}");
             assert!((0.0..=100.0).contains(&hour[column::HUMIDITY]), "{what}");
