@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use b2b_building::hvac::{Actuator, AirLoop, EngineVariable, System, Terminal};
 use b2b_building::{Date, Model, PreparedBuilding, RunPeriod};
+use b2b_energyplus::install::{Engine, Quiet};
 use b2b_energyplus::{Event, Level, Library, Run, Simulation};
 
 const DENVER: &str = "USA_CO_Denver-Aurora-Buckley.AFB.724695_TMY3.epw";
@@ -14,9 +15,7 @@ const HOLD: usize = 3;
 
 /// The folder of the engine.
 fn engine() -> PathBuf {
-    std::env::var_os("B2B_ENERGYPLUS")
-        .expect("B2B_ENERGYPLUS names the folder that holds the EnergyPlus library")
-        .into()
+    Engine::ensure(&mut Quiet).unwrap().root
 }
 
 /// What an agent says to the air loops, the same to each.

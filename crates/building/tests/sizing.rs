@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use b2b_building::{Error, Model, Sizes};
+use b2b_energyplus::install::{Engine, Quiet};
 use b2b_energyplus::{Event, Level, Library, Run};
 use serde_json::{Value, json};
 
@@ -11,9 +12,7 @@ const MIAMI: &str = "USA_FL_Miami.Intl.AP.722020_TMY3.epw";
 
 /// The folder of the engine.
 fn engine() -> PathBuf {
-    std::env::var_os("B2B_ENERGYPLUS")
-        .expect("B2B_ENERGYPLUS names the folder that holds the EnergyPlus library")
-        .into()
+    Engine::ensure(&mut Quiet).unwrap().root
 }
 
 fn library() -> Library {
