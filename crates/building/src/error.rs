@@ -44,6 +44,24 @@ pub enum Error {
         /// Every type.
         known: String,
     },
+    /// Text that is no id of a building of the dataset.
+    #[error("`{text}` is no building of the dataset: give a type and a number, for example OfficeSmall-0042")]
+    BuildingId {
+        /// The text.
+        text: String,
+    },
+    /// A number that no building of the dataset has.
+    #[error(
+        "there is no {building_type} number `{number}`: the dataset has {building_type}-0001 to \
+         {building_type}-{}",
+        crate::dataset::BUILDINGS_PER_TYPE
+    )]
+    BuildingNumber {
+        /// The type.
+        building_type: crate::BuildingType,
+        /// The number, as it was given.
+        number: String,
+    },
     /// The engine has no stock models beside it.
     #[error(
         "this EnergyPlus has no {file} beside it: unset B2B_ENERGYPLUS so that the packaged engine is used"

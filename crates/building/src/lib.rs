@@ -3,6 +3,7 @@
 pub mod archetype;
 pub mod climate;
 pub mod commercial;
+pub mod dataset;
 mod error;
 pub mod house;
 pub mod hvac;

@@ -7,6 +7,11 @@ const MONTHLY: &str = include_str!("../../data/quebec_monthly_climate.csv");
 /// One row a station: the ASHRAE design conditions of its CWEC file.
 const DESIGN: &str = include_str!("../../data/quebec_design_days.csv");
 
+/// Days of each month.
+const DAYS: [f64; 12] = [31.0, 28.0, 31.0, 30.0, 31.0, 30.0, 31.0, 31.0, 30.0, 31.0, 30.0, 31.0];
+/// What degree-days count from, °C.
+const DEGREE_DAY_BASE: f64 = 18.0;
+
 /// A weather station and its climate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Station {
@@ -64,11 +69,27 @@ pub struct DesignConditions {
     pub cooling_wind: [&'static str; 2],
 }
 
+impl MonthNormals {
+    /// Expectation of how far a daily mean is below a temperature, K.
+    fn mean_below(&self, temperature: f64) -> f64 {
+        let z = (temperature - self.dry_bulb) / self.daily_spread;
+        let probability = 0.5 * (1.0 + libm::erf(z * std::f64::consts::FRAC_1_SQRT_2));
+        let density = libm::exp(-0.5 * z * z) / libm::sqrt(2.0 * std::f64::consts::PI);
+        self.daily_spread * (z * probability + density)
+    }
+}
+
 impl Station {
     /// Every station, in the order of the data file.
     pub fn all() -> &'static [Self] {
         static STATIONS: LazyLock<Vec<Station>> = LazyLock::new(read);
         &STATIONS
+    }
+
+    /// Heating degree-days below 18 °C of a typical year, K·d, from the normals: the daily means of a month are taken
+    /// as normally distributed.
+    pub fn heating_degree_days(&self) -> f64 {
+        self.months.iter().zip(DAYS).map(|(month, days)| days * month.mean_below(DEGREE_DAY_BASE)).sum()
     }
 
     /// The station of this name.
@@ -146,6 +167,17 @@ mod tests {
             assert_eq!(months, (1..=12).collect::<Vec<_>>(), "{}", row[0][0]);
             assert!(row.iter().all(|r| r[0] == row[0][0]));
         }
+    }
+
+    /// By hand for months far from the base, where the spread does not matter; the National Building Code of Canada
+    /// (table C-2) has 4400 for Montréal-Dorval.
+    #[test]
+    fn degree_days_count_what_days_are_below_the_base() {
+        let month = |dry_bulb| MonthNormals { dry_bulb, daily_spread: 2.0, ..MonthNormals::default() };
+        assert!((month(-12.0).mean_below(18.0) - 30.0).abs() < 1e-9);
+        assert!(month(48.0).mean_below(18.0).abs() < 1e-9);
+        let montreal = Station::find("CAN_PQ_Montreal.Intl.AP.716270_CWEC").unwrap().heating_degree_days();
+        assert!((4200.0..4800.0).contains(&montreal), "{montreal}");
     }
 
     #[test]

@@ -215,6 +215,11 @@ pub static PLACES: [Place; 19] = [
 ];
 
 impl Place {
+    /// The 16 places of the benchmark, by climate zone.
+    pub fn benchmark() -> &'static [Self] {
+        &PLACES[..16]
+    }
+
     /// The place of this name, without regard to case, spaces, punctuation and accents.
     ///
     /// # Errors

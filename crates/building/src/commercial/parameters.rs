@@ -101,18 +101,15 @@ impl CommercialParameters {
             Bound { name: bound.name, low: 0.0, high: 1.0 }.check(share)?;
             *value = bound.at(share);
         }
+        Ok(Self::from_values(values))
+    }
+
+    /// The parameters with these values, in the order of the fields. [`CommercialParameters::check`] says whether they
+    /// are within bounds.
+    pub fn from_values(values: [f64; 8]) -> Self {
         let [envelope, window_u, window_shgc, window_to_wall, infiltration, x_scale, y_scale, north_axis] =
             values;
-        Ok(Self {
-            envelope,
-            window_u,
-            window_shgc,
-            window_to_wall,
-            infiltration,
-            x_scale,
-            y_scale,
-            north_axis,
-        })
+        Self { envelope, window_u, window_shgc, window_to_wall, infiltration, x_scale, y_scale, north_axis }
     }
 
     /// The values, in the order of the fields.
