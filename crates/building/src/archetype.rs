@@ -55,7 +55,7 @@ impl BuildingType {
     /// One line for people.
     pub fn description(self) -> &'static str {
         match self {
-            Self::SingleFamilyHouse => "detached Québec house, ducted heat pump with backup",
+            Self::SingleFamilyHouse => "detached Québec house, ducted heat pump or furnace with cooling",
             Self::OfficeSmall => "small office, a heat pump for each of five zones",
             Self::OfficeMedium => "medium office, three central air loops over fifteen zones",
             Self::RetailStandalone => "shop, four rooftop units and a heated entrance",
@@ -72,15 +72,26 @@ impl BuildingType {
         }
     }
 
-    /// The base model: for the house generated for the site, for the others the ASHRAE 90.1-2019 prototype
-    /// that ships with the engine.
+    /// The base model: for the house generated for the site, for the others the [`BuildingType::prototype`].
+    ///
+    /// # Errors
+    /// Those of [`BuildingType::prototype`].
+    pub fn base_model(self, engine: &Engine, library: &Library, site: &Site) -> Result<Model> {
+        match self {
+            Self::SingleFamilyHouse => house::house(&House::default(), site),
+            _ => self.prototype(engine, library),
+        }
+    }
+
+    /// The model that buildings of the type are made from: the ASHRAE 90.1-2019 prototype that ships with the engine;
+    /// empty for the house, which is made from nothing.
     ///
     /// # Errors
     /// [`Error::NoStockModels`] when the engine was installed without its models; [`Error::Engine`] when it
     /// cannot convert the file.
-    pub fn base_model(self, engine: &Engine, library: &Library, site: &Site) -> Result<Model> {
+    pub fn prototype(self, engine: &Engine, library: &Library) -> Result<Model> {
         if self == Self::SingleFamilyHouse {
-            return Ok(house::house(&House::default(), site));
+            return Ok(Model::default());
         }
         let file = format!("ASHRAE901_{}_STD2019_Denver.idf", self.name());
         let models = engine.models.as_ref().ok_or_else(|| Error::NoStockModels { file: file.clone() })?;

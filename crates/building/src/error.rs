@@ -44,6 +44,24 @@ pub enum Error {
         /// Every type.
         known: String,
     },
+    /// Text that is no id of a building of the dataset.
+    #[error("`{text}` is no building of the dataset: give a type and a number, for example OfficeSmall-0042")]
+    BuildingId {
+        /// The text.
+        text: String,
+    },
+    /// A number that no building of the dataset has.
+    #[error(
+        "there is no {building_type} number `{number}`: the dataset has {building_type}-0001 to \
+         {building_type}-{}",
+        crate::dataset::BUILDINGS_PER_TYPE
+    )]
+    BuildingNumber {
+        /// The type.
+        building_type: crate::BuildingType,
+        /// The number, as it was given.
+        number: String,
+    },
     /// The engine has no stock models beside it.
     #[error(
         "this EnergyPlus has no {file} beside it: unset B2B_ENERGYPLUS so that the packaged engine is used"
@@ -66,6 +84,30 @@ pub enum Error {
     RunPeriod {
         /// The text.
         text: String,
+    },
+    /// A parameter of a generated building that is out of its bounds.
+    #[error("`{name}` is {value}, and must be a number from {low} to {high}")]
+    Parameter {
+        /// The parameter.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// Lowest value.
+        low: f64,
+        /// Highest value.
+        high: f64,
+    },
+    /// Text that is no climate zone of ASHRAE 169 with a row in the code's tables.
+    #[error("there is no climate zone `{zone}`: give 1 to 8 with the letter of its humidity, for example 5B")]
+    ClimateZone {
+        /// The text.
+        zone: String,
+    },
+    /// A building type that the commercial generator does not make.
+    #[error("{building_type} is no commercial building: it has a generator of its own")]
+    NotCommercial {
+        /// The type.
+        building_type: crate::BuildingType,
     },
     /// A place that no known weather file is of.
     #[error(

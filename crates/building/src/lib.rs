@@ -2,6 +2,8 @@
 
 pub mod archetype;
 pub mod climate;
+pub mod commercial;
+pub mod dataset;
 mod error;
 pub mod house;
 pub mod hvac;

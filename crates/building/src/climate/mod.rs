@@ -1,8 +1,16 @@
 //! Climate: the places whose weather is known, their files, and what a model needs to know of a place.
 
+mod clear_sky;
 pub mod epw;
+mod morph;
+mod region;
 pub mod site;
+mod station;
+mod sun;
 pub mod weather;
 
+pub use morph::{MORPH_VERSION, morph};
+pub use region::Region;
 pub use site::{DesignDay, Site};
+pub use station::{DesignConditions, MonthNormals, Station};
 pub use weather::{PLACES, Place};

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::clear_sky;
 use crate::{Error, Result};
 
 /// Depth of the ground temperatures that a foundation sees, m: the middle set of an EPW header, about the depth of
@@ -25,6 +26,8 @@ pub struct Site {
     pub elevation: f64,
     /// Monthly mean temperature of undisturbed ground at 2 m, °C, January first.
     pub ground_temperatures: [f64; 12],
+    /// Monthly mean dry bulb, °C, January first; `None` where a month has no hour in the file.
+    pub monthly_dry_bulbs: Option<[f64; 12]>,
     /// The cold design day: 99.6 % dry bulb.
     pub heating: DesignDay,
     /// The hot design day: 0.4 % dry bulb.
@@ -42,6 +45,14 @@ pub struct DesignDay {
     pub daily_range: f64,
     /// Mean coincident wind speed at 10 m, m/s; `None` where the station has no record.
     pub wind_speed: Option<f64>,
+    /// Direction that this wind comes from, degrees from north; `None` where the station has no record.
+    pub wind_direction: Option<f64>,
+    /// Mean wet bulb with the extreme dry bulb, °C; `None` in winter, when sizing days are saturated, and where the
+    /// station has no record.
+    pub wet_bulb: Option<f64>,
+    /// Optical depths of a clear sky for beam and diffuse irradiance (taub, taud), for the hot design day of stations
+    /// for which they are known.
+    pub optical_depths: Option<[f64; 2]>,
 }
 
 impl Site {
@@ -69,6 +80,7 @@ impl Site {
             "0" => design_days_of_year(text, &design)?,
             _ => (design.after("Heating")?.heating()?, design.after("Cooling")?.cooling()?),
         };
+        let optical_depths = clear_sky::optical_depths(location.text(5)?);
         Ok(Self {
             name: location.text(1)?.to_owned(),
             latitude: location.within(6, 90.0)?,
@@ -76,9 +88,15 @@ impl Site {
             time_zone: location.within(8, 14.0)?,
             elevation: location.number(9)?,
             ground_temperatures: ground_temperatures(&header.line("GROUND TEMPERATURES")?)?,
+            monthly_dry_bulbs: monthly_dry_bulbs(text),
             heating,
-            cooling,
+            cooling: DesignDay { optical_depths, ..cooling },
         })
+    }
+
+    /// Standard pressure at the site's elevation, Pa (standard atmosphere, as the engine has it).
+    pub fn pressure(&self) -> f64 {
+        101_325.0 * libm::pow(1.0 - 2.25577e-05 * self.elevation, 5.2559)
     }
 }
 
@@ -168,6 +186,9 @@ impl<'a> Line<'a> {
             dry_bulb: self.within(1, 70.0)?,
             daily_range: 0.0,
             wind_speed: self.number(13).ok(),
+            wind_direction: self.number(14).ok(),
+            wet_bulb: None,
+            optical_depths: None,
         })
     }
 
@@ -178,6 +199,9 @@ impl<'a> Line<'a> {
             daily_range: self.within(1, 50.0)?,
             dry_bulb: self.within(2, 70.0)?,
             wind_speed: self.number(14).ok(),
+            wind_direction: self.number(15).ok(),
+            wet_bulb: self.number(3).ok(),
+            optical_depths: None,
         })
     }
 }
@@ -199,9 +223,23 @@ fn design_days_of_year(text: &str, line: &Line) -> Result<(DesignDay, DesignDay)
         dry_bulb,
         daily_range,
         wind_speed: None,
+        wind_direction: None,
+        wet_bulb: None,
+        optical_depths: None,
     };
     let (cold, hot) = (exceeded(0.004), exceeded(0.996));
     Ok((day(cold, 0.0), day(hot, ranges[hot.1 as usize - 1])))
+}
+
+/// Monthly means of the hours' dry bulb, when every month has some.
+fn monthly_dry_bulbs(text: &str) -> Option<[f64; 12]> {
+    let (mut sums, mut counts) = ([0.0; 12], [0.0; 12]);
+    for (dry_bulb, month) in text.lines().skip(8).filter_map(month_and_dry_bulb) {
+        sums[month as usize - 1] += dry_bulb;
+        counts[month as usize - 1] += 1.0;
+    }
+    let means = std::array::from_fn(|month| sums[month] / counts[month]);
+    means.iter().all(|mean: &f64| mean.is_finite()).then_some(means)
 }
 
 fn month_and_dry_bulb(hour: &str) -> Option<(f64, u32)> {

@@ -215,6 +215,11 @@ pub static PLACES: [Place; 19] = [
 ];
 
 impl Place {
+    /// The 16 places of the benchmark, by climate zone.
+    pub fn benchmark() -> &'static [Self] {
+        &PLACES[..16]
+    }
+
     /// The place of this name, without regard to case, spaces, punctuation and accents.
     ///
     /// # Errors
@@ -259,7 +264,7 @@ impl Place {
 }
 
 /// Lower-case letters and digits alone, French accents off.
-fn plain(name: &str) -> String {
+pub(super) fn plain(name: &str) -> String {
     let letters = name.chars().flat_map(char::to_lowercase);
     letters
         .filter(|letter| letter.is_alphanumeric())

@@ -1,15 +1,16 @@
 //! The ducts: one air loop without outdoor air, blow-through, from the return to one terminal.
 //!
 //! Nodes, in the order of the air:
-//! return → fan → cooling coil → heating coil → backup → supply → terminal → zone.
+//! return → fan → cooling coil → heating coil → backup → supply → terminal → zone; a furnace takes the place of
+//! heating coil and backup.
 
 use serde_json::json;
 
-use super::{Capacities, LIVING, coils, schedules};
+use super::{Capacities, Heating, House, LIVING, coils, schedules};
 use crate::Model;
 
 const LOOP: &str = "Air Loop";
-pub(super) const UNIT: &str = "Heat Pump";
+pub(super) const UNIT: &str = "Air Handler";
 const FAN: &str = "Supply Fan";
 const TERMINAL: &str = "Living Terminal";
 const DISTRIBUTION: &str = "Living Air Distribution";
@@ -41,12 +42,12 @@ const COOLING_SETPOINT: f64 = 90.0;
 /// Supply temperature before the first command, °C.
 const SUPPLY_TEMPERATURE: f64 = 21.0;
 
-pub(super) fn add(model: &mut Model, capacities: &Capacities) {
+pub(super) fn add(model: &mut Model, house: &House, capacities: &Capacities) {
     commands(model);
     supply_side(model, capacities);
     unit(model, capacities);
     fan(model, capacities);
-    setpoint_managers(model);
+    setpoint_managers(model, house);
     demand_side(model);
     terminal(model, capacities);
     zone(model);
@@ -84,7 +85,7 @@ fn supply_side(model: &mut Model, capacities: &Capacities) {
 fn unit(model: &mut Model, capacities: &Capacities) {
     let mut unit = json!({
         "control_type": "SetPoint",
-                "controlling_zone_or_thermostat_location": LIVING,
+        "controlling_zone_or_thermostat_location": LIVING,
         "availability_schedule_name": schedules::ALWAYS,
         "supply_air_fan_operating_mode_schedule_name": schedules::ALWAYS,
         "air_inlet_node_name": UNIT_INLET,
@@ -94,9 +95,6 @@ fn unit(model: &mut Model, capacities: &Capacities) {
         "fan_placement": "BlowThrough",
         "cooling_coil_object_type": "Coil:Cooling:DX:TwoSpeed",
         "cooling_coil_name": coils::COOLING,
-        "heating_coil_object_type": "Coil:Heating:DX:SingleSpeed",
-        "heating_coil_name": coils::HEATING,
-        "supplemental_heating_coil_name": coils::BACKUP,
         "maximum_supply_air_temperature": 80.0,
         // Whatever the outdoor temperature: the supply temperature is the agent's, and so is the cost of it.
         "maximum_outdoor_dry_bulb_temperature_for_supplemental_heater_operation": 21.0,
@@ -127,8 +125,9 @@ fn fan(model: &mut Model, capacities: &Capacities) {
     model.insert("Fan:VariableVolume", FAN, fan);
 }
 
-fn setpoint_managers(model: &mut Model) {
-    for node in [COOLING_OUTLET, HEATING_OUTLET, UNIT_OUTLET, DUCT_INLET] {
+fn setpoint_managers(model: &mut Model, house: &House) {
+    let after_heat_pump = matches!(house.heating, Heating::HeatPump { .. }).then_some(HEATING_OUTLET);
+    for node in [COOLING_OUTLET, UNIT_OUTLET, DUCT_INLET].into_iter().chain(after_heat_pump) {
         let manager = json!({
             "control_variable": "Temperature",
             "schedule_name": schedules::supply_air_temperature(LIVING),

@@ -1,16 +1,18 @@
-//! The coils of the heat pump, its backup, and their performance curves.
+//! The coils: cooling, the heat pump's heating, furnace or backup; and their performance curves.
 //!
 //! The curves are those of the heat pumps in the ASHRAE 90.1 small office prototype, relative to rated conditions.
 
 use serde_json::{Value, json};
 
 use super::air_loop::{COOLING_OUTLET, FAN_OUTLET, HEATING_OUTLET, UNIT, UNIT_OUTLET};
-use super::{Backup, Capacities, House, loads, schedules};
+use super::{Capacities, Heater, Heating, House, loads, schedules};
 use crate::Model;
 
 pub(super) const COOLING: &str = "Cooling Coil";
-pub(super) const HEATING: &str = "Heating Coil";
-pub(super) const BACKUP: &str = "Backup Heater";
+const HEATING: &str = "Heating Coil";
+const BACKUP: &str = "Backup Heater";
+const FURNACE: &str = "Furnace";
+const HEAT_PUMP: &str = "Coil:Heating:DX:SingleSpeed";
 
 /// Low speed over high speed: capacity and air flow, within the flow per capacity that EnergyPlus accepts.
 const LOW_SPEED: [f64; 2] = [0.5, 0.55];
@@ -24,8 +26,26 @@ const COOLING_LOCKOUT: f64 = -60.0;
 pub(super) fn add(model: &mut Model, house: &House, capacities: &Capacities) {
     curves(model);
     cooling(model, house, capacities);
-    heating(model, house, capacities);
-    backup(model, house, capacities);
+    match house.heating {
+        Heating::HeatPump { cop, cutoff, backup } => {
+            heat_pump(model, capacities, cop, cutoff);
+            refer(model, "heating_coil", HEAT_PUMP, HEATING);
+            let class = heater(model, BACKUP, backup, HEATING_OUTLET, capacities);
+            refer(model, "supplemental_heating_coil", class, BACKUP);
+        }
+        Heating::Furnace(furnace) => {
+            let class = heater(model, FURNACE, furnace, COOLING_OUTLET, capacities);
+            refer(model, "heating_coil", class, FURNACE);
+        }
+    }
+}
+
+/// Names a coil in the unit.
+fn refer(model: &mut Model, role: &str, class: &str, name: &str) {
+    if let Some(unit) = model.get_mut("AirLoopHVAC:UnitarySystem", UNIT) {
+        unit.insert(format!("{role}_object_type"), json!(class));
+        unit.insert(format!("{role}_name"), json!(name));
+    }
 }
 
 fn cooling(model: &mut Model, house: &House, capacities: &Capacities) {
@@ -54,20 +74,20 @@ fn cooling(model: &mut Model, house: &House, capacities: &Capacities) {
     model.insert("Coil:Cooling:DX:TwoSpeed", COOLING, coil);
 }
 
-fn heating(model: &mut Model, house: &House, capacities: &Capacities) {
+fn heat_pump(model: &mut Model, capacities: &Capacities, cop: f64, cutoff: f64) {
     let coil = json!({
         "availability_schedule_name": schedules::ALWAYS,
         "air_inlet_node_name": COOLING_OUTLET,
         "air_outlet_node_name": HEATING_OUTLET,
         "gross_rated_heating_capacity": capacities.heating,
-        "gross_rated_heating_cop": house.heating_cop,
+        "gross_rated_heating_cop": cop,
         "rated_air_flow_rate": capacities.flow,
         "heating_capacity_function_of_temperature_curve_name": "Heating Capacity by Temperature",
         "heating_capacity_function_of_flow_fraction_curve_name": "Heating Capacity by Flow",
         "energy_input_ratio_function_of_temperature_curve_name": "Heating Input by Temperature",
         "energy_input_ratio_function_of_flow_fraction_curve_name": "Heating Input by Flow",
         "part_load_fraction_correlation_curve_name": "Cycling Loss",
-        "minimum_outdoor_dry_bulb_temperature_for_compressor_operation": house.cutoff,
+        "minimum_outdoor_dry_bulb_temperature_for_compressor_operation": cutoff,
         "defrost_strategy": "ReverseCycle",
         "defrost_control": "OnDemand",
         "defrost_energy_input_ratio_function_of_temperature_curve_name": "Defrost Input",
@@ -75,31 +95,36 @@ fn heating(model: &mut Model, house: &House, capacities: &Capacities) {
         "resistive_defrost_heater_capacity": 0.0,
         "crankcase_heater_capacity": 0.0,
     });
-    model.insert("Coil:Heating:DX:SingleSpeed", HEATING, coil);
+    model.insert(HEAT_PUMP, HEATING, coil);
 }
 
-fn backup(model: &mut Model, house: &House, capacities: &Capacities) {
+/// A heater from a node to the unit's outlet. Returns its class.
+fn heater(
+    model: &mut Model,
+    name: &str,
+    heater: Heater,
+    inlet: &str,
+    capacities: &Capacities,
+) -> &'static str {
     let mut coil = json!({
         "availability_schedule_name": schedules::ALWAYS,
-        "air_inlet_node_name": HEATING_OUTLET,
+        "air_inlet_node_name": inlet,
         "air_outlet_node_name": UNIT_OUTLET,
         "nominal_capacity": capacities.backup,
     });
-    let class = match house.backup {
-        Backup::Electric => {
+    let class = match heater {
+        Heater::Electric => {
             coil["efficiency"] = json!(1.0);
             "Coil:Heating:Electric"
         }
-        Backup::Gas { efficiency } => {
+        Heater::Fuel { efficiency } => {
             coil["burner_efficiency"] = json!(efficiency);
             coil["fuel_type"] = json!("NaturalGas");
             "Coil:Heating:Fuel"
         }
     };
-    model.insert(class, BACKUP, coil);
-    if let Some(unit) = model.get_mut("AirLoopHVAC:UnitarySystem", UNIT) {
-        unit.insert("supplemental_heating_coil_object_type".into(), json!(class));
-    }
+    model.insert(class, name, coil);
+    class
 }
 
 fn curves(model: &mut Model) {

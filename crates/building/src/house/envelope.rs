@@ -22,20 +22,20 @@ const PARTITIONS: f64 = 1.0;
 
 /// A layer with mass: name, thickness m, conductivity W/m·K, density kg/m³, specific heat J/kg·K, roughness, solar
 /// absorptance. Properties: ASHRAE Fundamentals, chapter 26.
-struct Layer(&'static str, f64, f64, f64, f64, &'static str, f64);
+pub(super) struct Layer(&'static str, f64, f64, f64, f64, &'static str, f64);
 
 const SIDING: Layer = Layer("Siding", 0.0127, 0.094, 540.0, 1210.0, "MediumSmooth", 0.6);
-const SHEATHING: Layer = Layer("Sheathing", 0.0127, 0.12, 540.0, 1210.0, "MediumSmooth", 0.7);
+pub(super) const SHEATHING: Layer = Layer("Sheathing", 0.0127, 0.12, 540.0, 1210.0, "MediumSmooth", 0.7);
 const SHINGLES: Layer = Layer("Shingles", 0.006, 0.081, 1120.0, 1260.0, "VeryRough", 0.9);
-const GYPSUM: Layer = Layer("Gypsum", 0.0127, 0.16, 800.0, 1090.0, "Smooth", 0.5);
-const CONCRETE: Layer = Layer("Concrete", 0.2, 1.73, 2240.0, 900.0, "Rough", 0.65);
+pub(super) const GYPSUM: Layer = Layer("Gypsum", 0.0127, 0.16, 800.0, 1090.0, "Smooth", 0.5);
+pub(super) const CONCRETE: Layer = Layer("Concrete", 0.2, 1.73, 2240.0, 900.0, "Rough", 0.65);
 
 impl Layer {
-    fn resistance(&self) -> f64 {
+    pub(super) fn resistance(&self) -> f64 {
         self.1 / self.2
     }
 
-    fn add(&self, model: &mut Model) {
+    pub(super) fn add(&self, model: &mut Model) {
         let material = json!({
             "thickness": self.1,
             "conductivity": self.2,
@@ -69,7 +69,8 @@ fn walls(model: &mut Model, house: &House, geometry: &Geometry) {
     insulation(model, "Wall Insulation", house.effective_wall_resistance() - others);
     construction(model, "Wall", &["Siding", "Sheathing", "Wall Insulation", "Gypsum"]);
     for side in Side::ALL {
-        let vertices = geometry.wall(side, geometry.sill, geometry.ceiling);
+        let Some([bottom, top]) = geometry.outer_wall(side) else { continue };
+        let vertices = geometry.wall(side, bottom, top);
         surface(model, &wall_name(side), LIVING, "Wall", "Wall", Faces::Outdoors, &vertices);
     }
 }
@@ -80,7 +81,7 @@ fn foundation_above_grade(model: &mut Model, house: &House, geometry: &Geometry)
     let resistance = house.effective_foundation_resistance() - others;
     insulation(model, "Foundation Insulation", resistance);
     construction(model, "Foundation Wall", &["Concrete", "Foundation Insulation", "Gypsum"]);
-    for side in Side::ALL {
+    for side in Side::ALL.into_iter().filter(|side| !geometry.has_garage(*side)) {
         let name = format!("Living {} Foundation Wall", side.name());
         let vertices = geometry.wall(side, 0.0, geometry.sill);
         surface(model, &name, LIVING, "Wall", "Foundation Wall", Faces::Outdoors, &vertices);
@@ -127,7 +128,7 @@ fn windows(model: &mut Model, house: &House, geometry: &Geometry) {
             "building_surface_name": wall_name(side),
             "number_of_vertices": 4,
         });
-        let corners = geometry.window(side, house.window_to_wall);
+        let Some(corners) = geometry.window(side, house.window_to_wall) else { continue };
         for (corner, point) in corners.iter().enumerate() {
             for (axis, value) in ["x", "y", "z"].iter().zip(point) {
                 window[format!("vertex_{}_{axis}_coordinate", corner + 1)] = json!(value);
@@ -169,7 +170,7 @@ fn wall_name(side: Side) -> String {
     format!("Living {} Wall", side.name())
 }
 
-fn insulation(model: &mut Model, name: &str, resistance: f64) {
+pub(super) fn insulation(model: &mut Model, name: &str, resistance: f64) {
     let material = json!({
         "roughness": "MediumRough",
         "thermal_resistance": resistance.max(LEAST_RESISTANCE),
@@ -178,7 +179,7 @@ fn insulation(model: &mut Model, name: &str, resistance: f64) {
 }
 
 /// A construction, its layers from outside to inside.
-fn construction(model: &mut Model, name: &str, layers: &[&str]) {
+pub(super) fn construction(model: &mut Model, name: &str, layers: &[&str]) {
     let mut fields = json!({"outside_layer": layers[0]});
     for (index, layer) in layers.iter().enumerate().skip(1) {
         fields[format!("layer_{}", index + 1)] = json!(layer);

@@ -90,9 +90,9 @@ fn appliances(model: &mut Model, house: &House) {
 }
 
 fn lighting_power(house: &House) -> f64 {
-    LIGHTING * house.floor_area * 1000.0 / 24.0
+    house.appliance_use * LIGHTING * house.floor_area * 1000.0 / 24.0
 }
 
 fn appliance_power(house: &House) -> f64 {
-    (APPLIANCES[0] + APPLIANCES[1] * house.occupants) * 1000.0 / 24.0
+    house.appliance_use * (APPLIANCES[0] + APPLIANCES[1] * house.occupants) * 1000.0 / 24.0
 }

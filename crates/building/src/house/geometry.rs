@@ -9,6 +9,11 @@ use super::{Foundation, House};
 const STOREY_HEIGHT: f64 = 2.44;
 /// Basement wall above grade, m (engineering judgement; NBC 9.15.4.6 asks for at least 0.15).
 const FOUNDATION_ABOVE_GRADE: f64 = 0.4;
+/// Depth of a crawlspace under grade, m: with what stands above, a little over half of the 1.8 m that tells it from a
+/// basement in the stock survey (engineering judgement).
+const CRAWLSPACE_DEPTH: f64 = 0.6;
+/// Width of a garage for one car, m (engineering judgement); it is as deep as the house.
+const GARAGE_WIDTH: f64 = 4.0;
 /// Joists under a floor between storeys, m; they rest on the sill (engineering judgement).
 const JOISTS: f64 = 0.25;
 /// Rise over run of the roof (engineering judgement).
@@ -34,6 +39,10 @@ pub struct Geometry {
     pub ridge: f64,
     /// Levels that are heated, the basement included.
     pub levels: u32,
+    /// Level of the soil in the crawlspace, where there is one.
+    pub crawlspace: Option<f64>,
+    /// Whether a garage leans on the east side.
+    pub garage: bool,
 }
 
 /// A side of the house, named by where it faces before the house is turned.
@@ -67,9 +76,10 @@ impl Side {
 impl Geometry {
     /// The dimensions that the parameters ask for.
     pub fn new(house: &House) -> Self {
-        let (basement, sill) = match house.foundation {
-            Foundation::Basement => (1, FOUNDATION_ABOVE_GRADE),
-            Foundation::Slab => (0, 0.0),
+        let (basement, sill, crawlspace) = match house.foundation {
+            Foundation::Basement => (1, FOUNDATION_ABOVE_GRADE, None),
+            Foundation::Slab => (0, 0.0, None),
+            Foundation::Crawlspace => (0, FOUNDATION_ABOVE_GRADE, Some(-CRAWLSPACE_DEPTH)),
         };
         let levels = house.storeys + basement;
         let footprint = house.floor_area / f64::from(levels);
@@ -83,6 +93,8 @@ impl Geometry {
             ceiling,
             ridge: ceiling + ROOF_PITCH * width / 2.0,
             levels,
+            crawlspace,
+            garage: house.garage,
         }
     }
 
@@ -96,14 +108,55 @@ impl Geometry {
         2.0 * (self.length + self.width)
     }
 
-    /// Area of the walls above the foundation, windows included, m².
-    pub fn wall_area(&self) -> f64 {
-        self.perimeter() * (self.ceiling - self.sill)
+    /// Length of a side, m.
+    pub fn length_of(&self, side: Side) -> f64 {
+        match side {
+            Side::South | Side::North => self.length,
+            Side::East | Side::West => self.width,
+        }
     }
 
-    /// Depth of the lowest floor under grade, m.
+    /// Whether the garage leans on a side.
+    pub fn has_garage(&self, side: Side) -> bool {
+        self.garage && side == Side::East
+    }
+
+    /// Perimeter that no garage covers, m.
+    pub fn exposed_perimeter(&self) -> f64 {
+        Side::ALL.iter().filter(|side| !self.has_garage(**side)).map(|side| self.length_of(*side)).sum()
+    }
+
+    /// Bottom and top of the wall of a side that is outdoors, if there is one.
+    pub fn outer_wall(&self, side: Side) -> Option<[f64; 2]> {
+        let bottom = if self.has_garage(side) { self.garage_top() } else { self.sill };
+        (self.ceiling - bottom > 0.01).then_some([bottom, self.ceiling])
+    }
+
+    /// Area of the outer walls above the foundation, windows included, m².
+    pub fn wall_area(&self) -> f64 {
+        let area = |side: &Side| {
+            self.outer_wall(*side).map_or(0.0, |[bottom, top]| (top - bottom) * self.length_of(*side))
+        };
+        Side::ALL.iter().map(area).sum()
+    }
+
+    /// Level of the garage's roof: the top of the first storey.
+    pub fn garage_top(&self) -> f64 {
+        self.sill + STOREY_HEIGHT
+    }
+
+    /// The garage as a block of its own; its west side is the house's east side.
+    pub fn garage_block(&self) -> Block {
+        Block { west: self.length, east: self.length + GARAGE_WIDTH, width: self.width }
+    }
+
+    fn block(&self) -> Block {
+        Block { west: 0.0, east: self.length, width: self.width }
+    }
+
+    /// Depth of the basement floor under grade, m; 0 without a basement.
     pub fn depth(&self) -> f64 {
-        -self.floor
+        (-self.floor).max(0.0)
     }
 
     /// Levels of the floors between storeys, from below.
@@ -117,6 +170,16 @@ impl Geometry {
         self.footprint() * (self.ceiling - self.floor)
     }
 
+    /// Volume of the crawlspace, m³.
+    pub fn crawlspace_volume(&self) -> f64 {
+        self.crawlspace.map_or(0.0, |soil| self.footprint() * (self.sill - soil))
+    }
+
+    /// Volume of the garage, m³.
+    pub fn garage_volume(&self) -> f64 {
+        GARAGE_WIDTH * self.width * self.garage_top()
+    }
+
     /// Volume of the attic, m³.
     pub fn attic_volume(&self) -> f64 {
         self.footprint() * (self.ridge - self.ceiling) / 2.0
@@ -124,34 +187,33 @@ impl Geometry {
 
     /// The wall of a side between two levels.
     pub fn wall(&self, side: Side, bottom: f64, top: f64) -> Vec<Point> {
-        let ([x0, y0], [x1, y1]) = self.ends(side);
-        vec![[x0, y0, top], [x0, y0, bottom], [x1, y1, bottom], [x1, y1, top]]
+        self.block().wall(side, bottom, top)
     }
 
-    /// A window in the middle of a wall that covers `fraction` of it.
-    pub fn window(&self, side: Side, fraction: f64) -> Vec<Point> {
-        let wall = self.wall(side, self.sill, self.ceiling);
+    /// A window in the middle of the outer wall of a side, if there is one, that covers `fraction` of it.
+    pub fn window(&self, side: Side, fraction: f64) -> Option<Vec<Point>> {
+        let [bottom, top] = self.outer_wall(side)?;
+        let wall = self.wall(side, bottom, top);
         let centre: Point =
             std::array::from_fn(|i| wall.iter().map(|p| p[i]).sum::<f64>() / wall.len() as f64);
         let scale = fraction.sqrt();
-        wall.iter().map(|p| std::array::from_fn(|i| centre[i] + scale * (p[i] - centre[i]))).collect()
+        let corner = |p: &Point| std::array::from_fn(|i| centre[i] + scale * (p[i] - centre[i]));
+        Some(wall.iter().map(corner).collect())
     }
 
     /// A horizontal polygon that faces down.
     pub fn facing_down(&self, z: f64) -> Vec<Point> {
-        let (l, w) = (self.length, self.width);
-        vec![[0.0, 0.0, z], [0.0, w, z], [l, w, z], [l, 0.0, z]]
+        self.block().facing_down(z)
     }
 
     /// A horizontal polygon that faces up.
     pub fn facing_up(&self, z: f64) -> Vec<Point> {
-        let (l, w) = (self.length, self.width);
-        vec![[0.0, w, z], [0.0, 0.0, z], [l, 0.0, z], [l, w, z]]
+        self.block().facing_up(z)
     }
 
     /// What closes the attic on a side: a slope over a long side, a gable over a short one.
     pub fn roof(&self, side: Side) -> Vec<Point> {
-        let ([x0, y0], [x1, y1]) = self.ends(side);
+        let ([x0, y0], [x1, y1]) = self.block().ends(side);
         let (eave, ridge, middle) = (self.ceiling, self.ridge, self.width / 2.0);
         match side {
             Side::South | Side::North => {
@@ -162,15 +224,53 @@ impl Geometry {
             }
         }
     }
+}
+
+/// A rectangle on the ground, from y = 0 north, m.
+#[derive(Clone, Copy, Debug)]
+pub struct Block {
+    west: f64,
+    east: f64,
+    width: f64,
+}
+
+impl Block {
+    /// The wall of a side between two levels.
+    pub fn wall(&self, side: Side, bottom: f64, top: f64) -> Vec<Point> {
+        let ([x0, y0], [x1, y1]) = self.ends(side);
+        vec![[x0, y0, top], [x0, y0, bottom], [x1, y1, bottom], [x1, y1, top]]
+    }
+
+    /// A horizontal polygon that faces down.
+    pub fn facing_down(&self, z: f64) -> Vec<Point> {
+        let Self { west, east, width } = *self;
+        vec![[west, 0.0, z], [west, width, z], [east, width, z], [east, 0.0, z]]
+    }
+
+    /// A horizontal polygon that faces up.
+    pub fn facing_up(&self, z: f64) -> Vec<Point> {
+        let Self { west, east, width } = *self;
+        vec![[west, width, z], [west, 0.0, z], [east, 0.0, z], [east, width, z]]
+    }
+
+    /// Area, m².
+    pub fn area(&self) -> f64 {
+        (self.east - self.west) * self.width
+    }
+
+    /// Perimeter without the west side, m.
+    pub fn perimeter_but_west(&self) -> f64 {
+        2.0 * (self.east - self.west) + self.width
+    }
 
     /// The lower corners of a side, left and right seen from outside.
     fn ends(&self, side: Side) -> ([f64; 2], [f64; 2]) {
-        let (l, w) = (self.length, self.width);
+        let Self { west, east, width } = *self;
         match side {
-            Side::South => ([0.0, 0.0], [l, 0.0]),
-            Side::East => ([l, 0.0], [l, w]),
-            Side::North => ([l, w], [0.0, w]),
-            Side::West => ([0.0, w], [0.0, 0.0]),
+            Side::South => ([west, 0.0], [east, 0.0]),
+            Side::East => ([east, 0.0], [east, width]),
+            Side::North => ([east, width], [west, width]),
+            Side::West => ([west, width], [west, 0.0]),
         }
     }
 }

@@ -7,13 +7,15 @@ use serde_json::{Map, Value, json};
 
 use super::envelope::{FILM_WALL, Faces, surface};
 use super::geometry::Side;
-use super::{Foundation, Geometry, House, LIVING};
+use super::{CRAWLSPACE, Foundation, GARAGE, Geometry, House, LIVING};
 use crate::Model;
 use crate::climate::Site;
 
 /// The boundary condition of surfaces that meet the soil.
 pub(super) const CONDITION: &str = "GroundFCfactorMethod";
 
+/// Wall of a crawlspace without insulation: 0.2 m of concrete, W/m²K.
+const BARE_WALL_C: f64 = 8.65;
 /// Conductivity of soil, W/m·K (ASHRAE Fundamentals, residential loads: 1.4).
 const SOIL_CONDUCTIVITY: f64 = 1.4;
 /// Resistance of a basement floor with its film, m²K/W (ASHRAE Fundamentals, residential loads: 0.26).
@@ -39,30 +41,41 @@ const MONTHS: [&str; 12] = [
 
 pub(super) fn add(model: &mut Model, house: &House, geometry: &Geometry, site: &Site) {
     temperatures(model, site);
-    floor(model, house, geometry);
-    if house.foundation == Foundation::Basement {
-        basement_walls(model, house, geometry);
+    match house.foundation {
+        Foundation::Basement => {
+            floor(model, house, geometry);
+            basement_walls(model, house, geometry);
+        }
+        Foundation::Slab => floor(model, house, geometry),
+        Foundation::Crawlspace => crawlspace(model, geometry),
+    }
+    if geometry.garage {
+        garage(model, geometry);
     }
 }
 
 /// Heat loss through the floor and the walls under grade per degree between room and soil, W/K.
 pub(super) fn conductance(house: &House, geometry: &Geometry) -> f64 {
-    let floor = floor_f(house, geometry) * geometry.perimeter();
-    let walls = match house.foundation {
-        Foundation::Slab => 0.0,
+    let floor = floor_f(house, geometry) * geometry.exposed_perimeter();
+    match house.foundation {
+        Foundation::Slab => floor,
         Foundation::Basement => {
             let resistance = house.effective_foundation_resistance() + soil_resistance(geometry);
-            geometry.perimeter() * geometry.depth() / resistance
+            floor + geometry.perimeter() * geometry.depth() / resistance
         }
-    };
-    floor + walls
+        // Its floor loses to the crawlspace, not to the soil.
+        Foundation::Crawlspace => 0.0,
+    }
 }
 
 /// Heat loss of the floor per length of perimeter, W/m·K.
 fn floor_f(house: &House, geometry: &Geometry) -> f64 {
     match house.foundation {
         Foundation::Slab => slab_f(house.effective_foundation_resistance()),
-        Foundation::Basement => basement_floor_u(geometry) * geometry.footprint() / geometry.perimeter(),
+        Foundation::Basement => {
+            basement_floor_u(geometry) * geometry.footprint() / geometry.exposed_perimeter()
+        }
+        Foundation::Crawlspace => SLAB_F[0].1,
     }
 }
 
@@ -71,7 +84,8 @@ fn floor_f(house: &House, geometry: &Geometry) -> f64 {
 fn basement_floor_u(geometry: &Geometry) -> f64 {
     let (width, depth) = (geometry.width, geometry.depth());
     let start = depth / 2.0 + SOIL_CONDUCTIVITY * FLOOR_RESISTANCE / std::f64::consts::PI;
-    2.0 * SOIL_CONDUCTIVITY / (std::f64::consts::PI * width) * ((width / 2.0 + start) / start).ln()
+    let log = libm::log((width / 2.0 + start) / start);
+    2.0 * SOIL_CONDUCTIVITY / (std::f64::consts::PI * width) * log
 }
 
 fn slab_f(resistance: f64) -> f64 {
@@ -98,14 +112,41 @@ fn temperatures(model: &mut Model, site: &Site) {
 }
 
 fn floor(model: &mut Model, house: &House, geometry: &Geometry) {
-    let construction = json!({
-        "area": geometry.footprint(),
-        "perimeterexposed": geometry.perimeter(),
-        "f_factor": floor_f(house, geometry),
-    });
-    model.insert("Construction:FfactorGroundFloor", "Floor", construction);
+    let factor = floor_f(house, geometry);
+    f_factor(model, "Floor", geometry.footprint(), geometry.exposed_perimeter(), factor);
     let vertices = geometry.facing_down(geometry.floor);
     surface(model, "Living Floor", LIVING, "Floor", "Floor", Faces::Ground, &vertices);
+}
+
+/// A floor on the ground: area m², exposed perimeter m, heat loss W/m·K.
+fn f_factor(model: &mut Model, name: &str, area: f64, perimeter: f64, factor: f64) {
+    let construction = json!({"area": area, "perimeterexposed": perimeter, "f_factor": factor});
+    model.insert("Construction:FfactorGroundFloor", name, construction);
+}
+
+/// Bare soil and bare walls under the house.
+fn crawlspace(model: &mut Model, geometry: &Geometry) {
+    let Some(soil) = geometry.crawlspace else { return };
+    let name = "Crawlspace Ground";
+    f_factor(model, name, geometry.footprint(), geometry.perimeter(), SLAB_F[0].1);
+    let vertices = geometry.facing_down(soil);
+    surface(model, name, CRAWLSPACE, "Floor", name, Faces::Ground, &vertices);
+    let name = "Crawlspace Buried Wall";
+    let construction = json!({"height": -soil, "c_factor": BARE_WALL_C});
+    model.insert("Construction:CfactorUndergroundWall", name, construction);
+    for side in Side::ALL {
+        let wall = format!("Crawlspace {} Buried Wall", side.name());
+        let vertices = geometry.wall(side, soil, 0.0);
+        surface(model, &wall, CRAWLSPACE, "Wall", name, Faces::Ground, &vertices);
+    }
+}
+
+/// A slab without insulation.
+fn garage(model: &mut Model, geometry: &Geometry) {
+    let block = geometry.garage_block();
+    f_factor(model, "Garage Slab", block.area(), block.perimeter_but_west(), SLAB_F[0].1);
+    let vertices = block.facing_down(0.0);
+    surface(model, "Garage Slab", GARAGE, "Floor", "Garage Slab", Faces::Ground, &vertices);
 }
 
 /// A C-factor counts the wall without films.

@@ -2,7 +2,8 @@
 //!
 //! Steady conductances and the site's design temperatures, in the manner of CSA F280; no storage.
 
-use super::{Geometry, House, gains, ground, infiltration};
+use super::geometry::Side;
+use super::{Foundation, Geometry, House, gains, ground, infiltration};
 use crate::climate::{DesignDay, Site};
 
 /// Room temperature of the calculation, °C: winter and summer.
@@ -20,10 +21,6 @@ const BLINDS: f64 = 0.8;
 const SOL_AIR: [f64; 2] = [5.0, 15.0];
 /// Sensible share of the summer load (AHRI-rated coils: 0.7 to 0.8).
 pub(super) const SENSIBLE: f64 = 0.75;
-/// Heat delivered at full capacity over the design heat loss: CSA F280 accepts up to 1.4.
-const HEATING_MARGIN: f64 = 1.3;
-/// Capacity over the design heat gain: CSA F280 accepts up to 1.25.
-const COOLING_MARGIN: f64 = 1.25;
 /// Supply air over room air at full heat, K: 45 °C into 21 °C.
 const SUPPLY_RISE: f64 = 24.0;
 /// Design flow per cooling capacity, m³/s per W (AHRI practice: 400 cfm per ton).
@@ -38,17 +35,18 @@ pub struct Capacities {
     pub cooling: f64,
     /// Gross heating of the heat pump at 8.3 °C outdoors, W.
     pub heating: f64,
-    /// Heat of the backup heater, W.
+    /// Heat of the furnace or of the backup heater, W.
     pub backup: f64,
 }
 
 impl Capacities {
-    /// What holds 21 °C on the cold design day with the backup alone and 24 °C on the hot one, with margins.
+    /// What holds 21 °C on the cold design day with furnace or backup alone and 24 °C on the hot one, with the
+    /// oversizing of the house.
     ///
     /// The flow carries the backup's heat at 45 °C; a heat pump of 400 cfm per ton goes with it.
     pub fn for_design_days(house: &House, site: &Site) -> Self {
-        let backup = HEATING_MARGIN * heat_loss(house, site);
-        let cooling = COOLING_MARGIN * heat_gain(house, site) / SENSIBLE;
+        let backup = house.heating_oversizing * heat_loss(house, site);
+        let cooling = house.cooling_oversizing * heat_gain(house, site) / SENSIBLE;
         let flow = (backup / (AIR * SUPPLY_RISE)).max(cooling * FLOW_PER_CAPACITY);
         let heat_pump = flow / FLOW_PER_CAPACITY;
         Self { flow, cooling: heat_pump, heating: heat_pump, backup }
@@ -80,11 +78,22 @@ pub(super) fn heat_gain(house: &House, site: &Site) -> f64 {
     gain.max(0.0)
 }
 
-/// Conductance of the walls and of the foundation above grade, W/K.
+/// Conductance of walls, foundation above grade and a floor over a crawlspace, W/K. Garage and crawlspace are taken
+/// at outdoor temperature.
 fn walls(house: &House, geometry: &Geometry) -> f64 {
-    let opaque = geometry.wall_area() * (1.0 - house.window_to_wall);
-    let foundation = geometry.perimeter() * geometry.sill;
+    let opaque = geometry.wall_area() * (1.0 - house.window_to_wall) + garage_wall(geometry);
+    let foundation = match house.foundation {
+        Foundation::Basement => geometry.perimeter() * geometry.sill,
+        Foundation::Slab => 0.0,
+        Foundation::Crawlspace => geometry.footprint(),
+    };
     opaque / house.effective_wall_resistance() + foundation / house.effective_foundation_resistance()
+}
+
+/// Area of the wall between house and garage, m².
+fn garage_wall(geometry: &Geometry) -> f64 {
+    let sides = Side::ALL.into_iter().filter(|side| geometry.has_garage(*side));
+    sides.map(|side| geometry.length_of(side) * (geometry.garage_top() - geometry.sill)).sum()
 }
 
 /// Conductance of the top ceiling, the attic taken at outdoor temperature, W/K.
@@ -102,5 +111,5 @@ fn outdoor_air(house: &House, geometry: &Geometry, day: &DesignDay, difference: 
     let leaks = infiltration::flow(house, geometry, difference, wind);
     // The flow is outdoor air, denser in the cold.
     let density = 293.15 / (273.15 + day.dry_bulb);
-    AIR * density * (leaks + house.ventilation / 1000.0)
+    AIR * density * (leaks + house.unrecovered_ventilation() / 1000.0)
 }

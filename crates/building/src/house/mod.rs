@@ -3,7 +3,9 @@
 //! 1. [`House`] holds the parameters; [`Geometry`] follows from them.
 //! 2. [`Capacities`] follow from the heat loss and gain on the site's design days, unless the parameters give them.
 //! 3. [`house`] writes the model: a heated zone [`LIVING`] over every storey and the basement, a vented [`ATTIC`],
-//!    and one ducted heat pump with a backup heater whose air flow and supply temperature follow two schedules.
+//!    a vented [`CRAWLSPACE`] and an unheated [`GARAGE`] where the house has them, and one ducted unit, heat pump or
+//!    furnace with cooling, whose air flow and supply temperature follow two schedules.
+//! 4. [`HouseSample`] draws parameters as the detached houses of Québec have them.
 //!
 //! # Control
 //! | `Schedule:Constant` | meaning | range |
@@ -24,6 +26,7 @@
 //! baseboards and has no air system to control.
 
 mod air_loop;
+mod buffers;
 mod coils;
 mod envelope;
 mod gains;
@@ -32,26 +35,37 @@ mod ground;
 mod infiltration;
 mod loads;
 mod parameters;
+mod sample;
 mod schedules;
 mod simulation;
+mod stock;
 mod zones;
 
 pub use geometry::Geometry;
 pub use loads::Capacities;
-pub use parameters::{Backup, Foundation, House};
+pub use parameters::{Foundation, Heater, Heating, House};
+pub use sample::{DIMENSIONS, HouseSample, Vintage};
 
-use crate::Model;
 use crate::climate::Site;
+use crate::{Model, Result};
 
 /// The heated zone.
 pub const LIVING: &str = "Living";
 /// The vented zone under the roof.
 pub const ATTIC: &str = "Attic";
+/// The vented zone under the floor of a house on a crawlspace.
+pub const CRAWLSPACE: &str = "Crawlspace";
+/// The zone of an unheated garage.
+pub const GARAGE: &str = "Garage";
 
 /// The model of a house at a place, hard-sized and ready to run.
 ///
-/// The same parameters give the same bytes.
-pub fn house(parameters: &House, site: &Site) -> Model {
+/// The same parameters give the same bytes, on every machine.
+///
+/// # Errors
+/// Those of [`House::check`].
+pub fn house(parameters: &House, site: &Site) -> Result<Model> {
+    parameters.check()?;
     let geometry = Geometry::new(parameters);
     let capacities = parameters.capacities.unwrap_or_else(|| Capacities::for_design_days(parameters, site));
     let mut model = Model::default();
@@ -59,12 +73,13 @@ pub fn house(parameters: &House, site: &Site) -> Model {
     schedules::add(&mut model);
     zones::add(&mut model, &geometry);
     envelope::add(&mut model, parameters, &geometry);
+    buffers::add(&mut model, parameters, &geometry);
     ground::add(&mut model, parameters, &geometry, site);
     infiltration::add(&mut model, parameters, &geometry);
     gains::add(&mut model, parameters);
-    air_loop::add(&mut model, &capacities);
+    air_loop::add(&mut model, parameters, &capacities);
     coils::add(&mut model, parameters, &capacities);
-    model
+    Ok(model)
 }
 
 #[cfg(test)]

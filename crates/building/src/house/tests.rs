@@ -10,17 +10,27 @@ fn site() -> Site {
     Site::from_epw(MONTREAL, std::path::Path::new("a.epw")).unwrap()
 }
 
-/// Every foundation, backup and number of storeys.
+/// Every foundation, number of storeys, heating, with and without garage.
 fn houses() -> Vec<House> {
+    let fuel = Heater::Fuel { efficiency: 0.9 };
+    let pump = |backup| Heating::HeatPump { cop: 3.3, cutoff: -12.0, backup };
+    let systems =
+        [pump(Heater::Electric), pump(fuel), Heating::Furnace(Heater::Electric), Heating::Furnace(fuel)];
     let mut houses = Vec::new();
-    for foundation in [Foundation::Basement, Foundation::Slab] {
+    for foundation in [Foundation::Basement, Foundation::Slab, Foundation::Crawlspace] {
         for storeys in [1, 2] {
-            for backup in [Backup::Electric, Backup::Gas { efficiency: 0.9 }] {
-                houses.push(House { foundation, storeys, backup, ..House::default() });
+            for garage in [false, true] {
+                for heating in systems {
+                    houses.push(House { foundation, storeys, garage, heating, ..House::default() });
+                }
             }
         }
     }
     houses
+}
+
+fn house(parameters: &House, site: &Site) -> Model {
+    super::house(parameters, site).unwrap()
 }
 
 fn close(a: f64, b: f64) {
@@ -107,12 +117,12 @@ fn floors_add_up_to_the_heated_area() {
 fn surfaces_close_the_zone() {
     for parameters in houses() {
         let model = house(&parameters, &site());
-        for zone in [LIVING, ATTIC] {
-            let polygons = polygons(&model, zone);
+        for zone in model.names("Zone") {
+            let polygons = polygons(&model, &zone);
             for axis in 0..3 {
                 close(polygons.iter().map(|p| area_vector(p)[axis]).sum(), 0.0);
             }
-            let stated = number(model.require("Zone", zone).unwrap(), "volume").unwrap();
+            let stated = number(model.require("Zone", &zone).unwrap(), "volume").unwrap();
             close(volume(&polygons), stated);
         }
     }
@@ -120,14 +130,13 @@ fn surfaces_close_the_zone() {
 
 #[test]
 fn windows_cover_their_share_of_the_walls() {
-    let parameters = House { window_to_wall: 0.18, ..House::default() };
-    let geometry = Geometry::new(&parameters);
     let norm = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
-    let area: f64 = geometry::Side::ALL
-        .iter()
-        .map(|side| norm(area_vector(&geometry.window(*side, parameters.window_to_wall))))
-        .sum();
-    close(area, 0.18 * geometry.wall_area());
+    for parameters in houses() {
+        let geometry = Geometry::new(&parameters);
+        let window = |side: &geometry::Side| geometry.window(*side, 0.18);
+        let area: f64 = geometry::Side::ALL.iter().filter_map(window).map(|w| norm(area_vector(&w))).sum();
+        close(area, 0.18 * geometry.wall_area());
+    }
 }
 
 #[test]
@@ -136,6 +145,14 @@ fn assembly_u_values_match_the_effective_r() {
         let model = house(&parameters, &site());
         let films = envelope::FILM_OUTSIDE + envelope::FILM_WALL;
         close(resistance(&model, "Wall") + films, parameters.effective_wall_resistance());
+        if parameters.garage {
+            let films = 2.0 * envelope::FILM_WALL;
+            close(resistance(&model, "Wall to Garage") + films, parameters.effective_wall_resistance());
+        }
+        if parameters.foundation == Foundation::Crawlspace {
+            let floor = resistance(&model, "Floor") + 2.0 * buffers::FILM_FLOOR;
+            close(floor, parameters.effective_foundation_resistance());
+        }
         let ceiling = resistance(&model, "Ceiling") + 2.0 * envelope::FILM_CEILING;
         close(ceiling, parameters.effective_attic_resistance());
         close(resistance(&model, "Ceiling"), resistance(&model, "Attic Floor"));
@@ -153,7 +170,7 @@ fn assembly_u_values_match_the_effective_r() {
 
 #[test]
 fn a_poor_assembly_still_has_a_positive_resistance() {
-    let parameters = House { wall_resistance: 0.1, attic_resistance: 0.1, ..House::default() };
+    let parameters = House { wall_resistance: 0.6, attic_resistance: 0.6, ..House::default() };
     assert!(resistance(&house(&parameters, &site()), "Wall") > 0.0);
 }
 
@@ -187,8 +204,34 @@ fn every_construction_of_a_surface_exists() {
 }
 
 #[test]
-fn the_heated_zone_comes_first() {
+fn the_heated_zone_comes_first_and_two_to_four_there_are() {
     assert_eq!(house(&House::default(), &site()).names("Zone"), [LIVING, ATTIC]);
+    let parameters = House { foundation: Foundation::Crawlspace, garage: true, ..House::default() };
+    assert_eq!(house(&parameters, &site()).names("Zone"), [LIVING, ATTIC, CRAWLSPACE, GARAGE]);
+}
+
+/// A surface between zones and its twin look at each other through the same layers.
+#[test]
+fn surfaces_between_zones_are_pairs() {
+    for parameters in houses() {
+        let model = house(&parameters, &site());
+        for (name, surface) in model.objects("BuildingSurface:Detailed") {
+            let Some(other) = text(surface, "outside_boundary_condition_object") else { continue };
+            let twin = model.require("BuildingSurface:Detailed", other).unwrap();
+            assert_eq!(text(twin, "outside_boundary_condition_object"), Some(name));
+            let (ours, theirs) = (area_vector(&vertices(surface)), area_vector(&vertices(twin)));
+            (0..3).for_each(|axis| close(ours[axis], -theirs[axis]));
+            let layers = |surface: &Fields| {
+                let construction = text(surface, "construction_name").unwrap();
+                let layers = model.require("Construction", construction).unwrap();
+                let fields = ["outside_layer", "layer_2", "layer_3", "layer_4"];
+                fields.iter().filter_map(|f| text(layers, f)).map(str::to_owned).collect::<Vec<_>>()
+            };
+            let mut mirrored = layers(twin);
+            mirrored.reverse();
+            assert_eq!(layers(surface), mirrored, "{name}");
+        }
+    }
 }
 
 #[test]
@@ -240,15 +283,42 @@ fn a_hot_place_still_gets_equipment() {
 }
 
 #[test]
-fn the_backup_is_the_one_asked_for() {
+fn the_coils_are_those_asked_for() {
     for parameters in houses() {
         let model = house(&parameters, &site());
-        let class = match parameters.backup {
-            Backup::Electric => "Coil:Heating:Electric",
-            Backup::Gas { .. } => "Coil:Heating:Fuel",
+        let class = match parameters.heating.heater() {
+            Heater::Electric => "Coil:Heating:Electric",
+            Heater::Fuel { .. } => "Coil:Heating:Fuel",
         };
-        assert!(model.contains(class, "Backup Heater"));
         let unit = model.objects("AirLoopHVAC:UnitarySystem")[0].1;
-        assert_eq!(text(unit, "supplemental_heating_coil_object_type"), Some(class));
+        let coil = |role: &str| text(unit, &format!("{role}_object_type"));
+        match parameters.heating {
+            Heating::HeatPump { .. } => {
+                assert_eq!(coil("heating_coil"), Some("Coil:Heating:DX:SingleSpeed"));
+                assert_eq!(coil("supplemental_heating_coil"), Some(class));
+                assert!(model.contains(class, "Backup Heater"));
+            }
+            Heating::Furnace(_) => {
+                assert_eq!(coil("heating_coil"), Some(class));
+                assert_eq!(coil("supplemental_heating_coil"), None);
+                assert!(model.contains(class, "Furnace"));
+            }
+        }
+    }
+}
+
+#[test]
+fn a_parameter_out_of_bounds_is_named_with_its_value_and_bounds() {
+    let refused = |house: House| super::house(&house, &site()).unwrap_err().to_string();
+    let why = refused(House { floor_area: 5.0, ..House::default() });
+    assert_eq!(why, "floor_area (m²) is 5, and must be from 40 to 1000");
+    for house in [
+        House { window_u: f64::NAN, ..House::default() },
+        House { storeys: 3, ..House::default() },
+        House { air_changes_50: f64::INFINITY, ..House::default() },
+        House { heating: Heating::Furnace(Heater::Fuel { efficiency: 1.2 }), ..House::default() },
+        House { heat_recovery: -0.1, ..House::default() },
+    ] {
+        assert!(refused(house).contains("must be from"));
     }
 }

@@ -1,8 +1,8 @@
-//! The two zones, the heated one first.
+//! The zones, the heated one first.
 
 use serde_json::json;
 
-use super::{ATTIC, Geometry, LIVING};
+use super::{ATTIC, CRAWLSPACE, GARAGE, Geometry, LIVING};
 use crate::Model;
 
 /// Heat capacity of the heated zone's air with its furnishings, over that of its air alone. Without it full power
@@ -15,12 +15,13 @@ pub(super) fn add(model: &mut Model, geometry: &Geometry) {
         "volume": geometry.living_volume(),
     });
     model.insert("Zone", LIVING, living);
-    let attic = json!({
-        "idf_order": 2,
-        "volume": geometry.attic_volume(),
-        "part_of_total_floor_area": "No",
-    });
-    model.insert("Zone", ATTIC, attic);
+    let crawlspace = geometry.crawlspace.map(|_| (CRAWLSPACE, geometry.crawlspace_volume()));
+    let garage = geometry.garage.then(|| (GARAGE, geometry.garage_volume()));
+    let unheated = [Some((ATTIC, geometry.attic_volume())), crawlspace, garage];
+    for (order, (name, volume)) in (2..).zip(unheated.into_iter().flatten()) {
+        let zone = json!({"idf_order": order, "volume": volume, "part_of_total_floor_area": "No"});
+        model.insert("Zone", name, zone);
+    }
     let furnishings = json!({
         "zone_or_zonelist_name": LIVING,
         "temperature_capacity_multiplier": CAPACITY_MULTIPLIER,

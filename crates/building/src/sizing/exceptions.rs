@@ -17,6 +17,11 @@ pub(super) const ALIASES: &[(&str, &str)] = &[
     ("gross_rated_total_cooling_capacity", "Rated Total Cooling Capacity"),
     ("gross_rated_sensible_cooling_capacity", "Rated Sensible Cooling Capacity"),
     ("gross_rated_heating_capacity", "Rated Heating Capacity"),
+    // Multi-speed coils too.
+    ("speed_1_gross_rated_sensible_heat_ratio", "Speed 1 Rated Sensible Heat Ratio"),
+    ("speed_2_gross_rated_sensible_heat_ratio", "Speed 2 Rated Sensible Heat Ratio"),
+    ("speed_3_gross_rated_sensible_heat_ratio", "Speed 3 Rated Sensible Heat Ratio"),
+    ("speed_4_gross_rated_sensible_heat_ratio", "Speed 4 Rated Sensible Heat Ratio"),
     // Terminals, fan coils and unit heaters with water or steam coils.
     ("maximum_hot_water_or_steam_flow_rate", "Maximum Reheat Water Flow Rate"),
     ("maximum_hot_water_or_steam_flow_rate", "Maximum Reheat Steam Flow Rate"),

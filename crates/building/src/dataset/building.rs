@@ -1,0 +1,71 @@
+//! What a generated building is a function of.
+
+use std::path::PathBuf;
+
+use b2b_energyplus::install::{Cache, Progress};
+
+use crate::climate::{Place, Site};
+use crate::commercial::{self, CommercialParameters};
+use crate::house::{self, HouseSample};
+use crate::{BuildingType, Model, Result};
+
+/// A building: its type, where it stands, and its parameters.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Building {
+    /// One of the five commercial types.
+    Commercial {
+        /// The type.
+        building_type: BuildingType,
+        /// Where it stands.
+        place: &'static Place,
+        /// Its parameters.
+        parameters: CommercialParameters,
+    },
+    /// A house, with the region it stands in.
+    House(HouseSample),
+}
+
+impl Building {
+    /// The type.
+    pub fn building_type(&self) -> BuildingType {
+        match self {
+            Self::Commercial { building_type, .. } => *building_type,
+            Self::House(_) => BuildingType::SingleFamilyHouse,
+        }
+    }
+
+    /// Name of the place, or of the region of a house.
+    pub fn place(&self) -> &'static str {
+        match self {
+            Self::Commercial { place, .. } => place.name,
+            Self::House(sample) => sample.region.name,
+        }
+    }
+
+    /// The weather file of the place or the region, fetched or made when it is not in the cache.
+    ///
+    /// # Errors
+    /// Those of [`Place::epw_in`] and [`crate::climate::Region::epw`].
+    pub fn weather(&self, cache: &Cache, progress: &mut dyn Progress) -> Result<PathBuf> {
+        match self {
+            Self::Commercial { place, .. } => place.epw_in(cache, progress),
+            Self::House(sample) => sample.region.epw(cache, progress),
+        }
+    }
+
+    /// Its model, before sizing. `prototype` is [`BuildingType::prototype`] of the type, and `site` is read from the
+    /// weather file.
+    ///
+    /// The same arguments give the same bytes.
+    ///
+    /// # Errors
+    /// [`crate::Error::Parameter`] naming the parameter that is out of its bounds; those of [`commercial::generate`].
+    pub fn model(&self, prototype: &Model, site: &Site) -> Result<Model> {
+        match self {
+            Self::Commercial { building_type, place, parameters } => {
+                commercial::generate(prototype, *building_type, place, site, parameters)
+            }
+            Self::House(sample) => house::house(&sample.house, site),
+        }
+    }
+}
