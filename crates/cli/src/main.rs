@@ -2,9 +2,11 @@
 
 mod bench;
 mod controller;
+mod dataset;
 mod doctor;
 mod interrupt;
 mod list;
+mod manifest_file;
 mod output_folder;
 mod picture;
 mod prepare;
@@ -56,6 +58,7 @@ enum Command {
     Setup(setup::Arguments),
     Doctor(doctor::Arguments),
     Bench(bench::Arguments),
+    Dataset(dataset::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -89,6 +92,7 @@ fn execute(command: Command) -> Result<ExitCode> {
         Command::Setup(arguments) => setup::setup(&arguments)?,
         Command::Doctor(arguments) => return doctor::doctor(&arguments),
         Command::Bench(arguments) => bench::bench(&arguments)?,
+        Command::Dataset(arguments) => dataset::dataset(&arguments)?,
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -86,3 +86,32 @@ fn parameters_fill_their_ranges() {
         }
     }
 }
+
+/// `b2b dataset manifest --out crates/building/data/dataset` writes it.
+#[test]
+fn the_manifest_that_is_checked_in_is_the_one_that_is_generated() {
+    let checked_in = include_str!("../../data/dataset/v1.csv");
+    let generated = manifest(all()).to_csv();
+    let different = generated.lines().zip(checked_in.lines()).find(|(new, old)| new != old);
+    assert_eq!(different, None, "generated, checked in");
+    assert!(generated == checked_in);
+}
+
+/// Parameters are rounded before use: nothing is built from digits that the manifest does not show.
+#[test]
+fn the_manifest_shows_every_digit_of_every_parameter() {
+    let table = manifest(rows(BuildingType::OfficeSmall));
+    let column = table.columns.iter().position(|column| column.name == "window_u").unwrap();
+    for (cells, row) in table.rows.iter().zip(rows(BuildingType::OfficeSmall)) {
+        let Building::Commercial { parameters, .. } = &row.building else { unreachable!() };
+        assert_eq!(cells[column].parse::<f64>().unwrap(), parameters.window_u);
+        assert!(cells[column].len() <= 6, "{}", cells[column]);
+    }
+}
+
+#[test]
+fn no_cell_of_the_manifest_needs_quotes() {
+    for row in manifest(all()).rows {
+        assert!(row.iter().all(|cell| !cell.contains([',', '"', '\n'])), "{row:?}");
+    }
+}
