@@ -12,7 +12,7 @@ use cpu_time::ProcessTime;
 use serde::Serialize;
 use tempfile::TempDir;
 
-use crate::prepare::{Location, Prepared};
+use crate::prepare::{BuildingName, Location, Prepared};
 use crate::table::Table;
 use crate::{interrupt, stdout};
 
@@ -45,9 +45,9 @@ Examples:
   b2b bench speed
   b2b bench speed --type OfficeSmall --type Warehouse --days 30 --rounds 5 --json")]
 struct SpeedArguments {
-    /// Building types [default: every one]
-    #[arg(long = "type", value_name = "TYPE", num_args = 1..)]
-    types: Vec<BuildingType>,
+    /// Building types, or buildings of the dataset such as OfficeSmall-0042 [default: every type]
+    #[arg(long = "type", value_name = "BUILDING", num_args = 1..)]
+    buildings: Vec<BuildingName>,
     /// Days from 1 January
     #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=365))]
     days: u32,
@@ -65,7 +65,7 @@ const STEPS_PER_HOUR: u32 = 12;
 #[derive(Serialize)]
 struct Speed {
     #[serde(rename = "type")]
-    building_type: &'static str,
+    building: String,
     engine_ms: f64,
     advance_ms: f64,
     env_ms: f64,
@@ -77,17 +77,18 @@ struct Speed {
 /// Runs the command.
 pub fn bench(arguments: &Arguments) -> Result<()> {
     let What::Speed(arguments) = &arguments.what;
-    let types = if arguments.types.is_empty() { &BuildingType::ALL[..] } else { &arguments.types };
+    let types = BuildingType::ALL.map(BuildingName::Type);
+    let buildings = if arguments.buildings.is_empty() { &types[..] } else { &arguments.buildings };
     let mut speeds = Vec::new();
-    for building_type in types {
-        speeds.push(speed(*building_type, arguments)?);
+    for building in buildings {
+        speeds.push(speed(*building, arguments)?);
     }
     if arguments.json { stdout::print_json(&speeds) } else { stdout::print(&text(&speeds)) }
 }
 
-fn speed(building_type: BuildingType, arguments: &SpeedArguments) -> Result<Speed> {
+fn speed(building: BuildingName, arguments: &SpeedArguments) -> Result<Speed> {
     const WAYS: [fn(&Bench) -> Result<Duration>; 3] = [Bench::bare_engine, Bench::advance, Bench::env];
-    let bench = Bench::new(building_type, arguments)?;
+    let bench = Bench::new(building, arguments)?;
     let mut rounds = Vec::new();
     for round in 0..arguments.rounds as usize {
         let mut ms = [0.0; 3];
@@ -100,7 +101,7 @@ fn speed(building_type: BuildingType, arguments: &SpeedArguments) -> Result<Spee
     }
     let of_rounds = |value: fn(&[f64; 3]) -> f64| median(rounds.iter().map(value).collect());
     Ok(Speed {
-        building_type: building_type.name(),
+        building: building.to_string(),
         engine_ms: of_rounds(|ms| ms[0]),
         advance_ms: of_rounds(|ms| ms[1]),
         env_ms: of_rounds(|ms| ms[2]),
@@ -125,8 +126,8 @@ struct Bench {
 }
 
 impl Bench {
-    fn new(building_type: BuildingType, arguments: &SpeedArguments) -> Result<Self> {
-        let prepared = Prepared::new(building_type, &Location::default(), arguments.json)?;
+    fn new(building: BuildingName, arguments: &SpeedArguments) -> Result<Self> {
+        let prepared = Prepared::new(building, &Location::default(), arguments.json)?;
         let period = RunPeriod::new(Date::of_day(1), Date::of_day(arguments.days))?;
         let folder = tempfile::Builder::new().prefix("b2b-bench-").tempdir()?;
         let model = folder.path().join("model.epJSON");
@@ -209,7 +210,7 @@ fn text(speeds: &[Speed]) -> String {
         Table::new(["type", "engine, ms", "advance, ms", "env, ms", "advance/engine", "env/engine", "steps"]);
     for speed in speeds {
         table.row([
-            speed.building_type.into(),
+            speed.building.clone(),
             format!("{:.4}", speed.engine_ms),
             format!("{:.4}", speed.advance_ms),
             format!("{:.4}", speed.env_ms),

@@ -36,6 +36,7 @@ const EXAMPLES: &str = "\
 Examples:
   b2b run OfficeSmall                      a winter in Denver under a reactive controller
   b2b run Warehouse --place Miami --period 07-01..07-14 --controller random
+  b2b run OfficeSmall-0042                 a building of the dataset, at its own place
   b2b list                                 the building types
   b2b show RetailStandalone                what can be seen and driven in one of them
   b2b doctor                               what is installed and whether it is whole
