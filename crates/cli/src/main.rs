@@ -4,9 +4,11 @@ mod bench;
 mod controller;
 mod dataset;
 mod doctor;
+mod generate;
 mod interrupt;
 mod list;
 mod manifest_file;
+mod model_folder;
 mod output_folder;
 mod picture;
 mod prepare;
@@ -39,6 +41,7 @@ Examples:
   b2b run OfficeSmall-0042                 a building of the dataset, at its own place
   b2b list                                 the building types
   b2b show RetailStandalone                what can be seen and driven in one of them
+  b2b generate Warehouse --count 100 --out warehouses
   b2b doctor                               what is installed and whether it is whole
 
 EnergyPlus and weather files are fetched by themselves when first needed, with the Python
@@ -59,6 +62,7 @@ enum Command {
     Setup(setup::Arguments),
     Doctor(doctor::Arguments),
     Bench(bench::Arguments),
+    Generate(generate::Arguments),
     Dataset(dataset::Arguments),
 }
 
@@ -93,6 +97,7 @@ fn execute(command: Command) -> Result<ExitCode> {
         Command::Setup(arguments) => setup::setup(&arguments)?,
         Command::Doctor(arguments) => return doctor::doctor(&arguments),
         Command::Bench(arguments) => bench::bench(&arguments)?,
+        Command::Generate(arguments) => generate::generate(&arguments)?,
         Command::Dataset(arguments) => dataset::dataset(&arguments)?,
     }
     Ok(ExitCode::SUCCESS)
