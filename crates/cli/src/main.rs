@@ -1,6 +1,7 @@
 //! The `b2b` command: buildings as reinforcement-learning environments, from a terminal.
 
 mod bench;
+mod check;
 mod controller;
 mod dataset;
 mod doctor;
@@ -64,6 +65,7 @@ enum Command {
     Bench(bench::Arguments),
     Generate(generate::Arguments),
     Dataset(dataset::Arguments),
+    Check(check::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -98,6 +100,7 @@ fn execute(command: Command) -> Result<ExitCode> {
         Command::Doctor(arguments) => return doctor::doctor(&arguments),
         Command::Bench(arguments) => bench::bench(&arguments)?,
         Command::Generate(arguments) => generate::generate(&arguments)?,
+        Command::Check(arguments) => return check::check(&arguments),
         Command::Dataset(arguments) => dataset::dataset(&arguments)?,
     }
     Ok(ExitCode::SUCCESS)
