@@ -9,7 +9,7 @@ use cpu_time::ProcessTime;
 use serde::Serialize;
 use tempfile::TempDir;
 
-use crate::prepare::{Location, Prepared};
+use crate::prepare::{BuildingName, Location, Prepared};
 use crate::table::Table;
 use crate::{interrupt, stdout};
 
@@ -41,9 +41,9 @@ Examples:
   b2b bench speed
   b2b bench speed --type OfficeSmall --type Warehouse --days 60 --json")]
 struct SpeedArguments {
-    /// Building types [default: every one]
-    #[arg(long = "type", value_name = "TYPE", num_args = 1..)]
-    types: Vec<BuildingType>,
+    /// Building types, or buildings of the dataset such as OfficeSmall-0042 [default: every type]
+    #[arg(long = "type", value_name = "BUILDING", num_args = 1..)]
+    buildings: Vec<BuildingName>,
     /// Days from 1 January
     #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u32).range(4..=365))]
     days: u32,
@@ -63,7 +63,7 @@ const WAYS: usize = 3;
 #[derive(Serialize)]
 struct Speed {
     #[serde(rename = "type")]
-    building_type: &'static str,
+    building: String,
     engine_ms: f64,
     advance_ms: f64,
     env_ms: f64,
@@ -75,14 +75,16 @@ struct Speed {
 /// Runs the command.
 pub fn bench(arguments: &Arguments) -> Result<()> {
     let What::Speed(arguments) = &arguments.what;
-    let types = if arguments.types.is_empty() { &BuildingType::ALL[..] } else { &arguments.types };
+    let types = BuildingType::ALL.map(BuildingName::Type);
+    let buildings = if arguments.buildings.is_empty() { &types[..] } else { &arguments.buildings };
     let mut speeds = Vec::new();
-    for building_type in types {
-        speeds.push(speed(*building_type, arguments)?);
+    for building in buildings {
+        speeds.push(speed(*building, arguments)?);
     }
     if arguments.json { stdout::print_json(&speeds) } else { stdout::print(&text(&speeds)) }
 }
 
+<<<<<<< HEAD
 fn speed(building_type: BuildingType, arguments: &SpeedArguments) -> Result<Speed> {
     let prepared = Prepared::new(building_type, &Location::default(), arguments.json)?;
     let mut days = Vec::new();
@@ -94,10 +96,23 @@ fn speed(building_type: BuildingType, arguments: &SpeedArguments) -> Result<Spee
             if day >= FIRST_DAYS {
                 days.push(ms);
             }
+=======
+fn speed(building: BuildingName, arguments: &SpeedArguments) -> Result<Speed> {
+    const WAYS: [fn(&Bench) -> Result<Duration>; 3] = [Bench::bare_engine, Bench::advance, Bench::env];
+    let bench = Bench::new(building, arguments)?;
+    let mut rounds = Vec::new();
+    for round in 0..arguments.rounds as usize {
+        let mut ms = [0.0; 3];
+        for k in 0..WAYS.len() {
+            // Each way is first, second and third in turn: a machine that grows slower favours none.
+            let way = (round + k) % WAYS.len();
+            ms[way] = WAYS[way](&bench)?.as_secs_f64() * 1e3 / bench.steps() as f64;
+>>>>>>> dataset
         }
     }
     let of_days = |value: fn(&[f64; 3]) -> f64| median(days.iter().map(value).collect());
     Ok(Speed {
+<<<<<<< HEAD
         building_type: building_type.name(),
         engine_ms: of_days(|ms| ms[0]),
         advance_ms: of_days(|ms| ms[1]),
@@ -105,6 +120,15 @@ fn speed(building_type: BuildingType, arguments: &SpeedArguments) -> Result<Spee
         advance_to_engine: of_days(|ms| ms[1] / ms[0]),
         env_to_engine: of_days(|ms| ms[2] / ms[0]),
         steps: WAYS as u32 * (arguments.days - FIRST_DAYS) * STEPS_PER_DAY,
+=======
+        building: building.to_string(),
+        engine_ms: of_rounds(|ms| ms[0]),
+        advance_ms: of_rounds(|ms| ms[1]),
+        env_ms: of_rounds(|ms| ms[2]),
+        advance_to_engine: of_rounds(|ms| ms[1] / ms[0]),
+        env_to_engine: of_rounds(|ms| ms[2] / ms[0]),
+        steps: bench.steps(),
+>>>>>>> dataset
     })
 }
 
@@ -120,6 +144,7 @@ struct Runs {
     _folder: TempDir,
 }
 
+<<<<<<< HEAD
 enum Way {
     /// Stops once a day.
     Engine(Simulation),
@@ -134,6 +159,12 @@ impl Runs {
     /// others have left is slower, so each is first once.
     fn start(prepared: &Prepared, days: u32, first: usize) -> Result<Self> {
         let period = RunPeriod::new(Date::of_day(1), Date::of_day(days))?;
+=======
+impl Bench {
+    fn new(building: BuildingName, arguments: &SpeedArguments) -> Result<Self> {
+        let prepared = Prepared::new(building, &Location::default(), arguments.json)?;
+        let period = RunPeriod::new(Date::of_day(1), Date::of_day(arguments.days))?;
+>>>>>>> dataset
         let folder = tempfile::Builder::new().prefix("b2b-bench-").tempdir()?;
         let model = folder.path().join("model.epJSON");
         std::fs::write(&model, prepared.building.model_for(period, STEPS_PER_HOUR).to_epjson())?;
@@ -220,7 +251,7 @@ fn text(speeds: &[Speed]) -> String {
         Table::new(["type", "engine, ms", "advance, ms", "env, ms", "advance/engine", "env/engine", "steps"]);
     for speed in speeds {
         table.row([
-            speed.building_type.into(),
+            speed.building.clone(),
             format!("{:.4}", speed.engine_ms),
             format!("{:.4}", speed.advance_ms),
             format!("{:.4}", speed.env_ms),

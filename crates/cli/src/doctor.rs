@@ -12,7 +12,7 @@ use b2b_env::{Task, authority};
 use serde_json::json;
 
 use crate::controller::Kind;
-use crate::prepare::{Location, Prepared};
+use crate::prepare::{BuildingName, Location, Prepared};
 use crate::stdout;
 
 /// Tell what is installed and whether it is whole
@@ -53,7 +53,7 @@ pub fn doctor(arguments: &Arguments) -> Result<ExitCode> {
 
 /// Measures what the actuators of a building do; exit code 1 when one does not obey.
 fn authority(building_type: BuildingType, json: bool) -> Result<ExitCode> {
-    let prepared = Prepared::new(building_type, &Location::default(), json)?;
+    let prepared = Prepared::new(BuildingName::Type(building_type), &Location::default(), json)?;
     let report = authority::measure(&prepared.library, &prepared.building, &prepared.weather)?;
     if json {
         stdout::print_json(&report)?;
@@ -73,7 +73,7 @@ fn building(building_type: BuildingType, quiet: bool) -> Finding {
 }
 
 fn one_day(building_type: BuildingType, quiet: bool) -> Result<String> {
-    let prepared = Prepared::new(building_type, &Location::default(), quiet)?;
+    let prepared = Prepared::new(BuildingName::Type(building_type), &Location::default(), quiet)?;
     let mut env = prepared.env("01-01..01-01".parse::<RunPeriod>()?, 12, Task::default())?;
     let mut controller = Kind::Constant.build(&env, 0);
     let mut action = vec![0.0; env.action_space().len()];

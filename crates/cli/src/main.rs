@@ -1,12 +1,18 @@
 //! The `b2b` command: buildings as reinforcement-learning environments, from a terminal.
 
 mod bench;
+mod check;
 mod controller;
 mod dataset;
 mod doctor;
+mod generate;
 mod interrupt;
 mod list;
 mod manifest_file;
+<<<<<<< HEAD
+=======
+mod model_folder;
+>>>>>>> dataset
 mod output_folder;
 mod picture;
 mod prepare;
@@ -36,8 +42,10 @@ const EXAMPLES: &str = "\
 Examples:
   b2b run OfficeSmall                      a winter in Denver under a reactive controller
   b2b run Warehouse --place Miami --period 07-01..07-14 --controller random
+  b2b run OfficeSmall-0042                 a building of the dataset, at its own place
   b2b list                                 the building types
   b2b show RetailStandalone                what can be seen and driven in one of them
+  b2b generate Warehouse --count 100 --out warehouses
   b2b doctor                               what is installed and whether it is whole
 
 EnergyPlus and weather files are fetched by themselves when first needed, with the Python
@@ -58,7 +66,13 @@ enum Command {
     Setup(setup::Arguments),
     Doctor(doctor::Arguments),
     Bench(bench::Arguments),
+<<<<<<< HEAD
     Dataset(dataset::Arguments),
+=======
+    Generate(generate::Arguments),
+    Dataset(dataset::Arguments),
+    Check(check::Arguments),
+>>>>>>> dataset
 }
 
 fn main() -> ExitCode {
@@ -92,6 +106,11 @@ fn execute(command: Command) -> Result<ExitCode> {
         Command::Setup(arguments) => setup::setup(&arguments)?,
         Command::Doctor(arguments) => return doctor::doctor(&arguments),
         Command::Bench(arguments) => bench::bench(&arguments)?,
+<<<<<<< HEAD
+=======
+        Command::Generate(arguments) => generate::generate(&arguments)?,
+        Command::Check(arguments) => return check::check(&arguments),
+>>>>>>> dataset
         Command::Dataset(arguments) => dataset::dataset(&arguments)?,
     }
     Ok(ExitCode::SUCCESS)

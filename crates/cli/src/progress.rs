@@ -89,6 +89,11 @@ impl Drop for Days {
     }
 }
 
+/// Things that are done one after another.
+pub fn counter(things: usize, name: &str, quiet: bool) -> ProgressBar {
+    bar(things as u64, &format!("{{wide_bar}} {{pos}}/{{len}} {name}, {{eta}} left"), quiet)
+}
+
 /// A message while something of unknown length is done.
 pub fn spinner(message: String, quiet: bool) -> ProgressBar {
     let bar = bar(0, "{spinner} {msg}", quiet);

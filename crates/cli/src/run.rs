@@ -4,14 +4,14 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use anyhow::{Result, bail};
-use b2b_building::{BuildingType, RunPeriod};
+use b2b_building::RunPeriod;
 use b2b_control::Controller;
 use b2b_env::{Env, Task, Trajectory};
 use cpu_time::ProcessTime;
 
 use crate::controller::Kind;
 use crate::output_folder::OutputFolder;
-use crate::prepare::{Location, Prepared};
+use crate::prepare::{BuildingName, Location, Prepared};
 use crate::progress::{Days, date_text};
 use crate::summary::{About, Summary};
 use crate::{interrupt, picture, stdout, trajectory_file};
@@ -23,9 +23,9 @@ use crate::{interrupt, picture, stdout, trajectory_file};
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// Building type (`b2b list`)
-    #[arg(value_name = "TYPE")]
-    building_type: BuildingType,
+    /// Building type (`b2b list`), or a building of the dataset such as OfficeSmall-0042
+    #[arg(value_name = "BUILDING")]
+    building: BuildingName,
     #[command(flatten)]
     location: Location,
     /// Days: winter, summer, full_year or MM-DD..MM-DD, both included
@@ -46,7 +46,7 @@ pub struct Arguments {
     /// Weight of energy against temperature in the reward
     #[arg(long, default_value_t = 0.0, value_name = "W", value_parser = energy_weight)]
     energy_weight: f64,
-    /// Folder for the files [default: b2b-out/TYPE-PLACE-DAYS-CONTROLLER]
+    /// Folder for the files [default: b2b-out/BUILDING-PLACE-DAYS-CONTROLLER]
     #[arg(long, value_name = "FOLDER")]
     out: Option<PathBuf>,
     /// Print one JSON object instead of a summary for people
@@ -57,6 +57,7 @@ pub struct Arguments {
 const EXAMPLES: &str = "\
 Examples:
   b2b run OfficeSmall
+  b2b run OfficeSmall-0042 --period summer
   b2b run Warehouse --place Miami --period summer --target 23
   b2b run RestaurantFastFood --period 01-01..01-07 --controller random --seed 7
   b2b run RetailStandalone --weather my.epw --json > result.json
@@ -87,7 +88,7 @@ pub struct Rollout {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let prepared = Prepared::new(arguments.building_type, &arguments.location, arguments.json)?;
+    let prepared = Prepared::new(arguments.building, &arguments.location, arguments.json)?;
     let task = Task { target: arguments.target, energy_weight: arguments.energy_weight, ..Task::default() };
     let mut env = prepared.env(arguments.period, arguments.steps_per_hour, task)?;
     let folder = OutputFolder::stage(&arguments.folder(&prepared.place))?;
@@ -115,14 +116,14 @@ impl Arguments {
     fn folder(&self, place: &str) -> PathBuf {
         self.out.clone().unwrap_or_else(|| {
             let place = place.replace(' ', "_");
-            let name = format!("{}-{place}-{}-{}", self.building_type, self.period, self.controller.name());
+            let name = format!("{}-{place}-{}-{}", self.building, self.period, self.controller.name());
             PathBuf::from("b2b-out").join(name)
         })
     }
 }
 
 /// Runs an episode to its end, or to an interrupt.
-fn roll_out(env: &mut Env, controller: &mut dyn Controller, quiet: bool) -> Result<Rollout> {
+pub fn roll_out(env: &mut Env, controller: &mut dyn Controller, quiet: bool) -> Result<Rollout> {
     let days = Days::new(env.episode().period, env.episode().steps_per_hour, quiet);
     let mut trajectory = Trajectory::for_episode(env);
     let mut action = vec![0.0; env.action_space().len()];

@@ -2,11 +2,11 @@
 
 use anyhow::Result;
 use b2b_building::hvac::Actuator;
-use b2b_building::{BuildingType, Conditioning, RunPeriod, Zone};
+use b2b_building::{Conditioning, RunPeriod, Zone};
 use b2b_env::{Env, Slot, Task};
 use serde_json::{Value, json};
 
-use crate::prepare::{Location, Prepared};
+use crate::prepare::{BuildingName, Location, Prepared};
 use crate::stdout;
 use crate::table::Table;
 
@@ -15,11 +15,12 @@ use crate::table::Table;
 #[command(after_help = "\
 Examples:
   b2b show OfficeSmall
+  b2b show SingleFamilyHouse-0007
   b2b show Warehouse --place Fairbanks     equipment is sized for the place, and bounds with it")]
 pub struct Arguments {
-    /// Building type (`b2b list`)
-    #[arg(value_name = "TYPE")]
-    building_type: BuildingType,
+    /// Building type (`b2b list`), or a building of the dataset such as OfficeSmall-0042
+    #[arg(value_name = "BUILDING")]
+    building: BuildingName,
     #[command(flatten)]
     location: Location,
     /// Print JSON
@@ -29,7 +30,7 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn show(arguments: &Arguments) -> Result<()> {
-    let prepared = Prepared::new(arguments.building_type, &arguments.location, arguments.json)?;
+    let prepared = Prepared::new(arguments.building, &arguments.location, arguments.json)?;
     let env = prepared.env(RunPeriod::WINTER, 12, Task::default())?;
     if arguments.json {
         stdout::print_json(&json_of(&prepared, &env))

@@ -15,7 +15,7 @@ use crate::table::Table;
 /// and cooling.
 #[derive(Serialize)]
 pub struct Summary {
-    /// Building type.
+    /// Building type, or id of a building of the dataset.
     pub building: String,
     /// What only the command line knows.
     #[serde(flatten)]

@@ -73,6 +73,36 @@ pub fn generate_in_zone(
     parameters: &CommercialParameters,
 ) -> Result<Model> {
     parameters.check(building_type, ashrae_zone)?;
+    build(base, ashrae_zone, site, parameters)
+}
+
+/// The prototype at another place as the code asks for it there: shape, window areas and leakage are the prototype's.
+///
+/// # Errors
+/// As [`generate`], but for the bounds, which are those of the generator.
+pub fn as_the_code_asks(
+    base: &Model,
+    building_type: BuildingType,
+    place: &Place,
+    site: &Site,
+) -> Result<Model> {
+    let parameters = CommercialParameters::of_code(building_type, place.ashrae_zone)?;
+    build(base, place.ashrae_zone, site, &parameters)
+}
+
+/// The prototype at a site whose climate zone is not known: it keeps its envelope and has its equipment sized for the
+/// site's design days.
+///
+/// # Errors
+/// As [`generate`], when `base` is not such a prototype.
+pub fn relocated(base: &Model, site: &Site) -> Result<Model> {
+    let mut model = base.clone();
+    relocate::relocate(&mut model, site);
+    size_for_site(&mut model)?;
+    Ok(model)
+}
+
+fn build(base: &Model, ashrae_zone: &str, site: &Site, parameters: &CommercialParameters) -> Result<Model> {
     let code = Prescriptive::of(ashrae_zone)?;
     let mut model = base.clone();
     relocate::relocate(&mut model, site);
@@ -84,7 +114,11 @@ pub fn generate_in_zone(
     windows::resize(&mut model, parameters.window_to_wall)?;
     infiltration::scale(&mut model, parameters.infiltration);
     economizer::choose(&mut model, ashrae_zone);
-    capacity::leave_to_sizing(&mut model)?;
-    kitchen::settle(&mut model)?;
+    size_for_site(&mut model)?;
     Ok(model)
+}
+
+fn size_for_site(model: &mut Model) -> Result<()> {
+    capacity::leave_to_sizing(model)?;
+    kitchen::settle(model)
 }

@@ -58,10 +58,7 @@ const MOST_WINDOW: f64 = 0.40;
 /// [`Error::ClimateZone`] for a zone that is none of 1 to 8; [`Error::NotCommercial`] for a house.
 pub fn bounds(building_type: BuildingType, ashrae_zone: &str) -> Result<[Bound; 8]> {
     let code = Prescriptive::of(ashrae_zone)?;
-    let (_, windows) = WINDOW_TO_WALL
-        .into_iter()
-        .find(|(known, _)| *known == building_type)
-        .ok_or(Error::NotCommercial { building_type })?;
+    let windows = prototype_window_to_wall(building_type)?;
     let bound = |name, low, high| Bound { name, low, high };
     Ok([
         bound("envelope", 0.5, code.envelope),
@@ -73,6 +70,11 @@ pub fn bounds(building_type: BuildingType, ashrae_zone: &str) -> Result<[Bound; 
         bound("y_scale", 0.7, 1.5),
         bound("north_axis", 0.0, 360.0),
     ])
+}
+
+fn prototype_window_to_wall(building_type: BuildingType) -> Result<f64> {
+    let found = WINDOW_TO_WALL.into_iter().find(|(known, _)| *known == building_type);
+    found.map(|(_, ratio)| ratio).ok_or(Error::NotCommercial { building_type })
 }
 
 impl Bound {
@@ -110,6 +112,25 @@ impl CommercialParameters {
         let [envelope, window_u, window_shgc, window_to_wall, infiltration, x_scale, y_scale, north_axis] =
             values;
         Self { envelope, window_u, window_shgc, window_to_wall, infiltration, x_scale, y_scale, north_axis }
+    }
+
+    /// What the code asks in a climate zone, with the prototype's shape, window areas and leakage. In cold zones it is
+    /// beyond [`bounds`], where the generator insulates better.
+    ///
+    /// # Errors
+    /// As [`bounds`].
+    pub fn of_code(building_type: BuildingType, ashrae_zone: &str) -> Result<Self> {
+        let code = Prescriptive::of(ashrae_zone)?;
+        Ok(Self {
+            envelope: 1.0,
+            window_u: code.window_u,
+            window_shgc: code.window_shgc,
+            window_to_wall: prototype_window_to_wall(building_type)?,
+            infiltration: 1.0,
+            x_scale: 1.0,
+            y_scale: 1.0,
+            north_axis: 0.0,
+        })
     }
 
     /// The values, in the order of the fields.

@@ -89,9 +89,13 @@ const PARAMETERS: [Column; 31] = [
     column("cooling_oversizing", Kind::Number, "1"),
 ];
 
+fn columns() -> Vec<Column> {
+    [&HEAD[..], &SPLIT, &PARAMETERS].concat()
+}
+
 /// The table of buildings of the dataset.
 pub fn manifest<'a>(rows: impl IntoIterator<Item = &'a Row>) -> Manifest {
-    let columns = [&HEAD[..], &SPLIT, &PARAMETERS].concat();
+    let columns = columns();
     let cells = |row: &Row| {
         let mut cells = cells(&row.id.to_string(), &row.building);
         cells.insert("split", row.split.to_string());
@@ -101,9 +105,9 @@ pub fn manifest<'a>(rows: impl IntoIterator<Item = &'a Row>) -> Manifest {
     Manifest { rows: rows.into_iter().map(|row| in_order(cells(row), &columns)).collect(), columns }
 }
 
-/// The table of any buildings, each with its name.
+/// The table of any buildings, each with its name; they belong to no split.
 pub fn of_buildings<'a>(buildings: impl IntoIterator<Item = (&'a str, &'a Building)>) -> Manifest {
-    let columns = [&HEAD[..], &PARAMETERS].concat();
+    let columns = columns();
     let row = |(name, building): (&str, &Building)| in_order(cells(name, building), &columns);
     Manifest { rows: buildings.into_iter().map(row).collect(), columns }
 }

@@ -1,0 +1,267 @@
+//! `b2b check`: whether buildings of the dataset can be sized, run and held.
+
+use std::io::Read;
+use std::process::{Child, Command, ExitCode, Stdio};
+use std::time::Duration;
+
+use anyhow::{Context, Result, bail};
+use b2b_building::dataset::{self, BuildingId};
+use b2b_building::{Conditioning, PreparedBuilding, RunPeriod};
+use b2b_energyplus::Level;
+use b2b_env::{Env, Task, Trajectory};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::controller::Kind;
+use crate::generate::Part;
+use crate::prepare::{BuildingName, Location, Prepared};
+use crate::progress::counter;
+use crate::run::roll_out;
+use crate::table::Table;
+use crate::{interrupt, stdout};
+
+/// Size and run buildings of the dataset, and tell which fail
+///
+/// Each is sized and runs a winter week and a summer week under the reactive controller. It fails when
+/// EnergyPlus stops or has a severe message, when a zone with heating is under 12 °C, or when a zone with
+/// cooling is over 32 °C. Exit code 1 when one fails.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  b2b check                            the 48 buildings of the small test
+  b2b check --split test --jobs 8
+  b2b check OfficeSmall-0042 Warehouse-0007 --json")]
+pub struct Arguments {
+    /// Buildings [default: those of --split]
+    #[arg(value_name = "ID")]
+    ids: Vec<BuildingId>,
+    /// Part of the dataset
+    #[arg(long, value_enum, default_value = "test_small", conflicts_with = "ids")]
+    split: Part,
+    /// Buildings at a time, each in a process of its own [default: one for each core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    jobs: Option<u32>,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+    /// Check one building in this process, and print its weeks as JSON
+    #[arg(long, hide = true, value_name = "ID", conflicts_with_all = ["ids", "split", "jobs"])]
+    one: Option<BuildingId>,
+}
+
+/// The weeks that are run.
+const WEEKS: [&str; 2] = ["01-08..01-14", "07-08..07-14"];
+const STEPS_PER_HOUR: u32 = 12;
+/// No zone with heating is colder, °C.
+const COLDEST: f64 = 12.0;
+/// No zone with cooling is warmer, °C.
+const WARMEST: f64 = 32.0;
+
+/// What became of a building.
+#[derive(Serialize)]
+struct Report {
+    id: String,
+    place: String,
+    /// Why it could not be run.
+    error: Option<String>,
+    weeks: Vec<Week>,
+    passed: bool,
+}
+
+/// What became of a week.
+#[derive(Serialize, Deserialize)]
+struct Week {
+    period: String,
+    severes: usize,
+    /// First severe message.
+    severe_message: Option<String>,
+    rms_deviation_k: f64,
+    coldest: Extreme,
+    /// Of the zones with cooling.
+    warmest: Extreme,
+}
+
+/// The coldest or the warmest of some zones.
+#[derive(Serialize, Deserialize)]
+struct Extreme {
+    zone: String,
+    temperature_c: f64,
+}
+
+/// Runs the command.
+pub fn check(arguments: &Arguments) -> Result<ExitCode> {
+    if let Some(id) = arguments.one {
+        stdout::print(&serde_json::to_string(&weeks(id)?)?)?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    let reports = arguments.reports()?;
+    if arguments.json {
+        stdout::print_json(&reports)?
+    } else {
+        stdout::print(&text(&reports))?
+    }
+    let passed = reports.iter().all(|report| report.passed);
+    Ok(if passed { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+impl Arguments {
+    /// One process a building: the engine runs once at a time in a process.
+    fn reports(&self) -> Result<Vec<Report>> {
+        let ids = self.ids();
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(self.jobs.unwrap_or(0) as usize).build()?;
+        let bar = counter(ids.len(), "buildings", self.json);
+        let reports = pool.install(|| {
+            ids.par_iter()
+                .map(|id| {
+                    let report = Report::of(*id);
+                    bar.inc(1);
+                    report
+                })
+                .collect()
+        });
+        bar.finish_and_clear();
+        reports
+    }
+
+    fn ids(&self) -> Vec<BuildingId> {
+        if !self.ids.is_empty() {
+            return self.ids.clone();
+        }
+        dataset::all().filter(|row| self.split.has(row)).map(|row| row.id).collect()
+    }
+}
+
+impl Report {
+    /// An error only when the user interrupts, or when no process can be started.
+    fn of(id: BuildingId) -> Result<Self> {
+        interrupt::check()?;
+        let outcome = run_in_process(id)?;
+        let place = dataset::row(id).building.place().to_owned();
+        let (weeks, error) = match outcome {
+            Ok(weeks) => (weeks, None),
+            Err(error) => (Vec::new(), Some(error)),
+        };
+        let passed = error.is_none() && weeks.iter().all(Week::passed);
+        Ok(Self { id: id.to_string(), place, error, weeks, passed })
+    }
+}
+
+impl Week {
+    fn of(env: &Env, trajectory: &Trajectory) -> Result<Self> {
+        let building = env.building();
+        let severe = env.messages().at_least(Level::Severe).next().map(|message| message.text.clone());
+        let coldest = |a: &f64, b: &f64| a.total_cmp(b);
+        let warmest = |a: &f64, b: &f64| b.total_cmp(a);
+        let heated = |conditioning| conditioning != Conditioning::None;
+        let cooled = |conditioning| conditioning == Conditioning::HeatingAndCooling;
+        Ok(Self {
+            period: env.episode().period.to_string(),
+            severes: env.message_count(Level::Severe),
+            severe_message: severe,
+            rms_deviation_k: env.metrics().rms_deviation(),
+            coldest: extreme(building, trajectory, heated, coldest)?,
+            warmest: extreme(building, trajectory, cooled, warmest)?,
+        })
+    }
+
+    fn passed(&self) -> bool {
+        let held = self.coldest.temperature_c >= COLDEST && self.warmest.temperature_c <= WARMEST;
+        self.severes == 0 && held
+    }
+}
+
+/// The first in order among the temperatures of some zones. Observations begin with the zones.
+fn extreme(
+    building: &PreparedBuilding,
+    trajectory: &Trajectory,
+    of: impl Fn(Conditioning) -> bool,
+    order: impl Fn(&f64, &f64) -> std::cmp::Ordering,
+) -> Result<Extreme> {
+    let zones = building.zones.iter().enumerate().filter(|(_, zone)| of(zone.conditioning));
+    let extremes =
+        zones.filter_map(|(slot, zone)| Some((trajectory.observed(slot).min_by(&order)?, zone.name.clone())));
+    let (temperature_c, zone) =
+        extremes.min_by(|a, b| order(&a.0, &b.0)).context("no zone has such equipment")?;
+    Ok(Extreme { zone, temperature_c })
+}
+
+/// Sizes a building and runs its weeks here.
+fn weeks(id: BuildingId) -> Result<Vec<Week>> {
+    let prepared = Prepared::new(BuildingName::Id(id), &Location::default(), true)?;
+    WEEKS.iter().map(|week| run_week(&prepared, week.parse()?)).collect()
+}
+
+fn run_week(prepared: &Prepared, week: RunPeriod) -> Result<Week> {
+    let mut env = prepared.env(week, STEPS_PER_HOUR, Task::default())?;
+    let mut controller = Kind::Reactive.build(&env, 0);
+    let rollout = roll_out(&mut env, controller.as_mut(), true)?;
+    Week::of(&env, &rollout.trajectory)
+}
+
+/// The weeks of a building in a process of its own, or what that process said when it failed.
+fn run_in_process(id: BuildingId) -> Result<Result<Vec<Week>, String>> {
+    let program = std::env::current_exe()?;
+    let mut command = Command::new(program);
+    command.args(["check", "--one", &id.to_string()]);
+    command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn().context("cannot start a process")?;
+    let success = wait(&mut child)?;
+    let (mut said, mut complaint) = (String::new(), String::new());
+    child.stdout.take().map(|mut pipe| pipe.read_to_string(&mut said)).transpose()?;
+    child.stderr.take().map(|mut pipe| pipe.read_to_string(&mut complaint)).transpose()?;
+    if success { Ok(Ok(serde_json::from_str(&said)?)) } else { Ok(Err(complaint.trim().to_owned())) }
+}
+
+/// Whether the process ends well. What it says fits in its pipes. An interrupt ends it.
+fn wait(child: &mut Child) -> Result<bool> {
+    loop {
+        if let Some(status) = child.try_wait()? {
+            interrupt::check()?;
+            return Ok(status.success());
+        }
+        if interrupt::requested() {
+            child.kill()?;
+            child.wait()?;
+            bail!("interrupted");
+        }
+        std::thread::sleep(Duration::from_millis(50));
+    }
+}
+
+fn text(reports: &[Report]) -> String {
+    let mut table =
+        Table::new(["building", "place", "week", "coldest, °C", "warmest, °C", "RMS, K", "severe", ""]);
+    for report in reports {
+        for week in &report.weeks {
+            table.row([
+                report.id.clone(),
+                report.place.clone(),
+                week.period.clone(),
+                format!("{:.1}", week.coldest.temperature_c),
+                format!("{:.1}", week.warmest.temperature_c),
+                format!("{:.2}", week.rms_deviation_k),
+                week.severes.to_string(),
+                if week.passed() { "" } else { "failed" }.into(),
+            ]);
+        }
+    }
+    let failed: Vec<_> = reports.iter().filter(|report| !report.passed).collect();
+    let why: String = failed.iter().map(|report| format!("\n{}", why(report))).collect();
+    format!("{}\n\n{} buildings, {} failed{why}", table.text(), reports.len(), failed.len())
+}
+
+/// One line on a building that failed.
+fn why(report: &Report) -> String {
+    let mut reasons: Vec<String> = report.error.iter().cloned().collect();
+    for week in report.weeks.iter().filter(|week| !week.passed()) {
+        let Week { period, coldest, warmest, severe_message, .. } = week;
+        if coldest.temperature_c < COLDEST {
+            reasons.push(format!("{period}: {} is at {:.1} °C", coldest.zone, coldest.temperature_c));
+        }
+        if warmest.temperature_c > WARMEST {
+            reasons.push(format!("{period}: {} is at {:.1} °C", warmest.zone, warmest.temperature_c));
+        }
+        reasons.extend(severe_message.iter().map(|message| format!("{period}: {message}")));
+    }
+    format!("  {} in {}: {}", report.id, report.place, reasons.join("; "))
+}

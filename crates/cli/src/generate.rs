@@ -1,0 +1,209 @@
+//! `b2b generate`: buildings of the dataset, or any others, as epJSON files.
+
+use std::collections::HashMap;
+use std::path::PathBuf;
+
+use anyhow::{Context, Result, bail};
+use b2b_building::climate::Site;
+use b2b_building::dataset::manifest::{Manifest, of_buildings};
+use b2b_building::dataset::{self, Building, Places, Row};
+use b2b_building::{BuildingType, Model};
+use b2b_energyplus::Library;
+use b2b_energyplus::install::{Cache, Engine};
+use rayon::prelude::*;
+use serde_json::json;
+
+use crate::model_folder::{MANIFEST, ModelFolder};
+use crate::progress::{Download, counter};
+use crate::{interrupt, stdout};
+
+/// Generate buildings as EnergyPlus models
+///
+/// Writes an epJSON file a building, before sizing, and manifest.csv with the parameters of each. Files
+/// that are there already are kept when the manifest says that they are the same building: an interrupted
+/// generation goes on where it was.
+#[derive(clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Arguments {
+    /// Building type (`b2b list`); every type of the dataset by default
+    #[arg(value_name = "TYPE", required_unless_present = "dataset")]
+    building_type: Option<BuildingType>,
+    /// How many buildings
+    #[arg(long, default_value_t = 10, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    count: u32,
+    /// Seed of the Latin hypercube that the parameters come from
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Places that share the buildings equally; for houses, regions of Québec [default: the 16 places in the United
+    /// States; every region by its share of the houses]
+    #[arg(long = "place", value_name = "NAME", num_args = 1..)]
+    places: Vec<String>,
+    /// Buildings of a dataset instead
+    #[arg(long, value_enum, value_name = "VERSION", conflicts_with_all = ["count", "seed", "places"])]
+    dataset: Option<Version>,
+    /// Part of the dataset
+    #[arg(long, value_enum, requires = "dataset")]
+    split: Option<Part>,
+    /// Folder for the files
+    #[arg(long, value_name = "FOLDER")]
+    out: PathBuf,
+    /// Buildings at a time [default: one for each core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    jobs: Option<u32>,
+    /// Print one JSON object instead of a line for people
+    #[arg(long)]
+    json: bool,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  b2b generate Warehouse --count 100 --seed 7 --place Miami --place 'Great Falls' --out warehouses
+  b2b generate SingleFamilyHouse --count 50 --place Estrie --out houses
+  b2b generate --dataset v1 --out v1                       all 6,000
+  b2b generate OfficeSmall --dataset v1 --split test --out v1
+
+The same arguments give the same bytes.";
+
+/// A dataset.
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum Version {
+    /// 1,000 buildings of each of the six types
+    V1,
+}
+
+/// A part of a dataset.
+#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Part {
+    /// Nine tenths of every place, to learn on
+    Train,
+    /// The other tenth, to test on
+    Test,
+    /// Eight of the test a type, one for each climate zone
+    #[value(name = "test_small")]
+    TestSmall,
+}
+
+impl Part {
+    /// Whether a building belongs to it.
+    pub fn has(self, row: &Row) -> bool {
+        match self {
+            Self::Train => row.split == dataset::Split::Train,
+            Self::Test => row.split == dataset::Split::Test,
+            Self::TestSmall => row.test_small,
+        }
+    }
+}
+
+/// Buildings with their names, and the table of them.
+struct Wanted {
+    buildings: Vec<(String, Building)>,
+    manifest: Manifest,
+}
+
+/// Runs the command.
+pub fn generate(arguments: &Arguments) -> Result<()> {
+    let wanted = arguments.wanted()?;
+    let folder = ModelFolder::open(&arguments.out, &wanted.manifest)?;
+    let missing: Vec<_> = wanted.buildings.iter().filter(|(name, _)| !folder.holds(name)).collect();
+    let ingredients = Ingredients::of(missing.iter().map(|(_, building)| building), arguments.json)?;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(arguments.jobs.unwrap_or(0) as usize).build()?;
+    let bar = counter(missing.len(), "buildings", arguments.json);
+    let done = pool.install(|| {
+        missing.par_iter().try_for_each(|(name, building)| {
+            interrupt::check()?;
+            let model = ingredients.model(building).with_context(|| format!("{name} cannot be generated"))?;
+            folder.write(name, &model.to_epjson())?;
+            bar.inc(1);
+            anyhow::Ok(())
+        })
+    });
+    bar.finish_and_clear();
+    if interrupt::requested() {
+        bail!(
+            "interrupted after {} of {} buildings: the same command goes on",
+            bar.position(),
+            missing.len()
+        );
+    }
+    done?;
+    arguments.report(wanted.buildings.len(), missing.len())
+}
+
+impl Arguments {
+    fn wanted(&self) -> Result<Wanted> {
+        match (self.dataset, self.building_type) {
+            (None, Some(building_type)) => self.sample(building_type),
+            _ => Ok(self.of_dataset()),
+        }
+    }
+
+    fn of_dataset(&self) -> Wanted {
+        let of_type = |row: &&Row| self.building_type.is_none_or(|wanted| wanted == row.id.building_type());
+        let of_part = |row: &&Row| self.split.is_none_or(|part| part.has(row));
+        let rows: Vec<_> = dataset::all().filter(of_type).filter(of_part).collect();
+        Wanted {
+            buildings: rows.iter().map(|row| (row.id.to_string(), row.building.clone())).collect(),
+            manifest: dataset::manifest(rows),
+        }
+    }
+
+    /// The seed is in the name: no name of the dataset, and none of another seed.
+    fn sample(&self, building_type: BuildingType) -> Result<Wanted> {
+        let places = if self.places.is_empty() { Places::All } else { Places::Named(self.places.clone()) };
+        let buildings = dataset::sample(building_type, self.count as usize, self.seed, &places)?;
+        let name = |number| format!("{building_type}-seed{}-{number:04}", self.seed);
+        let buildings: Vec<_> = (1..).map(name).zip(buildings).collect();
+        let manifest = of_buildings(buildings.iter().map(|(name, building)| (name.as_str(), building)));
+        Ok(Wanted { buildings, manifest })
+    }
+
+    fn report(&self, all: usize, written: usize) -> Result<()> {
+        let (folder, kept) = (self.out.display(), all - written);
+        if self.json {
+            let manifest = self.out.join(MANIFEST);
+            return stdout::print_json(&json!({"written": written, "kept": kept, "manifest": manifest}));
+        }
+        stdout::print(&format!("{written} buildings written to {folder}, {kept} were there; see {MANIFEST}"))
+    }
+}
+
+/// What models are made from, read once.
+struct Ingredients {
+    prototypes: HashMap<BuildingType, Model>,
+    sites: HashMap<Location, Site>,
+}
+
+/// Whether it is a region of Québec, and the name.
+type Location = (bool, &'static str);
+
+fn location(building: &Building) -> Location {
+    (matches!(building, Building::House(_)), building.place())
+}
+
+impl Ingredients {
+    /// Fetches the engine and the weather that are not in the cache.
+    fn of<'a>(buildings: impl Iterator<Item = &'a Building>, quiet: bool) -> Result<Self> {
+        let mut ingredients = Self { prototypes: HashMap::new(), sites: HashMap::new() };
+        let (mut download, cache) = (Download::new(quiet), Cache::from_env()?);
+        let engine = Engine::ensure(&mut download)?;
+        let library = Library::load(&engine.library)?;
+        for building in buildings {
+            let building_type = building.building_type();
+            if !ingredients.prototypes.contains_key(&building_type) {
+                interrupt::check()?;
+                ingredients.prototypes.insert(building_type, building_type.prototype(&engine, &library)?);
+            }
+            if !ingredients.sites.contains_key(&location(building)) {
+                interrupt::check()?;
+                let site = Site::read(&building.weather(&cache, &mut download)?)?;
+                ingredients.sites.insert(location(building), site);
+            }
+        }
+        Ok(ingredients)
+    }
+
+    fn model(&self, building: &Building) -> Result<Model> {
+        let prototype = &self.prototypes[&building.building_type()];
+        Ok(building.model(prototype, &self.sites[&location(building)])?)
+    }
+}
