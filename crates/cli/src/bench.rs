@@ -84,9 +84,8 @@ pub fn bench(arguments: &Arguments) -> Result<()> {
     if arguments.json { stdout::print_json(&speeds) } else { stdout::print(&text(&speeds)) }
 }
 
-<<<<<<< HEAD
-fn speed(building_type: BuildingType, arguments: &SpeedArguments) -> Result<Speed> {
-    let prepared = Prepared::new(building_type, &Location::default(), arguments.json)?;
+fn speed(building: BuildingName, arguments: &SpeedArguments) -> Result<Speed> {
+    let prepared = Prepared::new(building, &Location::default(), arguments.json)?;
     let mut days = Vec::new();
     for first in 0..WAYS {
         let mut runs = Runs::start(&prepared, arguments.days, first)?;
@@ -96,39 +95,17 @@ fn speed(building_type: BuildingType, arguments: &SpeedArguments) -> Result<Spee
             if day >= FIRST_DAYS {
                 days.push(ms);
             }
-=======
-fn speed(building: BuildingName, arguments: &SpeedArguments) -> Result<Speed> {
-    const WAYS: [fn(&Bench) -> Result<Duration>; 3] = [Bench::bare_engine, Bench::advance, Bench::env];
-    let bench = Bench::new(building, arguments)?;
-    let mut rounds = Vec::new();
-    for round in 0..arguments.rounds as usize {
-        let mut ms = [0.0; 3];
-        for k in 0..WAYS.len() {
-            // Each way is first, second and third in turn: a machine that grows slower favours none.
-            let way = (round + k) % WAYS.len();
-            ms[way] = WAYS[way](&bench)?.as_secs_f64() * 1e3 / bench.steps() as f64;
->>>>>>> dataset
         }
     }
     let of_days = |value: fn(&[f64; 3]) -> f64| median(days.iter().map(value).collect());
     Ok(Speed {
-<<<<<<< HEAD
-        building_type: building_type.name(),
+        building: building.to_string(),
         engine_ms: of_days(|ms| ms[0]),
         advance_ms: of_days(|ms| ms[1]),
         env_ms: of_days(|ms| ms[2]),
         advance_to_engine: of_days(|ms| ms[1] / ms[0]),
         env_to_engine: of_days(|ms| ms[2] / ms[0]),
         steps: WAYS as u32 * (arguments.days - FIRST_DAYS) * STEPS_PER_DAY,
-=======
-        building: building.to_string(),
-        engine_ms: of_rounds(|ms| ms[0]),
-        advance_ms: of_rounds(|ms| ms[1]),
-        env_ms: of_rounds(|ms| ms[2]),
-        advance_to_engine: of_rounds(|ms| ms[1] / ms[0]),
-        env_to_engine: of_rounds(|ms| ms[2] / ms[0]),
-        steps: bench.steps(),
->>>>>>> dataset
     })
 }
 
@@ -144,7 +121,6 @@ struct Runs {
     _folder: TempDir,
 }
 
-<<<<<<< HEAD
 enum Way {
     /// Stops once a day.
     Engine(Simulation),
@@ -159,12 +135,6 @@ impl Runs {
     /// others have left is slower, so each is first once.
     fn start(prepared: &Prepared, days: u32, first: usize) -> Result<Self> {
         let period = RunPeriod::new(Date::of_day(1), Date::of_day(days))?;
-=======
-impl Bench {
-    fn new(building: BuildingName, arguments: &SpeedArguments) -> Result<Self> {
-        let prepared = Prepared::new(building, &Location::default(), arguments.json)?;
-        let period = RunPeriod::new(Date::of_day(1), Date::of_day(arguments.days))?;
->>>>>>> dataset
         let folder = tempfile::Builder::new().prefix("b2b-bench-").tempdir()?;
         let model = folder.path().join("model.epJSON");
         std::fs::write(&model, prepared.building.model_for(period, STEPS_PER_HOUR).to_epjson())?;

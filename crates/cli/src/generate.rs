@@ -1,6 +1,7 @@
 //! `b2b generate`: buildings of the dataset, or any others, as epJSON files.
 
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
@@ -189,14 +190,13 @@ impl Ingredients {
         let library = Library::load(&engine.library)?;
         for building in buildings {
             let building_type = building.building_type();
-            if !ingredients.prototypes.contains_key(&building_type) {
+            if let Entry::Vacant(missing) = ingredients.prototypes.entry(building_type) {
                 interrupt::check()?;
-                ingredients.prototypes.insert(building_type, building_type.prototype(&engine, &library)?);
+                missing.insert(building_type.prototype(&engine, &library)?);
             }
-            if !ingredients.sites.contains_key(&location(building)) {
+            if let Entry::Vacant(missing) = ingredients.sites.entry(location(building)) {
                 interrupt::check()?;
-                let site = Site::read(&building.weather(&cache, &mut download)?)?;
-                ingredients.sites.insert(location(building), site);
+                missing.insert(Site::read(&building.weather(&cache, &mut download)?)?);
             }
         }
         Ok(ingredients)

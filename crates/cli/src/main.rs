@@ -9,10 +9,7 @@ mod generate;
 mod interrupt;
 mod list;
 mod manifest_file;
-<<<<<<< HEAD
-=======
 mod model_folder;
->>>>>>> dataset
 mod output_folder;
 mod picture;
 mod prepare;
@@ -66,13 +63,9 @@ enum Command {
     Setup(setup::Arguments),
     Doctor(doctor::Arguments),
     Bench(bench::Arguments),
-<<<<<<< HEAD
-    Dataset(dataset::Arguments),
-=======
     Generate(generate::Arguments),
     Dataset(dataset::Arguments),
     Check(check::Arguments),
->>>>>>> dataset
 }
 
 fn main() -> ExitCode {
@@ -106,11 +99,8 @@ fn execute(command: Command) -> Result<ExitCode> {
         Command::Setup(arguments) => setup::setup(&arguments)?,
         Command::Doctor(arguments) => return doctor::doctor(&arguments),
         Command::Bench(arguments) => bench::bench(&arguments)?,
-<<<<<<< HEAD
-=======
         Command::Generate(arguments) => generate::generate(&arguments)?,
         Command::Check(arguments) => return check::check(&arguments),
->>>>>>> dataset
         Command::Dataset(arguments) => dataset::dataset(&arguments)?,
     }
     Ok(ExitCode::SUCCESS)

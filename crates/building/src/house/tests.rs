@@ -319,6 +319,6 @@ fn a_parameter_out_of_bounds_is_named_with_its_value_and_bounds() {
         House { heating: Heating::Furnace(Heater::Fuel { efficiency: 1.2 }), ..House::default() },
         House { heat_recovery: -0.1, ..House::default() },
     ] {
-        assert!(refused(house).contains("must be from"));
+        assert!(refused(house).contains("must be a number from"));
     }
 }
