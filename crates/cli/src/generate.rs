@@ -1,6 +1,7 @@
 //! `b2b generate`: buildings of the dataset, or any others, as epJSON files.
 
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
@@ -188,15 +189,13 @@ impl Ingredients {
         let engine = Engine::ensure(&mut download)?;
         let library = Library::load(&engine.library)?;
         for building in buildings {
-            let building_type = building.building_type();
-            if !ingredients.prototypes.contains_key(&building_type) {
+            if let Entry::Vacant(vacant) = ingredients.prototypes.entry(building.building_type()) {
                 interrupt::check()?;
-                ingredients.prototypes.insert(building_type, building_type.prototype(&engine, &library)?);
+                vacant.insert(building.building_type().prototype(&engine, &library)?);
             }
-            if !ingredients.sites.contains_key(&location(building)) {
+            if let Entry::Vacant(vacant) = ingredients.sites.entry(location(building)) {
                 interrupt::check()?;
-                let site = Site::read(&building.weather(&cache, &mut download)?)?;
-                ingredients.sites.insert(location(building), site);
+                vacant.insert(Site::read(&building.weather(&cache, &mut download)?)?);
             }
         }
         Ok(ingredients)
