@@ -108,7 +108,7 @@ impl PreparedBuilding {
 pub fn standard_air_density(elevation: f64) -> f64 {
     // Standard atmosphere and ideal gas law with the engine's constants (Engineering Reference,
     // "Psychrometric Services").
-    let pressure = 101_325.0 * (1.0 - 2.25577e-05 * elevation).powf(5.2559);
+    let pressure = 101_325.0 * libm::pow(1.0 - 2.25577e-05 * elevation, 5.2559);
     pressure / (287.0 * (20.0 + 273.15))
 }
 

@@ -1,8 +1,5 @@
 //! `b2b bench`: what a step costs, and how much of it is the engine.
 
-use std::path::PathBuf;
-use std::time::Duration;
-
 use anyhow::{Result, bail};
 use b2b_building::hvac::{Actuator, Quantity};
 use b2b_building::{BuildingType, Date, RunPeriod};
@@ -30,38 +27,39 @@ enum What {
 
 /// CPU time of a step: the bare engine, the engine stopped at every step, the whole environment
 ///
-/// The three run the same model with every actuator held at the middle of its bounds; only the steps
-/// after warm-up count. The three take turns within a round; times and ratios are medians over the
-/// rounds. It is CPU time, not time on the clock, but a busy machine still shows through its shared
-/// caches: give more rounds.
+/// Three runs of the same model, with every actuator held at the middle of its bounds, take turns in one
+/// process: one simulated day each, in changing order, so that a busy machine troubles all three alike. Times and
+/// ratios are medians over the days. The first days, which still remember warm-up, do not count.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Columns, milliseconds of CPU time a step:
-  engine     EnergyPlus runs through without a stop
+  engine     EnergyPlus runs through the day without a stop
   advance    EnergyPlus stops at the end of every step, nothing is read (Simulation::advance)
   env        action, step, observation, reward (Env::step)
 
 Examples:
   b2b bench speed
-  b2b bench speed --type OfficeSmall --type Warehouse --days 30 --rounds 5 --json")]
+  b2b bench speed --type OfficeSmall --type Warehouse --days 60 --json")]
 struct SpeedArguments {
     /// Building types, or buildings of the dataset such as OfficeSmall-0042 [default: every type]
     #[arg(long = "type", value_name = "BUILDING", num_args = 1..)]
     buildings: Vec<BuildingName>,
     /// Days from 1 January
-    #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=365))]
+    #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u32).range(4..=365))]
     days: u32,
-    /// Measurements of each kind
-    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
-    rounds: u32,
     /// Print JSON
     #[arg(long)]
     json: bool,
 }
 
 const STEPS_PER_HOUR: u32 = 12;
+const STEPS_PER_DAY: u32 = 24 * STEPS_PER_HOUR;
+/// Days that do not count.
+const FIRST_DAYS: u32 = 2;
+/// Ways to run the model.
+const WAYS: usize = 3;
 
-/// CPU time of a step of one building type, ms, and its ratios to the bare engine; medians over the rounds.
+/// CPU time of a step of one building type, ms, and its ratios to the bare engine; medians over the days.
 #[derive(Serialize)]
 struct Speed {
     #[serde(rename = "type")]
@@ -71,7 +69,7 @@ struct Speed {
     env_ms: f64,
     advance_to_engine: f64,
     env_to_engine: f64,
-    steps: usize,
+    steps: u32,
 }
 
 /// Runs the command.
@@ -87,27 +85,27 @@ pub fn bench(arguments: &Arguments) -> Result<()> {
 }
 
 fn speed(building: BuildingName, arguments: &SpeedArguments) -> Result<Speed> {
-    const WAYS: [fn(&Bench) -> Result<Duration>; 3] = [Bench::bare_engine, Bench::advance, Bench::env];
-    let bench = Bench::new(building, arguments)?;
-    let mut rounds = Vec::new();
-    for round in 0..arguments.rounds as usize {
-        let mut ms = [0.0; 3];
-        for k in 0..WAYS.len() {
-            // Each way is first, second and third in turn: a machine that grows slower favours none.
-            let way = (round + k) % WAYS.len();
-            ms[way] = WAYS[way](&bench)?.as_secs_f64() * 1e3 / bench.steps() as f64;
+    let prepared = Prepared::new(building, &Location::default(), arguments.json)?;
+    let mut days = Vec::new();
+    for first in 0..WAYS {
+        let mut runs = Runs::start(&prepared, arguments.days, first)?;
+        for day in 0..arguments.days {
+            interrupt::check()?;
+            let ms = runs.one_day_each(day as usize)?;
+            if day >= FIRST_DAYS {
+                days.push(ms);
+            }
         }
-        rounds.push(ms);
     }
-    let of_rounds = |value: fn(&[f64; 3]) -> f64| median(rounds.iter().map(value).collect());
+    let of_days = |value: fn(&[f64; 3]) -> f64| median(days.iter().map(value).collect());
     Ok(Speed {
         building: building.to_string(),
-        engine_ms: of_rounds(|ms| ms[0]),
-        advance_ms: of_rounds(|ms| ms[1]),
-        env_ms: of_rounds(|ms| ms[2]),
-        advance_to_engine: of_rounds(|ms| ms[1] / ms[0]),
-        env_to_engine: of_rounds(|ms| ms[2] / ms[0]),
-        steps: bench.steps(),
+        engine_ms: of_days(|ms| ms[0]),
+        advance_ms: of_days(|ms| ms[1]),
+        env_ms: of_days(|ms| ms[2]),
+        advance_to_engine: of_days(|ms| ms[1] / ms[0]),
+        env_to_engine: of_days(|ms| ms[2] / ms[0]),
+        steps: WAYS as u32 * (arguments.days - FIRST_DAYS) * STEPS_PER_DAY,
     })
 }
 
@@ -116,88 +114,101 @@ fn median(mut values: Vec<f64>) -> f64 {
     values[values.len() / 2]
 }
 
-/// One building, run in three ways.
-struct Bench {
-    prepared: Prepared,
-    period: RunPeriod,
-    model: PathBuf,
+/// One building, run in three ways at once, in the order of the table's columns.
+struct Runs {
+    ways: [Way; WAYS],
     /// Holds the model file.
     _folder: TempDir,
 }
 
-impl Bench {
-    fn new(building: BuildingName, arguments: &SpeedArguments) -> Result<Self> {
-        let prepared = Prepared::new(building, &Location::default(), arguments.json)?;
-        let period = RunPeriod::new(Date::of_day(1), Date::of_day(arguments.days))?;
+enum Way {
+    /// Stops once a day.
+    Engine(Simulation),
+    /// Stops at every step.
+    Advance(Simulation),
+    /// The environment, with its action.
+    Env(Box<Env>, Vec<f64>),
+}
+
+impl Runs {
+    /// The three at the end of warm-up, started one after another from `first` on: a run that starts in memory
+    /// others have left is slower, so each is first once.
+    fn start(prepared: &Prepared, days: u32, first: usize) -> Result<Self> {
+        let period = RunPeriod::new(Date::of_day(1), Date::of_day(days))?;
         let folder = tempfile::Builder::new().prefix("b2b-bench-").tempdir()?;
         let model = folder.path().join("model.epJSON");
         std::fs::write(&model, prepared.building.model_for(period, STEPS_PER_HOUR).to_epjson())?;
-        Ok(Self { prepared, period, model, _folder: folder })
+        let run = |every| warmed_up(prepared, Run::new(&model, &prepared.weather).stop_every(every));
+        let start = |way| -> Result<Way> {
+            Ok(match way {
+                0 => Way::Engine(run(STEPS_PER_DAY)?),
+                1 => Way::Advance(run(1)?),
+                _ => {
+                    let mut env = prepared.env(period, STEPS_PER_HOUR, Task::default())?;
+                    env.reset()?;
+                    let action = middle(&env);
+                    Way::Env(Box::new(env), action)
+                }
+            })
+        };
+        let mut ways = [start(first)?, start((first + 1) % WAYS)?, start((first + 2) % WAYS)?];
+        ways.rotate_right(first);
+        Ok(Self { ways, _folder: folder })
     }
 
-    fn steps(&self) -> usize {
-        (self.period.days() * 24 * STEPS_PER_HOUR) as usize
+    /// One simulated day of each, in an order that changes from day to day: CPU time of a step, ms.
+    fn one_day_each(&mut self, day: usize) -> Result<[f64; WAYS]> {
+        let mut ms = [0.0; WAYS];
+        for turn in 0..WAYS {
+            let way = (day + turn) % WAYS;
+            let start = ProcessTime::now();
+            self.ways[way].one_day()?;
+            ms[way] = start.elapsed().as_secs_f64() * 1e3 / f64::from(STEPS_PER_DAY);
+        }
+        Ok(ms)
     }
+}
 
-    /// EnergyPlus without a stop.
-    fn bare_engine(&self) -> Result<Duration> {
-        let mut simulation = self.start(|run| run.uninterrupted())?;
-        let start = ProcessTime::now();
-        let end = simulation.advance()?;
-        let time = start.elapsed();
-        match end {
-            None => Ok(time),
-            Some(event) => bail!("an uninterrupted run stopped at {event:?}"),
+impl Way {
+    fn one_day(&mut self) -> Result<()> {
+        match self {
+            Way::Engine(simulation) => step(simulation),
+            Way::Advance(simulation) => (0..STEPS_PER_DAY).try_for_each(|_| step(simulation)),
+            Way::Env(env, action) => (0..STEPS_PER_DAY).try_for_each(|_| Ok(env.step(action).map(drop)?)),
         }
     }
+}
 
-    /// EnergyPlus with a stop at the end of every step.
-    fn advance(&self) -> Result<Duration> {
-        let mut simulation = self.start(|run| run)?;
-        let start = ProcessTime::now();
-        let mut steps = 0;
-        while simulation.advance()?.is_some() {
-            steps += 1;
-        }
-        let time = start.elapsed();
-        if steps != self.steps() {
-            bail!("the engine took {steps} steps instead of {}", self.steps());
-        }
-        Ok(time)
+fn step(simulation: &mut Simulation) -> Result<()> {
+    match simulation.advance()? {
+        Some(Event::Step) => Ok(()),
+        other => bail!("the engine stood at {other:?} instead of at the end of a step"),
     }
+}
 
-    /// The environment.
-    fn env(&self) -> Result<Duration> {
-        let mut env = self.prepared.env(self.period, STEPS_PER_HOUR, Task::default())?;
-        let action = middle(&env);
-        env.reset()?;
-        let start = ProcessTime::now();
-        while !env.step(&action)?.truncated {}
-        Ok(start.elapsed())
+/// A run at the end of warm-up, with every actuator at the middle of its bounds.
+fn warmed_up(prepared: &Prepared, run: Run) -> Result<Simulation> {
+    let mut simulation = run.start(&prepared.library)?;
+    // The engine takes a damper's first value for its least opening, which is 0 in the prepared model.
+    hold_middle(prepared, &mut simulation, |actuator| actuator.quantity != Quantity::DamperOpening)?;
+    match simulation.advance()? {
+        Some(Event::WarmedUp) => {}
+        other => bail!("the engine stood at {other:?} instead of at the end of warm-up"),
     }
+    hold_middle(prepared, &mut simulation, |_| true)?;
+    Ok(simulation)
+}
 
-    /// A run at the end of warm-up, with every actuator at the middle of its bounds.
-    fn start(&self, stops: impl FnOnce(Run) -> Run) -> Result<Simulation> {
-        interrupt::check()?;
-        let run = stops(Run::new(&self.model, &self.prepared.weather));
-        let mut simulation = run.start(&self.prepared.library)?;
-        // The engine takes a damper's first value for its least opening, which is 0 in the prepared model.
-        self.hold_middle(&mut simulation, |actuator| actuator.quantity != Quantity::DamperOpening)?;
-        match simulation.advance()? {
-            Some(Event::WarmedUp) => {}
-            other => bail!("the engine stood at {other:?} instead of at the end of warm-up"),
-        }
-        self.hold_middle(&mut simulation, |_| true)?;
-        Ok(simulation)
+fn hold_middle(
+    prepared: &Prepared,
+    simulation: &mut Simulation,
+    which: impl Fn(&Actuator) -> bool,
+) -> Result<()> {
+    for each in prepared.building.actuators().filter(|actuator| which(actuator)) {
+        let actuator = simulation.actuator(&each.component, &each.control, &each.key)?;
+        simulation.set(actuator, (each.low + each.high) / 2.0 * each.scale);
     }
-
-    fn hold_middle(&self, simulation: &mut Simulation, which: impl Fn(&Actuator) -> bool) -> Result<()> {
-        for each in self.prepared.building.actuators().filter(|actuator| which(actuator)) {
-            let actuator = simulation.actuator(&each.component, &each.control, &each.key)?;
-            simulation.set(actuator, (each.low + each.high) / 2.0 * each.scale);
-        }
-        Ok(())
-    }
+    Ok(())
 }
 
 fn middle(env: &Env) -> Vec<f64> {

@@ -189,13 +189,14 @@ impl Ingredients {
         let engine = Engine::ensure(&mut download)?;
         let library = Library::load(&engine.library)?;
         for building in buildings {
-            if let Entry::Vacant(vacant) = ingredients.prototypes.entry(building.building_type()) {
+            let building_type = building.building_type();
+            if let Entry::Vacant(missing) = ingredients.prototypes.entry(building_type) {
                 interrupt::check()?;
-                vacant.insert(building.building_type().prototype(&engine, &library)?);
+                missing.insert(building_type.prototype(&engine, &library)?);
             }
-            if let Entry::Vacant(vacant) = ingredients.sites.entry(location(building)) {
+            if let Entry::Vacant(missing) = ingredients.sites.entry(location(building)) {
                 interrupt::check()?;
-                vacant.insert(Site::read(&building.weather(&cache, &mut download)?)?);
+                missing.insert(Site::read(&building.weather(&cache, &mut download)?)?);
             }
         }
         Ok(ingredients)

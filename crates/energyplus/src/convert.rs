@@ -19,7 +19,7 @@ impl Library {
         let folder = temporary_folder()?;
         let arguments =
             ["energyplus", "-c", "--convert-only", "-d", path_text(folder.path())?, path_text(idf)?];
-        let mut run = EngineRun::new(self, &arguments, &[], Stops { warmup_steps: false, steps: false })?;
+        let mut run = EngineRun::new(self, &arguments, &[], Stops { warmup_steps: false, every: 0 })?;
         let code = loop {
             if let Outcome::Returned(code) = run.resume() {
                 break code;

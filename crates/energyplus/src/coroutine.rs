@@ -31,7 +31,8 @@ thread_local! {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stops {
     pub(crate) warmup_steps: bool,
-    pub(crate) steps: bool,
+    /// Every so many steps of the run period; never if 0.
+    pub(crate) every: u32,
 }
 
 /// What the callbacks of one run share with its owner.
@@ -41,6 +42,8 @@ struct Context {
     yielder: Cell<*const Yielder<(), Event>>,
     stops: Stops,
     started: Cell<bool>,
+    /// Steps of the run period done.
+    steps: Cell<u32>,
     stopping: Cell<bool>,
     messages: RefCell<Messages>,
 }
@@ -84,6 +87,7 @@ impl EngineRun {
             yielder: Cell::new(ptr::null()),
             stops,
             started: Cell::new(false),
+            steps: Cell::new(0),
             stopping: Cell::new(false),
             messages: RefCell::new(Messages::default()),
         });
@@ -95,7 +99,7 @@ impl EngineRun {
             (api.registerStdOutCallback)(state, on_console);
             (api.callbackBeginZoneTimeStepBeforeInitHeatBalance)(state, on_begin_zone_step);
             (api.callbackAfterNewEnvironmentWarmupComplete)(state, on_warmup_complete);
-            if stops.steps || stops.warmup_steps {
+            if stops.every > 0 || stops.warmup_steps {
                 (api.callbackEndOfZoneTimeStepAfterZoneReporting)(state, on_end_zone_step);
             }
             for (name, key) in &requests {
@@ -236,10 +240,16 @@ extern "C" fn on_end_zone_step(_: State) {
     if !run.in_weather_run() {
         return;
     }
-    match run.in_warmup() {
-        true if run.stops.warmup_steps => run.suspend(Event::WarmupStep),
-        false if run.stops.steps => run.suspend(Event::Step),
-        _ => {}
+    if run.in_warmup() {
+        if run.stops.warmup_steps {
+            run.suspend(Event::WarmupStep);
+        }
+        return;
+    }
+    let steps = run.steps.get() + 1;
+    run.steps.set(steps);
+    if run.stops.every > 0 && steps % run.stops.every == 0 {
+        run.suspend(Event::Step);
     }
 }
 

@@ -39,7 +39,7 @@ impl Run {
             weather: weather.into(),
             output: None,
             requests: Vec::new(),
-            stops: Stops { warmup_steps: false, steps: true },
+            stops: Stops { warmup_steps: false, every: 1 },
         }
     }
 
@@ -64,11 +64,11 @@ impl Run {
         self
     }
 
-    /// Suspends the run at no zone time step: only before and after warm-up. This is the engine at its own
-    /// speed.
+    /// Suspends the run at the end of every so many zone time steps of the run period, instead of every one; 0 is
+    /// never. This is the engine at its own speed.
     #[must_use]
-    pub fn uninterrupted(mut self) -> Self {
-        self.stops = Stops { warmup_steps: false, steps: false };
+    pub fn stop_every(mut self, steps: u32) -> Self {
+        self.stops.every = steps;
         self
     }
 
@@ -90,7 +90,7 @@ impl Run {
     /// # Errors
     /// As [`Run::start`].
     pub fn to_end(self, library: &Library) -> Result<Messages> {
-        let mut simulation = self.uninterrupted().prepare(library)?;
+        let mut simulation = self.stop_every(0).prepare(library)?;
         while simulation.advance()?.is_some() {}
         Ok(simulation.messages())
     }

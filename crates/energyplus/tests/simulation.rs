@@ -128,7 +128,7 @@ fn a_truncated_file_is_an_error_with_the_engine_s_words() {
 #[test]
 fn a_run_that_is_not_interrupted_stops_around_warm_up_only() {
     let office = Office::new();
-    let mut simulation = office.run().uninterrupted().start(&office.library).unwrap();
+    let mut simulation = office.run().stop_every(0).start(&office.library).unwrap();
     assert_eq!(simulation.advance().unwrap(), Some(Event::WarmedUp));
     assert_eq!(simulation.advance().unwrap(), None);
     assert_eq!(simulation.message_count(Level::Severe), 0);

@@ -2,8 +2,10 @@
 
 mod common;
 
+use std::sync::Arc;
+
 use b2b_building::BuildingType;
-use b2b_building::hvac::Quantity;
+use b2b_building::hvac::{Quantity, System, Unitary};
 use b2b_env::authority::{Condition, Level, Report, Verdict, measure};
 use common::Case;
 
@@ -23,7 +25,10 @@ fn every_actuator_bites(building_type: BuildingType) -> Report {
 
 fn moderate_commands_are_followed(report: &Report) {
     let moderate = |quantity| match quantity {
-        Quantity::SupplyAirTemperature => vec![(Condition::MiddleFlow, Level::Middle)],
+        // The whole range: a cap in the controls would show at any flow, a coil's capacity at full flow only.
+        Quantity::SupplyAirTemperature => {
+            [Level::Low, Level::Middle, Level::High].map(|level| (Condition::MiddleFlow, level)).to_vec()
+        }
         Quantity::SupplyAirFlow | Quantity::DamperOpening | Quantity::OutdoorAirFlow => {
             [Level::Zero, Level::Low, Level::Middle].map(|level| (Condition::NeutralSupply, level)).to_vec()
         }
@@ -66,6 +71,47 @@ fn every_actuator_of_the_warehouse_bites() {
     let report = every_actuator_bites(BuildingType::Warehouse);
     let winter = report.rows.iter().filter(|row| row.quantity == Quantity::HeatingSetpoint);
     assert!(winter.clone().any(|row| row.heat.is_some_and(|heat| heat > 50e3)), "the bulk storage is heated");
+}
+
+/// The house with its actuators tampered with, measured: verdicts of the rows of a quantity.
+fn verdicts_of_a_tampered_house(quantity: Quantity, tamper: impl Fn(&mut Unitary)) -> Vec<(Level, Verdict)> {
+    let mut case = Case::at_home(BuildingType::SingleFamilyHouse);
+    for system in &mut Arc::make_mut(&mut case.building).systems {
+        if let System::Unitary(unit) = system {
+            tamper(unit);
+        }
+    }
+    let report = measure(&case.library, &case.building, &case.weather).unwrap();
+    let rows = report.rows.iter().filter(|row| row.quantity == quantity && row.level != Level::Zero);
+    rows.map(|row| (row.level, row.verdict)).collect()
+}
+
+fn all_fail(verdicts: &[(Level, Verdict)]) -> bool {
+    verdicts.iter().all(|(_, verdict)| *verdict == Verdict::Fails)
+}
+
+#[test]
+fn an_actuator_that_does_nothing_fails_and_is_not_at_capacity() {
+    let dead = |unit: &mut Unitary| unit.supply_temperature.key = "Living Heating Setpoint".into();
+    let verdicts = verdicts_of_a_tampered_house(Quantity::SupplyAirTemperature, dead);
+    assert!(all_fail(&verdicts), "{verdicts:?}");
+}
+
+#[test]
+fn a_supply_temperature_that_is_off_by_a_twentieth_fails_and_is_not_at_capacity() {
+    let off = |unit: &mut Unitary| unit.supply_temperature.scale = 0.95;
+    let verdicts = verdicts_of_a_tampered_house(Quantity::SupplyAirTemperature, off);
+    let passed = verdicts.iter().filter(|(_, verdict)| *verdict != Verdict::Fails).count();
+    // Where the coil truly has no more to give, an offset cannot be told from capacity.
+    assert!(passed <= 2, "{verdicts:?}");
+    assert!(verdicts.iter().filter(|(level, _)| *level == Level::Middle).all(|(_, v)| *v == Verdict::Fails));
+}
+
+#[test]
+fn a_flow_that_is_off_by_a_twentieth_fails() {
+    let off = |unit: &mut Unitary| unit.flow.scale *= 0.95;
+    let verdicts = verdicts_of_a_tampered_house(Quantity::SupplyAirFlow, off);
+    assert!(all_fail(&verdicts), "{verdicts:?}");
 }
 
 #[test]

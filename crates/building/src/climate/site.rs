@@ -3,6 +3,8 @@
 use std::path::Path;
 
 use super::clear_sky;
+use serde_json::{Map, Value, json};
+
 use crate::{Error, Result};
 
 /// Depth of the ground temperatures that a foundation sees, m: the middle set of an EPW header, about the depth of
@@ -55,7 +57,30 @@ pub struct DesignDay {
     pub optical_depths: Option<[f64; 2]>,
 }
 
+const MONTHS: [&str; 12] = [
+    "january",
+    "february",
+    "march",
+    "april",
+    "may",
+    "june",
+    "july",
+    "august",
+    "september",
+    "october",
+    "november",
+    "december",
+];
+
 impl Site {
+    /// The monthly fields of a `Site:GroundTemperature:…` object.
+    pub(crate) fn ground_temperature_fields(&self) -> Value {
+        let months = MONTHS.iter().zip(self.ground_temperatures);
+        let fields: Map<_, _> =
+            months.map(|(month, value)| (format!("{month}_ground_temperature"), json!(value))).collect();
+        Value::Object(fields)
+    }
+
     /// Reads the place from the header of an EPW file.
     ///
     /// # Errors

@@ -21,7 +21,7 @@ const SPEED_SIZES: [&str; 3] =
 
 /// How far doors stand open all through the winter design day, 0 to 1. They open fully for an hour at a time, of which
 /// the zone's mass covers a part.
-const DOORS_ON_DESIGN_DAY: f64 = 0.5;
+const DOORS_ON_DESIGN_DAY: f64 = 0.75;
 
 /// Sizing factor of zones with a unit heater. The code's semi-heated storage is designed for about 15 °C; an agent may be
 /// asked for 21 °C: at -42 °C outdoors that is a tenth more, on top of the usual quarter.

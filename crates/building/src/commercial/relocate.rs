@@ -1,24 +1,9 @@
 //! Another place: site, design days, ground, mains water.
 
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 use crate::Model;
 use crate::climate::{DesignDay, Site};
-
-const MONTHS: [&str; 12] = [
-    "january",
-    "february",
-    "march",
-    "april",
-    "may",
-    "june",
-    "july",
-    "august",
-    "september",
-    "october",
-    "november",
-    "december",
-];
 
 /// Puts the model where a weather file is of. The engine takes latitude, longitude and elevation from the weather file
 /// itself; the model says the same for readers.
@@ -109,10 +94,7 @@ fn ground(model: &mut Model, site: &Site) {
         if model.objects(&class).is_empty() {
             continue;
         }
-        let months = MONTHS.iter().zip(site.ground_temperatures);
-        let fields: Map<String, Value> =
-            months.map(|(month, value)| (format!("{month}_ground_temperature"), json!(value))).collect();
-        replace(model, &class, &[("Ground", Value::Object(fields))]);
+        replace(model, &class, &[("Ground", site.ground_temperature_fields())]);
     }
 }
 

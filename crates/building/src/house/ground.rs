@@ -3,7 +3,7 @@
 //! EnergyPlus's Kiva is finer but its ground remembers the day a run starts: the floor loss in one July week was
 //! measured at 95 W in a run started in January and 1298 W in one started that week.
 
-use serde_json::{Map, Value, json};
+use serde_json::json;
 
 use super::envelope::{FILM_WALL, Faces, surface};
 use super::geometry::Side;
@@ -24,20 +24,6 @@ const FLOOR_RESISTANCE: f64 = 0.26;
 /// 90.1 Table A6.3, R 0 to 20).
 const SLAB_F: [(f64, f64); 6] =
     [(0.0, 1.264), (0.88, 1.004), (1.32, 0.969), (1.76, 0.935), (2.64, 0.900), (3.52, 0.883)];
-const MONTHS: [&str; 12] = [
-    "january",
-    "february",
-    "march",
-    "april",
-    "may",
-    "june",
-    "july",
-    "august",
-    "september",
-    "october",
-    "november",
-    "december",
-];
 
 pub(super) fn add(model: &mut Model, house: &House, geometry: &Geometry, site: &Site) {
     temperatures(model, site);
@@ -102,13 +88,7 @@ fn soil_resistance(geometry: &Geometry) -> f64 {
 }
 
 fn temperatures(model: &mut Model, site: &Site) {
-    let fields: Map<String, Value> = MONTHS
-        .iter()
-        .zip(site.ground_temperatures)
-        .map(|(month, temperature)| (format!("{month}_ground_temperature"), json!(temperature)))
-        .collect();
-    let class = "Site:GroundTemperature:FCfactorMethod";
-    model.insert(class, "Ground", Value::Object(fields));
+    model.insert("Site:GroundTemperature:FCfactorMethod", "Ground", site.ground_temperature_fields());
 }
 
 fn floor(model: &mut Model, house: &House, geometry: &Geometry) {
