@@ -1,0 +1,216 @@
+//! The dataset from the command line: manifest, generated files, and buildings by id.
+#![cfg(unix)]
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::os::unix::process::ExitStatusExt;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+use std::time::Duration;
+
+use arrow_array::Array;
+use arrow_array::cast::AsArray;
+use arrow_array::types::Float64Type;
+use b2b_building::dataset::{self, Building};
+use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use rustix::process::{Pid, Signal, kill_process};
+use serde_json::Value;
+
+fn command(folder: &Path, arguments: &str) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_b2b"));
+    command.args(arguments.split_whitespace()).current_dir(folder).stdin(Stdio::null());
+    command
+}
+
+fn b2b(folder: &Path, arguments: &str) -> Output {
+    command(folder, arguments).output().unwrap()
+}
+
+fn json(folder: &Path, arguments: &str) -> Value {
+    let output = b2b(folder, &format!("{arguments} --json"));
+    assert!(output.status.success(), "{}", stderr(&output));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// The files of a folder by name.
+fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    entries
+        .map(|path| (path.file_name().unwrap().to_str().unwrap().to_owned(), std::fs::read(path).unwrap()))
+        .collect()
+}
+
+#[test]
+fn the_manifest_command_writes_what_is_checked_in_and_parquet_says_the_same() {
+    let folder = tempfile::tempdir().unwrap();
+    assert!(b2b(folder.path(), "dataset manifest --out here").status.success());
+    let written = files(&folder.path().join("here"));
+    assert_eq!(written.keys().collect::<Vec<_>>(), ["v1.csv", "v1.parquet"]);
+    let checked_in = Path::new(env!("CARGO_MANIFEST_DIR")).join("../building/data/dataset");
+    assert!(written["v1.csv"] == files(&checked_in)["v1.csv"]);
+    for folder in [folder.path().join("here"), checked_in] {
+        parquet_says_what_csv_says(&folder);
+    }
+}
+
+fn parquet_says_what_csv_says(folder: &Path) {
+    let file = File::open(folder.join("v1.parquet")).unwrap();
+    let reader = ParquetRecordBatchReaderBuilder::try_new(file).unwrap().with_batch_size(10_000);
+    let table = reader.build().unwrap().next().unwrap().unwrap();
+    let text = std::fs::read_to_string(folder.join("v1.csv")).unwrap();
+    let mut rows = text.lines().map(|row| row.split(',').collect::<Vec<_>>());
+    let names = rows.next().unwrap();
+    let rows: Vec<_> = rows.collect();
+    assert_eq!((table.num_rows(), table.num_columns()), (rows.len(), names.len()));
+    let column = |name| names.iter().position(|each| *each == name).unwrap();
+    let (ids, window_u) = (column("id"), column("window_u"));
+    let ventilation = column("ventilation");
+    for (index, row) in rows.iter().enumerate() {
+        assert_eq!(table.column(ids).as_string::<i32>().value(index), row[ids]);
+        let value = table.column(window_u).as_primitive::<Float64Type>().value(index);
+        assert_eq!(value, row[window_u].parse::<f64>().unwrap());
+        assert_eq!(table.column(ventilation).is_null(index), row[ventilation].is_empty());
+    }
+}
+
+#[test]
+fn the_same_arguments_generate_the_same_bytes_in_two_processes() {
+    let folder = tempfile::tempdir().unwrap();
+    for arguments in
+        ["generate Warehouse --count 3 --seed 7 --place Miami Denver", "generate SingleFamilyHouse --count 3"]
+    {
+        for (out, jobs) in [("one", 1), ("two", 2)] {
+            let said = json(folder.path(), &format!("{arguments} --out {out} --jobs {jobs}"));
+            assert_eq!((said["written"].as_u64(), said["kept"].as_u64()), (Some(3), Some(0)));
+        }
+    }
+    let [one, two] = ["one", "two"].map(|out| files(&folder.path().join(out)));
+    assert_eq!(one.len(), 7, "{:?}", one.keys());
+    assert!(one == two);
+}
+
+#[test]
+fn files_of_the_same_buildings_are_kept_and_others_are_replaced() {
+    let folder = tempfile::tempdir().unwrap();
+    let generate = |count: u32| {
+        let said = json(folder.path(), &format!("generate Warehouse --count {count} --place Denver --out w"));
+        (said["written"].as_u64().unwrap(), said["kept"].as_u64().unwrap())
+    };
+    assert_eq!(generate(2), (2, 0));
+    assert_eq!(generate(2), (0, 2));
+    // Another count is another hypercube: the same names stand for other buildings.
+    assert_eq!(generate(3), (3, 0));
+    let manifest = folder.path().join("w/manifest.csv");
+    let old = std::fs::read_to_string(&manifest).unwrap().replace(",v1,", ",v0,");
+    std::fs::write(&manifest, old).unwrap();
+    assert_eq!(generate(3), (3, 0));
+}
+
+#[test]
+fn an_interrupted_generation_leaves_whole_files_and_goes_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let arguments = "generate Warehouse --count 60 --place Denver --jobs 1 --out out";
+    let child = command(folder.path(), arguments).stderr(Stdio::piped()).spawn().unwrap();
+    let models = || {
+        let entries = std::fs::read_dir(&out).into_iter().flatten().map(|entry| entry.unwrap().path());
+        entries.filter(|path| path.extension().is_some_and(|e| e == "epJSON")).collect::<Vec<_>>()
+    };
+    while models().len() < 3 {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    kill_process(Pid::from_child(&child), Signal::INT).unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert_eq!((output.status.code(), output.status.signal()), (Some(130), None), "{}", stderr(&output));
+    assert!(stderr(&output).contains("interrupted after "), "{}", stderr(&output));
+    for path in models() {
+        serde_json::from_reader::<_, Value>(File::open(&path).unwrap()).unwrap();
+    }
+    assert!(files_are_models_and_manifest(&out));
+    let there = models().len() as u64;
+    let said = json(folder.path(), arguments);
+    assert_eq!((said["kept"].as_u64(), said["written"].as_u64()), (Some(there), Some(60 - there)));
+    assert!(files_are_models_and_manifest(&out));
+}
+
+fn files_are_models_and_manifest(folder: &Path) -> bool {
+    files(folder).keys().all(|name| name == "manifest.csv" || name.ends_with(".epJSON"))
+}
+
+#[test]
+fn what_cannot_be_is_refused_with_what_can() {
+    for (arguments, words) in [
+        ("run OfficeSmall-1001", ["1001", "OfficeSmall-1000"]),
+        ("run OficeSmall-0042", ["OficeSmall", "OfficeSmall"]),
+        ("show Warehouse-x", ["`x`", "Warehouse-0001"]),
+        ("check Warehouse", ["`Warehouse`", "OfficeSmall-0042"]),
+        ("run OfficeSmall-0042 --place Denver", ["OfficeSmall-0042 stands in", "--weather"]),
+        ("generate Warehouse --place Dever --out o", ["Dever", "Denver"]),
+        ("generate SingleFamilyHouse --place Miami --out o", ["Miami", "Estrie"]),
+        ("generate Warehouse --count 0 --out o", ["0", "--count"]),
+        ("generate --out o", ["TYPE", "required"]),
+        ("generate Warehouse --split test --out o", ["--dataset", "required"]),
+        ("generate --dataset v1 --seed 3 --out o", ["--dataset", "--seed"]),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let output = b2b(folder.path(), arguments);
+        let said = stderr(&output);
+        assert_eq!(output.status.code(), Some(1), "{said}");
+        assert!(words.iter().all(|word| said.contains(word)), "{arguments}: {said}");
+        assert!(files(folder.path()).is_empty());
+    }
+}
+
+#[test]
+fn a_building_of_the_dataset_runs_at_its_own_place() {
+    let folder = tempfile::tempdir().unwrap();
+    for id in ["RestaurantFastFood-0042", "SingleFamilyHouse-0042"] {
+        let said = json(folder.path(), &format!("run {id} --period 01-01..01-01"));
+        assert_eq!(said["building"], id);
+        assert_eq!(said["place"], dataset::row(id.parse().unwrap()).building.place());
+        assert_eq!(said["engine_severes"], 0);
+    }
+}
+
+/// The floor that is conditioned follows the parameters.
+#[test]
+fn show_tells_of_the_building_of_the_id() {
+    let folder = tempfile::tempdir().unwrap();
+    let area = |name: &str| {
+        json(folder.path(), &format!("show {name}"))["conditioned_floor_area_m2"].as_f64().unwrap()
+    };
+    let Building::Commercial { parameters, .. } =
+        &dataset::row("RestaurantFastFood-0042".parse().unwrap()).building
+    else {
+        unreachable!()
+    };
+    let expected = area("RestaurantFastFood") * parameters.x_scale * parameters.y_scale;
+    assert!((area("RestaurantFastFood-0042") / expected - 1.0).abs() < 1e-3);
+}
+
+/// Cold outside asks for more air at the same supply temperature.
+#[test]
+fn the_equipment_of_a_type_is_sized_for_the_place() {
+    let folder = tempfile::tempdir().unwrap();
+    let flow = |arguments: &str| {
+        let shown = json(folder.path(), &format!("show OfficeSmall {arguments}"));
+        let flows = shown["action"].as_array().unwrap().iter();
+        flows.filter(|each| each["unit"] == "kg/s").map(|each| each["high"].as_f64().unwrap()).sum::<f64>()
+    };
+    let home = flow("");
+    assert_eq!(flow("--place Denver"), home);
+    assert!(flow("--place Miami") > 1.2 * home, "{} {home}", flow("--place Miami"));
+}
+
+#[test]
+fn check_passes_a_building_that_is_held() {
+    let folder = tempfile::tempdir().unwrap();
+    let reports = json(folder.path(), "check RestaurantFastFood-0042");
+    let report = &reports.as_array().unwrap()[0];
+    assert_eq!((&report["id"], &report["passed"]), (&"RestaurantFastFood-0042".into(), &true.into()));
+    assert_eq!(report["weeks"].as_array().unwrap().len(), 2);
+}
