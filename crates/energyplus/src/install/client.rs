@@ -97,16 +97,27 @@ impl Client {
 fn start(words: &[&str]) -> Command {
     let mut command = Command::new(words[0]);
     command.args(&words[1..]).stdin(Stdio::null());
+    // A group of its own, so that it can be ended with what it starts: `python3` and `uv` may be wrappers.
+    #[cfg(unix)]
+    std::os::unix::process::CommandExt::process_group(&mut command, 0);
     command
 }
 
-/// A child that does not outlive us: killed when we fail, are cancelled or unwind. (`uv` runs the client as
-/// a child of its own, which then fails for want of its folders.)
+/// A child that does not outlive us: killed with all it started when we fail, are cancelled or unwind.
 struct Running(Child);
 
 impl Drop for Running {
     fn drop(&mut self) {
-        // Both fail only when it has ended by itself.
+        // Once it has ended its number may be another's.
+        if !matches!(self.0.try_wait(), Ok(None)) {
+            return;
+        }
+        #[cfg(unix)]
+        let _ = rustix::process::kill_process_group(
+            rustix::process::Pid::from_child(&self.0),
+            rustix::process::Signal::KILL,
+        );
+        // Both fail only when it has ended by itself meanwhile.
         let _ = self.0.kill();
         let _ = self.0.wait();
     }
