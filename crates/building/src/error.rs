@@ -134,6 +134,12 @@ pub enum Error {
         /// What the system said.
         source: std::io::Error,
     },
+    /// A model without any HVAC system.
+    #[error("{name} has no air loop, unit heater or baseboard: there is nothing to drive")]
+    NothingToDrive {
+        /// Name of the building.
+        name: String,
+    },
     /// The engine refused a model or stopped.
     #[error(transparent)]
     Engine(#[from] b2b_energyplus::Error),

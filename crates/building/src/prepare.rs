@@ -11,7 +11,7 @@ use crate::outputs;
 use crate::run_period::RunPeriod;
 use crate::sizing::{self, Sizes};
 use crate::zone;
-use crate::{Result, climate::Site};
+use crate::{Error, Result, climate::Site};
 
 /// A building ready for control: hard-sized, every actuator bites, nothing is written.
 #[derive(Clone, Debug)]
@@ -54,8 +54,8 @@ impl PreparedBuilding {
     /// Sizes a model as it is for a site and a weather file, then makes it controllable.
     ///
     /// # Errors
-    /// [`crate::Error::Unsupported`] naming the object that cannot be driven; [`crate::Error::Engine`] when the
-    /// engine refuses the model.
+    /// [`Error::Unsupported`] naming the object that cannot be driven; [`Error::NothingToDrive`]; [`Error::Engine`] when
+    /// the engine refuses the model.
     pub fn new(name: &str, mut model: Model, weather: &Path, library: &Library) -> Result<Self> {
         let site = Site::read(weather)?;
         if sizing::wants_sizing(&model) {
@@ -63,6 +63,9 @@ impl PreparedBuilding {
         }
         hvac::common::remove_ems_programs(&mut model, hvac::common::sets_a_schedule);
         let systems = hvac::make_controllable(&mut model, standard_air_density(site.elevation))?;
+        if systems.is_empty() {
+            return Err(Error::NothingToDrive { name: name.to_owned() });
+        }
         outputs::write_only(&mut model, &[]);
         keep_standard_time(&mut model);
         balance_exhaust(&mut model);

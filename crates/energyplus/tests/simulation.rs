@@ -126,6 +126,19 @@ fn a_truncated_file_is_an_error_with_the_engine_s_words() {
 }
 
 #[test]
+fn an_actuator_a_variable_or_a_meter_that_is_not_there_is_named() {
+    let (simulation, _) = Office::new().start();
+    let errors = [
+        simulation.actuator("Schedule:Constant", "Schedule Value", "No Such Schedule").map(drop),
+        simulation.variable("No Such Variable", ZONE).map(drop),
+        simulation.meter("No Such Meter").map(drop),
+    ];
+    for (error, name) in errors.into_iter().zip(["No Such Schedule", "No Such Variable", "No Such Meter"]) {
+        assert!(error.unwrap_err().to_string().contains(name));
+    }
+}
+
+#[test]
 fn a_run_that_is_not_interrupted_stops_around_warm_up_only() {
     let office = Office::new();
     let mut simulation = office.run().stop_every(0).start(&office.library).unwrap();

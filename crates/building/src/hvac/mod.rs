@@ -133,12 +133,33 @@ pub fn make_controllable(model: &mut Model, air_density: f64) -> Result<Vec<Syst
     }
     for zone in model.names("Zone") {
         let equipment = common::zone_equipment(model, &zone)?;
+        refuse_unknown(&equipment, &zone)?;
         if let Some(heater) = equipment.iter().find(|e| heating_only::is_heater(&e.class)) {
             refuse_second_system(&systems, &zone, heater)?;
             systems.push(System::HeatingOnly(heating_only::make_controllable(model, &zone, heater)?));
         }
     }
     Ok(systems)
+}
+
+/// Zone equipment that is left as it is: exhaust fans follow their schedules, and the warehouse's radiant heater
+/// is switched off in the prototype.
+const LEFT_ALONE: [&str; 2] = ["Fan:ZoneExhaust", "ZoneHVAC:HighTemperatureRadiant"];
+
+/// Equipment that no kind of system covers would heat or cool behind the agent's back.
+fn refuse_unknown(equipment: &[common::Reference], zone: &str) -> Result<()> {
+    let known = |class: &str| {
+        class.eq_ignore_ascii_case("ZoneHVAC:AirDistributionUnit")
+            || heating_only::is_heater(class)
+            || LEFT_ALONE.iter().any(|left| left.eq_ignore_ascii_case(class))
+    };
+    match equipment.iter().find(|e| !known(&e.class)) {
+        None => Ok(()),
+        Some(unknown) => {
+            let why = format!("zone `{zone}` is conditioned by it, and no way to drive it is known");
+            Err(common::unsupported(&unknown.class, &unknown.name, &why))
+        }
+    }
 }
 
 /// Two systems in one zone would need one thermostat each.
@@ -196,4 +217,37 @@ pub struct HeatingOnly {
     pub zone: String,
     /// [`Quantity::HeatingSetpoint`].
     pub setpoint: Actuator,
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    fn zone_with(class: &str) -> Model {
+        let model = serde_json::json!({
+            "Zone": {"Z": {}},
+            "ZoneHVAC:EquipmentConnections": {"C": {
+                "zone_name": "Z", "zone_conditioning_equipment_list_name": "L"}},
+            "ZoneHVAC:EquipmentList": {"L": {"equipment": [
+                {"zone_equipment_object_type": class, "zone_equipment_name": "The unit"}]}},
+        });
+        Model::from_epjson(&model.to_string(), Path::new("zone.epJSON")).unwrap()
+    }
+
+    #[test]
+    fn equipment_that_no_system_covers_is_refused_by_name() {
+        let mut model = zone_with("ZoneHVAC:PackagedTerminalHeatPump");
+        let error = make_controllable(&mut model, 1.2).unwrap_err().to_string();
+        for word in ["ZoneHVAC:PackagedTerminalHeatPump", "`The unit`", "`Z`"] {
+            assert!(error.contains(word), "{error}");
+        }
+    }
+
+    #[test]
+    fn an_exhaust_fan_is_left_alone() {
+        let mut model = zone_with("Fan:ZoneExhaust");
+        assert_eq!(make_controllable(&mut model, 1.2).unwrap(), []);
+    }
 }
