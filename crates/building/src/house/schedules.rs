@@ -3,6 +3,8 @@
 use serde_json::{Value, json};
 
 use crate::Model;
+pub(super) use crate::hvac::common::{cooling_setpoint, heating_setpoint};
+pub(super) use crate::hvac::unitary::{supply_air_flow_fraction, supply_air_temperature};
 
 /// Values of every schedule: any number.
 const ANY_NUMBER: &str = "Any Number";
@@ -14,26 +16,6 @@ pub(super) fn add(model: &mut Model) {
     let limits = json!({"numeric_type": "Continuous"});
     model.insert("ScheduleTypeLimits", ANY_NUMBER, limits);
     constant(model, ALWAYS, 1.0);
-}
-
-/// The flow command of a zone, as a fraction of its terminal's design flow.
-pub(super) fn supply_air_flow_fraction(zone: &str) -> String {
-    format!("{zone} Supply Air Flow Fraction")
-}
-
-/// The supply air temperature command of a zone, °C.
-pub(super) fn supply_air_temperature(zone: &str) -> String {
-    format!("{zone} Supply Air Temperature")
-}
-
-/// The heating setpoint of a zone's thermostat, °C.
-pub(super) fn heating_setpoint(zone: &str) -> String {
-    format!("{zone} Heating Setpoint")
-}
-
-/// The cooling setpoint of a zone's thermostat, °C.
-pub(super) fn cooling_setpoint(zone: &str) -> String {
-    format!("{zone} Cooling Setpoint")
 }
 
 /// A schedule that holds a value, and that an actuator may set.

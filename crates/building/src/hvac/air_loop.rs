@@ -21,7 +21,7 @@ use std::collections::HashSet;
 
 use serde_json::{Value, json};
 
-use super::common::{self, Reference, constant_schedule, items, size, unsupported};
+use super::common::{self, OUT_OF_REACH, Reference, constant_schedule, is_one_of, items, size, unsupported};
 use super::distribution::{ServedZone, served_zones};
 use super::{Actuator, AirLoop, EngineVariable, Quantity, Terminal};
 use crate::model::text;
@@ -35,8 +35,6 @@ pub const HIGHEST_SUPPLY_TEMPERATURE: f64 = 55.0;
 pub const REHEAT_OFF: f64 = 10.0;
 /// Highest heating setpoint an agent may give, °C.
 pub const HIGHEST_HEATING_SETPOINT: f64 = 30.0;
-/// Cooling setpoint that no zone reaches, °C.
-const OUT_OF_REACH: f64 = 90.0;
 /// Supply temperature before the first action, °C.
 const NEUTRAL_SUPPLY_TEMPERATURE: f64 = 20.0;
 /// By how much the main heating coil can warm the fan's design flow, K: room air to the highest supply
@@ -400,10 +398,6 @@ fn fan_flow(model: &Model, fan: &Reference) -> Result<f64> {
     let field = FANS.iter().find(|(class, _)| class.eq_ignore_ascii_case(&fan.class)).map(|(_, field)| field);
     let field = field.ok_or_else(|| unsupported(&fan.class, &fan.name, "it is no fan of variable flow"))?;
     size(model, &fan.class, &fan.name, field)
-}
-
-fn is_one_of(class: &str, classes: &[&str]) -> bool {
-    classes.iter().any(|known| known.eq_ignore_ascii_case(class))
 }
 
 #[cfg(test)]

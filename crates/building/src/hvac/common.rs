@@ -16,6 +16,10 @@ const DUAL_SETPOINT: &str = "B2B Dual Setpoint";
 /// Schedules that switch a component, in every class that has them.
 const SWITCHES: [&str; 2] = ["availability_schedule_name", "supply_air_fan_operating_mode_schedule_name"];
 
+/// A cooling setpoint that no zone reaches, °C: cooling is the agent's, through air it commands. Random play has
+/// reached 46 °C.
+pub const OUT_OF_REACH: f64 = 90.0;
+
 /// A class and the name of one of its objects.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Reference {
@@ -108,10 +112,7 @@ pub fn parts(fields: &Fields) -> Vec<Reference> {
 /// the zone has none.
 pub fn own_thermostat(model: &mut Model, zone: &str, heating: f64, cooling: f64) -> Result<Setpoints> {
     let thermostat = thermostat(model, zone)?;
-    let setpoints = Setpoints {
-        heating: format!("{zone} Heating Setpoint"),
-        cooling: format!("{zone} Cooling Setpoint"),
-    };
+    let setpoints = Setpoints { heating: heating_setpoint(zone), cooling: cooling_setpoint(zone) };
     constant_schedule(model, &setpoints.heating, heating);
     constant_schedule(model, &setpoints.cooling, cooling);
     constant_schedule(model, DUAL_SETPOINT, 4.0);
@@ -204,6 +205,21 @@ pub fn nodes_of(model: &Model, name: &str) -> Vec<String> {
 pub fn size(model: &Model, class: &str, name: &str, field: &str) -> Result<f64> {
     number(model.require(class, name)?, field)
         .ok_or_else(|| unsupported(class, name, &format!("`{field}` must be a number: size the model first")))
+}
+
+/// Whether a class is among these: the engine names classes without regard to case.
+pub fn is_one_of(class: &str, classes: &[&str]) -> bool {
+    classes.iter().any(|known| known.eq_ignore_ascii_case(class))
+}
+
+/// Name of the schedule of a zone's heating setpoint, °C.
+pub(crate) fn heating_setpoint(zone: &str) -> String {
+    format!("{zone} Heating Setpoint")
+}
+
+/// Name of the schedule of a zone's cooling setpoint, °C.
+pub(crate) fn cooling_setpoint(zone: &str) -> String {
+    format!("{zone} Cooling Setpoint")
 }
 
 /// The error for an object that the edits do not know.

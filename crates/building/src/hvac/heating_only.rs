@@ -8,14 +8,10 @@ use crate::model::{Model, text};
 /// Heating setpoints an agent may ask for, °C. The lowest is under any temperature that a heated zone should
 /// reach and means "off".
 pub const SETPOINT: (f64, f64) = (5.0, 35.0);
-/// A cooling setpoint no zone reaches, °C.
-pub const OUT_OF_REACH: f64 = 90.0;
 
 /// Whether an object class is a zone heater that follows a thermostat.
 pub(super) fn is_heater(class: &str) -> bool {
-    ["ZoneHVAC:UnitHeater", "ZoneHVAC:Baseboard:Convective:Electric"]
-        .iter()
-        .any(|c| c.eq_ignore_ascii_case(class))
+    common::is_one_of(class, &["ZoneHVAC:UnitHeater", "ZoneHVAC:Baseboard:Convective:Electric"])
 }
 
 /// Makes the heater of a zone controllable: always available, under a thermostat of the zone's own.
@@ -24,7 +20,7 @@ pub(super) fn is_heater(class: &str) -> bool {
 /// [`crate::Error::MissingObject`] when the zone has no thermostat or the heater's parts are not in the model.
 pub fn make_controllable(model: &mut Model, zone: &str, heater: &Reference) -> Result<HeatingOnly> {
     common::switch_on(model, heater)?;
-    let setpoints = common::own_thermostat(model, zone, SETPOINT.0, OUT_OF_REACH)?;
+    let setpoints = common::own_thermostat(model, zone, SETPOINT.0, common::OUT_OF_REACH)?;
     Ok(HeatingOnly {
         zone: zone.to_owned(),
         setpoint: Actuator {

@@ -151,7 +151,7 @@ fn refuse_unknown(equipment: &[common::Reference], zone: &str) -> Result<()> {
     let known = |class: &str| {
         class.eq_ignore_ascii_case("ZoneHVAC:AirDistributionUnit")
             || heating_only::is_heater(class)
-            || LEFT_ALONE.iter().any(|left| left.eq_ignore_ascii_case(class))
+            || common::is_one_of(class, &LEFT_ALONE)
     };
     match equipment.iter().find(|e| !known(&e.class)) {
         None => Ok(()),

@@ -39,7 +39,7 @@ pub fn make_controllable(model: &mut Model, air_loop: &str, air_density: f64) ->
     let unit = Unit::find(model, air_loop)?;
     let schedules = Schedules::insert(model, &unit.served.zone);
     common::always_on(model, air_loop)?;
-    common::own_thermostat(model, &unit.served.zone, 0.0, 90.0)?;
+    common::own_thermostat(model, &unit.served.zone, 0.0, common::OUT_OF_REACH)?;
     let nodes = unit.rewrite(model)?;
     follow_supply_temperature(model, &unit, &nodes, &schedules.temperature);
     if let Some(controller) = outdoor_air_controller(model, &unit) {
@@ -84,7 +84,7 @@ const UNIT_CLASSES: [&str; 2] = ["AirLoopHVAC:UnitarySystem", "AirLoopHVAC:Unita
 
 /// Whether an object class is a unit that this module rewrites.
 pub(super) fn is_unit(class: &str) -> bool {
-    UNIT_CLASSES.iter().any(|c| c.eq_ignore_ascii_case(class))
+    common::is_one_of(class, &UNIT_CLASSES)
 }
 
 /// The branch and the component entry of the first unit on an air loop's supply side.
@@ -129,12 +129,20 @@ struct Terminal {
     outlet: String,
 }
 
+/// Name of the schedule of a zone's flow command, as a fraction of its terminal's design flow.
+pub(crate) fn supply_air_flow_fraction(zone: &str) -> String {
+    format!("{zone} Supply Air Flow Fraction")
+}
+
+/// Name of the schedule of a zone's supply air temperature command, °C.
+pub(crate) fn supply_air_temperature(zone: &str) -> String {
+    format!("{zone} Supply Air Temperature")
+}
+
 impl Schedules {
     fn insert(model: &mut Model, zone: &str) -> Self {
-        let schedules = Self {
-            flow: format!("{zone} Supply Air Flow Fraction"),
-            temperature: format!("{zone} Supply Air Temperature"),
-        };
+        let schedules =
+            Self { flow: supply_air_flow_fraction(zone), temperature: supply_air_temperature(zone) };
         common::constant_schedule(model, &schedules.flow, 0.0);
         common::constant_schedule(model, &schedules.temperature, 20.0);
         schedules
@@ -323,10 +331,10 @@ fn remove_multispeed_design(model: &mut Model, unit: &Fields) {
 /// Heating coils that can follow a setpoint keep their class; only their place in the air changes.
 fn place_heating_coil(model: &mut Model, coil: &(String, String), inlet: &str, outlet: &str) -> Result<()> {
     let (class, name) = coil;
-    if !["Coil:Heating:DX:SingleSpeed", "Coil:Heating:Fuel", "Coil:Heating:Electric"]
-        .iter()
-        .any(|c| c.eq_ignore_ascii_case(class))
-    {
+    if !common::is_one_of(
+        class,
+        &["Coil:Heating:DX:SingleSpeed", "Coil:Heating:Fuel", "Coil:Heating:Electric"],
+    ) {
         return Err(unsupported(class, name, "no setpoint control is known for this heating coil"));
     }
     let fields = model.require_mut(class, name)?;
@@ -445,7 +453,7 @@ fn follow_flow(model: &mut Model, unit: &Unit, schedule: &str) -> Result<Termina
     const CONSTANT: &str = "AirTerminal:SingleDuct:ConstantVolume:NoReheat";
     const VARIABLE: &str = "AirTerminal:SingleDuct:VAV:NoReheat";
     let ServedZone { unit: distribution, terminal: common::Reference { class, name }, .. } = &unit.served;
-    if ![CONSTANT, VARIABLE].iter().any(|known| class.eq_ignore_ascii_case(known)) {
+    if !common::is_one_of(class, &[CONSTANT, VARIABLE]) {
         return Err(unsupported(class, name, "only terminals without reheat are known on a unitary system"));
     }
     let design_flow = common::size(model, class, name, "maximum_air_flow_rate")?;
