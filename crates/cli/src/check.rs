@@ -22,7 +22,7 @@ use crate::{interrupt, stdout};
 
 /// Size and run buildings of the dataset, and tell which fail
 ///
-/// Each is sized and runs a winter week and a summer week under the reactive controller. It fails when
+/// Each is sized and runs, by default, a winter week and a summer week under the reactive controller. It fails when
 /// EnergyPlus stops or has a severe message, when a zone with heating is under 12 °C, or when a zone with
 /// cooling is over 32 °C. Exit code 1 when one fails.
 #[derive(clap::Args)]
@@ -30,6 +30,7 @@ use crate::{interrupt, stdout};
 Examples:
   b2b check                            the 48 buildings of the small test
   b2b check --split test --jobs 8
+  b2b check --split all --period 01-15..01-15    one day of all 6,000: hours
   b2b check OfficeSmall-0042 Warehouse-0007 --json")]
 pub struct Arguments {
     /// Buildings [default: those of --split]
@@ -38,18 +39,21 @@ pub struct Arguments {
     /// Part of the dataset
     #[arg(long, value_enum, default_value = "test_small", conflicts_with = "ids")]
     split: Part,
+    /// Days that each runs: can be given more than once
+    #[arg(long = "period", value_name = "DAYS", default_values = WEEKS)]
+    periods: Vec<RunPeriod>,
     /// Buildings at a time, each in a process of its own [default: one for each core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     jobs: Option<u32>,
     /// Print JSON
     #[arg(long)]
     json: bool,
-    /// Check one building in this process, and print its weeks as JSON
+    /// Check one building in this process, and print its episodes as JSON
     #[arg(long, hide = true, value_name = "ID", conflicts_with_all = ["ids", "split", "jobs"])]
     one: Option<BuildingId>,
 }
 
-/// The weeks that are run.
+/// What is run by default: a winter week and a summer week.
 const WEEKS: [&str; 2] = ["01-08..01-14", "07-08..07-14"];
 const STEPS_PER_HOUR: u32 = 12;
 /// No zone with heating is colder, °C.
@@ -64,18 +68,22 @@ struct Report {
     place: String,
     /// Why it could not be run.
     error: Option<String>,
-    weeks: Vec<Week>,
+    episodes: Vec<Outcome>,
     passed: bool,
 }
 
-/// What became of a week.
+/// What became of an episode.
 #[derive(Serialize, Deserialize)]
-struct Week {
+struct Outcome {
     period: String,
     severes: usize,
     /// First severe message.
     severe_message: Option<String>,
     rms_deviation_k: f64,
+    /// HVAC electricity over the period.
+    electricity_kwh_per_m2: f64,
+    /// HVAC gas over the period.
+    gas_kwh_per_m2: f64,
     coldest: Extreme,
     /// Of the zones with cooling.
     warmest: Extreme,
@@ -91,7 +99,7 @@ struct Extreme {
 /// Runs the command.
 pub fn check(arguments: &Arguments) -> Result<ExitCode> {
     if let Some(id) = arguments.one {
-        stdout::print(&serde_json::to_string(&weeks(id)?)?)?;
+        stdout::print(&serde_json::to_string(&episodes(id, &arguments.periods)?)?)?;
         return Ok(ExitCode::SUCCESS);
     }
     let reports = arguments.reports()?;
@@ -113,7 +121,7 @@ impl Arguments {
         let reports = pool.install(|| {
             ids.par_iter()
                 .map(|id| {
-                    let report = Report::of(*id);
+                    let report = Report::of(*id, &self.periods);
                     bar.inc(1);
                     report
                 })
@@ -133,20 +141,20 @@ impl Arguments {
 
 impl Report {
     /// An error only when the user interrupts, or when no process can be started.
-    fn of(id: BuildingId) -> Result<Self> {
+    fn of(id: BuildingId, periods: &[RunPeriod]) -> Result<Self> {
         interrupt::check()?;
-        let outcome = run_in_process(id)?;
+        let outcome = run_in_process(id, periods)?;
         let place = dataset::row(id).building.place().to_owned();
-        let (weeks, error) = match outcome {
-            Ok(weeks) => (weeks, None),
+        let (episodes, error) = match outcome {
+            Ok(episodes) => (episodes, None),
             Err(error) => (Vec::new(), Some(error)),
         };
-        let passed = error.is_none() && weeks.iter().all(Week::passed);
-        Ok(Self { id: id.to_string(), place, error, weeks, passed })
+        let passed = error.is_none() && episodes.iter().all(Outcome::passed);
+        Ok(Self { id: id.to_string(), place, error, episodes, passed })
     }
 }
 
-impl Week {
+impl Outcome {
     fn of(env: &Env, trajectory: &Trajectory) -> Result<Self> {
         let building = env.building();
         let severe = env.messages().at_least(Level::Severe).next().map(|message| message.text.clone());
@@ -159,6 +167,8 @@ impl Week {
             severes: env.message_count(Level::Severe),
             severe_message: severe,
             rms_deviation_k: env.metrics().rms_deviation(),
+            electricity_kwh_per_m2: env.metrics().electricity / 1000.0,
+            gas_kwh_per_m2: env.metrics().gas / 1000.0,
             coldest: extreme(building, trajectory, heated, coldest)?,
             warmest: extreme(building, trajectory, cooled, warmest)?,
         })
@@ -185,24 +195,25 @@ fn extreme(
     Ok(Extreme { zone, temperature_c })
 }
 
-/// Sizes a building and runs its weeks here.
-fn weeks(id: BuildingId) -> Result<Vec<Week>> {
+/// Sizes a building and runs its episodes here.
+fn episodes(id: BuildingId, periods: &[RunPeriod]) -> Result<Vec<Outcome>> {
     let prepared = Prepared::new(BuildingName::Id(id), &Location::default(), true)?;
-    WEEKS.iter().map(|week| run_week(&prepared, week.parse()?)).collect()
+    periods.iter().map(|period| run_episode(&prepared, *period)).collect()
 }
 
-fn run_week(prepared: &Prepared, week: RunPeriod) -> Result<Week> {
-    let mut env = prepared.env(week, STEPS_PER_HOUR, Task::default())?;
+fn run_episode(prepared: &Prepared, period: RunPeriod) -> Result<Outcome> {
+    let mut env = prepared.env(period, STEPS_PER_HOUR, Task::default())?;
     let mut controller = Kind::Reactive.build(&env, 0);
     let rollout = roll_out(&mut env, controller.as_mut(), true)?;
-    Week::of(&env, &rollout.trajectory)
+    Outcome::of(&env, &rollout.trajectory)
 }
 
-/// The weeks of a building in a process of its own, or what that process said when it failed.
-fn run_in_process(id: BuildingId) -> Result<Result<Vec<Week>, String>> {
+/// The episodes of a building in a process of its own, or what that process said when it failed.
+fn run_in_process(id: BuildingId, periods: &[RunPeriod]) -> Result<Result<Vec<Outcome>, String>> {
     let program = std::env::current_exe()?;
     let mut command = Command::new(program);
     command.args(["check", "--one", &id.to_string()]);
+    command.args(periods.iter().map(|period| format!("--period={period}")));
     command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
     let mut child = command.spawn().context("cannot start a process")?;
     let success = wait(&mut child)?;
@@ -229,19 +240,31 @@ fn wait(child: &mut Child) -> Result<bool> {
 }
 
 fn text(reports: &[Report]) -> String {
-    let mut table =
-        Table::new(["building", "place", "week", "coldest, °C", "warmest, °C", "RMS, K", "severe", ""]);
+    let mut table = Table::new([
+        "building",
+        "place",
+        "days",
+        "coldest, °C",
+        "warmest, °C",
+        "RMS, K",
+        "electricity, kWh/m²",
+        "gas, kWh/m²",
+        "severe",
+        "",
+    ]);
     for report in reports {
-        for week in &report.weeks {
+        for episode in &report.episodes {
             table.row([
                 report.id.clone(),
                 report.place.clone(),
-                week.period.clone(),
-                format!("{:.1}", week.coldest.temperature_c),
-                format!("{:.1}", week.warmest.temperature_c),
-                format!("{:.2}", week.rms_deviation_k),
-                week.severes.to_string(),
-                if week.passed() { "" } else { "failed" }.into(),
+                episode.period.clone(),
+                format!("{:.1}", episode.coldest.temperature_c),
+                format!("{:.1}", episode.warmest.temperature_c),
+                format!("{:.2}", episode.rms_deviation_k),
+                format!("{:.2}", episode.electricity_kwh_per_m2),
+                format!("{:.2}", episode.gas_kwh_per_m2),
+                episode.severes.to_string(),
+                if episode.passed() { "" } else { "failed" }.into(),
             ]);
         }
     }
@@ -253,8 +276,8 @@ fn text(reports: &[Report]) -> String {
 /// One line on a building that failed.
 fn why(report: &Report) -> String {
     let mut reasons: Vec<String> = report.error.iter().cloned().collect();
-    for week in report.weeks.iter().filter(|week| !week.passed()) {
-        let Week { period, coldest, warmest, severe_message, .. } = week;
+    for episode in report.episodes.iter().filter(|episode| !episode.passed()) {
+        let Outcome { period, coldest, warmest, severe_message, .. } = episode;
         if coldest.temperature_c < COLDEST {
             reasons.push(format!("{period}: {} is at {:.1} °C", coldest.zone, coldest.temperature_c));
         }

@@ -75,6 +75,8 @@ enum Version {
 /// A part of a dataset.
 #[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum Part {
+    /// Every building
+    All,
     /// Nine tenths of every place, to learn on
     Train,
     /// The other tenth, to test on
@@ -88,6 +90,7 @@ impl Part {
     /// Whether a building belongs to it.
     pub fn has(self, row: &Row) -> bool {
         match self {
+            Self::All => true,
             Self::Train => row.split == dataset::Split::Train,
             Self::Test => row.split == dataset::Split::Test,
             Self::TestSmall => row.test_small,

@@ -212,5 +212,5 @@ fn check_passes_a_building_that_is_held() {
     let reports = json(folder.path(), "check RestaurantFastFood-0042");
     let report = &reports.as_array().unwrap()[0];
     assert_eq!((&report["id"], &report["passed"]), (&"RestaurantFastFood-0042".into(), &true.into()));
-    assert_eq!(report["weeks"].as_array().unwrap().len(), 2);
+    assert_eq!(report["episodes"].as_array().unwrap().len(), 2);
 }
