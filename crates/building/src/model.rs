@@ -5,6 +5,7 @@
 
 use std::path::Path;
 
+use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use crate::{Error, Result};
@@ -15,7 +16,8 @@ pub type Fields = Map<String, Value>;
 /// An EnergyPlus model: class → object name → fields.
 ///
 /// Writing is deterministic: classes, names and fields are in alphabetical order.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(transparent)]
 pub struct Model {
     classes: Map<String, Value>,
 }

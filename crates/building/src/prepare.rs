@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use b2b_energyplus::Library;
+use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 use crate::hvac::{self, Actuator, System};
@@ -14,7 +15,7 @@ use crate::zone;
 use crate::{Error, Result, climate::Site};
 
 /// A building ready for control: hard-sized, every actuator bites, nothing is written.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PreparedBuilding {
     /// Name for people and for results, for example `OfficeSmall`.
     pub name: String,
@@ -29,7 +30,7 @@ pub struct PreparedBuilding {
 }
 
 /// A zone as an agent meets it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Zone {
     /// Name.
     pub name: String,
@@ -40,7 +41,8 @@ pub struct Zone {
 }
 
 /// What the equipment of a zone can do.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Conditioning {
     /// Nothing: an attic, a plenum.
     None,

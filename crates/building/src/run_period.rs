@@ -3,6 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use crate::{Error, Result};
@@ -20,7 +21,10 @@ pub struct Date {
 }
 
 /// The first and the last day of an episode, both included, within one year.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+///
+/// Serialised as text, for example `01-01..03-31`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
 pub struct RunPeriod {
     first: Date,
     last: Date,
@@ -87,6 +91,20 @@ impl FromStr for Date {
             .split_once('-')
             .and_then(|(month, day)| Self::new(month.trim().parse().ok()?, day.trim().parse().ok()?).ok());
         date.ok_or_else(|| Error::Date { text: text.to_owned() })
+    }
+}
+
+impl TryFrom<String> for RunPeriod {
+    type Error = Error;
+
+    fn try_from(text: String) -> Result<Self> {
+        text.parse()
+    }
+}
+
+impl From<RunPeriod> for String {
+    fn from(period: RunPeriod) -> Self {
+        period.to_string()
     }
 }
 

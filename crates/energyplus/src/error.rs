@@ -80,6 +80,16 @@ pub enum Error {
         /// What the system said.
         source: std::io::Error,
     },
+    /// A process that cannot be copied because it has more than one thread: a copy would have only one of them, and
+    /// hold whatever locks the others held.
+    #[error("a simulation can be copied in a process of one thread only, and this one has {threads}")]
+    Threads {
+        /// How many it has.
+        threads: usize,
+    },
+    /// The system refused to copy the process.
+    #[error("the simulation cannot be copied: {0}")]
+    Fork(std::io::Error),
     /// No stack for the coroutine.
     #[error("no memory for the engine's stack: {0}")]
     Stack(std::io::Error),

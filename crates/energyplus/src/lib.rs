@@ -35,6 +35,8 @@ pub mod install;
 mod library;
 mod message;
 mod simulation;
+#[cfg(target_os = "linux")]
+pub mod snapshot;
 
 pub use error::{Error, Result};
 pub use library::Library;

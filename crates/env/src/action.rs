@@ -55,13 +55,11 @@ impl ActionSpace {
         &self.high
     }
 
-    /// Writes the action that is carried out for the one given: every value within its bounds. Returns how
-    /// many values were out of bounds.
+    /// Whether an action can be carried out.
     ///
     /// # Errors
-    /// [`Error::ActionLength`]; [`Error::ActionNotFinite`] naming the actuator, before anything is written to
-    /// the engine.
-    pub fn clamp_into(&self, given: &[f64], carried_out: &mut [f64]) -> Result<usize> {
+    /// [`Error::ActionLength`]; [`Error::ActionNotFinite`] naming the actuator.
+    pub fn check(&self, given: &[f64]) -> Result<()> {
         if given.len() != self.len() {
             return Err(Error::ActionLength { given: given.len(), expected: self.len() });
         }
@@ -74,6 +72,16 @@ impl ActionSpace {
                 unit: self.quantities[i].unit(),
             });
         }
+        Ok(())
+    }
+
+    /// Writes the action that is carried out for the one given: every value within its bounds. Returns how
+    /// many values were out of bounds.
+    ///
+    /// # Errors
+    /// As [`ActionSpace::check`], before anything is written to the engine.
+    pub fn clamp_into(&self, given: &[f64], carried_out: &mut [f64]) -> Result<usize> {
+        self.check(given)?;
         let mut outside = 0;
         for (i, value) in given.iter().enumerate() {
             carried_out[i] = value.clamp(self.low[i], self.high[i]);

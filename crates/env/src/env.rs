@@ -6,6 +6,7 @@ use std::sync::Arc;
 use b2b_building::hvac::EngineVariable;
 use b2b_building::{PreparedBuilding, RunPeriod};
 use b2b_energyplus::{Actuator, Clock, Event, Level, Library, Messages, Meter, Run, Simulation, Variable};
+use serde::{Deserialize, Serialize};
 use tempfile::TempDir;
 
 use crate::action::ActionSpace;
@@ -23,7 +24,7 @@ const METERS: [&str; 2] = ["Electricity:HVAC", "NaturalGas:HVAC"];
 const JOULES_PER_WATT_HOUR: f64 = 3600.0;
 
 /// What an episode is made of, beside the building.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Episode {
     /// Weather file (EPW).
     pub weather: PathBuf,
@@ -57,6 +58,8 @@ pub struct Env {
     metrics: Metrics,
     messages: Messages,
     observe_effects: bool,
+    /// Steps after which an episode is left where it stands, the engine with it.
+    left_after: Option<usize>,
     /// The model file and the engine's own files; goes with the environment.
     folder: TempDir,
 }
@@ -115,6 +118,7 @@ impl Env {
             metrics: Metrics::new(&zones, episode.steps_per_hour),
             messages: Messages::default(),
             observe_effects: false,
+            left_after: None,
             library,
             building,
             episode,
@@ -172,8 +176,8 @@ impl Env {
         self.observe(&live, energy)?;
         let reward = reward(&self.episode.task, &self.zones, &self.observation, energy[0] + energy[1]);
         self.metrics.add(reward, self.episode.task.target, &self.observation, energy);
-        let truncated = self.metrics.steps == self.episode_steps();
-        if truncated {
+        let truncated = self.metrics.steps == self.left_after.unwrap_or(self.episode_steps());
+        if truncated && self.left_after.is_none() {
             self.finish(live)?;
         } else {
             self.live = Some(live);
@@ -204,6 +208,11 @@ impl Env {
     /// Steps of a whole episode.
     pub fn episode_steps(&self) -> usize {
         (self.episode.period.days() * 24 * self.episode.steps_per_hour) as usize
+    }
+
+    /// What is seen now: what the last step or reset gave.
+    pub fn observation(&self) -> &[f64] {
+        &self.observation
     }
 
     /// Sums over the episode in progress, or the last one.
@@ -256,6 +265,27 @@ impl Env {
     /// an episode in progress.
     pub fn engine_clock(&self) -> Option<Clock> {
         self.live.as_ref().map(|live| live.simulation.clock())
+    }
+
+    /// Copies this process where the episode stands: see [`Simulation::fork`].
+    #[cfg(target_os = "linux")]
+    pub(crate) fn fork(&mut self) -> Result<b2b_energyplus::snapshot::Fork> {
+        let live = self.live.as_mut().ok_or(Error::NotReset)?;
+        Ok(live.simulation.fork()?)
+    }
+
+    /// Truncates the episode after so many steps, or at the end of the run period if 0, and lets the engine stand
+    /// there: for a process that ends with its episode.
+    #[cfg(target_os = "linux")]
+    pub(crate) fn leave_after(&mut self, steps: usize) {
+        let whole = self.episode_steps();
+        self.left_after = Some(if steps == 0 { whole } else { steps.min(whole) });
+    }
+
+    /// The folder of the model and of the engine's own files.
+    #[cfg(target_os = "linux")]
+    pub(crate) fn folder(&self) -> &Path {
+        self.folder.path()
     }
 
     fn model_path(&self) -> PathBuf {

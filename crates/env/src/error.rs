@@ -49,6 +49,45 @@ pub enum Error {
         /// The step, from 1.
         step: usize,
     },
+    /// What a pool of environments needs from the system and was not given.
+    #[error("cannot have {what}: {source}")]
+    Pool {
+        /// What was asked for.
+        what: String,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// A building that cannot be made an environment.
+    #[error("{name} cannot be made an environment: {why}")]
+    Template {
+        /// Name of the building.
+        name: String,
+        /// Why.
+        why: String,
+    },
+    /// A process that is no more, or an episode that is over.
+    #[error("{what} is gone: {why}")]
+    Gone {
+        /// What it was.
+        what: &'static str,
+        /// Why.
+        why: String,
+    },
+    /// A building with more numbers than a worker has room for.
+    #[error("{name} has {width} {what}, and a worker has room for {most}")]
+    TooWide {
+        /// Name of the building.
+        name: String,
+        /// What it has too many of.
+        what: &'static str,
+        /// How many.
+        width: usize,
+        /// How many there may be.
+        most: usize,
+    },
+    /// Waiting was interrupted.
+    #[error("interrupted")]
+    Interrupted,
     /// The engine failed, or refused a handle.
     #[error(transparent)]
     Engine(#[from] b2b_energyplus::Error),

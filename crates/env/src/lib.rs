@@ -14,6 +14,8 @@ mod observation;
 mod reward;
 mod task;
 mod trajectory;
+#[cfg(target_os = "linux")]
+pub mod vector;
 mod warmup;
 
 pub use action::ActionSpace;

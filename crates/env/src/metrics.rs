@@ -1,9 +1,11 @@
 //! What an episode amounts to.
 
+use serde::{Deserialize, Serialize};
+
 use crate::reward::{JudgedZone, Reward};
 
 /// Deviation of one zone from its target over an episode.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ZoneMetrics {
     /// Slot of the zone in the observation.
     pub slot: usize,
@@ -15,7 +17,7 @@ pub struct ZoneMetrics {
 }
 
 /// Sums over the steps of an episode.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Metrics {
     /// Steps done.
     pub steps: usize,

@@ -1,0 +1,17 @@
+//! Many environments at once, each in a process of its own, and copies of an environment where it stands.
+//!
+//! The engine runs once at a time in a process, and a crash of it takes the process along; so every episode has a
+//! process. A [`Pool`] starts one [template](Pool::prepare) a building, which warms it up and stands there; an
+//! [episode](Pool::begin) is a copy of the template by `fork`, in milliseconds, and a
+//! [snapshot](Pool::snapshot) is a copy of an episode. [`VecEnv`] is N environments on a pool.
+
+mod launcher;
+mod order;
+mod pool;
+mod region;
+mod worker;
+
+pub use launcher::Launcher;
+pub use order::Source;
+pub use pool::{Live, Pool, PoolOptions, Setting, Spaces, TemplateId};
+pub use worker::run_if_worker;

@@ -1,0 +1,57 @@
+//! What a process is started for.
+
+use std::path::PathBuf;
+
+use b2b_building::{Model, PreparedBuilding};
+use b2b_energyplus::Library;
+use serde::{Deserialize, Serialize};
+
+use crate::env::{Env, Episode};
+
+/// A building to make an environment of.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Source {
+    /// One that is ready.
+    Prepared(Box<PreparedBuilding>),
+    /// One that has to be sized and made controllable first.
+    Model {
+        /// Its name.
+        name: String,
+        /// The model as it was generated or read.
+        model: Box<Model>,
+    },
+}
+
+impl Source {
+    /// Its name.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Prepared(building) => &building.name,
+            Self::Model { name, .. } => name,
+        }
+    }
+}
+
+/// What a template is made of.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Order {
+    /// The engine's library.
+    pub(super) library: PathBuf,
+    pub(super) source: Source,
+    pub(super) episode: Episode,
+}
+
+impl Order {
+    /// The environment, before its first reset.
+    pub(super) fn env(self) -> Result<Env, Box<dyn std::error::Error>> {
+        let library = Library::load(&self.library)?;
+        let building = match self.source {
+            Source::Prepared(building) => *building,
+            Source::Model { name, model } => {
+                PreparedBuilding::new(&name, *model, &self.episode.weather, &library)?
+            }
+        };
+        Ok(Env::new(library, building.into(), self.episode)?)
+    }
+}
