@@ -85,6 +85,19 @@ pub enum Error {
         /// How many there may be.
         most: usize,
     },
+    /// A vector environment of none.
+    #[error("a vector environment needs at least one environment")]
+    NoEnvironment,
+    /// Windows that do not fit their run period.
+    #[error("windows of {least} to {most} days cannot be cut from {whole} days")]
+    Window {
+        /// Least days.
+        least: u32,
+        /// Most days.
+        most: u32,
+        /// Days of the run period.
+        whole: u32,
+    },
     /// Waiting was interrupted.
     #[error("interrupted")]
     Interrupted,

@@ -9,9 +9,14 @@ mod launcher;
 mod order;
 mod pool;
 mod region;
+mod sampler;
+mod vec_env;
 mod worker;
 
 pub use launcher::Launcher;
 pub use order::Source;
-pub use pool::{Live, Pool, PoolOptions, Setting, Spaces, TemplateId};
+pub use pool::{Held, Live, Pool, PoolOptions, Setting, Spaces, TemplateId};
+pub use region::Start;
+pub use sampler::{AnyOf, Draw, Fixed, Sampler, Windows};
+pub use vec_env::{Autoreset, VecEnv, VecEnvOptions};
 pub use worker::run_if_worker;

@@ -20,7 +20,7 @@ use tempfile::TempDir;
 
 use super::launcher::Launcher;
 use super::order::{Order, Source};
-use super::region::{COPIES, Command, Region, SEATS, Standing, WIDTH};
+use super::region::{COPIES, Command, Region, SEATS, Standing, Start, WIDTH};
 use crate::action::ActionSpace;
 use crate::env::Episode;
 use crate::metrics::Metrics;
@@ -129,6 +129,24 @@ pub struct Live {
     phase: Phase,
 }
 
+/// What may hold an episode: see [`Pool::wait`].
+pub trait Held {
+    /// The episode, if there is one.
+    fn live(&mut self) -> Option<&mut Live>;
+}
+
+impl Held for Live {
+    fn live(&mut self) -> Option<&mut Live> {
+        Some(self)
+    }
+}
+
+impl Held for Option<Live> {
+    fn live(&mut self) -> Option<&mut Live> {
+        self.as_mut()
+    }
+}
+
 /// How a [`Live`] stands.
 #[derive(Clone, Debug, PartialEq)]
 enum Phase {
@@ -201,6 +219,8 @@ pub struct Pool {
     /// Seats whose processes are about to end.
     dying: VecDeque<u32>,
     clock: u64,
+    /// When to look after those who are busy next.
+    look: Instant,
     folder: TempDir,
 }
 
@@ -232,6 +252,7 @@ impl Pool {
             free: Vec::new(),
             dying: VecDeque::new(),
             clock: 0,
+            look: Instant::now() + LOOK,
             folder,
         })
     }
@@ -282,13 +303,23 @@ impl Pool {
         self.read_reply(id).map_err(|error| self.give_up(id, &error.to_string()))
     }
 
-    /// Begins an episode at the end of a template's warm-up, truncated after so many steps, or at the end of the run
-    /// period if `None`. It is busy until it stands.
+    /// Whether a template is of a setting.
+    pub fn is_of(&self, id: TemplateId, setting: &Setting) -> bool {
+        self.template(id).setting.is(setting)
+    }
+
+    /// Whether [`Pool::spaces`] would not wait.
+    pub fn is_ready(&self, id: TemplateId) -> bool {
+        let template = self.template(id);
+        template.spaces.is_some() || self.region.is_ready(template.seat) || self.is_gone(template.seat)
+    }
+
+    /// Begins an episode at the end of a template's warm-up. It is busy until it stands.
     ///
     /// # Errors
     /// As [`Pool::spaces`]; [`Error::Pool`].
-    pub fn begin(&mut self, id: TemplateId, steps: Option<usize>) -> Result<Live> {
-        let mut live = self.begin_several(id, &[steps])?;
+    pub fn begin(&mut self, id: TemplateId, start: Start) -> Result<Live> {
+        let mut live = self.begin_several(id, &[start])?;
         Ok(live.remove(0))
     }
 
@@ -296,26 +327,27 @@ impl Pool {
     ///
     /// # Errors
     /// As [`Pool::begin`].
-    pub fn begin_several(&mut self, id: TemplateId, steps: &[Option<usize>]) -> Result<Vec<Live>> {
+    pub fn begin_several(&mut self, id: TemplateId, starts: &[Start]) -> Result<Vec<Live>> {
         let setting = self.template(id).setting.clone();
-        let mut outcome = self.try_begin(id, steps);
+        let mut outcome = self.try_begin(id, starts);
         if let Err(Error::Gone { .. }) = outcome {
             // The template was killed: another takes its place.
+            let descendants = self.template(id).descendants;
             self.remove_template(id);
-            self.templates[id.0] = Some(self.start_template(&setting)?);
-            outcome = self.try_begin(id, steps);
+            self.templates[id.0] = Some(Template { descendants, ..self.start_template(&setting)? });
+            outcome = self.try_begin(id, starts);
         }
         outcome
     }
 
-    fn try_begin(&mut self, id: TemplateId, steps: &[Option<usize>]) -> Result<Vec<Live>> {
+    fn try_begin(&mut self, id: TemplateId, starts: &[Start]) -> Result<Vec<Live>> {
         let spaces = self.spaces(id)?;
         self.clock += 1;
         let clock = self.clock;
         let template = self.template_mut(id);
         template.used = clock;
         let seat = template.seat;
-        self.copy(seat, id, &spaces, steps)
+        self.copy(seat, id, &spaces, starts)
     }
 
     /// A snapshot of an episode where it stands: another process that stands there too. It is busy until it does.
@@ -336,7 +368,7 @@ impl Pool {
             let why = live.lost().unwrap_or("it does not stand in an episode").to_owned();
             return Err(Error::Gone { what: "the episode to copy", why });
         }
-        self.copy(live.seat, live.template, &live.spaces, &vec![None; count])
+        self.copy(live.seat, live.template, &live.spaces, &vec![Start::default(); count])
     }
 
     /// Gives an action to an episode that stands. It is busy until the step is done.
@@ -359,26 +391,39 @@ impl Pool {
         Ok(())
     }
 
-    /// Waits until at least `count` of these are not busy.
+    /// Waits until at least `count` of these are not busy; a place without an episode is not.
     ///
     /// # Errors
     /// [`Error::Interrupted`]; they go on then.
-    pub fn wait(&mut self, lives: &mut [Live], count: usize) -> Result<()> {
-        let count = count.min(lives.len());
-        let mut look = Instant::now() + LOOK;
+    pub fn wait<H: Held>(&mut self, held: &mut [H], count: usize) -> Result<()> {
+        let count = count.min(held.len());
         loop {
-            let done = self.region.done();
-            let ready = lives.iter_mut().map(|live| usize::from(self.settle(live))).sum::<usize>();
-            if ready >= count {
+            let done = self.done();
+            if self.rest(held, count, done)? >= count {
                 return Ok(());
             }
-            self.region.sleep(done, (count - ready) as u32, LOOK);
-            if Instant::now() >= look {
-                self.check_interrupt()?;
-                lives.iter_mut().for_each(|live| self.look_after(live));
-                look = Instant::now() + LOOK;
-            }
         }
+    }
+
+    /// What has been done so far, for [`Pool::rest`]: to be had before looking at what is done.
+    pub(super) fn done(&self) -> u32 {
+        self.region.done()
+    }
+
+    /// Sleeps until `count` of these are not busy, or something else has happened since `done`. How many are not
+    /// busy.
+    pub(super) fn rest<H: Held>(&mut self, held: &mut [H], count: usize, done: u32) -> Result<usize> {
+        let ready = held.iter_mut().map(|held| usize::from(self.settle(held))).sum::<usize>();
+        if ready >= count {
+            return Ok(ready);
+        }
+        self.region.sleep(done, (count - ready) as u32, LOOK);
+        if Instant::now() >= self.look {
+            self.check_interrupt()?;
+            held.iter_mut().filter_map(Held::live).for_each(|live| self.look_after(live));
+            self.look = Instant::now() + LOOK;
+        }
+        Ok(held.iter_mut().map(|held| usize::from(self.settle(held))).sum())
     }
 
     /// The observation where an episode stands. Length is that of the observation space.
@@ -421,8 +466,9 @@ impl Pool {
         self.vacate(live.seat);
     }
 
-    /// Whether a live one is no longer busy; reads what it reports.
-    fn settle(&mut self, live: &mut Live) -> bool {
+    /// Whether one is no longer busy; reads what it reports.
+    fn settle<H: Held>(&mut self, held: &mut H) -> bool {
+        let Some(live) = held.live() else { return true };
         if !live.is_busy() {
             return true;
         }
@@ -474,16 +520,16 @@ impl Pool {
         source: u32,
         template: TemplateId,
         spaces: &Arc<Spaces>,
-        steps: &[Option<usize>],
+        starts: &[Start],
     ) -> Result<Vec<Live>> {
-        let mut lives = Vec::with_capacity(steps.len());
-        for steps in steps.chunks(COPIES) {
+        let mut lives = Vec::with_capacity(starts.len());
+        for starts in starts.chunks(COPIES) {
             self.wait_until_ready(source)?;
             let first = lives.len();
-            for steps in steps {
+            for start in starts {
                 let process = self.process_of(source)?;
                 let seat = self.take_seat(Occupant { process, sits: false })?;
-                self.region.lay(seat, steps.map_or(0, |steps| steps.max(1) as u32));
+                self.region.lay(seat, *start);
                 let phase = Phase::Busy(Instant::now() + self.options.time_out);
                 lives.push(Live { seat, template, spaces: Arc::clone(spaces), phase });
             }
@@ -540,7 +586,7 @@ impl Pool {
         };
         let order = Order { library: self.options.library.clone(), source, episode: setting.episode.clone() };
         let seat = self.free_seat()?;
-        self.region.lay(seat, 0);
+        self.region.lay(seat, Start::default());
         let path = self.folder.path().join(format!("template-{seat}-{}.json", self.clock));
         let text = serde_json::to_vec(&order).expect("an order is plain data");
         std::fs::write(&path, text).map_err(|source| Error::Io { path: path.clone(), source })?;

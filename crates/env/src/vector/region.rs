@@ -38,6 +38,15 @@ pub(super) enum Command {
     Copy = 1,
 }
 
+/// How a copy begins.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Start {
+    /// Steps after which its episode is truncated; all of the run period if `None`.
+    pub steps: Option<usize>,
+    /// The processor that its process keeps to, counted among those that it may use; any if `None`.
+    pub processor: Option<u32>,
+}
+
 /// How a process stands after its last command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
@@ -76,6 +85,8 @@ struct Seat {
     copies: AtomicU32,
     /// Steps after which the episode is over; 0 for all of the run period.
     steps: AtomicU32,
+    /// The processor to keep to, from 1; 0 for any.
+    processor: AtomicU32,
     temperature_penalty: AtomicU64,
     energy_penalty: AtomicU64,
     copy_seats: [AtomicU32; COPIES],
@@ -208,6 +219,11 @@ impl Region {
         self.seat(seat).steps.load(Ordering::Relaxed)
     }
 
+    /// The processor that the process of a seat keeps to; `None` for any.
+    pub(super) fn processor(&self, seat: u32) -> Option<u32> {
+        self.seat(seat).processor.load(Ordering::Relaxed).checked_sub(1)
+    }
+
     /// How the process of a seat stands.
     pub(super) fn standing(&self, seat: u32) -> Standing {
         match self.seat(seat).standing.load(Ordering::Relaxed) {
@@ -226,11 +242,12 @@ impl Region {
 /// What the owner does.
 impl Region {
     /// Lays a seat for a process to come: busy until it reports.
-    pub(super) fn lay(&self, seat: u32, steps: u32) {
+    pub(super) fn lay(&self, seat: u32, start: Start) {
         let place = self.seat(seat);
         place.process.store(0, Ordering::Relaxed);
         place.report_bytes.store(0, Ordering::Relaxed);
-        place.steps.store(steps, Ordering::Relaxed);
+        place.steps.store(start.steps.map_or(0, |steps| steps.max(1) as u32), Ordering::Relaxed);
+        place.processor.store(start.processor.map_or(0, |processor| processor + 1), Ordering::Relaxed);
         place.standing.store(Standing::Running as u32, Ordering::Relaxed);
         place.state.store(BUSY, Ordering::Release);
     }
@@ -333,7 +350,7 @@ mod tests {
     fn a_seat_changes_hands_with_what_was_written() {
         let region = Region::new().unwrap();
         region.reserve(3).unwrap();
-        region.lay(3, 7);
+        region.lay(3, Start { steps: Some(7), processor: Some(1) });
         assert!(!region.is_ready(3));
         region.sit(3);
         region.write_observation(3, &[1.0, 2.0]);
@@ -343,6 +360,7 @@ mod tests {
         let mut observation = [0.0; 2];
         region.read_observation(3, &mut observation);
         assert_eq!((observation, region.steps(3), region.done()), ([1.0, 2.0], 7, 1));
+        assert_eq!(region.processor(3), Some(1));
         assert_eq!(region.report(3), b"all is well");
         assert_eq!(region.process(3), std::process::id());
     }
@@ -350,7 +368,7 @@ mod tests {
     #[test]
     fn the_owner_sleeps_until_the_last_of_those_it_waits_for() {
         let region = Region::new().unwrap();
-        (0..3).for_each(|seat| region.lay(seat, 0));
+        (0..3).for_each(|seat| region.lay(seat, Start::default()));
         let done = region.done();
         std::thread::scope(|scope| {
             scope.spawn(|| {

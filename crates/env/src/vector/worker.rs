@@ -16,6 +16,7 @@ use std::time::Duration;
 use b2b_energyplus::snapshot::{Fork, become_ancestor, leave};
 use rustix::event::{EventfdFlags, PollFd, PollFlags, Timespec};
 use rustix::process::{Pid, PidfdFlags};
+use rustix::thread::CpuSet;
 
 use super::order::Order;
 use super::region::{Command, Region, Standing};
@@ -106,11 +107,8 @@ impl Worker {
             match self.region.next_command(self.seat.get(), LOOK_FOR_OWNER) {
                 None if self.owner.is_gone() => return self.tidy(),
                 None => {}
-                Some(Command::Step) => {
-                    if self.step(&mut env, &mut action)? {
-                        return Ok(());
-                    }
-                }
+                Some(Command::Step) if self.step(&mut env, &mut action)? => return Ok(()),
+                Some(Command::Step) => {}
                 Some(Command::Copy) => self.copy(&mut env)?,
             }
         }
@@ -151,6 +149,7 @@ impl Worker {
                 Ok(Fork::Copy(opened)) => {
                     self.seat.set(seat);
                     opened?;
+                    pin(self.region.processor(seat));
                     if let steps @ 1.. = self.region.steps(seat) {
                         env.leave_after(steps as usize);
                     }
@@ -185,6 +184,17 @@ impl Worker {
         let _ = std::fs::remove_dir_all(&self.folder);
         Ok(())
     }
+}
+
+/// Keeps this process to one of the processors it may use, so that it finds its caches warm. `None` for any.
+fn pin(processor: Option<u32>) {
+    let Some(processor) = processor else { return };
+    let Ok(may) = rustix::thread::sched_getaffinity(None) else { return };
+    let may: Vec<usize> = (0..CpuSet::MAX_CPU).filter(|cpu| may.is_set(*cpu)).collect();
+    let mut one = CpuSet::new();
+    one.set(may[processor as usize % may.len()]);
+    // A refusal costs speed alone.
+    let _ = rustix::thread::sched_setaffinity(None, &one);
 }
 
 /// The process that a pool belongs to.
