@@ -8,7 +8,7 @@ use std::collections::VecDeque;
 use std::fmt;
 use std::io;
 use std::os::fd::OwnedFd;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Child;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -292,7 +292,8 @@ impl Pool {
             let done = self.region.done();
             self.check_interrupt()?;
             if self.is_gone(self.template(id).seat) && !self.region.is_ready(self.template(id).seat) {
-                return Err(self.give_up(id, "its process was killed or crashed"));
+                let program = self.options.launcher.program().display();
+                return Err(self.give_up(id, &format!("its process ({program}) was killed or crashed")));
             }
             self.region.sleep(done, 1, LOOK);
         }
@@ -455,6 +456,11 @@ impl Pool {
     /// The processes of the templates.
     pub fn template_processes(&self) -> Vec<u32> {
         self.templates.iter().flatten().map(|template| template.child.id()).collect()
+    }
+
+    /// The temporary folder of everything its processes write. It goes with the pool.
+    pub fn folder(&self) -> &Path {
+        self.folder.path()
     }
 
     /// Ends a process.
