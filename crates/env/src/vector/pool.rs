@@ -369,7 +369,10 @@ impl Pool {
             let why = live.lost().unwrap_or("it does not stand in an episode").to_owned();
             return Err(Error::Gone { what: "the episode to copy", why });
         }
-        self.copy(live.seat, live.template, &live.spaces, &vec![Start::default(); count])
+        let copies = self.copy(live.seat, live.template, &live.spaces, &vec![Start::default(); count])?;
+        // It copies itself before it does anything else.
+        self.wait_until_ready(live.seat)?;
+        Ok(copies)
     }
 
     /// Gives an action to an episode that stands. It is busy until the step is done.
