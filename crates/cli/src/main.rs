@@ -21,6 +21,8 @@ mod stdout;
 mod summary;
 mod table;
 mod trajectory_file;
+#[cfg(target_os = "linux")]
+mod workers;
 
 use std::process::ExitCode;
 
@@ -69,6 +71,8 @@ enum Command {
 }
 
 fn main() -> ExitCode {
+    #[cfg(target_os = "linux")]
+    b2b_env::vector::run_if_worker();
     let command = match Cli::try_parse() {
         Ok(cli) => cli.command,
         Err(usage) => {

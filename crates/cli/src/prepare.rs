@@ -69,8 +69,13 @@ impl Prepared {
 
     /// The building as an environment.
     pub fn env(&self, period: RunPeriod, steps_per_hour: u32, task: Task) -> Result<Env> {
-        let episode = Episode { weather: self.weather.clone(), period, steps_per_hour, task };
+        let episode = self.episode(period, steps_per_hour, task);
         Ok(Env::new(self.library.clone(), Arc::clone(&self.building), episode)?)
+    }
+
+    /// What an episode is made of, under this weather.
+    pub fn episode(&self, period: RunPeriod, steps_per_hour: u32, task: Task) -> Episode {
+        Episode { weather: self.weather.clone(), period, steps_per_hour, task }
     }
 }
 

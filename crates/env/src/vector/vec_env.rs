@@ -231,6 +231,11 @@ impl VecEnv {
         &self.truncated
     }
 
+    /// Whether the episode of an environment is over and the next has not begun.
+    pub fn is_over(&self, environment: usize) -> bool {
+        self.places[environment].turn == Turn::Over
+    }
+
     /// Why the last episode of an environment was lost, if it was.
     pub fn lost(&self, environment: usize) -> Option<&str> {
         self.places[environment].lost.as_deref()

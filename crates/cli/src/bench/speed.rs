@@ -1,4 +1,4 @@
-//! `b2b bench`: what a step costs, and how much of it is the engine.
+//! `b2b bench speed`: what a step costs, and how much of it is the engine.
 
 use anyhow::{Result, bail};
 use b2b_building::hvac::{Actuator, Quantity};
@@ -9,21 +9,10 @@ use cpu_time::ProcessTime;
 use serde::Serialize;
 use tempfile::TempDir;
 
+use super::{median, middle};
 use crate::prepare::{BuildingName, Location, Prepared};
 use crate::table::Table;
 use crate::{interrupt, stdout};
-
-/// Measure what a step costs
-#[derive(clap::Args)]
-pub struct Arguments {
-    #[command(subcommand)]
-    what: What,
-}
-
-#[derive(clap::Subcommand)]
-enum What {
-    Speed(SpeedArguments),
-}
 
 /// CPU time of a step: the bare engine, the engine stopped at every step, the whole environment
 ///
@@ -40,7 +29,7 @@ Columns, milliseconds of CPU time a step:
 Examples:
   b2b bench speed
   b2b bench speed --type OfficeSmall --type Warehouse --days 60 --json")]
-struct SpeedArguments {
+pub struct Arguments {
     /// Building types, or buildings of the dataset such as OfficeSmall-0042 [default: every type]
     #[arg(long = "type", value_name = "BUILDING", num_args = 1..)]
     buildings: Vec<BuildingName>,
@@ -74,7 +63,6 @@ struct Speed {
 
 /// Runs the command.
 pub fn bench(arguments: &Arguments) -> Result<()> {
-    let What::Speed(arguments) = &arguments.what;
     let types = BuildingType::ALL.map(BuildingName::Type);
     let buildings = if arguments.buildings.is_empty() { &types[..] } else { &arguments.buildings };
     let mut speeds = Vec::new();
@@ -84,7 +72,7 @@ pub fn bench(arguments: &Arguments) -> Result<()> {
     if arguments.json { stdout::print_json(&speeds) } else { stdout::print(&text(&speeds)) }
 }
 
-fn speed(building: BuildingName, arguments: &SpeedArguments) -> Result<Speed> {
+fn speed(building: BuildingName, arguments: &Arguments) -> Result<Speed> {
     let prepared = Prepared::new(building, &Location::default(), arguments.json)?;
     let mut days = Vec::new();
     for first in 0..WAYS {
@@ -107,11 +95,6 @@ fn speed(building: BuildingName, arguments: &SpeedArguments) -> Result<Speed> {
         env_to_engine: of_days(|ms| ms[2] / ms[0]),
         steps: WAYS as u32 * (arguments.days - FIRST_DAYS) * STEPS_PER_DAY,
     })
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
 }
 
 /// One building, run in three ways at once, in the order of the table's columns.
@@ -146,7 +129,7 @@ impl Runs {
                 _ => {
                     let mut env = prepared.env(period, STEPS_PER_HOUR, Task::default())?;
                     env.reset()?;
-                    let action = middle(&env);
+                    let action = middle(env.action_space());
                     Way::Env(Box::new(env), action)
                 }
             })
@@ -209,11 +192,6 @@ fn hold_middle(
         simulation.set(actuator, (each.low + each.high) / 2.0 * each.scale);
     }
     Ok(())
-}
-
-fn middle(env: &Env) -> Vec<f64> {
-    let space = env.action_space();
-    space.low().iter().zip(space.high()).map(|(low, high)| (low + high) / 2.0).collect()
 }
 
 fn text(speeds: &[Speed]) -> String {

@@ -1,0 +1,167 @@
+//! `b2b bench soak`: many episodes of everything, to find what leaks or breaks.
+
+use anyhow::{Context, Result};
+use b2b_building::{BuildingType, RunPeriod};
+use b2b_control::{Controller, Random};
+use b2b_env::Task;
+use b2b_env::vector::{AnyOf, VecEnv, VecEnvOptions, Windows};
+use serde_json::json;
+use sha2::{Digest, Sha256};
+
+use super::process::{open_files, resident_mb};
+use crate::prepare::{BuildingName, Location, Prepared};
+use crate::progress::counter;
+use crate::{interrupt, stdout};
+
+/// Run episodes of all types at once, with random actions and random resets, and tell what became of them
+///
+/// Every episode is of a random type, begins on one of a few days and lasts a random number of days. The hash is of
+/// every observation and reward: two runs with the same arguments give the same. Exit code 1 when an episode is
+/// lost.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  b2b bench soak --steps 20000
+  b2b bench soak --environments 14 --steps 1000000 --seed 1")]
+pub struct Arguments {
+    /// Environments at once
+    #[arg(long, default_value_t = 14, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    environments: u32,
+    /// Steps of all environments together
+    #[arg(long, default_value_t = 100_000, value_name = "N")]
+    steps: u64,
+    /// Least and most days of an episode
+    #[arg(long, num_args = 2, default_values_t = [1, 3], value_names = ["LEAST", "MOST"])]
+    days: Vec<u32>,
+    /// Days that an episode may begin on
+    #[arg(long, default_value_t = 3, value_name = "N")]
+    starts: u32,
+    /// Building types, or buildings of the dataset [default: every type]
+    #[arg(long = "type", value_name = "BUILDING", num_args = 1..)]
+    buildings: Vec<BuildingName>,
+    /// Seed of episodes and actions
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs the command.
+pub fn bench(arguments: &Arguments) -> Result<()> {
+    let mut batch = arguments.batch()?;
+    let count = batch.len();
+    batch.reset(arguments.seed)?;
+    let mut actors = Actors::new(&batch, arguments.seed);
+    let mut hash = Sha256::new();
+    let (mut episodes, mut lost) = (0u64, Vec::new());
+    let turns = arguments.steps.div_ceil(count as u64);
+    let bar = counter(turns as usize, "steps of each", arguments.json);
+    let mut memory = Vec::new();
+    let files = open_files()?;
+    for turn in 0..turns {
+        interrupt::check()?;
+        // The first tenth is for caches to fill.
+        if turn == turns / 10 || turn + 1 == turns {
+            memory.push(resident_mb(std::process::id())?);
+        }
+        batch.step(actors.act(&batch))?;
+        for value in batch.observations() {
+            hash.update(value.to_le_bytes());
+        }
+        for reward in batch.rewards() {
+            hash.update(reward.total().to_le_bytes());
+        }
+        for index in (0..count).filter(|index| batch.truncated()[*index]) {
+            episodes += 1;
+            lost.extend(batch.lost(index).map(str::to_owned));
+        }
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    let hash: String = hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
+    let growth = memory.last().context("no step")? - memory.first().context("no step")?;
+    let files = open_files()? as i64 - files as i64;
+    let (steps, ended) = (turns * count as u64, lost.len());
+    if arguments.json {
+        stdout::print_json(&json!({
+            "steps": steps, "episodes": episodes, "lost": lost, "hash": hash,
+            "memory_mb": memory, "memory_growth_mb": growth, "open_files_growth": files,
+        }))?;
+    } else {
+        stdout::print(&format!(
+            "{steps} steps in {episodes} episodes of {count} environments, {ended} lost\n\
+             memory of this process grew by {growth:.1} MB after the first tenth, its open files by {files}\n\
+             hash {hash}"
+        ))?;
+    }
+    match lost.first() {
+        None => Ok(()),
+        Some(why) => anyhow::bail!("{ended} episodes were lost; the first: {why}"),
+    }
+}
+
+impl Arguments {
+    fn batch(&self) -> Result<VecEnv> {
+        let types = BuildingType::ALL.map(BuildingName::Type);
+        let buildings = if self.buildings.is_empty() { &types[..] } else { &self.buildings };
+        let mut prepared = Vec::new();
+        for building in buildings {
+            prepared.push(Prepared::new(*building, &Location::default(), self.json)?);
+        }
+        let widths = |width: fn(&b2b_env::Env) -> usize| -> Result<usize> {
+            let envs = prepared.iter().map(|each| each.env(RunPeriod::WINTER, 12, Task::default()));
+            Ok(envs.map(|env| Ok(width(&env?))).collect::<Result<Vec<_>>>()?.into_iter().max().unwrap_or(0))
+        };
+        let widths = (widths(|env| env.action_space().len())?, widths(|env| env.observation_space().len())?);
+        let settings: Vec<_> =
+            prepared.iter().map(|each| each.setting(RunPeriod::WINTER, 12, Task::default())).collect();
+        let sampler =
+            Windows { of: AnyOf(settings), days: (self.days[0], self.days[1]), starts: self.starts };
+        let options = VecEnvOptions { widths: Some(widths), ..prepared[0].vec_env_options()? };
+        Ok(VecEnv::new(self.environments as usize, Box::new(sampler), options)?)
+    }
+}
+
+/// A random controller for each environment, another one for each episode.
+struct Actors {
+    seed: u64,
+    actors: Vec<Random>,
+    was_over: Vec<bool>,
+    actions: Vec<f64>,
+}
+
+impl Actors {
+    fn new(batch: &VecEnv, seed: u64) -> Self {
+        let actions = vec![0.0; batch.widths().0 * batch.len()];
+        let mut actors = Self { seed, actors: Vec::new(), was_over: vec![false; batch.len()], actions };
+        actors.actors = (0..batch.len()).map(|index| actors.other(batch, index)).collect();
+        actors
+    }
+
+    /// The next of a sequence of seeds.
+    fn other(&mut self, batch: &VecEnv, index: usize) -> Random {
+        self.seed = self.seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        let space = &batch.spaces(index).expect("every environment was reset").action;
+        Random::new(space, self.seed)
+    }
+
+    fn act(&mut self, batch: &VecEnv) -> &[f64] {
+        let (width, observed) = batch.widths();
+        for index in 0..batch.len() {
+            let spaces = batch.spaces(index).expect("every environment was reset");
+            self.actions[index * width..][..width].fill(0.0);
+            let observation = &batch.observations()[index * observed..][..spaces.observation.len()];
+            let over = batch.is_over(index);
+            if !over {
+                if self.was_over[index] {
+                    self.actors[index] = self.other(batch, index);
+                }
+                let row = &mut self.actions[index * width..][..spaces.action.len()];
+                self.actors[index].act(observation, row);
+            }
+            self.was_over[index] = over;
+        }
+        &self.actions
+    }
+}

@@ -1,0 +1,307 @@
+//! `b2b bench vector`: many environments at once.
+
+use std::io::{BufRead, BufReader, Write};
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::time::Instant;
+
+use anyhow::{Context, Result};
+use b2b_building::{BuildingType, Date, RunPeriod};
+use b2b_env::vector::{Fixed, Pool, Setting, Start, VecEnv};
+use b2b_env::{Env, Task};
+use cpu_time::ProcessTime;
+use serde::Serialize;
+
+use super::process::{cpu_seconds, private_mb, resident_mb};
+use super::{median, middle, percentile};
+use crate::prepare::{BuildingName, Location, Prepared};
+use crate::progress::spinner;
+use crate::table::Table;
+use crate::{interrupt, stdout};
+
+/// Throughput, resets and memory of many environments at once
+///
+/// Every environment has a process of its own, copied from a template at the end of warm-up. Every actuator is held
+/// at the middle of its bounds. Environments on their own, one process for each processor and all at the same time,
+/// take turns with the batch, so that a busy machine troubles both alike; rates are medians over the turns.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Columns:
+  steps/CPU s    steps of all environments by the CPU time of their processes and of this one
+  single         the same of environments on their own
+  ratio          of the two
+  steps/s        steps of all environments by the clock
+  reset, ms      from asking for an episode to its first observation: median, and 99 of 100
+  fresh, CPU ms  the same without a template
+  private, MB    memory that an environment shares with no other, at the end
+  template, MB   memory of a template, with what it shares with its copies
+
+Examples:
+  b2b bench vector
+  b2b bench vector --type OfficeSmall --environments 4 --days 5 --json")]
+pub struct Arguments {
+    /// Building types, or buildings of the dataset such as OfficeSmall-0042 [default: every type]
+    #[arg(long = "type", value_name = "BUILDING", num_args = 1..)]
+    buildings: Vec<BuildingName>,
+    /// Environments at once
+    #[arg(long, default_value_t = 14, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    environments: u32,
+    /// Days that each simulates, from 1 January
+    #[arg(long, default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..=365))]
+    days: u32,
+    /// Resets to measure
+    #[arg(long, default_value_t = 200, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    resets: u32,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+    /// Step a building on its own for whoever asks on the standard input
+    #[arg(long, hide = true, value_name = "BUILDING", conflicts_with = "buildings")]
+    single: Option<BuildingName>,
+}
+
+const STEPS_PER_HOUR: u32 = 12;
+/// Steps of each environment in a turn.
+const TURN: usize = 96;
+
+/// What was measured of one type.
+#[derive(Serialize)]
+struct Measured {
+    #[serde(rename = "type")]
+    building: String,
+    environments: u32,
+    steps_per_cpu_s: f64,
+    single_steps_per_cpu_s: f64,
+    ratio: f64,
+    steps_per_s: f64,
+    /// CPU time of this process for each step of an environment, microseconds.
+    owner_us_per_step: f64,
+    reset_ms_p50: f64,
+    reset_ms_p99: f64,
+    fresh_reset_cpu_ms: f64,
+    private_mb_per_env: f64,
+    template_mb: f64,
+}
+
+/// Runs the command.
+pub fn bench(arguments: &Arguments) -> Result<()> {
+    if let Some(building) = arguments.single {
+        return Single::serve(building, arguments.days);
+    }
+    let types = BuildingType::ALL.map(BuildingName::Type);
+    let buildings = if arguments.buildings.is_empty() { &types[..] } else { &arguments.buildings };
+    let mut measured = Vec::new();
+    for building in buildings {
+        measured.push(measure(*building, arguments)?);
+    }
+    if arguments.json { stdout::print_json(&measured) } else { stdout::print(&text(&measured)) }
+}
+
+fn measure(building: BuildingName, arguments: &Arguments) -> Result<Measured> {
+    let prepared = Prepared::new(building, &Location::default(), arguments.json)?;
+    let spinner = spinner(format!("{} environments of {building}", arguments.environments), arguments.json);
+    let period = period(arguments.days)?;
+    let fresh = (0..3).map(|_| fresh_reset_ms(&prepared, period)).collect::<Result<_>>()?;
+    let setting = prepared.setting(period, STEPS_PER_HOUR, Task::default());
+    let (resets, template_mb) = resets(&prepared, &setting, arguments.resets)?;
+    let rates = Rates::measure(&prepared, setting, building, arguments)?;
+    spinner.finish_and_clear();
+    Ok(Measured {
+        building: building.to_string(),
+        environments: arguments.environments,
+        steps_per_cpu_s: median(rates.batch.clone()),
+        single_steps_per_cpu_s: median(rates.single.clone()),
+        ratio: median(rates.batch.iter().zip(&rates.single).map(|(batch, single)| batch / single).collect()),
+        steps_per_s: median(rates.by_the_clock),
+        owner_us_per_step: median(rates.owner_us),
+        reset_ms_p50: percentile(resets.clone(), 50),
+        reset_ms_p99: percentile(resets, 99),
+        fresh_reset_cpu_ms: median(fresh),
+        private_mb_per_env: rates.private_mb,
+        template_mb,
+    })
+}
+
+fn period(days: u32) -> Result<RunPeriod> {
+    Ok(RunPeriod::new(Date::of_day(1), Date::of_day(days))?)
+}
+
+/// CPU time of a reset without a template, ms.
+fn fresh_reset_ms(prepared: &Prepared, period: RunPeriod) -> Result<f64> {
+    interrupt::check()?;
+    let mut env = prepared.env(period, STEPS_PER_HOUR, Task::default())?;
+    let before = ProcessTime::now();
+    env.reset()?;
+    Ok(before.elapsed().as_secs_f64() * 1e3)
+}
+
+/// Times of resets from a template, ms, and the template's memory, MB.
+fn resets(prepared: &Prepared, setting: &Setting, count: u32) -> Result<(Vec<f64>, f64)> {
+    let mut pool = Pool::new(prepared.pool_options()?)?;
+    let template = pool.prepare(setting)?;
+    let spaces = pool.spaces(template)?;
+    let mut observation = vec![0.0; spaces.observation.len()];
+    let mut times = Vec::new();
+    for _ in 0..count {
+        let start = Instant::now();
+        let mut live = pool.begin(template, Start::default())?;
+        pool.wait(std::slice::from_mut(&mut live), 1)?;
+        pool.observation(&live, &mut observation);
+        times.push(start.elapsed().as_secs_f64() * 1e3);
+        pool.stop(live);
+    }
+    let process = *pool.template_processes().first().context("the template is gone")?;
+    Ok((times, resident_mb(process)?))
+}
+
+/// Steps by CPU time and by the clock, turn by turn.
+struct Rates {
+    batch: Vec<f64>,
+    single: Vec<f64>,
+    by_the_clock: Vec<f64>,
+    owner_us: Vec<f64>,
+    private_mb: f64,
+}
+
+impl Rates {
+    fn measure(
+        prepared: &Prepared,
+        setting: Setting,
+        building: BuildingName,
+        arguments: &Arguments,
+    ) -> Result<Self> {
+        let count = arguments.environments as usize;
+        let mut batch = VecEnv::new(count, Box::new(Fixed(vec![setting])), prepared.vec_env_options()?)?;
+        batch.reset(0)?;
+        let spaces = batch.spaces(0).context("no environment stands")?;
+        let actions = middle(&spaces.action).repeat(count);
+        let whole = spaces.episode_steps();
+        let processors = std::thread::available_parallelism()?.get();
+        let mut singles =
+            (0..processors).map(|_| Single::start(building, arguments.days)).collect::<Result<Vec<_>>>()?;
+        let processes: Vec<u32> = (0..count).filter_map(|index| batch.process(index)).collect();
+        let cpu = || processes.iter().map(|process| cpu_seconds(*process)).sum::<Result<f64>>();
+        let mut rates =
+            Self { batch: vec![], single: vec![], by_the_clock: vec![], owner_us: vec![], private_mb: 0.0 };
+        // The last step ends the processes, and what they used is gone with them.
+        for turn in 0..(whole - 1) / TURN {
+            interrupt::check()?;
+            let single = Single::turn(&mut singles)?;
+            let (before, owner, start) = (cpu()?, ProcessTime::now(), Instant::now());
+            (0..TURN).try_for_each(|_| batch.step(&actions))?;
+            let (clock, owner) = (start.elapsed().as_secs_f64(), owner.elapsed().as_secs_f64());
+            let steps = (TURN * count) as f64;
+            // The first day still copies the memory of the template.
+            if turn >= (whole / TURN / 10).max(3) {
+                rates.single.push(single);
+                rates.batch.push(steps / (cpu()? - before + owner));
+                rates.by_the_clock.push(steps / clock);
+                rates.owner_us.push(owner / steps * 1e6);
+            }
+        }
+        let private = processes.iter().map(|process| private_mb(*process)).sum::<Result<f64>>()?;
+        rates.private_mb = private / count as f64;
+        Ok(rates)
+    }
+}
+
+/// An environment on its own, in a process of its own.
+struct Single {
+    process: Child,
+    ask: ChildStdin,
+    answers: BufReader<ChildStdout>,
+}
+
+impl Single {
+    fn start(building: BuildingName, days: u32) -> Result<Self> {
+        let mut process = Command::new(std::env::current_exe()?)
+            .args(["bench", "vector", "--single", &building.to_string(), "--days", &days.to_string()])
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .context("cannot start a process")?;
+        let ask = process.stdin.take().context("no pipe")?;
+        let answers = BufReader::new(process.stdout.take().context("no pipe")?);
+        let mut single = Self { process, ask, answers };
+        single.answer()?;
+        Ok(single)
+    }
+
+    /// A turn of all at once: steps by CPU time, of one.
+    fn turn(singles: &mut [Self]) -> Result<f64> {
+        for single in &mut *singles {
+            writeln!(single.ask).context("an environment on its own has ended")?;
+        }
+        let seconds = singles.iter_mut().map(Self::answer).sum::<Result<f64>>()?;
+        Ok((TURN * singles.len()) as f64 / seconds)
+    }
+
+    fn answer(&mut self) -> Result<f64> {
+        let mut line = String::new();
+        self.answers.read_line(&mut line)?;
+        line.trim().parse().context("an environment on its own has ended")
+    }
+
+    /// The other side: says when it stands, then steps through a turn for each line and says what CPU time that took.
+    fn serve(building: BuildingName, days: u32) -> Result<()> {
+        let prepared = Prepared::new(building, &Location::default(), true)?;
+        let mut env = prepared.env(period(days)?, STEPS_PER_HOUR, Task::default())?;
+        let action = middle(env.action_space());
+        env.reset()?;
+        println!("0");
+        for line in std::io::stdin().lock().lines() {
+            line?;
+            println!("{}", Self::steps(&mut env, &action)?);
+        }
+        Ok(())
+    }
+
+    fn steps(env: &mut Env, action: &[f64]) -> Result<f64> {
+        let before = ProcessTime::now();
+        for _ in 0..TURN {
+            env.step(action)?;
+        }
+        Ok(before.elapsed().as_secs_f64())
+    }
+}
+
+impl Drop for Single {
+    fn drop(&mut self) {
+        // It may have ended already.
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
+
+fn text(measured: &[Measured]) -> String {
+    let mut table = Table::new([
+        "type",
+        "N",
+        "steps/CPU s",
+        "single",
+        "ratio",
+        "steps/s",
+        "owner, µs",
+        "reset, ms",
+        "99 %, ms",
+        "fresh, CPU ms",
+        "private, MB",
+        "template, MB",
+    ]);
+    for each in measured {
+        table.row([
+            each.building.clone(),
+            each.environments.to_string(),
+            format!("{:.0}", each.steps_per_cpu_s),
+            format!("{:.0}", each.single_steps_per_cpu_s),
+            format!("{:.3}", each.ratio),
+            format!("{:.0}", each.steps_per_s),
+            format!("{:.1}", each.owner_us_per_step),
+            format!("{:.1}", each.reset_ms_p50),
+            format!("{:.1}", each.reset_ms_p99),
+            format!("{:.0}", each.fresh_reset_cpu_ms),
+            format!("{:.0}", each.private_mb_per_env),
+            format!("{:.0}", each.template_mb),
+        ]);
+    }
+    table.text()
+}
