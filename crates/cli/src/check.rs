@@ -12,7 +12,7 @@ use b2b_env::{Env, Task, Trajectory};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::controller::Kind;
+use crate::controller::reactive;
 use crate::generate::Part;
 use crate::prepare::{BuildingName, Location, Prepared};
 use crate::progress::counter;
@@ -203,8 +203,8 @@ fn episodes(id: BuildingId, periods: &[RunPeriod]) -> Result<Vec<Outcome>> {
 
 fn run_episode(prepared: &Prepared, period: RunPeriod) -> Result<Outcome> {
     let mut env = prepared.env(period, STEPS_PER_HOUR, Task::default())?;
-    let mut controller = Kind::Reactive.build(&env, 0);
-    let rollout = roll_out(&mut env, controller.as_mut(), true)?;
+    let mut controller = reactive(&env);
+    let rollout = roll_out(&mut env, &mut controller, true)?;
     Outcome::of(&env, &rollout.trajectory)
 }
 

@@ -1,8 +1,10 @@
 //! The controllers that a run can have.
 
-use b2b_building::PreparedBuilding;
+use anyhow::Result;
 use b2b_control::{Constant, Controller, Random, Reactive, ReactiveParameters};
 use b2b_env::Env;
+
+use crate::prepare::Prepared;
 
 /// Who acts.
 #[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
@@ -13,6 +15,9 @@ pub enum Kind {
     Random,
     /// The middle of every bound, always
     Constant,
+    /// Tries actions on copies of the true simulation: what perfect foresight could reach; minutes a day
+    #[cfg(target_os = "linux")]
+    Planner,
 }
 
 impl Kind {
@@ -22,19 +27,50 @@ impl Kind {
             Self::Reactive => "reactive",
             Self::Random => "random",
             Self::Constant => "constant",
+            #[cfg(target_os = "linux")]
+            Self::Planner => "planner",
         }
     }
 
-    /// A controller of this kind for an environment.
-    pub fn build(self, env: &Env, seed: u64) -> Box<dyn Controller> {
-        let building: &PreparedBuilding = env.building();
-        match self {
-            Self::Reactive => {
-                let (target, steps_per_hour) = (env.episode().task.target, env.episode().steps_per_hour);
-                Box::new(Reactive::new(building, target, steps_per_hour, &ReactiveParameters::default()))
-            }
+    /// A controller of this kind for an environment of a prepared building. A planner plans the episode here.
+    pub fn build(
+        self,
+        prepared: &Prepared,
+        env: &Env,
+        seed: u64,
+        quiet: bool,
+    ) -> Result<Box<dyn Controller>> {
+        Ok(match self {
+            Self::Reactive => Box::new(reactive(env)),
             Self::Random => Box::new(Random::new(env.action_space(), seed)),
             Self::Constant => Box::new(Constant::middle(env.action_space())),
-        }
+            #[cfg(target_os = "linux")]
+            Self::Planner => Box::new(plan(prepared, env, seed, quiet)?),
+        })
     }
+}
+
+/// The reactive controllers with their default parameters.
+pub fn reactive(env: &Env) -> Reactive {
+    let (target, steps_per_hour) = (env.episode().task.target, env.episode().steps_per_hour);
+    Reactive::new(env.building(), target, steps_per_hour, &ReactiveParameters::default())
+}
+
+/// Plans an episode on copies of it, to be carried out in the environment itself.
+#[cfg(target_os = "linux")]
+fn plan(prepared: &Prepared, env: &Env, seed: u64, quiet: bool) -> Result<b2b_control::Replay> {
+    use b2b_control::{Planner, PlannerParameters, Replay};
+    use b2b_env::vector::{Pool, Start};
+
+    let steps = env.episode_steps();
+    let bar = crate::progress::counter(steps, "steps planned", quiet);
+    let mut pool = Pool::new(prepared.pool_options()?)?;
+    let setting = prepared.setting(env.episode().clone());
+    let template = pool.prepare(&setting)?;
+    let mut live = pool.begin(template, Start::default())?;
+    pool.wait(std::slice::from_mut(&mut live), 1)?;
+    let mut planner = Planner::new(PlannerParameters::default(), reactive(env), seed);
+    let actions = planner.run(&mut pool, &mut live, steps, || bar.inc(1))?;
+    bar.finish_and_clear();
+    Ok(Replay::new(actions, env.action_space().len()))
 }

@@ -11,9 +11,9 @@ use b2b_energyplus::install::{Cache, Engine};
 use b2b_env::{Task, authority};
 use serde_json::json;
 
-use crate::controller::Kind;
 use crate::prepare::{BuildingName, Location, Prepared};
 use crate::stdout;
+use b2b_control::{Constant, Controller};
 
 /// Tell what is installed and whether it is whole
 ///
@@ -75,7 +75,7 @@ fn building(building_type: BuildingType, quiet: bool) -> Finding {
 fn one_day(building_type: BuildingType, quiet: bool) -> Result<String> {
     let prepared = Prepared::new(BuildingName::Type(building_type), &Location::default(), quiet)?;
     let mut env = prepared.env("01-01..01-01".parse::<RunPeriod>()?, 12, Task::default())?;
-    let mut controller = Kind::Constant.build(&env, 0);
+    let mut controller = Constant::middle(env.action_space());
     let mut action = vec![0.0; env.action_space().len()];
     controller.act(env.reset()?, &mut action);
     while !env.step(&action)?.truncated {}

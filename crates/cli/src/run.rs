@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use anyhow::{Result, bail};
-use b2b_building::RunPeriod;
+use b2b_building::{Date, RunPeriod};
 use b2b_control::Controller;
 use b2b_env::{Env, Task, Trajectory};
 use cpu_time::ProcessTime;
@@ -31,6 +31,9 @@ pub struct Arguments {
     /// Days: winter, summer, full_year or MM-DD..MM-DD, both included
     #[arg(long, default_value_t = RunPeriod::WINTER, value_name = "DAYS")]
     period: RunPeriod,
+    /// Only the first so many hours of it, whole days
+    #[arg(long, value_name = "N")]
+    hours: Option<u32>,
     /// Who acts
     #[arg(long, value_enum, default_value_t = Kind::Reactive)]
     controller: Kind,
@@ -60,6 +63,7 @@ Examples:
   b2b run OfficeSmall-0042 --period summer
   b2b run Warehouse --place Miami --period summer --target 23
   b2b run RestaurantFastFood --period 01-01..01-07 --controller random --seed 7
+  b2b run OfficeSmall --controller planner --hours 24
   b2b run RetailStandalone --weather my.epw --json > result.json
 
 The same arguments give the same episode, bit for bit: compare trajectory_hash.";
@@ -90,9 +94,10 @@ pub struct Rollout {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let prepared = Prepared::new(arguments.building, &arguments.location, arguments.json)?;
     let task = Task { target: arguments.target, energy_weight: arguments.energy_weight, ..Task::default() };
-    let mut env = prepared.env(arguments.period, arguments.steps_per_hour, task)?;
-    let folder = OutputFolder::stage(&arguments.folder(&prepared.place))?;
-    let mut controller = arguments.controller.build(&env, arguments.seed);
+    let period = arguments.days()?;
+    let mut env = prepared.env(period, arguments.steps_per_hour, task)?;
+    let folder = OutputFolder::stage(&arguments.folder(&prepared.place, period))?;
+    let mut controller = arguments.controller.build(&prepared, &env, arguments.seed, arguments.json)?;
     let rollout = roll_out(&mut env, controller.as_mut(), arguments.json)?;
 
     let about = About {
@@ -113,10 +118,21 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 }
 
 impl Arguments {
-    fn folder(&self, place: &str) -> PathBuf {
+    /// The days that are run.
+    fn days(&self) -> Result<RunPeriod> {
+        let Some(hours) = self.hours else { return Ok(self.period) };
+        let (days, whole) = (hours / 24, self.period.days());
+        if hours % 24 != 0 || days == 0 || days > whole {
+            bail!("--hours {hours}: give a multiple of 24, up to {} for {}", whole * 24, self.period);
+        }
+        let first = self.period.first();
+        Ok(RunPeriod::new(first, Date::of_day(first.day_of_year() + days - 1))?)
+    }
+
+    fn folder(&self, place: &str, period: RunPeriod) -> PathBuf {
         self.out.clone().unwrap_or_else(|| {
             let place = place.replace(' ', "_");
-            let name = format!("{}-{place}-{}-{}", self.building, self.period, self.controller.name());
+            let name = format!("{}-{place}-{}-{}", self.building, period, self.controller.name());
             PathBuf::from("b2b-out").join(name)
         })
     }

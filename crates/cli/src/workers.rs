@@ -3,8 +3,7 @@
 use std::sync::Arc;
 
 use anyhow::Result;
-use b2b_building::RunPeriod;
-use b2b_env::Task;
+use b2b_env::Episode;
 use b2b_env::vector::{Autoreset, Launcher, PoolOptions, Setting, Source, VecEnvOptions};
 
 use crate::interrupt;
@@ -23,10 +22,7 @@ impl Prepared {
     }
 
     /// The building as the setting of an episode.
-    pub fn setting(&self, period: RunPeriod, steps_per_hour: u32, task: Task) -> Setting {
-        Setting {
-            source: Arc::new(Source::Prepared(Box::new((*self.building).clone()))),
-            episode: self.episode(period, steps_per_hour, task),
-        }
+    pub fn setting(&self, episode: Episode) -> Setting {
+        Setting { source: Arc::new(Source::Prepared(Box::new((*self.building).clone()))), episode }
     }
 }

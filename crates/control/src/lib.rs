@@ -1,14 +1,21 @@
-//! Controllers that need no learning: reactive after ASHRAE Guideline 36, constant, and random.
+//! Controllers that need no learning: reactive after ASHRAE Guideline 36, constant, random, a
+//! planner on copies of the simulation, and what was done before.
 //!
 //! A [`Controller`] maps an observation to an action, as a policy does, and may keep state between steps.
 
 mod constant;
+#[cfg(target_os = "linux")]
+mod planner;
 mod random;
 mod reactive;
+mod replay;
 
 pub use constant::Constant;
+#[cfg(target_os = "linux")]
+pub use planner::{Planner, PlannerParameters};
 pub use random::Random;
 pub use reactive::{AirLoopParameters, Gains, Reactive, ReactiveParameters, TrimRespond, UnitaryParameters};
+pub use replay::Replay;
 
 /// Something that acts on an environment.
 pub trait Controller {

@@ -114,8 +114,10 @@ impl Arguments {
             Ok(envs.map(|env| Ok(width(&env?))).collect::<Result<Vec<_>>>()?.into_iter().max().unwrap_or(0))
         };
         let widths = (widths(|env| env.action_space().len())?, widths(|env| env.observation_space().len())?);
-        let settings: Vec<_> =
-            prepared.iter().map(|each| each.setting(RunPeriod::WINTER, 12, Task::default())).collect();
+        let settings: Vec<_> = prepared
+            .iter()
+            .map(|each| each.setting(each.episode(RunPeriod::WINTER, 12, Task::default())))
+            .collect();
         let sampler =
             Windows { of: AnyOf(settings), days: (self.days[0], self.days[1]), starts: self.starts };
         let options = VecEnvOptions { widths: Some(widths), ..prepared[0].vec_env_options()? };

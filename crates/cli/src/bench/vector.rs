@@ -101,7 +101,7 @@ fn measure(building: BuildingName, arguments: &Arguments) -> Result<Measured> {
     let spinner = spinner(format!("{} environments of {building}", arguments.environments), arguments.json);
     let period = period(arguments.days)?;
     let fresh = (0..3).map(|_| fresh_reset_ms(&prepared, period)).collect::<Result<_>>()?;
-    let setting = prepared.setting(period, STEPS_PER_HOUR, Task::default());
+    let setting = prepared.setting(prepared.episode(period, STEPS_PER_HOUR, Task::default()));
     let (resets, template_mb) = resets(&prepared, &setting, arguments.resets)?;
     let rates = Rates::measure(&prepared, setting, building, arguments)?;
     spinner.finish_and_clear();
