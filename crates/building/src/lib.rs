@@ -3,11 +3,15 @@
 pub mod archetype;
 pub mod climate;
 pub mod commercial;
+pub mod construction;
 pub mod dataset;
+
 mod error;
 pub mod house;
 pub mod hvac;
 pub mod model;
+
+pub mod opening;
 mod outputs;
 mod prepare;
 mod run_period;
@@ -15,8 +19,10 @@ pub mod sizing;
 pub mod zone;
 
 pub use archetype::BuildingType;
+
 pub use error::{Error, Result};
 pub use model::Model;
+
 pub use prepare::{Conditioning, PreparedBuilding, Zone};
 pub use run_period::{Date, RunPeriod};
 pub use sizing::Sizes;
