@@ -1,8 +1,8 @@
 //! What constructions let through: resistances of opaque layers, U and solar heat gain of glazing.
 
 use crate::Model;
-use crate::model::{Fields, number, text};
 use crate::Result;
+use crate::model::{Fields, number, text};
 
 /// Air films on both sides of a wall, m²K/W: 0.03 outside, 0.12 inside (ASHRAE 90.1, A9.4.1).
 pub const WALL_FILMS: f64 = 0.15;

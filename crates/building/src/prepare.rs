@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use b2b_energyplus::Library;
+use serde::Serialize;
 use serde_json::json;
 
 use crate::hvac::{self, Actuator, System};
@@ -40,7 +41,8 @@ pub struct Zone {
 }
 
 /// What the equipment of a zone can do.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Conditioning {
     /// Nothing: an attic, a plenum.
     None,
@@ -93,6 +95,11 @@ impl PreparedBuilding {
         model.remove_class("RunPeriod");
         model.insert("RunPeriod", "Episode", period.to_epjson());
         model
+    }
+
+    /// The model as prepared, without a run period of its own.
+    pub(crate) fn model(&self) -> &Model {
+        &self.model
     }
 
     /// The actuators, in the order of the action.
