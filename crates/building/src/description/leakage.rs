@@ -25,14 +25,17 @@ pub(super) struct Measures {
     pub(super) volume: f64,
 }
 
+/// The flow of an object of one class, m³/s.
+type Form = fn(&Fields, &Measures) -> f64;
+
 /// Leakage of a zone, m³/s.
 pub(super) fn flow(model: &Model, zone: &str, measures: &Measures) -> f64 {
-    const FORMS: [(&str, fn(&Fields, &Measures) -> f64); 3] = [
+    const FORMS: [(&str, Form); 3] = [
         ("ZoneInfiltration:DesignFlowRate", design_flow),
         ("ZoneInfiltration:EffectiveLeakageArea", effective_leakage_area),
         ("ZoneInfiltration:FlowCoefficient", flow_coefficient),
     ];
-    let of_form = |(class, flow): (&str, fn(&Fields, &Measures) -> f64)| -> f64 {
+    let of_form = |(class, flow): (&str, Form)| -> f64 {
         let objects = model.objects(class).into_iter();
         let leaks = objects.filter(|(name, fields)| !is_door(name) && is_in(model, fields, zone));
         leaks.map(|(_, fields)| flow(fields, measures)).sum()

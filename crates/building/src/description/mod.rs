@@ -151,6 +151,23 @@ pub struct Adjacency {
     pub area: f64,
 }
 
+impl PreparedBuilding {
+    /// Its geometry.
+    ///
+    /// # Errors
+    /// Those of [`Shape::of`].
+    pub fn shape(&self) -> Result<Shape> {
+        Shape::of(self.model())
+    }
+
+    /// U of an opaque construction with the code's air films of a wall, or of the glazing of a window, W/m²K; `None` where
+    /// it is not given by its layers or its U.
+    pub fn construction_u(&self, construction: &str) -> Option<f64> {
+        let model = self.model();
+        glazing(model, construction).map(|glazing| glazing.u).or_else(|| u(model, construction, WALL_FILMS))
+    }
+}
+
 impl Origin {
     /// What is known of a generated building.
     pub fn of(building: &Building) -> Self {
