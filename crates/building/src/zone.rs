@@ -133,7 +133,7 @@ pub fn polygon_area(corners: &[[f64; 3]]) -> f64 {
 }
 
 /// The normal of a plane polygon, as long as its area, by Newell's method.
-pub(crate) fn area_vector(corners: &[[f64; 3]]) -> [f64; 3] {
+pub fn area_vector(corners: &[[f64; 3]]) -> [f64; 3] {
     let mut normal = [0.0; 3];
     for (i, a) in corners.iter().enumerate() {
         let b = corners[(i + 1) % corners.len()];

@@ -4,19 +4,27 @@ use anyhow::Result;
 use b2b_building::description::Description;
 use b2b_building::description::shape::{Beyond, Face, Point, Shape};
 use b2b_building::opening::Opening;
+use b2b_building::zone::area_vector;
 use b2b_building::{Conditioning, PreparedBuilding};
 use plotly::color::{Color, NamedColor, Rgb, Rgba};
 use plotly::common::{HoverInfo, Label, Line, Mode};
-use plotly::layout::{AspectMode, Axis, Camera, CameraCenter, DragMode3D, Eye, LayoutScene, Margin, Up};
+use plotly::layout::{
+    AspectMode, AspectRatio, Axis, Camera, CameraCenter, DragMode3D, Eye, LayoutScene, Margin, Up,
+};
 use plotly::traces::mesh3d::{Lighting, Mesh3D};
 use plotly::{Layout, Plot, Scatter3D};
 
 use super::color;
-use super::triangle::{normal, triangles};
+use super::triangle::triangles;
 
-/// How far windows and doors are drawn in front of their wall, as a share of the building's size.
+/// How far windows and doors are drawn in front of their wall, as a share of the plan.
 const IN_FRONT: f64 = 0.002;
 const GLASS: &str = "#7dc4f0";
+/// How far the ground is drawn around the building, and how far the picture reaches, as shares of the plan.
+const GROUND: f64 = 0.12;
+const MARGIN: f64 = 0.24;
+/// Diagonal of the picture, in the units of its camera.
+const DIAGONAL: f64 = 2.2;
 const DOOR: &str = "#78553c";
 
 /// Triangles with a text at each corner.
@@ -58,7 +66,7 @@ pub fn plot(building: &PreparedBuilding, description: &Description) -> Result<Pl
     }
     draw_ground(&mut plot, &shape);
     draw_north(&mut plot, &shape);
-    plot.set_layout(layout());
+    plot.set_layout(layout(shape.extent()));
     Ok(plot)
 }
 
@@ -70,8 +78,7 @@ fn draw_zone(
     zone: usize,
 ) {
     let name = &shape.zones[zone];
-    let [low, high] = shape.extent();
-    let front = IN_FRONT * (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
+    let front = front(&shape.extent());
     let (mut opaque, mut glass, mut doors) = (Mesh::default(), Mesh::default(), Mesh::default());
     let mut edges = Edges::default();
     for face in shape.faces.iter().filter(|face| face.zone == zone) {
@@ -122,7 +129,7 @@ impl Edges {
 
 /// A polygon moved along the normal of another.
 fn moved(corners: &[Point], along: &[Point], distance: f64) -> Vec<Point> {
-    let normal = normal(along);
+    let normal = area_vector(along);
     let length = normal.iter().map(|n| n * n).sum::<f64>().sqrt().max(f64::MIN_POSITIVE);
     let shift = normal.map(|n| n / length * distance);
     corners.iter().map(|corner| std::array::from_fn(|axis| corner[axis] + shift[axis])).collect()
@@ -168,7 +175,7 @@ fn draw_ground(plot: &mut Plot, shape: &Shape) {
     if low[2] > -0.1 || high[2] < 0.1 {
         return;
     }
-    let margin = 0.12 * (high[0] - low[0]).max(high[1] - low[1]);
+    let margin = GROUND * plan_size(&shape.extent());
     let (west, east) = (low[0] - margin, high[0] + margin);
     let (south, north) = (low[1] - margin, high[1] + margin);
     let mut ground = Mesh::default();
@@ -177,13 +184,14 @@ fn draw_ground(plot: &mut Plot, shape: &Shape) {
     plot.add_trace(ground.trace("ground", "#8a9a6b", 0.35).show_legend(true));
 }
 
-/// An arrow to true north beside the building, at the level of its lowest floor.
+/// An arrow to true north beside the building, on the ground.
 fn draw_north(plot: &mut Plot, shape: &Shape) {
     let [low, high] = shape.extent();
-    let size = (0..2).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
+    let size = plan_size(&[low, high]);
+    let ground = low[2].max(0.0).min(high[2]);
     let (sin, cos) = shape.north_axis.to_radians().sin_cos();
     // Across and along the arrow, from its middle, to the building's axes.
-    let middle = [low[0] - 0.12 * size, low[1] - 0.04 * size];
+    let middle = [low[0] - 0.5 * MARGIN * size, low[1] - 0.3 * MARGIN * size];
     let at = |across: f64, along: f64| {
         let (across, along) = (across * size, along * size);
         [middle[0] + across * cos - along * sin, middle[1] + across * sin + along * cos]
@@ -191,7 +199,7 @@ fn draw_north(plot: &mut Plot, shape: &Shape) {
     let line = [at(0.0, -0.07), at(0.0, 0.07), at(-0.02, 0.03), at(0.0, 0.07), at(0.02, 0.03)];
     let axis = |axis: usize| line.iter().map(|point| point[axis]).collect::<Vec<_>>();
     plot.add_trace(
-        Scatter3D::new(axis(0), axis(1), vec![low[2]; line.len()])
+        Scatter3D::new(axis(0), axis(1), vec![ground; line.len()])
             .name("north")
             .mode(Mode::Lines)
             .line(Line::new().color(NamedColor::Crimson).width(6.0))
@@ -200,7 +208,7 @@ fn draw_north(plot: &mut Plot, shape: &Shape) {
     );
     let [x, y] = at(0.0, 0.10);
     plot.add_trace(
-        Scatter3D::new(vec![x], vec![y], vec![low[2]])
+        Scatter3D::new(vec![x], vec![y], vec![ground])
             .name("north")
             .mode(Mode::Text)
             .text_array(vec!["N"])
@@ -209,19 +217,43 @@ fn draw_north(plot: &mut Plot, shape: &Shape) {
     );
 }
 
-fn layout() -> Layout {
-    let hidden = || Axis::new().visible(false);
+/// How far windows and doors are drawn in front of their wall, m.
+fn front(extent: &[Point; 2]) -> f64 {
+    IN_FRONT * plan_size(extent)
+}
+
+/// The longer side of the plan.
+fn plan_size([low, high]: &[Point; 2]) -> f64 {
+    (high[0] - low[0]).max(high[1] - low[1])
+}
+
+/// One scale along all axes: the sides of the picture are as its ranges.
+fn layout(extent: [Point; 2]) -> Layout {
+    let margin = MARGIN * plan_size(&extent);
+    let [low, high] = extent;
+    // What lies on the edge of a range is half cut off.
+    let edge = 2.0 * front(&extent);
+    let ranges: [[f64; 2]; 3] = [
+        [low[0] - margin, high[0] + margin],
+        [low[1] - margin, high[1] + margin],
+        [low[2] - edge, high[2] + edge],
+    ];
+    let lengths = ranges.map(|[from, to]| (to - from).max(1e-3));
+    let diagonal = lengths.iter().map(|length| length * length).sum::<f64>().sqrt();
+    let [x, y, z] = lengths.map(|length| length / diagonal * DIAGONAL);
+    let hidden = |[from, to]: [f64; 2]| Axis::new().visible(false).range(vec![from, to]);
     let scene = LayoutScene::new()
-        .x_axis(hidden())
-        .y_axis(hidden())
-        .z_axis(hidden())
-        .aspect_mode(AspectMode::Data)
+        .x_axis(hidden(ranges[0]))
+        .y_axis(hidden(ranges[1]))
+        .z_axis(hidden(ranges[2]))
+        .aspect_mode(AspectMode::Manual)
+        .aspect_ratio(AspectRatio::new().x(x).y(y).z(z))
         .drag_mode(DragMode3D::Turntable)
         .camera(
             Camera::new()
-                .eye(Eye::from((-1.0, -1.6, 1.05)))
+                .eye(Eye::from((-1.0, -1.5, 0.95)))
                 .up(Up::from((0.0, 0.0, 1.0)))
-                .center(CameraCenter::from((0.0, 0.0, -0.05))),
+                .center(CameraCenter::from((0.0, 0.0, 0.0))),
         );
     super::page_layout(Layout::new())
         .scene(scene)

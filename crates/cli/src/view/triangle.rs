@@ -1,6 +1,7 @@
 //! Plane polygons in space as triangles.
 
 use b2b_building::description::shape::Point;
+use b2b_building::zone::area_vector;
 
 /// Cuts a plane polygon without holes into triangles of its corners, by clipping ears; its corners may go round either
 /// way. A degenerate polygon gives what can be cut off it.
@@ -34,24 +35,11 @@ pub fn triangles(corners: &[Point]) -> Vec<[usize; 3]> {
 
 /// The polygon in the plane of the two axes it extends along most, counter-clockwise.
 fn project(corners: &[Point]) -> Vec<[f64; 2]> {
-    let normal = normal(corners);
+    let normal = area_vector(corners);
     let axis = (0..3).max_by(|a, b| normal[*a].abs().total_cmp(&normal[*b].abs())).unwrap_or(2);
     let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
     let (u, v) = if normal[axis] < 0.0 { (v, u) } else { (u, v) };
     corners.iter().map(|corner| [corner[u], corner[v]]).collect()
-}
-
-/// Twice the area along the normal.
-pub fn normal(corners: &[Point]) -> Point {
-    let mut normal = [0.0; 3];
-    for (index, a) in corners.iter().enumerate() {
-        let b = corners[(index + 1) % corners.len()];
-        for axis in 0..3 {
-            let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
-            normal[axis] += a[u] * b[v] - a[v] * b[u];
-        }
-    }
-    normal
 }
 
 #[cfg(test)]
