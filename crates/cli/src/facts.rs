@@ -52,9 +52,9 @@ impl Facts {
         })
     }
 
-    /// Name and kind.
+    /// Its name and its place.
     pub fn title(&self) -> String {
-        format!("{} in {}: {}", self.description.name, self.place, self.what)
+        format!("{} in {}", self.description.name, self.place)
     }
 
     /// Named facts, a line each.
@@ -81,7 +81,8 @@ impl Facts {
             Some(zone) => format!("zone {zone}, {climate}"),
             None => climate,
         };
-        let mut lines = vec![("place", self.place_line()), ("climate", climate)];
+        let mut lines =
+            vec![("type", self.what.to_owned()), ("place", self.place_line()), ("climate", climate)];
         match (origin.year, &origin.vintage) {
             (Some(year), Some(vintage)) => lines.push(("built", format!("{year} ({vintage})"))),
             (Some(year), None) => lines.push(("built", format!("after ASHRAE 90.1-{year}"))),
@@ -89,10 +90,11 @@ impl Facts {
         }
         lines.extend([
             ("size", self.size_line()),
+            ("zones", self.zones_line()),
             ("walls", u(envelope.wall_u)),
             ("roof", u(envelope.roof_u)),
             ("windows", if envelope.window_to_wall > 0.0 { windows.join(", ") } else { "none".into() }),
-            ("leakage", leak),
+            ("infiltration", leak),
         ]);
         lines
     }
@@ -123,16 +125,16 @@ impl Facts {
         if description.north_axis != 0.0 {
             text += &format!(", turned {:.0}° from north", description.north_axis);
         }
-        let count = |wanted: fn(Conditioning) -> bool| {
-            description.zones.iter().filter(|zone| wanted(zone.conditioning)).count()
-        };
-        let other = count(|conditioning| conditioning == Conditioning::None);
-        let conditioned = count(|conditioning| conditioning != Conditioning::None);
-        text += &format!("; {conditioned} zone{}", if conditioned == 1 { "" } else { "s" });
-        if other > 0 {
-            text += &format!(" and {other} without equipment");
-        }
         text
+    }
+
+    fn zones_line(&self) -> String {
+        let zones = &self.description.zones;
+        let other = zones.iter().filter(|zone| zone.conditioning == Conditioning::None).count();
+        match other {
+            0 => format!("{} conditioned", zones.len()),
+            _ => format!("{} conditioned, {other} without equipment", zones.len() - other),
+        }
     }
 
     /// The systems, a row each.

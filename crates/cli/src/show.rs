@@ -109,7 +109,7 @@ fn zones_text(zones: &[ZoneDescription]) -> String {
         "outer walls",
         "windows",
         "ground",
-        "leakage, 1/h",
+        "infiltration, 1/h",
         "equipment",
     ]);
     for zone in zones {

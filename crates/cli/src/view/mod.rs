@@ -156,7 +156,7 @@ fn zones(facts: &Facts) -> Value {
         "outer walls",
         "windows in them",
         "ground contact",
-        "leakage, 1/h",
+        "infiltration, 1/h",
         "flow, kg/s",
         "heating, kW",
         "cooling, kW",
