@@ -28,6 +28,12 @@ impl ActionSpace {
         }
     }
 
+    /// A space without actuators.
+    #[cfg(test)]
+    pub(crate) fn empty() -> Self {
+        Self { names: vec![], owners: vec![], quantities: vec![], low: vec![], high: vec![] }
+    }
+
     /// Number of actuators.
     pub fn len(&self) -> usize {
         self.names.len()

@@ -180,3 +180,56 @@ fn constants(morphology: &Morphology, layout: &Layout, task: &Task, observed: &[
     }
     constants
 }
+
+#[cfg(test)]
+mod tests {
+    use b2b_building::morphology::Node;
+
+    use super::*;
+    use crate::observation::Slot;
+
+    /// Two zones with units.
+    fn morphology() -> Morphology {
+        let zone = |number: usize| Node {
+            node_type: NodeType::UnitaryZone,
+            name: format!("Zone {number}"),
+            owner: Owner::Zone(number),
+            attributes: vec![0.0; NodeType::UnitaryZone.attributes().len()],
+        };
+        let nodes = vec![zone(0), zone(1)];
+        Morphology { name: "Two zones".into(), common_attributes: vec![], nodes, edges: vec![] }
+    }
+
+    fn slot(zone: usize, quantity: Observed) -> Slot {
+        let name = format!("Zone {zone} {quantity:?}");
+        Slot { name, owner: Owner::Zone(zone), quantity, unit: "1", low: 0.0, high: 1.0, source: "test" }
+    }
+
+    fn decomposition(slots: Vec<Slot>) -> Result<Decomposition> {
+        let task = Task { target: 21.0, ..Task::default() };
+        Decomposition::new(&morphology(), &ObservationSpace::of_slots(slots), &ActionSpace::empty(), &task)
+    }
+
+    #[test]
+    fn a_target_that_is_observed_is_taken_and_one_that_is_not_is_the_task_s() {
+        let slots = vec![
+            slot(1, Observed::TargetTemperature),
+            slot(0, Observed::AirTemperature),
+            slot(1, Observed::Occupancy),
+            slot(1, Observed::AirTemperature),
+        ];
+        let decomposition = decomposition(slots).unwrap();
+        let mut nodes = [f64::NAN; 6];
+        decomposition.split(&[18.0, 20.0, 0.0, 19.0], &mut nodes);
+        assert_eq!(nodes, [20.0, 21.0, 1.0, 19.0, 18.0, 0.0]);
+    }
+
+    #[test]
+    fn a_slot_without_a_node_or_a_place_on_it_is_named() {
+        for slot in [slot(2, Observed::AirTemperature), slot(0, Observed::Gas)] {
+            let name = slot.name.clone();
+            let error = decomposition(vec![slot]).unwrap_err().to_string();
+            assert!(error.contains(&name) && error.contains("Two zones"), "{error}");
+        }
+    }
+}

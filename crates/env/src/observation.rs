@@ -119,6 +119,12 @@ impl ObservationSpace {
         Self { slots, zones: building.zones.len() }
     }
 
+    /// A space of any slots.
+    #[cfg(test)]
+    pub(crate) fn of_slots(slots: Vec<Slot>) -> Self {
+        Self { slots, zones: 0 }
+    }
+
     /// The slots in order.
     pub fn slots(&self) -> &[Slot] {
         &self.slots

@@ -306,8 +306,8 @@ const AIR_LOOP: &[LocalSlot<Attribute>] = &[
 
 /// Attributes of every zone.
 const ZONE: [LocalSlot<Attribute>; 13] = [
-    slot(Attribute::FloorArea, "m²", 0.0, 5000.0),
-    slot(Attribute::Volume, "m³", 0.0, 50_000.0),
+    slot(Attribute::FloorArea, "m²", 0.0, 8000.0),
+    slot(Attribute::Volume, "m³", 0.0, 80_000.0),
     slot(Attribute::CentreX, "1", 0.0, 1.0),
     slot(Attribute::CentreY, "1", 0.0, 1.0),
     slot(Attribute::CentreZ, "1", 0.0, 1.0),
