@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::hvac::common::{self, Reference};
 use crate::hvac::distribution::served_zones;
-use crate::hvac::{Quantity, System};
+use crate::hvac::{AirLoop, Quantity, System};
 use crate::model::{Fields, number, text};
 use crate::{Model, Result};
 
@@ -79,63 +79,62 @@ pub(super) fn describe(
     systems: &[System],
     zones: &[String],
 ) -> Result<(Vec<SystemDescription>, Vec<Option<Equipment>>)> {
-    let number = |zone: &str| super::shape::position(zones, zone);
     let mut described = Vec::with_capacity(systems.len());
     let mut of_zones = vec![None; zones.len()];
     for system in systems {
-        let mut description = SystemDescription {
-            name: String::new(),
-            kind: SystemKind::HeatingOnly,
-            zones: system.zones().into_iter().filter_map(number).collect(),
-            design_flow: 0.0,
-            heating_capacity: 0.0,
-            cooling_capacity: 0.0,
-            reheat_capacity: 0.0,
-        };
-        let central = match system {
-            System::Unitary(unit) => {
-                description.kind = SystemKind::Unitary;
-                description.name = air_loop_of(model, &unit.zone)?.unwrap_or_else(|| unit.zone.clone());
-                description.design_flow = greatest_flow(system);
-                of_air_loop(model, &description.name)?
-            }
-            System::AirLoop(air_loop) => {
-                description.kind = SystemKind::AirLoop;
-                description.name = air_loop.name.clone();
-                description.design_flow = air_loop.fan_flow;
-                of_air_loop(model, &air_loop.name)?
-            }
-            System::HeatingOnly(heater) => {
-                description.name = heater.zone.clone();
-                of_zone_equipment(model, &heater.zone)?
-            }
-        };
-        description.heating_capacity = central.heating;
-        description.cooling_capacity = central.cooling;
-        for zone in system.zones() {
-            let Some(number) = number(zone) else { continue };
+        let mut description = describe_system(model, system, zones)?;
+        for zone in description.zones.clone() {
             let equipment = match system {
-                System::AirLoop(air_loop) => {
-                    let terminal = air_loop.terminals.iter().find(|t| t.zone.eq_ignore_ascii_case(zone));
-                    let reheat = of_zone_equipment(model, zone)?;
-                    description.reheat_capacity += reheat.heating;
-                    Equipment {
-                        design_flow: terminal.map_or(0.0, |terminal| terminal.design_flow),
-                        heating_capacity: reheat.heating,
-                        cooling_capacity: 0.0,
-                    }
-                }
+                System::AirLoop(air_loop) => terminal(model, air_loop, &zones[zone])?,
                 System::Unitary(_) | System::HeatingOnly(_) => Equipment {
                     design_flow: description.design_flow,
-                    heating_capacity: central.heating,
-                    cooling_capacity: central.cooling,
+                    heating_capacity: description.heating_capacity,
+                    cooling_capacity: description.cooling_capacity,
                 },
             };
-            of_zones[number] = Some(equipment);
+            if description.kind == SystemKind::AirLoop {
+                description.reheat_capacity += equipment.heating_capacity;
+            }
+            of_zones[zone] = Some(equipment);
         }
         described.push(description);
     }
     Ok((described, of_zones))
+}
+
+/// A system without the reheat of its terminals.
+fn describe_system(model: &Model, system: &System, zones: &[String]) -> Result<SystemDescription> {
+    let (kind, name, design_flow) = match system {
+        System::Unitary(unit) => {
+            let name = air_loop_of(model, &unit.zone)?.unwrap_or_else(|| unit.zone.clone());
+            (SystemKind::Unitary, name, greatest_flow(system))
+        }
+        System::AirLoop(air_loop) => (SystemKind::AirLoop, air_loop.name.clone(), air_loop.fan_flow),
+        System::HeatingOnly(heater) => (SystemKind::HeatingOnly, heater.zone.clone(), 0.0),
+    };
+    let central = match kind {
+        SystemKind::HeatingOnly => of_zone_equipment(model, &name)?,
+        SystemKind::Unitary | SystemKind::AirLoop => of_air_loop(model, &name)?,
+    };
+    Ok(SystemDescription {
+        name,
+        kind,
+        zones: system.zones().into_iter().filter_map(|zone| super::shape::position(zones, zone)).collect(),
+        design_flow,
+        heating_capacity: central.heating,
+        cooling_capacity: central.cooling,
+        reheat_capacity: 0.0,
+    })
+}
+
+/// The terminal of a zone on an air loop.
+fn terminal(model: &Model, air_loop: &AirLoop, zone: &str) -> Result<Equipment> {
+    let terminal = air_loop.terminals.iter().find(|terminal| terminal.zone.eq_ignore_ascii_case(zone));
+    Ok(Equipment {
+        design_flow: terminal.map_or(0.0, |terminal| terminal.design_flow),
+        heating_capacity: of_zone_equipment(model, zone)?.heating,
+        cooling_capacity: 0.0,
+    })
 }
 
 fn greatest_flow(system: &System) -> f64 {

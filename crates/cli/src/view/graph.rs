@@ -3,7 +3,7 @@
 
 use b2b_building::Morphology;
 use b2b_building::description::Description;
-use b2b_building::morphology::{Edge, EdgeKind, LocalSlot, NodeType, Owner};
+use b2b_building::morphology::{Edge, EdgeKind, NodeType, Owner};
 use plotly::color::{Rgb, Rgba};
 use plotly::common::{HoverInfo, Label, Line, Marker, MarkerSymbol, Mode, Position};
 use plotly::layout::{Axis, HoverMode, Legend, Margin};
@@ -155,26 +155,24 @@ fn style(node_type: NodeType) -> (MarkerSymbol, Rgb) {
 fn text(morphology: &Morphology, node: usize) -> String {
     let node = &morphology.nodes[node];
     let mut lines = vec![format!("<b>{}</b>, {}", node.name, node.node_type.name())];
-    let words = |quantity: &serde_json::Value| quantity.as_str().unwrap_or_default().replace('_', " ");
-    let attributes = node.node_type.attributes().iter().zip(&node.attributes);
-    lines.extend(attributes.map(|(slot, value)| {
+    for (slot, value) in node.node_type.attributes().iter().zip(&node.attributes) {
         let unit = if slot.unit == "1" { "" } else { slot.unit };
-        format!("{} {} {unit}", words(&serde_json::json!(slot.quantity)), rounded(*value))
-    }));
-    fn named<Q: serde::Serialize>(slots: &[LocalSlot<Q>]) -> Vec<String> {
-        slots
-            .iter()
-            .map(|slot| serde_json::json!(slot.quantity).as_str().unwrap_or_default().replace('_', " "))
-            .collect()
+        lines.push(format!("{} {} {unit}", words(&slot.quantity), rounded(*value)));
     }
-    for (what, slots) in
-        [("sees", named(node.node_type.observation())), ("drives", named(node.node_type.action()))]
-    {
+    let seen: Vec<_> = node.node_type.observation().iter().map(|slot| words(&slot.quantity)).collect();
+    let driven: Vec<_> = node.node_type.action().iter().map(|slot| words(&slot.quantity)).collect();
+    for (what, slots) in [("sees", seen), ("drives", driven)] {
         if !slots.is_empty() {
             lines.push(format!("<i>{what}</i> {}", slots.join(", ")));
         }
     }
     lines.join("<br>")
+}
+
+/// The name of a quantity, as JSON has it, in words.
+fn words(quantity: &impl serde::Serialize) -> String {
+    let name = serde_json::json!(quantity);
+    name.as_str().unwrap_or_default().replace('_', " ")
 }
 
 /// Three digits that matter, more for great numbers.
