@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 use std::path::PathBuf;
+use std::sync::OnceLock;
 
 use b2b_building::climate::{Place, Site};
 use b2b_building::dataset::{self, Building};
@@ -19,17 +20,25 @@ struct Case {
     library: Library,
 }
 
-/// Bases of the six types where they stand.
-fn bases() -> impl Iterator<Item = Case> {
-    let engine = Engine::ensure(&mut Quiet).unwrap();
-    let library = Library::load(&engine.library).unwrap();
-    BuildingType::ALL.into_iter().map(move |each| {
-        let weather = Place::find(each.home()).unwrap().epw(&mut Quiet).unwrap();
-        let model = each.base_model(&engine, &library, &Site::read(&weather).unwrap()).unwrap();
-        let building = PreparedBuilding::new(each.name(), model, &weather, &library).unwrap();
-        let description = Description::of(&building, &weather, Origin::default()).unwrap();
-        Case { building, description, weather, library: library.clone() }
+/// Bases of the six types where they stand, prepared once.
+fn bases() -> &'static [Case] {
+    static BASES: OnceLock<Vec<Case>> = OnceLock::new();
+    BASES.get_or_init(|| {
+        let engine = Engine::ensure(&mut Quiet).unwrap();
+        let library = Library::load(&engine.library).unwrap();
+        let case = |each: BuildingType| {
+            let weather = Place::find(each.home()).unwrap().epw(&mut Quiet).unwrap();
+            let model = each.base_model(&engine, &library, &Site::read(&weather).unwrap()).unwrap();
+            let building = PreparedBuilding::new(each.name(), model, &weather, &library).unwrap();
+            let description = Description::of(&building, &weather, Origin::default()).unwrap();
+            Case { building, description, weather, library: library.clone() }
+        };
+        BuildingType::ALL.into_iter().map(case).collect()
     })
+}
+
+fn base(building_type: BuildingType) -> &'static Case {
+    bases().iter().find(|case| case.building.name == building_type.name()).unwrap()
 }
 
 /// What the engine says of each zone, by its name in capitals: its floor area, volume, gross outer wall and window
@@ -66,7 +75,7 @@ fn close(got: f64, expected: f64, tolerance: f64, label: &str) {
 #[test]
 fn zones_have_the_areas_and_volumes_that_the_engine_gives_them() {
     for case in bases() {
-        let engine = engine_zones(&case);
+        let engine = engine_zones(case);
         assert_eq!(engine.len(), case.description.zones.len());
         for zone in &case.description.zones {
             let [floor, volume, walls, windows] = engine[&zone.name.to_uppercase()];
@@ -87,7 +96,7 @@ fn zones_have_the_areas_and_volumes_that_the_engine_gives_them() {
 /// A hall of 1393.4 by 8.534 m with an office of 236.9 by 4.267 m in its corner.
 #[test]
 fn halls_have_the_volume_of_their_plan_without_the_room_in_them() {
-    let case = bases().find(|case| case.building.name == "Warehouse").unwrap();
+    let case = base(BuildingType::Warehouse);
     let zone = |name: &str| case.description.zones.iter().find(|zone| zone.name == name).unwrap();
     close(zone("Zone2 Fine Storage").volume, 1393.41 * 8.534 - 236.9 * 4.267, 1e-3, "fine storage");
     let bulk = zone("Zone3 Bulk Storage");
@@ -136,10 +145,9 @@ fn the_envelope_is_what_the_parameters_of_the_dataset_ask_for() {
 /// ASHRAE 90.1 in the prototypes' own climate zone: .055 and .032 Btu/h·ft²·°F.
 #[test]
 fn a_prototype_at_home_has_the_walls_and_the_roof_of_its_code() {
-    for case in bases().filter(|case| case.building.name == "OfficeMedium") {
-        close(case.description.envelope.wall_u.unwrap(), 0.055 * 5.678, 0.02, "wall");
-        close(case.description.envelope.roof_u.unwrap(), 0.032 * 5.678, 0.02, "roof");
-    }
+    let envelope = base(BuildingType::OfficeMedium).description.envelope;
+    close(envelope.wall_u.unwrap(), 0.055 * 5.678, 0.02, "wall");
+    close(envelope.roof_u.unwrap(), 0.032 * 5.678, 0.02, "roof");
 }
 
 #[test]
@@ -162,7 +170,8 @@ fn systems_have_flows_and_capacities_and_every_controlled_zone_its_equipment() {
 
 #[test]
 fn levels_are_counted_by_their_floors() {
-    let levels: Vec<_> = bases().map(|case| (case.description.name, case.description.levels)).collect();
+    let levels: Vec<_> =
+        bases().iter().map(|case| (case.description.name.clone(), case.description.levels)).collect();
     let expected = [
         ("SingleFamilyHouse", 2),
         ("RestaurantFastFood", 1),
@@ -197,7 +206,7 @@ fn zones_lie_in_the_box_of_their_building_and_share_area_with_their_neighbours_a
 #[test]
 fn the_graph_has_a_node_for_every_part_and_edges_that_mean_what_they_say() {
     for Case { building, description, .. } in bases() {
-        let morphology = Morphology::of(&building, &description);
+        let morphology = Morphology::of(building, description);
         for node_type in [NodeType::Weather, NodeType::Calendar, NodeType::Energy] {
             assert_eq!(morphology.count(node_type), 1);
         }
@@ -231,7 +240,7 @@ fn the_graph_has_a_node_for_every_part_and_edges_that_mean_what_they_say() {
 
 #[test]
 fn the_medium_office_has_three_loops_over_fifteen_zones_and_three_plenums() {
-    let case = bases().find(|case| case.building.name == "OfficeMedium").unwrap();
+    let case = base(BuildingType::OfficeMedium);
     let morphology = Morphology::of(&case.building, &case.description);
     let counts = [NodeType::AirLoop, NodeType::VavZone, NodeType::UncontrolledZone, NodeType::UnitaryZone];
     assert_eq!(counts.map(|node_type| morphology.count(node_type)), [3, 15, 3, 0]);
