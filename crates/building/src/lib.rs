@@ -3,11 +3,17 @@
 pub mod archetype;
 pub mod climate;
 pub mod commercial;
+pub mod construction;
 pub mod dataset;
+pub mod description;
+
 mod error;
 pub mod house;
 pub mod hvac;
 pub mod model;
+pub mod morphology;
+
+pub mod opening;
 mod outputs;
 mod prepare;
 mod run_period;
@@ -15,8 +21,12 @@ pub mod sizing;
 pub mod zone;
 
 pub use archetype::BuildingType;
+
+pub use description::Description;
 pub use error::{Error, Result};
 pub use model::Model;
+pub use morphology::Morphology;
+
 pub use prepare::{Conditioning, PreparedBuilding, Zone};
 pub use run_period::{Date, RunPeriod};
 pub use sizing::Sizes;

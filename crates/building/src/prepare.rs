@@ -97,6 +97,11 @@ impl PreparedBuilding {
         model
     }
 
+    /// The model as prepared, without a run period of its own.
+    pub(crate) fn model(&self) -> &Model {
+        &self.model
+    }
+
     /// The actuators, in the order of the action.
     pub fn actuators(&self) -> impl Iterator<Item = &Actuator> {
         self.systems.iter().flat_map(System::actuators)

@@ -42,7 +42,9 @@ pub struct Surface {
     pub construction: String,
     /// What is behind it: `Outdoors`, `Ground`, `Surface`, …
     pub boundary: String,
-    /// Corners, m.
+    /// Name of the surface or the zone behind it, where there is one.
+    pub boundary_object: String,
+    /// Corners as the model gives them, m: by default from the origin of the zone.
     pub corners: Vec<[f64; 3]>,
 }
 
@@ -50,6 +52,11 @@ impl Surface {
     /// Area, m².
     pub fn area(&self) -> f64 {
         polygon_area(&self.corners)
+    }
+
+    /// Whether it is a wall to the outdoors.
+    pub fn is_exterior_wall(&self) -> bool {
+        self.kind == SurfaceKind::Wall && self.boundary.eq_ignore_ascii_case("Outdoors")
     }
 }
 
@@ -102,6 +109,7 @@ fn surface(name: &str, fields: &Fields) -> Option<Surface> {
         kind,
         construction: part("construction_name"),
         boundary: part("outside_boundary_condition"),
+        boundary_object: part("outside_boundary_condition_object"),
         corners,
     })
 }
@@ -119,8 +127,13 @@ fn floor_area(surfaces: &[Surface], zone: &str) -> f64 {
         .sum()
 }
 
-/// Area of a plane polygon in space, by Newell's method.
-fn polygon_area(corners: &[[f64; 3]]) -> f64 {
+/// Area of a plane polygon in space, m².
+pub fn polygon_area(corners: &[[f64; 3]]) -> f64 {
+    area_vector(corners).iter().map(|n| n * n).sum::<f64>().sqrt()
+}
+
+/// The normal of a plane polygon, as long as its area, by Newell's method.
+pub fn area_vector(corners: &[[f64; 3]]) -> [f64; 3] {
     let mut normal = [0.0; 3];
     for (i, a) in corners.iter().enumerate() {
         let b = corners[(i + 1) % corners.len()];
@@ -128,7 +141,7 @@ fn polygon_area(corners: &[[f64; 3]]) -> f64 {
         normal[1] += a[2] * b[0] - a[0] * b[2];
         normal[2] += a[0] * b[1] - a[1] * b[0];
     }
-    normal.iter().map(|n| n * n).sum::<f64>().sqrt() / 2.0
+    normal.map(|n| n / 2.0)
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ mod check;
 mod controller;
 mod dataset;
 mod doctor;
+mod facts;
 mod generate;
 mod interrupt;
 mod list;
@@ -21,6 +22,7 @@ mod stdout;
 mod summary;
 mod table;
 mod trajectory_file;
+mod view;
 #[cfg(target_os = "linux")]
 mod workers;
 
@@ -43,7 +45,8 @@ Examples:
   b2b run Warehouse --place Miami --period 07-01..07-14 --controller random
   b2b run OfficeSmall-0042                 a building of the dataset, at its own place
   b2b list                                 the building types
-  b2b show RetailStandalone                what can be seen and driven in one of them
+  b2b show RetailStandalone                what one of them is, what can be seen and driven in it
+  b2b view RetailStandalone                the same in 3D, as a page for the browser
   b2b generate Warehouse --count 100 --out warehouses
   b2b doctor                               what is installed and whether it is whole
 
@@ -62,6 +65,7 @@ enum Command {
     Run(run::Arguments),
     List(list::Arguments),
     Show(show::Arguments),
+    View(view::Arguments),
     Setup(setup::Arguments),
     Doctor(doctor::Arguments),
     Bench(bench::Arguments),
@@ -100,6 +104,7 @@ fn execute(command: Command) -> Result<ExitCode> {
         Command::Run(arguments) => run::run(&arguments)?,
         Command::List(arguments) => list::list(&arguments)?,
         Command::Show(arguments) => show::show(&arguments)?,
+        Command::View(arguments) => view::view(&arguments)?,
         Command::Setup(arguments) => setup::setup(&arguments)?,
         Command::Doctor(arguments) => return doctor::doctor(&arguments),
         Command::Bench(arguments) => bench::bench(&arguments)?,

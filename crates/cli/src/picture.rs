@@ -7,7 +7,8 @@
 use std::io::Write;
 
 use anyhow::Result;
-use b2b_building::hvac::{Quantity, System};
+use b2b_building::hvac::Quantity;
+use b2b_building::morphology::Owner;
 use b2b_building::{Conditioning, PreparedBuilding};
 use b2b_env::{Env, Trajectory};
 use base64::Engine;
@@ -125,12 +126,11 @@ impl Picture<'_> {
 
     fn actions(&self, quantity: Quantity, what: &str) -> Panel {
         let building = self.env.building();
-        let zones = building.systems.iter().flat_map(|system| actuator_zones(building, system));
-        let actuators = building.actuators().zip(zones).enumerate();
-        let series = actuators.filter(|(_, (actuator, _))| actuator.quantity == quantity).map(
-            |(k, (actuator, zone))| {
+        let actuators = building.owned_actuators().enumerate();
+        let series = actuators.filter(|(_, (_, actuator))| actuator.quantity == quantity).map(
+            |(k, (owner, actuator))| {
                 let name = actuator.name.trim_end_matches(what).trim_end().to_owned();
-                self.series(name, zone, self.trajectory.acted(k).collect())
+                self.series(name, zone_of(building, owner), self.trajectory.acted(k).collect())
             },
         );
         Panel {
@@ -168,16 +168,15 @@ fn greatest(values: &[f64]) -> f64 {
     values.iter().copied().fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// The zone of each actuator of a system, by its number; for those of a whole air loop its first zone.
-fn actuator_zones(building: &PreparedBuilding, system: &System) -> Vec<usize> {
-    let number =
-        |zone: &str| building.zones.iter().position(|z| z.name.eq_ignore_ascii_case(zone)).unwrap_or(0);
-    let zones: Vec<usize> = system.zones().into_iter().map(number).collect();
-    match system {
-        System::AirLoop(_) => {
-            [zones[0]; 2].into_iter().chain(zones.iter().flat_map(|zone| [*zone; 2])).collect()
+/// The number of the zone that an actuator belongs to; for those of a whole air loop its first zone.
+fn zone_of(building: &PreparedBuilding, owner: Owner) -> usize {
+    let number = |zone: &str| building.zones.iter().position(|z| z.name.eq_ignore_ascii_case(zone));
+    match owner {
+        Owner::Zone(zone) => zone,
+        Owner::AirLoop(system) => {
+            building.systems[system].zones().first().and_then(|zone| number(zone)).unwrap_or(0)
         }
-        System::Unitary(_) | System::HeatingOnly(_) => vec![zones[0]; system.actuators().len()],
+        Owner::Weather | Owner::Calendar | Owner::Energy => 0,
     }
 }
 

@@ -8,6 +8,7 @@ use std::sync::Arc;
 use anyhow::{Context, Result, bail};
 use b2b_building::climate::{Place, Site, epw};
 use b2b_building::dataset::{self, BuildingId};
+use b2b_building::description::Origin;
 use b2b_building::{BuildingType, Model, PreparedBuilding, RunPeriod, commercial};
 use b2b_energyplus::Library;
 use b2b_energyplus::install::{Cache, Engine, Progress};
@@ -117,6 +118,19 @@ impl Location {
             (BuildingName::Type(building_type), place) => {
                 let place = place.map_or_else(|| Place::find(building_type.home()), Ok)?;
                 Ok((place.name.to_owned(), place.epw(progress)?))
+            }
+        }
+    }
+
+    /// What is known of the building beside its model.
+    pub fn origin(&self, name: BuildingName) -> Origin {
+        match name {
+            BuildingName::Id(id) => Origin::of(&dataset::row(id).building),
+            BuildingName::Type(BuildingType::SingleFamilyHouse) => Origin::default(),
+            BuildingName::Type(_) if self.weather.is_some() => Origin::commercial(None),
+            BuildingName::Type(building_type) => {
+                let home = || Place::find(building_type.home()).ok();
+                Origin::commercial(self.place.or_else(home).map(|place| place.ashrae_zone))
             }
         }
     }

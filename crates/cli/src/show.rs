@@ -1,21 +1,25 @@
-//! `b2b show`: what can be seen and driven in a building.
+//! `b2b show`: what a building is, and what can be seen and driven in it.
 
 use anyhow::Result;
+use b2b_building::description::ZoneDescription;
 use b2b_building::hvac::Actuator;
+use b2b_building::morphology::{Owner, Universe};
 use b2b_building::{Conditioning, RunPeriod, Zone};
 use b2b_env::{Env, Slot, Task};
 use serde_json::{Value, json};
 
+use crate::facts::{Facts, percent};
 use crate::prepare::{BuildingName, Location, Prepared};
 use crate::stdout;
 use crate::table::Table;
 
-/// Show the zones, the action and the observation of a building
+/// Show what a building is, on one screen
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
   b2b show OfficeSmall
-  b2b show SingleFamilyHouse-0007
+  b2b show SingleFamilyHouse-0007 --zones
+  b2b show OfficeSmall --actions           what can be driven, between which bounds
   b2b show Warehouse --place Fairbanks     equipment is sized for the place, and bounds with it")]
 pub struct Arguments {
     /// Building type (`b2b list`), or a building of the dataset such as OfficeSmall-0042
@@ -23,43 +27,100 @@ pub struct Arguments {
     building: BuildingName,
     #[command(flatten)]
     location: Location,
-    /// Print JSON
+    /// Show the zones
+    #[arg(long)]
+    zones: bool,
+    /// Show every slot of the action
+    #[arg(long)]
+    actions: bool,
+    /// Show every slot of the observation
+    #[arg(long)]
+    observations: bool,
+    /// Show all of this
+    #[arg(long)]
+    all: bool,
+    /// Print JSON: all of this, with the morphology
     #[arg(long)]
     json: bool,
 }
+
+/// Width that a line of parameters may have.
+const WIDTH: usize = 96;
 
 /// Runs the command.
 pub fn show(arguments: &Arguments) -> Result<()> {
     let prepared = Prepared::new(arguments.building, &arguments.location, arguments.json)?;
     let env = prepared.env(RunPeriod::WINTER, 12, Task::default())?;
+    let facts = Facts::of(&prepared, arguments.building, &arguments.location)?;
     if arguments.json {
-        stdout::print_json(&json_of(&prepared, &env))
+        stdout::print_json(&json_of(&prepared, &env, &facts))
     } else {
-        stdout::print(&text_of(&prepared, &env))
+        stdout::print(&text_of(arguments, &prepared, &env, &facts))
     }
 }
 
-fn text_of(prepared: &Prepared, env: &Env) -> String {
-    let building = &prepared.building;
-    format!(
-        "{} in {}: {:.0} m² conditioned floor area\n\nZones\n{}\n\nAction: {} values\n{}\n\nObservation: {} values\n{}",
-        building.name,
-        prepared.place,
-        building.conditioned_floor_area,
-        zones_text(&building.zones),
-        env.action_space().len(),
-        actuators_text(building.actuators()),
-        env.observation_space().len(),
-        slots_text(env.observation_space().slots()),
-    )
+fn text_of(arguments: &Arguments, prepared: &Prepared, env: &Env, facts: &Facts) -> String {
+    let mut parts = vec![facts.title(), lines_text(&facts.lines()), facts.systems_text()];
+    if !facts.parameters.is_empty() {
+        let parameters: Vec<_> = facts.parameters.iter().map(|parameter| parameter.text()).collect();
+        parts.push(wrapped(&parameters));
+    }
+    parts.push(lines_text(&facts.spaces(env)));
+    let zones = zones_text(&facts.description.zones);
+    let actions = actuators_text(prepared.building.actuators());
+    let observations = slots_text(env.observation_space().slots());
+    let details = [
+        (arguments.zones, "Zones", zones),
+        (arguments.actions, "Action", actions),
+        (arguments.observations, "Observation", observations),
+    ];
+    let wanted = details.into_iter().filter(|(wanted, ..)| *wanted || arguments.all);
+    parts.extend(wanted.map(|(_, title, text)| format!("{title}\n{text}")));
+    parts.join("\n\n")
 }
 
-fn zones_text(zones: &[Zone]) -> String {
-    let mut table = Table::new(["zone", "floor, m²", "equipment"]);
+fn lines_text(lines: &[(&str, String)]) -> String {
+    let line = |(name, value): &(&str, String)| format!("  {name:<12}  {value}");
+    lines.iter().map(line).collect::<Vec<_>>().join("\n")
+}
+
+/// Items with dots between them, in lines of at most [`WIDTH`].
+fn wrapped(items: &[String]) -> String {
+    let mut lines = vec![String::from(" ")];
+    for item in items {
+        let last = lines.len() - 1;
+        let width = lines[last].chars().count() + 3 + item.chars().count();
+        if lines[last] == " " {
+            lines[last] += &format!(" {item}");
+        } else if width <= WIDTH {
+            lines[last] += &format!(" · {item}");
+        } else {
+            lines.push(format!("  {item}"));
+        }
+    }
+    lines.join("\n")
+}
+
+fn zones_text(zones: &[ZoneDescription]) -> String {
+    let mut table = Table::new([
+        "zone",
+        "floor, m²",
+        "volume, m³",
+        "outer walls",
+        "windows",
+        "ground",
+        "infiltration, 1/h",
+        "equipment",
+    ]);
     for zone in zones {
         table.row([
             zone.name.clone(),
             format!("{:.1}", zone.floor_area),
+            format!("{:.0}", zone.volume),
+            percent(zone.exterior_wall_fraction),
+            percent(zone.window_to_wall),
+            percent(zone.ground_contact_fraction),
+            format!("{:.2}", zone.infiltration),
             equipment(zone.conditioning).into(),
         ]);
     }
@@ -113,8 +174,9 @@ fn bound(value: f64) -> String {
     format!("{}", (value * 1000.0).round() / 1000.0)
 }
 
-fn json_of(prepared: &Prepared, env: &Env) -> Value {
+fn json_of(prepared: &Prepared, env: &Env, facts: &Facts) -> Value {
     let building = &prepared.building;
+    let node = |owner: Owner| facts.morphology.node_of(owner);
     let zone = |zone: &Zone| {
         json!({
             "name": zone.name,
@@ -123,10 +185,22 @@ fn json_of(prepared: &Prepared, env: &Env) -> Value {
             "cooling": zone.conditioning == Conditioning::HeatingAndCooling,
         })
     };
-    let slot = |slot: &Slot| json!({"name": slot.name, "unit": slot.unit, "low": slot.low, "high": slot.high, "source": slot.source});
-    let actuator = |actuator: &Actuator| {
+    let slot = |slot: &Slot| {
+        json!({
+            "name": slot.name,
+            "node": node(slot.owner),
+            "quantity": slot.quantity,
+            "unit": slot.unit,
+            "low": slot.low,
+            "high": slot.high,
+            "source": slot.source,
+        })
+    };
+    let actuator = |(owner, actuator): (Owner, &Actuator)| {
         json!({
             "name": actuator.name,
+            "node": node(owner),
+            "quantity": actuator.quantity,
             "unit": actuator.quantity.unit(),
             "low": actuator.low,
             "high": actuator.high,
@@ -138,7 +212,23 @@ fn json_of(prepared: &Prepared, env: &Env) -> Value {
         "place": prepared.place,
         "conditioned_floor_area_m2": building.conditioned_floor_area,
         "zones": building.zones.iter().map(zone).collect::<Vec<_>>(),
-        "action": building.actuators().map(actuator).collect::<Vec<_>>(),
+        "action": building.owned_actuators().map(actuator).collect::<Vec<_>>(),
         "observation": env.observation_space().slots().iter().map(slot).collect::<Vec<_>>(),
+        "parameters": facts.parameters_json(),
+        "description": facts.description,
+        "morphology": facts.morphology,
+        "universe": Universe::new(),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn items_are_wrapped_between_them() {
+        let items = vec!["x".repeat(60), "y".repeat(40), "z".into()];
+        let text = wrapped(&items);
+        assert_eq!(text, format!("  {}\n  {} · z", "x".repeat(60), "y".repeat(40)));
+    }
 }

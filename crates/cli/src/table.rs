@@ -48,7 +48,7 @@ impl Column {
 }
 
 fn is_number(cell: &str) -> bool {
-    cell.is_empty() || cell == "–" || cell.trim_end_matches('×').parse::<f64>().is_ok()
+    cell.is_empty() || cell == "–" || cell.trim_end_matches(['×', ' ', '%']).parse::<f64>().is_ok()
 }
 
 #[cfg(test)]

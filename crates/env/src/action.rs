@@ -2,6 +2,7 @@
 
 use b2b_building::PreparedBuilding;
 use b2b_building::hvac::Quantity;
+use b2b_building::morphology::Owner;
 
 use crate::{Error, Result};
 
@@ -9,6 +10,7 @@ use crate::{Error, Result};
 #[derive(Clone, Debug)]
 pub struct ActionSpace {
     names: Vec<String>,
+    owners: Vec<Owner>,
     quantities: Vec<Quantity>,
     low: Vec<f64>,
     high: Vec<f64>,
@@ -19,10 +21,17 @@ impl ActionSpace {
         let of = |value: fn(&b2b_building::hvac::Actuator) -> f64| building.actuators().map(value).collect();
         Self {
             names: building.actuators().map(|a| a.name.clone()).collect(),
+            owners: building.owned_actuators().map(|(owner, _)| owner).collect(),
             quantities: building.actuators().map(|a| a.quantity).collect(),
             low: of(|a| a.low),
             high: of(|a| a.high),
         }
+    }
+
+    /// A space without actuators.
+    #[cfg(test)]
+    pub(crate) fn empty() -> Self {
+        Self { names: vec![], owners: vec![], quantities: vec![], low: vec![], high: vec![] }
     }
 
     /// Number of actuators.
@@ -38,6 +47,11 @@ impl ActionSpace {
     /// Names, for example `Core_ZN supply air flow`.
     pub fn names(&self) -> &[String] {
         &self.names
+    }
+
+    /// The part of the building that each actuator belongs to.
+    pub fn owners(&self) -> &[Owner] {
+        &self.owners
     }
 
     /// What each actuator drives; gives its unit.
@@ -98,6 +112,7 @@ mod tests {
     fn space() -> ActionSpace {
         ActionSpace {
             names: vec!["fan".into(), "supply".into()],
+            owners: vec![Owner::Zone(0); 2],
             quantities: vec![Quantity::SupplyAirFlow, Quantity::SupplyAirTemperature],
             low: vec![0.0, 10.0],
             high: vec![0.5, 45.0],

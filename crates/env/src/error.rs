@@ -101,6 +101,14 @@ pub enum Error {
     /// Waiting was interrupted.
     #[error("interrupted")]
     Interrupted,
+    /// A slot of the observation or the action that has no place in the morphology.
+    #[error("`{slot}` belongs to no node of the morphology of {building}: its node type has no such slot")]
+    SlotWithoutNode {
+        /// Name of the slot.
+        slot: String,
+        /// Name of the building of the morphology.
+        building: String,
+    },
     /// The engine failed, or refused a handle.
     #[error(transparent)]
     Engine(#[from] b2b_energyplus::Error),

@@ -3,12 +3,17 @@
 use std::ops::Range;
 
 use b2b_building::PreparedBuilding;
+use b2b_building::morphology::{Observed, Owner};
 
 /// One slot of the observation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Slot {
     /// Name, for example `Core_ZN air temperature`.
     pub name: String,
+    /// The part of the building that it belongs to.
+    pub owner: Owner,
+    /// What it holds of it.
+    pub quantity: Observed,
     /// SI unit.
     pub unit: &'static str,
     /// Lower bound that no sane run crosses.
@@ -45,31 +50,79 @@ const MAXIMUM_POWER: f64 = 1000.0;
 impl ObservationSpace {
     pub(crate) fn of(building: &PreparedBuilding, steps_per_hour: u32) -> Self {
         let energy = MAXIMUM_POWER / f64::from(steps_per_hour);
-        let slot = |name: &str, unit, low, high, source| Slot { name: name.into(), unit, low, high, source };
-        let mut slots: Vec<_> = building
-            .zones
-            .iter()
-            .map(|zone| {
-                let name = format!("{} air temperature", zone.name);
-                slot(&name, "°C", -60.0, 90.0, "engine: Zone Mean Air Temperature")
-            })
-            .collect();
+        let slot = |name: &str, (owner, quantity), unit, (low, high), source| Slot {
+            name: name.into(),
+            owner,
+            quantity,
+            unit,
+            low,
+            high,
+            source,
+        };
+        let zone_temperature = |(number, zone): (usize, &b2b_building::Zone)| {
+            let name = format!("{} air temperature", zone.name);
+            let what = (Owner::Zone(number), Observed::AirTemperature);
+            slot(&name, what, "°C", (-60.0, 90.0), "engine: Zone Mean Air Temperature")
+        };
+        let mut slots: Vec<_> = building.zones.iter().enumerate().map(zone_temperature).collect();
         slots.extend([
             slot(
                 "outdoor air temperature",
+                (Owner::Weather, Observed::OutdoorTemperature),
                 "°C",
-                -60.0,
-                60.0,
+                (-60.0, 60.0),
                 "engine: Site Outdoor Air Drybulb Temperature",
             ),
-            slot("outdoor relative humidity", "%", 0.0, 100.0, "engine: Site Outdoor Air Relative Humidity"),
-            slot("time of day", "h", 0.0, 24.0, "calendar, end of the step, standard time"),
-            slot("day of week", "1", 0.0, 6.0, "calendar, Monday is 0"),
-            slot("day of year", "1", 1.0, 365.0, "calendar, 1 January is 1"),
-            slot("HVAC electricity", "Wh/m²", 0.0, energy, "engine: meter Electricity:HVAC, of the step"),
-            slot("HVAC gas", "Wh/m²", 0.0, energy, "engine: meter NaturalGas:HVAC, of the step"),
+            slot(
+                "outdoor relative humidity",
+                (Owner::Weather, Observed::OutdoorHumidity),
+                "%",
+                (0.0, 100.0),
+                "engine: Site Outdoor Air Relative Humidity",
+            ),
+            slot(
+                "time of day",
+                (Owner::Calendar, Observed::TimeOfDay),
+                "h",
+                (0.0, 24.0),
+                "calendar, end of the step, standard time",
+            ),
+            slot(
+                "day of week",
+                (Owner::Calendar, Observed::DayOfWeek),
+                "1",
+                (0.0, 6.0),
+                "calendar, Monday is 0",
+            ),
+            slot(
+                "day of year",
+                (Owner::Calendar, Observed::DayOfYear),
+                "1",
+                (1.0, 365.0),
+                "calendar, 1 January is 1",
+            ),
+            slot(
+                "HVAC electricity",
+                (Owner::Energy, Observed::Electricity),
+                "Wh/m²",
+                (0.0, energy),
+                "engine: meter Electricity:HVAC, of the step",
+            ),
+            slot(
+                "HVAC gas",
+                (Owner::Energy, Observed::Gas),
+                "Wh/m²",
+                (0.0, energy),
+                "engine: meter NaturalGas:HVAC, of the step",
+            ),
         ]);
         Self { slots, zones: building.zones.len() }
+    }
+
+    /// A space of any slots.
+    #[cfg(test)]
+    pub(crate) fn of_slots(slots: Vec<Slot>) -> Self {
+        Self { slots, zones: 0 }
     }
 
     /// The slots in order.

@@ -1,6 +1,7 @@
 //! Climate: the places whose weather is known, their files, and what a model needs to know of a place.
 
 mod clear_sky;
+mod degree_days;
 pub mod epw;
 mod morph;
 mod region;
@@ -9,6 +10,7 @@ mod station;
 mod sun;
 pub mod weather;
 
+pub use degree_days::DegreeDays;
 pub use morph::{MORPH_VERSION, morph};
 pub use region::Region;
 pub use site::{DesignDay, Site};

@@ -267,7 +267,7 @@ fn monthly_dry_bulbs(text: &str) -> Option<[f64; 12]> {
     means.iter().all(|mean: &f64| mean.is_finite()).then_some(means)
 }
 
-fn month_and_dry_bulb(hour: &str) -> Option<(f64, u32)> {
+pub(super) fn month_and_dry_bulb(hour: &str) -> Option<(f64, u32)> {
     let mut fields = hour.split(',').map(str::trim);
     let month = fields.nth(1)?.parse().ok()?;
     let dry_bulb: f64 = fields.nth(4)?.parse().ok()?;

@@ -4,8 +4,8 @@ use std::collections::HashMap;
 
 use serde_json::{Value, json};
 
-use crate::model::{Fields, number, text};
-use crate::zone::{self, Surface, SurfaceKind};
+use crate::model::{Fields, number};
+use crate::zone::{self, Surface};
 use crate::{Model, Result};
 
 /// Turns the building: degrees from true north to its y axis.
@@ -96,15 +96,10 @@ fn stretch_slabs(
 /// Length of the exterior walls of each zone, m, by zone in lower case.
 fn exposed_perimeters(model: &Model) -> Result<HashMap<String, f64>> {
     let mut lengths = HashMap::new();
-    for wall in zone::surfaces(model)?.iter().filter(|s| is_exterior_wall(s)) {
+    for wall in zone::surfaces(model)?.iter().filter(|s| s.is_exterior_wall()) {
         *lengths.entry(wall.zone.to_lowercase()).or_insert(0.0) += length(wall);
     }
     Ok(lengths)
-}
-
-/// Whether a surface is a wall to the outdoors.
-pub(super) fn is_exterior_wall(surface: &Surface) -> bool {
-    surface.kind == SurfaceKind::Wall && surface.boundary.eq_ignore_ascii_case("Outdoors")
 }
 
 /// Extent of a vertical wall in plan, m.
@@ -116,18 +111,6 @@ fn length(wall: &Surface) -> f64 {
     };
     let (dx, dy) = (extent(0), extent(1));
     (dx * dx + dy * dy).sqrt()
-}
-
-/// The corners of a detailed fenestration surface.
-pub(super) fn corners(fields: &Fields) -> Vec<[f64; 3]> {
-    let axis = |corner: usize, axis| number(fields, &format!("vertex_{corner}_{axis}_coordinate"));
-    (1..=4).map_while(|i| Some([axis(i, "x")?, axis(i, "y")?, axis(i, "z")?])).collect()
-}
-
-/// The surface that a fenestration surface is in.
-pub(super) fn parent<'a>(surfaces: &'a [Surface], fenestration: &Fields) -> Option<&'a Surface> {
-    let name = text(fenestration, "building_surface_name")?;
-    surfaces.iter().find(|surface| surface.name.eq_ignore_ascii_case(name))
 }
 
 #[cfg(test)]

@@ -4,13 +4,12 @@ use std::collections::BTreeSet;
 
 use serde_json::json;
 
-use super::geometry::parent;
-use crate::model::{Fields, text};
+use crate::construction::SIMPLE_GLAZING as GLAZING;
+use crate::model::text;
+use crate::opening::{FENESTRATION, is_glass, parent};
 use crate::zone::{self, Surface, SurfaceKind};
 use crate::{Error, Model, Result};
 
-const FENESTRATION: &str = "FenestrationSurface:Detailed";
-const GLAZING: &str = "WindowMaterial:SimpleGlazingSystem";
 /// Visible transmittance over solar heat gain coefficient: the least the code admits (ASHRAE 90.1, 5.5.4.6), and what
 /// the prototypes have.
 const LIGHT_TO_SOLAR_GAIN: f64 = 1.1;
@@ -35,11 +34,6 @@ pub(super) fn glaze(model: &mut Model, u: f64, shgc: f64) -> Result<()> {
         glazing.insert("visible_transmittance".into(), json!(LIGHT_TO_SOLAR_GAIN * shgc));
     }
     Ok(())
-}
-
-/// Whether a fenestration surface is glass.
-pub(super) fn is_glass(fenestration: &Fields) -> bool {
-    matches!(text(fenestration, "surface_type"), Some("Window" | "GlassDoor"))
 }
 
 /// The glazing materials of the glass in surfaces of some kinds, in lower case.

@@ -31,7 +31,7 @@ pub(super) fn scale(model: &mut Model, multiplier: f64) {
 }
 
 /// Whether an infiltration object is of people opening doors.
-pub(super) fn is_door(name: &str) -> bool {
+pub(crate) fn is_door(name: &str) -> bool {
     name.to_ascii_lowercase().contains("door")
 }
 

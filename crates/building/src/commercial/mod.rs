@@ -28,7 +28,7 @@ mod capacity;
 mod economizer;
 mod geometry;
 mod glazing;
-mod infiltration;
+pub(crate) mod infiltration;
 mod kitchen;
 mod loads;
 mod opaque;

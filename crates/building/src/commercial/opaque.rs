@@ -4,32 +4,12 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::json;
 
-use super::geometry::is_exterior_wall;
-use crate::model::{Fields, number, text};
+use crate::construction::{INSULATION, ROOF_FILMS, WALL_FILMS, insulation_of, layers, resistance};
 use crate::zone::{self, Surface, SurfaceKind};
 use crate::{Error, Model, Result};
 
-/// Air films on both sides of a wall, m²K/W: 0.03 outside, 0.12 inside (ASHRAE 90.1, A9.4.1).
-const WALL_FILMS: f64 = 0.15;
-/// Air films on both sides of a roof, m²K/W: 0.03 outside, 0.11 inside (heat flowing up).
-const ROOF_FILMS: f64 = 0.14;
-/// The class of insulation in the prototypes: a resistance without mass.
-const INSULATION: &str = "Material:NoMass";
 /// Least resistance that the engine takes, m²K/W.
 const LEAST_RESISTANCE: f64 = 1e-3;
-/// Layers of a construction, outermost first.
-const LAYERS: [&str; 10] = [
-    "outside_layer",
-    "layer_2",
-    "layer_3",
-    "layer_4",
-    "layer_5",
-    "layer_6",
-    "layer_7",
-    "layer_8",
-    "layer_9",
-    "layer_10",
-];
 
 /// Gives every exterior wall and every roof an assembly U, W/m²K with the code's air films, by the resistance of its
 /// insulation.
@@ -37,7 +17,7 @@ const LAYERS: [&str; 10] = [
 /// The roof of an attic is the ceiling under it: the deck above has no insulation, and the attic is vented.
 pub(super) fn insulate(model: &mut Model, wall_u: f64, roof_u: f64) -> Result<()> {
     let surfaces = zone::surfaces(model)?;
-    let walls = surfaces.iter().filter(|s| is_exterior_wall(s)).map(|s| s.construction.to_lowercase());
+    let walls = surfaces.iter().filter(|s| s.is_exterior_wall()).map(|s| s.construction.to_lowercase());
     let walls: BTreeSet<_> = walls.collect();
     let mut resistances = BTreeMap::new();
     for construction in &walls {
@@ -63,7 +43,7 @@ fn roof_constructions(model: &Model, surfaces: &[Surface]) -> Result<BTreeSet<St
         } else {
             let attic_floors = surfaces.iter().filter(|s| is_over_a_room(s, &roof.zone));
             constructions.extend(attic_floors.map(|s| s.construction.to_lowercase()));
-            constructions.extend(ceilings_under(model, surfaces, &roof.zone));
+            constructions.extend(ceilings_under(surfaces, &roof.zone));
         }
     }
     Ok(constructions)
@@ -77,12 +57,9 @@ fn is_over_a_room(surface: &Surface, zone: &str) -> bool {
 }
 
 /// Constructions of the ceilings whose other side is a floor of a zone.
-fn ceilings_under(model: &Model, surfaces: &[Surface], zone: &str) -> Vec<String> {
-    let other_side = |s: &Surface| {
-        let fields = model.get("BuildingSurface:Detailed", &s.name)?;
-        let name = text(fields, "outside_boundary_condition_object")?;
-        surfaces.iter().find(|other| other.name.eq_ignore_ascii_case(name))
-    };
+fn ceilings_under(surfaces: &[Surface], zone: &str) -> Vec<String> {
+    let other_side =
+        |s: &Surface| surfaces.iter().find(|other| other.name.eq_ignore_ascii_case(&s.boundary_object));
     let under = |s: &&Surface| {
         s.kind == SurfaceKind::Ceiling && other_side(s).is_some_and(|floor| is_over_a_room(floor, zone))
     };
@@ -121,26 +98,6 @@ fn require_resistance(
     }
 }
 
-/// The insulation layer of a construction, in lower case.
-fn insulation_of(model: &Model, construction: &str) -> Result<Option<String>> {
-    let fields = model.require("Construction", construction)?;
-    let insulation = layers(fields).find(|layer| model.contains(INSULATION, layer));
-    Ok(insulation.map(str::to_lowercase))
-}
-
-fn layers(construction: &Fields) -> impl Iterator<Item = &str> {
-    LAYERS.iter().map_while(|layer| text(construction, layer))
-}
-
-/// Resistance of a material, m²K/W.
-fn resistance(model: &Model, material: &str) -> Option<f64> {
-    if let Some(fields) = model.get(INSULATION, material) {
-        return number(fields, "thermal_resistance");
-    }
-    let fields = model.get("Material", material)?;
-    Some(number(fields, "thickness")? / number(fields, "conductivity")?)
-}
-
 #[cfg(test)]
 mod tests {
     use std::path::Path;
@@ -148,6 +105,7 @@ mod tests {
     use serde_json::Value;
 
     use super::*;
+    use crate::model::number;
 
     fn surface(kind: &str, zone: &str, construction: &str, boundary: &str, other: &str) -> Value {
         let corner =

@@ -2,13 +2,11 @@
 
 use serde_json::json;
 
-use super::geometry::{corners, is_exterior_wall, parent};
-use super::glazing::is_glass;
 use crate::model::text;
+use crate::opening::{FENESTRATION, corners, is_glass, parent};
 use crate::zone::{self, Surface};
 use crate::{Error, Model, Result};
 
-const FENESTRATION: &str = "FenestrationSurface:Detailed";
 /// Wall left above and below a window, m.
 const MARGIN: f64 = 0.05;
 
@@ -31,7 +29,7 @@ struct Window {
 /// [`Error::Parameter`] when the walls with windows have no room for so much.
 pub(super) fn resize(model: &mut Model, ratio: f64) -> Result<()> {
     let surfaces = zone::surfaces(model)?;
-    let walls: f64 = surfaces.iter().filter(|s| is_exterior_wall(s)).map(Surface::area).sum();
+    let walls: f64 = surfaces.iter().filter(|s| s.is_exterior_wall()).map(Surface::area).sum();
     let (windows, doors) = glass_in_walls(model, &surfaces);
     let most: f64 = windows.iter().map(|w| w.width * w.greatest).sum();
     let refused = || Error::Parameter {
@@ -51,7 +49,7 @@ pub(super) fn resize(model: &mut Model, ratio: f64) -> Result<()> {
 fn glass_in_walls(model: &Model, surfaces: &[Surface]) -> (Vec<Window>, f64) {
     let (mut windows, mut doors) = (Vec::new(), 0.0);
     for (name, fields) in model.objects(FENESTRATION).into_iter().filter(|(_, fields)| is_glass(fields)) {
-        let Some(wall) = parent(surfaces, fields).filter(|wall| is_exterior_wall(wall)) else { continue };
+        let Some(wall) = parent(surfaces, fields).filter(|wall| wall.is_exterior_wall()) else { continue };
         let corners = corners(fields);
         let (low, high) = heights(&corners);
         let (width, height) = (width(&corners), high - low);

@@ -8,13 +8,13 @@ use crate::model::{Fields, Model, text};
 
 /// A terminal on the demand side of an air loop.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct ServedZone {
+pub(crate) struct ServedZone {
     /// The zone it serves.
-    pub(super) zone: String,
+    pub(crate) zone: String,
     /// The `ZoneHVAC:AirDistributionUnit` it is in.
-    pub(super) unit: String,
+    pub(crate) unit: String,
     /// The terminal itself.
-    pub(super) terminal: Reference,
+    pub(crate) terminal: Reference,
 }
 
 /// The terminals of an air loop, each with its zone, in model order of the zones.
@@ -22,7 +22,7 @@ pub(super) struct ServedZone {
 /// # Errors
 /// [`crate::Error::Unsupported`] when there is none, or one that no zone has; [`crate::Error::MissingObject`] for
 /// a dangling reference.
-pub(super) fn served_zones(model: &Model, air_loop: &str) -> Result<Vec<ServedZone>> {
+pub(crate) fn served_zones(model: &Model, air_loop: &str) -> Result<Vec<ServedZone>> {
     let nodes = terminal_nodes(model, air_loop)?;
     let mut served = Vec::new();
     for (unit, fields) in model.objects("ZoneHVAC:AirDistributionUnit") {

@@ -2,7 +2,7 @@
 
 pub mod air_loop;
 pub mod common;
-mod distribution;
+pub(crate) mod distribution;
 pub mod heating_only;
 pub mod unitary;
 

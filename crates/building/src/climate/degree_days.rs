@@ -1,0 +1,58 @@
+//! How cold and how warm the year of a weather file is, in two numbers.
+
+use std::path::Path;
+
+use super::site::month_and_dry_bulb;
+use crate::{Error, Result};
+
+/// What days are counted from for heating, °C.
+const HEATING_BASE: f64 = 18.0;
+/// What days are counted from for cooling, °C (ASHRAE 169).
+const COOLING_BASE: f64 = 10.0;
+/// Header lines of an EPW file.
+const HEADER_LINES: usize = 8;
+
+/// Degree-days of a year, K·d, from the means of its days.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DegreeDays {
+    /// Heating degree-days below 18 °C.
+    pub heating: f64,
+    /// Cooling degree-days above 10 °C.
+    pub cooling: f64,
+}
+
+impl DegreeDays {
+    /// Reads the hours of an EPW file.
+    ///
+    /// # Errors
+    /// [`Error::Io`] when the file cannot be read.
+    pub fn read(path: &Path) -> Result<Self> {
+        let bytes = std::fs::read(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
+        let text = String::from_utf8_lossy(&bytes);
+        let hours = text.lines().skip(HEADER_LINES).filter_map(month_and_dry_bulb);
+        let hours: Vec<f64> = hours.map(|(dry_bulb, _)| dry_bulb).collect();
+        Ok(Self::of_hours(&hours))
+    }
+
+    fn of_hours(dry_bulbs: &[f64]) -> Self {
+        let mut sum = Self::default();
+        for day in dry_bulbs.chunks(24) {
+            let mean = day.iter().sum::<f64>() / day.len() as f64;
+            sum.heating += (HEATING_BASE - mean).max(0.0);
+            sum.cooling += (mean - COOLING_BASE).max(0.0);
+        }
+        sum
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_day_counts_by_its_mean() {
+        let mut hours = [[8.0; 12], [12.0; 12]].concat();
+        hours.extend([25.0; 24]);
+        assert_eq!(DegreeDays::of_hours(&hours), DegreeDays { heating: 8.0, cooling: 15.0 });
+    }
+}

@@ -1,0 +1,147 @@
+//! How much outdoor air leaks into zones.
+//!
+//! Models give leakage in forms that cannot be compared: a design flow with coefficients, an effective leakage area, a
+//! flow coefficient. All are taken here at one weather, [`TEMPERATURE_DIFFERENCE`] and [`WIND`], with schedules at 1. What
+//! comes in when people open doors is left out, as the prototypes name it.
+
+use crate::Model;
+use crate::commercial::infiltration::is_door;
+use crate::model::{Fields, number, text};
+
+/// Difference between zone and outdoors that leakage is told for, K.
+pub const TEMPERATURE_DIFFERENCE: f64 = 20.0;
+/// Wind at the zone that leakage is told for, m/s.
+pub const WIND: f64 = 3.0;
+
+/// What a design flow may be given by.
+pub(super) struct Measures {
+    /// m².
+    pub(super) floor: f64,
+    /// Outer walls and roofs, m².
+    pub(super) exterior: f64,
+    /// m².
+    pub(super) exterior_walls: f64,
+    /// m³.
+    pub(super) volume: f64,
+}
+
+/// The flow of an object of one class, m³/s.
+type Form = fn(&Fields, &Measures) -> f64;
+
+/// Leakage of a zone, m³/s.
+pub(super) fn flow(model: &Model, zone: &str, measures: &Measures) -> f64 {
+    const FORMS: [(&str, Form); 3] = [
+        ("ZoneInfiltration:DesignFlowRate", design_flow),
+        ("ZoneInfiltration:EffectiveLeakageArea", effective_leakage_area),
+        ("ZoneInfiltration:FlowCoefficient", flow_coefficient),
+    ];
+    let of_form = |(class, flow): (&str, Form)| -> f64 {
+        let objects = model.objects(class).into_iter();
+        let leaks = objects.filter(|(name, fields)| !is_door(name) && is_in(model, fields, zone));
+        leaks.map(|(_, fields)| flow(fields, measures)).sum()
+    };
+    FORMS.into_iter().map(of_form).sum()
+}
+
+fn design_flow(fields: &Fields, measures: &Measures) -> f64 {
+    let read = |field: &str| number(fields, field).unwrap_or(0.0);
+    let method = text(fields, "design_flow_rate_calculation_method").unwrap_or("Flow/Zone");
+    let design = match method.to_ascii_lowercase().as_str() {
+        "flow/area" => read("flow_rate_per_floor_area") * measures.floor,
+        "flow/exteriorarea" => read("flow_rate_per_exterior_surface_area") * measures.exterior,
+        "flow/exteriorwallarea" => read("flow_rate_per_exterior_surface_area") * measures.exterior_walls,
+        "airchanges/hour" => read("air_changes_per_hour") * measures.volume / 3600.0,
+        _ => read("design_flow_rate"),
+    };
+    let weather = number(fields, "constant_term_coefficient").unwrap_or(1.0)
+        + read("temperature_term_coefficient") * TEMPERATURE_DIFFERENCE
+        + read("velocity_term_coefficient") * WIND
+        + read("velocity_squared_term_coefficient") * WIND * WIND;
+    design * weather
+}
+
+/// Sherman and Grimsrud, as the engine has it: area in cm², coefficients in (L/s)²/(cm⁴·K) and (L/s)²/(cm⁴·(m/s)²).
+fn effective_leakage_area(fields: &Fields, _: &Measures) -> f64 {
+    let read = |field: &str| number(fields, field).unwrap_or(0.0);
+    let pressure =
+        read("stack_coefficient") * TEMPERATURE_DIFFERENCE + read("wind_coefficient") * WIND * WIND;
+    read("effective_air_leakage_area") / 1000.0 * pressure.sqrt()
+}
+
+/// The enhanced model of Walker and Wilson (AIM-2), as the engine has it.
+fn flow_coefficient(fields: &Fields, _: &Measures) -> f64 {
+    let read = |field: &str| number(fields, field).unwrap_or(0.0);
+    let exponent = number(fields, "pressure_exponent").unwrap_or(0.67);
+    let stack = read("stack_coefficient") * libm::pow(TEMPERATURE_DIFFERENCE, exponent);
+    let wind = read("wind_coefficient") * libm::pow(read("shelter_factor") * WIND, 2.0 * exponent);
+    read("flow_coefficient") * libm::hypot(stack, wind)
+}
+
+/// Whether an object is of a zone: by its name, by a list, or by a space in it.
+fn is_in(model: &Model, fields: &Fields, zone: &str) -> bool {
+    let names = ["zone_or_zonelist_or_space_or_spacelist_name", "zone_or_space_name", "zone_name"]
+        .map(|f| text(fields, f));
+    names.into_iter().flatten().any(|name| {
+        let listed =
+            model.get("ZoneList", name).and_then(|list| list.get("zones")?.as_array()).into_iter().flatten();
+        let mut listed = listed.filter_map(|item| item.get("zone_name")?.as_str());
+        let space = model.get("Space", name).and_then(|space| text(space, "zone_name"));
+        name.eq_ignore_ascii_case(zone)
+            || listed.any(|listed| listed.eq_ignore_ascii_case(zone))
+            || space.is_some_and(|of| of.eq_ignore_ascii_case(zone))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    const ROOM: Measures = Measures { floor: 20.0, exterior: 50.0, exterior_walls: 30.0, volume: 60.0 };
+
+    fn leak(class: &str, mut fields: serde_json::Value) -> f64 {
+        let mut model = Model::default();
+        let zone = if class.ends_with("Rate") {
+            "zone_or_zonelist_or_space_or_spacelist_name"
+        } else {
+            "zone_or_space_name"
+        };
+        fields[zone] = json!("room");
+        model.insert(class, "Leak", fields);
+        assert_eq!(flow(&model, "Hall", &ROOM), 0.0);
+        flow(&model, "Room", &ROOM)
+    }
+
+    #[test]
+    fn every_way_to_give_a_design_flow_is_understood() {
+        for (method, field, value) in [
+            ("Flow/Zone", "design_flow_rate", 0.12),
+            ("Flow/Area", "flow_rate_per_floor_area", 0.006),
+            ("Flow/ExteriorArea", "flow_rate_per_exterior_surface_area", 0.0024),
+            ("Flow/ExteriorWallArea", "flow_rate_per_exterior_surface_area", 0.004),
+            ("AirChanges/Hour", "air_changes_per_hour", 7.2),
+        ] {
+            let fields = json!({"design_flow_rate_calculation_method": method, field: value});
+            let flow = leak("ZoneInfiltration:DesignFlowRate", fields);
+            assert!((flow - 0.12).abs() < 1e-12, "{method}: {flow}");
+        }
+    }
+
+    #[test]
+    fn wind_and_temperature_enter_by_their_coefficients() {
+        let fields = json!({"design_flow_rate": 1.0, "constant_term_coefficient": 0, "velocity_term_coefficient": 0.224});
+        assert!((leak("ZoneInfiltration:DesignFlowRate", fields) - 0.672).abs() < 1e-12);
+        let fields = json!({"effective_air_leakage_area": 500, "stack_coefficient": 0.000145, "wind_coefficient": 0.000174});
+        let flow = leak("ZoneInfiltration:EffectiveLeakageArea", fields);
+        assert!((flow - 0.5 * (0.0029_f64 + 0.001566).sqrt()).abs() < 1e-12, "{flow}");
+    }
+
+    #[test]
+    fn stack_and_wind_add_in_quadrature() {
+        let fields = json!({"flow_coefficient": 0.05, "pressure_exponent": 0.5, "stack_coefficient": 0.1,
+            "wind_coefficient": 0.2, "shelter_factor": 0.5});
+        let flow = leak("ZoneInfiltration:FlowCoefficient", fields);
+        assert!((flow - 0.05 * (0.2_f64 + 0.09).sqrt()).abs() < 1e-12, "{flow}");
+    }
+}

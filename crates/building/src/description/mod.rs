@@ -1,0 +1,421 @@
+//! What a building is, in numbers: computed from its model alone, whoever made it.
+//!
+//! [`Description::of`] a prepared building has its shape ([`shape`]), its envelope, its leakage ([`leakage`]) and its
+//! systems ([`equipment`]). A model that is not sized has no capacities; a construction that is not given by its layers
+//! has no U.
+
+pub mod equipment;
+pub mod leakage;
+pub mod shape;
+
+use std::path::Path;
+
+use serde::Serialize;
+
+pub use equipment::{Equipment, SystemDescription, SystemKind};
+use leakage::Measures;
+use shape::{Beyond, Bound, Point, Shape};
+
+use crate::climate::{DegreeDays, Site};
+use crate::construction::{ROOF_FILMS, WALL_FILMS, assembly_resistance, glazing};
+use crate::dataset::Building;
+use crate::hvac::System;
+use crate::zone::SurfaceKind;
+use crate::{Conditioning, Model, PreparedBuilding, Result};
+
+/// Edition of ASHRAE 90.1 that the commercial types follow.
+const CODE_YEAR: u32 = 2019;
+
+/// What a building is.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Description {
+    /// Name of the building.
+    pub name: String,
+    /// Where it stands.
+    pub location: Location,
+    /// What is known of it beside its model.
+    pub origin: Origin,
+    /// Floor area of the conditioned zones, m².
+    pub conditioned_floor_area: f64,
+    /// Volume of the conditioned zones, m³.
+    pub conditioned_volume: f64,
+    /// Size of the box around the building along its own axes, m.
+    pub size: Point,
+    /// Angle from true north to the building's y axis, clockwise, degrees.
+    pub north_axis: f64,
+    /// Levels that have a conditioned floor, a heated basement included.
+    pub levels: usize,
+    /// Walls, roofs, windows and leakage.
+    pub envelope: Envelope,
+    /// The zones, in model order.
+    pub zones: Vec<ZoneDescription>,
+    /// Which zones share walls, floors and ceilings.
+    pub adjacency: Vec<Adjacency>,
+    /// The systems, in the order of the action.
+    pub systems: Vec<SystemDescription>,
+}
+
+/// Where a building stands: what the weather file says.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Location {
+    /// Name of the station.
+    pub station: String,
+    /// Degrees north.
+    pub latitude: f64,
+    /// Degrees east.
+    pub longitude: f64,
+    /// Metres above the sea.
+    pub elevation: f64,
+    /// Degree-days of the weather file below 18 °C, K·d.
+    pub heating_degree_days: f64,
+    /// Degree-days of the weather file above 10 °C, K·d.
+    pub cooling_degree_days: f64,
+}
+
+/// What is known of a building beside its model; a building from elsewhere has none of it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Origin {
+    /// Climate zone of ASHRAE 169, for example `5B`.
+    pub climate_zone: Option<String>,
+    /// Year of construction, or of the code that the building follows.
+    pub year: Option<u32>,
+    /// Name of the period of construction.
+    pub vintage: Option<String>,
+}
+
+/// What separates the conditioned zones from the weather.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Envelope {
+    /// Mean U of the opaque outer walls with the code's air films, W/m²K.
+    pub wall_u: Option<f64>,
+    /// Mean U of the roofs with the code's air films, W/m²K; under an attic or a plenum that of the better insulated of
+    /// the roof above it and the ceiling below.
+    pub roof_u: Option<f64>,
+    /// Mean U of the glass in walls, W/m²K.
+    pub window_u: Option<f64>,
+    /// Mean solar heat gain coefficient of the glass in walls.
+    pub window_shgc: Option<f64>,
+    /// Glass in outer walls over these walls, of the whole building, plenum walls included.
+    pub window_to_wall: f64,
+    /// Glass in roofs over these roofs, of the conditioned zones.
+    pub skylight_to_roof: f64,
+    /// Leakage of the conditioned zones at [`leakage::TEMPERATURE_DIFFERENCE`] and [`leakage::WIND`] with its schedule
+    /// at 1, air changes per hour.
+    pub infiltration: f64,
+}
+
+/// One zone. Areas and volumes are of the zone with its multiplier.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ZoneDescription {
+    /// Name.
+    pub name: String,
+    /// What its equipment can do.
+    pub conditioning: Conditioning,
+    /// Floor area, m².
+    pub floor_area: f64,
+    /// Volume, m³.
+    pub volume: f64,
+    /// How many times the zone stands for itself.
+    pub multiplier: f64,
+    /// Middle of the box around it, as a share of the building's box: 0 at west, south and bottom before the building is
+    /// turned, 1 at the other end.
+    pub centre: Point,
+    /// Size of the box around it, as a share of the building's box.
+    pub extent: Point,
+    /// Outer walls, windows included, m².
+    pub exterior_wall_area: f64,
+    /// Outer walls as a share of all walls around it.
+    pub exterior_wall_fraction: f64,
+    /// Roofs to the outdoors, m².
+    pub roof_area: f64,
+    /// What touches soil, as a share of all that encloses it.
+    pub ground_contact_fraction: f64,
+    /// Glass in outer walls, m².
+    pub window_area: f64,
+    /// Glass in roofs, m².
+    pub skylight_area: f64,
+    /// Glass over outer walls; 0 without outer walls.
+    pub window_to_wall: f64,
+    /// Leakage as in [`Envelope::infiltration`], air changes per hour.
+    pub infiltration: f64,
+    /// What conditions it.
+    pub equipment: Option<Equipment>,
+}
+
+/// Two zones that touch.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Adjacency {
+    /// Numbers of the zones, the lower first.
+    pub zones: [usize; 2],
+    /// Area that they share, m².
+    pub area: f64,
+}
+
+impl PreparedBuilding {
+    /// Its geometry.
+    ///
+    /// # Errors
+    /// Those of [`Shape::of`].
+    pub fn shape(&self) -> Result<Shape> {
+        Shape::of(self.model())
+    }
+
+    /// U of an opaque construction with the code's air films of a wall, or of the glazing of a window, W/m²K; `None` where
+    /// it is not given by its layers or its U.
+    pub fn construction_u(&self, construction: &str) -> Option<f64> {
+        let model = self.model();
+        glazing(model, construction).map(|glazing| glazing.u).or_else(|| u(model, construction, WALL_FILMS))
+    }
+}
+
+impl Origin {
+    /// What is known of a generated building.
+    pub fn of(building: &Building) -> Self {
+        match building {
+            Building::Commercial { place, .. } => Self::commercial(Some(place.ashrae_zone)),
+            Building::House(sample) => Self {
+                year: Some(sample.year),
+                vintage: Some(sample.vintage.name().to_owned()),
+                climate_zone: None,
+            },
+        }
+    }
+
+    /// What is known of one of the commercial types, at a place whose climate zone may be known.
+    pub fn commercial(climate_zone: Option<&str>) -> Self {
+        Self { climate_zone: climate_zone.map(str::to_owned), year: Some(CODE_YEAR), vintage: None }
+    }
+}
+
+impl Location {
+    /// What a weather file (EPW) says of its place.
+    ///
+    /// # Errors
+    /// Those of [`Site::read`].
+    pub fn read(weather: &Path) -> Result<Self> {
+        let (site, days) = (Site::read(weather)?, DegreeDays::read(weather)?);
+        Ok(Self {
+            station: site.name,
+            latitude: site.latitude,
+            longitude: site.longitude,
+            elevation: site.elevation,
+            heating_degree_days: days.heating,
+            cooling_degree_days: days.cooling,
+        })
+    }
+}
+
+impl Description {
+    /// Describes a prepared building under a weather file (EPW).
+    ///
+    /// # Errors
+    /// Those of [`Site::read`]; [`crate::Error::Unsupported`] for a surface that cannot be read;
+    /// [`crate::Error::MissingObject`] for a dangling reference.
+    pub fn of(building: &PreparedBuilding, weather: &Path, origin: Origin) -> Result<Self> {
+        let conditioning: Vec<_> = building.zones.iter().map(|zone| zone.conditioning).collect();
+        let location = Location::read(weather)?;
+        Self::of_model(&building.name, building.model(), &conditioning, &building.systems, location, origin)
+    }
+
+    /// Describes a model, sized or not, whose zones are conditioned like this, in model order, by these systems.
+    ///
+    /// # Errors
+    /// As [`Description::of`], but for those of the weather file.
+    pub fn of_model(
+        name: &str,
+        model: &Model,
+        conditioning: &[Conditioning],
+        systems: &[System],
+        location: Location,
+        origin: Origin,
+    ) -> Result<Self> {
+        let shape = Shape::of(model)?;
+        let (systems, equipment) = equipment::describe(model, systems, &shape.zones)?;
+        let [low, high] = shape.extent();
+        let size = std::array::from_fn(|axis| high[axis] - low[axis]);
+        let zones = crate::zone::zones(model)?;
+        let zones = zones.into_iter().zip(conditioning).zip(equipment).enumerate();
+        let zones: Vec<_> = zones
+            .map(|(number, ((zone, conditioning), equipment))| {
+                let faces = shape.bounds(number);
+                ZoneDescription {
+                    equipment,
+                    ..describe_zone(model, &shape, number, &zone, *conditioning, &faces)
+                }
+            })
+            .collect();
+        let is_conditioned =
+            |zone: usize| zones.get(zone).is_some_and(|zone| zone.conditioning != Conditioning::None);
+        let total = |of: fn(&ZoneDescription) -> f64| -> f64 {
+            zones.iter().filter(|zone| zone.conditioning != Conditioning::None).map(of).sum()
+        };
+        let volume = total(|zone| zone.volume);
+        let adjacency = shape.shared_areas().into_iter().map(|(zones, area)| Adjacency { zones, area });
+        Ok(Self {
+            name: name.to_owned(),
+            location,
+            origin,
+            conditioned_floor_area: total(|zone| zone.floor_area),
+            conditioned_volume: volume,
+            size,
+            north_axis: shape.north_axis,
+            levels: shape.levels(is_conditioned),
+            envelope: Envelope {
+                infiltration: ratio(total(|zone| zone.infiltration * zone.volume), volume),
+                ..envelope(model, &shape, is_conditioned)
+            },
+            adjacency: adjacency.collect(),
+            zones,
+            systems,
+        })
+    }
+}
+
+/// A zone without its equipment.
+fn describe_zone(
+    model: &Model,
+    shape: &Shape,
+    number: usize,
+    zone: &crate::zone::Zone,
+    conditioning: Conditioning,
+    faces: &[Bound],
+) -> ZoneDescription {
+    let area = |wanted: &dyn Fn(&Bound) -> bool| -> f64 {
+        faces.iter().filter(|face| wanted(face)).map(Bound::area).fold(0.0, |sum, area| sum + area)
+    };
+    let is_outer = |face: &Bound| face.beyond == Beyond::Outdoors;
+    let is_wall = |face: &Bound| face.kind == SurfaceKind::Wall;
+    let exterior_walls = area(&|face| is_outer(face) && is_wall(face));
+    let glass = |kind: SurfaceKind| -> f64 {
+        let outer = faces.iter().filter(|face| is_outer(face) && face.kind == kind);
+        outer.map(|face| face.face.glass_area()).fold(0.0, |sum, area| sum + area)
+    };
+    let windows = glass(SurfaceKind::Wall);
+    let fields = model.get("Zone", &zone.name);
+    let given =
+        fields.and_then(|fields| crate::model::number(fields, "volume")).filter(|volume| *volume > 0.0);
+    let volume = given.unwrap_or_else(|| shape.volume(number));
+    let measures = Measures { floor: zone.floor_area, exterior: area(&is_outer), exterior_walls, volume };
+    let [low, high] = shape.extent();
+    let [zone_low, zone_high] = shape.zone_extent(number);
+    let share = |axis: usize, length: f64| ratio(length, high[axis] - low[axis]);
+    ZoneDescription {
+        name: zone.name.clone(),
+        conditioning,
+        // The sum over no floors is -0.
+        floor_area: zone.floor_area.max(0.0) * zone.multiplier,
+        volume: volume * zone.multiplier,
+        multiplier: zone.multiplier,
+        centre: std::array::from_fn(|a| share(a, (zone_low[a] + zone_high[a]) / 2.0 - low[a])),
+        extent: std::array::from_fn(|a| share(a, zone_high[a] - zone_low[a])),
+        exterior_wall_area: exterior_walls * zone.multiplier,
+        exterior_wall_fraction: ratio(exterior_walls, area(&is_wall)),
+        roof_area: area(&|face| is_outer(face) && face.kind == SurfaceKind::Roof) * zone.multiplier,
+        ground_contact_fraction: ratio(area(&|face| face.beyond == Beyond::Ground), area(&|_| true)),
+        window_area: windows * zone.multiplier,
+        skylight_area: glass(SurfaceKind::Roof) * zone.multiplier,
+        window_to_wall: ratio(windows, exterior_walls),
+        infiltration: ratio(3600.0 * leakage::flow(model, &zone.name, &measures), volume),
+        equipment: None,
+    }
+}
+
+/// The envelope without its leakage.
+fn envelope(model: &Model, shape: &Shape, is_conditioned: impl Fn(usize) -> bool) -> Envelope {
+    let (mut walls, mut roofs) = (Mean::default(), Mean::default());
+    let (mut window_u, mut window_shgc) = (Mean::default(), Mean::default());
+    let (mut gross_walls, mut glass_in_walls, mut gross_roofs, mut skylights) = (0.0, 0.0, 0.0, 0.0);
+    for face in shape.faces.iter().filter(|face| face.beyond == Beyond::Outdoors) {
+        let (area, glass) = (face.area(), face.glass_area());
+        match face.kind {
+            SurfaceKind::Wall => {
+                gross_walls += area;
+                glass_in_walls += glass;
+                if is_conditioned(face.zone) {
+                    walls.add(u(model, &face.construction, WALL_FILMS), area - openings(face));
+                }
+                for window in face.openings.iter().filter(|opening| opening.is_glass) {
+                    let glazing = glazing(model, &window.construction);
+                    window_u.add(glazing.map(|g| g.u), window.area());
+                    window_shgc.add(glazing.map(|g| g.shgc), window.area());
+                }
+            }
+            SurfaceKind::Roof if is_conditioned(face.zone) => {
+                gross_roofs += area;
+                skylights += glass;
+                roofs.add(u(model, &face.construction, ROOF_FILMS), area - openings(face));
+            }
+            SurfaceKind::Roof => {
+                let (u, area) = better_of_roof_and_ceilings(model, shape, face, &is_conditioned);
+                roofs.add(u, area);
+            }
+            SurfaceKind::Floor | SurfaceKind::Ceiling => {}
+        }
+    }
+    Envelope {
+        wall_u: walls.value(),
+        roof_u: roofs.value(),
+        window_u: window_u.value(),
+        window_shgc: window_shgc.value(),
+        window_to_wall: ratio(glass_in_walls, gross_walls),
+        skylight_to_roof: ratio(skylights, gross_roofs),
+        infiltration: 0.0,
+    }
+}
+
+/// U and area of what insulates the rooms under an unconditioned zone: its roof, or the ceilings below. Without rooms
+/// under it, nothing.
+fn better_of_roof_and_ceilings(
+    model: &Model,
+    shape: &Shape,
+    roof: &shape::Face,
+    is_conditioned: impl Fn(usize) -> bool,
+) -> (Option<f64>, f64) {
+    let below = shape.bounds(roof.zone).into_iter().filter(|bound| {
+        bound.kind == SurfaceKind::Floor && matches!(bound.beyond, Beyond::Zone(zone) if is_conditioned(zone))
+    });
+    let mut ceilings = Mean::default();
+    below.for_each(|bound| ceilings.add(u(model, &bound.face.construction, ROOF_FILMS), bound.area()));
+    let roof_u = u(model, &roof.construction, ROOF_FILMS);
+    match (roof_u, ceilings.value()) {
+        _ if ceilings.area == 0.0 => (None, 0.0),
+        (Some(roof_u), Some(ceiling_u)) => (Some(roof_u.min(ceiling_u)), roof.area()),
+        (roof_u, ceiling_u) => (roof_u.or(ceiling_u), roof.area()),
+    }
+}
+
+fn u(model: &Model, construction: &str, films: f64) -> Option<f64> {
+    Some(1.0 / (assembly_resistance(model, construction)? + films))
+}
+
+fn openings(face: &shape::Face) -> f64 {
+    face.openings.iter().map(crate::opening::Opening::area).sum()
+}
+
+/// 0 where there is nothing to divide by.
+fn ratio(part: f64, whole: f64) -> f64 {
+    if whole > 0.0 { part.max(0.0) / whole } else { 0.0 }
+}
+
+/// A mean over areas; of what has no value, none.
+#[derive(Default)]
+struct Mean {
+    sum: f64,
+    area: f64,
+    is_unknown: bool,
+}
+
+impl Mean {
+    fn add(&mut self, value: Option<f64>, area: f64) {
+        let area = area.max(0.0);
+        self.area += area;
+        match value {
+            Some(value) => self.sum += value * area,
+            None => self.is_unknown |= area > 0.0,
+        }
+    }
+
+    fn value(&self) -> Option<f64> {
+        (self.area > 0.0 && !self.is_unknown).then(|| self.sum / self.area)
+    }
+}

@@ -1,0 +1,403 @@
+//! The geometry of a building: the faces of all zones in one system of coordinates.
+//!
+//! x and y are the building's own axes, z is up; [`Shape::north_axis`] tells how they lie to true north. A surface
+//! between two zones that the model gives on one side only (boundary `Zone`) is a face of the zone that has it, and
+//! bounds the other as well.
+
+use std::collections::HashMap;
+
+use crate::model::{number, text};
+use crate::opening::{Opening, openings};
+use crate::zone::{Surface, SurfaceKind, area_vector, polygon_area, surfaces};
+use crate::{Model, Result};
+
+/// A corner: x, y, z in m.
+pub type Point = [f64; 3];
+
+/// How far a zone may be from closed, as a share of its area, to have its volume from its faces.
+const CLOSED: f64 = 1e-3;
+/// Floors further apart than this are on different levels, m.
+const LEVEL: f64 = 0.5;
+
+/// The faces of a building.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shape {
+    /// Names of the zones, in model order.
+    pub zones: Vec<String>,
+    /// Every surface, in model order.
+    pub faces: Vec<Face>,
+    /// Angle from true north to the y axis, clockwise, degrees.
+    pub north_axis: f64,
+}
+
+/// A surface in the building's coordinates.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Face {
+    /// Name of the surface.
+    pub name: String,
+    /// Its zone, by number.
+    pub zone: usize,
+    /// What it is part of.
+    pub kind: SurfaceKind,
+    /// Name of its construction.
+    pub construction: String,
+    /// What is behind it.
+    pub beyond: Beyond,
+    /// Whether the model gives it on one side only, although it bounds two zones.
+    pub one_sided: bool,
+    /// Corners, m.
+    pub corners: Vec<Point>,
+    /// Windows and doors in it.
+    pub openings: Vec<Opening>,
+}
+
+/// What is behind a face.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Beyond {
+    /// Sun and wind.
+    Outdoors,
+    /// Soil.
+    Ground,
+    /// A zone, by number; the same zone for a floor within it.
+    Zone(usize),
+    /// Nothing that heat flows to, or what the model gives as temperatures.
+    Other,
+}
+
+/// A face seen from a zone that it bounds.
+#[derive(Clone, Copy, Debug)]
+pub struct Bound<'a> {
+    /// The face.
+    pub face: &'a Face,
+    /// What it is part of, seen from this zone.
+    pub kind: SurfaceKind,
+    /// What is behind it, seen from this zone.
+    pub beyond: Beyond,
+    /// Normal out of the zone, as long as the area, m².
+    normal: Point,
+}
+
+impl Face {
+    /// Area, openings included, m².
+    pub fn area(&self) -> f64 {
+        polygon_area(&self.corners)
+    }
+
+    /// Area of the glass in it, m².
+    pub fn glass_area(&self) -> f64 {
+        self.openings.iter().filter(|opening| opening.is_glass).map(Opening::area).sum()
+    }
+}
+
+impl Bound<'_> {
+    /// Area, openings included, m².
+    pub fn area(&self) -> f64 {
+        self.face.area()
+    }
+}
+
+impl Shape {
+    /// The geometry of a model. Windows and doors without corners are left out.
+    ///
+    /// # Errors
+    /// Those of [`surfaces`].
+    pub fn of(model: &Model) -> Result<Self> {
+        let zones = model.names("Zone");
+        let surfaces = surfaces(model)?;
+        let frames: Vec<Frame> = zones.iter().map(|zone| Frame::of(model, zone)).collect();
+        let mut found: HashMap<String, Vec<Opening>> = HashMap::new();
+        for opening in openings(model).into_iter().filter(|opening| opening.corners.len() >= 3) {
+            found.entry(opening.surface.to_lowercase()).or_default().push(opening);
+        }
+        let mut faces = Vec::with_capacity(surfaces.len());
+        for surface in &surfaces {
+            // A surface of no zone is the model's mistake, and the engine names it.
+            let Some(zone) = position(&zones, &surface.zone) else { continue };
+            let frame = &frames[zone];
+            let mut openings = found.remove(&surface.name.to_lowercase()).unwrap_or_default();
+            openings.iter_mut().for_each(|opening| frame.place(&mut opening.corners));
+            let mut corners = surface.corners.clone();
+            frame.place(&mut corners);
+            let beyond = beyond(model, surface, &zones, &surfaces);
+            faces.push(Face {
+                name: surface.name.clone(),
+                zone,
+                kind: surface.kind,
+                construction: surface.construction.clone(),
+                beyond,
+                one_sided: matches!(beyond, Beyond::Zone(other) if other != zone)
+                    && !surface.boundary.eq_ignore_ascii_case("Surface"),
+                corners,
+                openings,
+            });
+        }
+        Ok(Self { zones, faces, north_axis: north_axis(model) })
+    }
+
+    /// Lowest and highest corner of the building.
+    pub fn extent(&self) -> [Point; 2] {
+        extent(self.faces.iter().flat_map(|face| &face.corners))
+    }
+
+    /// The faces that enclose a zone; floors within it are not among them.
+    pub fn bounds(&self, zone: usize) -> Vec<Bound<'_>> {
+        let own = self.faces.iter().filter(|face| face.zone == zone && face.beyond != Beyond::Zone(zone));
+        let own = own.map(|face| Bound {
+            face,
+            kind: face.kind,
+            beyond: face.beyond,
+            normal: area_vector(&face.corners),
+        });
+        let others = self.faces.iter().filter(|face| face.one_sided && face.beyond == Beyond::Zone(zone));
+        let others = others.map(|face| Bound {
+            face,
+            kind: other_side(face.kind),
+            beyond: Beyond::Zone(face.zone),
+            normal: area_vector(&face.corners).map(|n| -n),
+        });
+        own.chain(others).collect()
+    }
+
+    /// Lowest and highest corner of a zone.
+    pub fn zone_extent(&self, zone: usize) -> [Point; 2] {
+        extent(self.bounds(zone).iter().flat_map(|bound| &bound.face.corners))
+    }
+
+    /// Volume of a zone, m³: from its faces, or for a zone that they do not close from its floor and its height.
+    pub fn volume(&self, zone: usize) -> f64 {
+        let mut bounds = self.bounds(zone);
+        let area: f64 = bounds.iter().map(Bound::area).sum();
+        turn_out(&mut bounds);
+        if length(sum(&bounds)) <= CLOSED * area {
+            return bounds.iter().map(|b| dot(b.face.corners[0], b.normal) / 3.0).sum::<f64>().abs();
+        }
+        let floors = bounds.iter().filter(|bound| bound.kind == SurfaceKind::Floor);
+        let [low, high] = self.zone_extent(zone);
+        floors.map(Bound::area).sum::<f64>() * (high[2] - low[2]).max(0.0)
+    }
+
+    /// Areas that pairs of zones share, m², by their numbers, the lower first.
+    pub fn shared_areas(&self) -> Vec<([usize; 2], f64)> {
+        let mut shared: Vec<([usize; 2], f64)> = Vec::new();
+        for face in &self.faces {
+            let Beyond::Zone(other) = face.beyond else { continue };
+            if other == face.zone {
+                continue;
+            }
+            let pair = [face.zone.min(other), face.zone.max(other)];
+            // A surface with another on its other side is there twice.
+            let area = face.area() * if face.one_sided { 1.0 } else { 0.5 };
+            match shared.iter_mut().find(|(known, _)| *known == pair) {
+                Some((_, sum)) => *sum += area,
+                None => shared.push((pair, area)),
+            }
+        }
+        shared.sort_by_key(|(pair, _)| *pair);
+        shared
+    }
+
+    /// How many levels the floors of some zones are on.
+    pub fn levels(&self, zones: impl Fn(usize) -> bool) -> usize {
+        let floors = self.faces.iter().filter(|face| face.kind == SurfaceKind::Floor && zones(face.zone));
+        let middle = |face: &Face| {
+            face.corners.iter().map(|corner| corner[2]).sum::<f64>() / face.corners.len() as f64
+        };
+        let mut heights: Vec<f64> = floors.map(middle).collect();
+        heights.sort_by(f64::total_cmp);
+        heights.dedup_by(|next, kept| *next - *kept < LEVEL);
+        heights.len()
+    }
+}
+
+/// Where the origin of a zone is, and how its axes lie to the building's.
+struct Frame {
+    origin: Point,
+    /// Clockwise from the building's y axis, radians.
+    turn: f64,
+}
+
+impl Frame {
+    fn of(model: &Model, zone: &str) -> Self {
+        let fields = model.get("Zone", zone).filter(|_| is_relative(model));
+        let read = |field: &str| fields.and_then(|fields| number(fields, field)).unwrap_or(0.0);
+        Self {
+            origin: ["x_origin", "y_origin", "z_origin"].map(read),
+            turn: read("direction_of_relative_north").to_radians(),
+        }
+    }
+
+    fn place(&self, corners: &mut [Point]) {
+        let (sin, cos) = (libm::sin(self.turn), libm::cos(self.turn));
+        for corner in corners {
+            let [x, y, z] = *corner;
+            let turned = if self.turn == 0.0 { [x, y, z] } else { [x * cos + y * sin, y * cos - x * sin, z] };
+            *corner = std::array::from_fn(|axis| turned[axis] + self.origin[axis]);
+        }
+    }
+}
+
+/// Whether corners are given from the origins of their zones.
+fn is_relative(model: &Model) -> bool {
+    let rules = model.objects("GlobalGeometryRules");
+    let system = rules.first().and_then(|(_, rules)| text(rules, "coordinate_system"));
+    system.is_none_or(|system| system.eq_ignore_ascii_case("Relative"))
+}
+
+fn north_axis(model: &Model) -> f64 {
+    let buildings = model.objects("Building");
+    let angle = buildings.first().and_then(|(_, fields)| number(fields, "north_axis"));
+    angle.filter(|_| is_relative(model)).unwrap_or(0.0)
+}
+
+fn beyond(model: &Model, surface: &Surface, zones: &[String], surfaces: &[Surface]) -> Beyond {
+    let object = surface.boundary_object.as_str();
+    let zone = |name: &str| position(zones, name).map_or(Beyond::Other, Beyond::Zone);
+    match surface.boundary.to_ascii_lowercase().as_str() {
+        "outdoors" => Beyond::Outdoors,
+        boundary if boundary.starts_with("ground") || boundary == "foundation" => Beyond::Ground,
+        "surface" => {
+            let other = surfaces.iter().find(|other| other.name.eq_ignore_ascii_case(object));
+            other.map_or(Beyond::Other, |other| zone(&other.zone))
+        }
+        "zone" => zone(object),
+        "space" => {
+            let space = model.get("Space", object).and_then(|space| text(space, "zone_name"));
+            space.map_or(Beyond::Other, zone)
+        }
+        _ => Beyond::Other,
+    }
+}
+
+pub(super) fn position(zones: &[String], name: &str) -> Option<usize> {
+    zones.iter().position(|zone| zone.eq_ignore_ascii_case(name))
+}
+
+fn other_side(kind: SurfaceKind) -> SurfaceKind {
+    match kind {
+        SurfaceKind::Wall => SurfaceKind::Wall,
+        SurfaceKind::Floor => SurfaceKind::Ceiling,
+        SurfaceKind::Ceiling | SurfaceKind::Roof => SurfaceKind::Floor,
+    }
+}
+
+/// Turns the normals of faces whose corners are given in the wrong sense, as long as each brings the zone nearer to
+/// closed. The prototypes have such walls between zones.
+fn turn_out(bounds: &mut [Bound]) {
+    for _ in 0..bounds.len() {
+        let open = sum(bounds);
+        let without = |b: &Bound| length(std::array::from_fn(|axis| open[axis] - 2.0 * b.normal[axis]));
+        let nearest = bounds.iter_mut().min_by(|a, b| without(a).total_cmp(&without(b)));
+        match nearest {
+            Some(bound) if without(bound) < 0.5 * length(open) => bound.normal = bound.normal.map(|n| -n),
+            _ => return,
+        }
+    }
+}
+
+fn sum(bounds: &[Bound]) -> Point {
+    std::array::from_fn(|axis| bounds.iter().map(|bound| bound.normal[axis]).sum())
+}
+
+fn dot(a: Point, b: Point) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn length(a: Point) -> f64 {
+    dot(a, a).sqrt()
+}
+
+fn extent<'a>(corners: impl Iterator<Item = &'a Point>) -> [Point; 2] {
+    let empty = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+    let [low, high] = corners.fold(empty, |[low, high], corner| {
+        [
+            std::array::from_fn(|axis| low[axis].min(corner[axis])),
+            std::array::from_fn(|axis| high[axis].max(corner[axis])),
+        ]
+    });
+    // Without any corner there is no extent.
+    if low[0] > high[0] { [[0.0; 3]; 2] } else { [low, high] }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use serde_json::{Value, json};
+
+    use super::*;
+
+    fn surface(kind: &str, zone: &str, [boundary, object]: [&str; 2], corners: &[Point]) -> Value {
+        let corner = |[x, y, z]: &Point| json!({"vertex_x_coordinate": x, "vertex_y_coordinate": y, "vertex_z_coordinate": z});
+        json!({"surface_type": kind, "zone_name": zone, "construction_name": "C",
+            "outside_boundary_condition": boundary, "outside_boundary_condition_object": object,
+            "vertices": corners.iter().map(corner).collect::<Vec<_>>()})
+    }
+
+    const FLOOR: [Point; 4] = [[0.0, 0.0, 0.0], [0.0, 4.0, 0.0], [5.0, 4.0, 0.0], [5.0, 0.0, 0.0]];
+    const TOP: [Point; 4] = [[0.0, 0.0, 3.0], [5.0, 0.0, 3.0], [5.0, 4.0, 3.0], [0.0, 4.0, 3.0]];
+
+    /// A room of 5 by 4 by 3 m whose origin is at x = 10; its east wall is given to the hall `B` on its side only,
+    /// and with its corners in the wrong sense.
+    fn room() -> Model {
+        let outdoors = ["Outdoors", ""];
+        let wall = |a: [f64; 2], b: [f64; 2]| {
+            [[a[0], a[1], 3.0], [a[0], a[1], 0.0], [b[0], b[1], 0.0], [b[0], b[1], 3.0]]
+        };
+        let text = json!({
+            "Zone": {"A": {"x_origin": 10.0, "idf_order": 1}, "B": {"idf_order": 2}},
+            "Building": {"X": {"north_axis": 30}},
+            "BuildingSurface:Detailed": {
+                "Floor": surface("Floor", "A", ["Ground", ""], &FLOOR),
+                "Roof": surface("Roof", "A", outdoors, &TOP),
+                "South": surface("Wall", "A", outdoors, &wall([0.0, 0.0], [5.0, 0.0])),
+                "East": surface("Wall", "A", ["Zone", "b"], &wall([5.0, 4.0], [5.0, 0.0])),
+                "North": surface("Wall", "A", outdoors, &wall([5.0, 4.0], [0.0, 4.0])),
+                "West": surface("Wall", "A", outdoors, &wall([0.0, 4.0], [0.0, 0.0]))},
+        });
+        Model::from_epjson(&text.to_string(), Path::new("room.epJSON")).unwrap()
+    }
+
+    #[test]
+    fn corners_count_from_the_origin_of_their_zone() {
+        let shape = Shape::of(&room()).unwrap();
+        assert_eq!(shape.zone_extent(0), [[10.0, 0.0, 0.0], [15.0, 4.0, 3.0]]);
+        assert_eq!(shape.north_axis, 30.0);
+    }
+
+    #[test]
+    fn coordinates_of_the_world_are_taken_as_they_are() {
+        let mut model = room();
+        model.insert("GlobalGeometryRules", "R", json!({"coordinate_system": "World"}));
+        let shape = Shape::of(&model).unwrap();
+        assert_eq!((shape.zone_extent(0)[0][0], shape.north_axis), (0.0, 0.0));
+    }
+
+    #[test]
+    fn a_wall_given_backwards_does_not_change_the_volume() {
+        assert!((Shape::of(&room()).unwrap().volume(0) - 60.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_zone_that_is_not_closed_has_the_volume_of_its_floor_and_height() {
+        let mut model = room();
+        model.remove("BuildingSurface:Detailed", "North");
+        assert!((Shape::of(&model).unwrap().volume(0) - 60.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_wall_given_on_one_side_bounds_both_zones_and_counts_once() {
+        let shape = Shape::of(&room()).unwrap();
+        assert_eq!(shape.bounds(1).len(), 1);
+        assert_eq!(shape.bounds(1)[0].beyond, Beyond::Zone(0));
+        assert_eq!(shape.shared_areas(), [([0, 1], 12.0)]);
+        let mut model = room();
+        let east = model.require_mut("BuildingSurface:Detailed", "East").unwrap();
+        east.insert("outside_boundary_condition".into(), "Surface".into());
+        east.insert("outside_boundary_condition_object".into(), "East of B".into());
+        let mut other = Value::Object(east.clone());
+        other["zone_name"] = json!("B");
+        other["outside_boundary_condition_object"] = json!("East");
+        model.insert("BuildingSurface:Detailed", "East of B", other);
+        assert_eq!(Shape::of(&model).unwrap().shared_areas(), [([0, 1], 12.0)]);
+    }
+}

@@ -1,0 +1,289 @@
+//! The structured form of a building (the paper's morphology): a graph over one vocabulary for all buildings.
+//!
+//! The [`Universe`] says what node types there are and what is known (attributes), seen (observation) and driven
+//! (action) of each. A [`Morphology`] is one building: its nodes, in the order of their types and within a type in model
+//! order, its edges, and its common attributes.
+//!
+//! | edge | from | to | attribute |
+//! |---|---|---|---|
+//! | [`EdgeKind::Serves`], directed | air loop | zone that its air goes to | design flow, kg/s |
+//! | [`EdgeKind::Adjacent`], undirected, listed once | zone | zone | shared area, m² |
+//! | [`EdgeKind::Controls`], directed | node with actions | zone whose air they condition; itself, for a zone with equipment | number of its actions |
+//!
+//! Weather, calendar and energy concern every zone alike, and have no edges.
+//!
+//! Values of the nodes are in arrays, one a type, of `[nodes of the type, slots of the type]`; a [`Layout`] says where
+//! each array is in one buffer. Which slot of an environment's observation belongs to which node is carried by the slot
+//! itself, as its [`Owner`]; the environment crate has the tables for `split` and `join`.
+
+mod layout;
+mod owner;
+mod universe;
+
+use serde::Serialize;
+
+pub use layout::{Block, Layout};
+pub use owner::Owner;
+pub use universe::{Attribute, COMMON, LocalSlot, LocalSpaces, NodeType, Observed, Universe};
+
+use crate::description::{Description, ZoneDescription};
+use crate::hvac::System;
+use crate::{Conditioning, PreparedBuilding};
+
+/// One building as a graph.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Morphology {
+    /// Name of the building.
+    pub name: String,
+    /// Attributes of the whole building, in the order of [`COMMON`].
+    pub common_attributes: Vec<f64>,
+    /// The nodes, in the order of their types, then in model order.
+    pub nodes: Vec<Node>,
+    /// The edges.
+    pub edges: Vec<Edge>,
+}
+
+/// A part of a building.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Node {
+    /// Its type.
+    pub node_type: NodeType,
+    /// Name, for example of a zone.
+    pub name: String,
+    /// What it is in the building: slots of this owner are slots of this node.
+    pub owner: Owner,
+    /// Attributes, in the order of the type's attribute space.
+    pub attributes: Vec<f64>,
+}
+
+/// Two nodes that have to do with each other.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Edge {
+    /// In which way.
+    pub kind: EdgeKind,
+    /// Number of a node.
+    pub from: usize,
+    /// Number of a node.
+    pub to: usize,
+    /// How much: see [`EdgeKind`].
+    pub attribute: f64,
+}
+
+/// Kinds of edges.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum EdgeKind {
+    /// An air loop sends air to a zone; design flow, kg/s. Directed.
+    Serves,
+    /// Two zones touch; shared area, m². Undirected: listed once, from the lower number.
+    Adjacent,
+    /// The actions of a node condition the air of a zone; number of these actions. Directed; a zone with equipment
+    /// controls itself.
+    Controls,
+}
+
+impl EdgeKind {
+    /// Every kind.
+    pub const ALL: [Self; 3] = [Self::Serves, Self::Adjacent, Self::Controls];
+
+    /// Name for people.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Serves => "serves",
+            Self::Adjacent => "adjacent",
+            Self::Controls => "controls",
+        }
+    }
+
+    /// Whether its direction means something.
+    pub fn is_directed(self) -> bool {
+        self != Self::Adjacent
+    }
+}
+
+impl Morphology {
+    /// The morphology of a prepared building with its description.
+    pub fn of(building: &PreparedBuilding, description: &Description) -> Self {
+        let mut nodes: Vec<Node> = [
+            (NodeType::Weather, Owner::Weather),
+            (NodeType::Calendar, Owner::Calendar),
+            (NodeType::Energy, Owner::Energy),
+        ]
+        .map(|(node_type, owner)| Node {
+            node_type,
+            name: node_type.name().to_owned(),
+            owner,
+            attributes: Vec::new(),
+        })
+        .into();
+        nodes.extend(air_loops(building, description));
+        let zones = building.zones.iter().zip(&description.zones).enumerate();
+        nodes.extend(zones.map(|(index, (zone, described))| {
+            let node_type = zone_type(building, &zone.name, zone.conditioning);
+            Node {
+                node_type,
+                name: zone.name.clone(),
+                owner: Owner::Zone(index),
+                attributes: values(node_type.attributes(), |attribute| zone_attribute(described, attribute)),
+            }
+        }));
+        nodes.sort_by_key(|node| node.node_type);
+        let edges = edges(building, description, &nodes);
+        Self {
+            name: building.name.clone(),
+            common_attributes: values(COMMON, |attribute| common_attribute(description, attribute)),
+            nodes,
+            edges,
+        }
+    }
+
+    /// Number of the node of an owner.
+    pub fn node_of(&self, owner: Owner) -> Option<usize> {
+        self.nodes.iter().position(|node| node.owner == owner)
+    }
+
+    /// How many nodes a type has.
+    pub fn count(&self, node_type: NodeType) -> usize {
+        self.nodes.iter().filter(|node| node.node_type == node_type).count()
+    }
+
+    /// Number of a node among those of its type: its row in the arrays.
+    pub fn row(&self, node: usize) -> usize {
+        let node_type = self.nodes[node].node_type;
+        self.nodes[..node].iter().filter(|other| other.node_type == node_type).count()
+    }
+
+    /// Where the observations of the nodes are in a buffer.
+    pub fn observation_layout(&self) -> Layout {
+        Layout::new(|node_type| [self.count(node_type), node_type.observation().len()])
+    }
+
+    /// Where the actions of the nodes are in a buffer.
+    pub fn action_layout(&self) -> Layout {
+        Layout::new(|node_type| [self.count(node_type), node_type.action().len()])
+    }
+}
+
+fn air_loops<'a>(
+    building: &'a PreparedBuilding,
+    description: &'a Description,
+) -> impl Iterator<Item = Node> + 'a {
+    let systems = building.systems.iter().zip(&description.systems).enumerate();
+    systems.filter_map(|(index, (system, described))| {
+        let System::AirLoop(air_loop) = system else { return None };
+        let attribute = |attribute| match attribute {
+            Attribute::DesignFlow => described.design_flow,
+            Attribute::HeatingCapacity => described.heating_capacity,
+            Attribute::CoolingCapacity => described.cooling_capacity,
+            _ => described.zones.len() as f64,
+        };
+        Some(Node {
+            node_type: NodeType::AirLoop,
+            name: air_loop.name.clone(),
+            owner: Owner::AirLoop(index),
+            attributes: values(NodeType::AirLoop.attributes(), attribute),
+        })
+    })
+}
+
+fn zone_type(building: &PreparedBuilding, zone: &str, conditioning: Conditioning) -> NodeType {
+    let serves = |system: &&System| system.zones().iter().any(|served| served.eq_ignore_ascii_case(zone));
+    match building.systems.iter().find(serves) {
+        _ if conditioning == Conditioning::None => NodeType::UncontrolledZone,
+        None => NodeType::UncontrolledZone,
+        Some(System::Unitary(_)) => NodeType::UnitaryZone,
+        Some(System::AirLoop(_)) => NodeType::VavZone,
+        Some(System::HeatingOnly(_)) => NodeType::HeatingOnlyZone,
+    }
+}
+
+fn values(space: &[LocalSlot<Attribute>], value: impl Fn(Attribute) -> f64) -> Vec<f64> {
+    space.iter().map(|slot| value(slot.quantity)).collect()
+}
+
+fn zone_attribute(zone: &ZoneDescription, attribute: Attribute) -> f64 {
+    let equipment = zone.equipment.unwrap_or_default();
+    match attribute {
+        Attribute::FloorArea => zone.floor_area,
+        Attribute::Volume => zone.volume,
+        Attribute::CentreX => zone.centre[0],
+        Attribute::CentreY => zone.centre[1],
+        Attribute::CentreZ => zone.centre[2],
+        Attribute::ExtentX => zone.extent[0],
+        Attribute::ExtentY => zone.extent[1],
+        Attribute::ExtentZ => zone.extent[2],
+        Attribute::ExteriorWallFraction => zone.exterior_wall_fraction,
+        Attribute::RoofToFloor if zone.floor_area > 0.0 => zone.roof_area / zone.floor_area,
+        Attribute::GroundContactFraction => zone.ground_contact_fraction,
+        Attribute::WindowToWall => zone.window_to_wall,
+        Attribute::Infiltration => zone.infiltration,
+        Attribute::DesignFlow => equipment.design_flow,
+        Attribute::HeatingCapacity => equipment.heating_capacity,
+        Attribute::CoolingCapacity => equipment.cooling_capacity,
+        _ => 0.0,
+    }
+}
+
+fn common_attribute(building: &Description, attribute: Attribute) -> f64 {
+    let Description { location, envelope, .. } = building;
+    match attribute {
+        Attribute::FloorArea => building.conditioned_floor_area,
+        Attribute::Volume => building.conditioned_volume,
+        Attribute::Year => building.origin.year.map_or(0.0, f64::from),
+        Attribute::Latitude => location.latitude,
+        Attribute::HeatingDegreeDays => location.heating_degree_days,
+        Attribute::CoolingDegreeDays => location.cooling_degree_days,
+        Attribute::NorthAxis => building.north_axis,
+        Attribute::Levels => building.levels as f64,
+        Attribute::WallU => envelope.wall_u.unwrap_or(0.0),
+        Attribute::RoofU => envelope.roof_u.unwrap_or(0.0),
+        Attribute::WindowU => envelope.window_u.unwrap_or(0.0),
+        Attribute::WindowShgc => envelope.window_shgc.unwrap_or(0.0),
+        Attribute::WindowToWall => envelope.window_to_wall,
+        Attribute::Infiltration => envelope.infiltration,
+        Attribute::Systems => building.systems.len() as f64,
+        Attribute::ControlledZones => {
+            let controlled = building.zones.iter().filter(|zone| zone.conditioning != Conditioning::None);
+            controlled.count() as f64
+        }
+        _ => 0.0,
+    }
+}
+
+fn edges(building: &PreparedBuilding, description: &Description, nodes: &[Node]) -> Vec<Edge> {
+    let node = |owner: Owner| nodes.iter().position(|node| node.owner == owner);
+    let mut edges = Vec::new();
+    for (index, system) in description.systems.iter().enumerate() {
+        let Some(from) = node(Owner::AirLoop(index)) else { continue };
+        for zone in &system.zones {
+            let flow = description.zones[*zone].equipment.map_or(0.0, |equipment| equipment.design_flow);
+            if let Some(to) = node(Owner::Zone(*zone)) {
+                edges.push(Edge { kind: EdgeKind::Serves, from, to, attribute: flow });
+            }
+        }
+    }
+    for adjacency in &description.adjacency {
+        if let [Some(a), Some(b)] = adjacency.zones.map(|zone| node(Owner::Zone(zone))) {
+            let (from, to) = (a.min(b), a.max(b));
+            edges.push(Edge { kind: EdgeKind::Adjacent, from, to, attribute: adjacency.area });
+        }
+    }
+    let owners: Vec<Owner> = building.owned_actuators().map(|(owner, _)| owner).collect();
+    let controls = |from: usize, to: usize| {
+        let actions = owners.iter().filter(|owner| **owner == nodes[from].owner).count();
+        Edge { kind: EdgeKind::Controls, from, to, attribute: actions as f64 }
+    };
+    let served: Vec<_> = edges.iter().filter(|edge| edge.kind == EdgeKind::Serves).copied().collect();
+    let with_actions = (0..nodes.len()).filter(|node| owners.contains(&nodes[*node].owner));
+    for from in with_actions {
+        match nodes[from].owner {
+            Owner::AirLoop(_) => {
+                edges.extend(
+                    served.iter().filter(|edge| edge.from == from).map(|edge| controls(from, edge.to)),
+                );
+            }
+            _ => edges.push(controls(from, from)),
+        }
+    }
+    edges
+}

@@ -1,0 +1,376 @@
+//! The universe: what every building may consist of, and what is known, seen and driven of each part.
+
+use serde::Serialize;
+
+use crate::hvac::Quantity;
+
+/// Kinds of nodes. Arrays of nodes are in this order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum NodeType {
+    /// Outdoor weather, once a building. Seen only.
+    Weather,
+    /// The clock, once a building. Seen only.
+    Calendar,
+    /// Energy of the step, once a building. Seen only.
+    Energy,
+    /// The air handler of a central air loop. Driven only.
+    AirLoop,
+    /// A zone with a unit of its own: flow and supply temperature.
+    UnitaryZone,
+    /// A zone behind a terminal of a central air loop: damper and reheat.
+    VavZone,
+    /// A zone with a heater alone.
+    HeatingOnlyZone,
+    /// A zone without equipment: an attic, a plenum. Seen only.
+    UncontrolledZone,
+}
+
+/// What a slot of an observation holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Observed {
+    /// Air temperature of a zone, °C.
+    AirTemperature,
+    /// Target temperature of a zone, °C.
+    TargetTemperature,
+    /// Whether a zone is occupied, 0 or 1.
+    Occupancy,
+    /// Outdoor air temperature, °C.
+    OutdoorTemperature,
+    /// Outdoor relative humidity, %.
+    OutdoorHumidity,
+    /// Hour of the day, h.
+    TimeOfDay,
+    /// Day of the week, Monday is 0.
+    DayOfWeek,
+    /// Day of the year, 1 January is 1.
+    DayOfYear,
+    /// HVAC electricity of the step, Wh/m².
+    Electricity,
+    /// HVAC gas of the step, Wh/m².
+    Gas,
+}
+
+/// What an attribute holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Attribute {
+    /// Floor area of a zone, or of all conditioned zones, m².
+    FloorArea,
+    /// Volume, m³.
+    Volume,
+    /// Middle of a zone from west to east in the building's box, before the building is turned.
+    CentreX,
+    /// Middle of a zone from south to north in the building's box, before the building is turned.
+    CentreY,
+    /// Middle of a zone from bottom to top in the building's box.
+    CentreZ,
+    /// Size of a zone along x, as a share of the building's box.
+    ExtentX,
+    /// Size of a zone along y, as a share of the building's box.
+    ExtentY,
+    /// Size of a zone along z, as a share of the building's box.
+    ExtentZ,
+    /// Outer walls as a share of all walls around a zone.
+    ExteriorWallFraction,
+    /// Roofs over floor area.
+    RoofToFloor,
+    /// What touches soil as a share of all that encloses a zone.
+    GroundContactFraction,
+    /// Glass over outer walls, 0 without walls.
+    WindowToWall,
+    /// Leakage, air changes per hour.
+    Infiltration,
+    /// Design air flow, kg/s.
+    DesignFlow,
+    /// Heat of the coils, W.
+    HeatingCapacity,
+    /// Cooling of the coils, W.
+    CoolingCapacity,
+    /// Zones that a system serves.
+    ZonesServed,
+    /// Year of construction or of the code that is followed; 0 where it is not known.
+    Year,
+    /// Degrees north.
+    Latitude,
+    /// Heating degree-days below 18 °C, K·d.
+    HeatingDegreeDays,
+    /// Cooling degree-days above 10 °C, K·d.
+    CoolingDegreeDays,
+    /// Angle from true north to the y axis, clockwise, degrees.
+    NorthAxis,
+    /// Levels with a conditioned floor.
+    Levels,
+    /// U of the outer walls, W/m²K; 0 where it is not known.
+    WallU,
+    /// U of the roofs, W/m²K; 0 where it is not known.
+    RoofU,
+    /// U of the windows, W/m²K; 0 without windows or where it is not known.
+    WindowU,
+    /// Solar heat gain coefficient of the windows; 0 without windows or where it is not known.
+    WindowShgc,
+    /// Systems in the building.
+    Systems,
+    /// Zones that are controlled.
+    ControlledZones,
+}
+
+/// One slot of a space.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct LocalSlot<Q> {
+    /// What it holds.
+    pub quantity: Q,
+    /// SI unit; 1 for plain numbers.
+    pub unit: &'static str,
+    /// Lowest value of usual buildings, to scale by: a value may lie outside.
+    pub low: f64,
+    /// Highest value of usual buildings, to scale by: a value may lie outside.
+    pub high: f64,
+}
+
+/// The spaces of the universe, as data.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Universe {
+    /// Attributes of a whole building. The common observation and action spaces are empty: what is seen once a building
+    /// has a node.
+    pub common_attributes: &'static [LocalSlot<Attribute>],
+    /// The node types in order, with their spaces.
+    pub node_types: Vec<LocalSpaces>,
+}
+
+/// The spaces of one node type.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct LocalSpaces {
+    /// The type.
+    pub node_type: NodeType,
+    /// What is known.
+    pub attributes: &'static [LocalSlot<Attribute>],
+    /// What is seen.
+    pub observation: &'static [LocalSlot<Observed>],
+    /// What is driven.
+    pub action: &'static [LocalSlot<Quantity>],
+}
+
+impl Universe {
+    /// The one universe.
+    pub fn new() -> Self {
+        Self { common_attributes: COMMON, node_types: NodeType::ALL.map(NodeType::spaces).to_vec() }
+    }
+}
+
+impl Default for Universe {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl NodeType {
+    /// Every type, in order.
+    pub const ALL: [Self; 8] = [
+        Self::Weather,
+        Self::Calendar,
+        Self::Energy,
+        Self::AirLoop,
+        Self::UnitaryZone,
+        Self::VavZone,
+        Self::HeatingOnlyZone,
+        Self::UncontrolledZone,
+    ];
+
+    /// Name for people.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Weather => "weather",
+            Self::Calendar => "calendar",
+            Self::Energy => "energy",
+            Self::AirLoop => "air loop",
+            Self::UnitaryZone => "unitary zone",
+            Self::VavZone => "VAV zone",
+            Self::HeatingOnlyZone => "heating-only zone",
+            Self::UncontrolledZone => "uncontrolled zone",
+        }
+    }
+
+    /// Whether it is a thermal zone.
+    pub fn is_zone(self) -> bool {
+        !self.attributes().is_empty() && self != Self::AirLoop
+    }
+
+    /// Attribute, observation and action space.
+    pub fn spaces(self) -> LocalSpaces {
+        LocalSpaces {
+            node_type: self,
+            attributes: self.attributes(),
+            observation: self.observation(),
+            action: self.action(),
+        }
+    }
+
+    /// Attribute space: what is known of a node and stays.
+    pub fn attributes(self) -> &'static [LocalSlot<Attribute>] {
+        match self {
+            Self::Weather | Self::Calendar | Self::Energy => &[],
+            Self::AirLoop => AIR_LOOP,
+            Self::UnitaryZone => UNITARY_ZONE.as_slice(),
+            Self::VavZone | Self::HeatingOnlyZone => HEATED_ZONE.as_slice(),
+            Self::UncontrolledZone => ZONE.as_slice(),
+        }
+    }
+
+    /// Observation space. Target and occupancy are of every controlled zone, also where a task keeps them constant.
+    pub fn observation(self) -> &'static [LocalSlot<Observed>] {
+        match self {
+            Self::Weather => WEATHER,
+            Self::Calendar => CALENDAR,
+            Self::Energy => ENERGY,
+            Self::AirLoop => &[],
+            Self::UnitaryZone | Self::VavZone | Self::HeatingOnlyZone => CONTROLLED_ZONE,
+            Self::UncontrolledZone => &[AIR_TEMPERATURE],
+        }
+    }
+
+    /// Action space: what an agent gives in physical units, within the bounds of the building's own action space.
+    pub fn action(self) -> &'static [LocalSlot<Quantity>] {
+        match self {
+            Self::AirLoop => SUPPLY_AIR,
+            Self::UnitaryZone => UNIT,
+            Self::VavZone => TERMINAL,
+            Self::HeatingOnlyZone => HEATER,
+            Self::Weather | Self::Calendar | Self::Energy | Self::UncontrolledZone => &[],
+        }
+    }
+}
+
+const fn slot<Q>(quantity: Q, unit: &'static str, low: f64, high: f64) -> LocalSlot<Q> {
+    LocalSlot { quantity, unit, low, high }
+}
+
+const AIR_TEMPERATURE: LocalSlot<Observed> = slot(Observed::AirTemperature, "°C", -20.0, 50.0);
+
+const CONTROLLED_ZONE: &[LocalSlot<Observed>] = &[
+    AIR_TEMPERATURE,
+    slot(Observed::TargetTemperature, "°C", 10.0, 32.0),
+    slot(Observed::Occupancy, "1", 0.0, 1.0),
+];
+const WEATHER: &[LocalSlot<Observed>] = &[
+    slot(Observed::OutdoorTemperature, "°C", -40.0, 45.0),
+    slot(Observed::OutdoorHumidity, "%", 0.0, 100.0),
+];
+const CALENDAR: &[LocalSlot<Observed>] = &[
+    slot(Observed::TimeOfDay, "h", 0.0, 24.0),
+    slot(Observed::DayOfWeek, "1", 0.0, 6.0),
+    slot(Observed::DayOfYear, "1", 1.0, 365.0),
+];
+const ENERGY: &[LocalSlot<Observed>] =
+    &[slot(Observed::Electricity, "Wh/m²", 0.0, 20.0), slot(Observed::Gas, "Wh/m²", 0.0, 20.0)];
+
+const SUPPLY_AIR: &[LocalSlot<Quantity>] = &[
+    slot(Quantity::SupplyAirTemperature, "°C", 10.0, 55.0),
+    slot(Quantity::OutdoorAirFlow, "kg/s", 0.0, 20.0),
+];
+const UNIT: &[LocalSlot<Quantity>] = &[
+    slot(Quantity::SupplyAirFlow, "kg/s", 0.0, 20.0),
+    slot(Quantity::SupplyAirTemperature, "°C", 10.0, 45.0),
+];
+const TERMINAL: &[LocalSlot<Quantity>] =
+    &[slot(Quantity::DamperOpening, "1", 0.0, 1.0), slot(Quantity::HeatingSetpoint, "°C", 10.0, 30.0)];
+const HEATER: &[LocalSlot<Quantity>] = &[slot(Quantity::HeatingSetpoint, "°C", 5.0, 35.0)];
+
+/// Attributes of a whole building.
+pub const COMMON: &[LocalSlot<Attribute>] = &[
+    slot(Attribute::FloorArea, "m²", 0.0, 12_000.0),
+    slot(Attribute::Volume, "m³", 0.0, 100_000.0),
+    slot(Attribute::Year, "1", 1900.0, 2030.0),
+    slot(Attribute::Latitude, "°", -90.0, 90.0),
+    slot(Attribute::HeatingDegreeDays, "K·d", 0.0, 9000.0),
+    slot(Attribute::CoolingDegreeDays, "K·d", 0.0, 6000.0),
+    slot(Attribute::NorthAxis, "°", 0.0, 360.0),
+    slot(Attribute::Levels, "1", 1.0, 10.0),
+    slot(Attribute::WallU, "W/m²K", 0.0, 2.0),
+    slot(Attribute::RoofU, "W/m²K", 0.0, 1.0),
+    slot(Attribute::WindowU, "W/m²K", 0.0, 7.0),
+    slot(Attribute::WindowShgc, "1", 0.0, 1.0),
+    slot(Attribute::WindowToWall, "1", 0.0, 1.0),
+    slot(Attribute::Infiltration, "1/h", 0.0, 2.0),
+    slot(Attribute::Systems, "1", 0.0, 20.0),
+    slot(Attribute::ControlledZones, "1", 0.0, 50.0),
+];
+
+const AIR_LOOP: &[LocalSlot<Attribute>] = &[
+    slot(Attribute::DesignFlow, "kg/s", 0.0, 20.0),
+    slot(Attribute::HeatingCapacity, "W", 0.0, 1e6),
+    slot(Attribute::CoolingCapacity, "W", 0.0, 1e6),
+    slot(Attribute::ZonesServed, "1", 1.0, 20.0),
+];
+
+/// Attributes of every zone.
+const ZONE: [LocalSlot<Attribute>; 13] = [
+    slot(Attribute::FloorArea, "m²", 0.0, 8000.0),
+    slot(Attribute::Volume, "m³", 0.0, 80_000.0),
+    slot(Attribute::CentreX, "1", 0.0, 1.0),
+    slot(Attribute::CentreY, "1", 0.0, 1.0),
+    slot(Attribute::CentreZ, "1", 0.0, 1.0),
+    slot(Attribute::ExtentX, "1", 0.0, 1.0),
+    slot(Attribute::ExtentY, "1", 0.0, 1.0),
+    slot(Attribute::ExtentZ, "1", 0.0, 1.0),
+    slot(Attribute::ExteriorWallFraction, "1", 0.0, 1.0),
+    slot(Attribute::RoofToFloor, "1", 0.0, 1.5),
+    slot(Attribute::GroundContactFraction, "1", 0.0, 1.0),
+    slot(Attribute::WindowToWall, "1", 0.0, 1.0),
+    slot(Attribute::Infiltration, "1/h", 0.0, 20.0),
+];
+const DESIGN_FLOW: LocalSlot<Attribute> = slot(Attribute::DesignFlow, "kg/s", 0.0, 20.0);
+const HEATING: LocalSlot<Attribute> = slot(Attribute::HeatingCapacity, "W", 0.0, 500_000.0);
+const COOLING: LocalSlot<Attribute> = slot(Attribute::CoolingCapacity, "W", 0.0, 500_000.0);
+static HEATED_ZONE: [LocalSlot<Attribute>; 15] = with([DESIGN_FLOW, HEATING]);
+static UNITARY_ZONE: [LocalSlot<Attribute>; 16] = with([DESIGN_FLOW, HEATING, COOLING]);
+
+/// The attributes of every zone and some more.
+const fn with<const MORE: usize, const ALL: usize>(
+    more: [LocalSlot<Attribute>; MORE],
+) -> [LocalSlot<Attribute>; ALL] {
+    let mut all = [DESIGN_FLOW; ALL];
+    let mut index = 0;
+    while index < ALL {
+        all[index] = if index < ZONE.len() { ZONE[index] } else { more[index - ZONE.len()] };
+        index += 1;
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashSet;
+
+    use super::*;
+
+    #[test]
+    fn a_space_holds_a_quantity_once_and_has_room_between_its_bounds() {
+        fn check<Q: std::hash::Hash + Eq + Copy>(space: &[LocalSlot<Q>]) {
+            assert_eq!(space.iter().map(|slot| slot.quantity).collect::<HashSet<_>>().len(), space.len());
+            assert!(space.iter().all(|slot| slot.low < slot.high));
+        }
+        check(COMMON);
+        for spaces in Universe::new().node_types {
+            check(spaces.attributes);
+            check(spaces.observation);
+            check(spaces.action);
+        }
+    }
+
+    #[test]
+    fn what_is_driven_has_a_target_and_its_actuators_units() {
+        for node_type in NodeType::ALL {
+            let has = |observed| node_type.observation().iter().any(|slot| slot.quantity == observed);
+            assert_eq!(has(Observed::AirTemperature), node_type.is_zone());
+            assert_eq!(
+                has(Observed::TargetTemperature),
+                node_type.is_zone() && !node_type.action().is_empty()
+            );
+            for slot in node_type.action() {
+                assert_eq!(slot.unit, slot.quantity.unit());
+            }
+        }
+    }
+}

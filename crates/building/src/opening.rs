@@ -1,0 +1,64 @@
+//! Windows and doors (`FenestrationSurface:Detailed`).
+
+use crate::model::{Fields, Model, number, text};
+use crate::zone::{Surface, polygon_area};
+
+/// The class of windows and doors that are given by their corners.
+pub(crate) const FENESTRATION: &str = "FenestrationSurface:Detailed";
+
+/// A window or a door in a surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Opening {
+    /// Name.
+    pub name: String,
+    /// Name of the surface it is in.
+    pub surface: String,
+    /// Whether it is glass: a window or a glass door.
+    pub is_glass: bool,
+    /// Name of its construction.
+    pub construction: String,
+    /// Corners, m, from the origin that its surface has.
+    pub corners: Vec<[f64; 3]>,
+    /// How many of it there are.
+    pub multiplier: f64,
+}
+
+impl Opening {
+    /// Area of all of it, m², without frame.
+    pub fn area(&self) -> f64 {
+        polygon_area(&self.corners) * self.multiplier
+    }
+}
+
+/// The windows and doors of a model, in model order.
+pub fn openings(model: &Model) -> Vec<Opening> {
+    let opening = |(name, fields): (&str, &Fields)| {
+        let part = |field: &str| text(fields, field).unwrap_or_default().to_owned();
+        Opening {
+            name: name.to_owned(),
+            surface: part("building_surface_name"),
+            is_glass: is_glass(fields),
+            construction: part("construction_name"),
+            corners: corners(fields),
+            multiplier: number(fields, "multiplier").unwrap_or(1.0),
+        }
+    };
+    model.objects(FENESTRATION).into_iter().map(opening).collect()
+}
+
+/// Whether a fenestration surface is glass.
+pub(crate) fn is_glass(fenestration: &Fields) -> bool {
+    matches!(text(fenestration, "surface_type"), Some("Window" | "GlassDoor"))
+}
+
+/// The corners of a detailed fenestration surface.
+pub(crate) fn corners(fields: &Fields) -> Vec<[f64; 3]> {
+    let axis = |corner: usize, axis| number(fields, &format!("vertex_{corner}_{axis}_coordinate"));
+    (1..=4).map_while(|i| Some([axis(i, "x")?, axis(i, "y")?, axis(i, "z")?])).collect()
+}
+
+/// The surface that a fenestration surface is in.
+pub(crate) fn parent<'a>(surfaces: &'a [Surface], fenestration: &Fields) -> Option<&'a Surface> {
+    let name = text(fenestration, "building_surface_name")?;
+    surfaces.iter().find(|surface| surface.name.eq_ignore_ascii_case(name))
+}
