@@ -7,6 +7,7 @@ pub mod dataset;
 mod error;
 pub mod house;
 pub mod hvac;
+pub mod import;
 pub mod model;
 mod outputs;
 mod prepare;

@@ -127,8 +127,11 @@ impl Sizes {
 
     /// Writes the sizes of one object; returns the autosized fields that have none.
     fn write_into_object(&self, class: &str, object: &str, fields: &mut Fields) -> Vec<String> {
+        let mut equipment_flows = self.equipment_flows(class, object);
         for (field, value) in fields.iter_mut().filter(|(_, value)| is_automatic(value)) {
-            if let Some(size) = self.get(class, object, field).or_else(|| unused(class, field)) {
+            let size = self.get(class, object, field).or_else(|| unused(class, field));
+            let size = size.or_else(|| is_equipment_flow(field).then(|| equipment_flows.next()).flatten());
+            if let Some(size) = size {
                 *value = json!(size);
             }
         }
@@ -138,6 +141,24 @@ impl Sizes {
         }
         left
     }
+
+    /// The flows of the equipment under a setpoint scheme of a plant, in its order: the engine reports one for each that
+    /// is autosized, all under one description.
+    fn equipment_flows(&self, class: &str, object: &str) -> impl Iterator<Item = f64> {
+        let is_scheme = class.eq_ignore_ascii_case("PlantEquipmentOperation:ComponentSetpoint");
+        let of_scheme = move |s: &&Size| {
+            is_scheme
+                && s.class.eq_ignore_ascii_case(class)
+                && s.object.eq_ignore_ascii_case(object)
+                && s.description == "Design Water Flow Rate"
+        };
+        self.sizes.iter().filter(of_scheme).map(|s| s.value)
+    }
+}
+
+/// Whether a field is the flow of one of several pieces of equipment: `component_1_flow_rate`.
+fn is_equipment_flow(field: &str) -> bool {
+    field.starts_with("component_") && field.ends_with("_flow_rate")
 }
 
 /// Whether a model asks for sizing at all: a generated house comes with its sizes.
@@ -192,7 +213,7 @@ fn lift_outdoor_air_limit(model: &mut Model) {
 }
 
 /// The fields of the model's `SimulationControl`, which is made when there is none.
-fn simulation_control(model: &mut Model) -> &mut Fields {
+pub(crate) fn simulation_control(model: &mut Model) -> &mut Fields {
     const CLASS: &str = "SimulationControl";
     let name = model.names(CLASS).pop().unwrap_or_else(|| {
         model.insert(CLASS, CLASS, json!({}));

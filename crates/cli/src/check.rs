@@ -197,7 +197,7 @@ fn extreme(
 
 /// Sizes a building and runs its episodes here.
 fn episodes(id: BuildingId, periods: &[RunPeriod]) -> Result<Vec<Outcome>> {
-    let prepared = Prepared::new(BuildingName::Id(id), &Location::default(), true)?;
+    let prepared = Prepared::new(&BuildingName::Id(id), &Location::default(), true)?;
     periods.iter().map(|period| run_episode(&prepared, *period)).collect()
 }
 

@@ -18,7 +18,7 @@ Examples:
   b2b show SingleFamilyHouse-0007
   b2b show Warehouse --place Fairbanks     equipment is sized for the place, and bounds with it")]
 pub struct Arguments {
-    /// Building type (`b2b list`), or a building of the dataset such as OfficeSmall-0042
+    /// Building type (`b2b list`), building of the dataset such as OfficeSmall-0042, or model file (.idf, .epJSON)
     #[arg(value_name = "BUILDING")]
     building: BuildingName,
     #[command(flatten)]
@@ -30,7 +30,7 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn show(arguments: &Arguments) -> Result<()> {
-    let prepared = Prepared::new(arguments.building, &arguments.location, arguments.json)?;
+    let prepared = Prepared::new(&arguments.building, &arguments.location, arguments.json)?;
     let env = prepared.env(RunPeriod::WINTER, 12, Task::default())?;
     if arguments.json {
         stdout::print_json(&json_of(&prepared, &env))
@@ -60,14 +60,15 @@ fn zones_text(zones: &[Zone]) -> String {
         table.row([
             zone.name.clone(),
             format!("{:.1}", zone.floor_area),
-            equipment(zone.conditioning).into(),
+            equipment(zone).into(),
         ]);
     }
     table.text()
 }
 
-fn equipment(conditioning: Conditioning) -> &'static str {
-    match conditioning {
+fn equipment(zone: &Zone) -> &'static str {
+    match zone.conditioning {
+        Conditioning::None if zone.own_controls => "under its own controls",
         Conditioning::None => "none",
         Conditioning::Heating => "heating",
         Conditioning::HeatingAndCooling => "heating and cooling",
@@ -121,6 +122,7 @@ fn json_of(prepared: &Prepared, env: &Env) -> Value {
             "floor_area_m2": zone.floor_area,
             "heating": zone.conditioning != Conditioning::None,
             "cooling": zone.conditioning == Conditioning::HeatingAndCooling,
+            "own_controls": zone.own_controls,
         })
     };
     let slot = |slot: &Slot| json!({"name": slot.name, "unit": slot.unit, "low": slot.low, "high": slot.high, "source": slot.source});

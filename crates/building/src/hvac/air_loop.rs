@@ -17,6 +17,8 @@
 //! **Leave the dampers alone until the first warm-up step is over.** What their schedules hold when the engine
 //! begins a run (0 in the model) stays the least flow of the terminals for the whole run.
 
+mod water_coil;
+
 use std::collections::HashSet;
 
 use serde_json::{Value, json};
@@ -47,8 +49,10 @@ const AIR_SPECIFIC_HEAT: f64 = 1006.0;
 const SCHEDULE: [&str; 2] = ["Schedule:Constant", "Schedule Value"];
 const TERMINAL: &str = "AirTerminal:SingleDuct:VAV:Reheat";
 const OUTDOOR_AIR_SYSTEM: &str = "AirLoopHVAC:OutdoorAirSystem";
-const COOLING: &str = "CoilSystem:Cooling:DX";
-const HEATING: [&str; 2] = ["Coil:Heating:Fuel", "Coil:Heating:Electric"];
+const DX_COOLING: &str = "CoilSystem:Cooling:DX";
+const COOLING: [&str; 3] = [DX_COOLING, "Coil:Cooling:Water", "Coil:Cooling:Water:DetailedGeometry"];
+const WATER_HEATING: &str = "Coil:Heating:Water";
+const HEATING: [&str; 3] = ["Coil:Heating:Fuel", "Coil:Heating:Electric", WATER_HEATING];
 /// Fans of variable flow, each with the field of its design flow.
 const FANS: [(&str, &str); 2] =
     [("Fan:VariableVolume", "maximum_flow_rate"), ("Fan:SystemModel", "design_maximum_air_flow_rate")];
@@ -70,8 +74,11 @@ pub fn make_controllable(model: &mut Model, air_loop: &str, air_density: f64) ->
     common::always_on(model, air_loop)?;
     common::remove_setpoint_managers(model, &branch.nodes());
     blow_through(model, &branch)?;
-    enlarge_heating_coil(model, &branch.heating, fan_flow)?;
-    let supply_temperature = schedule_supply_temperature(model, air_loop, &branch);
+    for (coil, ends) in branch.blow_through() {
+        water_coil::follow_outlet(model, &coil, &ends.outlet)?;
+    }
+    let highest = heating_reach(model, &branch.heating, fan_flow)?;
+    let supply_temperature = schedule_supply_temperature(model, air_loop, &branch, highest);
     let outdoor_air = free_outdoor_air(model, air_loop, &controller, fan_flow)?;
     let terminals = terminals
         .into_iter()
@@ -101,7 +108,7 @@ struct Ends {
 impl MainBranch {
     /// Reads the branch, and refuses components that the edits do not know.
     fn find(model: &Model, air_loop: &str) -> Result<Self> {
-        let name = only_branch(model, air_loop)?;
+        let name = common::only_branch(model, air_loop)?;
         let mut ends = Vec::new();
         for item in items(model.require("Branch", &name)?, "components") {
             let field = |field| text(item, field).unwrap_or_default().to_owned();
@@ -114,7 +121,7 @@ impl MainBranch {
         let one = |classes: &[&str]| one_of(&ends, classes, &name);
         Ok(Self {
             outdoor_air: one(&[OUTDOOR_AIR_SYSTEM])?,
-            cooling: one(&[COOLING])?,
+            cooling: one(&COOLING)?,
             heating: one(&HEATING)?,
             fan: one(&FANS.map(|(class, _)| class))?,
             ends,
@@ -163,23 +170,12 @@ fn outlet_node(component: &Reference) -> String {
     format!("{} Outlet Node", component.name)
 }
 
-fn only_branch(model: &Model, air_loop: &str) -> Result<String> {
-    let list = text(model.require("AirLoopHVAC", air_loop)?, "branch_list_name").unwrap_or_default();
-    let branches: Vec<_> = items(model.require("BranchList", list)?, "branches")
-        .filter_map(|item| text(item, "branch_name"))
-        .collect();
-    match branches[..] {
-        [branch] => Ok(branch.to_owned()),
-        _ => Err(unsupported("BranchList", list, "a central air loop has one branch")),
-    }
-}
-
 fn require_known(model: &Model, component: &Reference) -> Result<()> {
     let Reference { class, name } = component;
     let fields = model.require(class, name)?;
     let [fan, fan_system] = FANS.map(|(class, _)| class);
-    let [gas, electric] = HEATING;
-    let known = [OUTDOOR_AIR_SYSTEM, COOLING, gas, electric, fan, fan_system];
+    let known: Vec<_> =
+        [OUTDOOR_AIR_SYSTEM, fan, fan_system].into_iter().chain(COOLING).chain(HEATING).collect();
     if !is_one_of(class, &known) {
         return Err(unsupported(class, name, &format!("the air handler may have: {}", known.join(", "))));
     }
@@ -241,17 +237,28 @@ fn move_component(model: &mut Model, component: &Reference, from: &Ends, to: &En
     Ok(())
 }
 
-/// Lets the main heating coil warm the fan's design flow (kg/s) by [`HEATING_COIL_RISE`].
-fn enlarge_heating_coil(model: &mut Model, coil: &Reference, fan_flow: f64) -> Result<()> {
+/// The highest supply temperature an agent may ask for, °C. A coil that burns gas or runs on electricity is made to
+/// warm the fan's design flow (kg/s) by [`HEATING_COIL_RISE`]. A water coil stays as it is, because its plant is sized
+/// for it: it reaches what it adds to [`NEUTRAL_SUPPLY_TEMPERATURE`].
+fn heating_reach(model: &mut Model, coil: &Reference, fan_flow: f64) -> Result<f64> {
+    if coil.class.eq_ignore_ascii_case(WATER_HEATING) {
+        let rise = water_coil::capacity(model, coil)? / (AIR_SPECIFIC_HEAT * fan_flow);
+        return Ok((NEUTRAL_SUPPLY_TEMPERATURE + rise).min(HIGHEST_SUPPLY_TEMPERATURE));
+    }
     let enough = HEATING_COIL_RISE * AIR_SPECIFIC_HEAT * fan_flow;
     let shipped = size(model, &coil.class, &coil.name, "nominal_capacity")?;
     let fields = model.require_mut(&coil.class, &coil.name)?;
     fields.insert("nominal_capacity".into(), shipped.max(enough).into());
-    Ok(())
+    Ok(HIGHEST_SUPPLY_TEMPERATURE)
 }
 
 /// One scheduled temperature for both coils: behind the cooling coil and behind the heating coil.
-fn schedule_supply_temperature(model: &mut Model, air_loop: &str, branch: &MainBranch) -> Actuator {
+fn schedule_supply_temperature(
+    model: &mut Model,
+    air_loop: &str,
+    branch: &MainBranch,
+    highest: f64,
+) -> Actuator {
     let name = format!("{air_loop} Supply Air Temperature");
     constant_schedule(model, &name, NEUTRAL_SUPPLY_TEMPERATURE);
     for (place, node) in [("Cooling", branch.cooling_outlet()), ("Heating", branch.outlet().to_owned())] {
@@ -265,7 +272,7 @@ fn schedule_supply_temperature(model: &mut Model, air_loop: &str, branch: &MainB
     Actuator {
         quantity: Quantity::SupplyAirTemperature,
         low: LOWEST_SUPPLY_TEMPERATURE,
-        high: HIGHEST_SUPPLY_TEMPERATURE,
+        high: highest,
         effect: EngineVariable::new("System Node Temperature", branch.outlet()),
         ..scheduled(name, format!("{air_loop} supply air temperature"))
     }

@@ -2,6 +2,7 @@
 
 use std::collections::HashSet;
 
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use crate::model::{Fields, number, text};
@@ -21,7 +22,7 @@ const SWITCHES: [&str; 2] = ["availability_schedule_name", "supply_air_fan_opera
 pub const OUT_OF_REACH: f64 = 90.0;
 
 /// A class and the name of one of its objects.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Reference {
     /// EnergyPlus class.
     pub class: String,
@@ -76,6 +77,21 @@ pub fn supply_components(model: &Model, air_loop: &str) -> Result<Vec<Reference>
     Ok(components)
 }
 
+/// The one branch of an air loop's supply side.
+///
+/// # Errors
+/// [`Error::Unsupported`] when there are several; [`Error::MissingObject`] for a dangling reference.
+pub fn only_branch(model: &Model, air_loop: &str) -> Result<String> {
+    let list = text(model.require("AirLoopHVAC", air_loop)?, "branch_list_name").unwrap_or_default();
+    let branches: Vec<_> = items(model.require("BranchList", list)?, "branches")
+        .filter_map(|item| text(item, "branch_name"))
+        .collect();
+    match branches[..] {
+        [branch] => Ok(branch.to_owned()),
+        _ => Err(unsupported("BranchList", list, "its air handler has several branches, known is one")),
+    }
+}
+
 /// Switches a component on for good, and the fans and coils that it refers to.
 ///
 /// # Errors
@@ -108,10 +124,16 @@ pub fn parts(fields: &Fields) -> Vec<Reference> {
 /// schedules `<zone> Heating Setpoint` and `<zone> Cooling Setpoint`, at these values (°C).
 ///
 /// # Errors
-/// [`Error::Unsupported`] when the zone's thermostat controls a list of zones; [`Error::MissingObject`] when
-/// the zone has none.
+/// [`Error::Unsupported`] when the zone has no thermostat, or one that controls a list of zones.
 pub fn own_thermostat(model: &mut Model, zone: &str, heating: f64, cooling: f64) -> Result<Setpoints> {
-    let thermostat = thermostat(model, zone)?;
+    let thermostat = match thermostat(model, zone) {
+        None => return Err(unsupported("Zone", zone, "it has no thermostat, whose setpoints an agent would give")),
+        Some((name, None)) => name,
+        Some((name, Some(list))) => {
+            let why = format!("it controls the list `{list}`; give each zone a thermostat");
+            return Err(unsupported("ZoneControl:Thermostat", &name, &why));
+        }
+    };
     let setpoints = Setpoints { heating: heating_setpoint(zone), cooling: cooling_setpoint(zone) };
     constant_schedule(model, &setpoints.heating, heating);
     constant_schedule(model, &setpoints.cooling, cooling);
@@ -248,6 +270,12 @@ fn remove_availability_managers(model: &mut Model, air_loop: &str) -> Result<()>
     let Some(Value::String(list)) = fields.remove("availability_manager_list_name") else {
         return Ok(());
     };
+    let shared = |fields: &Fields| {
+        text(fields, "availability_manager_list_name").is_some_and(|other| other.eq_ignore_ascii_case(&list))
+    };
+    if model.objects("AirLoopHVAC").into_iter().any(|(_, fields)| shared(fields)) {
+        return Ok(());
+    }
     let Some(list) = model.remove("AvailabilityManagerAssignmentList", &list) else {
         return Ok(());
     };
@@ -259,19 +287,16 @@ fn remove_availability_managers(model: &mut Model, air_loop: &str) -> Result<()>
     Ok(())
 }
 
-fn thermostat(model: &Model, zone: &str) -> Result<String> {
-    let class = "ZoneControl:Thermostat";
-    for (name, fields) in model.objects(class) {
+/// The thermostat of a zone, with the zone list where it controls one.
+pub(super) fn thermostat(model: &Model, zone: &str) -> Option<(String, Option<String>)> {
+    model.objects("ZoneControl:Thermostat").into_iter().find_map(|(name, fields)| {
         let zones = text(fields, "zone_or_zonelist_name").unwrap_or_default();
         if zones.eq_ignore_ascii_case(zone) {
-            return Ok(name.to_owned());
+            return Some((name.to_owned(), None));
         }
-        if model.get("ZoneList", zones).is_some_and(|list| lists(list, zone)) {
-            let why = format!("it controls the list `{zones}`; give each zone a thermostat");
-            return Err(unsupported(class, name, &why));
-        }
-    }
-    Err(Error::MissingObject { class: class.into(), name: format!("thermostat of {zone}") })
+        let list = model.get("ZoneList", zones).filter(|list| lists(list, zone));
+        list.map(|_| (name.to_owned(), Some(zones.to_owned())))
+    })
 }
 
 fn lists(zone_list: &Fields, zone: &str) -> bool {

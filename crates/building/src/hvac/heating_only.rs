@@ -9,9 +9,17 @@ use crate::model::{Model, text};
 /// reach and means "off".
 pub const SETPOINT: (f64, f64) = (5.0, 35.0);
 
+const HEATERS: [&str; 5] = [
+    "ZoneHVAC:UnitHeater",
+    "ZoneHVAC:Baseboard:Convective:Electric",
+    "ZoneHVAC:Baseboard:Convective:Water",
+    "ZoneHVAC:Baseboard:RadiantConvective:Electric",
+    "ZoneHVAC:Baseboard:RadiantConvective:Water",
+];
+
 /// Whether an object class is a zone heater that follows a thermostat.
 pub(super) fn is_heater(class: &str) -> bool {
-    common::is_one_of(class, &["ZoneHVAC:UnitHeater", "ZoneHVAC:Baseboard:Convective:Electric"])
+    common::is_one_of(class, &HEATERS)
 }
 
 /// Makes the heater of a zone controllable: always available, under a thermostat of the zone's own.

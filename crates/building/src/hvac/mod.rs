@@ -2,9 +2,13 @@
 
 pub mod air_loop;
 pub mod common;
+mod discovery;
 mod distribution;
 pub mod heating_only;
 pub mod unitary;
+
+pub(crate) use discovery::{discover, has_own_controls};
+pub use discovery::{Discovery, LeftAlone};
 
 use serde::{Deserialize, Serialize};
 
@@ -124,12 +128,7 @@ impl System {
 pub fn make_controllable(model: &mut Model, air_density: f64) -> Result<Vec<System>> {
     let mut systems = Vec::new();
     for air_loop in model.names("AirLoopHVAC") {
-        let components = common::supply_components(model, &air_loop)?;
-        systems.push(if components.iter().any(|c| unitary::is_unit(&c.class)) {
-            System::Unitary(unitary::make_controllable(model, &air_loop, air_density)?)
-        } else {
-            System::AirLoop(air_loop::make_controllable(model, &air_loop, air_density)?)
-        });
+        systems.push(drive_air_loop(model, &air_loop, air_density)?);
     }
     for zone in model.names("Zone") {
         let equipment = common::zone_equipment(model, &zone)?;
@@ -140,6 +139,14 @@ pub fn make_controllable(model: &mut Model, air_density: f64) -> Result<Vec<Syst
         }
     }
     Ok(systems)
+}
+
+fn drive_air_loop(model: &mut Model, air_loop: &str, air_density: f64) -> Result<System> {
+    if unitary::has_unit(model, air_loop)? {
+        Ok(System::Unitary(unitary::make_controllable(model, air_loop, air_density)?))
+    } else {
+        Ok(System::AirLoop(air_loop::make_controllable(model, air_loop, air_density)?))
+    }
 }
 
 /// Zone equipment that is left as it is: exhaust fans follow their schedules, and the warehouse's radiant heater

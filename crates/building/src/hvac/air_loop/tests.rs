@@ -16,7 +16,7 @@ fn office() -> Model {
         "BranchList": {"LB": {"branches": [{"branch_name": "Main"}]}},
         "Branch": {"Main": {"components": [
             component(OUTDOOR_AIR_SYSTEM, "OA", "return", "mixed"),
-            component(COOLING, "Cool", "mixed", "cold"),
+            component(DX_COOLING, "Cool", "mixed", "cold"),
             component("Coil:Heating:Fuel", "Heat", "cold", "warm"),
             component("Fan:VariableVolume", "Fan", "warm", "supply")]}},
         OUTDOOR_AIR_SYSTEM: {"OA": {"controller_list_name": "OA List"}},
@@ -24,7 +24,7 @@ fn office() -> Model {
             "controller_1_object_type": "Controller:OutdoorAir", "controller_1_name": "OA Controller"}},
         "Controller:OutdoorAir": {"OA Controller": {
             "actuator_node_name": "outside", "economizer_control_type": "DifferentialDryBulb"}},
-        COOLING: {"Cool": {
+        DX_COOLING: {"Cool": {
             "dx_cooling_coil_system_inlet_node_name": "mixed", "dx_cooling_coil_system_outlet_node_name": "cold",
             "dx_cooling_coil_system_sensor_node_name": "COLD", "cooling_coil_name": "DX",
             "cooling_coil_object_type": "Coil:Cooling:DX:TwoSpeed"}},
@@ -102,7 +102,7 @@ fn the_fan_blows_through_the_coils_and_every_node_moves_with_its_component() {
     assert_eq!(field(&model, coil, "DX", "air_inlet_node_name"), "Fan Outlet Node");
     assert_eq!(field(&model, coil, "DX", "air_outlet_node_name"), "Cool Outlet Node");
     let sensor = "dx_cooling_coil_system_sensor_node_name";
-    assert_eq!(field(&model, COOLING, "Cool", sensor), "Cool Outlet Node");
+    assert_eq!(field(&model, DX_COOLING, "Cool", sensor), "Cool Outlet Node");
     assert_eq!(field(&model, "Coil:Heating:Fuel", "Heat", "temperature_setpoint_node_name"), "supply");
 }
 
@@ -176,9 +176,9 @@ fn what_is_not_known_is_named() {
         model.require_mut(class, name).unwrap().insert(field.into(), value.into());
         make_controllable(&mut model, "L", DENSITY).unwrap_err().to_string()
     };
-    let error = refused(COOLING, "Cool", "cooling_coil_object_type", "Coil:Cooling:DX:VariableSpeed");
+    let error = refused(DX_COOLING, "Cool", "cooling_coil_object_type", "Coil:Cooling:DX:VariableSpeed");
     assert!(error.contains("`Cool`"), "{error}");
-    let error = refused(TERMINAL, "B Box", "reheat_coil_object_type", "Coil:Heating:Water");
+    let error = refused(TERMINAL, "B Box", "reheat_coil_object_type", "Coil:Heating:Steam");
     assert!(error.contains("`B Box`"), "{error}");
     let error = refused("Fan:VariableVolume", "Fan", "maximum_flow_rate", "Autosize");
     assert!(error.contains("`Fan`") && error.contains("size the model first"), "{error}");
