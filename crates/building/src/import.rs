@@ -57,7 +57,9 @@ fn check_file(path: &Path) -> Result<()> {
     }
     let bytes = std::fs::read(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
     match path.extension() {
-        Some(e) if e.eq_ignore_ascii_case("idf") => idf::check(&bytes).map_err(|why| refused(path, vec![why])),
+        Some(e) if e.eq_ignore_ascii_case("idf") => {
+            idf::check(&bytes).map_err(|why| refused(path, vec![why]))
+        }
         _ => Ok(()),
     }
 }

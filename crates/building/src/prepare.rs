@@ -74,7 +74,12 @@ impl PreparedBuilding {
     ///
     /// # Errors
     /// As [`PreparedBuilding::new`], without [`Error::Unsupported`].
-    pub fn as_far_as_possible(name: &str, mut model: Model, weather: &Path, library: &Library) -> Result<Self> {
+    pub fn as_far_as_possible(
+        name: &str,
+        mut model: Model,
+        weather: &Path,
+        library: &Library,
+    ) -> Result<Self> {
         let air_density = size(&mut model, weather, library)?;
         let discovery = hvac::discover(&mut model, air_density)?;
         Self::with(name, model, discovery)
@@ -153,9 +158,13 @@ fn zones(model: &Model, systems: &[System]) -> Result<Vec<Zone>> {
     };
     let prepared = |zone: zone::Zone| {
         let conditioning = conditioning(&zone.name);
-        let own_controls =
-            conditioning == Conditioning::None && hvac::has_own_controls(model, &zone.name)?;
-        Ok(Zone { conditioning, own_controls, floor_area: zone.floor_area * zone.multiplier, name: zone.name })
+        let own_controls = conditioning == Conditioning::None && hvac::has_own_controls(model, &zone.name)?;
+        Ok(Zone {
+            conditioning,
+            own_controls,
+            floor_area: zone.floor_area * zone.multiplier,
+            name: zone.name,
+        })
     };
     zone::zones(model)?.into_iter().map(prepared).collect()
 }

@@ -32,7 +32,7 @@ use serde_json::{Value, json};
 use crate::model::Fields;
 use crate::outputs;
 use crate::{Error, Model, Result};
-use exceptions::{ALIASES, UNUSED};
+use exceptions::{ALIASES, OPTIONAL, POSITIVE, UNUSED};
 
 /// One size as the engine reports it.
 #[derive(Clone, Debug, PartialEq)]
@@ -127,12 +127,17 @@ impl Sizes {
 
     /// Writes the sizes of one object; returns the autosized fields that have none.
     fn write_into_object(&self, class: &str, object: &str, fields: &mut Fields) -> Vec<String> {
+        for (_, field) in OPTIONAL.iter().filter(|(c, _)| c.eq_ignore_ascii_case(class)) {
+            if self.get(class, object, field).is_some() {
+                fields.entry(*field).or_insert_with(|| json!("Autosize"));
+            }
+        }
         let mut equipment_flows = self.equipment_flows(class, object);
         for (field, value) in fields.iter_mut().filter(|(_, value)| is_automatic(value)) {
             let size = self.get(class, object, field).or_else(|| unused(class, field));
             let size = size.or_else(|| is_equipment_flow(field).then(|| equipment_flows.next()).flatten());
             if let Some(size) = size {
-                *value = json!(size);
+                *value = json!(size.max(least(class, field)));
             }
         }
         let mut left = Vec::new();
@@ -252,6 +257,12 @@ fn field_name(description: &str) -> String {
 fn unused(class: &str, field: &str) -> Option<f64> {
     let entry = UNUSED.iter().find(|u| starts_with(class, u.class) && u.field == field)?;
     Some(entry.value)
+}
+
+/// The least number that the engine takes for a field.
+fn least(class: &str, field: &str) -> f64 {
+    let entry = POSITIVE.iter().find(|(c, f, _)| c.eq_ignore_ascii_case(class) && *f == field);
+    entry.map_or(f64::NEG_INFINITY, |(_, _, least)| *least)
 }
 
 /// Whether the field is left to the engine. `Autosize` and `Autocalculate` may both be written by a size.

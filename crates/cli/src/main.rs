@@ -2,10 +2,12 @@
 
 mod bench;
 mod check;
+mod child;
 mod controller;
 mod dataset;
 mod doctor;
 mod generate;
+mod import;
 mod interrupt;
 mod list;
 mod manifest_file;
@@ -43,6 +45,7 @@ Examples:
   b2b list                                 the building types
   b2b show RetailStandalone                what can be seen and driven in one of them
   b2b generate Warehouse --count 100 --out warehouses
+  b2b import my.idf --weather my.epw       what can be driven in a building of yours
   b2b doctor                               what is installed and whether it is whole
 
 EnergyPlus and weather files are fetched by themselves when first needed, with the Python
@@ -66,6 +69,7 @@ enum Command {
     Generate(generate::Arguments),
     Dataset(dataset::Arguments),
     Check(check::Arguments),
+    Import(import::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -101,6 +105,7 @@ fn execute(command: Command) -> Result<ExitCode> {
         Command::Bench(arguments) => bench::bench(&arguments)?,
         Command::Generate(arguments) => generate::generate(&arguments)?,
         Command::Check(arguments) => return check::check(&arguments),
+        Command::Import(arguments) => return import::import(&arguments),
         Command::Dataset(arguments) => dataset::dataset(&arguments)?,
     }
     Ok(ExitCode::SUCCESS)

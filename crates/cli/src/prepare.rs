@@ -1,5 +1,6 @@
 //! From names on the command line to a building that is ready to run.
 
+use std::ffi::OsString;
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -104,6 +105,13 @@ impl FromStr for BuildingName {
 }
 
 impl Location {
+    /// As arguments on the command line.
+    pub fn arguments(&self) -> Vec<OsString> {
+        let place = self.place.map(|place| ["--place".into(), place.name.into()]);
+        let weather = self.weather.as_ref().map(|path| ["--weather".into(), path.clone().into_os_string()]);
+        place.into_iter().chain(weather).flatten().collect()
+    }
+
     /// Name and weather file.
     fn weather(&self, name: &BuildingName, progress: &mut dyn Progress) -> Result<(String, PathBuf)> {
         if let Some(path) = &self.weather {

@@ -57,11 +57,7 @@ fn text_of(prepared: &Prepared, env: &Env) -> String {
 fn zones_text(zones: &[Zone]) -> String {
     let mut table = Table::new(["zone", "floor, m²", "equipment"]);
     for zone in zones {
-        table.row([
-            zone.name.clone(),
-            format!("{:.1}", zone.floor_area),
-            equipment(zone).into(),
-        ]);
+        table.row([zone.name.clone(), format!("{:.1}", zone.floor_area), equipment(zone).into()]);
     }
     table.text()
 }

@@ -46,6 +46,10 @@ const HEATING_COIL_RISE: f64 = 45.0;
 /// Specific heat of air, J/(kg K).
 const AIR_SPECIFIC_HEAT: f64 = 1006.0;
 
+/// Schedule that is always 0.
+const ALWAYS_OFF: &str = "B2B Always Off";
+/// Air as warm as a reheat coil must make it for more air to bring more heat, K above the supply air.
+const REHEAT_RISE: f64 = 15.0;
 const SCHEDULE: [&str; 2] = ["Schedule:Constant", "Schedule Value"];
 const TERMINAL: &str = "AirTerminal:SingleDuct:VAV:Reheat";
 const OUTDOOR_AIR_SYSTEM: &str = "AirLoopHVAC:OutdoorAirSystem";
@@ -79,12 +83,23 @@ pub fn make_controllable(model: &mut Model, air_loop: &str, air_density: f64) ->
     }
     let highest = heating_reach(model, &branch.heating, fan_flow)?;
     let supply_temperature = schedule_supply_temperature(model, air_loop, &branch, highest);
-    let outdoor_air = free_outdoor_air(model, air_loop, &controller, fan_flow)?;
+    let mixed = &branch.ends[0].1.outlet;
+    if common::is_referred_to(model, mixed) {
+        // Heat recovery ahead of the mixer aims at what the mixed air should be.
+        follow_schedule(model, air_loop, "Mixed Air", mixed, &supply_temperature.key);
+    }
+    let zones: Vec<_> = terminals.iter().map(|(zone, _)| zone.clone()).collect();
+    let exhaust_flow = exhaust_flow(model, &zones)? * air_density;
+    let outdoor_air = match exhaust_flow > 0.0 {
+        true => schedule_outdoor_air(model, air_loop, &controller, fan_flow, air_density)?,
+        false => free_outdoor_air(model, air_loop, &controller, fan_flow)?,
+    };
     let terminals = terminals
         .into_iter()
         .map(|(zone, terminal)| drive_terminal(model, zone, &terminal, air_density))
         .collect::<Result<_>>()?;
-    Ok(AirLoop { name: air_loop.to_owned(), supply_temperature, outdoor_air, fan_flow, terminals })
+    let name = air_loop.to_owned();
+    Ok(AirLoop { name, supply_temperature, outdoor_air, fan_flow, exhaust_flow, terminals })
 }
 
 /// The supply branch of an air loop: what is on it and the nodes between.
@@ -177,7 +192,7 @@ fn require_known(model: &Model, component: &Reference) -> Result<()> {
     let known: Vec<_> =
         [OUTDOOR_AIR_SYSTEM, fan, fan_system].into_iter().chain(COOLING).chain(HEATING).collect();
     if !is_one_of(class, &known) {
-        return Err(unsupported(class, name, &format!("the air handler may have: {}", known.join(", "))));
+        return Err(unsupported(class, name, "no way to drive it in a central air handler is known"));
     }
     let coil = text(fields, "cooling_coil_object_type");
     if coil.is_some_and(|class| !class.eq_ignore_ascii_case("Coil:Cooling:DX:TwoSpeed")) {
@@ -261,14 +276,8 @@ fn schedule_supply_temperature(
 ) -> Actuator {
     let name = format!("{air_loop} Supply Air Temperature");
     constant_schedule(model, &name, NEUTRAL_SUPPLY_TEMPERATURE);
-    for (place, node) in [("Cooling", branch.cooling_outlet()), ("Heating", branch.outlet().to_owned())] {
-        let fields = json!({
-            "control_variable": "Temperature",
-            "schedule_name": name,
-            "setpoint_node_or_nodelist_name": node,
-        });
-        model.insert("SetpointManager:Scheduled", &format!("{air_loop} {place} Setpoint"), fields);
-    }
+    follow_schedule(model, air_loop, "Cooling", &branch.cooling_outlet(), &name);
+    follow_schedule(model, air_loop, "Heating", branch.outlet(), &name);
     Actuator {
         quantity: Quantity::SupplyAirTemperature,
         low: LOWEST_SUPPLY_TEMPERATURE,
@@ -276,6 +285,15 @@ fn schedule_supply_temperature(
         effect: EngineVariable::new("System Node Temperature", branch.outlet()),
         ..scheduled(name, format!("{air_loop} supply air temperature"))
     }
+}
+
+fn follow_schedule(model: &mut Model, air_loop: &str, place: &str, node: &str, schedule: &str) {
+    let fields = json!({
+        "control_variable": "Temperature",
+        "schedule_name": schedule,
+        "setpoint_node_or_nodelist_name": node,
+    });
+    model.insert("SetpointManager:Scheduled", &format!("{air_loop} {place} Setpoint"), fields);
 }
 
 /// Leaves outdoor air to its actuator: no economiser beside it. The controller's ventilation requirement
@@ -300,6 +318,53 @@ fn free_outdoor_air(model: &mut Model, air_loop: &str, controller: &str, fan_flo
     })
 }
 
+/// As [`free_outdoor_air`], by a schedule of the least outdoor air. Exhaust fans take air from the zones of the loop, and
+/// the engine brings in at least as much, but not against an actuator: that would let the missing air appear from
+/// nowhere.
+fn schedule_outdoor_air(
+    model: &mut Model,
+    air_loop: &str,
+    controller: &str,
+    fan_flow: f64,
+    air_density: f64,
+) -> Result<Actuator> {
+    let schedule = format!("{air_loop} Outdoor Air Share");
+    constant_schedule(model, &schedule, 0.0);
+    let free = free_outdoor_air(model, air_loop, controller, fan_flow)?;
+    let fields = model.require_mut("Controller:OutdoorAir", controller)?;
+    fields.retain(|field, _| {
+        !field.contains("fraction_of_outdoor_air")
+            && !field.contains("time_of_day")
+            && !field.contains("humid")
+    });
+    let ventilation = text(fields, "mechanical_ventilation_controller_name").map(str::to_owned);
+    for limit in ["minimum_outdoor_air_flow_rate", "maximum_outdoor_air_flow_rate"] {
+        fields.insert(limit.into(), (fan_flow / air_density).into());
+    }
+    fields.insert("minimum_limit_type".into(), "FixedMinimum".into());
+    fields.insert("minimum_outdoor_air_schedule_name".into(), schedule.clone().into());
+    if let Some(name) = ventilation {
+        // It stays, to be read, and asks for nothing.
+        constant_schedule(model, ALWAYS_OFF, 0.0);
+        let ventilation = model.require_mut("Controller:MechanicalVentilation", &name)?;
+        ventilation.insert("availability_schedule_name".into(), ALWAYS_OFF.into());
+    }
+    let [component, control] = SCHEDULE.map(str::to_owned);
+    Ok(Actuator { component, control, key: schedule, scale: 1.0 / fan_flow, ..free })
+}
+
+/// Design flow of the exhaust fans in some zones, m³/s.
+fn exhaust_flow(model: &Model, zones: &[String]) -> Result<f64> {
+    const FAN: &str = "Fan:ZoneExhaust";
+    let mut flow = 0.0;
+    for zone in zones {
+        for fan in common::zone_equipment(model, zone)?.iter().filter(|e| is_one_of(&e.class, &[FAN])) {
+            flow += size(model, FAN, &fan.name, "maximum_flow_rate")?;
+        }
+    }
+    Ok(flow)
+}
+
 /// Puts a terminal's damper on a schedule, and its reheat coil on the zone's own heating setpoint.
 fn drive_terminal(model: &mut Model, zone: String, terminal: &str, air_density: f64) -> Result<Terminal> {
     common::switch_on(model, &Reference { class: TERMINAL.into(), name: terminal.into() })?;
@@ -309,6 +374,15 @@ fn drive_terminal(model: &mut Model, zone: String, terminal: &str, air_density: 
     let fields = model.require(TERMINAL, terminal)?;
     let inlet = text(fields, "air_inlet_node_name").unwrap_or_default();
     let coil = text(fields, "reheat_coil_name").unwrap_or_default();
+    let class = text(fields, "reheat_coil_object_type").unwrap_or_default();
+    let heating_opening = match class.eq_ignore_ascii_case(WATER_HEATING) {
+        true => {
+            let coil = Reference { class: class.to_owned(), name: coil.to_owned() };
+            let flow = water_coil::capacity(model, &coil)? / (AIR_SPECIFIC_HEAT * REHEAT_RISE);
+            (flow / design_flow).clamp(0.0, 1.0)
+        }
+        false => 1.0,
+    };
     let damper = Actuator {
         quantity: Quantity::DamperOpening,
         low: 0.0,
@@ -325,7 +399,7 @@ fn drive_terminal(model: &mut Model, zone: String, terminal: &str, air_density: 
         heat: Some(EngineVariable::new("Heating Coil Heating Rate", coil)),
         ..scheduled(setpoints.heating, format!("{zone} heating setpoint"))
     };
-    Ok(Terminal { zone, damper, reheat, design_flow })
+    Ok(Terminal { zone, damper, reheat, design_flow, heating_opening })
 }
 
 /// Makes the scheduled opening the terminal's minimum flow. With the cooling setpoint out of reach and the

@@ -127,7 +127,13 @@ pub fn parts(fields: &Fields) -> Vec<Reference> {
 /// [`Error::Unsupported`] when the zone has no thermostat, or one that controls a list of zones.
 pub fn own_thermostat(model: &mut Model, zone: &str, heating: f64, cooling: f64) -> Result<Setpoints> {
     let thermostat = match thermostat(model, zone) {
-        None => return Err(unsupported("Zone", zone, "it has no thermostat, whose setpoints an agent would give")),
+        None => {
+            return Err(unsupported(
+                "Zone",
+                zone,
+                "it has no thermostat, whose setpoints an agent would give",
+            ));
+        }
         Some((name, None)) => name,
         Some((name, Some(list))) => {
             let why = format!("it controls the list `{list}`; give each zone a thermostat");
@@ -210,6 +216,14 @@ pub fn remove_setpoint_managers(model: &mut Model, nodes: &HashSet<String>) {
     }
 }
 
+/// Whether a setpoint manager takes the setpoint of a node for its own.
+pub fn is_referred_to(model: &Model, node: &str) -> bool {
+    let classes = model.classes().filter(|class| class.starts_with("SetpointManager:"));
+    classes.flat_map(|class| model.objects(class)).any(|(_, fields)| {
+        text(fields, "reference_setpoint_node_name").is_some_and(|other| other.eq_ignore_ascii_case(node))
+    })
+}
+
 /// The nodes of a list, or the one node of this name.
 pub fn nodes_of(model: &Model, name: &str) -> Vec<String> {
     match model.get("NodeList", name) {
@@ -285,6 +299,33 @@ fn remove_availability_managers(model: &mut Model, air_loop: &str) -> Result<()>
         model.remove(&manager.class, &manager.name);
     }
     Ok(())
+}
+
+/// Gives each zone of a list a thermostat of its own, in the place of one that controls the list. A thermostat that
+/// another object refers to stays.
+pub(super) fn split_thermostats(model: &mut Model) {
+    const CLASS: &str = "ZoneControl:Thermostat";
+    for name in model.names(CLASS) {
+        let Some(fields) = model.get(CLASS, &name).cloned() else { continue };
+        let list = text(&fields, "zone_or_zonelist_name").and_then(|list| model.get("ZoneList", list));
+        let Some(list) = list else { continue };
+        let zones: Vec<_> =
+            items(list, "zones").filter_map(|item| text(item, "zone_name")).map(str::to_owned).collect();
+        let refers = |(_, fields): (&str, &Fields)| {
+            text(fields, "thermostat_name").is_some_and(|other| other.eq_ignore_ascii_case(&name))
+        };
+        let extensions: Vec<_> =
+            model.classes().filter(|class| class.starts_with("ZoneControl:Thermostat:")).collect();
+        if extensions.iter().any(|class| model.objects(class).into_iter().any(refers)) {
+            continue;
+        }
+        model.remove(CLASS, &name);
+        for zone in zones {
+            let mut own = fields.clone();
+            own.insert("zone_or_zonelist_name".into(), zone.clone().into());
+            model.insert(CLASS, &format!("{zone} {name}"), Value::Object(own));
+        }
+    }
 }
 
 /// The thermostat of a zone, with the zone list where it controls one.
@@ -394,6 +435,28 @@ mod tests {
         }));
         let error = own_thermostat(&mut model, "ZA", 21.0, 90.0).unwrap_err();
         assert!(error.to_string().contains("`T`"), "{error}");
+    }
+
+    #[test]
+    fn a_thermostat_over_a_list_becomes_one_for_each_zone() {
+        let mut model = model(json!({
+            "ZoneControl:Thermostat": {"T": {"zone_or_zonelist_name": "ALL", "control_1_name": "Shared"}},
+            "ZoneList": {"All": {"zones": [{"zone_name": "ZA"}, {"zone_name": "ZB"}]}},
+        }));
+        split_thermostats(&mut model);
+        assert_eq!(model.names("ZoneControl:Thermostat"), ["ZA T", "ZB T"]);
+        own_thermostat(&mut model, "ZA", 21.0, 90.0).unwrap();
+        assert_eq!(model.require("ZoneControl:Thermostat", "ZB T").unwrap()["control_1_name"], "Shared");
+    }
+
+    #[test]
+    fn availability_managers_that_another_loop_shares_stay_with_it() {
+        let mut model = night_cycling_loop();
+        model.insert("AirLoopHVAC", "Other", json!({"availability_manager_list_name": "l list"}));
+        always_on(&mut model, "L").unwrap();
+        assert!(model.contains("AvailabilityManagerAssignmentList", "L List"));
+        assert!(model.contains("AvailabilityManager:NightCycle", "L Night"));
+        assert!(!model.require("AirLoopHVAC", "L").unwrap().contains_key("availability_manager_list_name"));
     }
 
     #[test]

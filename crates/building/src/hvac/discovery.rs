@@ -45,6 +45,7 @@ const VENTILATION: [&str; 2] = ["Fan:ZoneExhaust", "ZoneHVAC:EnergyRecoveryVenti
 /// # Errors
 /// [`Error::MissingObject`] for a dangling reference.
 pub(crate) fn discover(model: &mut Model, air_density: f64) -> Result<Discovery> {
+    common::split_thermostats(model);
     let mut found = Discovery::default();
     for air_loop in model.names("AirLoopHVAC") {
         let own = belongings(model, &air_loop)?;
@@ -75,7 +76,8 @@ impl Discovery {
 /// Whether a zone that is not driven has a thermostat and equipment that heats or cools it.
 pub(crate) fn has_own_controls(model: &Model, zone: &str) -> Result<bool> {
     let conditions = |e: &Reference| !is_one_of(&e.class, &VENTILATION);
-    Ok(common::thermostat(model, zone).is_some() && common::zone_equipment(model, zone)?.iter().any(conditions))
+    Ok(common::thermostat(model, zone).is_some()
+        && common::zone_equipment(model, zone)?.iter().any(conditions))
 }
 
 /// Edits that fail leave the model as it was.
@@ -99,7 +101,8 @@ fn refuse_second_system(model: &Model, air_loop: &str) -> Result<()> {
         for equipment in common::zone_equipment(model, &zone.zone)? {
             let own = equipment.name.eq_ignore_ascii_case(&zone.unit);
             if !own && !is_beside(&equipment.class) {
-                let why = format!("{} `{}` works in zone `{}` too", equipment.class, equipment.name, zone.zone);
+                let why =
+                    format!("a {} works in one of its zones too, under the same thermostat", equipment.class);
                 return Err(unsupported("AirLoopHVAC", air_loop, &why));
             }
         }
@@ -119,11 +122,11 @@ fn left_air_loop(model: &Model, air_loop: String, error: Error) -> Result<LeftAl
     Ok(LeftAlone { what, zones: zones.unwrap_or_default(), why })
 }
 
-/// The reason in an error, with the object that gives it where that is not the system itself.
+/// The reason in an error, with the class of the object that gives it where that is not the system itself.
 fn why(error: Error, system: &str) -> Result<String> {
     match error {
         Error::Unsupported { name, why, .. } if name.eq_ignore_ascii_case(system) => Ok(why),
-        Error::Unsupported { class, name, why } => Ok(format!("{class} `{name}`: {why}")),
+        Error::Unsupported { class, why, .. } => Ok(format!("its {class}: {why}")),
         other => Err(other),
     }
 }
@@ -146,9 +149,11 @@ fn discover_equipment(model: &mut Model, zone: &str, found: &mut Discovery) -> R
             }
             Some(_) => "no way to drive it is known: it follows the thermostat that the agent has".to_owned(),
             None if !heating_only::is_heater(&item.class) => "no way to drive it is known".to_owned(),
-            None if driven => "it holds the heating setpoint together with the zone's first heater".to_owned(),
+            None if driven => {
+                "it holds the heating setpoint together with the zone's first heater".to_owned()
+            }
             None => match equipment.iter().find(rival) {
-                Some(rival) => format!("{} `{}` answers the same thermostat", rival.class, rival.name),
+                Some(rival) => format!("a {} of the zone answers the same thermostat", rival.class),
                 None => {
                     let made = attempt(model, |model| {
                         Ok(System::HeatingOnly(heating_only::make_controllable(model, zone, item)?))
@@ -202,3 +207,6 @@ fn acts_on(actuator: &Fields, names: &HashSet<String>) -> bool {
     !common::sets_a_schedule(actuator)
         && text(actuator, "actuated_component_unique_name").is_some_and(|n| names.contains(&n.to_lowercase()))
 }
+
+#[cfg(test)]
+mod tests;

@@ -7,8 +7,8 @@ mod distribution;
 pub mod heating_only;
 pub mod unitary;
 
-pub(crate) use discovery::{discover, has_own_controls};
 pub use discovery::{Discovery, LeftAlone};
+pub(crate) use discovery::{discover, has_own_controls};
 
 use serde::{Deserialize, Serialize};
 
@@ -200,6 +200,9 @@ pub struct AirLoop {
     pub outdoor_air: Actuator,
     /// Design flow of the supply fan, kg/s. All dampers open may ask for more: the fan limits.
     pub fan_flow: f64,
+    /// Design flow of the exhaust fans in its zones, kg/s. Outdoor air makes up for what they take, whatever is
+    /// commanded.
+    pub exhaust_flow: f64,
     /// The terminals, in model order of their zones.
     pub terminals: Vec<Terminal>,
 }
@@ -215,6 +218,9 @@ pub struct Terminal {
     pub reheat: Actuator,
     /// Design flow, kg/s.
     pub design_flow: f64,
+    /// Opening up to which more air brings more heat, 0 to 1: beyond it a hot-water coil has too little for the air.
+    /// 1 for other coils.
+    pub heating_opening: f64,
 }
 
 /// A zone heater without cooling.

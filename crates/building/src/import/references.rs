@@ -77,7 +77,8 @@ impl Search<'_> {
         };
         if field.ends_with("schedule_name") {
             if !self.schedules.contains(&name.to_lowercase()) {
-                self.found.push(format!("{class} `{object}` refers to a schedule `{name}` that is not there"));
+                self.found
+                    .push(format!("{class} `{object}` refers to a schedule `{name}` that is not there"));
             }
         } else if let Some(target) = typed().or_else(by_class)
             && !self.model.contains(&target, name)
@@ -91,7 +92,9 @@ fn schedules(model: &Model) -> HashSet<String> {
     let classes = model.classes().filter(|class| class.to_ascii_lowercase().starts_with("schedule:"));
     let names = classes.flat_map(|class| model.objects(class)).map(|(name, _)| name.to_lowercase());
     let external = ["ExternalInterface:Schedule", "ExternalInterface:FunctionalMockupUnitImport:To:Schedule"];
-    names.chain(external.iter().flat_map(|class| model.names(class)).map(|name| name.to_lowercase())).collect()
+    names
+        .chain(external.iter().flat_map(|class| model.names(class)).map(|name| name.to_lowercase()))
+        .collect()
 }
 
 #[cfg(test)]
@@ -119,7 +122,11 @@ mod tests {
         }));
         assert_eq!(found.len(), 3, "{found:?}");
         let all = found.join("\n");
-        for end in ["`Main` refers to a Coil:Heating:Fuel `H`", "`Roof` refers to a Zone `B`", "`G` refers to a schedule `Off`"] {
+        for end in [
+            "`Main` refers to a Coil:Heating:Fuel `H`",
+            "`Roof` refers to a Zone `B`",
+            "`G` refers to a schedule `Off`",
+        ] {
             assert!(all.contains(end), "{all}");
         }
     }

@@ -11,12 +11,8 @@ use crate::model::{Model, text};
 
 const OUTDOOR_AIR_SYSTEM: &str = "AirLoopHVAC:OutdoorAirSystem";
 const COOLING_SYSTEM: &str = "CoilSystem:Cooling:DX";
-const COOLING: [&str; 4] = [
-    COOLING_SYSTEM,
-    "Coil:Cooling:DX:SingleSpeed",
-    "Coil:Cooling:DX:TwoSpeed",
-    "Coil:Cooling:DX:MultiSpeed",
-];
+const COOLING: [&str; 4] =
+    [COOLING_SYSTEM, "Coil:Cooling:DX:SingleSpeed", "Coil:Cooling:DX:TwoSpeed", "Coil:Cooling:DX:MultiSpeed"];
 const HEATING: [&str; 2] = ["Coil:Heating:Fuel", "Coil:Heating:Electric"];
 const FANS: [&str; 4] = ["Fan:ConstantVolume", "Fan:OnOff", "Fan:SystemModel", "Fan:VariableVolume"];
 
@@ -89,8 +85,7 @@ fn put_on_branch(model: &mut Model, air_loop: &str, unit: &str) -> Result<()> {
     };
     let inlet = node(parts.iter().find(|c| is_part(c)), "component_inlet_node_name");
     let outlet = node(parts.iter().rfind(|c| is_part(c)), "component_outlet_node_name");
-    let mut components: Vec<Value> =
-        parts.into_iter().filter(|c| !is_part(c)).map(Value::Object).collect();
+    let mut components: Vec<Value> = parts.into_iter().filter(|c| !is_part(c)).map(Value::Object).collect();
     components.push(json!({
         "component_object_type": super::UNIT_CLASSES[0],
         "component_name": unit,

@@ -251,7 +251,8 @@ impl Unit {
     fn retype_branch(&self, model: &mut Model) -> Result<()> {
         let branch = model.require_mut("Branch", &self.branch)?;
         for component in branch.get_mut("components").and_then(Value::as_array_mut).into_iter().flatten() {
-            if component["component_name"].as_str().is_some_and(|name| name.eq_ignore_ascii_case(&self.name)) {
+            if component["component_name"].as_str().is_some_and(|name| name.eq_ignore_ascii_case(&self.name))
+            {
                 component["component_object_type"] = json!("AirLoopHVAC:UnitarySystem");
             }
         }
