@@ -180,3 +180,62 @@ fn a_coil_that_cannot_be_rewritten_is_named() {
     let error = make_controllable(&mut model, "Loop", 1.2).unwrap_err().to_string();
     assert!(error.contains("Coil:Cooling:Water") && error.contains("`Cooling`"), "{error}");
 }
+
+/// The rooftop unit in parts on its branch: cooling coil in a coil system, heating coil and fan.
+fn rooftop_in_parts() -> Model {
+    let mut model = rooftop();
+    model.remove("AirLoopHVAC:UnitarySystem", "Unit");
+    model.remove("UnitarySystemPerformance:Multispeed", "Speeds");
+    let system =
+        json!({"cooling_coil_object_type": "Coil:Cooling:DX:MultiSpeed", "cooling_coil_name": "Cooling"});
+    model.insert("CoilSystem:Cooling:DX", "Cooling system", system);
+    let part = |class: &str, name: &str, inlet: &str, outlet: &str| {
+        json!({"component_object_type": class, "component_name": name,
+            "component_inlet_node_name": inlet, "component_outlet_node_name": outlet})
+    };
+    model.require_mut("Branch", "Main").unwrap()["components"] = json!([
+        part("AirLoopHVAC:OutdoorAirSystem", "OA", "Return", "Mixed"),
+        part("CoilSystem:Cooling:DX", "Cooling system", "Mixed", "After cooling"),
+        part("Coil:Heating:Fuel", "Heating", "After cooling", "After heating"),
+        part("Fan:SystemModel", "Fan", "After heating", "Supply outlet"),
+    ]);
+    model
+}
+
+#[test]
+fn a_unit_in_parts_becomes_what_the_same_unit_in_one_becomes() {
+    let mut model = rooftop_in_parts();
+    assert!(has_unit(&model, "Loop").unwrap());
+    let unit = make_controllable(&mut model, "Loop", 1.2).unwrap();
+    let (whole, same) = controllable();
+    assert_eq!(unit, same);
+    assert!(model.objects("CoilSystem:Cooling:DX").is_empty());
+    for (class, name) in [
+        ("Fan:VariableVolume", "Fan"),
+        ("Coil:Cooling:DX:TwoSpeed", "Cooling"),
+        ("Coil:Heating:Fuel", "Heating"),
+    ] {
+        assert_eq!(model.get(class, name), whole.get(class, name), "{class}");
+    }
+    let branch = model.require("Branch", "Main").unwrap();
+    let ends: Vec<_> = common::items(branch, "components")
+        .map(|item| {
+            ["component_inlet_node_name", "component_outlet_node_name"].map(|f| text(item, f).unwrap())
+        })
+        .collect();
+    assert_eq!(ends, [["Return", "Mixed"], ["Mixed", "Supply outlet"]]);
+}
+
+#[test]
+fn a_furnace_becomes_a_unitary_system() {
+    let mut model = rooftop();
+    let mut unit = model.remove("AirLoopHVAC:UnitarySystem", "Unit").unwrap();
+    unit.retain(|field, _| !field.contains("multispeed"));
+    model.insert("AirLoopHVAC:Unitary:Furnace:HeatCool", "Unit", Value::Object(unit));
+    let branch = model.require_mut("Branch", "Main").unwrap();
+    branch["components"][1]["component_object_type"] = "AirLoopHVAC:Unitary:Furnace:HeatCool".into();
+    make_controllable(&mut model, "Loop", 1.2).unwrap();
+    let branch = model.require("Branch", "Main").unwrap();
+    assert_eq!(branch["components"][1]["component_object_type"], "AirLoopHVAC:UnitarySystem");
+    assert!(model.objects("AirLoopHVAC:Unitary:Furnace:HeatCool").is_empty());
+}
