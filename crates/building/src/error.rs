@@ -134,11 +134,24 @@ pub enum Error {
         /// What the system said.
         source: std::io::Error,
     },
-    /// A model without any HVAC system.
-    #[error("{name} has no air loop, unit heater or baseboard: there is nothing to drive")]
+    /// A user's model that the engine would take for another building than its author meant.
+    #[error("{path} cannot be imported:{}", problems.iter().map(|p| format!("\n  {p}")).collect::<String>())]
+    Import {
+        /// The file.
+        path: PathBuf,
+        /// What has to be put right.
+        problems: Vec<String>,
+    },
+    /// A model without any HVAC system that can be driven.
+    #[error(
+        "{name} has nothing to drive: {}",
+        if left.is_empty() { "no air loop, unit heater or baseboard".to_owned() } else { reasons(left) }
+    )]
     NothingToDrive {
         /// Name of the building.
         name: String,
+        /// What it has, and why that cannot be driven.
+        left: Vec<crate::hvac::LeftAlone>,
     },
     /// The engine refused a model or stopped.
     #[error(transparent)]
@@ -161,3 +174,16 @@ pub enum Error {
 
 /// A result of this crate.
 pub type Result<T> = std::result::Result<T, Error>;
+
+/// Why systems cannot be driven, one line for all of a class with the same reason.
+fn reasons(left: &[crate::hvac::LeftAlone]) -> String {
+    let mut lines: Vec<(String, usize, &str)> = Vec::new();
+    for item in left {
+        match lines.iter_mut().find(|(class, _, why)| *class == item.what.class && *why == item.why) {
+            Some((_, count, _)) => *count += 1,
+            None => lines.push((item.what.class.clone(), 1, &item.why)),
+        }
+    }
+    let line = |(class, count, why): &(String, usize, &str)| format!("\n  {count} × {class}: {why}");
+    lines.iter().map(line).collect()
+}

@@ -10,6 +10,7 @@ pub mod description;
 mod error;
 pub mod house;
 pub mod hvac;
+pub mod import;
 pub mod model;
 pub mod morphology;
 

@@ -3,9 +3,11 @@
 //! EnergyPlus names classes and objects without regard to case, and so does every query here. Objects
 //! come back in *model order*: the order of the IDF they were converted from (`idf_order`), then by name.
 
+use std::fmt;
 use std::path::Path;
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
+use serde::de::{Deserialize, DeserializeSeed, Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
 use serde_json::{Map, Value};
 
 use crate::{Error, Result};
@@ -16,7 +18,7 @@ pub type Fields = Map<String, Value>;
 /// An EnergyPlus model: class → object name → fields.
 ///
 /// Writing is deterministic: classes, names and fields are in alphabetical order.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, serde::Deserialize)]
 #[serde(transparent)]
 pub struct Model {
     classes: Map<String, Value>,
@@ -29,10 +31,7 @@ impl Model {
     /// [`Error::Malformed`] when the text is not JSON, or not class → name → fields.
     pub fn from_epjson(text: &str, path: &Path) -> Result<Self> {
         let malformed = |why: String| Error::Malformed { path: path.to_owned(), why };
-        let value: Value = serde_json::from_str(text).map_err(|e| malformed(e.to_string()))?;
-        let Value::Object(classes) = value else {
-            return Err(malformed("the document is not a JSON object".into()));
-        };
+        let Unique(classes) = serde_json::from_str(text).map_err(|e| malformed(e.to_string()))?;
         for (class, objects) in &classes {
             let objects = objects
                 .as_object()
@@ -171,6 +170,81 @@ impl Model {
     }
 }
 
+/// A JSON object whose members, and theirs in turn, have each a name of their own: of two that have one name, JSON
+/// readers keep either.
+struct Unique(Map<String, Value>);
+
+impl<'de> Deserialize<'de> for Unique {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> std::result::Result<Self, D::Error> {
+        deserializer.deserialize_any(UniqueVisitor).and_then(|value| match value {
+            Value::Object(members) => Ok(Self(members)),
+            _ => Err(D::Error::custom("the document is not a JSON object")),
+        })
+    }
+}
+
+/// Reads any value; in objects, at every depth, a name may stand once.
+struct UniqueVisitor;
+
+impl<'de> DeserializeSeed<'de> for UniqueVisitor {
+    type Value = Value;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> std::result::Result<Value, D::Error> {
+        deserializer.deserialize_any(self)
+    }
+}
+
+impl<'de> Visitor<'de> for UniqueVisitor {
+    type Value = Value;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("JSON")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut access: A) -> std::result::Result<Value, A::Error> {
+        let mut members = Map::new();
+        while let Some(name) = access.next_key::<String>()? {
+            if members.contains_key(&name) {
+                return Err(A::Error::custom(format!("two objects have the name `{name}`: rename one")));
+            }
+            members.insert(name, access.next_value_seed(UniqueVisitor)?);
+        }
+        Ok(Value::Object(members))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut access: A) -> std::result::Result<Value, A::Error> {
+        let mut items = Vec::new();
+        while let Some(item) = access.next_element_seed(UniqueVisitor)? {
+            items.push(item);
+        }
+        Ok(Value::Array(items))
+    }
+
+    fn visit_str<E>(self, text: &str) -> std::result::Result<Value, E> {
+        Ok(text.into())
+    }
+
+    fn visit_bool<E>(self, value: bool) -> std::result::Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_i64<E>(self, value: i64) -> std::result::Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_u64<E>(self, value: u64) -> std::result::Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_f64<E>(self, value: f64) -> std::result::Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_unit<E>(self) -> std::result::Result<Value, E> {
+        Ok(Value::Null)
+    }
+}
+
 /// A text field, if it is there and is text.
 pub fn text<'a>(fields: &'a Fields, field: &str) -> Option<&'a str> {
     fields.get(field)?.as_str()
@@ -219,6 +293,13 @@ mod tests {
         model.insert("ZoneList", "all", serde_json::json!({"zones": [{"zone_name": "a"}]}));
         model.replace_references("A", "C");
         assert_eq!(model.get("ZoneList", "all").unwrap()["zones"][0]["zone_name"], "C");
+    }
+
+    #[test]
+    fn an_object_that_is_there_twice_is_refused_by_name() {
+        let text = r#"{"Zone": {"Core": {"x": [1, -2, 0.5, true, null]}, "Core": {}}}"#;
+        let error = Model::from_epjson(text, Path::new("two.epJSON")).unwrap_err().to_string();
+        assert!(error.contains("`Core`") && error.contains("two.epJSON"), "{error}");
     }
 
     #[test]

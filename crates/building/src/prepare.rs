@@ -6,7 +6,7 @@ use b2b_energyplus::Library;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use crate::hvac::{self, Actuator, System};
+use crate::hvac::{self, Actuator, Discovery, LeftAlone, System};
 use crate::model::Model;
 use crate::outputs;
 use crate::run_period::RunPeriod;
@@ -25,7 +25,10 @@ pub struct PreparedBuilding {
     pub zones: Vec<Zone>,
     /// The systems whose actuators make the action, in the order of the action.
     pub systems: Vec<System>,
-    /// Floor area of the conditioned zones, m²: what energy is divided by.
+    /// Systems and equipment that keep their own controls, and why; empty but for imported buildings.
+    pub left: Vec<LeftAlone>,
+    /// Floor area of the conditioned zones, m²: what energy is divided by. Energy is that of all HVAC, so that zones
+    /// under their own controls count too.
     pub conditioned_floor_area: f64,
 }
 
@@ -36,11 +39,14 @@ pub struct Zone {
     pub name: String,
     /// Floor area with multiplier, m².
     pub floor_area: f64,
-    /// What its equipment can do.
+    /// What the equipment that an agent drives can do in it.
     pub conditioning: Conditioning,
+    /// Whether equipment that nobody drives holds its temperature, by the thermostat and the schedules of the model's
+    /// author. Such a zone is observed, and not judged.
+    pub own_controls: bool,
 }
 
-/// What the equipment of a zone can do.
+/// What the equipment that an agent drives can do in a zone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Conditioning {
@@ -53,37 +59,54 @@ pub enum Conditioning {
 }
 
 impl PreparedBuilding {
-    /// Sizes a model as it is for a site and a weather file, then makes it controllable.
+    /// Sizes a model as it is for a site and a weather file, then makes all of it controllable.
     ///
     /// # Errors
     /// [`Error::Unsupported`] naming the object that cannot be driven; [`Error::NothingToDrive`]; [`Error::Engine`] when
     /// the engine refuses the model.
     pub fn new(name: &str, mut model: Model, weather: &Path, library: &Library) -> Result<Self> {
-        let site = Site::read(weather)?;
-        if sizing::wants_sizing(&model) {
-            Sizes::of(&model, weather, library)?.write_into(&mut model)?;
-        }
+        let air_density = size(&mut model, weather, library)?;
         hvac::common::remove_ems_programs(&mut model, hvac::common::sets_a_schedule);
-        let systems = hvac::make_controllable(&mut model, standard_air_density(site.elevation))?;
+        let systems = hvac::make_controllable(&mut model, air_density)?;
+        Self::with(name, model, Discovery { systems, left: Vec::new() })
+    }
+
+    /// As [`PreparedBuilding::new`], but a system that cannot be driven is left as it is, and told in
+    /// [`PreparedBuilding::left`]. For a user's own model: see [`crate::import`].
+    ///
+    /// # Errors
+    /// As [`PreparedBuilding::new`], without [`Error::Unsupported`].
+    pub fn as_far_as_possible(
+        name: &str,
+        mut model: Model,
+        weather: &Path,
+        library: &Library,
+    ) -> Result<Self> {
+        let air_density = size(&mut model, weather, library)?;
+        let discovery = hvac::discover(&mut model, air_density)?;
+        Self::with(name, model, discovery)
+    }
+
+    /// A sized model whose systems have been made controllable.
+    fn with(name: &str, mut model: Model, Discovery { systems, left }: Discovery) -> Result<Self> {
         if systems.is_empty() {
-            return Err(Error::NothingToDrive { name: name.to_owned() });
+            return Err(Error::NothingToDrive { name: name.to_owned(), left });
         }
         outputs::write_only(&mut model, &[]);
         keep_standard_time(&mut model);
         balance_exhaust(&mut model);
         one_system_step(&mut model);
         bound_warmup(&mut model);
+        run_weather_alone(&mut model);
         let zones = zones(&model, &systems)?;
+        let conditioned = |zone: &&Zone| zone.conditioning != Conditioning::None || zone.own_controls;
         Ok(Self {
             name: name.to_owned(),
             model,
-            conditioned_floor_area: zones
-                .iter()
-                .filter(|z| z.conditioning != Conditioning::None)
-                .map(|z| z.floor_area)
-                .sum(),
+            conditioned_floor_area: zones.iter().filter(conditioned).map(|z| z.floor_area).sum(),
             zones,
             systems,
+            left,
         })
     }
 
@@ -113,6 +136,15 @@ impl PreparedBuilding {
     }
 }
 
+/// Writes the sizes into a model, and returns the air density that its design flows are meant at, kg/m³.
+fn size(model: &mut Model, weather: &Path, library: &Library) -> Result<f64> {
+    let site = Site::read(weather)?;
+    if sizing::wants_sizing(model) {
+        Sizes::of(model, weather, library)?.write_into(model)?;
+    }
+    Ok(standard_air_density(site.elevation))
+}
+
 /// Density the engine takes for design flows, kg/m³: dry air at 20 °C at the standard pressure of the site's
 /// elevation (m), which it reads from the weather file.
 pub fn standard_air_density(elevation: f64) -> f64 {
@@ -131,12 +163,17 @@ fn zones(model: &Model, systems: &[System]) -> Result<Vec<Zone>> {
             Some(_) => Conditioning::HeatingAndCooling,
         }
     };
-    let zones = zone::zones(model)?.into_iter().map(|zone| Zone {
-        conditioning: conditioning(&zone.name),
-        floor_area: zone.floor_area * zone.multiplier,
-        name: zone.name,
-    });
-    Ok(zones.collect())
+    let prepared = |zone: zone::Zone| {
+        let conditioning = conditioning(&zone.name);
+        let own_controls = conditioning == Conditioning::None && hvac::has_own_controls(model, &zone.name)?;
+        Ok(Zone {
+            conditioning,
+            own_controls,
+            floor_area: zone.floor_area * zone.multiplier,
+            name: zone.name,
+        })
+    };
+    zone::zones(model)?.into_iter().map(prepared).collect()
 }
 
 /// Removes daylight saving: the clock that an agent sees and the occupants' schedules then agree all year,
@@ -148,11 +185,13 @@ fn keep_standard_time(model: &mut Model) {
 /// Lets outdoor air leak in where an exhaust fan takes more than the supply brings; otherwise the engine
 /// lets the missing air appear from nowhere, at room temperature.
 fn balance_exhaust(model: &mut Model) {
+    const CLASS: &str = "ZoneAirMassFlowConservation";
     if model.objects("Fan:ZoneExhaust").is_empty() {
         return;
     }
+    model.remove_class(CLASS);
     model.insert(
-        "ZoneAirMassFlowConservation",
+        CLASS,
         "Mass balance",
         json!({
             "adjust_zone_mixing_and_return_for_air_mass_flow_balance": "None",
@@ -172,6 +211,13 @@ fn one_system_step(model: &mut Model) {
         "One system step",
         json!({"minimum_system_timestep": 60, "maximum_hvac_iterations": 20}),
     );
+}
+
+/// Simulates the run period, which some models leave out, and not the design days.
+fn run_weather_alone(model: &mut Model) {
+    let control = sizing::simulation_control(model);
+    control.insert("run_simulation_for_weather_file_run_periods".into(), json!("Yes"));
+    control.insert("run_simulation_for_sizing_periods".into(), json!("No"));
 }
 
 /// Least and most warm-up days. The warm-up controller is the same for every agent, so that their number is

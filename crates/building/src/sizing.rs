@@ -32,7 +32,7 @@ use serde_json::{Value, json};
 use crate::model::Fields;
 use crate::outputs;
 use crate::{Error, Model, Result};
-use exceptions::{ALIASES, UNUSED};
+use exceptions::{ALIASES, OPTIONAL, POSITIVE, UNUSED};
 
 /// One size as the engine reports it.
 #[derive(Clone, Debug, PartialEq)]
@@ -127,9 +127,17 @@ impl Sizes {
 
     /// Writes the sizes of one object; returns the autosized fields that have none.
     fn write_into_object(&self, class: &str, object: &str, fields: &mut Fields) -> Vec<String> {
+        for (_, field) in OPTIONAL.iter().filter(|(c, _)| c.eq_ignore_ascii_case(class)) {
+            if self.get(class, object, field).is_some() {
+                fields.entry(*field).or_insert_with(|| json!("Autosize"));
+            }
+        }
+        let mut equipment_flows = self.equipment_flows(class, object);
         for (field, value) in fields.iter_mut().filter(|(_, value)| is_automatic(value)) {
-            if let Some(size) = self.get(class, object, field).or_else(|| unused(class, field)) {
-                *value = json!(size);
+            let size = self.get(class, object, field).or_else(|| unused(class, field));
+            let size = size.or_else(|| is_equipment_flow(field).then(|| equipment_flows.next()).flatten());
+            if let Some(size) = size {
+                *value = json!(size.max(least(class, field)));
             }
         }
         let mut left = Vec::new();
@@ -138,6 +146,24 @@ impl Sizes {
         }
         left
     }
+
+    /// The flows of the equipment under a setpoint scheme of a plant, in its order: the engine reports one for each that
+    /// is autosized, all under one description.
+    fn equipment_flows(&self, class: &str, object: &str) -> impl Iterator<Item = f64> {
+        let is_scheme = class.eq_ignore_ascii_case("PlantEquipmentOperation:ComponentSetpoint");
+        let of_scheme = move |s: &&Size| {
+            is_scheme
+                && s.class.eq_ignore_ascii_case(class)
+                && s.object.eq_ignore_ascii_case(object)
+                && s.description == "Design Water Flow Rate"
+        };
+        self.sizes.iter().filter(of_scheme).map(|s| s.value)
+    }
+}
+
+/// Whether a field is the flow of one of several pieces of equipment: `component_1_flow_rate`.
+fn is_equipment_flow(field: &str) -> bool {
+    field.starts_with("component_") && field.ends_with("_flow_rate")
 }
 
 /// Whether a model asks for sizing at all: a generated house comes with its sizes.
@@ -192,7 +218,7 @@ fn lift_outdoor_air_limit(model: &mut Model) {
 }
 
 /// The fields of the model's `SimulationControl`, which is made when there is none.
-fn simulation_control(model: &mut Model) -> &mut Fields {
+pub(crate) fn simulation_control(model: &mut Model) -> &mut Fields {
     const CLASS: &str = "SimulationControl";
     let name = model.names(CLASS).pop().unwrap_or_else(|| {
         model.insert(CLASS, CLASS, json!({}));
@@ -231,6 +257,12 @@ fn field_name(description: &str) -> String {
 fn unused(class: &str, field: &str) -> Option<f64> {
     let entry = UNUSED.iter().find(|u| starts_with(class, u.class) && u.field == field)?;
     Some(entry.value)
+}
+
+/// The least number that the engine takes for a field.
+fn least(class: &str, field: &str) -> f64 {
+    let entry = POSITIVE.iter().find(|(c, f, _)| c.eq_ignore_ascii_case(class) && *f == field);
+    entry.map_or(f64::NEG_INFINITY, |(_, _, least)| *least)
 }
 
 /// Whether the field is left to the engine. `Autosize` and `Autocalculate` may both be written by a size.

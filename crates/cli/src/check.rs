@@ -1,10 +1,8 @@
 //! `b2b check`: whether buildings of the dataset can be sized, run and held.
 
-use std::io::Read;
-use std::process::{Child, Command, ExitCode, Stdio};
-use std::time::Duration;
+use std::process::ExitCode;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use b2b_building::dataset::{self, BuildingId};
 use b2b_building::{Conditioning, PreparedBuilding, RunPeriod};
 use b2b_energyplus::Level;
@@ -18,7 +16,7 @@ use crate::prepare::{BuildingName, Location, Prepared};
 use crate::progress::counter;
 use crate::run::roll_out;
 use crate::table::Table;
-use crate::{interrupt, stdout};
+use crate::{child, interrupt, stdout};
 
 /// Size and run buildings of the dataset, and tell which fail
 ///
@@ -197,7 +195,7 @@ fn extreme(
 
 /// Sizes a building and runs its episodes here.
 fn episodes(id: BuildingId, periods: &[RunPeriod]) -> Result<Vec<Outcome>> {
-    let prepared = Prepared::new(BuildingName::Id(id), &Location::default(), true)?;
+    let prepared = Prepared::new(&BuildingName::Id(id), &Location::default(), true)?;
     periods.iter().map(|period| run_episode(&prepared, *period)).collect()
 }
 
@@ -210,32 +208,11 @@ fn run_episode(prepared: &Prepared, period: RunPeriod) -> Result<Outcome> {
 
 /// The episodes of a building in a process of its own, or what that process said when it failed.
 fn run_in_process(id: BuildingId, periods: &[RunPeriod]) -> Result<Result<Vec<Outcome>, String>> {
-    let program = std::env::current_exe()?;
-    let mut command = Command::new(program);
-    command.args(["check", "--one", &id.to_string()]);
-    command.args(periods.iter().map(|period| format!("--period={period}")));
-    command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
-    let mut child = command.spawn().context("cannot start a process")?;
-    let success = wait(&mut child)?;
-    let (mut said, mut complaint) = (String::new(), String::new());
-    child.stdout.take().map(|mut pipe| pipe.read_to_string(&mut said)).transpose()?;
-    child.stderr.take().map(|mut pipe| pipe.read_to_string(&mut complaint)).transpose()?;
-    if success { Ok(Ok(serde_json::from_str(&said)?)) } else { Ok(Err(complaint.trim().to_owned())) }
-}
-
-/// Whether the process ends well. What it says fits in its pipes. An interrupt ends it.
-fn wait(child: &mut Child) -> Result<bool> {
-    loop {
-        if let Some(status) = child.try_wait()? {
-            interrupt::check()?;
-            return Ok(status.success());
-        }
-        if interrupt::requested() {
-            child.kill()?;
-            child.wait()?;
-            bail!("interrupted");
-        }
-        std::thread::sleep(Duration::from_millis(50));
+    let arguments = ["check".to_owned(), "--one".to_owned(), id.to_string()];
+    let periods = periods.iter().map(|period| format!("--period={period}"));
+    match child::run(arguments.into_iter().chain(periods))? {
+        Ok(text) => Ok(Ok(serde_json::from_str(&text)?)),
+        Err(complaint) => Ok(Err(complaint)),
     }
 }
 

@@ -24,15 +24,19 @@ use b2b_control::{Constant, Controller};
 Examples:
   b2b doctor                 the cache, the engine, the weather, the package client
   b2b doctor OfficeSmall     and one simulated day of that building
-  b2b doctor --authority OfficeSmall     what each of its actuators is told, and what it then does")]
+  b2b doctor --authority OfficeSmall     what each of its actuators is told, and what it then does
+  b2b doctor --authority my.idf --weather my.epw")]
 pub struct Arguments {
     /// Building type to try out: prepare it and run one day
     #[arg(value_name = "TYPE")]
     building_type: Option<BuildingType>,
-    /// Drive every actuator of this building type low, middle and high in a winter and a summer day, and
-    /// compare the physical quantity with the command; exits with 1 when one does not obey
-    #[arg(long, value_name = "TYPE", conflicts_with = "building_type")]
-    authority: Option<BuildingType>,
+    /// Drive every actuator of this building (a type, an id, a model file) low, middle and high in a winter
+    /// and a summer day, and compare the physical quantity with the command; exits with 1 when one does
+    /// not obey
+    #[arg(long, value_name = "BUILDING", conflicts_with = "building_type")]
+    authority: Option<BuildingName>,
+    #[command(flatten)]
+    location: Location,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -40,8 +44,8 @@ pub struct Arguments {
 
 /// Runs the command; exit code 1 when a finding is bad.
 pub fn doctor(arguments: &Arguments) -> Result<ExitCode> {
-    if let Some(building_type) = arguments.authority {
-        return authority(building_type, arguments.json);
+    if let Some(building) = &arguments.authority {
+        return authority(building, &arguments.location, arguments.json);
     }
     let installed = Engine::installed_by_user();
     let mut findings = report(&Cache::from_env()?, installed.as_deref(), &PACKAGES);
@@ -52,8 +56,8 @@ pub fn doctor(arguments: &Arguments) -> Result<ExitCode> {
 }
 
 /// Measures what the actuators of a building do; exit code 1 when one does not obey.
-fn authority(building_type: BuildingType, json: bool) -> Result<ExitCode> {
-    let prepared = Prepared::new(BuildingName::Type(building_type), &Location::default(), json)?;
+fn authority(building: &BuildingName, location: &Location, json: bool) -> Result<ExitCode> {
+    let prepared = Prepared::new(building, location, json)?;
     let report = authority::measure(&prepared.library, &prepared.building, &prepared.weather)?;
     if json {
         stdout::print_json(&report)?;
@@ -73,7 +77,7 @@ fn building(building_type: BuildingType, quiet: bool) -> Finding {
 }
 
 fn one_day(building_type: BuildingType, quiet: bool) -> Result<String> {
-    let prepared = Prepared::new(BuildingName::Type(building_type), &Location::default(), quiet)?;
+    let prepared = Prepared::new(&BuildingName::Type(building_type), &Location::default(), quiet)?;
     let mut env = prepared.env("01-01..01-01".parse::<RunPeriod>()?, 12, Task::default())?;
     let mut controller = Constant::middle(env.action_space());
     let mut action = vec![0.0; env.action_space().len()];

@@ -37,18 +37,19 @@ pub struct Parameter {
 
 impl Facts {
     /// Describes a prepared building.
-    pub fn of(prepared: &Prepared, name: BuildingName, location: &Location) -> Result<Self> {
+    pub fn of(prepared: &Prepared, name: &BuildingName, location: &Location) -> Result<Self> {
         let description = Description::of(&prepared.building, &prepared.weather, location.origin(name))?;
-        let building_type = match name {
-            BuildingName::Type(building_type) => building_type,
-            BuildingName::Id(id) => id.building_type(),
+        let what = match name {
+            BuildingName::Type(building_type) => building_type.description(),
+            BuildingName::Id(id) => id.building_type().description(),
+            BuildingName::Model(_) => "imported model",
         };
         Ok(Self {
             morphology: Morphology::of(&prepared.building, &description),
             description,
             place: prepared.place.clone(),
             parameters: parameters(name),
-            what: building_type.description(),
+            what,
         })
     }
 
@@ -196,9 +197,9 @@ impl Parameter {
     }
 }
 
-fn parameters(name: BuildingName) -> Vec<Parameter> {
+fn parameters(name: &BuildingName) -> Vec<Parameter> {
     let BuildingName::Id(id) = name else { return Vec::new() };
-    let mut table = manifest([dataset::row(id)]);
+    let mut table = manifest([dataset::row(*id)]);
     let cells = table.rows.pop().unwrap_or_default();
     let columns = table.columns.iter().zip(cells).filter(|(_, cell)| !cell.is_empty());
     // What the other facts tell already.

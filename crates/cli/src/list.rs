@@ -69,7 +69,7 @@ fn types(arguments: &Arguments) -> Result<()> {
 }
 
 fn sizes(building_type: BuildingType, quiet: bool) -> Result<Sizes> {
-    let prepared = Prepared::new(BuildingName::Type(building_type), &Location::default(), quiet)?;
+    let prepared = Prepared::new(&BuildingName::Type(building_type), &Location::default(), quiet)?;
     let env = prepared.env(RunPeriod::WINTER, 12, Task::default())?;
     Ok(Sizes {
         zones: prepared.building.controlled_zones().count(),

@@ -2,11 +2,13 @@
 
 mod bench;
 mod check;
+mod child;
 mod controller;
 mod dataset;
 mod doctor;
 mod facts;
 mod generate;
+mod import;
 mod interrupt;
 mod list;
 mod manifest_file;
@@ -48,6 +50,7 @@ Examples:
   b2b show RetailStandalone                what one of them is, what can be seen and driven in it
   b2b view RetailStandalone                the same in 3D, as a page for the browser
   b2b generate Warehouse --count 100 --out warehouses
+  b2b import my.idf --weather my.epw       what can be driven in a building of yours
   b2b doctor                               what is installed and whether it is whole
 
 EnergyPlus and weather files are fetched by themselves when first needed, with the Python
@@ -72,6 +75,7 @@ enum Command {
     Generate(generate::Arguments),
     Dataset(dataset::Arguments),
     Check(check::Arguments),
+    Import(import::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -110,6 +114,7 @@ fn execute(command: Command) -> Result<ExitCode> {
         Command::Bench(arguments) => bench::bench(&arguments)?,
         Command::Generate(arguments) => generate::generate(&arguments)?,
         Command::Check(arguments) => return check::check(&arguments),
+        Command::Import(arguments) => return import::import(&arguments),
         Command::Dataset(arguments) => dataset::dataset(&arguments)?,
     }
     Ok(ExitCode::SUCCESS)

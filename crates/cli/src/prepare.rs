@@ -1,5 +1,6 @@
 //! From names on the command line to a building that is ready to run.
 
+use std::ffi::OsString;
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -9,7 +10,7 @@ use anyhow::{Context, Result, bail};
 use b2b_building::climate::{Place, Site, epw};
 use b2b_building::dataset::{self, BuildingId};
 use b2b_building::description::Origin;
-use b2b_building::{BuildingType, Model, PreparedBuilding, RunPeriod, commercial};
+use b2b_building::{BuildingType, Model, PreparedBuilding, RunPeriod, commercial, import};
 use b2b_energyplus::Library;
 use b2b_energyplus::install::{Cache, Engine, Progress};
 use b2b_env::{Env, Episode, Task};
@@ -18,12 +19,14 @@ use crate::interrupt;
 use crate::progress::{Download, spinner};
 
 /// What a user calls a building.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum BuildingName {
     /// A type: its base model.
     Type(BuildingType),
     /// A building of the dataset.
     Id(BuildingId),
+    /// A model of the user's own.
+    Model(PathBuf),
 }
 
 /// Where the building stands.
@@ -51,7 +54,7 @@ pub struct Prepared {
 
 impl Prepared {
     /// Sets up what is missing and prepares a building. Shows progress unless `quiet`.
-    pub fn new(name: BuildingName, location: &Location, quiet: bool) -> Result<Self> {
+    pub fn new(name: &BuildingName, location: &Location, quiet: bool) -> Result<Self> {
         let mut download = Download::new(quiet);
         let (place, weather) = location.weather(name, &mut download)?;
         let engine = Engine::ensure(&mut download)?;
@@ -59,9 +62,13 @@ impl Prepared {
         interrupt::check()?;
         let spinner = spinner(format!("preparing {name} in {place}"), quiet);
         let site = Site::read(&weather)?;
+        let make = match name {
+            BuildingName::Model(_) => PreparedBuilding::as_far_as_possible,
+            _ => PreparedBuilding::new,
+        };
         let building = location
             .model(name, &engine, &library, &site)
-            .and_then(|model| PreparedBuilding::new(&name.to_string(), model, &weather, &library));
+            .and_then(|model| make(&name.to_string(), model, &weather, &library));
         spinner.finish_and_clear();
         let building = Arc::new(building.with_context(|| format!("{name} cannot be prepared"))?);
         interrupt::check()?;
@@ -85,6 +92,7 @@ impl fmt::Display for BuildingName {
         match self {
             Self::Type(building_type) => building_type.fmt(f),
             Self::Id(id) => id.fmt(f),
+            Self::Model(path) => f.write_str(&path.file_stem().unwrap_or_default().to_string_lossy()),
         }
     }
 }
@@ -92,15 +100,26 @@ impl fmt::Display for BuildingName {
 impl FromStr for BuildingName {
     type Err = b2b_building::Error;
 
-    /// Ids have a dash, and types have none.
+    /// Model files have their ending or a folder, ids have a dash, and types have none.
     fn from_str(text: &str) -> b2b_building::Result<Self> {
+        let path = Path::new(text);
+        if import::is_model_file(path) || text.contains(std::path::is_separator) {
+            return Ok(Self::Model(path.to_owned()));
+        }
         if text.contains('-') { text.parse().map(Self::Id) } else { text.parse().map(Self::Type) }
     }
 }
 
 impl Location {
+    /// As arguments on the command line.
+    pub fn arguments(&self) -> Vec<OsString> {
+        let place = self.place.map(|place| ["--place".into(), place.name.into()]);
+        let weather = self.weather.as_ref().map(|path| ["--weather".into(), path.clone().into_os_string()]);
+        place.into_iter().chain(weather).flatten().collect()
+    }
+
     /// Name and weather file.
-    fn weather(&self, name: BuildingName, progress: &mut dyn Progress) -> Result<(String, PathBuf)> {
+    fn weather(&self, name: &BuildingName, progress: &mut dyn Progress) -> Result<(String, PathBuf)> {
         if let Some(path) = &self.weather {
             check_weather(path)?;
             let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
@@ -108,25 +127,30 @@ impl Location {
         }
         match (name, self.place) {
             (BuildingName::Id(id), None) => {
-                let building = &dataset::row(id).building;
+                let building = &dataset::row(*id).building;
                 Ok((building.place().to_owned(), building.weather(&Cache::from_env()?, progress)?))
             }
             (BuildingName::Id(id), Some(_)) => bail!(
                 "{id} stands in {}: give --weather to put it under other weather, or a type for another place",
-                dataset::row(id).building.place()
+                dataset::row(*id).building.place()
             ),
             (BuildingName::Type(building_type), place) => {
                 let place = place.map_or_else(|| Place::find(building_type.home()), Ok)?;
                 Ok((place.name.to_owned(), place.epw(progress)?))
             }
+            (BuildingName::Model(_), Some(place)) => Ok((place.name.to_owned(), place.epw(progress)?)),
+            (BuildingName::Model(path), None) => bail!(
+                "{} has no weather: give --weather FILE.epw, or --place NAME (`b2b list places`)",
+                path.display()
+            ),
         }
     }
 
     /// What is known of the building beside its model.
-    pub fn origin(&self, name: BuildingName) -> Origin {
+    pub fn origin(&self, name: &BuildingName) -> Origin {
         match name {
-            BuildingName::Id(id) => Origin::of(&dataset::row(id).building),
-            BuildingName::Type(BuildingType::SingleFamilyHouse) => Origin::default(),
+            BuildingName::Id(id) => Origin::of(&dataset::row(*id).building),
+            BuildingName::Model(_) | BuildingName::Type(BuildingType::SingleFamilyHouse) => Origin::default(),
             BuildingName::Type(_) if self.weather.is_some() => Origin::commercial(None),
             BuildingName::Type(building_type) => {
                 let home = || Place::find(building_type.home()).ok();
@@ -138,18 +162,18 @@ impl Location {
     /// The model before sizing: a base model at home stays as it is; elsewhere it is one for that climate.
     fn model(
         &self,
-        name: BuildingName,
+        name: &BuildingName,
         engine: &Engine,
         library: &Library,
         site: &Site,
     ) -> b2b_building::Result<Model> {
         let building_type = match name {
-            BuildingName::Type(building_type) => building_type,
+            BuildingName::Type(building_type) => *building_type,
             BuildingName::Id(id) => {
-                return dataset::row(id)
-                    .building
-                    .model(&id.building_type().prototype(engine, library)?, site);
+                let prototype = id.building_type().prototype(engine, library)?;
+                return dataset::row(*id).building.model(&prototype, site);
             }
+            BuildingName::Model(path) => return import::read(path, library),
         };
         let base = building_type.base_model(engine, library, site)?;
         match self.place {
@@ -179,6 +203,8 @@ mod tests {
         let name = |text: &str| text.parse::<BuildingName>();
         assert_eq!(name("Warehouse").unwrap(), BuildingName::Type(BuildingType::Warehouse));
         assert_eq!(name("warehouse-7").unwrap().to_string(), "Warehouse-0007");
+        assert_eq!(name("my-office.IDF").unwrap(), BuildingName::Model("my-office.IDF".into()));
+        assert_eq!(name("models/office").unwrap(), BuildingName::Model("models/office".into()));
         assert!(name("Warehouse-1001").unwrap_err().to_string().contains("Warehouse-1000"));
         assert!(name("Warehose").unwrap_err().to_string().contains("Warehouse"));
     }

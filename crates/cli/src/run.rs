@@ -23,7 +23,7 @@ use crate::{interrupt, picture, stdout, trajectory_file};
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// Building type (`b2b list`), or a building of the dataset such as OfficeSmall-0042
+    /// Building type (`b2b list`), building of the dataset such as OfficeSmall-0042, or model file (.idf, .epJSON)
     #[arg(value_name = "BUILDING")]
     building: BuildingName,
     #[command(flatten)]
@@ -65,6 +65,7 @@ Examples:
   b2b run RestaurantFastFood --period 01-01..01-07 --controller random --seed 7
   b2b run OfficeSmall --controller planner --hours 24
   b2b run RetailStandalone --weather my.epw --json > result.json
+  b2b run my.idf --weather my.epw          a building of yours: see `b2b import --help`
 
 The same arguments give the same episode, bit for bit: compare trajectory_hash.";
 
@@ -92,7 +93,7 @@ pub struct Rollout {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let prepared = Prepared::new(arguments.building, &arguments.location, arguments.json)?;
+    let prepared = Prepared::new(&arguments.building, &arguments.location, arguments.json)?;
     let task = Task { target: arguments.target, energy_weight: arguments.energy_weight, ..Task::default() };
     let period = arguments.days()?;
     let mut env = prepared.env(period, arguments.steps_per_hour, task)?;

@@ -22,7 +22,7 @@ Examples:
   b2b show OfficeSmall --actions           what can be driven, between which bounds
   b2b show Warehouse --place Fairbanks     equipment is sized for the place, and bounds with it")]
 pub struct Arguments {
-    /// Building type (`b2b list`), or a building of the dataset such as OfficeSmall-0042
+    /// Building type (`b2b list`), building of the dataset such as OfficeSmall-0042, or model file (.idf, .epJSON)
     #[arg(value_name = "BUILDING")]
     building: BuildingName,
     #[command(flatten)]
@@ -49,9 +49,9 @@ const WIDTH: usize = 96;
 
 /// Runs the command.
 pub fn show(arguments: &Arguments) -> Result<()> {
-    let prepared = Prepared::new(arguments.building, &arguments.location, arguments.json)?;
+    let prepared = Prepared::new(&arguments.building, &arguments.location, arguments.json)?;
     let env = prepared.env(RunPeriod::WINTER, 12, Task::default())?;
-    let facts = Facts::of(&prepared, arguments.building, &arguments.location)?;
+    let facts = Facts::of(&prepared, &arguments.building, &arguments.location)?;
     if arguments.json {
         stdout::print_json(&json_of(&prepared, &env, &facts))
     } else {
@@ -66,7 +66,7 @@ fn text_of(arguments: &Arguments, prepared: &Prepared, env: &Env, facts: &Facts)
         parts.push(wrapped(&parameters));
     }
     parts.push(lines_text(&facts.spaces(env)));
-    let zones = zones_text(&facts.description.zones);
+    let zones = zones_text(&prepared.building.zones, &facts.description.zones);
     let actions = actuators_text(prepared.building.actuators());
     let observations = slots_text(env.observation_space().slots());
     let details = [
@@ -101,7 +101,7 @@ fn wrapped(items: &[String]) -> String {
     lines.join("\n")
 }
 
-fn zones_text(zones: &[ZoneDescription]) -> String {
+fn zones_text(zones: &[Zone], described: &[ZoneDescription]) -> String {
     let mut table = Table::new([
         "zone",
         "floor, m²",
@@ -112,23 +112,24 @@ fn zones_text(zones: &[ZoneDescription]) -> String {
         "infiltration, 1/h",
         "equipment",
     ]);
-    for zone in zones {
+    for (zone, described) in zones.iter().zip(described) {
         table.row([
             zone.name.clone(),
             format!("{:.1}", zone.floor_area),
-            format!("{:.0}", zone.volume),
-            percent(zone.exterior_wall_fraction),
-            percent(zone.window_to_wall),
-            percent(zone.ground_contact_fraction),
-            format!("{:.2}", zone.infiltration),
-            equipment(zone.conditioning).into(),
+            format!("{:.0}", described.volume),
+            percent(described.exterior_wall_fraction),
+            percent(described.window_to_wall),
+            percent(described.ground_contact_fraction),
+            format!("{:.2}", described.infiltration),
+            equipment(zone).into(),
         ]);
     }
     table.text()
 }
 
-fn equipment(conditioning: Conditioning) -> &'static str {
-    match conditioning {
+fn equipment(zone: &Zone) -> &'static str {
+    match zone.conditioning {
+        Conditioning::None if zone.own_controls => "under its own controls",
         Conditioning::None => "none",
         Conditioning::Heating => "heating",
         Conditioning::HeatingAndCooling => "heating and cooling",
@@ -183,6 +184,7 @@ fn json_of(prepared: &Prepared, env: &Env, facts: &Facts) -> Value {
             "floor_area_m2": zone.floor_area,
             "heating": zone.conditioning != Conditioning::None,
             "cooling": zone.conditioning == Conditioning::HeatingAndCooling,
+            "own_controls": zone.own_controls,
         })
     };
     let slot = |slot: &Slot| {

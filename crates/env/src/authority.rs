@@ -26,7 +26,8 @@
 //!   meet it), and must meet the command itself by the end of the hold. An outlet that never moves fails: some
 //!   other command at the same flow and in the same season must be followed.
 //! - **damper**: the terminals of the loop together are at the fan's design flow, and were asked for more.
-//! - **outdoor air**: it is all of the supply air, and more was asked for.
+//! - **outdoor air**: it is all of the supply air, and more was asked for; or it makes up for exhaust fans in the
+//!   loop's zones, within their design flow, and less was asked for.
 //! - **heating setpoint**: the zone is above it without any heat.
 
 use std::fmt;
@@ -168,6 +169,8 @@ pub enum Limit {
     Fan,
     /// All of the supply air is outdoor air.
     SupplyFlow,
+    /// Outdoor air makes up for exhaust fans.
+    Exhaust,
     /// The zone is above the setpoint without heat.
     WarmZone,
 }
@@ -512,7 +515,7 @@ impl Bench<'_> {
             }
         }
         for ((i, _), reading) in hold.judged.iter().zip(&mut readings) {
-            reading.limit = reading.coil_limit().or(self.flow_limit(*i, reading.row.quantity));
+            reading.limit = reading.coil_limit().or(self.flow_limit(*i, &reading.row));
         }
         self.readings.append(&mut readings);
         Ok(())
@@ -524,7 +527,7 @@ impl Bench<'_> {
     }
 
     /// The limit that an air loop's flows are at.
-    fn flow_limit(&self, i: usize, quantity: Quantity) -> Option<Limit> {
+    fn flow_limit(&self, i: usize, row: &Row) -> Option<Limit> {
         let mut first = 0;
         for system in &self.building.systems {
             let actuators = system.actuators();
@@ -537,11 +540,13 @@ impl Bench<'_> {
             let dampers = range.zip(actuators).filter(|(_, a)| a.quantity == Quantity::DamperOpening);
             let supplied: f64 = dampers.map(|(i, _)| self.env.effect(i).unwrap_or(f64::NAN)).sum();
             let reaches = |flow: f64, limit: f64, tolerance: f64| (flow / limit - 1.0).abs() <= tolerance;
-            return match quantity {
+            return match row.quantity {
                 Quantity::DamperOpening => reaches(supplied, air_loop.fan_flow, 0.01).then_some(Limit::Fan),
                 Quantity::OutdoorAirFlow => {
                     let outdoor = self.env.effect(i).unwrap_or(f64::NAN);
-                    reaches(outdoor, supplied, 0.02).then_some(Limit::SupplyFlow)
+                    let makes_up = outdoor > row.command && outdoor <= 1.02 * air_loop.exhaust_flow;
+                    let all = reaches(outdoor, supplied, 0.02).then_some(Limit::SupplyFlow);
+                    all.or(makes_up.then_some(Limit::Exhaust))
                 }
                 _ => None,
             };

@@ -73,6 +73,31 @@ fn every_actuator_of_the_warehouse_bites() {
     assert!(winter.clone().any(|row| row.heat.is_some_and(|heat| heat > 50e3)), "the bulk storage is heated");
 }
 
+/// Of imported buildings no actuator fails, but many an air handler is at the end of its coils' capacity: they stay as
+/// their author sized them.
+fn no_actuator_of_an_import_fails(model: &str) {
+    let case = Case::imported(model, "USA_IL_Chicago-OHare.Intl.AP.725300_TMY3.epw");
+    let report = measure(&case.library, &case.building, &case.weather).unwrap();
+    assert_eq!(report.failures().count(), 0, "{report}");
+    let follows = report.rows.iter().filter(|row| row.verdict == Verdict::Follows);
+    assert!(follows.count() * 5 > report.rows.len() * 4, "{report}");
+}
+
+#[test]
+fn every_actuator_of_imported_units_in_parts_bites() {
+    no_actuator_of_an_import_fails("RefBldgSmallOfficeNew2004_Chicago.idf");
+}
+
+#[test]
+fn every_actuator_of_an_imported_office_with_chilled_and_hot_water_bites() {
+    no_actuator_of_an_import_fails("RefBldgLargeOfficeNew2004_Chicago.idf");
+}
+
+#[test]
+fn every_actuator_of_an_imported_school_of_mixed_systems_with_exhaust_fans_bites() {
+    no_actuator_of_an_import_fails("RefBldgPrimarySchoolNew2004_Chicago.idf");
+}
+
 /// The house with its actuators tampered with, measured: verdicts of the rows of a quantity.
 fn verdicts_of_a_tampered_house(quantity: Quantity, tamper: impl Fn(&mut Unitary)) -> Vec<(Level, Verdict)> {
     let mut case = Case::at_home(BuildingType::SingleFamilyHouse);

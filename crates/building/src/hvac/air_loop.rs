@@ -17,6 +17,8 @@
 //! **Leave the dampers alone until the first warm-up step is over.** What their schedules hold when the engine
 //! begins a run (0 in the model) stays the least flow of the terminals for the whole run.
 
+mod water_coil;
+
 use std::collections::HashSet;
 
 use serde_json::{Value, json};
@@ -44,11 +46,17 @@ const HEATING_COIL_RISE: f64 = 45.0;
 /// Specific heat of air, J/(kg K).
 const AIR_SPECIFIC_HEAT: f64 = 1006.0;
 
+/// Schedule that is always 0.
+const ALWAYS_OFF: &str = "B2B Always Off";
+/// Air as warm as a reheat coil must make it for more air to bring more heat, K above the supply air.
+const REHEAT_RISE: f64 = 15.0;
 const SCHEDULE: [&str; 2] = ["Schedule:Constant", "Schedule Value"];
 const TERMINAL: &str = "AirTerminal:SingleDuct:VAV:Reheat";
 const OUTDOOR_AIR_SYSTEM: &str = "AirLoopHVAC:OutdoorAirSystem";
-const COOLING: &str = "CoilSystem:Cooling:DX";
-const HEATING: [&str; 2] = ["Coil:Heating:Fuel", "Coil:Heating:Electric"];
+const DX_COOLING: &str = "CoilSystem:Cooling:DX";
+const COOLING: [&str; 3] = [DX_COOLING, "Coil:Cooling:Water", "Coil:Cooling:Water:DetailedGeometry"];
+const WATER_HEATING: &str = "Coil:Heating:Water";
+const HEATING: [&str; 3] = ["Coil:Heating:Fuel", "Coil:Heating:Electric", WATER_HEATING];
 /// Fans of variable flow, each with the field of its design flow.
 const FANS: [(&str, &str); 2] =
     [("Fan:VariableVolume", "maximum_flow_rate"), ("Fan:SystemModel", "design_maximum_air_flow_rate")];
@@ -70,14 +78,28 @@ pub fn make_controllable(model: &mut Model, air_loop: &str, air_density: f64) ->
     common::always_on(model, air_loop)?;
     common::remove_setpoint_managers(model, &branch.nodes());
     blow_through(model, &branch)?;
-    enlarge_heating_coil(model, &branch.heating, fan_flow)?;
-    let supply_temperature = schedule_supply_temperature(model, air_loop, &branch);
-    let outdoor_air = free_outdoor_air(model, air_loop, &controller, fan_flow)?;
+    for (coil, ends) in branch.blow_through() {
+        water_coil::follow_outlet(model, &coil, &ends.outlet)?;
+    }
+    let highest = heating_reach(model, &branch.heating, fan_flow)?;
+    let supply_temperature = schedule_supply_temperature(model, air_loop, &branch, highest);
+    let mixed = &branch.ends[0].1.outlet;
+    if common::is_referred_to(model, mixed) {
+        // Heat recovery ahead of the mixer aims at what the mixed air should be.
+        follow_schedule(model, air_loop, "Mixed Air", mixed, &supply_temperature.key);
+    }
+    let zones: Vec<_> = terminals.iter().map(|(zone, _)| zone.clone()).collect();
+    let exhaust_flow = exhaust_flow(model, &zones)? * air_density;
+    let outdoor_air = match exhaust_flow > 0.0 {
+        true => schedule_outdoor_air(model, air_loop, &controller, fan_flow, air_density)?,
+        false => free_outdoor_air(model, air_loop, &controller, fan_flow)?,
+    };
     let terminals = terminals
         .into_iter()
         .map(|(zone, terminal)| drive_terminal(model, zone, &terminal, air_density))
         .collect::<Result<_>>()?;
-    Ok(AirLoop { name: air_loop.to_owned(), supply_temperature, outdoor_air, fan_flow, terminals })
+    let name = air_loop.to_owned();
+    Ok(AirLoop { name, supply_temperature, outdoor_air, fan_flow, exhaust_flow, terminals })
 }
 
 /// The supply branch of an air loop: what is on it and the nodes between.
@@ -101,7 +123,7 @@ struct Ends {
 impl MainBranch {
     /// Reads the branch, and refuses components that the edits do not know.
     fn find(model: &Model, air_loop: &str) -> Result<Self> {
-        let name = only_branch(model, air_loop)?;
+        let name = common::only_branch(model, air_loop)?;
         let mut ends = Vec::new();
         for item in items(model.require("Branch", &name)?, "components") {
             let field = |field| text(item, field).unwrap_or_default().to_owned();
@@ -114,7 +136,7 @@ impl MainBranch {
         let one = |classes: &[&str]| one_of(&ends, classes, &name);
         Ok(Self {
             outdoor_air: one(&[OUTDOOR_AIR_SYSTEM])?,
-            cooling: one(&[COOLING])?,
+            cooling: one(&COOLING)?,
             heating: one(&HEATING)?,
             fan: one(&FANS.map(|(class, _)| class))?,
             ends,
@@ -163,25 +185,14 @@ fn outlet_node(component: &Reference) -> String {
     format!("{} Outlet Node", component.name)
 }
 
-fn only_branch(model: &Model, air_loop: &str) -> Result<String> {
-    let list = text(model.require("AirLoopHVAC", air_loop)?, "branch_list_name").unwrap_or_default();
-    let branches: Vec<_> = items(model.require("BranchList", list)?, "branches")
-        .filter_map(|item| text(item, "branch_name"))
-        .collect();
-    match branches[..] {
-        [branch] => Ok(branch.to_owned()),
-        _ => Err(unsupported("BranchList", list, "a central air loop has one branch")),
-    }
-}
-
 fn require_known(model: &Model, component: &Reference) -> Result<()> {
     let Reference { class, name } = component;
     let fields = model.require(class, name)?;
     let [fan, fan_system] = FANS.map(|(class, _)| class);
-    let [gas, electric] = HEATING;
-    let known = [OUTDOOR_AIR_SYSTEM, COOLING, gas, electric, fan, fan_system];
+    let known: Vec<_> =
+        [OUTDOOR_AIR_SYSTEM, fan, fan_system].into_iter().chain(COOLING).chain(HEATING).collect();
     if !is_one_of(class, &known) {
-        return Err(unsupported(class, name, &format!("the air handler may have: {}", known.join(", "))));
+        return Err(unsupported(class, name, "no way to drive it in a central air handler is known"));
     }
     let coil = text(fields, "cooling_coil_object_type");
     if coil.is_some_and(|class| !class.eq_ignore_ascii_case("Coil:Cooling:DX:TwoSpeed")) {
@@ -241,34 +252,48 @@ fn move_component(model: &mut Model, component: &Reference, from: &Ends, to: &En
     Ok(())
 }
 
-/// Lets the main heating coil warm the fan's design flow (kg/s) by [`HEATING_COIL_RISE`].
-fn enlarge_heating_coil(model: &mut Model, coil: &Reference, fan_flow: f64) -> Result<()> {
+/// The highest supply temperature an agent may ask for, °C. A coil that burns gas or runs on electricity is made to
+/// warm the fan's design flow (kg/s) by [`HEATING_COIL_RISE`]. A water coil stays as it is, because its plant is sized
+/// for it: it reaches what it adds to [`NEUTRAL_SUPPLY_TEMPERATURE`].
+fn heating_reach(model: &mut Model, coil: &Reference, fan_flow: f64) -> Result<f64> {
+    if coil.class.eq_ignore_ascii_case(WATER_HEATING) {
+        let rise = water_coil::capacity(model, coil)? / (AIR_SPECIFIC_HEAT * fan_flow);
+        return Ok((NEUTRAL_SUPPLY_TEMPERATURE + rise).min(HIGHEST_SUPPLY_TEMPERATURE));
+    }
     let enough = HEATING_COIL_RISE * AIR_SPECIFIC_HEAT * fan_flow;
     let shipped = size(model, &coil.class, &coil.name, "nominal_capacity")?;
     let fields = model.require_mut(&coil.class, &coil.name)?;
     fields.insert("nominal_capacity".into(), shipped.max(enough).into());
-    Ok(())
+    Ok(HIGHEST_SUPPLY_TEMPERATURE)
 }
 
 /// One scheduled temperature for both coils: behind the cooling coil and behind the heating coil.
-fn schedule_supply_temperature(model: &mut Model, air_loop: &str, branch: &MainBranch) -> Actuator {
+fn schedule_supply_temperature(
+    model: &mut Model,
+    air_loop: &str,
+    branch: &MainBranch,
+    highest: f64,
+) -> Actuator {
     let name = format!("{air_loop} Supply Air Temperature");
     constant_schedule(model, &name, NEUTRAL_SUPPLY_TEMPERATURE);
-    for (place, node) in [("Cooling", branch.cooling_outlet()), ("Heating", branch.outlet().to_owned())] {
-        let fields = json!({
-            "control_variable": "Temperature",
-            "schedule_name": name,
-            "setpoint_node_or_nodelist_name": node,
-        });
-        model.insert("SetpointManager:Scheduled", &format!("{air_loop} {place} Setpoint"), fields);
-    }
+    follow_schedule(model, air_loop, "Cooling", &branch.cooling_outlet(), &name);
+    follow_schedule(model, air_loop, "Heating", branch.outlet(), &name);
     Actuator {
         quantity: Quantity::SupplyAirTemperature,
         low: LOWEST_SUPPLY_TEMPERATURE,
-        high: HIGHEST_SUPPLY_TEMPERATURE,
+        high: highest,
         effect: EngineVariable::new("System Node Temperature", branch.outlet()),
         ..scheduled(name, format!("{air_loop} supply air temperature"))
     }
+}
+
+fn follow_schedule(model: &mut Model, air_loop: &str, place: &str, node: &str, schedule: &str) {
+    let fields = json!({
+        "control_variable": "Temperature",
+        "schedule_name": schedule,
+        "setpoint_node_or_nodelist_name": node,
+    });
+    model.insert("SetpointManager:Scheduled", &format!("{air_loop} {place} Setpoint"), fields);
 }
 
 /// Leaves outdoor air to its actuator: no economiser beside it. The controller's ventilation requirement
@@ -293,6 +318,53 @@ fn free_outdoor_air(model: &mut Model, air_loop: &str, controller: &str, fan_flo
     })
 }
 
+/// As [`free_outdoor_air`], by a schedule of the least outdoor air. Exhaust fans take air from the zones of the loop, and
+/// the engine brings in at least as much, but not against an actuator: that would let the missing air appear from
+/// nowhere.
+fn schedule_outdoor_air(
+    model: &mut Model,
+    air_loop: &str,
+    controller: &str,
+    fan_flow: f64,
+    air_density: f64,
+) -> Result<Actuator> {
+    let schedule = format!("{air_loop} Outdoor Air Share");
+    constant_schedule(model, &schedule, 0.0);
+    let free = free_outdoor_air(model, air_loop, controller, fan_flow)?;
+    let fields = model.require_mut("Controller:OutdoorAir", controller)?;
+    fields.retain(|field, _| {
+        !field.contains("fraction_of_outdoor_air")
+            && !field.contains("time_of_day")
+            && !field.contains("humid")
+    });
+    let ventilation = text(fields, "mechanical_ventilation_controller_name").map(str::to_owned);
+    for limit in ["minimum_outdoor_air_flow_rate", "maximum_outdoor_air_flow_rate"] {
+        fields.insert(limit.into(), (fan_flow / air_density).into());
+    }
+    fields.insert("minimum_limit_type".into(), "FixedMinimum".into());
+    fields.insert("minimum_outdoor_air_schedule_name".into(), schedule.clone().into());
+    if let Some(name) = ventilation {
+        // It stays, to be read, and asks for nothing.
+        constant_schedule(model, ALWAYS_OFF, 0.0);
+        let ventilation = model.require_mut("Controller:MechanicalVentilation", &name)?;
+        ventilation.insert("availability_schedule_name".into(), ALWAYS_OFF.into());
+    }
+    let [component, control] = SCHEDULE.map(str::to_owned);
+    Ok(Actuator { component, control, key: schedule, scale: 1.0 / fan_flow, ..free })
+}
+
+/// Design flow of the exhaust fans in some zones, m³/s.
+fn exhaust_flow(model: &Model, zones: &[String]) -> Result<f64> {
+    const FAN: &str = "Fan:ZoneExhaust";
+    let mut flow = 0.0;
+    for zone in zones {
+        for fan in common::zone_equipment(model, zone)?.iter().filter(|e| is_one_of(&e.class, &[FAN])) {
+            flow += size(model, FAN, &fan.name, "maximum_flow_rate")?;
+        }
+    }
+    Ok(flow)
+}
+
 /// Puts a terminal's damper on a schedule, and its reheat coil on the zone's own heating setpoint.
 fn drive_terminal(model: &mut Model, zone: String, terminal: &str, air_density: f64) -> Result<Terminal> {
     common::switch_on(model, &Reference { class: TERMINAL.into(), name: terminal.into() })?;
@@ -302,6 +374,15 @@ fn drive_terminal(model: &mut Model, zone: String, terminal: &str, air_density: 
     let fields = model.require(TERMINAL, terminal)?;
     let inlet = text(fields, "air_inlet_node_name").unwrap_or_default();
     let coil = text(fields, "reheat_coil_name").unwrap_or_default();
+    let class = text(fields, "reheat_coil_object_type").unwrap_or_default();
+    let heating_opening = match class.eq_ignore_ascii_case(WATER_HEATING) {
+        true => {
+            let coil = Reference { class: class.to_owned(), name: coil.to_owned() };
+            let flow = water_coil::capacity(model, &coil)? / (AIR_SPECIFIC_HEAT * REHEAT_RISE);
+            (flow / design_flow).clamp(0.0, 1.0)
+        }
+        false => 1.0,
+    };
     let damper = Actuator {
         quantity: Quantity::DamperOpening,
         low: 0.0,
@@ -318,7 +399,7 @@ fn drive_terminal(model: &mut Model, zone: String, terminal: &str, air_density: 
         heat: Some(EngineVariable::new("Heating Coil Heating Rate", coil)),
         ..scheduled(setpoints.heating, format!("{zone} heating setpoint"))
     };
-    Ok(Terminal { zone, damper, reheat, design_flow })
+    Ok(Terminal { zone, damper, reheat, design_flow, heating_opening })
 }
 
 /// Makes the scheduled opening the terminal's minimum flow. With the cooling setpoint out of reach and the

@@ -2,6 +2,7 @@
 
 use std::collections::HashSet;
 
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use crate::model::{Fields, number, text};
@@ -21,7 +22,7 @@ const SWITCHES: [&str; 2] = ["availability_schedule_name", "supply_air_fan_opera
 pub const OUT_OF_REACH: f64 = 90.0;
 
 /// A class and the name of one of its objects.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Reference {
     /// EnergyPlus class.
     pub class: String,
@@ -76,6 +77,21 @@ pub fn supply_components(model: &Model, air_loop: &str) -> Result<Vec<Reference>
     Ok(components)
 }
 
+/// The one branch of an air loop's supply side.
+///
+/// # Errors
+/// [`Error::Unsupported`] when there are several; [`Error::MissingObject`] for a dangling reference.
+pub fn only_branch(model: &Model, air_loop: &str) -> Result<String> {
+    let list = text(model.require("AirLoopHVAC", air_loop)?, "branch_list_name").unwrap_or_default();
+    let branches: Vec<_> = items(model.require("BranchList", list)?, "branches")
+        .filter_map(|item| text(item, "branch_name"))
+        .collect();
+    match branches[..] {
+        [branch] => Ok(branch.to_owned()),
+        _ => Err(unsupported("BranchList", list, "its air handler has several branches, known is one")),
+    }
+}
+
 /// Switches a component on for good, and the fans and coils that it refers to.
 ///
 /// # Errors
@@ -108,10 +124,22 @@ pub fn parts(fields: &Fields) -> Vec<Reference> {
 /// schedules `<zone> Heating Setpoint` and `<zone> Cooling Setpoint`, at these values (°C).
 ///
 /// # Errors
-/// [`Error::Unsupported`] when the zone's thermostat controls a list of zones; [`Error::MissingObject`] when
-/// the zone has none.
+/// [`Error::Unsupported`] when the zone has no thermostat, or one that controls a list of zones.
 pub fn own_thermostat(model: &mut Model, zone: &str, heating: f64, cooling: f64) -> Result<Setpoints> {
-    let thermostat = thermostat(model, zone)?;
+    let thermostat = match thermostat(model, zone) {
+        None => {
+            return Err(unsupported(
+                "Zone",
+                zone,
+                "it has no thermostat, whose setpoints an agent would give",
+            ));
+        }
+        Some((name, None)) => name,
+        Some((name, Some(list))) => {
+            let why = format!("it controls the list `{list}`; give each zone a thermostat");
+            return Err(unsupported("ZoneControl:Thermostat", &name, &why));
+        }
+    };
     let setpoints = Setpoints { heating: heating_setpoint(zone), cooling: cooling_setpoint(zone) };
     constant_schedule(model, &setpoints.heating, heating);
     constant_schedule(model, &setpoints.cooling, cooling);
@@ -188,6 +216,14 @@ pub fn remove_setpoint_managers(model: &mut Model, nodes: &HashSet<String>) {
     }
 }
 
+/// Whether a setpoint manager takes the setpoint of a node for its own.
+pub fn is_referred_to(model: &Model, node: &str) -> bool {
+    let classes = model.classes().filter(|class| class.starts_with("SetpointManager:"));
+    classes.flat_map(|class| model.objects(class)).any(|(_, fields)| {
+        text(fields, "reference_setpoint_node_name").is_some_and(|other| other.eq_ignore_ascii_case(node))
+    })
+}
+
 /// The nodes of a list, or the one node of this name.
 pub fn nodes_of(model: &Model, name: &str) -> Vec<String> {
     match model.get("NodeList", name) {
@@ -248,6 +284,12 @@ fn remove_availability_managers(model: &mut Model, air_loop: &str) -> Result<()>
     let Some(Value::String(list)) = fields.remove("availability_manager_list_name") else {
         return Ok(());
     };
+    let shared = |fields: &Fields| {
+        text(fields, "availability_manager_list_name").is_some_and(|other| other.eq_ignore_ascii_case(&list))
+    };
+    if model.objects("AirLoopHVAC").into_iter().any(|(_, fields)| shared(fields)) {
+        return Ok(());
+    }
     let Some(list) = model.remove("AvailabilityManagerAssignmentList", &list) else {
         return Ok(());
     };
@@ -259,19 +301,43 @@ fn remove_availability_managers(model: &mut Model, air_loop: &str) -> Result<()>
     Ok(())
 }
 
-fn thermostat(model: &Model, zone: &str) -> Result<String> {
-    let class = "ZoneControl:Thermostat";
-    for (name, fields) in model.objects(class) {
-        let zones = text(fields, "zone_or_zonelist_name").unwrap_or_default();
-        if zones.eq_ignore_ascii_case(zone) {
-            return Ok(name.to_owned());
+/// Gives each zone of a list a thermostat of its own, in the place of one that controls the list. A thermostat that
+/// another object refers to stays.
+pub(super) fn split_thermostats(model: &mut Model) {
+    const CLASS: &str = "ZoneControl:Thermostat";
+    for name in model.names(CLASS) {
+        let Some(fields) = model.get(CLASS, &name).cloned() else { continue };
+        let list = text(&fields, "zone_or_zonelist_name").and_then(|list| model.get("ZoneList", list));
+        let Some(list) = list else { continue };
+        let zones: Vec<_> =
+            items(list, "zones").filter_map(|item| text(item, "zone_name")).map(str::to_owned).collect();
+        let refers = |(_, fields): (&str, &Fields)| {
+            text(fields, "thermostat_name").is_some_and(|other| other.eq_ignore_ascii_case(&name))
+        };
+        let extensions: Vec<_> =
+            model.classes().filter(|class| class.starts_with("ZoneControl:Thermostat:")).collect();
+        if extensions.iter().any(|class| model.objects(class).into_iter().any(refers)) {
+            continue;
         }
-        if model.get("ZoneList", zones).is_some_and(|list| lists(list, zone)) {
-            let why = format!("it controls the list `{zones}`; give each zone a thermostat");
-            return Err(unsupported(class, name, &why));
+        model.remove(CLASS, &name);
+        for zone in zones {
+            let mut own = fields.clone();
+            own.insert("zone_or_zonelist_name".into(), zone.clone().into());
+            model.insert(CLASS, &format!("{zone} {name}"), Value::Object(own));
         }
     }
-    Err(Error::MissingObject { class: class.into(), name: format!("thermostat of {zone}") })
+}
+
+/// The thermostat of a zone, with the zone list where it controls one.
+pub(super) fn thermostat(model: &Model, zone: &str) -> Option<(String, Option<String>)> {
+    model.objects("ZoneControl:Thermostat").into_iter().find_map(|(name, fields)| {
+        let zones = text(fields, "zone_or_zonelist_name").unwrap_or_default();
+        if zones.eq_ignore_ascii_case(zone) {
+            return Some((name.to_owned(), None));
+        }
+        let list = model.get("ZoneList", zones).filter(|list| lists(list, zone));
+        list.map(|_| (name.to_owned(), Some(zones.to_owned())))
+    })
 }
 
 fn lists(zone_list: &Fields, zone: &str) -> bool {
@@ -369,6 +435,28 @@ mod tests {
         }));
         let error = own_thermostat(&mut model, "ZA", 21.0, 90.0).unwrap_err();
         assert!(error.to_string().contains("`T`"), "{error}");
+    }
+
+    #[test]
+    fn a_thermostat_over_a_list_becomes_one_for_each_zone() {
+        let mut model = model(json!({
+            "ZoneControl:Thermostat": {"T": {"zone_or_zonelist_name": "ALL", "control_1_name": "Shared"}},
+            "ZoneList": {"All": {"zones": [{"zone_name": "ZA"}, {"zone_name": "ZB"}]}},
+        }));
+        split_thermostats(&mut model);
+        assert_eq!(model.names("ZoneControl:Thermostat"), ["ZA T", "ZB T"]);
+        own_thermostat(&mut model, "ZA", 21.0, 90.0).unwrap();
+        assert_eq!(model.require("ZoneControl:Thermostat", "ZB T").unwrap()["control_1_name"], "Shared");
+    }
+
+    #[test]
+    fn availability_managers_that_another_loop_shares_stay_with_it() {
+        let mut model = night_cycling_loop();
+        model.insert("AirLoopHVAC", "Other", json!({"availability_manager_list_name": "l list"}));
+        always_on(&mut model, "L").unwrap();
+        assert!(model.contains("AvailabilityManagerAssignmentList", "L List"));
+        assert!(model.contains("AvailabilityManager:NightCycle", "L Night"));
+        assert!(!model.require("AirLoopHVAC", "L").unwrap().contains_key("availability_manager_list_name"));
     }
 
     #[test]

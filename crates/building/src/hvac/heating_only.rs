@@ -3,22 +3,32 @@
 use super::common::{self, Reference};
 use super::{Actuator, EngineVariable, HeatingOnly, Quantity};
 use crate::Result;
-use crate::model::{Model, text};
+use crate::model::{Model, number, text};
 
 /// Heating setpoints an agent may ask for, °C. The lowest is under any temperature that a heated zone should
 /// reach and means "off".
 pub const SETPOINT: (f64, f64) = (5.0, 35.0);
 
+const HEATERS: [&str; 5] = [
+    "ZoneHVAC:UnitHeater",
+    "ZoneHVAC:Baseboard:Convective:Electric",
+    "ZoneHVAC:Baseboard:Convective:Water",
+    "ZoneHVAC:Baseboard:RadiantConvective:Electric",
+    "ZoneHVAC:Baseboard:RadiantConvective:Water",
+];
+
 /// Whether an object class is a zone heater that follows a thermostat.
 pub(super) fn is_heater(class: &str) -> bool {
-    common::is_one_of(class, &["ZoneHVAC:UnitHeater", "ZoneHVAC:Baseboard:Convective:Electric"])
+    common::is_one_of(class, &HEATERS)
 }
 
 /// Makes the heater of a zone controllable: always available, under a thermostat of the zone's own.
 ///
 /// # Errors
-/// [`crate::Error::MissingObject`] when the zone has no thermostat or the heater's parts are not in the model.
+/// [`crate::Error::Unsupported`] when the zone has no thermostat or the heater no power;
+/// [`crate::Error::MissingObject`] when the heater's parts are not in the model.
 pub fn make_controllable(model: &mut Model, zone: &str, heater: &Reference) -> Result<HeatingOnly> {
+    refuse_powerless(model, heater)?;
     common::switch_on(model, heater)?;
     let setpoints = common::own_thermostat(model, zone, SETPOINT.0, common::OUT_OF_REACH)?;
     Ok(HeatingOnly {
@@ -37,6 +47,22 @@ pub fn make_controllable(model: &mut Model, zone: &str, heater: &Reference) -> R
             heat: Some(heat(model, heater)?),
         },
     })
+}
+
+/// A heater in a zone that needs no heat is sized to nothing: its setpoint would do nothing.
+fn refuse_powerless(model: &Model, heater: &Reference) -> Result<()> {
+    let parts = common::parts(model.require(&heater.class, &heater.name)?);
+    let has_none = |part: &Reference| {
+        let capacity = model.get(&part.class, &part.name).and_then(|f| number(f, "nominal_capacity"));
+        capacity.is_some_and(|capacity| capacity <= 0.0)
+    };
+    match parts.iter().any(has_none) {
+        true => {
+            let why = "it was sized to no power: the zone needs no heat on the design days";
+            Err(common::unsupported(&heater.class, &heater.name, why))
+        }
+        false => Ok(()),
+    }
 }
 
 /// The heat of a heater: that of its coil, or its own where it has none.

@@ -2,9 +2,13 @@
 
 pub mod air_loop;
 pub mod common;
+mod discovery;
 pub(crate) mod distribution;
 pub mod heating_only;
 pub mod unitary;
+
+pub use discovery::{Discovery, LeftAlone};
+pub(crate) use discovery::{discover, has_own_controls};
 
 use serde::{Deserialize, Serialize};
 
@@ -124,12 +128,7 @@ impl System {
 pub fn make_controllable(model: &mut Model, air_density: f64) -> Result<Vec<System>> {
     let mut systems = Vec::new();
     for air_loop in model.names("AirLoopHVAC") {
-        let components = common::supply_components(model, &air_loop)?;
-        systems.push(if components.iter().any(|c| unitary::is_unit(&c.class)) {
-            System::Unitary(unitary::make_controllable(model, &air_loop, air_density)?)
-        } else {
-            System::AirLoop(air_loop::make_controllable(model, &air_loop, air_density)?)
-        });
+        systems.push(drive_air_loop(model, &air_loop, air_density)?);
     }
     for zone in model.names("Zone") {
         let equipment = common::zone_equipment(model, &zone)?;
@@ -140,6 +139,14 @@ pub fn make_controllable(model: &mut Model, air_density: f64) -> Result<Vec<Syst
         }
     }
     Ok(systems)
+}
+
+fn drive_air_loop(model: &mut Model, air_loop: &str, air_density: f64) -> Result<System> {
+    if unitary::has_unit(model, air_loop)? {
+        Ok(System::Unitary(unitary::make_controllable(model, air_loop, air_density)?))
+    } else {
+        Ok(System::AirLoop(air_loop::make_controllable(model, air_loop, air_density)?))
+    }
 }
 
 /// Zone equipment that is left as it is: exhaust fans follow their schedules, and the warehouse's radiant heater
@@ -193,6 +200,9 @@ pub struct AirLoop {
     pub outdoor_air: Actuator,
     /// Design flow of the supply fan, kg/s. All dampers open may ask for more: the fan limits.
     pub fan_flow: f64,
+    /// Design flow of the exhaust fans in its zones, kg/s. Outdoor air makes up for what they take, whatever is
+    /// commanded.
+    pub exhaust_flow: f64,
     /// The terminals, in model order of their zones.
     pub terminals: Vec<Terminal>,
 }
@@ -208,6 +218,9 @@ pub struct Terminal {
     pub reheat: Actuator,
     /// Design flow, kg/s.
     pub design_flow: f64,
+    /// Opening up to which more air brings more heat, 0 to 1: beyond it a hot-water coil has too little for the air.
+    /// 1 for other coils.
+    pub heating_opening: f64,
 }
 
 /// A zone heater without cooling.

@@ -73,3 +73,19 @@ pub(super) const UNUSED: &[Unused] = &[
     // No loop on the source side.
     Unused { class: "WaterHeater:", field: "source_side_design_flow_rate", value: 0.0 },
 ];
+
+/// Fields that the engine sizes when a model does not give them at all. They must stand in a hard-sized model.
+pub(super) const OPTIONAL: [(&str, &str); 3] = [
+    ("Coil:Heating:Water", "maximum_water_flow_rate"),
+    ("Coil:Heating:Water", "rated_capacity"),
+    ("Coil:Heating:Water", "u_factor_times_area_value"),
+];
+
+/// Fields that the engine may size to nothing, where a number must be more than that: a unit heater, and its fan, in a
+/// zone that needs no heat.
+pub(super) const POSITIVE: [(&str, &str, f64); 4] = [
+    ("ZoneHVAC:UnitHeater", "maximum_supply_air_flow_rate", 1e-3),
+    ("Fan:ConstantVolume", "maximum_flow_rate", 1e-3),
+    ("Fan:OnOff", "maximum_flow_rate", 1e-3),
+    ("Fan:SystemModel", "design_maximum_air_flow_rate", 1e-3),
+];

@@ -107,7 +107,7 @@ impl Arguments {
         let buildings = if self.buildings.is_empty() { &types[..] } else { &self.buildings };
         let mut prepared = Vec::new();
         for building in buildings {
-            prepared.push(Prepared::new(*building, &Location::default(), self.json)?);
+            prepared.push(Prepared::new(building, &Location::default(), self.json)?);
         }
         let widths = |width: fn(&b2b_env::Env) -> usize| -> Result<usize> {
             let envs = prepared.iter().map(|each| each.env(RunPeriod::WINTER, 12, Task::default()));

@@ -67,12 +67,12 @@ pub fn bench(arguments: &Arguments) -> Result<()> {
     let buildings = if arguments.buildings.is_empty() { &types[..] } else { &arguments.buildings };
     let mut speeds = Vec::new();
     for building in buildings {
-        speeds.push(speed(*building, arguments)?);
+        speeds.push(speed(building, arguments)?);
     }
     if arguments.json { stdout::print_json(&speeds) } else { stdout::print(&text(&speeds)) }
 }
 
-fn speed(building: BuildingName, arguments: &Arguments) -> Result<Speed> {
+fn speed(building: &BuildingName, arguments: &Arguments) -> Result<Speed> {
     let prepared = Prepared::new(building, &Location::default(), arguments.json)?;
     let mut days = Vec::new();
     for first in 0..WAYS {

@@ -84,19 +84,19 @@ struct Measured {
 
 /// Runs the command.
 pub fn bench(arguments: &Arguments) -> Result<()> {
-    if let Some(building) = arguments.single {
+    if let Some(building) = &arguments.single {
         return Single::serve(building, arguments.days);
     }
     let types = BuildingType::ALL.map(BuildingName::Type);
     let buildings = if arguments.buildings.is_empty() { &types[..] } else { &arguments.buildings };
     let mut measured = Vec::new();
     for building in buildings {
-        measured.push(measure(*building, arguments)?);
+        measured.push(measure(building, arguments)?);
     }
     if arguments.json { stdout::print_json(&measured) } else { stdout::print(&text(&measured)) }
 }
 
-fn measure(building: BuildingName, arguments: &Arguments) -> Result<Measured> {
+fn measure(building: &BuildingName, arguments: &Arguments) -> Result<Measured> {
     let prepared = Prepared::new(building, &Location::default(), arguments.json)?;
     let spinner = spinner(format!("{} environments of {building}", arguments.environments), arguments.json);
     let period = period(arguments.days)?;
@@ -166,7 +166,7 @@ impl Rates {
     fn measure(
         prepared: &Prepared,
         setting: Setting,
-        building: BuildingName,
+        building: &BuildingName,
         arguments: &Arguments,
     ) -> Result<Self> {
         let count = arguments.environments as usize;
@@ -212,7 +212,7 @@ struct Single {
 }
 
 impl Single {
-    fn start(building: BuildingName, days: u32) -> Result<Self> {
+    fn start(building: &BuildingName, days: u32) -> Result<Self> {
         let mut process = Command::new(std::env::current_exe()?)
             .args(["bench", "vector", "--single", &building.to_string(), "--days", &days.to_string()])
             .stdin(Stdio::piped())
@@ -242,7 +242,7 @@ impl Single {
     }
 
     /// The other side: says when it stands, then steps through a turn for each line and says what CPU time that took.
-    fn serve(building: BuildingName, days: u32) -> Result<()> {
+    fn serve(building: &BuildingName, days: u32) -> Result<()> {
         let prepared = Prepared::new(building, &Location::default(), true)?;
         let mut env = prepared.env(period(days)?, STEPS_PER_HOUR, Task::default())?;
         let action = middle(env.action_space());

@@ -59,8 +59,8 @@ const PALETTE: [[u8; 3]; 10] = [
 
 /// Runs the command.
 pub fn view(arguments: &Arguments) -> Result<()> {
-    let prepared = Prepared::new(arguments.building, &arguments.location, false)?;
-    let facts = Facts::of(&prepared, arguments.building, &arguments.location)?;
+    let prepared = Prepared::new(&arguments.building, &arguments.location, false)?;
+    let facts = Facts::of(&prepared, &arguments.building, &arguments.location)?;
     let default = || Path::new("b2b-out").join(format!("{}-{}.html", prepared.building.name, prepared.place));
     let path = arguments.out.clone().unwrap_or_else(default);
     let page = page(&prepared, &facts)?;

@@ -60,6 +60,8 @@ pub(super) struct AirLoop {
 struct Terminal {
     slot: usize,
     design_flow: f64,
+    /// Opening up to which more air brings more heat.
+    heating_opening: f64,
     cooling: Pi,
 }
 
@@ -74,6 +76,7 @@ impl AirLoop {
         let terminals = air_loop.terminals.iter().map(|terminal| Terminal {
             slot: slot(&terminal.zone),
             design_flow: terminal.design_flow,
+            heating_opening: terminal.heating_opening,
             cooling: Pi::new(parameters.gains, 0.0, 1.0, hours),
         });
         Self {
@@ -106,7 +109,7 @@ impl AirLoop {
             let demand = terminal.cooling.step(error);
             greatest_demand = greatest_demand.max(demand);
             let least = self.parameters.least_opening;
-            let heating = (self.parameters.heating_opening * -error).clamp(0.0, 1.0);
+            let heating = (self.parameters.heating_opening * -error).clamp(0.0, terminal.heating_opening);
             action[0] = least + (1.0 - least) * demand.max(heating);
             action[1] = target - self.parameters.deadband;
             flow += action[0] * terminal.design_flow;

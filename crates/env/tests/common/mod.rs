@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use b2b_building::climate::{Place, Site};
-use b2b_building::{BuildingType, PreparedBuilding};
+use b2b_building::{BuildingType, PreparedBuilding, import};
 use b2b_energyplus::Library;
 use b2b_energyplus::install::{Engine, Quiet};
 use b2b_env::{ActionSpace, Env, Episode, Task, Trajectory};
@@ -31,6 +31,17 @@ impl Case {
         let site = Site::read(&weather).unwrap();
         let model = building_type.base_model(&engine, &library, &site).unwrap();
         let building = PreparedBuilding::new(building_type.name(), model, &weather, &library).unwrap();
+        Self { library, building: Arc::new(building), weather }
+    }
+
+    /// A model that comes with the engine, taken as a user's own, under weather that comes with it too.
+    pub fn imported(model: &str, weather: &str) -> Self {
+        let engine = Engine::ensure(&mut Quiet).unwrap();
+        let library = Library::load(&engine.library).unwrap();
+        let models = engine.models.unwrap();
+        let weather = models.parent().unwrap().join("weather").join(weather);
+        let read = import::read(&models.join(model), &library).unwrap();
+        let building = PreparedBuilding::as_far_as_possible(model, read, &weather, &library).unwrap();
         Self { library, building: Arc::new(building), weather }
     }
 

@@ -16,7 +16,7 @@ fn office() -> Model {
         "BranchList": {"LB": {"branches": [{"branch_name": "Main"}]}},
         "Branch": {"Main": {"components": [
             component(OUTDOOR_AIR_SYSTEM, "OA", "return", "mixed"),
-            component(COOLING, "Cool", "mixed", "cold"),
+            component(DX_COOLING, "Cool", "mixed", "cold"),
             component("Coil:Heating:Fuel", "Heat", "cold", "warm"),
             component("Fan:VariableVolume", "Fan", "warm", "supply")]}},
         OUTDOOR_AIR_SYSTEM: {"OA": {"controller_list_name": "OA List"}},
@@ -24,7 +24,7 @@ fn office() -> Model {
             "controller_1_object_type": "Controller:OutdoorAir", "controller_1_name": "OA Controller"}},
         "Controller:OutdoorAir": {"OA Controller": {
             "actuator_node_name": "outside", "economizer_control_type": "DifferentialDryBulb"}},
-        COOLING: {"Cool": {
+        DX_COOLING: {"Cool": {
             "dx_cooling_coil_system_inlet_node_name": "mixed", "dx_cooling_coil_system_outlet_node_name": "cold",
             "dx_cooling_coil_system_sensor_node_name": "COLD", "cooling_coil_name": "DX",
             "cooling_coil_object_type": "Coil:Cooling:DX:TwoSpeed"}},
@@ -102,7 +102,7 @@ fn the_fan_blows_through_the_coils_and_every_node_moves_with_its_component() {
     assert_eq!(field(&model, coil, "DX", "air_inlet_node_name"), "Fan Outlet Node");
     assert_eq!(field(&model, coil, "DX", "air_outlet_node_name"), "Cool Outlet Node");
     let sensor = "dx_cooling_coil_system_sensor_node_name";
-    assert_eq!(field(&model, COOLING, "Cool", sensor), "Cool Outlet Node");
+    assert_eq!(field(&model, DX_COOLING, "Cool", sensor), "Cool Outlet Node");
     assert_eq!(field(&model, "Coil:Heating:Fuel", "Heat", "temperature_setpoint_node_name"), "supply");
 }
 
@@ -176,10 +176,85 @@ fn what_is_not_known_is_named() {
         model.require_mut(class, name).unwrap().insert(field.into(), value.into());
         make_controllable(&mut model, "L", DENSITY).unwrap_err().to_string()
     };
-    let error = refused(COOLING, "Cool", "cooling_coil_object_type", "Coil:Cooling:DX:VariableSpeed");
+    let error = refused(DX_COOLING, "Cool", "cooling_coil_object_type", "Coil:Cooling:DX:VariableSpeed");
     assert!(error.contains("`Cool`"), "{error}");
-    let error = refused(TERMINAL, "B Box", "reheat_coil_object_type", "Coil:Heating:Water");
+    let error = refused(TERMINAL, "B Box", "reheat_coil_object_type", "Coil:Heating:Steam");
     assert!(error.contains("`B Box`"), "{error}");
     let error = refused("Fan:VariableVolume", "Fan", "maximum_flow_rate", "Autosize");
     assert!(error.contains("`Fan`") && error.contains("size the model first"), "{error}");
+}
+
+/// The office with a chilled-water coil in the place of its DX coil.
+fn chilled_water_office() -> Model {
+    let mut model = office();
+    model.remove(DX_COOLING, "Cool");
+    model.remove("Coil:Cooling:DX:TwoSpeed", "DX");
+    let coil = json!({"air_inlet_node_name": "mixed", "air_outlet_node_name": "cold",
+        "water_inlet_node_name": "Valve", "water_outlet_node_name": "water out"});
+    model.insert("Coil:Cooling:Water", "Cool", coil);
+    let control = json!({"actuator_node_name": "VALVE", "sensor_node_name": "cold",
+        "control_variable": "Temperature"});
+    model.insert("Controller:WaterCoil", "Control", control);
+    let branch = model.require_mut("Branch", "Main").unwrap();
+    branch["components"][1]["component_object_type"] = "Coil:Cooling:Water".into();
+    model
+}
+
+#[test]
+fn the_valve_of_a_water_coil_follows_the_air_behind_the_moved_coil() {
+    let mut model = chilled_water_office();
+    make_controllable(&mut model, "L", DENSITY).unwrap();
+    assert_eq!(field(&model, "Coil:Cooling:Water", "Cool", "air_outlet_node_name"), "Cool Outlet Node");
+    assert_eq!(field(&model, "Coil:Cooling:Water", "Cool", "water_inlet_node_name"), "Valve");
+    assert_eq!(field(&model, "Controller:WaterCoil", "Control", "sensor_node_name"), "Cool Outlet Node");
+}
+
+#[test]
+fn a_water_coil_without_a_temperature_controller_is_refused() {
+    let mut model = chilled_water_office();
+    model.require_mut("Controller:WaterCoil", "Control").unwrap()["control_variable"] =
+        "HumidityRatio".into();
+    let error = make_controllable(&mut model, "L", DENSITY).unwrap_err().to_string();
+    assert!(error.contains("`Control`") && error.contains("HumidityRatio"), "{error}");
+    let mut model = chilled_water_office();
+    model.remove("Controller:WaterCoil", "Control");
+    let error = make_controllable(&mut model, "L", DENSITY).unwrap_err().to_string();
+    assert!(error.contains("`Cool`") && error.contains("Controller:WaterCoil"), "{error}");
+}
+
+#[test]
+fn the_bound_of_a_hot_water_coil_is_what_it_was_sized_for() {
+    let mut model = office();
+    let mut coil = model.remove("Coil:Heating:Fuel", "Heat").unwrap();
+    coil.extend([
+        ("rated_capacity".to_owned(), json!(10.0 * AIR_SPECIFIC_HEAT * 2.4)),
+        ("water_inlet_node_name".to_owned(), json!("valve")),
+    ]);
+    model.insert(WATER_HEATING, "Heat", Value::Object(coil));
+    model.insert("Controller:WaterCoil", "Control", json!({"actuator_node_name": "valve"}));
+    model.require_mut("Branch", "Main").unwrap()["components"][2]["component_object_type"] =
+        WATER_HEATING.into();
+    let air_loop = make_controllable(&mut model, "L", DENSITY).unwrap();
+    assert!((air_loop.supply_temperature.high - (NEUTRAL_SUPPLY_TEMPERATURE + 10.0)).abs() < 1e-9);
+    assert_eq!(
+        model.require(WATER_HEATING, "Heat").unwrap()["rated_capacity"],
+        10.0 * AIR_SPECIFIC_HEAT * 2.4
+    );
+}
+
+#[test]
+fn outdoor_air_is_asked_for_by_schedule_where_exhaust_fans_must_be_made_up_for() {
+    let mut model = office();
+    assert_eq!(make_controllable(&mut model, "L", DENSITY).unwrap().exhaust_flow, 0.0);
+    let mut model = office();
+    let list = model.require_mut("ZoneHVAC:EquipmentList", "A List").unwrap();
+    let fan = json!({"zone_equipment_object_type": "Fan:ZoneExhaust", "zone_equipment_name": "Hood"});
+    list["equipment"].as_array_mut().unwrap().push(fan);
+    model.insert("Fan:ZoneExhaust", "Hood", json!({"maximum_flow_rate": 0.5}));
+    let air_loop = make_controllable(&mut model, "L", DENSITY).unwrap();
+    assert_eq!(air_loop.exhaust_flow, 0.5 * DENSITY);
+    assert_eq!(air_loop.outdoor_air.component, "Schedule:Constant");
+    let controller = model.require("Controller:OutdoorAir", "OA Controller").unwrap();
+    assert_eq!(controller["minimum_outdoor_air_schedule_name"], air_loop.outdoor_air.key.as_str());
+    assert_eq!(controller["minimum_outdoor_air_flow_rate"], 2.0, "the share is of the fan's design flow");
 }

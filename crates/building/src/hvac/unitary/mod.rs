@@ -5,6 +5,9 @@
 //! cooling coil, feeding a terminal whose minimum flow is the command. Capacities, efficiencies, pressures and
 //! curves are those of the original unit.
 
+mod assemble;
+mod cooling_coil;
+
 use std::collections::HashSet;
 
 use serde_json::{Value, json};
@@ -20,12 +23,12 @@ use crate::{Error, Result};
 const SUPPLY_TEMPERATURE: (f64, f64) = (10.0, 45.0);
 /// The engine's limit on supply air temperature, °C: above what an agent may ask for, so that it never binds.
 const MAXIMUM_SUPPLY_TEMPERATURE: f64 = 80.0;
-/// Low speed of a single-speed cooling coil made two-speed: share of its capacity and of its air flow. Both
-/// are the same, so that the flow per watt stays in the range the engine accepts.
-const LOW_SPEED: f64 = 0.5;
 /// Outdoor temperature under which the compressor stops cooling, °C. Out of reach: an overheated zone is the
 /// agent's to cool in any weather, and a lock-out would take the actuator away without a word.
 const COOLING_LOCKOUT: f64 = -60.0;
+/// Efficiencies of a fan whose model does not say: the engine's own defaults.
+const FAN_EFFICIENCY: f64 = 0.7;
+const MOTOR_EFFICIENCY: f64 = 0.9;
 /// Part-load power of a variable-speed fan, by powers of the flow fraction (ASHRAE 90.1 appendix G, table
 /// G3.1.3.15, method 2, without its minimum).
 const FAN_POWER: [f64; 5] = [0.0013, 0.1470, 0.9506, -0.0998, 0.0];
@@ -36,6 +39,7 @@ const FAN_POWER: [f64; 5] = [0.0013, 0.1470, 0.9506, -0.0998, 0.0];
 /// [`Error::Unsupported`] naming the object that cannot be rewritten; [`Error::MissingObject`] for a dangling
 /// reference.
 pub fn make_controllable(model: &mut Model, air_loop: &str, air_density: f64) -> Result<Unitary> {
+    assemble::assemble(model, air_loop)?;
     let unit = Unit::find(model, air_loop)?;
     let schedules = Schedules::insert(model, &unit.served.zone);
     common::always_on(model, air_loop)?;
@@ -80,10 +84,28 @@ pub fn make_controllable(model: &mut Model, air_loop: &str, air_density: f64) ->
 }
 
 /// The classes this module rewrites.
-const UNIT_CLASSES: [&str; 2] = ["AirLoopHVAC:UnitarySystem", "AirLoopHVAC:UnitaryHeatPump:AirToAir"];
+const UNIT_CLASSES: [&str; 4] = [
+    "AirLoopHVAC:UnitarySystem",
+    "AirLoopHVAC:UnitaryHeatPump:AirToAir",
+    "AirLoopHVAC:UnitaryHeatCool",
+    "AirLoopHVAC:Unitary:Furnace:HeatCool",
+];
+
+/// The terminals that a unit can feed.
+const TERMINALS: [&str; 2] =
+    ["AirTerminal:SingleDuct:ConstantVolume:NoReheat", "AirTerminal:SingleDuct:VAV:NoReheat"];
+
+/// Whether an air loop has a unit that this module rewrites, or the parts of one.
+///
+/// # Errors
+/// [`Error::MissingObject`] for a dangling reference.
+pub(super) fn has_unit(model: &Model, air_loop: &str) -> Result<bool> {
+    let components = common::supply_components(model, air_loop)?;
+    Ok(components.iter().any(|c| is_unit(&c.class)) || assemble::has_parts(model, air_loop)?)
+}
 
 /// Whether an object class is a unit that this module rewrites.
-pub(super) fn is_unit(class: &str) -> bool {
+fn is_unit(class: &str) -> bool {
     common::is_one_of(class, &UNIT_CLASSES)
 }
 
@@ -152,7 +174,7 @@ impl Schedules {
 impl Unit {
     fn find(model: &Model, air_loop: &str) -> Result<Self> {
         let fields = model.require("AirLoopHVAC", air_loop)?;
-        let demand_inlet = required(fields, "AirLoopHVAC", air_loop, "demand_side_inlet_node_names")?;
+        let demand_inlet = demand_inlet(model, air_loop, fields)?;
         let (branch, component) = unit_component(model, air_loop)?
             .ok_or_else(|| unsupported("AirLoopHVAC", air_loop, "its branches have no unitary system"))?;
         let part = |field: &str| text(component, field).unwrap_or_default().to_owned();
@@ -169,6 +191,10 @@ impl Unit {
     /// Replaces the unit by its controllable form and returns the nodes inside it.
     fn rewrite(&self, model: &mut Model) -> Result<Nodes> {
         let old = take(model, &self.class, &self.name)?;
+        if coil(&old, "reheat_coil").is_some() {
+            let why = "it dries air with a reheat coil, which the agent's supply temperature would fight";
+            return Err(unsupported(&self.class, &self.name, why));
+        }
         remove_multispeed_design(model, &old);
         let supplemental = coil(&old, "supplemental_heating_coil");
         let nodes = Nodes {
@@ -225,7 +251,8 @@ impl Unit {
     fn retype_branch(&self, model: &mut Model) -> Result<()> {
         let branch = model.require_mut("Branch", &self.branch)?;
         for component in branch.get_mut("components").and_then(Value::as_array_mut).into_iter().flatten() {
-            if component["component_name"].as_str() == Some(&self.name) {
+            if component["component_name"].as_str().is_some_and(|name| name.eq_ignore_ascii_case(&self.name))
+            {
                 component["component_object_type"] = json!("AirLoopHVAC:UnitarySystem");
             }
         }
@@ -241,8 +268,9 @@ impl Unit {
             return Err(unsupported(&self.class, &self.name, "it has no supply fan"));
         };
         let fan = take(model, class, name)?;
+        let given = |fields: &[&str]| fields.iter().find_map(|f| number(&fan, f));
         let read = |fields: &[&str]| {
-            fields.iter().find_map(|f| number(&fan, f)).ok_or_else(|| {
+            given(fields).ok_or_else(|| {
                 unsupported(class, name, &format!("`{}` is not a number (is the model sized?)", fields[0]))
             })
         };
@@ -253,14 +281,14 @@ impl Unit {
             name,
             json!({
                 "availability_schedule_name": common::ALWAYS_ON,
-                "fan_total_efficiency": read(&["fan_total_efficiency"])?,
+                "fan_total_efficiency": given(&["fan_total_efficiency"]).unwrap_or(FAN_EFFICIENCY),
                 "pressure_rise": read(&["design_pressure_rise", "pressure_rise"])?,
                 "maximum_flow_rate": flow,
                 "fan_power_minimum_flow_rate_input_method": "Fraction",
                 "fan_power_minimum_flow_fraction": 0.0,
-                "motor_efficiency": read(&["motor_efficiency"])?,
+                "motor_efficiency": given(&["motor_efficiency"]).unwrap_or(MOTOR_EFFICIENCY),
                 "motor_in_airstream_fraction":
-                    read(&["motor_in_air_stream_fraction", "motor_in_airstream_fraction"])?,
+                    given(&["motor_in_air_stream_fraction", "motor_in_airstream_fraction"]).unwrap_or(1.0),
                 "fan_power_coefficient_1": c1,
                 "fan_power_coefficient_2": c2,
                 "fan_power_coefficient_3": c3,
@@ -273,19 +301,13 @@ impl Unit {
         Ok((name.to_owned(), flow))
     }
 
-    /// A two-speed coil with the old coil's performance. Single-speed coils jump to −39 °C at low flow,
-    /// multi-speed ones drive the fan themselves, variable-speed ones misjudge power under 20 % flow.
+    /// A two-speed coil with the old coil's performance.
     fn rewrite_cooling_coil(&self, model: &mut Model, unit: &Fields, nodes: &Nodes) -> Result<String> {
         let (class, name) = coil(unit, "cooling_coil")
             .ok_or_else(|| unsupported(&self.class, &self.name, "it has no cooling coil"))?;
         let old = take(model, &class, &name)?;
-        let mut new = match class.as_str() {
-            "Coil:Cooling:DX:SingleSpeed" => two_speed_from_single(&old),
-            "Coil:Cooling:DX:MultiSpeed" => two_speed_from_multi(&old),
-            "Coil:Cooling:DX:TwoSpeed" => Some(Value::Object(old)),
-            _ => None,
-        }
-        .ok_or_else(|| unsupported(&class, &name, "no two-speed equivalent is known for it"))?;
+        let mut new = cooling_coil::two_speed_equivalent(&class, old)
+            .ok_or_else(|| unsupported(&class, &name, "no two-speed equivalent is known for it"))?;
         new["availability_schedule_name"] = json!(common::ALWAYS_ON);
         new["air_inlet_node_name"] = json!(nodes.fan);
         new["air_outlet_node_name"] = json!(nodes.cooling);
@@ -349,66 +371,6 @@ fn place_heating_coil(model: &mut Model, coil: &(String, String), inlet: &str, o
     Ok(())
 }
 
-/// Performance curves that single-speed coils and the speeds of multi-speed coils name alike.
-const CURVES: [&str; 4] = [
-    "total_cooling_capacity_function_of_temperature_curve_name",
-    "total_cooling_capacity_function_of_flow_fraction_curve_name",
-    "energy_input_ratio_function_of_temperature_curve_name",
-    "energy_input_ratio_function_of_flow_fraction_curve_name",
-];
-const PART_LOAD_CURVE: &str = "part_load_fraction_correlation_curve_name";
-
-fn two_speed_from_single(old: &Fields) -> Option<Value> {
-    let capacity = number(old, "gross_rated_total_cooling_capacity")?;
-    let flow = number(old, "rated_air_flow_rate")?;
-    let cop = number(old, "gross_rated_cooling_cop")?;
-    let sensible = number(old, "gross_rated_sensible_heat_ratio")?;
-    let high = Speed { capacity, flow, cop, sensible };
-    let low = Speed { capacity: capacity * LOW_SPEED, flow: flow * LOW_SPEED, cop, sensible };
-    two_speed(low, high, |curve| old.get(curve).cloned())
-}
-
-fn two_speed_from_multi(old: &Fields) -> Option<Value> {
-    let speed = |n: u8| {
-        Some(Speed {
-            capacity: number(old, &format!("speed_{n}_gross_rated_total_cooling_capacity"))?,
-            flow: number(old, &format!("speed_{n}_rated_air_flow_rate"))?,
-            cop: number(old, &format!("speed_{n}_gross_rated_cooling_cop"))?,
-            sensible: number(old, &format!("speed_{n}_gross_rated_sensible_heat_ratio"))?,
-        })
-    };
-    two_speed(speed(1)?, speed(2)?, |curve| old.get(&format!("speed_2_{curve}")).cloned())
-}
-
-/// One speed of a cooling coil: W, m³/s, and two ratios.
-struct Speed {
-    capacity: f64,
-    flow: f64,
-    cop: f64,
-    sensible: f64,
-}
-
-fn two_speed(low: Speed, high: Speed, curve: impl Fn(&str) -> Option<Value>) -> Option<Value> {
-    let mut coil = json!({
-        "high_speed_gross_rated_total_cooling_capacity": high.capacity,
-        "high_speed_rated_sensible_heat_ratio": high.sensible,
-        "high_speed_gross_rated_cooling_cop": high.cop,
-        "high_speed_rated_air_flow_rate": high.flow,
-        "low_speed_gross_rated_total_cooling_capacity": low.capacity,
-        "low_speed_gross_rated_sensible_heat_ratio": low.sensible,
-        "low_speed_gross_rated_cooling_cop": low.cop,
-        "low_speed_rated_air_flow_rate": low.flow,
-        PART_LOAD_CURVE: curve(PART_LOAD_CURVE)?,
-    });
-    for name in CURVES {
-        coil[name] = curve(name)?;
-    }
-    for name in [CURVES[0], CURVES[2]] {
-        coil[format!("low_speed_{name}")] = curve(name)?;
-    }
-    Some(coil)
-}
-
 /// One scheduled setpoint on every node from the cooling coil to the demand side, in place of all others.
 fn follow_supply_temperature(model: &mut Model, unit: &Unit, nodes: &Nodes, schedule: &str) {
     let driven = [&nodes.cooling, &nodes.heating, &unit.outlet, &unit.demand_inlet];
@@ -450,10 +412,9 @@ fn mix_for_supply_temperature(model: &mut Model, unit: &Unit, nodes: &Nodes) {
 /// The terminal becomes one whose minimum flow is the command: with the zone's cooling setpoint out of reach
 /// it never asks for more.
 fn follow_flow(model: &mut Model, unit: &Unit, schedule: &str) -> Result<Terminal> {
-    const CONSTANT: &str = "AirTerminal:SingleDuct:ConstantVolume:NoReheat";
-    const VARIABLE: &str = "AirTerminal:SingleDuct:VAV:NoReheat";
+    const VARIABLE: &str = TERMINALS[1];
     let ServedZone { unit: distribution, terminal: common::Reference { class, name }, .. } = &unit.served;
-    if !common::is_one_of(class, &[CONSTANT, VARIABLE]) {
+    if !common::is_one_of(class, &TERMINALS) {
         return Err(unsupported(class, name, "only terminals without reheat are known on a unitary system"));
     }
     let design_flow = common::size(model, class, name, "maximum_air_flow_rate")?;
@@ -494,6 +455,15 @@ fn admit_any_outdoor_air_share(model: &mut Model, controller: &str) -> Result<()
 
 const OUTDOOR_AIR_CONTROLLER: &str = "Controller:OutdoorAir";
 
+/// The node where the unit's air enters the demand side.
+fn demand_inlet(model: &Model, air_loop: &str, fields: &Fields) -> Result<String> {
+    let field = required(fields, "AirLoopHVAC", air_loop, "demand_side_inlet_node_names")?;
+    match &common::nodes_of(model, &field)[..] {
+        [node] => Ok(node.clone()),
+        _ => Err(unsupported("AirLoopHVAC", air_loop, "it has two ducts to the demand side, known is one")),
+    }
+}
+
 /// The one zone of an air loop.
 fn only_zone(model: &Model, air_loop: &str) -> Result<ServedZone> {
     let served = served_zones(model, air_loop)?;
@@ -519,198 +489,4 @@ fn required(fields: &Fields, class: &str, name: &str, field: &str) -> Result<Str
 }
 
 #[cfg(test)]
-mod tests {
-    use std::path::Path;
-
-    use super::*;
-
-    /// A rooftop unit with a multi-speed coil, draw-through, on a zone with a constant-volume terminal.
-    fn rooftop() -> Model {
-        let curves = |speed: &str| {
-            CURVES
-                .iter()
-                .chain([&PART_LOAD_CURVE])
-                .map(|c| (format!("{speed}{c}"), json!(format!("curve {c}"))))
-                .collect::<serde_json::Map<_, _>>()
-        };
-        let mut cooling = json!({
-            "air_inlet_node_name": "Mixed", "air_outlet_node_name": "After cooling",
-            "speed_1_gross_rated_total_cooling_capacity": 5000.0, "speed_2_gross_rated_total_cooling_capacity": 10000.0,
-            "speed_1_rated_air_flow_rate": 0.3, "speed_2_rated_air_flow_rate": 0.5,
-            "speed_1_gross_rated_cooling_cop": 4.0, "speed_2_gross_rated_cooling_cop": 3.8,
-            "speed_1_gross_rated_sensible_heat_ratio": 0.8, "speed_2_gross_rated_sensible_heat_ratio": 0.75,
-        });
-        for (key, value) in curves("speed_2_") {
-            cooling[key] = value;
-        }
-        let model = json!({
-            "AirLoopHVAC": {"Loop": {
-                "branch_list_name": "Branches", "demand_side_inlet_node_names": "Demand inlet",
-                "supply_side_outlet_node_names": "Supply outlet"}},
-            "BranchList": {"Branches": {"branches": [{"branch_name": "Main"}]}},
-            "Branch": {"Main": {"components": [
-                {"component_object_type": "AirLoopHVAC:OutdoorAirSystem", "component_name": "OA",
-                 "component_inlet_node_name": "Return", "component_outlet_node_name": "Mixed"},
-                {"component_object_type": "AirLoopHVAC:UnitarySystem", "component_name": "Unit",
-                 "component_inlet_node_name": "Mixed", "component_outlet_node_name": "Supply outlet"}]}},
-            "AirLoopHVAC:OutdoorAirSystem": {"OA": {}},
-            "AirLoopHVAC:UnitarySystem": {"Unit": {
-                "control_type": "Load", "fan_placement": "DrawThrough",
-                "controlling_zone_or_thermostat_location": "Zone",
-                "supply_fan_object_type": "Fan:SystemModel", "supply_fan_name": "Fan",
-                "cooling_coil_object_type": "Coil:Cooling:DX:MultiSpeed", "cooling_coil_name": "Cooling",
-                "heating_coil_object_type": "Coil:Heating:Fuel", "heating_coil_name": "Heating",
-                "design_specification_multispeed_object_type": "UnitarySystemPerformance:Multispeed",
-                "design_specification_multispeed_object_name": "Speeds"}},
-            "UnitarySystemPerformance:Multispeed": {"Speeds": {}},
-            "Fan:SystemModel": {"Fan": {
-                "air_inlet_node_name": "After heating", "air_outlet_node_name": "Supply outlet",
-                "availability_schedule_name": "Office hours", "design_maximum_air_flow_rate": 0.6,
-                "fan_total_efficiency": 0.58, "design_pressure_rise": 622.5, "motor_efficiency": 0.9,
-                "motor_in_air_stream_fraction": 1.0}},
-            "Coil:Cooling:DX:MultiSpeed": {"Cooling": cooling},
-            "Coil:Heating:Fuel": {"Heating": {
-                "air_inlet_node_name": "After cooling", "air_outlet_node_name": "After heating",
-                "nominal_capacity": 20000.0}},
-            "SetpointManager:SingleZone:Cooling": {"Old": {"setpoint_node_or_nodelist_name": "Supply outlet"}},
-            "SetpointManager:MixedAir": {"Old mixed": {"setpoint_node_or_nodelist_name": "After cooling"}},
-            "SetpointManager:Scheduled": {"Hot water": {"setpoint_node_or_nodelist_name": "Plant outlet"}},
-            "Controller:OutdoorAir": {"OA control": {
-                "mixed_air_node_name": "Mixed", "maximum_fraction_of_outdoor_air_schedule_name": "0.75"}},
-            "ZoneHVAC:EquipmentConnections": {"C": {
-                "zone_name": "Zone", "zone_conditioning_equipment_list_name": "Equipment"}},
-            "ZoneHVAC:EquipmentList": {"Equipment": {"equipment": [{
-                "zone_equipment_object_type": "ZoneHVAC:AirDistributionUnit", "zone_equipment_name": "ADU"}]}},
-            "ZoneHVAC:AirDistributionUnit": {"ADU": {
-                "air_terminal_object_type": "AirTerminal:SingleDuct:ConstantVolume:NoReheat",
-                "air_terminal_name": "Terminal"}},
-            "AirTerminal:SingleDuct:ConstantVolume:NoReheat": {"Terminal": {
-                "air_inlet_node_name": "Terminal inlet", "air_outlet_node_name": "Zone inlet",
-                "maximum_air_flow_rate": 0.5}},
-            "Zone": {"Zone": {}},
-            "AirLoopHVAC:SupplyPath": {"Path": {
-                "supply_air_path_inlet_node_name": "Demand inlet",
-                "components": [{"component_object_type": "AirLoopHVAC:ZoneSplitter",
-                    "component_name": "Splitter"}]}},
-            "AirLoopHVAC:ZoneSplitter": {"Splitter": {"nodes": [{"outlet_node_name": "Terminal inlet"}]}},
-            "ZoneControl:Thermostat": {"T": {"zone_or_zonelist_name": "Zone"}},
-        });
-        Model::from_epjson(&model.to_string(), Path::new("rooftop.epJSON")).unwrap()
-    }
-
-    fn controllable() -> (Model, Unitary) {
-        let mut model = rooftop();
-        let unit = make_controllable(&mut model, "Loop", 1.2).unwrap();
-        (model, unit)
-    }
-
-    #[test]
-    fn the_flow_bound_is_the_terminal_s_design_flow_in_kg_s() {
-        let (_, unit) = controllable();
-        assert_eq!(unit.flow.high, 0.5 * 1.2);
-        assert_eq!(unit.flow.high * unit.flow.scale, 1.0, "the engine takes a fraction");
-        assert_eq!(unit.flow.effect.key, "Zone inlet");
-        assert_eq!(unit.supply_temperature.effect.key, "Supply outlet");
-    }
-
-    #[test]
-    fn the_unit_follows_a_setpoint_and_blows_through() {
-        let (model, _) = controllable();
-        let unit = model.require("AirLoopHVAC:UnitarySystem", "Unit").unwrap();
-        assert_eq!(unit["control_type"], "SetPoint");
-        assert_eq!(unit["fan_placement"], "BlowThrough");
-        assert!(model.objects("UnitarySystemPerformance:Multispeed").is_empty());
-        let air = [
-            ("Fan:VariableVolume", "Fan", "Mixed", "Loop Fan Outlet"),
-            ("Coil:Cooling:DX:TwoSpeed", "Cooling", "Loop Fan Outlet", "Loop Cooling Coil Outlet"),
-            ("Coil:Heating:Fuel", "Heating", "Loop Cooling Coil Outlet", "Supply outlet"),
-        ];
-        for (class, name, inlet, outlet) in air {
-            let part = model.require(class, name).unwrap();
-            assert_eq!(part["air_inlet_node_name"], inlet, "{class}");
-            assert_eq!(part["air_outlet_node_name"], outlet, "{class}");
-            assert_eq!(part["availability_schedule_name"], common::ALWAYS_ON, "{class}");
-        }
-    }
-
-    #[test]
-    fn the_fan_keeps_its_pressure_and_efficiency_and_has_no_least_flow() {
-        let (model, _) = controllable();
-        let fan = model.require("Fan:VariableVolume", "Fan").unwrap();
-        assert_eq!(fan["pressure_rise"], 622.5);
-        assert_eq!(fan["fan_total_efficiency"], 0.58);
-        assert_eq!(fan["maximum_flow_rate"], 0.6);
-        assert_eq!(fan["fan_power_minimum_flow_fraction"], 0.0);
-    }
-
-    #[test]
-    fn a_multi_speed_coil_keeps_the_performance_of_both_speeds() {
-        let (model, _) = controllable();
-        let coil = model.require("Coil:Cooling:DX:TwoSpeed", "Cooling").unwrap();
-        assert_eq!(coil["high_speed_gross_rated_total_cooling_capacity"], 10000.0);
-        assert_eq!(coil["low_speed_gross_rated_total_cooling_capacity"], 5000.0);
-        assert_eq!(coil["low_speed_rated_air_flow_rate"], 0.3);
-        assert_eq!(coil["high_speed_gross_rated_cooling_cop"], 3.8);
-    }
-
-    #[test]
-    fn a_single_speed_coil_gets_a_low_speed_of_half_its_capacity() {
-        let mut old = json!({
-            "gross_rated_total_cooling_capacity": 8000.0, "rated_air_flow_rate": 0.4,
-            "gross_rated_cooling_cop": 4.0, "gross_rated_sensible_heat_ratio": 0.7, PART_LOAD_CURVE: "p",
-        });
-        for curve in CURVES {
-            old[curve] = json!("c");
-        }
-        let coil = two_speed_from_single(old.as_object().unwrap()).unwrap();
-        assert_eq!(coil["low_speed_gross_rated_total_cooling_capacity"], 4000.0);
-        assert_eq!(coil["low_speed_rated_air_flow_rate"], 0.2);
-    }
-
-    #[test]
-    fn one_scheduled_setpoint_is_left_on_the_unit_and_others_stay() {
-        let (model, unit) = controllable();
-        assert!(model.objects("SetpointManager:SingleZone:Cooling").is_empty());
-        assert_eq!(model.names("SetpointManager:MixedAir"), ["Loop Mixed Air Setpoint"]);
-        assert!(model.contains("SetpointManager:Scheduled", "Hot water"));
-        let manager = model.require("SetpointManager:Scheduled", "Loop Supply Setpoint").unwrap();
-        assert_eq!(manager["schedule_name"], unit.supply_temperature.key.as_str());
-        let nodes = &model.require("NodeList", "Loop Setpoint Nodes").unwrap()["nodes"];
-        let names: Vec<_> = nodes.as_array().unwrap().iter().map(|n| n["node_name"].clone()).collect();
-        assert_eq!(names, ["Loop Cooling Coil Outlet", "Supply outlet", "Demand inlet"]);
-    }
-
-    #[test]
-    fn the_terminal_s_least_flow_is_the_command() {
-        let (model, unit) = controllable();
-        let terminal = model.require("AirTerminal:SingleDuct:VAV:NoReheat", "Terminal").unwrap();
-        assert_eq!(terminal["minimum_air_flow_fraction_schedule_name"], unit.flow.key.as_str());
-        let unit = model.require("ZoneHVAC:AirDistributionUnit", "ADU").unwrap();
-        assert_eq!(unit["air_terminal_object_type"], "AirTerminal:SingleDuct:VAV:NoReheat");
-    }
-
-    #[test]
-    fn outdoor_air_may_be_all_of_the_supply() {
-        let (model, _) = controllable();
-        let controller = model.require("Controller:OutdoorAir", "OA control").unwrap();
-        assert!(!controller.contains_key("maximum_fraction_of_outdoor_air_schedule_name"));
-    }
-
-    #[test]
-    fn making_it_controllable_again_changes_nothing() {
-        let (mut model, unit) = controllable();
-        let before = model.clone();
-        assert_eq!(make_controllable(&mut model, "Loop", 1.2).unwrap(), unit);
-        assert_eq!(model, before);
-    }
-
-    #[test]
-    fn a_coil_that_cannot_be_rewritten_is_named() {
-        let mut model = rooftop();
-        model.replace_references("Coil:Cooling:DX:MultiSpeed", "Coil:Cooling:Water");
-        let coil = model.remove("Coil:Cooling:DX:MultiSpeed", "Cooling").unwrap();
-        model.insert("Coil:Cooling:Water", "Cooling", Value::Object(coil));
-        let error = make_controllable(&mut model, "Loop", 1.2).unwrap_err().to_string();
-        assert!(error.contains("Coil:Cooling:Water") && error.contains("`Cooling`"), "{error}");
-    }
-}
+mod tests;

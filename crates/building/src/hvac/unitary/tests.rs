@@ -1,0 +1,241 @@
+//! The edits on a rooftop unit.
+
+use std::path::Path;
+
+use super::cooling_coil::{CURVES, PART_LOAD_CURVE};
+use super::*;
+
+/// A rooftop unit with a multi-speed coil, draw-through, on a zone with a constant-volume terminal.
+fn rooftop() -> Model {
+    let curves = |speed: &str| {
+        CURVES
+            .iter()
+            .chain([&PART_LOAD_CURVE])
+            .map(|c| (format!("{speed}{c}"), json!(format!("curve {c}"))))
+            .collect::<serde_json::Map<_, _>>()
+    };
+    let mut cooling = json!({
+        "air_inlet_node_name": "Mixed", "air_outlet_node_name": "After cooling",
+        "speed_1_gross_rated_total_cooling_capacity": 5000.0, "speed_2_gross_rated_total_cooling_capacity": 10000.0,
+        "speed_1_rated_air_flow_rate": 0.3, "speed_2_rated_air_flow_rate": 0.5,
+        "speed_1_gross_rated_cooling_cop": 4.0, "speed_2_gross_rated_cooling_cop": 3.8,
+        "speed_1_gross_rated_sensible_heat_ratio": 0.8, "speed_2_gross_rated_sensible_heat_ratio": 0.75,
+    });
+    for (key, value) in curves("speed_2_") {
+        cooling[key] = value;
+    }
+    let model = json!({
+        "AirLoopHVAC": {"Loop": {
+            "branch_list_name": "Branches", "demand_side_inlet_node_names": "Demand inlet",
+            "supply_side_outlet_node_names": "Supply outlet"}},
+        "BranchList": {"Branches": {"branches": [{"branch_name": "Main"}]}},
+        "Branch": {"Main": {"components": [
+            {"component_object_type": "AirLoopHVAC:OutdoorAirSystem", "component_name": "OA",
+             "component_inlet_node_name": "Return", "component_outlet_node_name": "Mixed"},
+            {"component_object_type": "AirLoopHVAC:UnitarySystem", "component_name": "Unit",
+             "component_inlet_node_name": "Mixed", "component_outlet_node_name": "Supply outlet"}]}},
+        "AirLoopHVAC:OutdoorAirSystem": {"OA": {}},
+        "AirLoopHVAC:UnitarySystem": {"Unit": {
+            "control_type": "Load", "fan_placement": "DrawThrough",
+            "controlling_zone_or_thermostat_location": "Zone",
+            "supply_fan_object_type": "Fan:SystemModel", "supply_fan_name": "Fan",
+            "cooling_coil_object_type": "Coil:Cooling:DX:MultiSpeed", "cooling_coil_name": "Cooling",
+            "heating_coil_object_type": "Coil:Heating:Fuel", "heating_coil_name": "Heating",
+            "design_specification_multispeed_object_type": "UnitarySystemPerformance:Multispeed",
+            "design_specification_multispeed_object_name": "Speeds"}},
+        "UnitarySystemPerformance:Multispeed": {"Speeds": {}},
+        "Fan:SystemModel": {"Fan": {
+            "air_inlet_node_name": "After heating", "air_outlet_node_name": "Supply outlet",
+            "availability_schedule_name": "Office hours", "design_maximum_air_flow_rate": 0.6,
+            "fan_total_efficiency": 0.58, "design_pressure_rise": 622.5, "motor_efficiency": 0.9,
+            "motor_in_air_stream_fraction": 1.0}},
+        "Coil:Cooling:DX:MultiSpeed": {"Cooling": cooling},
+        "Coil:Heating:Fuel": {"Heating": {
+            "air_inlet_node_name": "After cooling", "air_outlet_node_name": "After heating",
+            "nominal_capacity": 20000.0}},
+        "SetpointManager:SingleZone:Cooling": {"Old": {"setpoint_node_or_nodelist_name": "Supply outlet"}},
+        "SetpointManager:MixedAir": {"Old mixed": {"setpoint_node_or_nodelist_name": "After cooling"}},
+        "SetpointManager:Scheduled": {"Hot water": {"setpoint_node_or_nodelist_name": "Plant outlet"}},
+        "Controller:OutdoorAir": {"OA control": {
+            "mixed_air_node_name": "Mixed", "maximum_fraction_of_outdoor_air_schedule_name": "0.75"}},
+        "ZoneHVAC:EquipmentConnections": {"C": {
+            "zone_name": "Zone", "zone_conditioning_equipment_list_name": "Equipment"}},
+        "ZoneHVAC:EquipmentList": {"Equipment": {"equipment": [{
+            "zone_equipment_object_type": "ZoneHVAC:AirDistributionUnit", "zone_equipment_name": "ADU"}]}},
+        "ZoneHVAC:AirDistributionUnit": {"ADU": {
+            "air_terminal_object_type": "AirTerminal:SingleDuct:ConstantVolume:NoReheat",
+            "air_terminal_name": "Terminal"}},
+        "AirTerminal:SingleDuct:ConstantVolume:NoReheat": {"Terminal": {
+            "air_inlet_node_name": "Terminal inlet", "air_outlet_node_name": "Zone inlet",
+            "maximum_air_flow_rate": 0.5}},
+        "Zone": {"Zone": {}},
+        "AirLoopHVAC:SupplyPath": {"Path": {
+            "supply_air_path_inlet_node_name": "Demand inlet",
+            "components": [{"component_object_type": "AirLoopHVAC:ZoneSplitter",
+                "component_name": "Splitter"}]}},
+        "AirLoopHVAC:ZoneSplitter": {"Splitter": {"nodes": [{"outlet_node_name": "Terminal inlet"}]}},
+        "ZoneControl:Thermostat": {"T": {"zone_or_zonelist_name": "Zone"}},
+    });
+    Model::from_epjson(&model.to_string(), Path::new("rooftop.epJSON")).unwrap()
+}
+
+fn controllable() -> (Model, Unitary) {
+    let mut model = rooftop();
+    let unit = make_controllable(&mut model, "Loop", 1.2).unwrap();
+    (model, unit)
+}
+
+#[test]
+fn the_flow_bound_is_the_terminal_s_design_flow_in_kg_s() {
+    let (_, unit) = controllable();
+    assert_eq!(unit.flow.high, 0.5 * 1.2);
+    assert_eq!(unit.flow.high * unit.flow.scale, 1.0, "the engine takes a fraction");
+    assert_eq!(unit.flow.effect.key, "Zone inlet");
+    assert_eq!(unit.supply_temperature.effect.key, "Supply outlet");
+}
+
+#[test]
+fn the_unit_follows_a_setpoint_and_blows_through() {
+    let (model, _) = controllable();
+    let unit = model.require("AirLoopHVAC:UnitarySystem", "Unit").unwrap();
+    assert_eq!(unit["control_type"], "SetPoint");
+    assert_eq!(unit["fan_placement"], "BlowThrough");
+    assert!(model.objects("UnitarySystemPerformance:Multispeed").is_empty());
+    let air = [
+        ("Fan:VariableVolume", "Fan", "Mixed", "Loop Fan Outlet"),
+        ("Coil:Cooling:DX:TwoSpeed", "Cooling", "Loop Fan Outlet", "Loop Cooling Coil Outlet"),
+        ("Coil:Heating:Fuel", "Heating", "Loop Cooling Coil Outlet", "Supply outlet"),
+    ];
+    for (class, name, inlet, outlet) in air {
+        let part = model.require(class, name).unwrap();
+        assert_eq!(part["air_inlet_node_name"], inlet, "{class}");
+        assert_eq!(part["air_outlet_node_name"], outlet, "{class}");
+        assert_eq!(part["availability_schedule_name"], common::ALWAYS_ON, "{class}");
+    }
+}
+
+#[test]
+fn the_fan_keeps_its_pressure_and_efficiency_and_has_no_least_flow() {
+    let (model, _) = controllable();
+    let fan = model.require("Fan:VariableVolume", "Fan").unwrap();
+    assert_eq!(fan["pressure_rise"], 622.5);
+    assert_eq!(fan["fan_total_efficiency"], 0.58);
+    assert_eq!(fan["maximum_flow_rate"], 0.6);
+    assert_eq!(fan["fan_power_minimum_flow_fraction"], 0.0);
+}
+
+#[test]
+fn a_multi_speed_coil_keeps_the_performance_of_both_speeds() {
+    let (model, _) = controllable();
+    let coil = model.require("Coil:Cooling:DX:TwoSpeed", "Cooling").unwrap();
+    assert_eq!(coil["high_speed_gross_rated_total_cooling_capacity"], 10000.0);
+    assert_eq!(coil["low_speed_gross_rated_total_cooling_capacity"], 5000.0);
+    assert_eq!(coil["low_speed_rated_air_flow_rate"], 0.3);
+    assert_eq!(coil["high_speed_gross_rated_cooling_cop"], 3.8);
+}
+
+#[test]
+fn one_scheduled_setpoint_is_left_on_the_unit_and_others_stay() {
+    let (model, unit) = controllable();
+    assert!(model.objects("SetpointManager:SingleZone:Cooling").is_empty());
+    assert_eq!(model.names("SetpointManager:MixedAir"), ["Loop Mixed Air Setpoint"]);
+    assert!(model.contains("SetpointManager:Scheduled", "Hot water"));
+    let manager = model.require("SetpointManager:Scheduled", "Loop Supply Setpoint").unwrap();
+    assert_eq!(manager["schedule_name"], unit.supply_temperature.key.as_str());
+    let nodes = &model.require("NodeList", "Loop Setpoint Nodes").unwrap()["nodes"];
+    let names: Vec<_> = nodes.as_array().unwrap().iter().map(|n| n["node_name"].clone()).collect();
+    assert_eq!(names, ["Loop Cooling Coil Outlet", "Supply outlet", "Demand inlet"]);
+}
+
+#[test]
+fn the_terminal_s_least_flow_is_the_command() {
+    let (model, unit) = controllable();
+    let terminal = model.require("AirTerminal:SingleDuct:VAV:NoReheat", "Terminal").unwrap();
+    assert_eq!(terminal["minimum_air_flow_fraction_schedule_name"], unit.flow.key.as_str());
+    let unit = model.require("ZoneHVAC:AirDistributionUnit", "ADU").unwrap();
+    assert_eq!(unit["air_terminal_object_type"], "AirTerminal:SingleDuct:VAV:NoReheat");
+}
+
+#[test]
+fn outdoor_air_may_be_all_of_the_supply() {
+    let (model, _) = controllable();
+    let controller = model.require("Controller:OutdoorAir", "OA control").unwrap();
+    assert!(!controller.contains_key("maximum_fraction_of_outdoor_air_schedule_name"));
+}
+
+#[test]
+fn making_it_controllable_again_changes_nothing() {
+    let (mut model, unit) = controllable();
+    let before = model.clone();
+    assert_eq!(make_controllable(&mut model, "Loop", 1.2).unwrap(), unit);
+    assert_eq!(model, before);
+}
+
+#[test]
+fn a_coil_that_cannot_be_rewritten_is_named() {
+    let mut model = rooftop();
+    model.replace_references("Coil:Cooling:DX:MultiSpeed", "Coil:Cooling:Water");
+    let coil = model.remove("Coil:Cooling:DX:MultiSpeed", "Cooling").unwrap();
+    model.insert("Coil:Cooling:Water", "Cooling", Value::Object(coil));
+    let error = make_controllable(&mut model, "Loop", 1.2).unwrap_err().to_string();
+    assert!(error.contains("Coil:Cooling:Water") && error.contains("`Cooling`"), "{error}");
+}
+
+/// The rooftop unit in parts on its branch: cooling coil in a coil system, heating coil and fan.
+fn rooftop_in_parts() -> Model {
+    let mut model = rooftop();
+    model.remove("AirLoopHVAC:UnitarySystem", "Unit");
+    model.remove("UnitarySystemPerformance:Multispeed", "Speeds");
+    let system =
+        json!({"cooling_coil_object_type": "Coil:Cooling:DX:MultiSpeed", "cooling_coil_name": "Cooling"});
+    model.insert("CoilSystem:Cooling:DX", "Cooling system", system);
+    let part = |class: &str, name: &str, inlet: &str, outlet: &str| {
+        json!({"component_object_type": class, "component_name": name,
+            "component_inlet_node_name": inlet, "component_outlet_node_name": outlet})
+    };
+    model.require_mut("Branch", "Main").unwrap()["components"] = json!([
+        part("AirLoopHVAC:OutdoorAirSystem", "OA", "Return", "Mixed"),
+        part("CoilSystem:Cooling:DX", "Cooling system", "Mixed", "After cooling"),
+        part("Coil:Heating:Fuel", "Heating", "After cooling", "After heating"),
+        part("Fan:SystemModel", "Fan", "After heating", "Supply outlet"),
+    ]);
+    model
+}
+
+#[test]
+fn a_unit_in_parts_becomes_what_the_same_unit_in_one_becomes() {
+    let mut model = rooftop_in_parts();
+    assert!(has_unit(&model, "Loop").unwrap());
+    let unit = make_controllable(&mut model, "Loop", 1.2).unwrap();
+    let (whole, same) = controllable();
+    assert_eq!(unit, same);
+    assert!(model.objects("CoilSystem:Cooling:DX").is_empty());
+    for (class, name) in [
+        ("Fan:VariableVolume", "Fan"),
+        ("Coil:Cooling:DX:TwoSpeed", "Cooling"),
+        ("Coil:Heating:Fuel", "Heating"),
+    ] {
+        assert_eq!(model.get(class, name), whole.get(class, name), "{class}");
+    }
+    let branch = model.require("Branch", "Main").unwrap();
+    let ends: Vec<_> = common::items(branch, "components")
+        .map(|item| {
+            ["component_inlet_node_name", "component_outlet_node_name"].map(|f| text(item, f).unwrap())
+        })
+        .collect();
+    assert_eq!(ends, [["Return", "Mixed"], ["Mixed", "Supply outlet"]]);
+}
+
+#[test]
+fn a_furnace_becomes_a_unitary_system() {
+    let mut model = rooftop();
+    let mut unit = model.remove("AirLoopHVAC:UnitarySystem", "Unit").unwrap();
+    unit.retain(|field, _| !field.contains("multispeed"));
+    model.insert("AirLoopHVAC:Unitary:Furnace:HeatCool", "Unit", Value::Object(unit));
+    let branch = model.require_mut("Branch", "Main").unwrap();
+    branch["components"][1]["component_object_type"] = "AirLoopHVAC:Unitary:Furnace:HeatCool".into();
+    make_controllable(&mut model, "Loop", 1.2).unwrap();
+    let branch = model.require("Branch", "Main").unwrap();
+    assert_eq!(branch["components"][1]["component_object_type"], "AirLoopHVAC:UnitarySystem");
+    assert!(model.objects("AirLoopHVAC:Unitary:Furnace:HeatCool").is_empty());
+}

@@ -1,0 +1,134 @@
+//! Models as users have them, read and prepared on the real engine.
+
+use std::path::{Path, PathBuf};
+
+use b2b_building::hvac::System;
+use b2b_building::{Conditioning, Error, PreparedBuilding, import};
+use b2b_energyplus::Library;
+use b2b_energyplus::install::{Engine, Quiet};
+
+const CHICAGO: &str = "USA_IL_Chicago-OHare.Intl.AP.725300_TMY3.epw";
+
+struct Stock {
+    library: Library,
+    models: PathBuf,
+    weather: PathBuf,
+}
+
+impl Stock {
+    fn new() -> Self {
+        let engine = Engine::ensure(&mut Quiet).unwrap();
+        let models = engine.models.unwrap();
+        let weather = models.parent().unwrap().join("weather").join(CHICAGO);
+        Self { library: Library::load(&engine.library).unwrap(), models, weather }
+    }
+
+    fn chicago(&self, name: &str) -> PathBuf {
+        self.models.join(format!("RefBldg{name}New2004_Chicago.idf"))
+    }
+
+    fn prepare(&self, path: &Path) -> b2b_building::Result<PreparedBuilding> {
+        let model = import::read(path, &self.library)?;
+        PreparedBuilding::as_far_as_possible("imported", model, &self.weather, &self.library)
+    }
+
+    fn text(&self, name: &str) -> String {
+        String::from_utf8_lossy(&std::fs::read(self.chicago(name)).unwrap()).into_owned()
+    }
+
+    /// What is said of a file of this name and content.
+    fn refusal(&self, name: &str, content: &str) -> String {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(name);
+        std::fs::write(&path, content).unwrap();
+        import::read(&path, &self.library).unwrap_err().to_string()
+    }
+}
+
+fn assert_says(said: &str, words: &[&str]) {
+    for word in words {
+        assert!(said.contains(word), "`{word}` is not in: {said}");
+    }
+}
+
+#[test]
+fn every_model_that_comes_with_the_engine_is_sound() {
+    let stock = Stock::new();
+    let files = std::fs::read_dir(&stock.models).unwrap().map(|entry| entry.unwrap().path());
+    let models: Vec<_> = files.filter(|path| import::is_model_file(path)).collect();
+    assert_eq!(models.len(), 32);
+    for model in models {
+        import::read(&model, &stock.library).unwrap();
+    }
+}
+
+#[test]
+fn a_hotel_of_mixed_systems_is_driven_as_far_as_it_can_be() {
+    let stock = Stock::new();
+    let hotel = stock.prepare(&stock.chicago("SmallHotel")).unwrap();
+    let count = |wanted: fn(&System) -> bool| hotel.systems.iter().filter(|s| wanted(s)).count();
+    assert_eq!(count(|s| matches!(s, System::Unitary(_))), 12);
+    assert_eq!(count(|s| matches!(s, System::HeatingOnly(_))), 13);
+    let guest_rooms: Vec<_> = hotel.zones.iter().filter(|zone| zone.own_controls).collect();
+    let packaged = |class: &str| hotel.left.iter().filter(|left| left.what.class == class).count();
+    assert_eq!(packaged("ZoneHVAC:PackagedTerminalAirConditioner"), 35);
+    // Three heaters have nothing to give.
+    assert_eq!(packaged("ZoneHVAC:UnitHeater"), 3);
+    assert_eq!(guest_rooms.len(), 38);
+    assert!(guest_rooms.iter().all(|zone| zone.conditioning == Conditioning::None));
+    let judged: f64 = hotel.controlled_zones().map(|zone| zone.floor_area).sum();
+    let left: f64 = guest_rooms.iter().map(|zone| zone.floor_area).sum();
+    assert!((hotel.conditioned_floor_area - judged - left).abs() < 1e-6);
+}
+
+#[test]
+fn a_building_without_anything_to_drive_says_what_it_has() {
+    let stock = Stock::new();
+    let path = stock.models.join("ASHRAE901_ApartmentHighRise_STD2019_Denver.idf");
+    let said = stock.prepare(&path).unwrap_err().to_string();
+    assert_says(&said, &["nothing to drive", "80 × AirLoopHVAC", "UnitaryHeatPump:WaterToAir"]);
+    assert!(said.lines().count() <= 4, "{said}");
+}
+
+#[test]
+fn a_model_that_was_cut_off_is_refused() {
+    let stock = Stock::new();
+    let text = stock.text("SmallOffice");
+    let half = &text[..text.len() / 2];
+    let in_an_object = &half[..=half.rfind(',').unwrap()];
+    assert_says(&stock.refusal("half.idf", in_an_object), &["half.idf", "cut off", "line "]);
+    // Cut between two objects, it is an IDF, of a building that is not all there.
+    let whole_objects = &half[..=half.rfind(';').unwrap()];
+    assert_says(&stock.refusal("less.idf", whole_objects), &["less.idf", "that is not there", "whole"]);
+    let json = stock.library.convert_idf(&stock.chicago("SmallOffice")).unwrap();
+    assert_says(&stock.refusal("half.epJSON", &json[..json.len() / 2]), &["half.epJSON", "line"]);
+}
+
+#[test]
+fn two_zones_of_one_name_are_refused() {
+    let stock = Stock::new();
+    let text = stock.text("SmallOffice");
+    let twice = |name: &str| format!("{text}\nZone,\n  {name};\n");
+    assert_says(&stock.refusal("same.idf", &twice("Core_ZN")), &["Duplicate name", "Core_ZN"]);
+    assert_says(&stock.refusal("case.idf", &twice("CORE_ZN")), &["`CORE_ZN`", "`Core_ZN`", "rename"]);
+    let json = r#"{"Zone": {"Core": {}, "Core": {}}}"#;
+    assert_says(&stock.refusal("same.epJSON", json), &["`Core`", "rename"]);
+}
+
+#[test]
+fn a_model_of_another_version_and_files_that_are_no_models_are_refused() {
+    let stock = Stock::new();
+    let old = stock.text("SmallOffice").replacen("Version,25.2", "Version,9.4", 1);
+    assert_says(&stock.refusal("old.idf", &old), &["9.4", "25.2", "updater"]);
+    assert_says(&stock.refusal("empty.idf", "! nothing\n"), &["empty"]);
+    assert_says(&stock.refusal("noise.idf", "what is this;"), &["noise.idf"]);
+    let shed = "Version,25.2;\nBuilding,Shed;\nGlobalGeometryRules,UpperLeftCorner,Clockwise,Relative;";
+    assert_says(&stock.refusal("shed.idf", shed), &["no Zone"]);
+    assert_says(&stock.refusal("list.epJSON", "[1, 2]"), &["not a JSON object"]);
+    assert_says(&stock.refusal("model.txt", ""), &[".idf", ".epJSON"]);
+    for (path, words) in [("/nowhere/a.idf", "no such file"), (".", "it is a folder")] {
+        let error = import::read(Path::new(path), &stock.library).unwrap_err();
+        assert!(matches!(error, Error::Import { .. }), "{error}");
+        assert_says(&error.to_string(), &[path, words]);
+    }
+}

@@ -1,0 +1,92 @@
+//! `b2b import`, and what goes on from it, seen from outside.
+#![cfg(unix)]
+
+use std::path::PathBuf;
+use std::process::{Command, Output};
+
+use b2b_energyplus::install::{Engine, Quiet};
+use serde_json::Value;
+
+fn models() -> PathBuf {
+    Engine::ensure(&mut Quiet).unwrap().models.unwrap()
+}
+
+fn weather() -> String {
+    let folder = models().parent().unwrap().join("weather");
+    folder.join("USA_IL_Chicago-OHare.Intl.AP.725300_TMY3.epw").to_string_lossy().into_owned()
+}
+
+fn warehouse() -> String {
+    models().join("RefBldgWarehouseNew2004_Chicago.idf").to_string_lossy().into_owned()
+}
+
+fn b2b(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_b2b")).args(arguments).output().unwrap()
+}
+
+fn json(arguments: &[&str]) -> Value {
+    let output = b2b(arguments);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+#[test]
+fn import_tells_what_is_driven_and_how_to_go_on() {
+    let output = b2b(&["import", &warehouse(), "--weather", &weather()]);
+    let text = String::from_utf8_lossy(&output.stdout);
+    for words in ["3 of 3 zones are driven", "unitary", "heater", "Zones", "b2b run ", "--weather"] {
+        assert!(text.contains(words), "`{words}` is not in: {text}");
+    }
+}
+
+#[test]
+fn an_imported_building_runs_the_same_twice() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_string_lossy();
+    let run = || {
+        let (model, weather) = (warehouse(), weather());
+        json(&["run", &model, "--weather", &weather, "--period", "01-08..01-08", "--out", &out, "--json"])
+    };
+    let first = run();
+    assert_eq!(first["building"], "RefBldgWarehouseNew2004_Chicago");
+    assert_eq!(first["engine_severes"], 0);
+    assert_eq!(first["trajectory_hash"], run()["trajectory_hash"]);
+}
+
+#[test]
+fn a_folder_of_models_is_a_line_each_and_fails_with_those_that_fail() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::copy(warehouse(), folder.path().join("good.idf")).unwrap();
+    std::fs::write(folder.path().join("bad.idf"), "Version,25.2;\nZone,\n").unwrap();
+    let path = folder.path().to_string_lossy();
+    let output = b2b(&["import", &path, "--weather", &weather(), "--run", "01-08..01-08"]);
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert_eq!(output.status.code(), Some(1), "{text}");
+    for words in ["good", "bad", "1 of 2 models are environments", "cut off"] {
+        assert!(text.contains(words), "`{words}` is not in: {text}");
+    }
+}
+
+#[test]
+fn what_is_missing_or_wrong_is_told_with_the_remedy() {
+    let folder = tempfile::tempdir().unwrap();
+    let noise = folder.path().join("noise.epw");
+    std::fs::write(&noise, "no weather\n").unwrap();
+    let (noise, here) = (noise.to_string_lossy(), folder.path().to_string_lossy());
+    let (model, weather) = (warehouse(), weather());
+    let cases: [(&[&str], [&str; 2]); 5] = [
+        (&["import", &model], ["RefBldgWarehouse", "--weather FILE.epw"]),
+        (&["run", &model], ["RefBldgWarehouse", "--weather FILE.epw"]),
+        (&["import", &model, "--weather", &noise], ["noise.epw", "hours of weather"]),
+        (&["import", "nowhere.idf", "--weather", &weather], ["nowhere.idf", "no such file"]),
+        (&["import", &here, "--weather", &weather], [&here, "no model"]),
+    ];
+    for (arguments, words) in cases {
+        let output = b2b(arguments);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{said}");
+        for word in words {
+            assert!(said.contains(word), "`{word}` is not in: {said}");
+        }
+    }
+}
