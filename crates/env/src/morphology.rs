@@ -32,6 +32,8 @@ pub struct Decomposition {
     constant: Vec<(usize, f64)>,
     /// The cell of each slot of the action.
     acted: Vec<usize>,
+    /// Nodes of each type.
+    nodes: [usize; NodeType::ALL.len()],
 }
 
 impl Decomposition {
@@ -68,7 +70,35 @@ impl Decomposition {
             })
             .collect::<Result<_>>()?;
         let constant = constants(morphology, &observation, task, &observed);
-        Ok(Self { observation, action, observed, constant, acted })
+        let nodes = NodeType::ALL.map(|node_type| observation.block(node_type).nodes);
+        Ok(Self { observation, action, observed, constant, acted, nodes })
+    }
+
+    /// The same translations to and from larger arrays, so that those of different buildings stack: to layouts that
+    /// [cover](Layout::covering) those of each. Rows beyond [`Decomposition::nodes`] are padding: [`Decomposition::split`]
+    /// leaves them as they are, [`Decomposition::join`] does not read them.
+    ///
+    /// # Panics
+    /// When a layout does not cover that of this building.
+    #[must_use]
+    pub fn padded(&self, observation: &Layout, action: &Layout) -> Self {
+        let moved = |to: &Layout, from: &Layout, cell: &usize| {
+            to.cell_of(from, *cell).expect("the layout covers that of the building")
+        };
+        let observed = |cell: &usize| moved(observation, &self.observation, cell);
+        Self {
+            observed: self.observed.iter().map(observed).collect(),
+            constant: self.constant.iter().map(|(cell, value)| (observed(cell), *value)).collect(),
+            acted: self.acted.iter().map(|cell| moved(action, &self.action, cell)).collect(),
+            observation: observation.clone(),
+            action: action.clone(),
+            nodes: self.nodes,
+        }
+    }
+
+    /// How many nodes of a type the building has: the first rows of the type's array.
+    pub fn nodes(&self, node_type: NodeType) -> usize {
+        self.nodes[node_type as usize]
     }
 
     /// Where the observations of the nodes are in their buffer.

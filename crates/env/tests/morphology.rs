@@ -6,7 +6,7 @@ use std::collections::HashSet;
 use std::sync::{Arc, OnceLock};
 
 use b2b_building::description::Origin;
-use b2b_building::morphology::{NodeType, Observed, Owner};
+use b2b_building::morphology::{Layout, NodeType, Observed, Owner};
 use b2b_building::{BuildingType, Conditioning, Description, Morphology};
 use b2b_env::{Decomposition, Env, Episode, Task};
 
@@ -151,4 +151,37 @@ fn vectors_have_the_sizes_of_the_table_and_arrays_those_of_their_nodes() {
     assert_eq!(shape(NodeType::VavZone), [15, 3]);
     assert_eq!(shape(NodeType::AirLoop), [3, 0]);
     assert_eq!(case.decomposition.action_layout().block(NodeType::AirLoop).slots, 2);
+}
+
+#[test]
+fn different_buildings_stack_in_arrays_with_room_for_each() {
+    let cases: Vec<_> = cases().collect();
+    let observation = Layout::covering(cases.iter().map(|case| case.decomposition.observation_layout()));
+    let action = Layout::covering(cases.iter().map(|case| case.decomposition.action_layout()));
+    assert_eq!(observation.block(NodeType::VavZone).nodes, 15);
+    for Case { env, decomposition, .. } in &cases {
+        let padded = decomposition.padded(&observation, &action);
+        let seen = numbers(env.observation_space().len());
+        let (mut own, mut row) =
+            (vec![0.0; decomposition.observation_layout().len()], vec![0.0; observation.len()]);
+        decomposition.split(&seen, &mut own);
+        padded.split(&seen, &mut row);
+        for node_type in NodeType::ALL {
+            let own = &own[decomposition.observation_layout().block(node_type).range()];
+            let stacked = &row[observation.block(node_type).range()];
+            assert_eq!(own, &stacked[..own.len()], "{node_type:?}");
+            assert!(stacked[own.len()..].iter().all(|padding| *padding == 0.0));
+            let slots = observation.block(node_type).slots;
+            assert_eq!(padded.nodes(node_type) * slots, own.len());
+        }
+        let mut undone = vec![0.0; seen.len()];
+        padded.join_observation(&row, &mut undone);
+        assert_eq!(undone, seen);
+        let acted = numbers(env.action_space().len());
+        let mut row = vec![f64::NAN; action.len()];
+        padded.split_action(&acted, &mut row);
+        let mut undone = vec![0.0; acted.len()];
+        padded.join(&row, &mut undone);
+        assert_eq!(undone, acted);
+    }
 }

@@ -49,6 +49,26 @@ impl Layout {
         Self { blocks }
     }
 
+    /// The smallest layout with room for the nodes of each of these: what a batch of different buildings is padded to.
+    pub fn covering<'a>(layouts: impl IntoIterator<Item = &'a Self>) -> Self {
+        let layouts: Vec<_> = layouts.into_iter().collect();
+        Self::new(|node_type| {
+            let blocks = || layouts.iter().map(|layout| layout.block(node_type));
+            [
+                blocks().map(|block| block.nodes).max().unwrap_or(0),
+                blocks().map(|block| block.slots).max().unwrap_or(0),
+            ]
+        })
+    }
+
+    /// Where a cell of another layout of the same types is in this one. `None` when it has no room.
+    pub fn cell_of(&self, other: &Self, cell: usize) -> Option<usize> {
+        let (place, from) =
+            self.blocks.iter().zip(&other.blocks).find(|(_, from)| from.range().contains(&cell))?;
+        let within = cell - from.offset;
+        (place.slots == from.slots && within / from.slots < place.nodes).then(|| place.offset + within)
+    }
+
     /// The array of a type.
     pub fn block(&self, node_type: NodeType) -> Block {
         self.blocks[node_type as usize]

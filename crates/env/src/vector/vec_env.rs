@@ -216,7 +216,8 @@ impl VecEnv {
         self.places[environment].spaces.as_deref()
     }
 
-    /// Observations, one row each.
+    /// Observations, one row each; the first [`VecEnv::spaces`]`.observation.len()` numbers of a row are the building's,
+    /// the rest is padding. [`Decomposition::padded`](crate::Decomposition::padded) makes a row arrays of nodes.
     pub fn observations(&self) -> &[f64] {
         &self.observations
     }
