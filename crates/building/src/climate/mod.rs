@@ -2,15 +2,19 @@
 
 mod clear_sky;
 pub mod epw;
+mod location;
 mod morph;
 mod region;
 pub mod site;
 mod station;
 mod sun;
 pub mod weather;
+mod zone;
 
+pub use location::{Location, WeatherFile};
 pub use morph::{MORPH_VERSION, morph};
 pub use region::Region;
 pub use site::{DesignDay, Site};
 pub use station::{DesignConditions, MonthNormals, Station};
 pub use weather::{PLACES, Place};
+pub use zone::ClimateYear;
