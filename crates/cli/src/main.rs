@@ -14,6 +14,7 @@ mod output_folder;
 mod picture;
 mod prepare;
 mod progress;
+mod ranges;
 mod run;
 mod setup;
 mod show;
