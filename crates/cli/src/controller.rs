@@ -30,8 +30,8 @@ impl Kind {
         let building: &PreparedBuilding = env.building();
         match self {
             Self::Reactive => {
-                let (target, steps_per_hour) = (env.episode().task.target, env.episode().steps_per_hour);
-                Box::new(Reactive::new(building, target, steps_per_hour, &ReactiveParameters::default()))
+                let (space, steps_per_hour) = (env.observation_space(), env.episode().steps_per_hour);
+                Box::new(Reactive::new(building, space, steps_per_hour, &ReactiveParameters::default()))
             }
             Self::Random => Box::new(Random::new(env.action_space(), seed)),
             Self::Constant => Box::new(Constant::middle(env.action_space())),

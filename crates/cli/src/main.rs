@@ -41,6 +41,7 @@ Examples:
   b2b run OfficeSmall                      a winter in Denver under a reactive controller
   b2b run Warehouse --place Miami --period 07-01..07-14 --controller random
   b2b run OfficeSmall-0042                 a building of the dataset, at its own place
+  b2b run OfficeSmall --task occupancy+energy0.5
   b2b list                                 the building types
   b2b show RetailStandalone                what can be seen and driven in one of them
   b2b generate Warehouse --count 100 --out warehouses
@@ -58,7 +59,7 @@ Exit codes: 0 done, 1 failed, 130 interrupted.";
 
 #[derive(Subcommand)]
 enum Command {
-    Run(run::Arguments),
+    Run(Box<run::Arguments>),
     List(list::Arguments),
     Show(show::Arguments),
     Setup(setup::Arguments),

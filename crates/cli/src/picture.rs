@@ -9,7 +9,7 @@ use std::io::Write;
 use anyhow::Result;
 use b2b_building::hvac::{Quantity, System};
 use b2b_building::{Conditioning, PreparedBuilding};
-use b2b_env::{Env, Trajectory};
+use b2b_env::{Env, Setpoints, Trajectory};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use serde::Serialize;
@@ -30,7 +30,7 @@ struct Panel {
     title: String,
     unit: &'static str,
     series: Vec<Series>,
-    /// A band to be shaded: the target, 1 K to both sides.
+    /// A band to be shaded: the target and the comfort band to both sides, where it does not move.
     #[serde(skip_serializing_if = "Option::is_none")]
     band: Option<[f64; 2]>,
 }
@@ -75,7 +75,7 @@ struct Picture<'a> {
 
 impl Picture<'_> {
     fn panels(&self) -> Vec<Panel> {
-        let mut panels = vec![self.temperatures(), self.outdoor(), self.power()];
+        let mut panels = vec![self.temperatures(), self.targets(), self.outdoor(), self.power()];
         const GROUPS: [(Quantity, &str); 5] = [
             (Quantity::SupplyAirFlow, "supply air flow"),
             (Quantity::SupplyAirTemperature, "supply air temperature"),
@@ -89,10 +89,25 @@ impl Picture<'_> {
     }
 
     fn temperatures(&self) -> Panel {
-        let target = self.env.episode().task.target;
+        let task = &self.env.episode().task;
         let series = self.zones(|conditioning| conditioning != Conditioning::None).collect();
-        let band = Some([target - 1.0, target + 1.0]);
+        let band = match task.setpoints {
+            Setpoints::Constant { target } => Some([target - task.comfort_band, target + task.comfort_band]),
+            Setpoints::Occupancy { .. } | Setpoints::Random { .. } => None,
+        };
         Panel { title: "Zone air temperature".into(), unit: "°C", series, band }
+    }
+
+    /// Where they move.
+    fn targets(&self) -> Panel {
+        let moves = !matches!(self.env.episode().task.setpoints, Setpoints::Constant { .. });
+        let zones = self.env.building().zones.iter().enumerate();
+        let controlled = zones.filter(|(_, zone)| moves && zone.conditioning != Conditioning::None);
+        let space = self.env.observation_space();
+        let series = controlled
+            .enumerate()
+            .map(|(index, (number, zone))| self.slot(zone.name.clone(), number, space.target(index), 1.0));
+        Panel { title: "Target temperature".into(), unit: "°C", series: series.collect(), band: None }
     }
 
     /// Attics and plenums with the outdoors, which they follow more than they follow any target.

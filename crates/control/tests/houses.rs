@@ -62,9 +62,10 @@ fn extremes(
     library: &Library,
 ) -> (f64, f64) {
     let task = Task::default();
-    let mut controller = Reactive::new(building, task.target, STEPS_PER_HOUR, &ReactiveParameters::default());
     let episode = Episode { weather: weather.to_owned(), period, steps_per_hour: STEPS_PER_HOUR, task };
     let mut env = Env::new(library.clone(), building.clone(), episode).unwrap();
+    let mut controller =
+        Reactive::new(building, env.observation_space(), STEPS_PER_HOUR, &ReactiveParameters::default());
     let mut observation = env.reset().unwrap().to_vec();
     let mut action = vec![0.0; env.action_space().len()];
     let (mut low, mut high) = (observation[0], observation[0]);

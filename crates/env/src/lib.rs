@@ -6,21 +6,25 @@
 
 mod action;
 pub mod authority;
+mod comfort;
 #[allow(clippy::module_inception, reason = "one file a concept, and the concept is the environment")]
 mod env;
 mod error;
 mod metrics;
 mod observation;
 mod reward;
+mod setpoints;
 mod task;
 mod trajectory;
 mod warmup;
 
 pub use action::ActionSpace;
+pub use comfort::{Comfort, Pmv};
 pub use env::{Env, Episode, Step};
 pub use error::{Error, Result};
 pub use metrics::{Metrics, ZoneMetrics};
 pub use observation::{ObservationSpace, Slot};
-pub use reward::Reward;
-pub use task::{HeatingOnlyZones, Task};
+pub use reward::{Reward, RewardFunction, StepView, ZoneStep};
+pub use setpoints::{RandomDay, RandomHour, Setpoints};
+pub use task::{Fuels, HeatingOnlyZones, Hourly, Resource, Task};
 pub use trajectory::Trajectory;

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use b2b_building::PreparedBuilding;
+use b2b_building::{Conditioning, PreparedBuilding};
 
 /// One slot of the observation.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,11 +20,15 @@ pub struct Slot {
 }
 
 /// Names, units and bounds of the observation, in its order: air temperature of every zone in model order, then
-/// outdoor temperature and humidity, the clock, and the energy of the step.
+/// outdoor temperature and humidity, the clock, the energy of the step, and for every controlled zone in model order its
+/// occupancy and its target.
+///
+/// Occupancy and target are those of the step to come: its reward is judged by them.
 #[derive(Clone, Debug)]
 pub struct ObservationSpace {
     slots: Vec<Slot>,
     zones: usize,
+    controlled_zones: usize,
 }
 
 /// Slots after those of the zones, in their order.
@@ -38,6 +42,9 @@ pub(crate) enum Shared {
     Electricity,
     Gas,
 }
+
+/// How many there are.
+const SHARED: usize = Shared::Gas as usize + 1;
 
 /// No building takes more power than this, W/m².
 const MAXIMUM_POWER: f64 = 1000.0;
@@ -69,7 +76,20 @@ impl ObservationSpace {
             slot("HVAC electricity", "Wh/m²", 0.0, energy, "engine: meter Electricity:HVAC, of the step"),
             slot("HVAC gas", "Wh/m²", 0.0, energy, "engine: meter NaturalGas:HVAC, of the step"),
         ]);
-        Self { slots, zones: building.zones.len() }
+        let controlled = building.zones.iter().filter(|zone| zone.conditioning != Conditioning::None);
+        let controlled_zones = controlled.clone().count();
+        for zone in controlled {
+            let name = |what: &str| format!("{} {what}", zone.name);
+            slots.push(slot(
+                &name("occupancy"),
+                "1",
+                0.0,
+                1.0,
+                "engine: Zone People Occupant Count over 0 (random setpoints: drawn), for the next step",
+            ));
+            slots.push(slot(&name("target"), "°C", 0.0, 50.0, "task, for the next step"));
+        }
+        Self { slots, zones: building.zones.len(), controlled_zones }
     }
 
     /// The slots in order.
@@ -105,6 +125,21 @@ impl ObservationSpace {
     /// Slot of the HVAC gas of the step, Wh/m².
     pub fn gas(&self) -> usize {
         self.shared(Shared::Gas)
+    }
+
+    /// Number of controlled zones.
+    pub fn controlled_zones(&self) -> usize {
+        self.controlled_zones
+    }
+
+    /// Slot of the occupancy of a controlled zone, counted in model order among the controlled ones.
+    pub fn occupancy(&self, controlled_zone: usize) -> usize {
+        self.zones + SHARED + 2 * controlled_zone
+    }
+
+    /// Slot of the target of a controlled zone, °C; as [`ObservationSpace::occupancy`].
+    pub fn target(&self, controlled_zone: usize) -> usize {
+        self.occupancy(controlled_zone) + 1
     }
 
     pub(crate) fn shared(&self, slot: Shared) -> usize {
