@@ -86,7 +86,7 @@ impl ZoneStep {
 ///     }
 /// }
 /// ```
-pub trait RewardFunction: Debug {
+pub trait RewardFunction: Debug + Send {
     /// An episode begins.
     fn reset(&mut self) {}
 

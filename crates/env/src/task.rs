@@ -321,6 +321,16 @@ mod tests {
     }
 
     #[test]
+    fn the_file_in_the_documentation_is_a_task() {
+        let text = include_str!("../../../docs/tasks.md");
+        let json = text.split("```json").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
+        let task: Task = serde_json::from_str(json).unwrap();
+        task.check().unwrap();
+        assert_eq!((task.resource, task.comfort), (Resource::Cost, Comfort::Deadband { half_width: 0.5 }));
+        assert!(Task::NAMED.iter().all(|name| text.contains(name.split('+').next().unwrap())));
+    }
+
+    #[test]
     fn a_file_may_leave_out_what_it_does_not_change_and_no_name_may_be_wrong() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("task.json");
