@@ -167,7 +167,7 @@ impl Arguments {
         let rows: Vec<_> = dataset::all().filter(of_type).filter(of_part).collect();
         Wanted {
             buildings: rows.iter().map(|row| (row.id.to_string(), row.building.clone())).collect(),
-            manifest: dataset::manifest(rows),
+            manifest: dataset::manifest(rows).with_weather(),
         }
     }
 

@@ -199,6 +199,17 @@ fn buildings_of_any_weather_file_say_what_they_were_made_from() {
 }
 
 #[test]
+fn buildings_of_the_dataset_and_others_share_a_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let dataset = "generate RestaurantFastFood --dataset v1 --split test_small --out o";
+    assert_eq!(json(folder.path(), dataset)["written"], 8);
+    assert_eq!(json(folder.path(), "generate Warehouse --count 2 --place Denver --out o")["written"], 2);
+    assert_eq!(json(folder.path(), dataset)["kept"], 8);
+    let rows = manifest(&folder.path().join("o"));
+    assert_eq!((rows.len(), rows[0]["test_small"].as_str()), (10, "true"));
+}
+
+#[test]
 fn houses_stand_under_any_weather_file_and_have_no_zone() {
     let folder = tempfile::tempdir().unwrap();
     undesigned(folder.path());

@@ -119,6 +119,14 @@ pub fn of_buildings<'a>(buildings: impl IntoIterator<Item = (&'a str, &'a Buildi
 }
 
 impl Manifest {
+    /// With the columns of [`of_buildings`], so that tables of both kinds can be one.
+    #[must_use]
+    pub fn with_weather(mut self) -> Self {
+        self.columns.extend(WEATHER);
+        self.rows.iter_mut().for_each(|row| row.resize(self.columns.len(), String::new()));
+        self
+    }
+
     /// As comma-separated values under a row of names. Numbers are in their shortest form that reads back the same.
     pub fn to_csv(&self) -> String {
         let names: Vec<&str> = self.columns.iter().map(|column| column.name).collect();
