@@ -97,6 +97,41 @@ pub enum Error {
         /// Highest value.
         high: f64,
     },
+    /// What was asked of a parameter cannot be.
+    #[error("`{name}` is `{text}`: {remedy}")]
+    Setting {
+        /// The parameter.
+        name: String,
+        /// What was asked.
+        text: String,
+        /// What would do.
+        remedy: String,
+    },
+    /// A name that is no parameter of a type.
+    #[error(
+        "{building_type} has no parameter `{name}`{}; its parameters are {known}",
+        near.map(|near| format!(": did you mean {near}?")).unwrap_or_default()
+    )]
+    UnknownParameter {
+        /// The name.
+        name: String,
+        /// The type.
+        building_type: crate::BuildingType,
+        /// The parameter it resembles.
+        near: Option<&'static str>,
+        /// Every parameter.
+        known: String,
+    },
+    /// A parameter that cannot be at a place, whose climate bounds it.
+    #[error("{source} in {place} (climate zone {zone}): narrow it, or choose other places")]
+    AtPlace {
+        /// The place.
+        place: String,
+        /// Its climate zone.
+        zone: String,
+        /// What is wrong.
+        source: Box<Error>,
+    },
     /// Text that is no climate zone of ASHRAE 169 with a row in the code's tables.
     #[error("there is no climate zone `{zone}`: give 1 to 8 with the letter of its humidity, for example 5B")]
     ClimateZone {

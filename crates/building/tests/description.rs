@@ -131,7 +131,7 @@ fn the_envelope_is_what_the_parameters_of_the_dataset_ask_for() {
                 close(envelope.window_u.unwrap(), sample.house.window_u, 1e-9, &label);
                 close(description.conditioned_floor_area, sample.house.floor_area, 1e-6, &label);
                 assert_eq!(description.origin.year, Some(sample.year));
-                let days = sample.region.station.heating_degree_days();
+                let days = sample.location.heating_degree_days().unwrap();
                 close(description.location.heating_degree_days, days, 0.03, &label);
             }
         }

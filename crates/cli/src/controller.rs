@@ -52,8 +52,8 @@ impl Kind {
 
 /// The reactive controllers with their default parameters.
 pub fn reactive(env: &Env) -> Reactive {
-    let (target, steps_per_hour) = (env.episode().task.target, env.episode().steps_per_hour);
-    Reactive::new(env.building(), target, steps_per_hour, &ReactiveParameters::default())
+    let (space, steps_per_hour) = (env.observation_space(), env.episode().steps_per_hour);
+    Reactive::new(env.building(), space, steps_per_hour, &ReactiveParameters::default())
 }
 
 /// Plans an episode on copies of it, to be carried out in the environment itself.

@@ -6,7 +6,7 @@ use anyhow::Result;
 use b2b_building::dataset;
 
 use crate::output_folder::OutputFolder;
-use crate::{manifest_file, stdout};
+use crate::{manifest_file, ranges, stdout};
 
 /// Tell what the dataset of 6,000 buildings holds
 #[derive(clap::Args)]
@@ -18,6 +18,12 @@ pub struct Arguments {
 #[derive(clap::Subcommand)]
 enum What {
     Manifest(ManifestArguments),
+    /// Print what each parameter ranges over: by type and climate zone beside what the code asks, and for houses
+    /// by vintage
+    #[command(after_help = "\
+U in W/m²K. Walls and roofs follow one parameter, envelope: a multiplier of what ASHRAE 90.1 asks for.
+infiltration multiplies the prototype's. Units of houses are in the documentation.")]
+    Ranges,
 }
 
 /// Write the table of all buildings: place, split and every parameter
@@ -38,7 +44,10 @@ struct ManifestArguments {
 
 /// Runs the command.
 pub fn dataset(arguments: &Arguments) -> Result<()> {
-    let What::Manifest(arguments) = &arguments.what;
+    let arguments = match &arguments.what {
+        What::Manifest(arguments) => arguments,
+        What::Ranges => return stdout::print(&ranges::text()?),
+    };
     let folder = OutputFolder::stage(&arguments.out)?;
     let manifest = dataset::manifest(dataset::all());
     let names = manifest_file::write(&folder, dataset::GENERATOR_VERSION, &manifest)?;

@@ -2,12 +2,14 @@
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
+use std::mem::{Discriminant, discriminant};
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use anyhow::{Context, Result, bail};
-use b2b_building::climate::Site;
+use b2b_building::climate::{Location, Site, WeatherFile};
 use b2b_building::dataset::manifest::{Manifest, of_buildings};
-use b2b_building::dataset::{self, Building, Places, Row};
+use b2b_building::dataset::{self, Building, Places, Row, Setting};
 use b2b_building::{BuildingType, Model};
 use b2b_energyplus::Library;
 use b2b_energyplus::install::{Cache, Engine};
@@ -16,7 +18,7 @@ use serde_json::json;
 
 use crate::model_folder::{MANIFEST, ModelFolder};
 use crate::progress::{Download, counter};
-use crate::{interrupt, stdout};
+use crate::{interrupt, prepare, stdout};
 
 /// Generate buildings as EnergyPlus models
 ///
@@ -39,8 +41,17 @@ pub struct Arguments {
     /// States; every region by its share of the houses]
     #[arg(long = "place", value_name = "NAME", num_args = 1..)]
     places: Vec<String>,
+    /// Weather files of other places that share the buildings equally
+    #[arg(long, value_name = "FILE.epw", num_args = 1.., conflicts_with = "places")]
+    weather: Vec<PathBuf>,
+    /// Climate zone of ASHRAE 169 of the weather files, such as 5A [default: as their hours tell]
+    #[arg(long, value_name = "ZONE", requires = "weather")]
+    zone: Option<String>,
+    /// Parameters that are fixed or drawn from a narrower range, by their names in the manifest
+    #[arg(long = "set", value_name = "NAME=VALUE|LOW..HIGH", num_args = 1..)]
+    settings: Vec<Setting>,
     /// Buildings of a dataset instead
-    #[arg(long, value_enum, value_name = "VERSION", conflicts_with_all = ["count", "seed", "places"])]
+    #[arg(long, value_enum, value_name = "VERSION", conflicts_with_all = ["count", "seed", "places", "weather", "settings"])]
     dataset: Option<Version>,
     /// Part of the dataset
     #[arg(long, value_enum, requires = "dataset")]
@@ -60,8 +71,17 @@ const EXAMPLES: &str = "\
 Examples:
   b2b generate Warehouse --count 100 --seed 7 --place Miami --place 'Great Falls' --out warehouses
   b2b generate SingleFamilyHouse --count 50 --place Estrie --out houses
+  b2b generate OfficeSmall --set window_to_wall=0.3 infiltration=0.5..1 --out offices
+  b2b generate SingleFamilyHouse --set year=1946..1970 foundation=slab --out bungalows
+  b2b generate Warehouse --weather Oslo.epw --out oslo     any place, by its weather file
   b2b generate --dataset v1 --out v1                       all 6,000
   b2b generate OfficeSmall --dataset v1 --split test --out v1
+
+--set takes numbers within what the climate allows (`b2b dataset ranges` shows what the dataset has). What is
+not set is drawn as in the dataset; of a house, a range takes the place of what the stock has.
+
+The climate zone of a weather file, which decides what the code asks of an envelope, follows from its
+degree-days and its humidity; --zone says another. Design days come from its header, or from its hours.
 
 The same arguments give the same bytes.";
 
@@ -147,18 +167,47 @@ impl Arguments {
         let rows: Vec<_> = dataset::all().filter(of_type).filter(of_part).collect();
         Wanted {
             buildings: rows.iter().map(|row| (row.id.to_string(), row.building.clone())).collect(),
-            manifest: dataset::manifest(rows),
+            manifest: dataset::manifest(rows).with_weather(),
         }
     }
 
     /// The seed is in the name: no name of the dataset, and none of another seed.
     fn sample(&self, building_type: BuildingType) -> Result<Wanted> {
-        let places = if self.places.is_empty() { Places::All } else { Places::Named(self.places.clone()) };
-        let buildings = dataset::sample(building_type, self.count as usize, self.seed, &places)?;
+        let places = self.places(building_type)?;
+        let buildings =
+            dataset::sample(building_type, self.count as usize, self.seed, &places, &self.settings)?;
         let name = |number| format!("{building_type}-seed{}-{number:04}", self.seed);
         let buildings: Vec<_> = (1..).map(name).zip(buildings).collect();
         let manifest = of_buildings(buildings.iter().map(|(name, building)| (name.as_str(), building)));
         Ok(Wanted { buildings, manifest })
+    }
+
+    /// Reads the weather files, and tells what is taken from their hours.
+    fn places(&self, building_type: BuildingType) -> Result<Places> {
+        if self.weather.is_empty() {
+            return Ok(match self.places.as_slice() {
+                [] => Places::All,
+                names => Places::Named(names.to_vec()),
+            });
+        }
+        let commercial = building_type != BuildingType::SingleFamilyHouse;
+        if self.zone.is_some() && !commercial {
+            bail!("--zone has no meaning for houses: what they are made of follows from their year");
+        }
+        let read = |path: &PathBuf| {
+            let file = WeatherFile::read(path, self.zone.as_deref())?;
+            if commercial && self.zone.is_none() {
+                eprintln!(
+                    "{}: climate zone {} ({}); --zone says another",
+                    file.name, file.ashrae_zone, file.year
+                );
+            }
+            if let Some(note) = prepare::design_day_note(&file.site) {
+                eprintln!("{}: {note}", file.name);
+            }
+            anyhow::Ok(Arc::new(file))
+        };
+        Ok(Places::Files(self.weather.iter().map(read).collect::<Result<_>>()?))
     }
 
     fn report(&self, all: usize, written: usize) -> Result<()> {
@@ -174,14 +223,18 @@ impl Arguments {
 /// What models are made from, read once.
 struct Ingredients {
     prototypes: HashMap<BuildingType, Model>,
-    sites: HashMap<Location, Site>,
+    sites: HashMap<Key, Site>,
 }
 
-/// Whether it is a region of Québec, and the name.
-type Location = (bool, &'static str);
+/// Kind of location, and its name or its file.
+type Key = (Discriminant<Location>, String);
 
-fn location(building: &Building) -> Location {
-    (matches!(building, Building::House(_)), building.place())
+fn key(location: &Location) -> Key {
+    let name = match location {
+        Location::File(file) => file.path.display().to_string(),
+        known => known.name().to_owned(),
+    };
+    (discriminant(location), name)
 }
 
 impl Ingredients {
@@ -197,7 +250,7 @@ impl Ingredients {
                 interrupt::check()?;
                 missing.insert(building_type.prototype(&engine, &library)?);
             }
-            if let Entry::Vacant(missing) = ingredients.sites.entry(location(building)) {
+            if let Entry::Vacant(missing) = ingredients.sites.entry(key(building.location())) {
                 interrupt::check()?;
                 missing.insert(Site::read(&building.weather(&cache, &mut download)?)?);
             }
@@ -207,6 +260,6 @@ impl Ingredients {
 
     fn model(&self, building: &Building) -> Result<Model> {
         let prototype = &self.prototypes[&building.building_type()];
-        Ok(building.model(prototype, &self.sites[&location(building)])?)
+        Ok(building.model(prototype, &self.sites[&key(building.location())])?)
     }
 }

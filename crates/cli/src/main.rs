@@ -17,6 +17,7 @@ mod output_folder;
 mod picture;
 mod prepare;
 mod progress;
+mod ranges;
 mod run;
 mod setup;
 mod show;
@@ -46,6 +47,7 @@ Examples:
   b2b run OfficeSmall                      a winter in Denver under a reactive controller
   b2b run Warehouse --place Miami --period 07-01..07-14 --controller random
   b2b run OfficeSmall-0042                 a building of the dataset, at its own place
+  b2b run OfficeSmall --task occupancy+energy0.5
   b2b list                                 the building types
   b2b show RetailStandalone                what one of them is, what can be seen and driven in it
   b2b view RetailStandalone                the same in 3D, as a page for the browser
@@ -65,7 +67,7 @@ Exit codes: 0 done, 1 failed, 130 interrupted.";
 
 #[derive(Subcommand)]
 enum Command {
-    Run(run::Arguments),
+    Run(Box<run::Arguments>),
     List(list::Arguments),
     Show(show::Arguments),
     View(view::Arguments),

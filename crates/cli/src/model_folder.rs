@@ -100,7 +100,7 @@ mod tests {
     use b2b_building::dataset::{Places, sample};
 
     fn table(name: &str, seed: u64) -> Manifest {
-        let buildings = sample(BuildingType::Warehouse, 1, seed, &Places::All).unwrap();
+        let buildings = sample(BuildingType::Warehouse, 1, seed, &Places::All, &[]).unwrap();
         of_buildings(buildings.iter().map(|building| (name, building)))
     }
 

@@ -10,7 +10,7 @@ use anyhow::Result;
 use b2b_building::hvac::Quantity;
 use b2b_building::morphology::Owner;
 use b2b_building::{Conditioning, PreparedBuilding};
-use b2b_env::{Env, Trajectory};
+use b2b_env::{Env, Target, Trajectory};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use serde::Serialize;
@@ -31,7 +31,7 @@ struct Panel {
     title: String,
     unit: &'static str,
     series: Vec<Series>,
-    /// A band to be shaded: the target, 1 K to both sides.
+    /// A band to be shaded: the target and the comfort band to both sides, where it does not move.
     #[serde(skip_serializing_if = "Option::is_none")]
     band: Option<[f64; 2]>,
 }
@@ -76,7 +76,7 @@ struct Picture<'a> {
 
 impl Picture<'_> {
     fn panels(&self) -> Vec<Panel> {
-        let mut panels = vec![self.temperatures(), self.outdoor(), self.power()];
+        let mut panels = vec![self.temperatures(), self.targets(), self.outdoor(), self.power()];
         const GROUPS: [(Quantity, &str); 5] = [
             (Quantity::SupplyAirFlow, "supply air flow"),
             (Quantity::SupplyAirTemperature, "supply air temperature"),
@@ -90,10 +90,24 @@ impl Picture<'_> {
     }
 
     fn temperatures(&self) -> Panel {
-        let target = self.env.episode().task.target;
+        let band = self.env.episode().task.comfort_band;
         let series = self.zones(|conditioning| conditioning != Conditioning::None).collect();
-        let band = Some([target - 1.0, target + 1.0]);
+        let target = self.env.observation_space().constant_target();
+        let band = target.map(|target| [target - band, target + band]);
         Panel { title: "Zone air temperature".into(), unit: "°C", series, band }
+    }
+
+    /// Where they move.
+    fn targets(&self) -> Panel {
+        let zones = self.env.building().zones.iter().enumerate();
+        let controlled = zones.filter(|(_, zone)| zone.conditioning != Conditioning::None);
+        let series = controlled.enumerate().filter_map(|(index, (number, zone))| {
+            match self.env.observation_space().target(index) {
+                Target::Slot(slot) => Some(self.slot(zone.name.clone(), number, slot, 1.0)),
+                Target::Always(_) => None,
+            }
+        });
+        Panel { title: "Target temperature".into(), unit: "°C", series: series.collect(), band: None }
     }
 
     /// Attics and plenums with the outdoors, which they follow more than they follow any target.

@@ -66,6 +66,9 @@ impl Prepared {
             BuildingName::Model(_) => PreparedBuilding::as_far_as_possible,
             _ => PreparedBuilding::new,
         };
+        if let Some(note) = design_day_note(&site) {
+            eprintln!("{place}: {note}");
+        }
         let building = location
             .model(name, &engine, &library, &site)
             .and_then(|model| make(&name.to_string(), model, &weather, &library));
@@ -185,6 +188,17 @@ impl Location {
             _ => Ok(base),
         }
     }
+}
+
+/// What the user should know of the weather that equipment is sized for.
+pub fn design_day_note(site: &Site) -> Option<String> {
+    site.sized_by_hours.then(|| {
+        format!(
+            "the file has no design conditions: equipment is sized for the 99.6 % and 0.4 % of its own hours, {:.1} and \
+             {:.1} °C",
+            site.heating.dry_bulb, site.cooling.dry_bulb
+        )
+    })
 }
 
 /// Names what is wrong with a weather file before the engine stumbles over it.

@@ -1,6 +1,6 @@
 //! `b2b run`: one episode, summed up, drawn and kept.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use anyhow::{Result, bail};
@@ -43,13 +43,10 @@ pub struct Arguments {
     /// Zone time steps an hour, each one step of the environment
     #[arg(long, default_value_t = 12, value_name = "N")]
     steps_per_hour: u32,
-    /// Target temperature of every zone, °C
-    #[arg(long, default_value_t = 21.0, value_name = "CELSIUS", value_parser = target)]
-    target: f64,
-    /// Weight of energy against temperature in the reward
-    #[arg(long, default_value_t = 0.0, value_name = "W", value_parser = energy_weight)]
-    energy_weight: f64,
-    /// Folder for the files [default: b2b-out/BUILDING-PLACE-DAYS-CONTROLLER]
+    /// What is asked: constant, occupancy or random, with +energyW for a weight W of energy; or a JSON file
+    #[arg(long, default_value = "constant", value_name = "TASK", value_parser = task)]
+    task: Task,
+    /// Folder for the files [default: b2b-out/BUILDING-PLACE-DAYS-CONTROLLER, and -TASK]
     #[arg(long, value_name = "FOLDER")]
     out: Option<PathBuf>,
     /// Print one JSON object instead of a summary for people
@@ -61,30 +58,41 @@ const EXAMPLES: &str = "\
 Examples:
   b2b run OfficeSmall
   b2b run OfficeSmall-0042 --period summer
-  b2b run Warehouse --place Miami --period summer --target 23
+  b2b run Warehouse --place Miami --period summer --task constant:23
+  b2b run OfficeSmall --task occupancy+energy0.5
+  b2b run OfficeSmall --task random:7             targets drawn for every zone and day, by seed 7
+  b2b run OfficeSmall --task occupancy+pmv+cost2  thermal sensation against 2 times the bill
+  b2b run OfficeSmall --task mine.json            any numbers: --json prints the task of a run
   b2b run RestaurantFastFood --period 01-01..01-07 --controller random --seed 7
   b2b run OfficeSmall --controller planner --hours 24
   b2b run RetailStandalone --weather my.epw --json > result.json
   b2b run my.idf --weather my.epw          a building of yours: see `b2b import --help`
 
+Tasks: the paper's are constant, occupancy and random, each with and without +energy0.5.
+  setpoints  constant (21 °C), constant:C, occupancy (21 °C with people in the zone; without, 18 °C
+             December to February and 26 °C June to August), random, random:SEED
+  comfort    squared deviation from target; +deadband, +deadbandK: outside 1 K, or K; +pmv: the predicted
+             mean vote of ISO 7730
+  saving     +energyW, +costW, +carbonW, +peakW: W times what a step uses, costs, emits, or adds to the peak
+
 The same arguments give the same episode, bit for bit: compare trajectory_hash.";
 
-fn target(text: &str) -> Result<f64, String> {
-    number(text, 0.0..=50.0, "a temperature from 0 to 50 °C")
-}
-
-fn energy_weight(text: &str) -> Result<f64, String> {
-    number(text, 0.0..=f64::MAX, "a number that is not negative")
-}
-
-fn number(text: &str, range: std::ops::RangeInclusive<f64>, what: &str) -> Result<f64, String> {
-    text.parse().ok().filter(|value| range.contains(value)).ok_or_else(|| format!("give {what}"))
+/// A task by its spelling, or from a JSON file.
+fn task(text: &str) -> b2b_env::Result<Task> {
+    let path = Path::new(text);
+    if path.extension().is_some_and(|extension| extension == "json") {
+        Task::read(path)
+    } else {
+        text.parse()
+    }
 }
 
 /// An episode that ran to its end.
 pub struct Rollout {
     /// Every step.
     pub trajectory: Trajectory,
+    /// The controlled zones in which nobody ever is.
+    pub never_occupied: Vec<String>,
     /// CPU time within `Env::reset` and `Env::step`: the engine, and what the environment adds to it.
     pub env_cpu: Duration,
     /// Time on the clock, from the first step to the last.
@@ -94,9 +102,8 @@ pub struct Rollout {
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<()> {
     let prepared = Prepared::new(&arguments.building, &arguments.location, arguments.json)?;
-    let task = Task { target: arguments.target, energy_weight: arguments.energy_weight, ..Task::default() };
     let period = arguments.days()?;
-    let mut env = prepared.env(period, arguments.steps_per_hour, task)?;
+    let mut env = prepared.env(period, arguments.steps_per_hour, arguments.task.clone())?;
     let folder = OutputFolder::stage(&arguments.folder(&prepared.place, period))?;
     let mut controller = arguments.controller.build(&prepared, &env, arguments.seed, arguments.json)?;
     let rollout = roll_out(&mut env, controller.as_mut(), arguments.json)?;
@@ -133,7 +140,10 @@ impl Arguments {
     fn folder(&self, place: &str, period: RunPeriod) -> PathBuf {
         self.out.clone().unwrap_or_else(|| {
             let place = place.replace(' ', "_");
-            let name = format!("{}-{place}-{}-{}", self.building, period, self.controller.name());
+            let mut name = format!("{}-{place}-{period}-{}", self.building, self.controller.name());
+            if self.task != Task::default() {
+                name += &format!("-{}", self.task).replace([':', '#'], "_");
+            }
             PathBuf::from("b2b-out").join(name)
         })
     }
@@ -147,8 +157,10 @@ pub fn roll_out(env: &mut Env, controller: &mut dyn Controller, quiet: bool) -> 
     let mut env_cpu = Duration::ZERO;
     controller.reset();
     let before = ProcessTime::now();
-    let mut observation = env.reset()?;
+    env.reset()?;
     env_cpu += before.elapsed();
+    let never_occupied = env.never_occupied().map(str::to_owned).collect();
+    let mut observation = env.observation();
     days.start();
     let start = Instant::now();
     loop {
@@ -163,7 +175,7 @@ pub fn roll_out(env: &mut Env, controller: &mut dyn Controller, quiet: bool) -> 
         trajectory.push(&step);
         days.step(trajectory.len());
         if step.truncated {
-            return Ok(Rollout { trajectory, env_cpu, wall: start.elapsed() });
+            return Ok(Rollout { trajectory, never_occupied, env_cpu, wall: start.elapsed() });
         }
         observation = step.observation;
     }

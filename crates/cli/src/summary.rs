@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use b2b_energyplus::Level;
-use b2b_env::Env;
+use b2b_env::{Env, Setpoints, Task};
 use cpu_time::ProcessTime;
 use serde::Serialize;
 
@@ -24,10 +24,12 @@ pub struct Summary {
     pub period: String,
     /// Zone time steps an hour.
     pub steps_per_hour: u32,
-    /// Target temperature, °C.
-    pub target_c: f64,
-    /// Weight of energy in the reward.
-    pub energy_weight: f64,
+    /// Spelling of the task.
+    pub task: String,
+    /// SHA-256 of the task: equal hashes mean equal tasks.
+    pub task_hash: String,
+    /// The task itself; a file with it is a task for `--task`.
+    pub task_definition: Task,
     /// Steps of the episode.
     pub steps: usize,
     /// Sum of the rewards.
@@ -41,12 +43,28 @@ pub struct Summary {
     pub rms_deviation_k: f64,
     /// Mean absolute deviation from target, K.
     pub mean_abs_deviation_k: f64,
-    /// Hours further than 1 K from target.
-    pub hours_outside_1k: f64,
+    /// Hours further from target than the task's comfort band.
+    pub hours_outside_band: f64,
+    /// Thermal discomfort beyond the band, mean over the controlled zones, K h.
+    pub discomfort_k_h: f64,
+    /// Controlled zones in which nobody ever is.
+    pub never_occupied: Vec<String>,
     /// HVAC electricity, Wh/m².
     pub electricity_wh_m2: f64,
     /// HVAC gas, Wh/m².
     pub gas_wh_m2: f64,
+    /// Cost by the task's prices, currency/m².
+    pub cost_m2: f64,
+    /// Emissions by the task's factors, kg of CO₂/m².
+    pub emissions_kg_m2: f64,
+    /// Highest electric HVAC power, mean of a step, W/m².
+    pub peak_electricity_w_m2: f64,
+    /// Highest gas power, mean of a step, W/m².
+    pub peak_gas_w_m2: f64,
+    /// Way of the actuators a day, in times their ranges, mean over them.
+    pub daily_travel: f64,
+    /// Way of each actuator over the episode, in times its range, in the order of the action.
+    pub travel: Vec<f64>,
     /// Largest relative difference between our energy sums and the engine's own meters.
     pub meter_relative_error: f64,
     /// Warnings of the engine.
@@ -91,8 +109,10 @@ pub struct ZoneSummary {
     pub rms_deviation_k: f64,
     /// Mean absolute deviation, K.
     pub mean_abs_deviation_k: f64,
-    /// Hours further than 1 K from target.
-    pub hours_outside_1k: f64,
+    /// Hours further from target than the task's comfort band.
+    pub hours_outside_band: f64,
+    /// Thermal discomfort beyond the band, K h.
+    pub discomfort_k_h: f64,
     /// Whether it has both heating and cooling.
     pub heating_and_cooling: bool,
 }
@@ -114,17 +134,26 @@ impl Summary {
             about,
             period: episode.period.to_string(),
             steps_per_hour: episode.steps_per_hour,
-            target_c: episode.task.target,
-            energy_weight: episode.task.energy_weight,
+            task: episode.task.to_string(),
+            task_hash: episode.task.hash(),
+            task_definition: episode.task.clone(),
             steps: metrics.steps,
             episode_return: metrics.episode_return,
             temperature_penalty: metrics.temperature_penalty,
             energy_penalty: metrics.energy_penalty,
             rms_deviation_k: metrics.rms_deviation(),
             mean_abs_deviation_k: metrics.mean_abs_deviation(),
-            hours_outside_1k: metrics.hours_outside_1k(),
+            hours_outside_band: metrics.hours_outside_band(),
+            discomfort_k_h: metrics.discomfort(),
+            never_occupied: rollout.never_occupied.clone(),
             electricity_wh_m2: metrics.electricity,
             gas_wh_m2: metrics.gas,
+            cost_m2: metrics.cost,
+            emissions_kg_m2: metrics.emissions / 1000.0,
+            peak_electricity_w_m2: metrics.peak_electricity,
+            peak_gas_w_m2: metrics.peak_gas,
+            daily_travel: metrics.daily_travel(),
+            travel: metrics.travel.clone(),
             meter_relative_error: meter_relative_error(env)?,
             engine_warnings: env.message_count(Level::Warning),
             engine_severes: env.message_count(Level::Severe),
@@ -152,14 +181,25 @@ impl Summary {
         )
     }
 
+    /// A line on zones without people, where targets follow them.
+    fn emptiness(&self) -> String {
+        let occupancy = matches!(self.task_definition.setpoints, Setpoints::Occupancy { .. });
+        if !occupancy || self.never_occupied.is_empty() {
+            return String::new();
+        }
+        format!("\n\n  nobody is ever in {}: always let go", self.never_occupied.join(", "))
+    }
+
     /// One line that names the episode.
     pub fn title(&self) -> String {
         let Self { building, period, steps, about: About { place, controller, .. }, .. } = self;
-        format!("{building} in {place}, {period}, {controller} controller: {steps} steps")
+        let task = &self.task;
+        format!("{building} in {place}, {period}, task {task}, {controller} controller: {steps} steps")
     }
 
     fn figures(&self) -> String {
         let hours = self.steps as f64 / f64::from(self.steps_per_hour);
+        let band = self.task_definition.comfort_band;
         let lines = [
             (
                 "return",
@@ -172,9 +212,16 @@ impl Summary {
             ),
             ("mean absolute deviation", format!("{:.2} K", self.mean_abs_deviation_k)),
             ("RMS deviation", format!("{:.2} K", self.rms_deviation_k)),
-            ("outside 1 K", format!("{:.1} h of {hours:.0} h", self.hours_outside_1k)),
+            (
+                "outside the comfort band",
+                format!("{:.1} h of {hours:.0} h, at ±{band} K", self.hours_outside_band),
+            ),
+            ("discomfort beyond it", format!("{:.1} K h", self.discomfort_k_h)),
             ("HVAC electricity", format!("{:.2} kWh/m²", self.electricity_wh_m2 / 1000.0)),
             ("HVAC gas", format!("{:.2} kWh/m²", self.gas_wh_m2 / 1000.0)),
+            ("cost, emissions", format!("{:.2} per m², {:.2} kg CO₂/m²", self.cost_m2, self.emissions_kg_m2)),
+            ("highest electric power", format!("{:.1} W/m²", self.peak_electricity_w_m2)),
+            ("way of the actuators", format!("{:.1} times their ranges a day", self.daily_travel)),
             ("energy against the engine's meters", format!("{:.1e} relative", self.meter_relative_error)),
             ("engine", format!("{} warnings, {} severe", self.engine_warnings, self.engine_severes)),
             ("action values clamped", self.clamped_actions.to_string()),
@@ -193,17 +240,19 @@ impl Summary {
     }
 
     fn zone_table(&self) -> String {
-        let mut table = Table::new(["zone", "equipment", "mean abs, K", "RMS, K", "outside 1 K, h"]);
+        let mut table =
+            Table::new(["zone", "equipment", "mean abs, K", "RMS, K", "outside, h", "discomfort, K h"]);
         for zone in &self.zones {
             table.row([
                 zone.name.clone(),
                 if zone.heating_and_cooling { "heating and cooling" } else { "heating" }.into(),
                 format!("{:.2}", zone.mean_abs_deviation_k),
                 format!("{:.2}", zone.rms_deviation_k),
-                format!("{:.1}", zone.hours_outside_1k),
+                format!("{:.1}", zone.hours_outside_band),
+                format!("{:.1}", zone.discomfort_k_h),
             ]);
         }
-        table.text()
+        table.text() + &self.emptiness()
     }
 }
 
@@ -213,7 +262,8 @@ fn zones(env: &Env) -> Vec<ZoneSummary> {
         name: env.building().zones[zone.slot].name.clone(),
         rms_deviation_k: zone.rms_deviation(metrics.steps),
         mean_abs_deviation_k: zone.mean_abs_deviation(metrics.steps),
-        hours_outside_1k: metrics.zone_hours_outside_1k(zone),
+        hours_outside_band: metrics.zone_hours_outside_band(zone),
+        discomfort_k_h: zone.discomfort,
         heating_and_cooling: zone.fully_conditioned,
     };
     metrics.zones.iter().map(zone).collect()

@@ -79,7 +79,9 @@ impl Columns {
             ("place", summary.about.place.clone()),
             ("period", summary.period.clone()),
             ("controller", summary.about.controller.to_owned()),
-            ("target_c", summary.target_c.to_string()),
+            ("task", summary.task.clone()),
+            ("task_hash", summary.task_hash.clone()),
+            ("task_definition", serde_json::to_string(&summary.task_definition)?),
         ];
         let about = about.map(|(key, value)| (key.to_owned(), value));
         let schema = Arc::new(Schema::new_with_metadata(self.fields, HashMap::from(about)));

@@ -91,7 +91,12 @@ fn run_prints_one_json_object_with_every_promised_key() {
         "energy_penalty",
         "rms_deviation_k",
         "mean_abs_deviation_k",
-        "hours_outside_1k",
+        "hours_outside_band",
+        "discomfort_k_h",
+        "cost_m2",
+        "emissions_kg_m2",
+        "peak_electricity_w_m2",
+        "daily_travel",
         "electricity_wh_m2",
         "gas_wh_m2",
         "meter_relative_error",
@@ -107,7 +112,7 @@ fn run_prints_one_json_object_with_every_promised_key() {
     assert!(object["meter_relative_error"].as_f64().unwrap() < 1e-9, "{object}");
     for zone in object["zones"].as_array().unwrap() {
         assert!(zone["name"].is_string() && zone["rms_deviation_k"].is_number(), "{zone}");
-        assert!(zone["mean_abs_deviation_k"].is_number() && zone["hours_outside_1k"].is_number(), "{zone}");
+        assert!(zone["mean_abs_deviation_k"].is_number() && zone["hours_outside_band"].is_number(), "{zone}");
         assert!(zone["heating_and_cooling"].is_boolean(), "{zone}");
     }
     let files: Vec<_> = object["files"].as_array().unwrap().iter().map(|f| f.as_str().unwrap()).collect();
@@ -182,7 +187,9 @@ fn a_wrong_name_is_answered_with_the_right_one() {
         ("run Warehouse --period 02-30..03-05", ["02-30", "MM-DD"]),
         ("run Warehouse --period spring", ["spring", "winter, summer, full_year"]),
         ("run Warehouse --controller reactiv", ["reactiv", "'reactive'"]),
-        ("run Warehouse --target warm", ["warm", "°C"]),
+        ("run Warehouse --task warm", ["`warm`", "occupancy+energy0.5"]),
+        ("run Warehouse --task constant:99", ["target", "99"]),
+        ("run Warehouse --task none.json", ["none.json", "No such file"]),
         ("run Warehouse --steps-per-hour 7", ["7", "12"]),
         ("run Warehouse --weather nowhere.epw", ["nowhere.epw", "No such file"]),
         ("list palces", ["palces", "places"]),

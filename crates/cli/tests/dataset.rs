@@ -11,7 +11,9 @@ use std::time::Duration;
 use arrow_array::Array;
 use arrow_array::cast::AsArray;
 use arrow_array::types::Float64Type;
+use b2b_building::climate::Place;
 use b2b_building::dataset::{self, Building};
+use b2b_energyplus::install::Quiet;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
@@ -141,6 +143,110 @@ fn files_are_models_and_manifest(folder: &Path) -> bool {
     files(folder).keys().all(|name| name == "manifest.csv" || name.ends_with(".epJSON"))
 }
 
+/// Denver's weather file, without the design conditions of its header.
+fn undesigned(folder: &Path) -> std::path::PathBuf {
+    let denver = Place::find("Denver").unwrap().epw(&mut Quiet).unwrap();
+    let text = std::fs::read_to_string(denver).unwrap();
+    let lines = text.lines().map(|line| match line.starts_with("DESIGN CONDITIONS,") {
+        true => "DESIGN CONDITIONS,0",
+        false => line,
+    });
+    let path = folder.join("somewhere.epw");
+    std::fs::write(&path, lines.collect::<Vec<_>>().join("\n")).unwrap();
+    path
+}
+
+/// The rows of the manifest of a generated folder, by column.
+fn manifest(folder: &Path) -> Vec<BTreeMap<String, String>> {
+    let text = std::fs::read_to_string(folder.join("manifest.csv")).unwrap();
+    let mut lines = text.lines().map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>());
+    let names = lines.next().unwrap();
+    lines.map(|row| names.iter().cloned().zip(row).collect()).collect()
+}
+
+#[test]
+fn buildings_of_any_weather_file_say_what_they_were_made_from() {
+    let folder = tempfile::tempdir().unwrap();
+    let weather = undesigned(folder.path());
+    let out = folder.path().join("o");
+    let settings = "--set x_scale=1.25 infiltration=0.5..0.6";
+    let generate = |zone: &str| {
+        let arguments =
+            format!("generate RetailStandalone --count 4 --weather somewhere.epw {settings} {zone}");
+        let output = b2b(folder.path(), &format!("{arguments} --out o --json"));
+        assert!(output.status.success(), "{}", stderr(&output));
+        let said: Value = serde_json::from_slice(&output.stdout).unwrap();
+        (said["written"].as_u64().unwrap(), stderr(&output))
+    };
+    let (written, said) = generate("");
+    assert_eq!(written, 4);
+    assert!(said.contains("somewhere: climate zone 5B") && said.contains("--zone"), "{said}");
+    assert!(said.contains("no design conditions") && said.contains("99.6 %"), "{said}");
+    for row in manifest(&out) {
+        assert_eq!((row["place"].as_str(), row["climate_zone"].as_str()), ("somewhere", "5B"));
+        assert_eq!(row["x_scale"], "1.25");
+        assert!((0.5..=0.6).contains(&row["infiltration"].parse::<f64>().unwrap()));
+        assert_eq!(row["weather_sha256"].len(), 64);
+    }
+    // Nothing is made twice; another zone, and another file of the same name, make other buildings.
+    assert_eq!(generate("").0, 0);
+    let (written, said) = generate("--zone 6A");
+    assert!(written == 4 && !said.contains("climate zone"), "{said}");
+    assert_eq!(manifest(&out)[0]["climate_zone"], "6A");
+    let warmer = std::fs::read_to_string(&weather).unwrap() + "\n";
+    std::fs::write(&weather, warmer).unwrap();
+    assert_eq!(generate("--zone 6A").0, 4);
+}
+
+#[test]
+fn buildings_of_the_dataset_and_others_share_a_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let dataset = "generate RestaurantFastFood --dataset v1 --split test_small --out o";
+    assert_eq!(json(folder.path(), dataset)["written"], 8);
+    assert_eq!(json(folder.path(), "generate Warehouse --count 2 --place Denver --out o")["written"], 2);
+    assert_eq!(json(folder.path(), dataset)["kept"], 8);
+    let rows = manifest(&folder.path().join("o"));
+    assert_eq!((rows.len(), rows[0]["test_small"].as_str()), (10, "true"));
+}
+
+#[test]
+fn houses_stand_under_any_weather_file_and_have_no_zone() {
+    let folder = tempfile::tempdir().unwrap();
+    undesigned(folder.path());
+    let arguments =
+        "generate SingleFamilyHouse --count 3 --weather somewhere.epw --set year=1950 storeys=2 --out o";
+    let output = b2b(folder.path(), arguments);
+    assert!(output.status.success() && !stderr(&output).contains("climate zone"), "{}", stderr(&output));
+    for row in manifest(&folder.path().join("o")) {
+        assert_eq!((row["year"].as_str(), row["vintage"].as_str()), ("1950", "[1946 - 1971)"));
+        assert_eq!((row["storeys"].as_str(), row["climate_zone"].as_str()), ("2", ""));
+        assert!((3000.0..3700.0).contains(&row["heating_degree_days"].parse::<f64>().unwrap()));
+    }
+    let output = b2b(folder.path(), &format!("{arguments} --zone 6A"));
+    assert!(!output.status.success() && stderr(&output).contains("--zone"), "{}", stderr(&output));
+}
+
+#[test]
+fn a_run_under_a_file_without_design_conditions_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    undesigned(folder.path());
+    let output = b2b(folder.path(), "show Warehouse --weather somewhere.epw --json");
+    assert!(
+        output.status.success() && stderr(&output).contains("no design conditions"),
+        "{}",
+        stderr(&output)
+    );
+}
+
+/// `b2b dataset ranges` prints them.
+#[test]
+fn the_ranges_in_the_documentation_are_those_of_the_dataset() {
+    let printed = b2b(Path::new("."), "dataset ranges");
+    let documented =
+        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/dataset.md")).unwrap();
+    assert!(documented.contains(String::from_utf8_lossy(&printed.stdout).trim_end()));
+}
+
 #[test]
 fn what_cannot_be_is_refused_with_what_can() {
     for (arguments, words) in [
@@ -155,6 +261,18 @@ fn what_cannot_be_is_refused_with_what_can() {
         ("generate --out o", ["TYPE", "required"]),
         ("generate Warehouse --split test --out o", ["--dataset", "required"]),
         ("generate --dataset v1 --seed 3 --out o", ["--dataset", "--seed"]),
+        (
+            "generate Warehouse --set window_to_wal=0.01 --out o",
+            ["window_to_wal`", "did you mean window_to_wall?"],
+        ),
+        ("generate Warehouse --set infiltration=2.5 --out o", ["`infiltration` is 2.5", "climate zone"]),
+        ("generate Warehouse --set x_scale=nan --out o", ["`x_scale` is NaN", "0.7 to 1.5"]),
+        ("generate Warehouse --set x_scale=0.5..1 --out o", ["`x_scale` is 0.5", "0.7 to 1.5"]),
+        ("generate Warehouse --set x_scale --out o", ["x_scale", "NAME=VALUE"]),
+        ("generate SingleFamilyHouse --set foundation=rock --out o", ["rock", "slab"]),
+        ("generate SingleFamilyHouse --set floor_area=20 --out o", ["`floor_area` is 20", "40"]),
+        ("generate Warehouse --weather none.epw --out o", ["none.epw", "No such file"]),
+        ("generate Warehouse --zone 5A --out o", ["--weather", "required"]),
     ] {
         let folder = tempfile::tempdir().unwrap();
         let output = b2b(folder.path(), arguments);

@@ -57,9 +57,9 @@ fn is_held(building: &Arc<PreparedBuilding>, place: &Place, period: &str, librar
     let period: RunPeriod = period.parse().unwrap();
     let weather = place.epw(&mut Quiet).unwrap();
     let episode = Episode { weather, period, steps_per_hour: STEPS_PER_HOUR, task: Task::default() };
-    let target = episode.task.target;
     let mut env = Env::new(library.clone(), building.clone(), episode).unwrap();
-    let mut controller = Reactive::new(building, target, STEPS_PER_HOUR, &ReactiveParameters::default());
+    let mut controller =
+        Reactive::new(building, env.observation_space(), STEPS_PER_HOUR, &ReactiveParameters::default());
     let mut observation = env.reset().unwrap().to_vec();
     let mut action = vec![0.0; env.action_space().len()];
     loop {

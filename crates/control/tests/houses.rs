@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use b2b_building::climate::{Region, Site};
+use b2b_building::climate::{Location, Region, Site};
 use b2b_building::house::{DIMENSIONS, Foundation, Heater, Heating, HouseSample, house};
 use b2b_building::{PreparedBuilding, RunPeriod};
 use b2b_control::{Controller, Reactive, ReactiveParameters};
@@ -38,7 +38,7 @@ fn houses() -> Vec<HouseSample> {
     ];
     let make = |(index, (region, foundation, garage, heating))| {
         let mut sample = sample(index);
-        sample.region = Region::find(region).unwrap();
+        sample.location = Location::Region(Region::find(region).unwrap());
         (sample.house.foundation, sample.house.garage, sample.house.heating) = (foundation, garage, heating);
         sample
     };
@@ -46,7 +46,7 @@ fn houses() -> Vec<HouseSample> {
 }
 
 fn weather(sample: &HouseSample) -> PathBuf {
-    sample.region.epw(&Cache::from_env().unwrap(), &mut Quiet).unwrap()
+    sample.location.weather(&Cache::from_env().unwrap(), &mut Quiet).unwrap()
 }
 
 fn prepared(sample: &HouseSample, weather: &Path, library: &Library) -> Arc<PreparedBuilding> {
@@ -62,9 +62,10 @@ fn extremes(
     library: &Library,
 ) -> (f64, f64) {
     let task = Task::default();
-    let mut controller = Reactive::new(building, task.target, STEPS_PER_HOUR, &ReactiveParameters::default());
     let episode = Episode { weather: weather.to_owned(), period, steps_per_hour: STEPS_PER_HOUR, task };
     let mut env = Env::new(library.clone(), building.clone(), episode).unwrap();
+    let mut controller =
+        Reactive::new(building, env.observation_space(), STEPS_PER_HOUR, &ReactiveParameters::default());
     let mut observation = env.reset().unwrap().to_vec();
     let mut action = vec![0.0; env.action_space().len()];
     let (mut low, mut high) = (observation[0], observation[0]);
@@ -96,7 +97,7 @@ fn drawn_houses_stay_warm_in_january_and_cool_in_july() {
         assert_eq!(building.actuators().count(), 2);
         let run = |period: &str| extremes(&building, &weather, period.parse().unwrap(), &library);
         let (winter, summer) = (run("01-14..01-15"), run("07-14..07-15"));
-        println!("{} {:?}: {winter:.1?} {summer:.1?}", sample.region.name, sample.house.heating);
+        println!("{} {:?}: {winter:.1?} {summer:.1?}", sample.location.name(), sample.house.heating);
         assert!(winter.0 >= 12.0 && winter.1 <= 30.0, "{sample:?}: {winter:?}");
         assert!(summer.0 >= 12.0 && summer.1 <= 32.0, "{sample:?}: {summer:?}");
     }
@@ -107,7 +108,7 @@ fn drawn_houses_stay_warm_in_january_and_cool_in_july() {
 fn a_house_runs_a_week_on_morphed_weather() {
     let library = library();
     let mut sample = sample(3);
-    sample.region = Region::find("Saguenay-Lac-Saint-Jean").unwrap();
+    sample.location = Location::Region(Region::find("Saguenay-Lac-Saint-Jean").unwrap());
     let weather = weather(&sample);
     let building = prepared(&sample, &weather, &library);
     for week in ["01-08..01-14", "07-08..07-14"] {

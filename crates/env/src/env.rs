@@ -11,8 +11,11 @@ use tempfile::TempDir;
 
 use crate::action::ActionSpace;
 use crate::metrics::Metrics;
-use crate::observation::{ObservationSpace, Shared};
-use crate::reward::{JudgedZone, Reward, judged_zones, reward};
+use crate::observation::{ObservationSpace, Shared, Target};
+use crate::reward::{
+    JudgedZone, Reward, RewardFunction, StepView, ZoneStep, cost_and_emissions, judged_zones,
+};
+use crate::setpoints::{Moment, Targets};
 use crate::task::Task;
 use crate::warmup;
 use crate::{Error, Result};
@@ -40,7 +43,8 @@ pub struct Episode {
 ///
 /// - Observation: [`ObservationSpace`], f64, the state at the end of the step.
 /// - Action: [`ActionSpace`], f64, physical units, clamped to its bounds.
-/// - Reward: [`Reward`], the paper's two penalties.
+/// - Reward: [`Reward`], the paper's two penalties or what else the [`Task`] says, by the targets that were observed
+///   before the step.
 /// - End: truncated at the end of the run period; never terminated.
 ///
 /// A step allocates nothing and starts no thread.
@@ -52,6 +56,12 @@ pub struct Env {
     action_space: ActionSpace,
     observation_space: ObservationSpace,
     zones: Vec<JudgedZone>,
+    targets: Targets,
+    reward: Box<dyn RewardFunction>,
+    /// Of each controlled zone, whether it is occupied, and its target for the step to come, °C.
+    asked: Vec<(bool, f64)>,
+    /// The controlled zones in the last step.
+    zone_steps: Vec<ZoneStep>,
     live: Option<Live>,
     observation: Vec<f64>,
     action: Vec<f64>,
@@ -83,6 +93,8 @@ struct Live {
     simulation: Simulation,
     temperatures: Vec<Variable>,
     outdoor: [Variable; 2],
+    /// People in each controlled zone; `None` where the model never has any.
+    people: Vec<Option<Variable>>,
     meters: [Option<Meter>; 2],
     actuators: Vec<(Actuator, f64)>,
     /// What the actuators drive, if it is observed.
@@ -95,11 +107,12 @@ impl Env {
     /// An environment; [`Env::reset`] starts its first episode.
     ///
     /// # Errors
-    /// [`Error::StepsPerHour`]; [`Error::Io`] when the model cannot be written to the temporary folder.
+    /// [`Error::StepsPerHour`]; [`Error::TaskValue`]; [`Error::Io`] when the model cannot be written to the temporary folder.
     pub fn new(library: Library, building: Arc<PreparedBuilding>, episode: Episode) -> Result<Self> {
         if !STEPS_PER_HOUR.contains(&episode.steps_per_hour) {
             return Err(Error::StepsPerHour(episode.steps_per_hour));
         }
+        episode.task.check()?;
         let folder = tempfile::Builder::new()
             .prefix("b2b-env-")
             .tempdir()
@@ -109,14 +122,19 @@ impl Env {
         let path = folder.path().join(MODEL_FILE);
         std::fs::write(&path, model.to_epjson()).map_err(|source| Error::Io { path, source })?;
         let action_space = ActionSpace::of(&building);
-        let observation_space = ObservationSpace::of(&building, episode.steps_per_hour);
+        let observation_space =
+            ObservationSpace::of(&building, episode.steps_per_hour, &episode.task.setpoints);
         let zones = judged_zones(&building, &episode.task);
         Ok(Self {
             live: None,
             observation: vec![0.0; observation_space.len()],
             action: vec![0.0; action_space.len()],
-            metrics: Metrics::new(&zones, episode.steps_per_hour),
+            metrics: new_metrics(&zones, &action_space, &episode),
             messages: Messages::default(),
+            targets: Targets::new(&episode.task.setpoints, &building.name, zones.len()),
+            reward: Box::new(episode.task.clone()),
+            asked: vec![(false, f64::NAN); zones.len()],
+            zone_steps: Vec::with_capacity(zones.len()),
             observe_effects: false,
             left_after: None,
             library,
@@ -136,6 +154,13 @@ impl Env {
         self
     }
 
+    /// Judges by a reward of one's own in place of the task's.
+    #[must_use]
+    pub fn with_reward(mut self, reward: impl RewardFunction + 'static) -> Self {
+        self.reward = Box::new(reward);
+        self
+    }
+
     /// Starts an episode: the engine is started and warmed up under a small fixed controller. Returns the
     /// observation at midnight of the first day, with no energy yet.
     ///
@@ -143,10 +168,11 @@ impl Env {
     /// [`Error::Engine`] with the engine's words.
     pub fn reset(&mut self) -> Result<&[f64]> {
         self.live = None;
-        self.metrics = Metrics::new(&self.zones, self.episode.steps_per_hour);
+        self.metrics = new_metrics(&self.zones, &self.action_space, &self.episode);
+        self.reward.reset();
         let effects = self.observe_effects;
         let (model, weather) = (self.model_path(), &self.episode.weather);
-        let mut live = Live::start(&self.library, &self.building, &model, weather, effects)?;
+        let mut live = Live::start(&self.library, &self.building, &self.zones, &model, weather, effects)?;
         self.warm_up(&mut live)?;
         self.observe(&live, [0.0; 2])?;
         self.live = Some(live);
@@ -172,10 +198,11 @@ impl Env {
             return Err(self.wrong_length());
         }
         let energy = live.energy(self.building.conditioned_floor_area);
+        let began = self.moment();
+        self.keep_targets();
         self.metrics.steps += 1;
         self.observe(&live, energy)?;
-        let reward = reward(&self.episode.task, &self.zones, &self.observation, energy[0] + energy[1]);
-        self.metrics.add(reward, self.episode.task.target, &self.observation, energy);
+        let reward = self.judge(energy, began);
         let truncated = self.metrics.steps == self.left_after.unwrap_or(self.episode_steps());
         if truncated && self.left_after.is_none() {
             self.finish(live)?;
@@ -200,6 +227,11 @@ impl Env {
         &self.building
     }
 
+    /// The state at the end of the last step, or at the start of the episode.
+    pub fn observation(&self) -> &[f64] {
+        &self.observation
+    }
+
     /// What the episode is made of.
     pub fn episode(&self) -> &Episode {
         &self.episode
@@ -208,11 +240,6 @@ impl Env {
     /// Steps of a whole episode.
     pub fn episode_steps(&self) -> usize {
         (self.episode.period.days() * 24 * self.episode.steps_per_hour) as usize
-    }
-
-    /// What is seen now: what the last step or reset gave.
-    pub fn observation(&self) -> &[f64] {
-        &self.observation
     }
 
     /// Sums over the episode in progress, or the last one.
@@ -288,6 +315,58 @@ impl Env {
         self.folder.path()
     }
 
+    /// The controlled zones in which nobody ever is, by name: under occupancy setpoints they are always let go. Empty
+    /// without an episode in progress.
+    pub fn never_occupied(&self) -> impl Iterator<Item = &str> {
+        let people = self.live.iter().flat_map(|live| &live.people);
+        let empty = self.zones.iter().zip(people).filter(|(_, people)| people.is_none());
+        empty.map(|(zone, _)| self.building.zones[zone.slot].name.as_str())
+    }
+
+    /// When the next step begins: the time of the observation.
+    fn moment(&self) -> Moment {
+        let steps_per_day = 24 * self.episode.steps_per_hour as usize;
+        let day = (self.metrics.steps / steps_per_day) as u32;
+        Moment {
+            day_of_year: (self.episode.period.first().day_of_year() - 1 + day) % 365 + 1,
+            hour: (self.metrics.steps % steps_per_day) as f64 / f64::from(self.episode.steps_per_hour),
+        }
+    }
+
+    /// Keeps by what the step in progress is judged: what was asked before it.
+    fn keep_targets(&mut self) {
+        self.zone_steps.clear();
+        self.zone_steps.extend(self.zones.iter().enumerate().map(|(index, zone)| ZoneStep {
+            temperature: f64::NAN,
+            target: self.asked[index].1,
+            occupied: self.asked[index].0,
+            warm_counts: zone.warm_counts,
+        }));
+    }
+
+    /// The reward of the step that has just been observed, and its metrics.
+    fn judge(&mut self, energy: [f64; 2], began: Moment) -> Reward {
+        for (step, zone) in self.zone_steps.iter_mut().zip(&self.zones) {
+            step.temperature = self.observation[zone.slot];
+        }
+        let (cost, emissions) = cost_and_emissions(&self.episode.task, energy, began);
+        let step = StepView {
+            zones: &self.zone_steps,
+            observation: &self.observation,
+            action: &self.action,
+            electricity: energy[0],
+            gas: energy[1],
+            cost,
+            emissions,
+            peak_rise: self.metrics.peak_rise(energy[0]),
+            day_of_year: began.day_of_year,
+            hour: began.hour,
+        };
+        let reward = self.reward.reward(&step);
+        self.metrics.add(reward, &step, self.action_space.low(), self.action_space.high());
+        reward
+    }
+
     fn model_path(&self) -> PathBuf {
         self.folder.path().join(MODEL_FILE)
     }
@@ -297,16 +376,31 @@ impl Env {
     fn warm_up(&mut self, live: &mut Live) -> Result<()> {
         // Nothing is set before the first step: a terminal takes the value of its flow schedule at the start of
         // the run for its least flow, and the prepared model has 0 there.
-        let target = self.episode.task.target;
         let systems = &self.building.systems;
+        let first_day = self.moment().day_of_year;
         loop {
             match live.simulation.advance()? {
                 Some(Event::WarmupStep) => {
-                    let temperature = |zone: &str| {
-                        let zone = self.building.zones.iter().position(|z| z.name == zone);
-                        zone.map_or(target, |z| live.simulation.read(live.temperatures[z]))
+                    // The first day, over and over.
+                    let hour = live.simulation.clock().hour_of_day % 24.0;
+                    let moment = Moment { day_of_year: first_day, hour };
+                    self.zone_steps.clear();
+                    for (index, zone) in self.zones.iter().enumerate() {
+                        let (occupied, target) = self.targets.at(index, moment, live.occupied(index));
+                        let temperature = live.simulation.read(live.temperatures[zone.slot]);
+                        let warm_counts = zone.warm_counts;
+                        self.zone_steps.push(ZoneStep { temperature, target, occupied, warm_counts });
+                    }
+                    let (zones, steps) = (&self.zones, &self.zone_steps);
+                    let zone = |name: &str| {
+                        // The zones of a system are controlled ones: preparation took them from there.
+                        let named = |(zone, _): &(&JudgedZone, &ZoneStep)| {
+                            self.building.zones[zone.slot].name.eq_ignore_ascii_case(name)
+                        };
+                        let step = zones.iter().zip(steps).find(named).map(|(_, step)| step);
+                        step.map_or([21.0; 2], |step| [step.target, step.temperature])
                     };
-                    warmup::action(systems, target, temperature, &mut self.action);
+                    warmup::action(systems, zone, &mut self.action);
                     live.act(&self.action);
                 }
                 Some(Event::WarmedUp) => return Ok(()),
@@ -322,18 +416,26 @@ impl Env {
         }
         let space = &self.observation_space;
         let [temperature, humidity] = live.outdoor.map(|v| live.simulation.read(v));
+        let moment = self.moment();
         let mut put = |slot: Shared, value: f64| self.observation[space.shared(slot)] = value;
         put(Shared::OutdoorTemperature, temperature);
         put(Shared::OutdoorHumidity, humidity);
         let steps_per_day = 24 * self.episode.steps_per_hour as usize;
         let day = (self.metrics.steps / steps_per_day) as u32;
-        let step_of_day = self.metrics.steps % steps_per_day;
         let first = self.episode.period.first();
-        put(Shared::TimeOfDay, step_of_day as f64 / f64::from(self.episode.steps_per_hour));
+        put(Shared::TimeOfDay, moment.hour);
         put(Shared::DayOfWeek, f64::from((first.weekday() + day) % 7));
-        put(Shared::DayOfYear, f64::from((first.day_of_year() - 1 + day) % 365 + 1));
+        put(Shared::DayOfYear, f64::from(moment.day_of_year));
         put(Shared::Electricity, energy[0]);
         put(Shared::Gas, energy[1]);
+        for zone in 0..self.zones.len() {
+            let (occupied, target) = self.targets.at(zone, moment, live.occupied(zone));
+            self.asked[zone] = (occupied, target);
+            if let (Some(occupancy), Target::Slot(slot)) = (space.occupancy(zone), space.target(zone)) {
+                self.observation[occupancy] = f64::from(u8::from(occupied));
+                self.observation[slot] = target;
+            }
+        }
         match self.observation.iter().position(|v| !v.is_finite()) {
             None => Ok(()),
             Some(slot) => Err(Error::ObservationNotFinite {
@@ -359,12 +461,17 @@ impl Env {
     }
 }
 
+fn new_metrics(zones: &[JudgedZone], actions: &ActionSpace, episode: &Episode) -> Metrics {
+    Metrics::new(zones, actions.len(), episode.steps_per_hour, episode.task.comfort_band)
+}
+
 const MODEL_FILE: &str = "model.epJSON";
 
 impl Live {
     fn start(
         library: &Library,
         building: &PreparedBuilding,
+        zones: &[JudgedZone],
         model: &Path,
         weather: &Path,
         observe_effects: bool,
@@ -373,6 +480,7 @@ impl Live {
         const OUTDOOR: [&str; 2] =
             ["Site Outdoor Air Drybulb Temperature", "Site Outdoor Air Relative Humidity"];
         const SITE: &str = "Environment";
+        const PEOPLE: &str = "Zone People Occupant Count";
         let folder = model.parent().unwrap_or(Path::new("."));
         let mut run = Run::new(model, weather).output(folder).yield_in_warmup();
         for zone in &building.zones {
@@ -380,6 +488,10 @@ impl Live {
         }
         for name in OUTDOOR {
             run = run.request(name, SITE);
+        }
+        let controlled = || zones.iter().map(|zone| building.zones[zone.slot].name.as_str());
+        for name in controlled() {
+            run = run.request(PEOPLE, name);
         }
         let observed: Vec<_> = building.actuators().filter(|_| observe_effects).collect();
         for variable in observed.iter().flat_map(|a| [Some(&a.effect), a.heat.as_ref()]).flatten() {
@@ -397,6 +509,8 @@ impl Live {
                 .map(|zone| simulation.variable(TEMPERATURE, &zone.name))
                 .collect::<std::result::Result<_, _>>()?,
             outdoor: [simulation.variable(OUTDOOR[0], SITE)?, simulation.variable(OUTDOOR[1], SITE)?],
+            // The engine has the variable for zones with people alone.
+            people: controlled().map(|name| simulation.variable(PEOPLE, name).ok()).collect(),
             meters: METERS.map(|meter| simulation.meter(meter).ok()),
             actuators: building.actuators().map(actuator).collect::<Result<_>>()?,
             effects: observed.iter().map(|a| variable(&a.effect)).collect::<Result<_>>()?,
@@ -412,6 +526,11 @@ impl Live {
         for ((actuator, scale), value) in self.actuators.iter().zip(action) {
             self.simulation.set(*actuator, value * scale);
         }
+    }
+
+    /// Whether anyone is in a controlled zone.
+    fn occupied(&self, controlled_zone: usize) -> bool {
+        self.people[controlled_zone].is_some_and(|people| self.simulation.read(people) > 0.0)
     }
 
     /// HVAC energy of the step by fuel, Wh/m².

@@ -109,6 +109,35 @@ pub enum Error {
         /// Name of the building of the morphology.
         building: String,
     },
+    /// Text that is no task.
+    #[error(
+        "there is no task `{text}`: give constant, occupancy or random, with +energyW for a weight W, for example \
+         occupancy+energy0.5, or the path of a JSON file"
+    )]
+    UnknownTask {
+        /// The text.
+        text: String,
+    },
+    /// A file that holds no task.
+    #[error("{path} is no task: {why}")]
+    TaskFile {
+        /// The file.
+        path: std::path::PathBuf,
+        /// What is wrong in it.
+        why: String,
+    },
+    /// A value of a task that cannot be.
+    #[error("`{name}` of the task is {value}, and must be a number from {low} to {high}")]
+    TaskValue {
+        /// The field.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// Lowest value.
+        low: f64,
+        /// Highest value.
+        high: f64,
+    },
     /// The engine failed, or refused a handle.
     #[error(transparent)]
     Engine(#[from] b2b_energyplus::Error),

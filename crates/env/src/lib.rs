@@ -6,6 +6,7 @@
 
 mod action;
 pub mod authority;
+mod comfort;
 #[allow(clippy::module_inception, reason = "one file a concept, and the concept is the environment")]
 mod env;
 mod error;
@@ -13,6 +14,7 @@ mod metrics;
 mod morphology;
 mod observation;
 mod reward;
+mod setpoints;
 mod task;
 mod trajectory;
 #[cfg(target_os = "linux")]
@@ -20,11 +22,13 @@ pub mod vector;
 mod warmup;
 
 pub use action::ActionSpace;
+pub use comfort::{Comfort, Pmv};
 pub use env::{Env, Episode, Step};
 pub use error::{Error, Result};
 pub use metrics::{Metrics, ZoneMetrics};
 pub use morphology::Decomposition;
-pub use observation::{ObservationSpace, Slot};
-pub use reward::Reward;
-pub use task::{HeatingOnlyZones, Task};
+pub use observation::{ObservationSpace, Slot, Target};
+pub use reward::{Reward, RewardFunction, StepView, ZoneStep};
+pub use setpoints::{RandomDay, RandomHour, Setpoints};
+pub use task::{Fuels, HeatingOnlyZones, Hourly, Resource, Task};
 pub use trajectory::Trajectory;

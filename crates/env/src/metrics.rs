@@ -1,8 +1,8 @@
-//! What an episode amounts to.
+//! What an episode amounts to, in the manner of BOPTEST's key performance indicators. Summed up as it runs.
 
 use serde::{Deserialize, Serialize};
 
-use crate::reward::{JudgedZone, Reward};
+use crate::reward::{JudgedZone, Reward, StepView};
 
 /// Deviation of one zone from its target over an episode.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -11,6 +11,8 @@ pub struct ZoneMetrics {
     pub slot: usize,
     /// Whether it has both heating and cooling.
     pub fully_conditioned: bool,
+    /// Thermal discomfort: the deviation that counts for the reward beyond the task's comfort band, over time, K h.
+    pub discomfort: f64,
     squares: f64,
     absolutes: f64,
     steps_outside: usize,
@@ -31,15 +33,24 @@ pub struct Metrics {
     pub electricity: f64,
     /// HVAC gas, Wh/m².
     pub gas: f64,
+    /// Cost of both by the task's prices, currency/m².
+    pub cost: f64,
+    /// Emissions of both by the task's factors, g of CO₂/m².
+    pub emissions: f64,
+    /// Highest electric HVAC power, the mean of a step, W/m².
+    pub peak_electricity: f64,
+    /// Highest gas power, the mean of a step, W/m².
+    pub peak_gas: f64,
+    /// Way of each actuator, in times its range: 1 is once from its lowest to its highest value.
+    pub travel: Vec<f64>,
     /// Action values that were out of bounds and clamped.
     pub clamped_actions: usize,
     /// The controlled zones, in model order.
     pub zones: Vec<ZoneMetrics>,
     hours_per_step: f64,
+    comfort_band: f64,
+    last_action: Vec<f64>,
 }
-
-/// A zone is outside comfort when it is further than this from its target, K.
-const COMFORT_BAND: f64 = 1.0;
 
 impl ZoneMetrics {
     /// Root mean square deviation over so many steps, K.
@@ -54,27 +65,61 @@ impl ZoneMetrics {
 }
 
 impl Metrics {
-    pub(crate) fn new(zones: &[JudgedZone], steps_per_hour: u32) -> Self {
+    pub(crate) fn new(
+        zones: &[JudgedZone],
+        actuators: usize,
+        steps_per_hour: u32,
+        comfort_band: f64,
+    ) -> Self {
         let zones = zones.iter().map(|zone| ZoneMetrics {
             slot: zone.slot,
             fully_conditioned: zone.fully_conditioned,
             ..ZoneMetrics::default()
         });
-        Self { zones: zones.collect(), hours_per_step: 1.0 / f64::from(steps_per_hour), ..Self::default() }
+        Self {
+            zones: zones.collect(),
+            travel: vec![0.0; actuators],
+            last_action: vec![0.0; actuators],
+            hours_per_step: 1.0 / f64::from(steps_per_hour),
+            comfort_band,
+            ..Self::default()
+        }
     }
 
-    /// Adds what the step just counted was worth. `energy` in Wh/m², electricity and gas.
-    pub(crate) fn add(&mut self, reward: Reward, target: f64, observation: &[f64], energy: [f64; 2]) {
+    /// By how much electricity (Wh/m²) of a step would raise the highest power so far, W/m².
+    pub(crate) fn peak_rise(&self, electricity: f64) -> f64 {
+        (electricity / self.hours_per_step - self.peak_electricity).max(0.0)
+    }
+
+    /// Adds what the step just counted was worth. `low` and `high` are the bounds of the action.
+    pub(crate) fn add(&mut self, reward: Reward, step: &StepView<'_>, low: &[f64], high: &[f64]) {
         self.episode_return += reward.total();
         self.temperature_penalty += reward.temperature_penalty;
         self.energy_penalty += reward.energy_penalty;
-        self.electricity += energy[0];
-        self.gas += energy[1];
-        for zone in &mut self.zones {
-            let deviation = observation[zone.slot] - target;
+        self.electricity += step.electricity;
+        self.gas += step.gas;
+        self.cost += step.cost;
+        self.emissions += step.emissions;
+        self.peak_electricity += step.peak_rise;
+        self.peak_gas = self.peak_gas.max(step.gas / self.hours_per_step);
+        self.add_travel(step.action, low, high);
+        for (zone, step) in self.zones.iter_mut().zip(step.zones) {
+            let deviation = step.temperature - step.target;
             zone.squares += deviation * deviation;
             zone.absolutes += deviation.abs();
-            zone.steps_outside += usize::from(deviation.abs() > COMFORT_BAND);
+            zone.steps_outside += usize::from(deviation.abs() > self.comfort_band);
+            zone.discomfort += (step.deviation().abs() - self.comfort_band).max(0.0) * self.hours_per_step;
+        }
+    }
+
+    /// The first action of an episode is no way.
+    fn add_travel(&mut self, action: &[f64], low: &[f64], high: &[f64]) {
+        for (actuator, value) in action.iter().enumerate() {
+            let range = high[actuator] - low[actuator];
+            if self.steps > 1 && range > 0.0 {
+                self.travel[actuator] += (value - self.last_action[actuator]).abs() / range;
+            }
+            self.last_action[actuator] = *value;
         }
     }
 
@@ -89,14 +134,28 @@ impl Metrics {
         self.mean_over_zones(|zone| zone.mean_abs_deviation(self.steps))
     }
 
-    /// Hours further than 1 K from target, averaged over the zones that have both heating and cooling.
-    pub fn hours_outside_1k(&self) -> f64 {
-        self.mean_over_zones(|zone| self.zone_hours_outside_1k(zone))
+    /// Hours further from target than the task's comfort band, averaged over the zones that have both heating and
+    /// cooling.
+    pub fn hours_outside_band(&self) -> f64 {
+        self.mean_over_zones(|zone| self.zone_hours_outside_band(zone))
     }
 
-    /// Hours that a zone was further than 1 K from target.
-    pub fn zone_hours_outside_1k(&self, zone: &ZoneMetrics) -> f64 {
+    /// Hours that a zone was further from target than the task's comfort band.
+    pub fn zone_hours_outside_band(&self, zone: &ZoneMetrics) -> f64 {
         zone.steps_outside as f64 * self.hours_per_step
+    }
+
+    /// Thermal discomfort, K h, averaged over the controlled zones.
+    pub fn discomfort(&self) -> f64 {
+        self.zones.iter().map(|zone| zone.discomfort).sum::<f64>() / self.zones.len().max(1) as f64
+    }
+
+    /// Way of the actuators a day, in times their ranges, averaged over them.
+    pub fn daily_travel(&self) -> f64 {
+        let days = self.steps as f64 * self.hours_per_step / 24.0;
+        self.travel.iter().sum::<f64>()
+            / self.travel.len().max(1) as f64
+            / days.max(self.hours_per_step / 24.0)
     }
 
     fn mean_over_zones(&self, value: impl Fn(&ZoneMetrics) -> f64) -> f64 {

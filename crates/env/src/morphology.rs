@@ -5,7 +5,6 @@ use b2b_building::morphology::{Layout, NodeType, Observed, Owner};
 
 use crate::action::ActionSpace;
 use crate::observation::ObservationSpace;
-use crate::task::Task;
 use crate::{Error, Result};
 
 /// The paper's pair of translations: `split` of an observation into the observations of the nodes, and `join` of the
@@ -14,8 +13,8 @@ use crate::{Error, Result};
 /// Tables are made once; a translation copies numbers between buffers of the caller and allocates nothing. Each slot of
 /// the observation and of the action has one cell of its own in the arrays of the nodes.
 ///
-/// Target and occupancy have cells on every controlled zone. Where the observation has no such slots, because the task
-/// keeps them as they are, `split` fills in what the task says: its target, occupied.
+/// Target and occupancy have cells on every controlled zone. Where the observation has no such slots, because targets
+/// never move, `split` fills in that target, occupied.
 ///
 /// ```text
 /// decomposition.split(observation, &mut nodes);            // nodes[block.range()]: [nodes of a type, its slots]
@@ -45,7 +44,6 @@ impl Decomposition {
         morphology: &Morphology,
         observation_space: &ObservationSpace,
         action_space: &ActionSpace,
-        task: &Task,
     ) -> Result<Self> {
         let (observation, action) = (morphology.observation_layout(), morphology.action_layout());
         let rows = Rows::of(morphology);
@@ -69,7 +67,7 @@ impl Decomposition {
                 Ok(action.block(node_type).cell(row, column.ok_or_else(|| missing(name))?))
             })
             .collect::<Result<_>>()?;
-        let constant = constants(morphology, &observation, task, &observed);
+        let constant = constants(morphology, &observation, observation_space, &observed);
         let nodes = NodeType::ALL.map(|node_type| observation.block(node_type).nodes);
         Ok(Self { observation, action, observed, constant, acted, nodes })
     }
@@ -192,13 +190,18 @@ impl Rows {
     }
 }
 
-/// What the task says of cells that the observation does not have.
-fn constants(morphology: &Morphology, layout: &Layout, task: &Task, observed: &[usize]) -> Vec<(usize, f64)> {
+/// What is in cells that the observation does not have.
+fn constants(
+    morphology: &Morphology,
+    layout: &Layout,
+    space: &ObservationSpace,
+    observed: &[usize],
+) -> Vec<(usize, f64)> {
     let mut constants = Vec::new();
     for (number, node) in morphology.nodes.iter().enumerate() {
         for (column, slot) in node.node_type.observation().iter().enumerate() {
             let value = match slot.quantity {
-                Observed::TargetTemperature => task.target,
+                Observed::TargetTemperature => space.constant_target().unwrap_or(0.0),
                 Observed::Occupancy => 1.0,
                 _ => 0.0,
             };
@@ -236,12 +239,11 @@ mod tests {
     }
 
     fn decomposition(slots: Vec<Slot>) -> Result<Decomposition> {
-        let task = Task { target: 21.0, ..Task::default() };
-        Decomposition::new(&morphology(), &ObservationSpace::of_slots(slots), &ActionSpace::empty(), &task)
+        Decomposition::new(&morphology(), &ObservationSpace::of_slots(slots), &ActionSpace::empty())
     }
 
     #[test]
-    fn a_target_that_is_observed_is_taken_and_one_that_is_not_is_the_task_s() {
+    fn a_target_that_is_observed_is_taken_and_one_that_is_not_is_the_constant_one() {
         let slots = vec![
             slot(1, Observed::TargetTemperature),
             slot(0, Observed::AirTemperature),

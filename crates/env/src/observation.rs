@@ -2,8 +2,10 @@
 
 use std::ops::Range;
 
-use b2b_building::PreparedBuilding;
 use b2b_building::morphology::{Observed, Owner};
+use b2b_building::{Conditioning, PreparedBuilding};
+
+use crate::setpoints::Setpoints;
 
 /// One slot of the observation.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,11 +27,34 @@ pub struct Slot {
 }
 
 /// Names, units and bounds of the observation, in its order: air temperature of every zone in model order, then
-/// outdoor temperature and humidity, the clock, and the energy of the step.
+/// outdoor temperature and humidity, the clock, and the energy of the step. Where targets move, occupancy and target of
+/// every controlled zone follow, in model order.
+///
+/// Occupancy and target are those of the step to come: its reward is judged by them.
 #[derive(Clone, Debug)]
 pub struct ObservationSpace {
     slots: Vec<Slot>,
     zones: usize,
+    constant_target: Option<f64>,
+}
+
+/// Where the target of a zone is to be had.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Target {
+    /// In this slot of the observation, °C.
+    Slot(usize),
+    /// It is always this, °C.
+    Always(f64),
+}
+
+impl Target {
+    /// The target for the step after an observation, °C.
+    pub fn of(self, observation: &[f64]) -> f64 {
+        match self {
+            Self::Slot(slot) => observation[slot],
+            Self::Always(target) => target,
+        }
+    }
 }
 
 /// Slots after those of the zones, in their order.
@@ -44,11 +69,14 @@ pub(crate) enum Shared {
     Gas,
 }
 
+/// How many there are.
+const SHARED: usize = Shared::Gas as usize + 1;
+
 /// No building takes more power than this, W/m².
 const MAXIMUM_POWER: f64 = 1000.0;
 
 impl ObservationSpace {
-    pub(crate) fn of(building: &PreparedBuilding, steps_per_hour: u32) -> Self {
+    pub(crate) fn of(building: &PreparedBuilding, steps_per_hour: u32, setpoints: &Setpoints) -> Self {
         let energy = MAXIMUM_POWER / f64::from(steps_per_hour);
         let slot = |name: &str, (owner, quantity), unit, (low, high), source| Slot {
             name: name.into(),
@@ -116,13 +144,36 @@ impl ObservationSpace {
                 "engine: meter NaturalGas:HVAC, of the step",
             ),
         ]);
-        Self { slots, zones: building.zones.len() }
+        let constant_target = match setpoints {
+            Setpoints::Constant { target } => Some(*target),
+            Setpoints::Occupancy { .. } | Setpoints::Random { .. } => None,
+        };
+        let told =
+            |zone: &b2b_building::Zone| constant_target.is_none() && zone.conditioning != Conditioning::None;
+        let controlled = building.zones.iter().enumerate().filter(|(_, zone)| told(zone));
+        for (number, zone) in controlled {
+            slots.push(slot(
+                &format!("{} occupancy", zone.name),
+                (Owner::Zone(number), Observed::Occupancy),
+                "1",
+                (0.0, 1.0),
+                "engine: Zone People Occupant Count over 0 (random setpoints: drawn), for the next step",
+            ));
+            slots.push(slot(
+                &format!("{} target", zone.name),
+                (Owner::Zone(number), Observed::TargetTemperature),
+                "°C",
+                (0.0, 50.0),
+                "task, for the next step",
+            ));
+        }
+        Self { slots, zones: building.zones.len(), constant_target }
     }
 
     /// A space of any slots.
     #[cfg(test)]
     pub(crate) fn of_slots(slots: Vec<Slot>) -> Self {
-        Self { slots, zones: 0 }
+        Self { slots, zones: 0, constant_target: Some(21.0) }
     }
 
     /// The slots in order.
@@ -158,6 +209,25 @@ impl ObservationSpace {
     /// Slot of the HVAC gas of the step, Wh/m².
     pub fn gas(&self) -> usize {
         self.shared(Shared::Gas)
+    }
+
+    /// The target of every controlled zone, °C, if it never moves.
+    pub fn constant_target(&self) -> Option<f64> {
+        self.constant_target
+    }
+
+    /// Slot of the occupancy of a controlled zone, counted in model order among the controlled ones. `None` where
+    /// targets never move.
+    pub fn occupancy(&self, controlled_zone: usize) -> Option<usize> {
+        self.constant_target.is_none().then_some(self.zones + SHARED + 2 * controlled_zone)
+    }
+
+    /// Target of a controlled zone, counted as in [`ObservationSpace::occupancy`].
+    pub fn target(&self, controlled_zone: usize) -> Target {
+        match self.constant_target {
+            Some(target) => Target::Always(target),
+            None => Target::Slot(self.zones + SHARED + 2 * controlled_zone + 1),
+        }
     }
 
     pub(crate) fn shared(&self, slot: Shared) -> usize {

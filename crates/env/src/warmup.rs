@@ -21,34 +21,37 @@ const CENTRAL_SUPPLY: f64 = 14.0;
 const LEAST_OPENING: f64 = 0.2;
 const OUTDOOR_SHARE: f64 = 0.2;
 
-/// Writes the action of the warm-up controller. `temperature` gives a zone's air temperature, °C.
-pub(crate) fn action(systems: &[System], target: f64, temperature: impl Fn(&str) -> f64, action: &mut [f64]) {
+/// Writes the action of the warm-up controller.
+/// `zone` gives a zone's target and air temperature, °C.
+pub(crate) fn action(systems: &[System], zone: impl Fn(&str) -> [f64; 2], action: &mut [f64]) {
     let mut rest = action;
     for system in systems {
         match system {
             System::Unitary(unit) => {
-                let demand = ((target - temperature(&unit.zone)) / UNITARY_BAND).clamp(-1.0, 1.0);
+                let [target, temperature] = zone(&unit.zone);
+                let demand = ((target - temperature) / UNITARY_BAND).clamp(-1.0, 1.0);
                 rest[0] = unit.flow.high * (LEAST_FLOW + (1.0 - LEAST_FLOW) * demand.abs());
                 rest[1] = target + demand * if demand > 0.0 { HEATING_LIFT } else { COOLING_DROP };
                 rest = &mut rest[2..];
             }
             System::AirLoop(air_loop) => {
-                central(air_loop, target, &temperature, rest);
+                central(air_loop, &zone, rest);
                 rest = &mut rest[2 + 2 * air_loop.terminals.len()..];
             }
-            System::HeatingOnly(_) => {
-                rest[0] = target;
+            System::HeatingOnly(heater) => {
+                rest[0] = zone(&heater.zone)[0];
                 rest = &mut rest[1..];
             }
         }
     }
 }
 
-fn central(air_loop: &AirLoop, target: f64, temperature: &impl Fn(&str) -> f64, action: &mut [f64]) {
+fn central(air_loop: &AirLoop, zone: &impl Fn(&str) -> [f64; 2], action: &mut [f64]) {
     action[0] = CENTRAL_SUPPLY;
     action[1] = OUTDOOR_SHARE * air_loop.fan_flow;
     for (terminal, action) in air_loop.terminals.iter().zip(action[2..].chunks_exact_mut(2)) {
-        let too_warm = (temperature(&terminal.zone) - target) / DAMPER_BAND;
+        let [target, temperature] = zone(&terminal.zone);
+        let too_warm = (temperature - target) / DAMPER_BAND;
         action[0] = (LEAST_OPENING + too_warm).clamp(LEAST_OPENING, 1.0);
         action[1] = target;
     }

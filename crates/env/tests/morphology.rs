@@ -10,8 +10,6 @@ use b2b_building::morphology::{Layout, NodeType, Observed, Owner};
 use b2b_building::{BuildingType, Conditioning, Description, Morphology};
 use b2b_env::{Decomposition, Env, Episode, Task};
 
-const TARGET: f64 = 20.5;
-
 struct Case {
     env: Env,
     morphology: Morphology,
@@ -22,19 +20,21 @@ fn cases() -> impl Iterator<Item = Case> {
     BuildingType::ALL.into_iter().map(case)
 }
 
-/// The building is prepared once for all tests.
 fn case(building_type: BuildingType) -> Case {
+    case_of(building_type, Task::default())
+}
+
+/// The building is prepared once for all tests.
+fn case_of(building_type: BuildingType, task: Task) -> Case {
     static PREPARED: [OnceLock<common::Case>; 6] = [const { OnceLock::new() }; 6];
     let common::Case { library, building, weather } =
         PREPARED[building_type as usize].get_or_init(|| common::Case::at_home(building_type));
-    let task = Task { target: TARGET, ..Task::default() };
     let period = "01-01..01-01".parse().unwrap();
-    let episode = Episode { weather: weather.clone(), period, steps_per_hour: 12, task: task.clone() };
+    let episode = Episode { weather: weather.clone(), period, steps_per_hour: 12, task };
     let env = Env::new(library.clone(), Arc::clone(building), episode).unwrap();
     let description = Description::of(building, weather, Origin::default()).unwrap();
     let morphology = Morphology::of(building, &description);
-    let decomposition =
-        Decomposition::new(&morphology, env.observation_space(), env.action_space(), &task).unwrap();
+    let decomposition = Decomposition::new(&morphology, env.observation_space(), env.action_space()).unwrap();
     Case { env, morphology, decomposition }
 }
 
@@ -44,7 +44,9 @@ fn numbers(len: usize) -> Vec<f64> {
 
 #[test]
 fn every_slot_belongs_to_exactly_one_node() {
-    for Case { env, morphology, decomposition } in cases() {
+    let tasks = || Task::NAMED.iter().map(|name| name.parse().unwrap());
+    let cases = BuildingType::ALL.into_iter().flat_map(|kind| tasks().map(move |task| case_of(kind, task)));
+    for Case { env, morphology, decomposition } in cases {
         for (cells, layout, spaces) in [
             (
                 decomposition.observation_cells(),
@@ -93,8 +95,9 @@ fn split_and_join_undo_each_other() {
 }
 
 #[test]
-fn a_zone_sees_its_own_temperature_and_the_target_of_the_task() {
-    for Case { env, morphology, decomposition } in cases() {
+fn a_zone_sees_its_own_temperature_occupancy_and_target() {
+    let moving = BuildingType::ALL.map(|kind| case_of(kind, "occupancy".parse().unwrap()));
+    for Case { env, morphology, decomposition } in cases().chain(moving) {
         let observation = numbers(env.observation_space().len());
         let mut nodes = vec![0.0; decomposition.observation_layout().len()];
         decomposition.split(&observation, &mut nodes);
@@ -108,9 +111,14 @@ fn a_zone_sees_its_own_temperature_and_the_target_of_the_task() {
             };
             let temperature = observation[env.observation_space().zone_temperatures().start + zone];
             assert_eq!(seen(Observed::AirTemperature), Some(temperature), "{}", node.name);
-            let controlled = env.building().zones[zone].conditioning != Conditioning::None;
-            assert_eq!(seen(Observed::TargetTemperature), controlled.then_some(TARGET));
-            assert_eq!(seen(Observed::Occupancy), controlled.then_some(1.0));
+            let zones = &env.building().zones;
+            let controlled = zones[zone].conditioning != Conditioning::None;
+            let before = zones[..zone].iter().filter(|zone| zone.conditioning != Conditioning::None).count();
+            let space = env.observation_space();
+            let target = || space.target(before).of(&observation);
+            let occupancy = || space.occupancy(before).map_or(1.0, |slot| observation[slot]);
+            assert_eq!(seen(Observed::TargetTemperature), controlled.then(target));
+            assert_eq!(seen(Observed::Occupancy), controlled.then(occupancy));
         }
     }
 }
@@ -136,7 +144,7 @@ fn a_building_s_slots_have_no_place_in_the_morphology_of_another() {
     let office = case(BuildingType::OfficeSmall);
     let house = case(BuildingType::SingleFamilyHouse);
     let (observation, action) = (office.env.observation_space(), office.env.action_space());
-    let error = Decomposition::new(&house.morphology, observation, action, &Task::default()).unwrap_err();
+    let error = Decomposition::new(&house.morphology, observation, action).unwrap_err();
     let text = error.to_string();
     assert!(text.contains("SingleFamilyHouse") && text.contains("Perimeter_ZN_"), "{text}");
 }

@@ -14,7 +14,7 @@ use b2b_env::vector::{
     AnyOf, Autoreset, Fixed, Launcher, Live, Pool, PoolOptions, Setting, Source, Start, VecEnv,
     VecEnvOptions, Windows,
 };
-use b2b_env::{ActionSpace, Env, Error, Task};
+use b2b_env::{ActionSpace, Env, Error};
 use common::{Case, Dice};
 use rustix::process::{Pid, Signal, kill_process};
 
@@ -502,7 +502,7 @@ fn a_task_is_part_of_what_a_template_is_of() {
     let mut pool = Pool::new(options(&case)).unwrap();
     let first = setting(&case, DAY);
     let mut second = first.clone();
-    second.episode.task = Task { target: 18.0, ..Task::default() };
+    second.episode.task = "constant:18".parse().unwrap();
     let [one, same, other] = [&first, &first.clone(), &second].map(|setting| pool.prepare(setting).unwrap());
     assert_eq!(one, same);
     assert_ne!(one, other);

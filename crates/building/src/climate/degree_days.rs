@@ -34,7 +34,8 @@ impl DegreeDays {
         Ok(Self::of_hours(&hours))
     }
 
-    fn of_hours(dry_bulbs: &[f64]) -> Self {
+    /// Of the dry bulbs of hours, °C.
+    pub(super) fn of_hours(dry_bulbs: &[f64]) -> Self {
         let mut sum = Self::default();
         for day in dry_bulbs.chunks(24) {
             let mean = day.iter().sum::<f64>() / day.len() as f64;

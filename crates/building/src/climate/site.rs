@@ -34,6 +34,8 @@ pub struct Site {
     pub heating: DesignDay,
     /// The hot design day: 0.4 % dry bulb.
     pub cooling: DesignDay,
+    /// Whether the design days are taken from the file's hours, because its header has none.
+    pub sized_by_hours: bool,
 }
 
 /// The weather that equipment is sized for.
@@ -101,9 +103,10 @@ impl Site {
         let header = Header { text, path };
         let location = header.line("LOCATION")?;
         let design = header.line("DESIGN CONDITIONS")?;
-        let (heating, cooling) = match design.text(1)? {
-            "0" => design_days_of_year(text, &design)?,
-            _ => (design.after("Heating")?.heating()?, design.after("Cooling")?.cooling()?),
+        let sized_by_hours = design.text(1)? == "0";
+        let (heating, cooling) = match sized_by_hours {
+            true => design_days_of_year(text, &design)?,
+            false => (design.after("Heating")?.heating()?, design.after("Cooling")?.cooling()?),
         };
         let optical_depths = clear_sky::optical_depths(location.text(5)?);
         Ok(Self {
@@ -116,6 +119,7 @@ impl Site {
             monthly_dry_bulbs: monthly_dry_bulbs(text),
             heating,
             cooling: DesignDay { optical_depths, ..cooling },
+            sized_by_hours,
         })
     }
 
@@ -331,6 +335,7 @@ DATA PERIODS,1,1,Data,Sunday, 1/ 1,12/31
         assert_eq!(site.ground_temperatures[11], 8.08);
         assert_eq!((site.heating.dry_bulb, site.heating.wind_speed), (-23.7, Some(3.9)));
         assert_eq!((site.cooling.dry_bulb, site.cooling.daily_range), (30.0, 9.3));
+        assert!(!site.sized_by_hours);
     }
 
     #[test]
@@ -352,6 +357,7 @@ DATA PERIODS,1,1,Data,Sunday, 1/ 1,12/31
             text += &format!("1999,{month},1,1,60,flags,{dry_bulb}\n");
         }
         let site = Site::from_epw(&text, Path::new("a.epw")).unwrap();
+        assert!(site.sized_by_hours);
         assert_eq!((site.heating.month, site.heating.dry_bulb), (1, -20.0));
         assert_eq!((site.cooling.dry_bulb, site.cooling.daily_range), (31.0, 11.0));
     }

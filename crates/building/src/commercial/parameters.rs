@@ -59,17 +59,19 @@ const MOST_WINDOW: f64 = 0.40;
 pub fn bounds(building_type: BuildingType, ashrae_zone: &str) -> Result<[Bound; 8]> {
     let code = Prescriptive::of(ashrae_zone)?;
     let windows = prototype_window_to_wall(building_type)?;
-    let bound = |name, low, high| Bound { name, low, high };
-    Ok([
-        bound("envelope", 0.5, code.envelope),
-        bound("window_u", 0.8 * code.window_u, 1.3 * code.window_u),
-        bound("window_shgc", 0.15, (code.window_shgc + 0.10).clamp(0.10, 0.80)),
-        bound("window_to_wall", WINDOW_SHARE.0 * windows, (WINDOW_SHARE.1 * windows).min(MOST_WINDOW)),
-        bound("infiltration", 0.5, code.infiltration),
-        bound("x_scale", 0.7, 1.5),
-        bound("y_scale", 0.7, 1.5),
-        bound("north_axis", 0.0, 360.0),
-    ])
+    let ranges = [
+        (0.5, code.envelope),
+        (0.8 * code.window_u, 1.3 * code.window_u),
+        (0.15, (code.window_shgc + 0.10).clamp(0.10, 0.80)),
+        (WINDOW_SHARE.0 * windows, (WINDOW_SHARE.1 * windows).min(MOST_WINDOW)),
+        (0.5, code.infiltration),
+        (0.7, 1.5),
+        (0.7, 1.5),
+        (0.0, 360.0),
+    ];
+    let bound =
+        |index: usize| Bound { name: Bound::NAMES[index], low: ranges[index].0, high: ranges[index].1 };
+    Ok(std::array::from_fn(bound))
 }
 
 fn prototype_window_to_wall(building_type: BuildingType) -> Result<f64> {
@@ -78,12 +80,28 @@ fn prototype_window_to_wall(building_type: BuildingType) -> Result<f64> {
 }
 
 impl Bound {
+    /// Names of the parameters of the commercial types, in order.
+    pub const NAMES: [&str; 8] = [
+        "envelope",
+        "window_u",
+        "window_shgc",
+        "window_to_wall",
+        "infiltration",
+        "x_scale",
+        "y_scale",
+        "north_axis",
+    ];
+
     /// The value at a share of the way from the lowest (0) to the highest (1).
     fn at(&self, share: f64) -> f64 {
         (self.low + share * (self.high - self.low)).clamp(self.low, self.high)
     }
 
-    fn check(&self, value: f64) -> Result<()> {
+    /// Whether a value is a number within it.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] when it is not.
+    pub fn check(&self, value: f64) -> Result<()> {
         if (self.low..=self.high).contains(&value) {
             return Ok(());
         }

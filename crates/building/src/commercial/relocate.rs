@@ -137,6 +137,7 @@ mod tests {
             monthly_dry_bulbs: None,
             heating,
             cooling: day,
+            sized_by_hours: false,
         }
     }
 

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use b2b_energyplus::install::{Cache, Progress};
 
-use crate::climate::{Place, Site};
+use crate::climate::{Location, Site};
 use crate::commercial::{self, CommercialParameters};
 use crate::house::{self, HouseSample};
 use crate::{BuildingType, Model, Result};
@@ -17,11 +17,11 @@ pub enum Building {
         /// The type.
         building_type: BuildingType,
         /// Where it stands.
-        place: &'static Place,
+        location: Location,
         /// Its parameters.
         parameters: CommercialParameters,
     },
-    /// A house, with the region it stands in.
+    /// A house.
     House(HouseSample),
 }
 
@@ -34,23 +34,25 @@ impl Building {
         }
     }
 
-    /// Name of the place, or of the region of a house.
-    pub fn place(&self) -> &'static str {
+    /// Where it stands.
+    pub fn location(&self) -> &Location {
         match self {
-            Self::Commercial { place, .. } => place.name,
-            Self::House(sample) => sample.region.name,
+            Self::Commercial { location, .. } => location,
+            Self::House(sample) => &sample.location,
         }
+    }
+
+    /// Name of the place, or of the region of a house.
+    pub fn place(&self) -> &str {
+        self.location().name()
     }
 
     /// The weather file of the place or the region, fetched or made when it is not in the cache.
     ///
     /// # Errors
-    /// Those of [`Place::epw_in`] and [`crate::climate::Region::epw`].
+    /// Those of [`Location::weather`].
     pub fn weather(&self, cache: &Cache, progress: &mut dyn Progress) -> Result<PathBuf> {
-        match self {
-            Self::Commercial { place, .. } => place.epw_in(cache, progress),
-            Self::House(sample) => sample.region.epw(cache, progress),
-        }
+        self.location().weather(cache, progress)
     }
 
     /// Its model, before sizing. `prototype` is [`BuildingType::prototype`] of the type, and `site` is read from the
@@ -59,11 +61,12 @@ impl Building {
     /// The same arguments give the same bytes.
     ///
     /// # Errors
-    /// [`crate::Error::Parameter`] naming the parameter that is out of its bounds; those of [`commercial::generate`].
+    /// [`crate::Error::Parameter`] naming the parameter that is out of its bounds; those of [`commercial::generate_in_zone`].
     pub fn model(&self, prototype: &Model, site: &Site) -> Result<Model> {
         match self {
-            Self::Commercial { building_type, place, parameters } => {
-                commercial::generate(prototype, *building_type, place, site, parameters)
+            Self::Commercial { building_type, location, parameters } => {
+                let zone = location.ashrae_zone().unwrap_or_default();
+                commercial::generate_in_zone(prototype, *building_type, zone, site, parameters)
             }
             Self::House(sample) => house::house(&sample.house, site),
         }

@@ -2,9 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use super::setting::FOUNDATIONS;
 use super::{Building, GENERATOR_VERSION, Row};
+use crate::climate::Location;
 use crate::commercial::CommercialParameters;
-use crate::house::{Foundation, Heater, Heating, HouseSample};
+use crate::house::{Heater, Heating, House, HouseSample};
 
 /// A column of the table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -89,6 +91,9 @@ const PARAMETERS: [Column; 31] = [
     column("cooling_oversizing", Kind::Number, "1"),
 ];
 
+/// What is known of the weather of a building that is not of the dataset.
+const WEATHER: [Column; 1] = [column("weather_sha256", Kind::Text, "")];
+
 fn columns() -> Vec<Column> {
     [&HEAD[..], &SPLIT, &PARAMETERS].concat()
 }
@@ -105,14 +110,23 @@ pub fn manifest<'a>(rows: impl IntoIterator<Item = &'a Row>) -> Manifest {
     Manifest { rows: rows.into_iter().map(|row| in_order(cells(row), &columns)).collect(), columns }
 }
 
-/// The table of any buildings, each with its name; they belong to no split.
+/// The table of any buildings, each with its name; they belong to no split. Of a building under a weather file of the
+/// user, it tells the file's SHA-256.
 pub fn of_buildings<'a>(buildings: impl IntoIterator<Item = (&'a str, &'a Building)>) -> Manifest {
-    let columns = columns();
+    let columns = [columns(), WEATHER.to_vec()].concat();
     let row = |(name, building): (&str, &Building)| in_order(cells(name, building), &columns);
     Manifest { rows: buildings.into_iter().map(row).collect(), columns }
 }
 
 impl Manifest {
+    /// With the columns of [`of_buildings`], so that tables of both kinds can be one.
+    #[must_use]
+    pub fn with_weather(mut self) -> Self {
+        self.columns.extend(WEATHER);
+        self.rows.iter_mut().for_each(|row| row.resize(self.columns.len(), String::new()));
+        self
+    }
+
     /// As comma-separated values under a row of names. Numbers are in their shortest form that reads back the same.
     pub fn to_csv(&self) -> String {
         let names: Vec<&str> = self.columns.iter().map(|column| column.name).collect();
@@ -142,11 +156,14 @@ fn cells(name: &str, building: &Building) -> Cells {
         ("place", building.place().to_owned()),
     ]);
     match building {
-        Building::Commercial { place, parameters, .. } => {
-            cells.insert("climate_zone", place.ashrae_zone.to_owned());
+        Building::Commercial { parameters, .. } => {
+            cells.insert("climate_zone", building.location().ashrae_zone().unwrap_or_default().to_owned());
             cells.extend(commercial(parameters));
         }
         Building::House(sample) => cells.extend(house(sample)),
+    }
+    if let Location::File(file) = building.location() {
+        cells.insert("weather_sha256", file.sha256.clone());
     }
     cells
 }
@@ -177,14 +194,13 @@ fn commercial(parameters: &CommercialParameters) -> Vec<(&'static str, String)> 
 fn house(sample: &HouseSample) -> Vec<(&'static str, String)> {
     let house = &sample.house;
     let mut cells = vec![
-        ("heating_degree_days", sample.region.station.heating_degree_days().round().to_string()),
         ("vintage", sample.vintage.name().to_owned()),
         ("year", sample.year.to_string()),
         ("floor_area", house.floor_area.to_string()),
         ("storeys", house.storeys.to_string()),
         ("aspect", house.aspect.to_string()),
         ("orientation", house.orientation.to_string()),
-        ("foundation", foundation(house.foundation).to_owned()),
+        ("foundation", foundation(house).to_owned()),
         ("garage", house.garage.to_string()),
         ("wall_resistance", house.wall_resistance.to_string()),
         ("attic_resistance", house.attic_resistance.to_string()),
@@ -201,6 +217,9 @@ fn house(sample: &HouseSample) -> Vec<(&'static str, String)> {
         ("heating_oversizing", house.heating_oversizing.to_string()),
         ("cooling_oversizing", house.cooling_oversizing.to_string()),
     ];
+    if let Some(degree_days) = sample.location.heating_degree_days() {
+        cells.push(("heating_degree_days", degree_days.round().to_string()));
+    }
     if let Heating::HeatPump { cop, cutoff, .. } = house.heating {
         cells.push(("heat_pump_cop", cop.to_string()));
         cells.push(("heat_pump_cutoff", cutoff.to_string()));
@@ -215,10 +234,6 @@ fn house(sample: &HouseSample) -> Vec<(&'static str, String)> {
     cells
 }
 
-fn foundation(foundation: Foundation) -> &'static str {
-    match foundation {
-        Foundation::Basement => "basement",
-        Foundation::Slab => "slab",
-        Foundation::Crawlspace => "crawlspace",
-    }
+fn foundation(house: &House) -> &'static str {
+    FOUNDATIONS.into_iter().find(|(_, each)| *each == house.foundation).map_or("", |(word, _)| word)
 }

@@ -1,6 +1,7 @@
 //! The dataset `v1`: 6,000 buildings, each a function of its id.
 //!
-//! 1. [`sample()`] draws buildings of a type by a Latin hypercube over place and parameters; [`rows`] are the 1,000 of
+//! 1. [`sample()`] draws buildings of a type by a Latin hypercube over place and parameters, some of which a
+//!    [`Setting`] may fix or narrow; [`rows`] are the 1,000 of
 //!    each type that make the dataset.
 //! 2. A [`Row`] says of its [`Building`] whether it is to train or to test on: of every place (houses: region) a tenth
 //!    is for tests. Of these, eight a type are a small test, one for each climate zone from 1 to 8.
@@ -14,6 +15,7 @@ mod hypercube;
 mod id;
 pub mod manifest;
 mod sample;
+mod setting;
 mod split;
 
 use std::sync::OnceLock;
@@ -22,6 +24,7 @@ pub use building::Building;
 pub use id::{BUILDINGS_PER_TYPE, BuildingId};
 pub use manifest::manifest;
 pub use sample::{Places, sample};
+pub use setting::Setting;
 pub use split::Split;
 
 use crate::BuildingType;
@@ -60,7 +63,7 @@ pub fn all() -> impl Iterator<Item = &'static Row> {
 
 fn draw(building_type: BuildingType) -> Vec<Row> {
     let stream = format!("{GENERATOR_VERSION}/{building_type}");
-    let buildings = sample::draw(building_type, &stream, BUILDINGS_PER_TYPE as usize, 0, &Places::All)
+    let buildings = sample::draw(building_type, &stream, BUILDINGS_PER_TYPE as usize, 0, &Places::All, &[])
         .expect("points of the unit cube at known places make buildings");
     let split = split::split(&buildings, &stream);
     let row = |(building, number)| Row {

@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::Building;
 use super::hypercube::permutation;
-use crate::climate::{Place, Region};
+use crate::climate::{Location, Place, Region};
 
 /// One in this many buildings is for tests.
 const TEST_SHARE: usize = 10;
@@ -50,18 +50,16 @@ pub(super) fn split(buildings: &[Building], stream: &str) -> Selection {
 
 /// The number of the place or region in its list.
 fn rank(building: &Building) -> Option<usize> {
-    match building {
-        Building::Commercial { place, .. } => Place::benchmark().iter().position(|each| each == *place),
-        Building::House(sample) => Region::all().iter().position(|each| each == sample.region),
+    match building.location() {
+        Location::Place(place) => Place::benchmark().iter().position(|each| each == *place),
+        Location::Region(region) => Region::all().iter().position(|each| each == *region),
+        Location::File(_) => None,
     }
 }
 
 /// The first test building of each climate zone from 1 to 8.
 fn one_of_each_zone(buildings: &[Building], test: &[usize]) -> Vec<usize> {
-    let zone = |index: usize| match &buildings[index] {
-        Building::Commercial { place, .. } => place.ashrae_zone.chars().next(),
-        Building::House(_) => None,
-    };
+    let zone = |index: usize| buildings[index].location().ashrae_zone().and_then(|zone| zone.chars().next());
     ('1'..='8').filter_map(|digit| test.iter().copied().find(|&index| zone(index) == Some(digit))).collect()
 }
 

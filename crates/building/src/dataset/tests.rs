@@ -59,10 +59,7 @@ fn the_small_test_has_eight_test_buildings_of_a_type_one_in_each_climate_zone() 
         let small: Vec<_> = rows(building_type).iter().filter(|row| row.test_small).collect();
         assert_eq!(small.len(), 8);
         assert!(small.iter().all(|row| row.split == Split::Test));
-        let zone = |building: &Building| match building {
-            Building::Commercial { place, .. } => Some(place.ashrae_zone[..1].to_owned()),
-            Building::House(_) => None,
-        };
+        let zone = |building: &Building| Some(building.location().ashrae_zone()?[..1].to_owned());
         let zones: BTreeSet<_> = small.iter().filter_map(|row| zone(&row.building)).collect();
         assert_eq!(zones.len(), if building_type == BuildingType::SingleFamilyHouse { 0 } else { 8 });
     }
@@ -74,8 +71,8 @@ fn parameters_fill_their_ranges() {
     for building_type in commercial() {
         let mut tenths = [[0; 10]; 8];
         for row in rows(building_type) {
-            let Building::Commercial { place, parameters, .. } = &row.building else { unreachable!() };
-            let bounds = crate::commercial::bounds(building_type, place.ashrae_zone).unwrap();
+            let Building::Commercial { location, parameters, .. } = &row.building else { unreachable!() };
+            let bounds = crate::commercial::bounds(building_type, location.ashrae_zone().unwrap()).unwrap();
             for ((value, bound), tenths) in parameters.values().iter().zip(&bounds).zip(&mut tenths) {
                 let share = (value - bound.low) / (bound.high - bound.low);
                 tenths[((share * 10.0) as usize).min(9)] += 1;

@@ -172,7 +172,7 @@ impl Origin {
     /// What is known of a generated building.
     pub fn of(building: &Building) -> Self {
         match building {
-            Building::Commercial { place, .. } => Self::commercial(Some(place.ashrae_zone)),
+            Building::Commercial { location, .. } => Self::commercial(location.ashrae_zone()),
             Building::House(sample) => Self {
                 year: Some(sample.year),
                 vintage: Some(sample.vintage.name().to_owned()),

@@ -10,11 +10,13 @@ use crate::Model;
 
 /// Pressure exponent of a house's leakage (CAN/CGSB-149.10 tests find 0.6 to 0.7).
 const EXPONENT: f64 = 0.65;
-/// Stack coefficient for one, two and three levels without flue, (Pa/K)ⁿ (ASHRAE Fundamentals, enhanced model).
+/// Stack coefficient for one, two and three levels without flue, (Pa/K)ⁿ (ASHRAE Fundamentals 2005, enhanced model,
+/// as in EnergyPlus's Input Output Reference, `ZoneInfiltration:FlowCoefficient`).
 const STACK: [f64; 3] = [0.054, 0.078, 0.098];
 /// Wind coefficient for one, two and three levels on a basement or slab, without flue, (Pa·s²/m²)ⁿ (ibid.).
 const WIND: [f64; 3] = [0.156, 0.170, 0.170];
-/// Wind coefficient on a crawlspace (ibid.).
+/// Wind coefficient on a crawlspace (ibid.). That of three levels, which no house on a crawlspace has, is with a flue;
+/// without it is 0.151.
 const WIND_CRAWLSPACE: [f64; 3] = [0.128, 0.142, 0.154];
 /// Shelter class 3: neighbours across the street (ibid.).
 const SHELTER: f64 = 0.7;

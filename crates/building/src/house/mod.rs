@@ -34,6 +34,7 @@ mod geometry;
 mod ground;
 mod infiltration;
 mod loads;
+mod numbers;
 mod parameters;
 mod sample;
 mod schedules;
@@ -43,8 +44,9 @@ mod zones;
 
 pub use geometry::Geometry;
 pub use loads::Capacities;
+pub use numbers::{NUMBERS, Number};
 pub use parameters::{Foundation, Heater, Heating, House};
-pub use sample::{DIMENSIONS, HouseSample, Vintage};
+pub use sample::{DIMENSIONS, Given, HouseSample, Vintage};
 
 use crate::climate::Site;
 use crate::{Model, Result};

@@ -186,7 +186,7 @@ impl House {
     }
 
     /// Every parameter that is a number, with its bounds.
-    fn bounded(&self) -> Vec<(&'static str, f64, [f64; 2])> {
+    pub(super) fn bounded(&self) -> Vec<(&'static str, f64, [f64; 2])> {
         let mut bounded = vec![
             ("floor_area (m²)", self.floor_area, [40.0, 1000.0]),
             ("storeys", f64::from(self.storeys), [1.0, 2.0]),

@@ -7,7 +7,7 @@
 use super::parameters::{IMPERIAL_R, IMPERIAL_U};
 use super::stock::{number, numbers, pick, share, shares};
 use super::{Foundation, Heater, Heating, House};
-use crate::climate::Region;
+use crate::climate::{Location, Region};
 use crate::{Error, Result};
 
 /// Coordinates of the unit cube that make a house.
@@ -105,6 +105,15 @@ impl Vintage {
         }
     }
 
+    /// First and last year of all.
+    pub const YEARS: [u32; 2] = [1900, 2023];
+
+    /// The vintage of a year.
+    pub fn of_year(year: u32) -> Self {
+        let begun = |vintage: &&Self| vintage.years()[0] <= f64::from(year);
+        *Self::ALL.iter().rev().find(begun).unwrap_or(&Self::Before1946)
+    }
+
     /// First year and the year after the last; the ends of the first and the last are engineering judgement.
     fn years(self) -> [f64; 2] {
         match self {
@@ -121,13 +130,22 @@ impl Vintage {
 #[derive(Clone, Debug, PartialEq)]
 pub struct HouseSample {
     /// Where it stands.
-    pub region: &'static Region,
+    pub location: Location,
     /// When it was built.
     pub vintage: Vintage,
     /// The year in it.
     pub year: u32,
     /// Its parameters.
     pub house: House,
+}
+
+/// What is known of a house before the rest is drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Given {
+    /// The year it was built in, which decides its vintage.
+    pub year: Option<u32>,
+    /// What it stands on.
+    pub foundation: Option<Foundation>,
 }
 
 impl HouseSample {
@@ -138,6 +156,14 @@ impl HouseSample {
     /// # Errors
     /// [`Error::Parameter`] with the coordinate that is not from 0 to 1.
     pub fn from_unit(point: &[f64; DIMENSIONS]) -> Result<Self> {
+        Self::from_unit_given(point, &Given::default())
+    }
+
+    /// [`HouseSample::from_unit`] for what is given of the house: what depends on it is drawn accordingly.
+    ///
+    /// # Errors
+    /// As [`HouseSample::from_unit`].
+    pub fn from_unit_given(point: &[f64; DIMENSIONS], given: &Given) -> Result<Self> {
         check(point)?;
         let [
             region,
@@ -159,8 +185,9 @@ impl HouseSample {
             heat,
             cool,
         ] = *point;
-        let (vintage, within) = pick_vintage(vintage);
-        let foundation = foundation(ground);
+        let (drawn_vintage, within) = pick_vintage(vintage);
+        let vintage = given.year.map_or(drawn_vintage, Vintage::of_year);
+        let foundation = given.foundation.unwrap_or_else(|| foundation(ground));
         let [wall_resistance, attic_resistance, foundation_resistance] = resistances(vintage, insulation);
         let (window_u, window_shgc) = window_type(vintage, window);
         let (ventilation, heat_recovery) = ventilation(air);
@@ -189,8 +216,8 @@ impl HouseSample {
             cooling_oversizing: between(COOLING_OVERSIZING, cool),
             capacities: None,
         };
-        let year = between(vintage.years(), within.min(0.999)) as u32;
-        Ok(Self { region: pick_region(region), vintage, year, house })
+        let year = given.year.unwrap_or_else(|| between(vintage.years(), within.min(0.999)) as u32);
+        Ok(Self { location: Location::Region(pick_region(region)), vintage, year, house })
     }
 }
 

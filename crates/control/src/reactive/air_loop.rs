@@ -2,6 +2,7 @@
 
 use b2b_building::hvac;
 
+use super::ZoneSlots;
 use super::pi::{Gains, Pi};
 use super::trim_respond::TrimRespond;
 
@@ -58,7 +59,7 @@ pub(super) struct AirLoop {
 
 #[derive(Clone, Debug)]
 struct Terminal {
-    slot: usize,
+    slots: ZoneSlots,
     design_flow: f64,
     /// Opening up to which more air brings more heat.
     heating_opening: f64,
@@ -68,13 +69,13 @@ struct Terminal {
 impl AirLoop {
     pub(super) fn new(
         air_loop: &hvac::AirLoop,
-        slot: impl Fn(&str) -> usize,
+        slots: impl Fn(&str) -> ZoneSlots,
         outdoor: usize,
         hours: f64,
         parameters: &AirLoopParameters,
     ) -> Self {
         let terminals = air_loop.terminals.iter().map(|terminal| Terminal {
-            slot: slot(&terminal.zone),
+            slots: slots(&terminal.zone),
             design_flow: terminal.design_flow,
             heating_opening: terminal.heating_opening,
             cooling: Pi::new(parameters.gains, 0.0, 1.0, hours),
@@ -99,13 +100,15 @@ impl AirLoop {
         self.terminals.iter_mut().for_each(|terminal| terminal.cooling.reset());
     }
 
-    pub(super) fn act(&mut self, observation: &[f64], target: f64, action: &mut [f64]) {
+    pub(super) fn act(&mut self, observation: &[f64], action: &mut [f64]) {
         let (central, boxes) = action.split_at_mut(2);
         let mut flow = 0.0;
         let mut heat = 0.0;
         let mut greatest_demand = 0.0f64;
         for (terminal, action) in self.terminals.iter_mut().zip(boxes.chunks_exact_mut(2)) {
-            let error = observation[terminal.slot] - target;
+            let (temperature, target) =
+                (observation[terminal.slots.temperature], terminal.slots.target.of(observation));
+            let error = temperature - target;
             let demand = terminal.cooling.step(error);
             greatest_demand = greatest_demand.max(demand);
             let least = self.parameters.least_opening;
@@ -113,7 +116,7 @@ impl AirLoop {
             action[0] = least + (1.0 - least) * demand.max(heating);
             action[1] = target - self.parameters.deadband;
             flow += action[0] * terminal.design_flow;
-            heat += action[0] * terminal.design_flow * observation[terminal.slot];
+            heat += action[0] * terminal.design_flow * temperature;
         }
         let range = self.parameters.warmest_supply - self.parameters.coldest_supply;
         self.push = self.parameters.trim_respond.step(self.push, greatest_demand, self.hours, range);

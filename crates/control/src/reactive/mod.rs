@@ -6,8 +6,9 @@ mod pi;
 mod trim_respond;
 mod unitary;
 
-use b2b_building::PreparedBuilding;
 use b2b_building::hvac::System;
+use b2b_building::{Conditioning, PreparedBuilding};
+use b2b_env::{ObservationSpace, Target};
 
 pub use air_loop::AirLoopParameters;
 pub use pi::Gains;
@@ -16,8 +17,8 @@ pub use unitary::UnitaryParameters;
 
 use crate::Controller;
 
-/// Parameters of the reactive controllers. The defaults hold 21 °C in every base building; they are not tuned
-/// to any one.
+/// Parameters of the reactive controllers. The defaults hold 21 °C in every base building; they are not tuned to
+/// any one.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReactiveParameters {
     /// For unitary systems.
@@ -30,7 +31,13 @@ pub struct ReactiveParameters {
 #[derive(Clone, Debug)]
 pub struct Reactive {
     systems: Vec<Loop>,
-    target: f64,
+}
+
+/// Where the observation has what a loop needs of a zone.
+#[derive(Clone, Copy, Debug)]
+struct ZoneSlots {
+    temperature: usize,
+    target: Target,
 }
 
 /// The controller of one system.
@@ -39,38 +46,37 @@ enum Loop {
     Unitary(unitary::Unitary),
     AirLoop(air_loop::AirLoop),
     /// A heater under its own thermostat: the setpoint is the target.
-    Heater,
+    Heater(Target),
 }
 
 impl Reactive {
-    /// Controllers that hold every controlled zone of a building at a target, °C, with this many steps an
-    /// hour.
+    /// Controllers that hold every controlled zone of a building at the target that a space has for it, with
+    /// this many steps an hour.
     pub fn new(
         building: &PreparedBuilding,
-        target: f64,
+        space: &ObservationSpace,
         steps_per_hour: u32,
         parameters: &ReactiveParameters,
     ) -> Self {
         let hours = 1.0 / f64::from(steps_per_hour);
-        let slot = |name: &str| {
+        let slots = |name: &str| {
             // A system's zones are zones of its building: preparation took them from there.
-            building.zones.iter().position(|z| z.name.eq_ignore_ascii_case(name)).unwrap_or_default()
+            let zone =
+                building.zones.iter().position(|z| z.name.eq_ignore_ascii_case(name)).unwrap_or_default();
+            let before = building.zones[..zone].iter().filter(|z| z.conditioning != Conditioning::None);
+            ZoneSlots { temperature: zone, target: space.target(before.count()) }
         };
-        let outdoor = building.zones.len();
+        let outdoor = space.outdoor_temperature();
         let control = |system: &System| match system {
-            System::Unitary(unit) => Loop::Unitary(unitary::Unitary::new(
-                unit,
-                slot(&unit.zone),
-                target,
-                hours,
-                &parameters.unitary,
-            )),
-            System::AirLoop(air_loop) => {
-                Loop::AirLoop(air_loop::AirLoop::new(air_loop, slot, outdoor, hours, &parameters.air_loop))
+            System::Unitary(unit) => {
+                Loop::Unitary(unitary::Unitary::new(unit, slots(&unit.zone), hours, &parameters.unitary))
             }
-            System::HeatingOnly(_) => Loop::Heater,
+            System::AirLoop(air_loop) => {
+                Loop::AirLoop(air_loop::AirLoop::new(air_loop, slots, outdoor, hours, &parameters.air_loop))
+            }
+            System::HeatingOnly(heater) => Loop::Heater(slots(&heater.zone).target),
         };
-        Self { systems: building.systems.iter().map(control).collect(), target }
+        Self { systems: building.systems.iter().map(control).collect() }
     }
 }
 
@@ -80,7 +86,7 @@ impl Controller for Reactive {
             match system {
                 Loop::Unitary(unit) => unit.reset(),
                 Loop::AirLoop(air_loop) => air_loop.reset(),
-                Loop::Heater => {}
+                Loop::Heater(_) => {}
             }
         }
     }
@@ -90,13 +96,13 @@ impl Controller for Reactive {
             let width = match system {
                 Loop::Unitary(_) => 2,
                 Loop::AirLoop(air_loop) => air_loop.width(),
-                Loop::Heater => 1,
+                Loop::Heater(_) => 1,
             };
             let (own, rest) = action.split_at_mut(width);
             match system {
                 Loop::Unitary(unit) => unit.act(observation, own),
-                Loop::AirLoop(air_loop) => air_loop.act(observation, self.target, own),
-                Loop::Heater => own[0] = self.target,
+                Loop::AirLoop(air_loop) => air_loop.act(observation, own),
+                Loop::Heater(target) => own[0] = target.of(observation),
             }
             action = rest;
         }

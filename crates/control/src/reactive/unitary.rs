@@ -2,6 +2,7 @@
 
 use b2b_building::hvac;
 
+use super::ZoneSlots;
 use super::pi::{Gains, Pi};
 use super::trim_respond::TrimRespond;
 
@@ -39,8 +40,7 @@ impl Default for UnitaryParameters {
 #[derive(Clone, Debug)]
 pub(super) struct Unitary {
     parameters: UnitaryParameters,
-    slot: usize,
-    target: f64,
+    slots: ZoneSlots,
     hours: f64,
     flow: f64,
     supply: (f64, f64),
@@ -52,14 +52,12 @@ pub(super) struct Unitary {
 impl Unitary {
     pub(super) fn new(
         unit: &hvac::Unitary,
-        slot: usize,
-        target: f64,
+        slots: ZoneSlots,
         hours: f64,
         parameters: &UnitaryParameters,
     ) -> Self {
         Self {
-            slot,
-            target,
+            slots,
             hours,
             flow: unit.flow.high,
             supply: (unit.supply_temperature.low, unit.supply_temperature.high),
@@ -75,11 +73,13 @@ impl Unitary {
     }
 
     pub(super) fn act(&mut self, observation: &[f64], action: &mut [f64]) {
-        let demand = self.demand.step(self.target - observation[self.slot]);
+        let target = self.slots.target.of(observation);
+        let demand = self.demand.step(target - observation[self.slots.temperature]);
         let parameters = &self.parameters;
         let (low, high) = self.supply;
-        let warmest = high - self.target - parameters.heating_lift;
-        let coldest = self.target - parameters.cooling_drop - low;
+        // Far targets leave the supply no room to be pushed.
+        let warmest = (high - target - parameters.heating_lift).max(0.0);
+        let coldest = (target - parameters.cooling_drop - low).max(0.0);
         let rule = &parameters.trim_respond;
         self.push[0] = rule.step(self.push[0], demand, self.hours, warmest);
         self.push[1] = rule.step(self.push[1], -demand, self.hours, coldest);
@@ -91,6 +91,6 @@ impl Unitary {
         let by_temperature = (demand.abs() / split).min(1.0);
         let by_flow = ((demand.abs() - split) / (1.0 - split)).max(0.0);
         action[0] = self.flow * (parameters.least_flow + (1.0 - parameters.least_flow) * by_flow);
-        action[1] = self.target + offset * by_temperature;
+        action[1] = (target + offset * by_temperature).clamp(low, high);
     }
 }

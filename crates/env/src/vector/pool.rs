@@ -96,7 +96,7 @@ impl Spaces {
     fn new(building: Arc<PreparedBuilding>, episode: Episode) -> Result<Self> {
         let spaces = Self {
             action: ActionSpace::of(&building),
-            observation: ObservationSpace::of(&building, episode.steps_per_hour),
+            observation: ObservationSpace::of(&building, episode.steps_per_hour, &episode.task.setpoints),
             episode,
             building,
         };

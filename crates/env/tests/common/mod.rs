@@ -47,11 +47,16 @@ impl Case {
 
     /// An environment over some days, as in `01-01..01-07`, at 12 steps an hour.
     pub fn env(&self, period: &str) -> Env {
+        self.env_for(period, "constant")
+    }
+
+    /// As [`Case::env`], for a task by its spelling.
+    pub fn env_for(&self, period: &str, task: &str) -> Env {
         let episode = Episode {
             weather: self.weather.clone(),
             period: period.parse().unwrap(),
             steps_per_hour: 12,
-            task: Task::default(),
+            task: task.parse::<Task>().unwrap(),
         };
         Env::new(self.library.clone(), Arc::clone(&self.building), episode).unwrap()
     }

@@ -53,7 +53,7 @@ fn vintages_regions_and_foundations_have_their_shares() {
         close(share_of(&samples, |s| s.vintage == *vintage), expected, 0.0015, vintage.name());
     }
     for (region, expected) in [("Montérégie", 0.1953), ("Côte-Nord", 0.0237), ("Laval", 0.0347)] {
-        close(share_of(&samples, |s| s.region.name == region), expected, 0.0015, region);
+        close(share_of(&samples, |s| s.location.name() == region), expected, 0.0015, region);
     }
     let on = |foundation| share_of(&samples, |s| s.house.foundation == foundation);
     close(on(Foundation::Basement), 0.8376 + 0.0182, 0.0015, "basement");

@@ -1,0 +1,217 @@
+//! How comfort is judged: by squared deviation as in the paper, outside a deadband, or by the predicted mean vote.
+
+use serde::{Deserialize, Serialize};
+
+use crate::Result;
+use crate::reward::ZoneStep;
+use crate::setpoints::Season;
+use crate::task::within;
+
+/// The comfort term of a reward: a mean over the controlled zones.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Comfort {
+    /// (T − target)², K² (paper, eq. 1).
+    #[default]
+    Squared,
+    /// The square of what exceeds the half width, K².
+    Deadband {
+        /// Deviation from target that costs nothing, K.
+        half_width: f64,
+    },
+    /// PMV² while anyone is there, whatever the target.
+    Pmv(Pmv),
+}
+
+/// The predicted mean vote of ISO 7730 under assumptions: surfaces are as warm as the air, and what is here.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Pmv {
+    /// Metabolic rate, met; 1.2 is office work.
+    pub metabolic_rate: f64,
+    /// Air speed, m/s.
+    pub air_speed: f64,
+    /// Relative humidity indoors, %.
+    pub humidity: f64,
+    /// Clothing December to February, clo.
+    pub winter_clothing: f64,
+    /// Clothing June to August, clo; between the seasons the mean of both is worn.
+    pub summer_clothing: f64,
+}
+
+impl Default for Pmv {
+    fn default() -> Self {
+        Self {
+            metabolic_rate: 1.2,
+            air_speed: 0.1,
+            humidity: 50.0,
+            winter_clothing: 1.0,
+            summer_clothing: 0.5,
+        }
+    }
+}
+
+impl Comfort {
+    pub(crate) fn check(&self) -> Result<()> {
+        match self {
+            Self::Squared => Ok(()),
+            Self::Deadband { half_width } => within("half_width", *half_width, 0.0, 50.0),
+            // The ranges that ISO 7730 gives for the index.
+            Self::Pmv(pmv) => {
+                within("metabolic_rate", pmv.metabolic_rate, 0.8, 4.0)?;
+                within("air_speed", pmv.air_speed, 0.0, 1.0)?;
+                within("humidity", pmv.humidity, 0.0, 100.0)?;
+                within("winter_clothing", pmv.winter_clothing, 0.0, 2.0)?;
+                within("summer_clothing", pmv.summer_clothing, 0.0, 2.0)
+            }
+        }
+    }
+
+    /// The penalty of a zone.
+    pub(crate) fn penalty(&self, zone: &ZoneStep, season: Season) -> f64 {
+        match self {
+            Self::Squared => zone.deviation().powi(2),
+            Self::Deadband { half_width } => (zone.deviation().abs() - half_width).max(0.0).powi(2),
+            Self::Pmv(_) if !zone.occupied => 0.0,
+            Self::Pmv(pmv) => {
+                let vote = pmv.vote(zone.temperature, season);
+                if zone.warm_counts { vote.powi(2) } else { vote.min(0.0).powi(2) }
+            }
+        }
+    }
+}
+
+impl Pmv {
+    fn vote(&self, temperature: f64, season: Season) -> f64 {
+        let clothing = match season {
+            Season::Winter => self.winter_clothing,
+            Season::Summer => self.summer_clothing,
+            Season::Between => 0.5 * (self.winter_clothing + self.summer_clothing),
+        };
+        let air = Air { temperature, radiant: temperature, speed: self.air_speed, humidity: self.humidity };
+        vote(&air, self.metabolic_rate, clothing)
+    }
+}
+
+/// What the air of a room does to a person.
+struct Air {
+    /// °C.
+    temperature: f64,
+    /// Mean radiant temperature, °C.
+    radiant: f64,
+    /// m/s.
+    speed: f64,
+    /// %.
+    humidity: f64,
+}
+
+/// W/m² in one met, m²K/W in one clo, K at 0 °C as the standard rounds it.
+const MET: f64 = 58.15;
+const CLO: f64 = 0.155;
+const KELVIN: f64 = 273.0;
+
+/// The predicted mean vote (ISO 7730:2005, equations 1 to 4), without external work. −3 is cold, 0 neutral, 3 hot.
+fn vote(air: &Air, met: f64, clo: f64) -> f64 {
+    let metabolism = met * MET;
+    let vapour_pressure = air.humidity * 10.0 * libm::exp(16.6536 - 4030.183 / (air.temperature + 235.0));
+    let clothing = Clothing::in_balance(air, metabolism, clo * CLO);
+    let dry = clothing.radiation(air.radiant) + clothing.convection(air.temperature);
+    let diffusion = 3.05e-3 * (5733.0 - 6.99 * metabolism - vapour_pressure);
+    let sweat = 0.42 * (metabolism - MET).max(0.0);
+    let breath =
+        1.7e-5 * metabolism * (5867.0 - vapour_pressure) + 0.0014 * metabolism * (34.0 - air.temperature);
+    (0.303 * libm::exp(-0.036 * metabolism) + 0.028) * (metabolism - diffusion - sweat - breath - dry)
+}
+
+/// The outside of a dressed person.
+struct Clothing {
+    /// Surface temperature, °C.
+    temperature: f64,
+    /// Dressed over nude surface.
+    area: f64,
+    /// Convective coefficient, W/m²K.
+    convective: f64,
+}
+
+impl Clothing {
+    /// The temperature at which what the clothing passes is what its surface loses: halved until it stands.
+    fn in_balance(air: &Air, metabolism: f64, insulation: f64) -> Self {
+        const STEPS: usize = 60;
+        let area = if insulation <= 0.078 { 1.0 + 1.29 * insulation } else { 1.05 + 0.645 * insulation };
+        let forced = 12.1 * air.speed.sqrt();
+        let skin = 35.7 - 0.028 * metabolism;
+        let (mut low, mut high) = (air.temperature.min(air.radiant).min(skin) - 1.0, 100.0);
+        let mut clothing = Self { temperature: 0.0, area, convective: forced };
+        for _ in 0..STEPS {
+            clothing.temperature = 0.5 * (low + high);
+            let free = 2.38 * (clothing.temperature - air.temperature).abs().sqrt().sqrt();
+            clothing.convective = free.max(forced);
+            let loss = clothing.radiation(air.radiant) + clothing.convection(air.temperature);
+            if clothing.temperature > skin - insulation * loss {
+                high = clothing.temperature;
+            } else {
+                low = clothing.temperature;
+            }
+        }
+        clothing
+    }
+
+    fn radiation(&self, radiant: f64) -> f64 {
+        3.96e-8 * self.area * ((self.temperature + KELVIN).powi(4) - (radiant + KELVIN).powi(4))
+    }
+
+    fn convection(&self, air: f64) -> f64 {
+        self.area * self.convective * (self.temperature - air)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rows of table D.1 of ISO 7730:2005.
+    #[test]
+    fn the_vote_is_that_of_the_standard_s_examples() {
+        for (temperature, radiant, speed, humidity, met, clo, expected) in [
+            (22.0, 22.0, 0.10, 60.0, 1.2, 0.5, -0.75),
+            (27.0, 27.0, 0.10, 60.0, 1.2, 0.5, 0.77),
+            (27.0, 27.0, 0.30, 60.0, 1.2, 0.5, 0.44),
+            (23.5, 25.5, 0.10, 60.0, 1.2, 0.5, -0.01),
+            (23.5, 25.5, 0.30, 60.0, 1.2, 0.5, -0.55),
+            (19.0, 19.0, 0.10, 40.0, 1.2, 1.0, -0.60),
+            (27.0, 27.0, 0.10, 40.0, 1.2, 1.0, 1.13),
+        ] {
+            let air = Air { temperature, radiant, speed, humidity };
+            let found = vote(&air, met, clo);
+            assert!(
+                (found - expected).abs() < 0.02,
+                "{temperature} °C, {clo} clo: {found:.3} is not {expected}"
+            );
+        }
+    }
+
+    #[test]
+    fn the_vote_rises_with_the_temperature_and_the_clothing() {
+        let pmv = Pmv::default();
+        let votes: Vec<f64> = (10..35).map(|t| pmv.vote(f64::from(t), Season::Winter)).collect();
+        assert!(votes.windows(2).all(|pair| pair[0] < pair[1]));
+        assert!(pmv.vote(21.0, Season::Winter) > pmv.vote(21.0, Season::Between));
+        assert!(pmv.vote(21.0, Season::Between) > pmv.vote(21.0, Season::Summer));
+    }
+
+    #[test]
+    fn comfort_is_judged_as_it_says() {
+        let zone = ZoneStep { temperature: 24.0, target: 21.0, occupied: false, warm_counts: true };
+        let heated = ZoneStep { warm_counts: false, ..zone };
+        let penalty = |comfort: &Comfort, zone: &ZoneStep| comfort.penalty(zone, Season::Summer);
+        assert_eq!(penalty(&Comfort::Squared, &zone), 9.0);
+        assert_eq!(penalty(&Comfort::Squared, &heated), 0.0);
+        assert_eq!(penalty(&Comfort::Deadband { half_width: 1.0 }, &zone), 4.0);
+        let pmv = Comfort::Pmv(Pmv::default());
+        assert_eq!(penalty(&pmv, &zone), 0.0);
+        let there = ZoneStep { occupied: true, ..zone };
+        assert!(penalty(&pmv, &there) > 0.0);
+        let hot = ZoneStep { temperature: 35.0, occupied: true, ..heated };
+        assert_eq!(penalty(&pmv, &hot), 0.0);
+    }
+}

@@ -1,0 +1,383 @@
+//! Where the target temperatures come from: constant, by occupancy, or drawn at random for every zone and day.
+
+use std::str::FromStr;
+
+use b2b_building::BuildingType;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+use serde::{Deserialize, Serialize};
+
+use crate::Result;
+use crate::task::within;
+
+/// Target temperatures, °C (paper, section on tasks).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "mode", rename_all = "snake_case", deny_unknown_fields)]
+pub enum Setpoints {
+    /// The same everywhere and always.
+    Constant {
+        /// The target.
+        #[serde(default = "comfortable")]
+        target: f64,
+    },
+    /// By whether anyone is in the zone, in the simulation.
+    Occupancy {
+        /// With people.
+        #[serde(default = "comfortable")]
+        occupied: f64,
+        /// Without, December to February.
+        #[serde(default = "winter")]
+        winter: f64,
+        /// Without, June to August.
+        #[serde(default = "summer")]
+        summer: f64,
+        /// Without, in the other months.
+        #[serde(default = "comfortable")]
+        otherwise: f64,
+    },
+    /// Drawn for every zone and day: who draws the same seed has the same targets.
+    Random {
+        /// The seed.
+        #[serde(default)]
+        seed: u64,
+        /// What is drawn from; that of the building's type by default, and that of offices for a building of no type.
+        #[serde(default)]
+        day: Option<RandomDay>,
+    },
+}
+
+/// What the targets of a day are drawn from.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RandomDay {
+    /// When people come.
+    pub arrival: RandomHour,
+    /// When they go.
+    pub departure: RandomHour,
+    /// Lowest and highest target with people, °C; drawn evenly.
+    pub occupied: [f64; 2],
+    /// Largest difference without people, K; drawn evenly to both sides, but only downward from December to February and
+    /// only upward from June to August.
+    pub offset: f64,
+}
+
+/// A normal distribution of hours, cut off.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RandomHour {
+    /// Mean, h.
+    pub mean: f64,
+    /// Standard deviation, h.
+    pub deviation: f64,
+    /// Earliest, h.
+    pub earliest: f64,
+    /// Latest, h.
+    pub latest: f64,
+}
+
+/// No target without people is drawn outside, °C.
+const RANDOM_LIMITS: [f64; 2] = [14.0, 30.0];
+
+fn comfortable() -> f64 {
+    21.0
+}
+
+fn winter() -> f64 {
+    18.0
+}
+
+fn summer() -> f64 {
+    26.0
+}
+
+const fn hour(mean: f64, deviation: f64, earliest: f64, latest: f64) -> RandomHour {
+    RandomHour { mean, deviation, earliest, latest }
+}
+
+impl RandomDay {
+    /// Distributions of the paper's implementation.
+    pub fn of(building_type: BuildingType) -> Self {
+        let shop = hour(9.0, 0.5, 7.0, 11.0);
+        let (arrival, departure, occupied, offset) = match building_type {
+            BuildingType::OfficeSmall | BuildingType::OfficeMedium => {
+                (hour(8.0, 0.5, 6.5, 10.0), hour(17.0, 0.5, 15.0, 20.0), [20.0, 23.0], 3.0)
+            }
+            BuildingType::RestaurantFastFood => (shop, hour(23.0, 0.5, 20.0, 24.0), [20.0, 23.0], 3.0),
+            BuildingType::RetailStandalone => (shop, hour(21.0, 0.5, 18.0, 23.0), [20.0, 23.0], 3.0),
+            BuildingType::Warehouse => {
+                (hour(6.5, 0.5, 5.0, 9.0), hour(18.0, 0.5, 15.0, 21.0), [18.0, 22.0], 4.0)
+            }
+            BuildingType::SingleFamilyHouse => {
+                (hour(7.0, 1.0, 5.0, 10.0), hour(22.0, 1.0, 19.0, 24.0), [20.0, 23.0], 3.0)
+            }
+        };
+        Self { arrival, departure, occupied, offset }
+    }
+
+    /// That of the type that a building is named after, such as `Warehouse` or `Warehouse-0042`.
+    pub(crate) fn of_name(building: &str) -> Self {
+        let named = building.split('-').next().unwrap_or_default().parse();
+        Self::of(named.unwrap_or(BuildingType::OfficeSmall))
+    }
+
+    fn check(&self) -> Result<()> {
+        for RandomHour { mean, deviation, earliest, latest } in [self.arrival, self.departure] {
+            within("deviation", deviation, 0.0, 24.0)?;
+            within("earliest", earliest, 0.0, 24.0)?;
+            within("latest", latest, earliest, 24.0)?;
+            within("mean", mean, 0.0, 24.0)?;
+        }
+        let [low, high] = self.occupied;
+        within("occupied", low, 0.0, 50.0)?;
+        within("occupied", high, low, 50.0)?;
+        within("offset", self.offset, 0.0, 20.0)
+    }
+}
+
+impl Default for Setpoints {
+    fn default() -> Self {
+        Self::Constant { target: comfortable() }
+    }
+}
+
+impl FromStr for Setpoints {
+    type Err = ();
+
+    fn from_str(text: &str) -> std::result::Result<Self, ()> {
+        let (mode, value) = text.split_once(':').map_or((text, None), |(mode, value)| (mode, Some(value)));
+        match (mode, value) {
+            ("constant", None) => Ok(Self::default()),
+            ("constant", Some(target)) => Ok(Self::Constant { target: target.parse().map_err(|_| ())? }),
+            ("occupancy", None) => Ok(Self::Occupancy {
+                occupied: comfortable(),
+                winter: winter(),
+                summer: summer(),
+                otherwise: comfortable(),
+            }),
+            ("random", None) => Ok(Self::Random { seed: 0, day: None }),
+            ("random", Some(seed)) => Ok(Self::Random { seed: seed.parse().map_err(|_| ())?, day: None }),
+            _ => Err(()),
+        }
+    }
+}
+
+impl Setpoints {
+    pub(crate) fn check(&self) -> Result<()> {
+        let target = |name, value| within(name, value, 0.0, 50.0);
+        match *self {
+            Self::Constant { target: value } => target("target", value),
+            Self::Occupancy { occupied, winter, summer, otherwise } => {
+                target("occupied", occupied)?;
+                target("winter", winter)?;
+                target("summer", summer)?;
+                target("otherwise", otherwise)
+            }
+            Self::Random { day, .. } => day.map_or(Ok(()), |day| day.check()),
+        }
+    }
+}
+
+/// A time of the run: day of the year from 1, and hour of the day from 0.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Moment {
+    pub(crate) day_of_year: u32,
+    pub(crate) hour: f64,
+}
+
+/// A season of the setpoints.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Season {
+    /// December to February.
+    Winter,
+    /// June to August.
+    Summer,
+    /// The other months.
+    Between,
+}
+
+impl Season {
+    pub(crate) fn of(day_of_year: u32) -> Self {
+        match day_of_year {
+            ..60 | 335.. => Self::Winter,
+            152..244 => Self::Summer,
+            _ => Self::Between,
+        }
+    }
+}
+
+/// The targets of an episode: a function of zone and moment, but for who is there in the simulation.
+#[derive(Clone, Debug)]
+pub(crate) struct Targets {
+    setpoints: Setpoints,
+    day: RandomDay,
+    /// What was drawn for each zone, and for which day.
+    drawn: Vec<(u32, Plan)>,
+}
+
+/// The targets of a zone on a day.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Plan {
+    arrival: f64,
+    departure: f64,
+    occupied: f64,
+    unoccupied: f64,
+}
+
+impl Targets {
+    /// For so many controlled zones of a building of this name.
+    pub(crate) fn new(setpoints: &Setpoints, building: &str, zones: usize) -> Self {
+        let own = match setpoints {
+            Setpoints::Random { day, .. } => *day,
+            _ => None,
+        };
+        Self {
+            setpoints: setpoints.clone(),
+            day: own.unwrap_or_else(|| RandomDay::of_name(building)),
+            drawn: vec![(0, Plan::default()); zones],
+        }
+    }
+
+    /// Whether a zone counts as occupied from a moment on, and its target, °C. `people` says whether anyone is there in
+    /// the simulation; at random setpoints it is drawn who is.
+    pub(crate) fn at(&mut self, zone: usize, moment: Moment, people: bool) -> (bool, f64) {
+        match self.setpoints {
+            Setpoints::Constant { target } => (people, target),
+            Setpoints::Occupancy { occupied, .. } if people => (true, occupied),
+            Setpoints::Occupancy { winter, summer, otherwise, .. } => {
+                let target = match Season::of(moment.day_of_year) {
+                    Season::Winter => winter,
+                    Season::Summer => summer,
+                    Season::Between => otherwise,
+                };
+                (false, target)
+            }
+            Setpoints::Random { seed, .. } => {
+                let (day, plan) = &mut self.drawn[zone];
+                if *day != moment.day_of_year {
+                    (*day, *plan) = (moment.day_of_year, self.day.draw(seed, zone, moment.day_of_year));
+                }
+                let there = (plan.arrival..plan.departure).contains(&moment.hour);
+                (there, if there { plan.occupied } else { plan.unoccupied })
+            }
+        }
+    }
+}
+
+impl RandomDay {
+    /// A stream of its own for each seed, zone and day.
+    fn draw(&self, seed: u64, zone: usize, day_of_year: u32) -> Plan {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        random.set_stream(zone as u64 * 1000 + u64::from(day_of_year));
+        let arrival = self.arrival.draw(&mut random);
+        let departure = self.departure.draw(&mut random);
+        let [low, high] = self.occupied;
+        let occupied = low + (high - low) * share(&mut random);
+        let offset = match Season::of(day_of_year) {
+            Season::Winter => -self.offset * share(&mut random),
+            Season::Summer => self.offset * share(&mut random),
+            Season::Between => self.offset * (2.0 * share(&mut random) - 1.0),
+        };
+        let unoccupied = (occupied + offset).clamp(RANDOM_LIMITS[0], RANDOM_LIMITS[1]);
+        Plan { arrival, departure, occupied, unoccupied }
+    }
+}
+
+impl RandomHour {
+    /// By Box and Muller's transform.
+    fn draw(&self, random: &mut ChaCha8Rng) -> f64 {
+        let (radius, angle) = (1.0 - share(random), share(random));
+        let normal = (-2.0 * libm::log(radius)).sqrt() * libm::cos(std::f64::consts::TAU * angle);
+        (self.mean + self.deviation * normal).clamp(self.earliest, self.latest)
+    }
+}
+
+/// From 0 to just under 1, on 53 bits.
+fn share(random: &mut ChaCha8Rng) -> f64 {
+    (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn moment(day_of_year: u32, hour: f64) -> Moment {
+        Moment { day_of_year, hour }
+    }
+
+    #[test]
+    fn seasons_are_whole_months() {
+        for (day, season) in [
+            (1, Season::Winter),
+            (59, Season::Winter),
+            (60, Season::Between),
+            (151, Season::Between),
+            (152, Season::Summer),
+            (243, Season::Summer),
+            (244, Season::Between),
+            (334, Season::Between),
+            (335, Season::Winter),
+        ] {
+            assert_eq!(Season::of(day), season, "{day}");
+        }
+    }
+
+    #[test]
+    fn an_empty_zone_is_let_go_by_season() {
+        let mut targets = Targets::new(&"occupancy".parse().unwrap(), "OfficeSmall", 1);
+        assert_eq!(targets.at(0, moment(10, 3.0), true), (true, 21.0));
+        for (day, target) in [(10, 18.0), (100, 21.0), (200, 26.0), (300, 21.0)] {
+            assert_eq!(targets.at(0, moment(day, 3.0), false), (false, target));
+        }
+    }
+
+    /// Limits and means of a season's plans, and that zones and days are drawn on their own.
+    #[test]
+    fn random_days_follow_their_distributions() {
+        let of = RandomDay::of(BuildingType::Warehouse);
+        let plans = |days: std::ops::Range<u32>| -> Vec<Plan> {
+            days.flat_map(|day| (0..20).map(move |zone| of.draw(7, zone, day))).collect()
+        };
+        let (winter, summer, spring) = (plans(1..59), plans(152..243), plans(60..151));
+        let mean = |plans: &[Plan], value: fn(&Plan) -> f64| {
+            plans.iter().map(value).sum::<f64>() / plans.len() as f64
+        };
+        for plan in winter.iter().chain(&summer).chain(&spring) {
+            assert!((5.0..=9.0).contains(&plan.arrival) && (15.0..=21.0).contains(&plan.departure));
+            assert!((18.0..=22.0).contains(&plan.occupied) && (14.0..=30.0).contains(&plan.unoccupied));
+        }
+        assert!(winter.iter().all(|plan| plan.unoccupied <= plan.occupied));
+        assert!(summer.iter().all(|plan| plan.unoccupied >= plan.occupied));
+        // Four standard errors: 0.5 h / √1160 and 1.15 K / √1160.
+        assert!((mean(&winter, |plan| plan.arrival) - 6.5).abs() < 0.06);
+        assert!((mean(&winter, |plan| plan.departure) - 18.0).abs() < 0.06);
+        assert!((mean(&winter, |plan| plan.occupied) - 20.0).abs() < 0.14);
+        assert!((mean(&winter, |plan| plan.occupied - plan.unoccupied) - 2.0).abs() < 0.14);
+        assert!(mean(&spring, |plan| plan.occupied - plan.unoccupied).abs() < 0.22);
+        let spread = mean(&winter, |plan| (plan.arrival - 6.5).powi(2)).sqrt();
+        assert!((spread - 0.5).abs() < 0.05, "{spread}");
+        let mut different: Vec<u64> = winter.iter().map(|plan| plan.occupied.to_bits()).collect();
+        different.sort_unstable();
+        different.dedup();
+        assert_eq!(different.len(), winter.len());
+    }
+
+    #[test]
+    fn a_random_target_is_a_function_of_seed_zone_and_moment_alone() {
+        let random = |seed: u64| Targets::new(&Setpoints::Random { seed, day: None }, "OfficeSmall-0042", 5);
+        let (mut forward, mut backward) = (random(3), random(3));
+        let moments: Vec<_> =
+            (1..40).flat_map(|day| [6.0, 12.0, 23.0].map(|hour| moment(day, hour))).collect();
+        let there: Vec<_> = moments.iter().map(|at| forward.at(2, *at, false)).collect();
+        let back: Vec<_> = moments.iter().rev().map(|at| backward.at(2, *at, true)).collect();
+        assert!(there.iter().eq(back.iter().rev()));
+        assert!(there.chunks(3).all(|day| !day[0].0 && day[1].0 && !day[2].0), "at work at noon alone");
+        let mut other = random(4);
+        assert!(moments.iter().zip(&there).any(|(at, target)| other.at(2, *at, false) != *target));
+    }
+
+    #[test]
+    fn a_building_has_the_hours_of_the_type_it_is_named_after() {
+        assert_eq!(RandomDay::of_name("Warehouse-0042"), RandomDay::of(BuildingType::Warehouse));
+        assert_eq!(RandomDay::of_name("my model"), RandomDay::of(BuildingType::OfficeSmall));
+    }
+}

@@ -1,0 +1,62 @@
+//! A step allocates nothing, whatever the task: Rust's allocations are counted, and the engine has its own.
+
+mod common;
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use b2b_building::BuildingType;
+use b2b_energyplus::Level;
+use b2b_env::Env;
+use common::{Case, Dice};
+
+struct Counting;
+
+static COUNT: AtomicUsize = AtomicUsize::new(0);
+
+// SAFETY: every call goes on to the system's allocator unchanged.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        COUNT.fetch_add(1, Ordering::Relaxed);
+        // SAFETY: the caller keeps what `alloc` asks for.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: the pointer is of `System`, as every one that `alloc` gave.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+fn messages(env: &Env) -> usize {
+    [Level::Info, Level::Warning, Level::Severe].map(|level| env.message_count(level)).iter().sum()
+}
+
+/// From the second day on, over a midnight: the engine's first steps fill what it keeps.
+#[test]
+fn a_step_allocates_nothing() {
+    let case = Case::at_home(BuildingType::OfficeSmall);
+    for task in ["constant", "occupancy+energy0.5", "random+pmv+cost1", "occupancy+deadband+peak1"] {
+        let mut env = case.env_for("01-03..01-05", task);
+        let mut dice = Dice::new(env.action_space(), 1);
+        env.reset().unwrap();
+        let mut counts = Vec::with_capacity(env.episode_steps());
+        for step in 1..env.episode_steps() {
+            let action = dice.roll();
+            let said = messages(&env);
+            let before = COUNT.load(Ordering::Relaxed);
+            env.step(action).unwrap();
+            let count = COUNT.load(Ordering::Relaxed) - before;
+            // What the engine says is kept, and takes room.
+            if messages(&env) == said {
+                counts.push((step, count));
+            }
+        }
+        assert!(counts.len() > 800, "{task}: the engine spoke in {} steps", 863 - counts.len());
+        counts.retain(|(step, count)| *step > 288 && *count > 0);
+        assert_eq!(counts, [], "{task}: steps and their allocations");
+    }
+}
