@@ -158,6 +158,24 @@ pub enum Error {
         /// Every known place.
         known: Vec<&'static str>,
     },
+    /// A building of the dataset under the weather of another place.
+    #[error(
+        "{building} stands in {place}: give a weather file (--weather FILE.epw) to put it under other weather, or a type for another place"
+    )]
+    HasPlace {
+        /// The building.
+        building: String,
+        /// Its place.
+        place: String,
+    },
+    /// A user's model without weather.
+    #[error(
+        "{path} has no weather: give a weather file (--weather FILE.epw), or a place (--place NAME; `b2b list places`)"
+    )]
+    NoWeather {
+        /// The model.
+        path: PathBuf,
+    },
     /// The engine or a weather package could not be had.
     #[error(transparent)]
     Install(#[from] b2b_energyplus::install::Error),

@@ -1,6 +1,7 @@
 //! Building models for control: generate, read, size and make controllable.
 
 pub mod archetype;
+pub mod catalog;
 pub mod climate;
 pub mod commercial;
 pub mod construction;
@@ -22,6 +23,7 @@ pub mod sizing;
 pub mod zone;
 
 pub use archetype::BuildingType;
+pub use catalog::{BuildingName, Catalog, Found, Placement};
 
 pub use description::Description;
 pub use error::{Error, Result};

@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use anyhow::{Context, Result};
 use b2b_building::dataset::{self, BuildingId};
-use b2b_building::{Conditioning, PreparedBuilding, RunPeriod};
+use b2b_building::{BuildingName, Conditioning, PreparedBuilding, RunPeriod};
 use b2b_energyplus::Level;
 use b2b_env::{Env, Task, Trajectory};
 use rayon::prelude::*;
@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::controller::reactive;
 use crate::generate::Part;
-use crate::prepare::{BuildingName, Location, Prepared};
+use crate::prepare::{Location, Prepared};
 use crate::progress::counter;
 use crate::run::roll_out;
 use crate::table::Table;

@@ -4,14 +4,14 @@ use std::process::ExitCode;
 
 use anyhow::Result;
 use b2b_building::climate::weather::PACKAGES;
-use b2b_building::{BuildingType, RunPeriod};
+use b2b_building::{BuildingName, BuildingType, RunPeriod};
 use b2b_energyplus::Level;
 use b2b_energyplus::install::doctor::{Finding, Health, report};
 use b2b_energyplus::install::{Cache, Engine};
 use b2b_env::{Task, authority};
 use serde_json::json;
 
-use crate::prepare::{BuildingName, Location, Prepared};
+use crate::prepare::{Location, Prepared};
 use crate::stdout;
 use b2b_control::{Constant, Controller};
 

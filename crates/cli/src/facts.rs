@@ -4,11 +4,11 @@ use anyhow::Result;
 use b2b_building::dataset::{self, manifest};
 use b2b_building::description::{Description, SystemDescription, leakage};
 use b2b_building::morphology::Owner;
-use b2b_building::{Conditioning, Morphology};
+use b2b_building::{BuildingName, Conditioning, Morphology};
 use b2b_env::Env;
 use serde_json::{Map, Value};
 
-use crate::prepare::{BuildingName, Location, Prepared};
+use crate::prepare::{Location, Prepared};
 use crate::table::Table;
 
 /// A building, described.
@@ -38,7 +38,8 @@ pub struct Parameter {
 impl Facts {
     /// Describes a prepared building.
     pub fn of(prepared: &Prepared, name: &BuildingName, location: &Location) -> Result<Self> {
-        let description = Description::of(&prepared.building, &prepared.weather, location.origin(name))?;
+        let description =
+            Description::of(&prepared.building, &prepared.weather, location.placement().origin(name))?;
         let what = match name {
             BuildingName::Type(building_type) => building_type.description(),
             BuildingName::Id(id) => id.building_type().description(),

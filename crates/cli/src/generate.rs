@@ -1,18 +1,15 @@
 //! `b2b generate`: buildings of the dataset, or any others, as epJSON files.
 
-use std::collections::HashMap;
-use std::collections::hash_map::Entry;
-use std::mem::{Discriminant, discriminant};
+use std::collections::HashSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use anyhow::{Context, Result, bail};
-use b2b_building::climate::{Location, Site, WeatherFile};
+use b2b_building::climate::WeatherFile;
 use b2b_building::dataset::manifest::{Manifest, of_buildings};
 use b2b_building::dataset::{self, Building, Places, Row, Setting};
-use b2b_building::{BuildingType, Model};
-use b2b_energyplus::Library;
-use b2b_energyplus::install::{Cache, Engine};
+use b2b_building::{BuildingType, Catalog};
+use b2b_energyplus::install::{Cache, Quiet};
 use rayon::prelude::*;
 use serde_json::json;
 
@@ -129,13 +126,15 @@ pub fn generate(arguments: &Arguments) -> Result<()> {
     let wanted = arguments.wanted()?;
     let folder = ModelFolder::open(&arguments.out, &wanted.manifest)?;
     let missing: Vec<_> = wanted.buildings.iter().filter(|(name, _)| !folder.holds(name)).collect();
-    let ingredients = Ingredients::of(missing.iter().map(|(_, building)| building), arguments.json)?;
+    let catalog = Catalog::open(&mut Download::new(arguments.json))?;
+    fetch_weather(missing.iter().map(|(_, building)| building), arguments.json)?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(arguments.jobs.unwrap_or(0) as usize).build()?;
     let bar = counter(missing.len(), "buildings", arguments.json);
     let done = pool.install(|| {
         missing.par_iter().try_for_each(|(name, building)| {
             interrupt::check()?;
-            let model = ingredients.model(building).with_context(|| format!("{name} cannot be generated"))?;
+            let generated = catalog.generate(building, &mut Quiet);
+            let (model, _) = generated.with_context(|| format!("{name} cannot be generated"))?;
             folder.write(name, &model.to_epjson())?;
             bar.inc(1);
             anyhow::Ok(())
@@ -220,46 +219,13 @@ impl Arguments {
     }
 }
 
-/// What models are made from, read once.
-struct Ingredients {
-    prototypes: HashMap<BuildingType, Model>,
-    sites: HashMap<Key, Site>,
-}
-
-/// Kind of location, and its name or its file.
-type Key = (Discriminant<Location>, String);
-
-fn key(location: &Location) -> Key {
-    let name = match location {
-        Location::File(file) => file.path.display().to_string(),
-        known => known.name().to_owned(),
-    };
-    (discriminant(location), name)
-}
-
-impl Ingredients {
-    /// Fetches the engine and the weather that are not in the cache.
-    fn of<'a>(buildings: impl Iterator<Item = &'a Building>, quiet: bool) -> Result<Self> {
-        let mut ingredients = Self { prototypes: HashMap::new(), sites: HashMap::new() };
-        let (mut download, cache) = (Download::new(quiet), Cache::from_env()?);
-        let engine = Engine::ensure(&mut download)?;
-        let library = Library::load(&engine.library)?;
-        for building in buildings {
-            let building_type = building.building_type();
-            if let Entry::Vacant(missing) = ingredients.prototypes.entry(building_type) {
-                interrupt::check()?;
-                missing.insert(building_type.prototype(&engine, &library)?);
-            }
-            if let Entry::Vacant(missing) = ingredients.sites.entry(key(building.location())) {
-                interrupt::check()?;
-                missing.insert(Site::read(&building.weather(&cache, &mut download)?)?);
-            }
-        }
-        Ok(ingredients)
+/// Fetches the weather that is not in the cache.
+fn fetch_weather<'a>(buildings: impl Iterator<Item = &'a Building>, quiet: bool) -> Result<()> {
+    let (mut download, cache) = (Download::new(quiet), Cache::from_env()?);
+    let mut fetched = HashSet::new();
+    for building in buildings.filter(|building| fetched.insert(building.place().to_owned())) {
+        interrupt::check()?;
+        building.weather(&cache, &mut download)?;
     }
-
-    fn model(&self, building: &Building) -> Result<Model> {
-        let prototype = &self.prototypes[&building.building_type()];
-        Ok(building.model(prototype, &self.sites[&key(building.location())])?)
-    }
+    Ok(())
 }

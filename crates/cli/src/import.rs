@@ -5,13 +5,13 @@ use std::process::ExitCode;
 
 use anyhow::{Context, Result, bail};
 use b2b_building::hvac::{LeftAlone, System};
-use b2b_building::{Conditioning, PreparedBuilding, RunPeriod, import};
+use b2b_building::{BuildingName, Conditioning, PreparedBuilding, RunPeriod, import};
 use b2b_energyplus::Level;
 use b2b_env::Task;
 use serde::{Deserialize, Serialize};
 
 use crate::controller::reactive;
-use crate::prepare::{BuildingName, Location, Prepared};
+use crate::prepare::{Location, Prepared};
 use crate::progress::counter;
 use crate::run::roll_out;
 use crate::table::Table;

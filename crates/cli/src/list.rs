@@ -2,11 +2,11 @@
 
 use anyhow::Result;
 use b2b_building::climate::PLACES;
-use b2b_building::{BuildingType, RunPeriod};
+use b2b_building::{BuildingName, BuildingType, RunPeriod};
 use b2b_env::Task;
 use serde_json::{Value, json};
 
-use crate::prepare::{BuildingName, Location, Prepared};
+use crate::prepare::{Location, Prepared};
 use crate::stdout;
 use crate::table::Table;
 

@@ -4,14 +4,14 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use anyhow::{Result, bail};
-use b2b_building::{Date, RunPeriod};
+use b2b_building::{BuildingName, Date, RunPeriod};
 use b2b_control::Controller;
 use b2b_env::{Env, Task, Trajectory};
 use cpu_time::ProcessTime;
 
 use crate::controller::Kind;
 use crate::output_folder::OutputFolder;
-use crate::prepare::{BuildingName, Location, Prepared};
+use crate::prepare::{Location, Prepared};
 use crate::progress::{Days, date_text};
 use crate::summary::{About, Summary};
 use crate::{interrupt, picture, stdout, trajectory_file};

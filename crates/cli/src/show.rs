@@ -4,12 +4,12 @@ use anyhow::Result;
 use b2b_building::description::ZoneDescription;
 use b2b_building::hvac::Actuator;
 use b2b_building::morphology::{Owner, Universe};
-use b2b_building::{Conditioning, RunPeriod, Zone};
+use b2b_building::{BuildingName, Conditioning, RunPeriod, Zone};
 use b2b_env::{Env, Slot, Task};
 use serde_json::{Value, json};
 
 use crate::facts::{Facts, percent};
-use crate::prepare::{BuildingName, Location, Prepared};
+use crate::prepare::{Location, Prepared};
 use crate::stdout;
 use crate::table::Table;
 

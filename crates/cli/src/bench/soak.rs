@@ -1,7 +1,7 @@
 //! `b2b bench soak`: many episodes of everything, to find what leaks or breaks.
 
 use anyhow::{Context, Result};
-use b2b_building::{BuildingType, RunPeriod};
+use b2b_building::{BuildingName, BuildingType, RunPeriod};
 use b2b_control::{Controller, Random};
 use b2b_env::Task;
 use b2b_env::vector::{AnyOf, VecEnv, VecEnvOptions, Windows};
@@ -9,7 +9,7 @@ use serde_json::json;
 use sha2::{Digest, Sha256};
 
 use super::process::{open_files, resident_mb};
-use crate::prepare::{BuildingName, Location, Prepared};
+use crate::prepare::{Location, Prepared};
 use crate::progress::counter;
 use crate::{interrupt, stdout};
 

@@ -11,7 +11,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use b2b_building::RunPeriod;
+use b2b_building::{BuildingName, RunPeriod};
 use b2b_env::Task;
 use plotly::color::{Rgb, Rgba};
 use plotly::common::Font;
@@ -20,7 +20,7 @@ use serde_json::{Value, json};
 
 use crate::facts::Facts;
 use crate::output_folder::OutputFolder;
-use crate::prepare::{BuildingName, Location, Prepared};
+use crate::prepare::{Location, Prepared};
 use crate::stdout;
 
 /// See a building in 3D, its systems as a graph, and its facts
