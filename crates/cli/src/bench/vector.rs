@@ -29,6 +29,7 @@ Columns:
   steps/CPU s    steps of all environments by the CPU time of their processes and of this one
   single         the same of environments on their own
   ratio          of the two
+  single, cold   single, with none of its memory in the processor's own cache when a step begins; and the ratio to that
   steps/s        steps of all environments by the clock
   reset, ms      from asking for an episode to its first observation: median, and 99 of 100
   fresh, CPU ms  the same without a template
@@ -71,7 +72,10 @@ struct Measured {
     environments: u32,
     steps_per_cpu_s: f64,
     single_steps_per_cpu_s: f64,
+    /// The same with nothing of the environment in the processor's own cache when a step begins.
+    single_cold_steps_per_cpu_s: f64,
     ratio: f64,
+    ratio_to_cold: f64,
     steps_per_s: f64,
     /// CPU time of this process for each step of an environment, microseconds.
     owner_us_per_step: f64,
@@ -110,7 +114,9 @@ fn measure(building: &BuildingName, arguments: &Arguments) -> Result<Measured> {
         environments: arguments.environments,
         steps_per_cpu_s: median(rates.batch.clone()),
         single_steps_per_cpu_s: median(rates.single.clone()),
-        ratio: median(rates.batch.iter().zip(&rates.single).map(|(batch, single)| batch / single).collect()),
+        single_cold_steps_per_cpu_s: median(rates.cold.clone()),
+        ratio: ratio(&rates.batch, &rates.single),
+        ratio_to_cold: ratio(&rates.batch, &rates.cold),
         steps_per_s: median(rates.by_the_clock),
         owner_us_per_step: median(rates.owner_us),
         reset_ms_p50: percentile(resets.clone(), 50),
@@ -119,6 +125,11 @@ fn measure(building: &BuildingName, arguments: &Arguments) -> Result<Measured> {
         private_mb_per_env: rates.private_mb,
         template_mb,
     })
+}
+
+/// Median of the ratios, turn by turn.
+fn ratio(batch: &[f64], single: &[f64]) -> f64 {
+    median(batch.iter().zip(single).map(|(batch, single)| batch / single).collect())
 }
 
 fn period(days: u32) -> Result<RunPeriod> {
@@ -157,6 +168,7 @@ fn resets(prepared: &Prepared, setting: &Setting, count: u32) -> Result<(Vec<f64
 struct Rates {
     batch: Vec<f64>,
     single: Vec<f64>,
+    cold: Vec<f64>,
     by_the_clock: Vec<f64>,
     owner_us: Vec<f64>,
     private_mb: f64,
@@ -176,23 +188,31 @@ impl Rates {
         let actions = middle(&spaces.action).repeat(count);
         let whole = spaces.episode_steps();
         let processors = std::thread::available_parallelism()?.get();
-        let mut singles =
-            (0..processors).map(|_| Single::start(building, arguments.days)).collect::<Result<Vec<_>>>()?;
+        let mut singles = (0..processors)
+            .map(|_| Single::start(building, 2 * arguments.days))
+            .collect::<Result<Vec<_>>>()?;
         let processes: Vec<u32> = (0..count).filter_map(|index| batch.process(index)).collect();
         let cpu = || processes.iter().map(|process| cpu_seconds(*process)).sum::<Result<f64>>();
-        let mut rates =
-            Self { batch: vec![], single: vec![], by_the_clock: vec![], owner_us: vec![], private_mb: 0.0 };
+        let mut rates = Self {
+            batch: vec![],
+            single: vec![],
+            cold: vec![],
+            by_the_clock: vec![],
+            owner_us: vec![],
+            private_mb: 0.0,
+        };
         // The last step ends the processes, and what they used is gone with them.
         for turn in 0..(whole - 1) / TURN {
             interrupt::check()?;
-            let single = Single::turn(&mut singles)?;
+            let [single, cold] = [Cache::Warm, Cache::Cold].map(|cache| Single::turn(&mut singles, cache));
             let (before, owner, start) = (cpu()?, ProcessTime::now(), Instant::now());
             (0..TURN).try_for_each(|_| batch.step(&actions))?;
             let (clock, owner) = (start.elapsed().as_secs_f64(), owner.elapsed().as_secs_f64());
             let steps = (TURN * count) as f64;
             // The first day still copies the memory of the template.
             if turn >= (whole / TURN / 10).max(3) {
-                rates.single.push(single);
+                rates.single.push(single?);
+                rates.cold.push(cold?);
                 rates.batch.push(steps / (cpu()? - before + owner));
                 rates.by_the_clock.push(steps / clock);
                 rates.owner_us.push(owner / steps * 1e6);
@@ -203,6 +223,27 @@ impl Rates {
         Ok(rates)
     }
 }
+
+/// What an environment on its own finds in the processor's own cache when it steps.
+#[derive(Clone, Copy)]
+enum Cache {
+    /// What its last step left there.
+    Warm,
+    /// What others left there, as in a batch.
+    Cold,
+}
+
+impl Cache {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Warm => "warm",
+            Self::Cold => "cold",
+        }
+    }
+}
+
+/// More than the cache that a processor has of its own, bytes.
+const OTHERS: usize = 8 << 20;
 
 /// An environment on its own, in a process of its own.
 struct Single {
@@ -227,9 +268,9 @@ impl Single {
     }
 
     /// A turn of all at once: steps by CPU time, of one.
-    fn turn(singles: &mut [Self]) -> Result<f64> {
+    fn turn(singles: &mut [Self], cache: Cache) -> Result<f64> {
         for single in &mut *singles {
-            writeln!(single.ask).context("an environment on its own has ended")?;
+            writeln!(single.ask, "{}", cache.name()).context("an environment on its own has ended")?;
         }
         let seconds = singles.iter_mut().map(Self::answer).sum::<Result<f64>>()?;
         Ok((TURN * singles.len()) as f64 / seconds)
@@ -248,19 +289,24 @@ impl Single {
         let action = middle(env.action_space());
         env.reset()?;
         println!("0");
+        let mut others = vec![0u8; 0];
         for line in std::io::stdin().lock().lines() {
-            line?;
-            println!("{}", Self::steps(&mut env, &action)?);
+            others.resize(if line? == Cache::Cold.name() { OTHERS } else { 0 }, 0);
+            println!("{}", Self::steps(&mut env, &action, &mut others)?);
         }
         Ok(())
     }
 
-    fn steps(env: &mut Env, action: &[f64]) -> Result<f64> {
-        let before = ProcessTime::now();
+    /// CPU time of a turn, s, without that of walking through the memory of others before each step.
+    fn steps(env: &mut Env, action: &[f64], others: &mut [u8]) -> Result<f64> {
+        let mut seconds = 0.0;
         for _ in 0..TURN {
+            others.iter_mut().step_by(64).for_each(|line| *line = line.wrapping_add(1));
+            let before = ProcessTime::now();
             env.step(action)?;
+            seconds += before.elapsed().as_secs_f64();
         }
-        Ok(before.elapsed().as_secs_f64())
+        Ok(seconds)
     }
 }
 
@@ -279,6 +325,8 @@ fn text(measured: &[Measured]) -> String {
         "steps/CPU s",
         "single",
         "ratio",
+        "single, cold",
+        "ratio",
         "steps/s",
         "owner, µs",
         "reset, ms",
@@ -294,6 +342,8 @@ fn text(measured: &[Measured]) -> String {
             format!("{:.0}", each.steps_per_cpu_s),
             format!("{:.0}", each.single_steps_per_cpu_s),
             format!("{:.3}", each.ratio),
+            format!("{:.0}", each.single_cold_steps_per_cpu_s),
+            format!("{:.3}", each.ratio_to_cold),
             format!("{:.0}", each.steps_per_s),
             format!("{:.1}", each.owner_us_per_step),
             format!("{:.1}", each.reset_ms_p50),
