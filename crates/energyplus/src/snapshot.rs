@@ -27,6 +27,16 @@ pub enum Fork {
     Copy(Result<()>),
 }
 
+/// Gives memory back to the system that was used and is not any more, such as that of a model's text: a process that
+/// stands to be copied has no use for it.
+pub fn give_back_memory() {
+    // SAFETY: the allocator is asked to look at what it has; nothing that is in use moves.
+    #[cfg(target_env = "gnu")]
+    unsafe {
+        libc::malloc_trim(0);
+    }
+}
+
 impl Simulation {
     /// Copies this process, and with it the simulation where it stands. Both processes return from the call.
     ///

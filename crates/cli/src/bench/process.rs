@@ -17,6 +17,12 @@ pub(super) fn private_mb(process: u32) -> Result<f64> {
     Ok(kilobytes(&text, |field| field.starts_with("Private_")) / 1e3)
 }
 
+/// Memory of a process in which what it shares with others is counted in shares (PSS), MB.
+pub(super) fn proportional_mb(process: u32) -> Result<f64> {
+    let text = read(process, "smaps_rollup")?;
+    Ok(kilobytes(&text, |field| field == "Pss") / 1e3)
+}
+
 /// Memory of a process that is not on disk, shared or not, MB.
 pub(super) fn resident_mb(process: u32) -> Result<f64> {
     let text = read(process, "status")?;

@@ -11,7 +11,7 @@ use b2b_env::{Env, Task};
 use cpu_time::ProcessTime;
 use serde::Serialize;
 
-use super::process::{cpu_seconds, private_mb, resident_mb};
+use super::process::{cpu_seconds, private_mb, proportional_mb};
 use super::{median, middle, percentile};
 use crate::prepare::{Location, Prepared};
 use crate::progress::spinner;
@@ -34,7 +34,7 @@ Columns:
   reset, ms      from asking for an episode to its first observation: median, and 99 of 100
   fresh, CPU ms  the same without a template
   private, MB    memory that an environment shares with no other, at the end
-  template, MB   memory of a template, with what it shares with its copies
+  template, MB   memory of a template without copies; what it shares with others in shares (PSS)
 
 Examples:
   b2b bench vector
@@ -150,6 +150,8 @@ fn resets(prepared: &Prepared, setting: &Setting, count: u32) -> Result<(Vec<f64
     let mut pool = Pool::new(prepared.pool_options()?)?;
     let template = pool.prepare(setting)?;
     let spaces = pool.spaces(template)?;
+    let process = *pool.template_processes().first().context("the template is gone")?;
+    let template_mb = proportional_mb(process)?;
     let mut observation = vec![0.0; spaces.observation.len()];
     let mut times = Vec::new();
     for _ in 0..count {
@@ -160,8 +162,7 @@ fn resets(prepared: &Prepared, setting: &Setting, count: u32) -> Result<(Vec<f64
         times.push(start.elapsed().as_secs_f64() * 1e3);
         pool.stop(live);
     }
-    let process = *pool.template_processes().first().context("the template is gone")?;
-    Ok((times, resident_mb(process)?))
+    Ok((times, template_mb))
 }
 
 /// Steps by CPU time and by the clock, turn by turn.

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use b2b_energyplus::snapshot::{Fork, become_ancestor, leave};
+use b2b_energyplus::snapshot::{Fork, become_ancestor, give_back_memory, leave};
 use rustix::event::{EventfdFlags, PollFd, PollFlags, Timespec};
 use rustix::process::{Pid, PidfdFlags};
 use rustix::thread::CpuSet;
@@ -94,8 +94,9 @@ impl Worker {
         let ready = order.with_extension("ready");
         let aside = order.with_extension("aside");
         std::fs::write(&aside, serde_json::to_vec(env.building())?)?;
-        std::fs::rename(&aside, ready)?;
         watch.stop()?;
+        give_back_memory();
+        std::fs::rename(&aside, ready)?;
         Ok(env)
     }
 
