@@ -110,6 +110,11 @@ impl PreparedBuilding {
         })
     }
 
+    /// Lets go of the model, which takes ten times the memory of the rest, when environments have been made of it.
+    pub fn forget_model(&mut self) {
+        self.model = Model::default();
+    }
+
     /// The model for one run period, with this many zone time steps an hour.
     pub fn model_for(&self, period: RunPeriod, steps_per_hour: u32) -> Model {
         let mut model = self.model.clone();

@@ -309,6 +309,14 @@ impl Env {
         self.left_after = Some(if steps == 0 { whole } else { steps.min(whole) });
     }
 
+    /// Lets go of what only a fresh environment needs, if nobody else has it.
+    #[cfg(target_os = "linux")]
+    pub(crate) fn forget_model(&mut self) {
+        if let Some(building) = Arc::get_mut(&mut self.building) {
+            building.forget_model();
+        }
+    }
+
     /// The folder of the model and of the engine's own files.
     #[cfg(target_os = "linux")]
     pub(crate) fn folder(&self) -> &Path {

@@ -95,6 +95,7 @@ impl Worker {
         let aside = order.with_extension("aside");
         std::fs::write(&aside, serde_json::to_vec(env.building())?)?;
         watch.stop()?;
+        env.forget_model();
         give_back_memory();
         std::fs::rename(&aside, ready)?;
         Ok(env)
