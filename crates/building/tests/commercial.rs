@@ -326,6 +326,33 @@ fn watts_per_floor_area_stay() {
     });
 }
 
+/// From the outdoor air node that the controller moves, through the wheel, to the mixer; and back from the mixer.
+#[test]
+fn exhaust_air_warms_outdoor_air_where_the_code_asks() {
+    each(|label, model, _, _, _| {
+        let wheels = model.objects("HeatExchanger:AirToAir:SensibleAndLatent");
+        let asked = match label {
+            _ if !label.contains("Fairbanks") => 0,
+            _ if label.starts_with("OfficeMedium") => 3,
+            _ => usize::from(label.starts_with("RetailStandalone")),
+        };
+        assert_eq!(wheels.len(), asked, "{label}");
+        for (name, wheel) in wheels {
+            let is = |fields: &Value, field: &str, node: &str| fields[field] == wheel[node];
+            let mixers = model.objects("OutdoorAir:Mixer");
+            let mixed = |(_, mixer): &(&String, &Value)| {
+                is(mixer, "outdoor_air_stream_node_name", "supply_air_outlet_node_name")
+                    && is(mixer, "relief_air_stream_node_name", "exhaust_air_inlet_node_name")
+            };
+            let moved = |(_, controller): &(&String, &Value)| {
+                is(controller, "actuator_node_name", "supply_air_inlet_node_name")
+            };
+            assert!(mixers.iter().any(mixed), "{label}: {name}");
+            assert!(model.objects("Controller:OutdoorAir").iter().any(moved), "{label}: {name}");
+        }
+    });
+}
+
 #[test]
 fn the_same_parameters_give_the_same_bytes() {
     let place = Place::find("Miami").unwrap();

@@ -8,13 +8,11 @@
 //!    its floor.
 //! 3. [`opaque`], [`glazing`], [`windows`] and [`infiltration`]: the envelope, relative to what the code asks of the
 //!    place's climate zone ([`prescriptive`]).
-//! 4. [`economizer`], [`capacity`] and [`kitchen`]: what the code and the climate ask of the equipment.
+//! 4. [`economizer`], [`recovery`], [`capacity`] and [`kitchen`]: what the code and the climate ask of the equipment.
 //!
 //! The model comes out autosized: [`crate::PreparedBuilding`] sizes it for its own design days.
 //!
 //! # Left out
-//! - Exhaust-air energy recovery: the prototypes of these five types have none in Denver, and where the code would ask
-//!   for it in other zones it takes another air path than the controllable ones.
 //! - The economiser's capacity threshold (54,000 Btu/h) is that of the unstretched unit in Denver.
 //! - A stretched restaurant keeps its refrigerated cases.
 //! - Skylights, doors and slab edges keep the prototype's values, those of climate zone 5.
@@ -34,6 +32,7 @@ mod loads;
 mod opaque;
 mod parameters;
 mod prescriptive;
+mod recovery;
 mod relocate;
 mod windows;
 
@@ -73,7 +72,7 @@ pub fn generate_in_zone(
     parameters: &CommercialParameters,
 ) -> Result<Model> {
     parameters.check(building_type, ashrae_zone)?;
-    build(base, ashrae_zone, site, parameters)
+    build(base, building_type, ashrae_zone, site, parameters)
 }
 
 /// The prototype at another place as the code asks for it there: shape, window areas and leakage are the prototype's.
@@ -87,7 +86,7 @@ pub fn as_the_code_asks(
     site: &Site,
 ) -> Result<Model> {
     let parameters = CommercialParameters::of_code(building_type, place.ashrae_zone)?;
-    build(base, place.ashrae_zone, site, &parameters)
+    build(base, building_type, place.ashrae_zone, site, &parameters)
 }
 
 /// The prototype at a site whose climate zone is not known: it keeps its envelope and has its equipment sized for the
@@ -102,7 +101,13 @@ pub fn relocated(base: &Model, site: &Site) -> Result<Model> {
     Ok(model)
 }
 
-fn build(base: &Model, ashrae_zone: &str, site: &Site, parameters: &CommercialParameters) -> Result<Model> {
+fn build(
+    base: &Model,
+    building_type: BuildingType,
+    ashrae_zone: &str,
+    site: &Site,
+    parameters: &CommercialParameters,
+) -> Result<Model> {
     let code = Prescriptive::of(ashrae_zone)?;
     let mut model = base.clone();
     relocate::relocate(&mut model, site);
@@ -114,6 +119,7 @@ fn build(base: &Model, ashrae_zone: &str, site: &Site, parameters: &CommercialPa
     windows::resize(&mut model, parameters.window_to_wall)?;
     infiltration::scale(&mut model, parameters.infiltration);
     economizer::choose(&mut model, ashrae_zone);
+    recovery::add(&mut model, building_type, ashrae_zone)?;
     size_for_site(&mut model)?;
     Ok(model)
 }
