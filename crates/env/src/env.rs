@@ -131,7 +131,7 @@ impl Env {
             action: vec![0.0; action_space.len()],
             metrics: new_metrics(&zones, &action_space, &episode),
             messages: Messages::default(),
-            targets: Targets::new(&episode.task.setpoints, &building.name, zones.len()),
+            targets: Targets::new(&episode.task.setpoints, building.class, zones.len()),
             reward: Box::new(episode.task.clone()),
             asked: vec![(false, f64::NAN); zones.len()],
             zone_steps: Vec::with_capacity(zones.len()),
