@@ -4,6 +4,7 @@
 //! A [`Controller`] maps an observation to an action, as a policy does, and may keep state between steps.
 
 mod constant;
+mod error;
 #[cfg(target_os = "linux")]
 mod planner;
 mod random;
@@ -11,10 +12,13 @@ mod reactive;
 mod replay;
 
 pub use constant::Constant;
+pub use error::{Error, Result};
 #[cfg(target_os = "linux")]
 pub use planner::{Planner, PlannerParameters};
 pub use random::Random;
-pub use reactive::{AirLoopParameters, Gains, Reactive, ReactiveParameters, TrimRespond, UnitaryParameters};
+pub use reactive::{
+    AirLoopParameters, Gains, Parameter, Reactive, ReactiveParameters, TrimRespond, UnitaryParameters,
+};
 pub use replay::Replay;
 
 /// Something that acts on an environment.
