@@ -10,6 +10,9 @@ mod planner;
 mod random;
 mod reactive;
 mod replay;
+#[cfg(target_os = "linux")]
+pub mod tune;
+mod tuned;
 
 pub use constant::Constant;
 pub use error::{Error, Result};
@@ -20,6 +23,7 @@ pub use reactive::{
     AirLoopParameters, Gains, Parameter, Reactive, ReactiveParameters, TrimRespond, UnitaryParameters,
 };
 pub use replay::Replay;
+pub use tuned::Tuned;
 
 /// Something that acts on an environment.
 pub trait Controller {

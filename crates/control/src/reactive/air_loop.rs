@@ -44,9 +44,10 @@ impl Default for AirLoopParameters {
             coldest_supply: 10.0,
             trim_respond: TrimRespond {
                 respond: 6.0,
-                most_respond: 18.0,
+                most_requests: 3.0,
                 trim: 4.0,
                 threshold: 0.7,
+                release: 0.1,
                 ignored: 0.0,
             },
             least_outdoor_air: 0.15,

@@ -50,7 +50,7 @@ macro_rules! concat_names {
 
 impl Parameter {
     /// Every parameter.
-    pub const ALL: [Self; 28] = [
+    pub const ALL: [Self; 30] = [
         parameter!(unitary.gains.proportional, "1/K", 0.0, 10.0),
         parameter!(unitary.gains.integral, "1/(K h)", 0.0, 100.0),
         parameter!(unitary.deadband, "K", 0.0, 2.0),
@@ -60,9 +60,10 @@ impl Parameter {
         parameter!(unitary.heating_lift, "K", 0.0, 30.0),
         parameter!(unitary.cooling_drop, "K", 0.0, 15.0),
         parameter!(unitary.trim_respond.respond, "K/h", 0.0, 100.0),
-        parameter!(unitary.trim_respond.most_respond, "K/h", 0.0, 100.0),
+        parameter!(unitary.trim_respond.most_requests, "1", 1.0, 100.0),
         parameter!(unitary.trim_respond.trim, "K/h", 0.0, 100.0),
         parameter!(unitary.trim_respond.threshold, "1", 0.0, 1.0),
+        parameter!(unitary.trim_respond.release, "1", 0.0, 1.0),
         parameter!(unitary.trim_respond.ignored, "1", 0.0, 100.0),
         parameter!(air_loop.gains.proportional, "1/K", 0.0, 10.0),
         parameter!(air_loop.gains.integral, "1/(K h)", 0.0, 100.0),
@@ -71,9 +72,10 @@ impl Parameter {
         parameter!(air_loop.warmest_supply, "°C", 10.0, 30.0),
         parameter!(air_loop.coldest_supply, "°C", 5.0, 20.0),
         parameter!(air_loop.trim_respond.respond, "K/h", 0.0, 100.0),
-        parameter!(air_loop.trim_respond.most_respond, "K/h", 0.0, 100.0),
+        parameter!(air_loop.trim_respond.most_requests, "1", 1.0, 100.0),
         parameter!(air_loop.trim_respond.trim, "K/h", 0.0, 100.0),
         parameter!(air_loop.trim_respond.threshold, "1", 0.0, 1.0),
+        parameter!(air_loop.trim_respond.release, "1", 0.0, 1.0),
         parameter!(air_loop.trim_respond.ignored, "1", 0.0, 100.0),
         parameter!(air_loop.least_outdoor_air, "1", 0.0, 1.0),
         parameter!(air_loop.fan_rise, "K", 0.0, 5.0),

@@ -9,18 +9,18 @@ use serde::{Deserialize, Serialize};
 pub struct TrimRespond {
     /// Push per request and hour, K/h; 0 to 100.
     pub respond: f64,
-    /// Most push per hour, however many ask, K/h; 0 to 100.
-    pub most_respond: f64,
+    /// Requests beyond which more of them push no faster; 1 to 100.
+    pub most_requests: f64,
     /// Drift back per hour without requests, K/h; 0 to 100.
     pub trim: f64,
-    /// Demand above which a zone asks, until it is [`RELEASE`] lower; 0 to 1.
+    /// Demand above which a zone asks; 0 to 1.
     pub threshold: f64,
+    /// How far demand falls below the threshold before the zone stops asking; 0.1 in Guideline 36, 5.6.8; 0 to 1.
+    pub release: f64,
     /// Requests that are not heard, so that one zone alone does not move all others; 0 to 100.
     pub ignored: f64,
 }
 
-/// How far demand falls below the threshold before a request ends; 95 and 85 % in Guideline 36, 5.6.8.
-const RELEASE: f64 = 0.1;
 /// Deviations from target at which a zone asks twice and three times, K (Guideline 36, 5.6.8.1).
 const URGENT: [f64; 2] = [2.0, 3.0];
 
@@ -31,7 +31,7 @@ pub(super) struct Request(bool);
 impl Request {
     /// How often it asks, 0 to 3, at a demand of 0 to 1 that an error (K, positive where there is demand) has led to.
     pub(super) fn count(&mut self, rule: &TrimRespond, demand: f64, error: f64) -> f64 {
-        let threshold = if self.0 { rule.threshold - RELEASE } else { rule.threshold };
+        let threshold = if self.0 { rule.threshold - rule.release } else { rule.threshold };
         self.0 = demand > threshold.max(0.0);
         match error {
             _ if !self.0 => 0.0,
@@ -46,7 +46,7 @@ impl TrimRespond {
     /// How far the setpoint is pushed after a step of so many hours with so many requests, K, between 0 and `most`.
     pub(super) fn step(&self, push: f64, requests: f64, hours: f64, most: f64) -> f64 {
         let heard = requests - self.ignored;
-        let change = if heard > 0.0 { (self.respond * heard).min(self.most_respond) } else { -self.trim };
+        let change = if heard > 0.0 { self.respond * heard.min(self.most_requests) } else { -self.trim };
         (push + change * hours).clamp(0.0, most)
     }
 }
@@ -55,8 +55,14 @@ impl TrimRespond {
 mod tests {
     use super::*;
 
-    const RULE: TrimRespond =
-        TrimRespond { respond: 6.0, most_respond: 9.0, trim: 3.0, threshold: 0.5, ignored: 0.0 };
+    const RULE: TrimRespond = TrimRespond {
+        respond: 6.0,
+        most_requests: 1.5,
+        trim: 3.0,
+        threshold: 0.5,
+        release: 0.1,
+        ignored: 0.0,
+    };
 
     #[test]
     fn the_setpoint_is_pushed_while_zones_ask_and_drifts_back_after() {

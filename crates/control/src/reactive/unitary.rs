@@ -42,9 +42,10 @@ impl Default for UnitaryParameters {
             cooling_drop: 6.0,
             trim_respond: TrimRespond {
                 respond: 10.0,
-                most_respond: 30.0,
+                most_requests: 1.0,
                 trim: 10.0,
                 threshold: 0.7,
+                release: 0.0,
                 ignored: 0.0,
             },
         }
