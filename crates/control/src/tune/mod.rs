@@ -59,10 +59,13 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    fn add(&mut self, metrics: &Metrics) {
-        self.episode_return += metrics.episode_return;
-        self.steps += metrics.steps;
-        self.energy += metrics.electricity + metrics.gas;
+    /// Over some episodes.
+    pub fn of(episodes: &[Metrics]) -> Self {
+        episodes.iter().fold(Self::default(), |sum, metrics| Self {
+            episode_return: sum.episode_return + metrics.episode_return,
+            steps: sum.steps + metrics.steps,
+            energy: sum.energy + metrics.electricity + metrics.gas,
+        })
     }
 }
 

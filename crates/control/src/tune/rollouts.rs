@@ -8,7 +8,6 @@ use b2b_energyplus::install::Progress;
 use b2b_env::vector::{Live, Pool, PoolOptions, Setting, Source, Start};
 use b2b_env::{Episode, Metrics, Task};
 
-use super::Outcome;
 use crate::{Controller, Error, Reactive, ReactiveParameters, Result};
 
 const STEPS_PER_HOUR: u32 = 12;
@@ -17,13 +16,13 @@ const STEPS_PER_HOUR: u32 = 12;
 #[derive(Debug)]
 pub struct Rollouts {
     pool: Pool,
-    /// The settings of each building, one for each period.
+    /// The settings of each building, for each task one for each period.
     settings: Vec<Vec<Setting>>,
 }
 
 /// An episode in progress and who acts in it.
 struct Run {
-    building: usize,
+    building: String,
     controller: Reactive,
     observation: Vec<f64>,
     action: Vec<f64>,
@@ -31,7 +30,7 @@ struct Run {
 }
 
 impl Rollouts {
-    /// Prepares buildings of the dataset for some periods and a task.
+    /// Prepares buildings of the dataset for some periods and tasks.
     ///
     /// # Errors
     /// [`Error::Building`] when a model cannot be made, [`Error::Env`] when it cannot be prepared.
@@ -40,7 +39,7 @@ impl Rollouts {
         catalog: &Catalog,
         buildings: &[BuildingId],
         periods: &[RunPeriod],
-        task: &Task,
+        tasks: &[Task],
         progress: &mut dyn Progress,
     ) -> Result<Self> {
         let mut settings = Vec::new();
@@ -49,19 +48,21 @@ impl Rollouts {
             let (model, weather) = catalog.generate(building, progress)?;
             let class = Some(building.class());
             let source = Arc::new(Source::Model { name: id.to_string(), class, model: model.into() });
-            let setting = |period: &RunPeriod| {
+            let setting = |task: &Task, period: RunPeriod| {
                 let (weather, task) = (weather.clone(), task.clone());
-                let episode = Episode { weather, period: *period, steps_per_hour: STEPS_PER_HOUR, task };
+                let episode = Episode { weather, period, steps_per_hour: STEPS_PER_HOUR, task };
                 Setting { source: Arc::clone(&source), episode }
             };
-            settings.push(periods.iter().map(setting).collect::<Vec<_>>());
+            let of_task = |task| periods.iter().map(move |period| (task, *period));
+            let episodes = tasks.iter().flat_map(of_task);
+            settings.push(episodes.map(|(task, period)| setting(task, period)).collect::<Vec<_>>());
         }
         let mut pool = Pool::new(options)?;
-        // The first period of a building sizes it for all.
-        for period in 0..periods.len() {
+        // The first episode of a building sizes it for all.
+        for episode in 0..periods.len() * tasks.len() {
             let templates: Vec<_> = settings
                 .iter()
-                .map(|settings| pool.prepare(&settings[period]))
+                .map(|settings| pool.prepare(&settings[episode]))
                 .collect::<b2b_env::Result<_>>()?;
             for template in templates {
                 pool.spaces(template)?;
@@ -70,27 +71,23 @@ impl Rollouts {
         Ok(Self { pool, settings })
     }
 
-    /// What each building comes to over all periods under the reactive controllers with such parameters for each.
+    /// The episodes of each building under the reactive controllers with some parameters: for each task one for each
+    /// period.
     ///
     /// # Errors
     /// [`Error::Lost`] when an episode is lost; [`Error::Env`].
-    pub fn run(&mut self, parameters: &ReactiveParameters) -> Result<Vec<Outcome>> {
+    pub fn run(&mut self, parameters: &ReactiveParameters) -> Result<Vec<Vec<Metrics>>> {
         let (mut lives, mut runs) = self.begin(parameters)?;
         let outcome = self.to_the_end(&mut lives, &mut runs);
         lives.into_iter().for_each(|live| self.pool.stop(live));
         outcome?;
-        let mut outcomes = vec![Outcome::default(); self.settings.len()];
-        for run in &runs {
-            if let Some(metrics) = &run.metrics {
-                outcomes[run.building].add(metrics);
-            }
-        }
-        Ok(outcomes)
+        let mut metrics = runs.into_iter().filter_map(|run| run.metrics);
+        Ok(self.settings.iter().map(|settings| metrics.by_ref().take(settings.len()).collect()).collect())
     }
 
     fn begin(&mut self, parameters: &ReactiveParameters) -> Result<(Vec<Live>, Vec<Run>)> {
         let (mut lives, mut runs) = (Vec::new(), Vec::new());
-        for (building, settings) in self.settings.iter().enumerate() {
+        for settings in &self.settings {
             for setting in settings {
                 let template = self.pool.prepare(setting)?;
                 let live = self.pool.begin(template, Start::default())?;
@@ -98,7 +95,7 @@ impl Rollouts {
                 let controller =
                     Reactive::new(&spaces.building, &spaces.observation, STEPS_PER_HOUR, parameters);
                 runs.push(Run {
-                    building,
+                    building: setting.source.name().to_owned(),
                     controller,
                     observation: vec![0.0; spaces.observation.len()],
                     action: vec![0.0; spaces.action.len()],
@@ -117,14 +114,15 @@ impl Rollouts {
             self.pool.wait(lives, done + (lives.len() - done).div_ceil(2))?;
             for (live, run) in lives.iter_mut().zip(runs.iter_mut()) {
                 if let Some(why) = live.lost() {
-                    let building = self.settings[run.building][0].source.name().to_owned();
-                    return Err(Error::Lost { building, why: why.to_owned() });
+                    return Err(Error::Lost { building: run.building.clone(), why: why.to_owned() });
                 }
                 if live.is_busy() || run.metrics.is_some() {
                     continue;
                 }
                 if live.is_truncated() {
-                    run.metrics = self.pool.metrics(live);
+                    let gone =
+                        || Error::Lost { building: run.building.clone(), why: "it left no sums".into() };
+                    run.metrics = Some(self.pool.metrics(live).ok_or_else(gone)?);
                     done += 1;
                     continue;
                 }

@@ -1,10 +1,13 @@
 //! `b2b tune`: the parameters of the reactive controllers, found on training buildings.
 
+mod compare;
+
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
+use b2b_building::dataset::BuildingId;
 use b2b_building::{BuildingType, Catalog, Class, RunPeriod};
-use b2b_control::tune::{self, Plan, Rollouts};
+use b2b_control::tune::{self, Outcome, Plan, Rollouts};
 use b2b_control::{ReactiveParameters, Tuned};
 use b2b_env::Task;
 use b2b_env::vector::{Launcher, PoolOptions};
@@ -22,13 +25,19 @@ use crate::{interrupt, stdout};
 /// result is never worse than the defaults. Every evaluation is kept in a file: the same arguments go on where they
 /// stood. The parameters that ship with this program are FOLDER/tuned.json of a run with the defaults of the options.
 #[derive(clap::Args)]
-#[command(after_help = "\
+#[command(
+    args_conflicts_with_subcommands = true,
+    after_help = "\
 Examples:
   b2b tune                                       every type and zone: an hour or two
   b2b tune --type OfficeSmall --zone 5
   b2b tune --type SingleFamilyHouse --buildings 8 --evaluations 50 --seed 1 --out mine
-  b2b run OfficeSmall --parameters mine.json     with parameters of your own")]
+  b2b tune compare --type OfficeSmall            before and after, on buildings that tuning has not seen
+  b2b run OfficeSmall --parameters mine.json     with parameters of your own"
+)]
 pub struct Arguments {
+    #[command(subcommand)]
+    instead: Option<Instead>,
     /// Building types [default: every type]
     #[arg(long = "type", value_name = "TYPE", num_args = 1..)]
     types: Vec<BuildingType>,
@@ -55,13 +64,18 @@ pub struct Arguments {
     json: bool,
 }
 
+#[derive(clap::Subcommand)]
+enum Instead {
+    Compare(compare::Arguments),
+}
+
 /// A winter week and a summer week.
 const WEEKS: [&str; 2] = ["01-08..01-14", "07-08..07-14"];
 /// What is asked while tuning.
 const TASK: &str = "occupancy";
 /// The files of results.
 const TUNED: &str = "tuned.json";
-const ENERGY: &str = "energy.json";
+const ENERGY: &str = "energy_scale.json";
 
 /// The energy scale of a class: what it uses under its tuned controllers.
 #[derive(serde::Serialize)]
@@ -80,6 +94,9 @@ impl<'a> Energy<'a> {
 
 /// Runs the command.
 pub fn tune(arguments: &Arguments) -> Result<()> {
+    if let Some(Instead::Compare(arguments)) = &arguments.instead {
+        return compare::compare(arguments);
+    }
     let classes = classes(&arguments.types, &arguments.zones)?;
     let folder = arguments.out.join("evaluations");
     std::fs::create_dir_all(&folder)
@@ -104,15 +121,15 @@ impl Arguments {
         let plan = Plan::new(class, &ids, &self.periods, &task, self.seed);
         let file = folder.join(format!("{}.jsonl", class.to_string().replace(" in zone ", "-")));
         let before = bar.position();
-        // Made when it is first needed: a plan that is done needs no engine.
-        let mut rollouts = None;
+        // Made when they are first needed: a plan that is done needs no engine.
+        let mut kept = None;
         let evaluate = |parameters: &ReactiveParameters| {
-            if rollouts.is_none() {
-                let options = pool_options(catalog)?;
-                let mut download = Download::new(true);
-                rollouts = Some(Rollouts::new(options, catalog, &ids, &self.periods, &task, &mut download)?);
-            }
-            rollouts.as_mut().expect("just made").run(parameters)
+            let ready = match &mut kept {
+                Some(ready) => ready,
+                none => none.insert(rollouts(catalog, &ids, &self.periods, std::slice::from_ref(&task))?),
+            };
+            let episodes = ready.run(parameters)?;
+            Ok(episodes.iter().map(|episodes| Outcome::of(episodes)).collect())
         };
         let done = |evaluations: usize, _: f64| bar.set_position(before + evaluations as u64);
         let evaluations = self.evaluations as usize;
@@ -163,7 +180,7 @@ impl Arguments {
 }
 
 /// The classes of some types and zones; all where none is given.
-pub fn classes(types: &[BuildingType], zones: &[u8]) -> Result<Vec<Class>> {
+fn classes(types: &[BuildingType], zones: &[u8]) -> Result<Vec<Class>> {
     let asked = |class: &Class| {
         (types.is_empty() || types.contains(&class.building_type))
             && class.climate_zone.is_none_or(|zone| zones.is_empty() || zones.contains(&zone))
@@ -175,16 +192,22 @@ pub fn classes(types: &[BuildingType], zones: &[u8]) -> Result<Vec<Class>> {
     Ok(classes)
 }
 
-/// How the processes of buildings are started.
-pub fn pool_options(catalog: &Catalog) -> b2b_control::Result<PoolOptions> {
+/// Buildings in processes of their own. Waiting for them ends with an interrupt.
+fn rollouts(
+    catalog: &Catalog,
+    ids: &[BuildingId],
+    periods: &[RunPeriod],
+    tasks: &[Task],
+) -> b2b_control::Result<Rollouts> {
     let launcher = Launcher::this_program()
         .map_err(|source| b2b_control::Error::Io { path: "this program".into(), source })?;
     let options = PoolOptions::new(launcher, catalog.library().path());
-    Ok(PoolOptions { interrupted: interrupt::requested, ..options })
+    let options = PoolOptions { interrupted: interrupt::requested, ..options };
+    Rollouts::new(options, catalog, ids, periods, tasks, &mut Download::new(true))
 }
 
 /// Writes a list as JSON, an entry a paragraph; the file is there whole or not at all.
-pub fn write<T: serde::Serialize>(path: &Path, entries: &[T]) -> Result<()> {
+fn write<T: serde::Serialize>(path: &Path, entries: &[T]) -> Result<()> {
     let write = || {
         let folder = path.parent().unwrap_or(Path::new("."));
         let file = tempfile::NamedTempFile::new_in(folder)?;
