@@ -78,7 +78,7 @@ impl Rollouts {
     /// [`Error::Lost`] when an episode is lost; [`Error::Env`].
     pub fn run(&mut self, parameters: &ReactiveParameters) -> Result<Vec<Vec<Metrics>>> {
         let (mut lives, mut runs) = self.begin(parameters)?;
-        let outcome = self.to_the_end(&mut lives, &mut runs);
+        let outcome = self.finish(&mut lives, &mut runs);
         lives.into_iter().for_each(|live| self.pool.stop(live));
         outcome?;
         let mut metrics = runs.into_iter().filter_map(|run| run.metrics);
@@ -107,7 +107,7 @@ impl Rollouts {
         Ok((lives, runs))
     }
 
-    fn to_the_end(&mut self, lives: &mut [Live], runs: &mut [Run]) -> Result<()> {
+    fn finish(&mut self, lives: &mut [Live], runs: &mut [Run]) -> Result<()> {
         let mut done = 0;
         while done < lives.len() {
             // Half of them are enough to go on with: the others keep the processors busy meanwhile.

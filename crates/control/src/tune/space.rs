@@ -63,13 +63,13 @@ impl Axis {
     }
 
     /// A value as the search sees it.
-    pub(super) fn to_search(&self, value: f64) -> f64 {
+    pub(super) fn to_search(self, value: f64) -> f64 {
         let value = value.clamp(self.low, self.high);
         if self.logarithmic { value.ln() } else { value }
     }
 
     /// The value of what the search proposes, in three digits.
-    pub(super) fn to_value(&self, searched: f64) -> f64 {
+    pub(super) fn to_value(self, searched: f64) -> f64 {
         let value = if self.logarithmic { searched.exp() } else { searched };
         // A number of three digits reads back as it prints.
         format!("{value:.2e}").parse().unwrap_or(value).clamp(self.low, self.high)
