@@ -58,7 +58,7 @@ pub enum Error {
     Search(String),
     /// A building could not be made.
     #[error(transparent)]
-    Building(#[from] b2b_building::Error),
+    Building(Box<b2b_building::Error>),
     /// An environment failed.
     #[error(transparent)]
     Env(#[from] b2b_env::Error),
@@ -70,6 +70,12 @@ pub enum Error {
         /// What the system said.
         source: std::io::Error,
     },
+}
+
+impl From<b2b_building::Error> for Error {
+    fn from(error: b2b_building::Error) -> Self {
+        Self::Building(Box::new(error))
+    }
 }
 
 /// A result of this crate.

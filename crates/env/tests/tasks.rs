@@ -202,8 +202,8 @@ fn a_reward_of_one_s_own_takes_the_place_of_the_task_s() {
 #[test]
 fn what_a_class_uses_scales_the_reward_and_a_scale_of_the_task_goes_before_it() {
     let house = Case::at_home(BuildingType::SingleFamilyHouse);
-    let class = Some(Class::new(BuildingType::SingleFamilyHouse, None));
-    let of_class = PreparedBuilding::clone(&house.building).of_class(class);
+    let class = Class::new(BuildingType::SingleFamilyHouse, None);
+    let of_class = PreparedBuilding::clone(&house.building).of_class(Some(class));
     let of_class =
         Case { building: Arc::new(of_class), weather: house.weather.clone(), library: house.library.clone() };
     let penalty = |case: &Case, scale: Option<f64>| {
@@ -217,6 +217,6 @@ fn what_a_class_uses_scales_the_reward_and_a_scale_of_the_task_goes_before_it() 
     };
     let near = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-9, "{a} {b}");
     near(penalty(&house, None), 0.5);
-    near(penalty(&of_class, None), 0.5 / EnergyScale::of(class.unwrap(), 12).unwrap());
+    near(penalty(&of_class, None), 0.5 / EnergyScale::of(class, 12).unwrap());
     near(penalty(&of_class, Some(4.0)), 0.125);
 }

@@ -141,7 +141,7 @@ mod tests {
     fn names(value: &serde_json::Value, level: &str, found: &mut Vec<String>) {
         match value.as_object() {
             Some(object) => object.iter().for_each(|(key, value)| {
-                names(value, &[level, key].join(".").trim_start_matches('.').to_owned(), found);
+                names(value, [level, key].join(".").trim_start_matches('.'), found);
             }),
             None => found.push(level.to_owned()),
         }
