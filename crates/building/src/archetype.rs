@@ -6,6 +6,7 @@ use std::str::FromStr;
 
 use b2b_energyplus::Library;
 use b2b_energyplus::install::Engine;
+use serde::{Deserialize, Serialize};
 
 use crate::climate::Site;
 use crate::house::{self, House};
@@ -13,7 +14,7 @@ use crate::model::Model;
 use crate::{Error, Result};
 
 /// A building type of the benchmark.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum BuildingType {
     /// Detached house, generated from scratch.
     SingleFamilyHouse,

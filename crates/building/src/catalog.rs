@@ -9,10 +9,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 use b2b_energyplus::Library;
 use b2b_energyplus::install::{Cache, Engine, Progress};
 
-use crate::climate::{Place, Site, epw};
+use crate::climate::{ClimateYear, Place, Site, epw};
 use crate::dataset::{self, Building, BuildingId};
 use crate::description::Origin;
-use crate::{BuildingType, Error, Model, PreparedBuilding, Result, commercial, import};
+use crate::{BuildingType, Class, Error, Model, PreparedBuilding, Result, commercial, import};
 
 /// What a user calls a building: `OfficeSmall`, `OfficeSmall-0042` or `my.idf`.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -49,6 +49,8 @@ pub struct Catalog {
 pub struct Found {
     /// What it was called.
     pub name: BuildingName,
+    /// What it is of; `None` for a model of the user's own.
+    pub class: Option<Class>,
     /// Name of the place, or of the weather file.
     pub place: String,
     /// The weather file.
@@ -94,7 +96,8 @@ impl Catalog {
         let (place, weather) = self.weather(name, placement, progress)?;
         let site = self.site(&weather)?;
         let model = self.model(name, placement, &site)?;
-        Ok(Found { name: name.clone(), place, weather, site, model })
+        let class = placement.class(name, &weather)?;
+        Ok(Found { name: name.clone(), class, place, weather, site, model })
     }
 
     /// The model of a generated building, before sizing, and its weather file.
@@ -188,11 +191,35 @@ impl Found {
             BuildingName::Model(_) => PreparedBuilding::as_far_as_possible,
             BuildingName::Type(_) | BuildingName::Id(_) => PreparedBuilding::new,
         };
-        make(&self.name.to_string(), self.model, &self.weather, library)
+        Ok(make(&self.name.to_string(), self.model, &self.weather, library)?.of_class(self.class))
     }
 }
 
 impl Placement {
+    /// What a building is of. Under a weather file of the user, its climate zone follows from the file's hours.
+    fn class(&self, name: &BuildingName, weather: &Path) -> Result<Option<Class>> {
+        let building_type = match name {
+            BuildingName::Model(_) => return Ok(None),
+            BuildingName::Id(id) if self.weather.is_none() => {
+                return Ok(Some(dataset::row(*id).building.class()));
+            }
+            BuildingName::Id(id) => id.building_type(),
+            BuildingName::Type(building_type) => *building_type,
+        };
+        let zone = match &self.weather {
+            Some(_) => {
+                let bytes = std::fs::read(weather)
+                    .map_err(|source| Error::Io { path: weather.to_owned(), source })?;
+                ClimateYear::from_epw(&String::from_utf8_lossy(&bytes)).map(|year| year.zone())
+            }
+            None => {
+                let home = || Place::find(building_type.home());
+                Some(self.place.map_or_else(home, Ok)?.ashrae_zone.to_owned())
+            }
+        };
+        Ok(Some(Class::new(building_type, zone.as_deref())))
+    }
+
     /// What is known of a building beside its model.
     pub fn origin(&self, name: &BuildingName) -> Origin {
         match name {
@@ -251,6 +278,22 @@ fn check_weather(path: &Path) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_a_building_is_of_follows_from_its_name_and_where_it_stands() {
+        let class = |text: &str, place: Option<&str>| {
+            let placement = Placement { place: place.map(|name| Place::find(name).unwrap()), weather: None };
+            placement.class(&text.parse().unwrap(), Path::new("")).unwrap().map(|class| class.to_string())
+        };
+        assert_eq!(class("Warehouse", None).unwrap(), "Warehouse in zone 5");
+        assert_eq!(class("Warehouse", Some("Miami")).unwrap(), "Warehouse in zone 1");
+        assert_eq!(class("SingleFamilyHouse-0003", None).unwrap(), "SingleFamilyHouse");
+        assert_eq!(class("my.idf", Some("Miami")), None);
+        let id = BuildingId::new(BuildingType::OfficeSmall, 42).unwrap();
+        let zone = dataset::row(id).building.location().ashrae_zone().unwrap();
+        let digit = zone.chars().next().unwrap();
+        assert_eq!(class("OfficeSmall-0042", None).unwrap(), format!("OfficeSmall in zone {digit}"));
+    }
 
     #[test]
     fn a_building_is_named_by_its_type_its_id_or_its_file() {

@@ -2,6 +2,7 @@
 
 pub mod archetype;
 pub mod catalog;
+mod class;
 pub mod climate;
 pub mod commercial;
 pub mod construction;
@@ -24,6 +25,7 @@ pub mod zone;
 
 pub use archetype::BuildingType;
 pub use catalog::{BuildingName, Catalog, Found, Placement};
+pub use class::Class;
 
 pub use description::Description;
 pub use error::{Error, Result};

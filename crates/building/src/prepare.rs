@@ -12,13 +12,15 @@ use crate::outputs;
 use crate::run_period::RunPeriod;
 use crate::sizing::{self, Sizes};
 use crate::zone;
-use crate::{Error, Result, climate::Site};
+use crate::{Class, Error, Result, climate::Site};
 
 /// A building ready for control: hard-sized, every actuator bites, nothing is written.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PreparedBuilding {
     /// Name for people and for results, for example `OfficeSmall`.
     pub name: String,
+    /// What it is of; `None` for a model of the user's own, and where it was not told.
+    pub class: Option<Class>,
     /// The model: [`PreparedBuilding::model_for`] gives it a run period.
     model: Model,
     /// Every zone, in model order.
@@ -102,6 +104,7 @@ impl PreparedBuilding {
         let conditioned = |zone: &&Zone| zone.conditioning != Conditioning::None || zone.own_controls;
         Ok(Self {
             name: name.to_owned(),
+            class: None,
             model,
             conditioned_floor_area: zones.iter().filter(conditioned).map(|z| z.floor_area).sum(),
             zones,
@@ -113,6 +116,12 @@ impl PreparedBuilding {
     /// Lets go of the model, which takes ten times the memory of the rest, when environments have been made of it.
     pub fn forget_model(&mut self) {
         self.model = Model::default();
+    }
+
+    /// Tells what it is of.
+    #[must_use]
+    pub fn of_class(self, class: Option<Class>) -> Self {
+        Self { class, ..self }
     }
 
     /// The model for one run period, with this many zone time steps an hour.

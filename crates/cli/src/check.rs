@@ -10,7 +10,7 @@ use b2b_env::{Env, Task, Trajectory};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::controller::reactive;
+use crate::controller::{Parameters, reactive};
 use crate::generate::Part;
 use crate::prepare::{Location, Prepared};
 use crate::progress::counter;
@@ -201,7 +201,7 @@ fn episodes(id: BuildingId, periods: &[RunPeriod]) -> Result<Vec<Outcome>> {
 
 fn run_episode(prepared: &Prepared, period: RunPeriod) -> Result<Outcome> {
     let mut env = prepared.env(period, STEPS_PER_HOUR, Task::default())?;
-    let mut controller = reactive(&env);
+    let mut controller = reactive(&env, &Parameters::Tuned)?;
     let rollout = roll_out(&mut env, &mut controller, true)?;
     Outcome::of(&env, &rollout.trajectory)
 }

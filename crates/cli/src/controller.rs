@@ -1,6 +1,9 @@
 //! The controllers that a run can have.
 
-use anyhow::Result;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use anyhow::{Result, bail};
 use b2b_control::{Constant, Controller, Random, Reactive, ReactiveParameters};
 use b2b_env::Env;
 
@@ -37,28 +40,72 @@ impl Kind {
         self,
         prepared: &Prepared,
         env: &Env,
+        parameters: &Parameters,
         seed: u64,
         quiet: bool,
     ) -> Result<Box<dyn Controller>> {
         Ok(match self {
-            Self::Reactive => Box::new(reactive(env)),
+            Self::Reactive => Box::new(reactive(env, parameters)?),
             Self::Random => Box::new(Random::new(env.action_space(), seed)),
             Self::Constant => Box::new(Constant::middle(env.action_space())),
             #[cfg(target_os = "linux")]
-            Self::Planner => Box::new(plan(prepared, env, seed, quiet)?),
+            Self::Planner => Box::new(plan(prepared, env, parameters, seed, quiet)?),
         })
     }
 }
 
-/// The reactive controllers with their default parameters.
-pub fn reactive(env: &Env) -> Reactive {
+/// Which parameters the reactive controllers have.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Parameters {
+    /// The same for every building.
+    Default,
+    /// What tuning found for the building's type and climate zone; the defaults where there is none.
+    Tuned,
+    /// Those of a JSON file.
+    File(PathBuf),
+}
+
+impl FromStr for Parameters {
+    type Err = anyhow::Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        match text {
+            "default" => Ok(Self::Default),
+            "tuned" => Ok(Self::Tuned),
+            file if Path::new(file).extension().is_some_and(|extension| extension == "json") => {
+                Ok(Self::File(file.into()))
+            }
+            _ => bail!("give default, tuned or a JSON file"),
+        }
+    }
+}
+
+impl Parameters {
+    /// The parameters for the building of an environment.
+    pub fn of(&self, env: &Env) -> Result<ReactiveParameters> {
+        Ok(match self {
+            Self::Default => ReactiveParameters::default(),
+            Self::Tuned => ReactiveParameters::tuned_for(env.building()),
+            Self::File(path) => ReactiveParameters::read(path)?,
+        })
+    }
+}
+
+/// The reactive controllers of a building.
+pub fn reactive(env: &Env, parameters: &Parameters) -> Result<Reactive> {
     let (space, steps_per_hour) = (env.observation_space(), env.episode().steps_per_hour);
-    Reactive::new(env.building(), space, steps_per_hour, &ReactiveParameters::default())
+    Ok(Reactive::new(env.building(), space, steps_per_hour, &parameters.of(env)?))
 }
 
 /// Plans an episode on copies of it, to be carried out in the environment itself.
 #[cfg(target_os = "linux")]
-fn plan(prepared: &Prepared, env: &Env, seed: u64, quiet: bool) -> Result<b2b_control::Replay> {
+fn plan(
+    prepared: &Prepared,
+    env: &Env,
+    parameters: &Parameters,
+    seed: u64,
+    quiet: bool,
+) -> Result<b2b_control::Replay> {
     use b2b_control::{Planner, PlannerParameters, Replay};
     use b2b_env::vector::{Pool, Start};
 
@@ -69,7 +116,7 @@ fn plan(prepared: &Prepared, env: &Env, seed: u64, quiet: bool) -> Result<b2b_co
     let template = pool.prepare(&setting)?;
     let mut live = pool.begin(template, Start::default())?;
     pool.wait(std::slice::from_mut(&mut live), 1)?;
-    let mut planner = Planner::new(PlannerParameters::default(), reactive(env), seed);
+    let mut planner = Planner::new(PlannerParameters::default(), reactive(env, parameters)?, seed);
     let actions = planner.run(&mut pool, &mut live, steps, || bar.inc(1))?;
     bar.finish_and_clear();
     Ok(Replay::new(actions, env.action_space().len()))

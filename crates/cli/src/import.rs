@@ -10,7 +10,7 @@ use b2b_energyplus::Level;
 use b2b_env::Task;
 use serde::{Deserialize, Serialize};
 
-use crate::controller::reactive;
+use crate::controller::{Parameters, reactive};
 use crate::prepare::{Location, Prepared};
 use crate::progress::counter;
 use crate::run::roll_out;
@@ -295,7 +295,7 @@ impl Driven {
 impl Outcome {
     fn of(prepared: &Prepared, period: RunPeriod, quiet: bool) -> Result<Self> {
         let mut env = prepared.env(period, 12, Task::default())?;
-        let mut controller = reactive(&env);
+        let mut controller = reactive(&env, &Parameters::Tuned)?;
         roll_out(&mut env, &mut controller, quiet)?;
         let (building, metrics): (&PreparedBuilding, _) = (env.building(), env.metrics());
         let rms = |zone: &b2b_env::ZoneMetrics| zone.rms_deviation(metrics.steps);

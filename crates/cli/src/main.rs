@@ -25,6 +25,8 @@ mod stdout;
 mod summary;
 mod table;
 mod trajectory_file;
+#[cfg(target_os = "linux")]
+mod tune;
 mod view;
 #[cfg(target_os = "linux")]
 mod workers;
@@ -78,6 +80,8 @@ enum Command {
     Dataset(dataset::Arguments),
     Check(check::Arguments),
     Import(import::Arguments),
+    #[cfg(target_os = "linux")]
+    Tune(tune::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -117,6 +121,8 @@ fn execute(command: Command) -> Result<ExitCode> {
         Command::Generate(arguments) => generate::generate(&arguments)?,
         Command::Check(arguments) => return check::check(&arguments),
         Command::Import(arguments) => return import::import(&arguments),
+        #[cfg(target_os = "linux")]
+        Command::Tune(arguments) => tune::tune(&arguments)?,
         Command::Dataset(arguments) => dataset::dataset(&arguments)?,
     }
     Ok(ExitCode::SUCCESS)

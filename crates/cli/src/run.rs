@@ -9,7 +9,7 @@ use b2b_control::Controller;
 use b2b_env::{Env, Task, Trajectory};
 use cpu_time::ProcessTime;
 
-use crate::controller::Kind;
+use crate::controller::{Kind, Parameters};
 use crate::output_folder::OutputFolder;
 use crate::prepare::{Location, Prepared};
 use crate::progress::{Days, date_text};
@@ -37,6 +37,9 @@ pub struct Arguments {
     /// Who acts
     #[arg(long, value_enum, default_value_t = Kind::Reactive)]
     controller: Kind,
+    /// Parameters of the reactive controller: default, tuned (to the building's type and climate zone), or a JSON file
+    #[arg(long, default_value = "tuned", value_name = "WHICH")]
+    parameters: Parameters,
     /// Seed of the random controller
     #[arg(long, default_value_t = 0)]
     seed: u64,
@@ -105,7 +108,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let period = arguments.days()?;
     let mut env = prepared.env(period, arguments.steps_per_hour, arguments.task.clone())?;
     let folder = OutputFolder::stage(&arguments.folder(&prepared.place, period))?;
-    let mut controller = arguments.controller.build(&prepared, &env, arguments.seed, arguments.json)?;
+    let mut controller =
+        arguments.controller.build(&prepared, &env, &arguments.parameters, arguments.seed, arguments.json)?;
     let rollout = roll_out(&mut env, controller.as_mut(), arguments.json)?;
 
     let about = About {

@@ -30,6 +30,8 @@ pub struct Summary {
     pub task_hash: String,
     /// The task itself; a file with it is a task for `--task`.
     pub task_definition: Task,
+    /// Scale τ_E by which the reward divides what the task weighs.
+    pub energy_scale: f64,
     /// Steps of the episode.
     pub steps: usize,
     /// Sum of the rewards.
@@ -137,6 +139,7 @@ impl Summary {
             task: episode.task.to_string(),
             task_hash: episode.task.hash(),
             task_definition: episode.task.clone(),
+            energy_scale: env.energy_scale(),
             steps: metrics.steps,
             episode_return: metrics.episode_return,
             temperature_penalty: metrics.temperature_penalty,

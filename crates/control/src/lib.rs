@@ -4,18 +4,26 @@
 //! A [`Controller`] maps an observation to an action, as a policy does, and may keep state between steps.
 
 mod constant;
+mod error;
 #[cfg(target_os = "linux")]
 mod planner;
 mod random;
 mod reactive;
 mod replay;
+#[cfg(target_os = "linux")]
+pub mod tune;
+mod tuned;
 
 pub use constant::Constant;
+pub use error::{Error, Result};
 #[cfg(target_os = "linux")]
 pub use planner::{Planner, PlannerParameters};
 pub use random::Random;
-pub use reactive::{AirLoopParameters, Gains, Reactive, ReactiveParameters, TrimRespond, UnitaryParameters};
+pub use reactive::{
+    AirLoopParameters, Gains, Parameter, Reactive, ReactiveParameters, TrimRespond, UnitaryParameters,
+};
 pub use replay::Replay;
+pub use tuned::Tuned;
 
 /// Something that acts on an environment.
 pub trait Controller {

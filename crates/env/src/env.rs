@@ -125,14 +125,16 @@ impl Env {
         let observation_space =
             ObservationSpace::of(&building, episode.steps_per_hour, &episode.task.setpoints);
         let zones = judged_zones(&building, &episode.task);
+        let scale = episode.task.scale_for(building.class, episode.steps_per_hour);
+        let reward = Task { energy_scale: Some(scale), ..episode.task.clone() };
         Ok(Self {
             live: None,
             observation: vec![0.0; observation_space.len()],
             action: vec![0.0; action_space.len()],
             metrics: new_metrics(&zones, &action_space, &episode),
             messages: Messages::default(),
-            targets: Targets::new(&episode.task.setpoints, &building.name, zones.len()),
-            reward: Box::new(episode.task.clone()),
+            targets: Targets::new(&episode.task.setpoints, building.class, zones.len()),
+            reward: Box::new(reward),
             asked: vec![(false, f64::NAN); zones.len()],
             zone_steps: Vec::with_capacity(zones.len()),
             observe_effects: false,
@@ -235,6 +237,11 @@ impl Env {
     /// What the episode is made of.
     pub fn episode(&self) -> &Episode {
         &self.episode
+    }
+
+    /// The scale τ_E of the task's reward here: see [`Task::scale_for`].
+    pub fn energy_scale(&self) -> f64 {
+        self.episode.task.scale_for(self.building.class, self.episode.steps_per_hour)
     }
 
     /// Steps of a whole episode.

@@ -7,6 +7,7 @@
 mod action;
 pub mod authority;
 mod comfort;
+mod energy_scale;
 #[allow(clippy::module_inception, reason = "one file a concept, and the concept is the environment")]
 mod env;
 mod error;
@@ -23,6 +24,7 @@ mod warmup;
 
 pub use action::ActionSpace;
 pub use comfort::{Comfort, Pmv};
+pub use energy_scale::EnergyScale;
 pub use env::{Env, Episode, Step};
 pub use error::{Error, Result};
 pub use metrics::{Metrics, ZoneMetrics};

@@ -94,7 +94,7 @@ pub trait RewardFunction: Debug + Send {
     fn reward(&mut self, step: &StepView<'_>) -> Reward;
 }
 
-/// The reward that a task describes.
+/// The reward that a task describes. A scale that it leaves open is 1: [`crate::Env`] gives it that of the building.
 impl RewardFunction for Task {
     fn reward(&mut self, step: &StepView<'_>) -> Reward {
         let season = Season::of(step.day_of_year);
@@ -107,7 +107,7 @@ impl RewardFunction for Task {
         };
         Reward {
             temperature_penalty: discomfort / step.zones.len().max(1) as f64,
-            energy_penalty: self.energy_weight / self.energy_scale * used,
+            energy_penalty: self.energy_weight / self.energy_scale.unwrap_or(1.0) * used,
         }
     }
 }
@@ -171,7 +171,7 @@ mod tests {
 
     #[test]
     fn the_reward_is_the_paper_s() {
-        let mut task = Task { energy_weight: 0.5, energy_scale: 2.0, ..Task::default() };
+        let mut task = Task { energy_weight: 0.5, energy_scale: Some(2.0), ..Task::default() };
         let reward = task.reward(&view(&[BOTH, HEATED]));
         assert_eq!(reward.temperature_penalty, (4.0 + 1.0) / 2.0);
         assert_eq!(reward.energy_penalty, 0.75);

@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-use b2b_building::BuildingType;
+use b2b_building::{BuildingType, Class};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use serde::{Deserialize, Serialize};
@@ -114,10 +114,9 @@ impl RandomDay {
         Self { arrival, departure, occupied, offset }
     }
 
-    /// That of the type that a building is named after, such as `Warehouse` or `Warehouse-0042`.
-    pub(crate) fn of_name(building: &str) -> Self {
-        let named = building.split('-').next().unwrap_or_default().parse();
-        Self::of(named.unwrap_or(BuildingType::OfficeSmall))
+    /// That of the type of a class; that of offices where there is none.
+    pub(crate) fn of_class(class: Option<Class>) -> Self {
+        Self::of(class.map_or(BuildingType::OfficeSmall, |class| class.building_type))
     }
 
     fn check(&self) -> Result<()> {
@@ -224,15 +223,15 @@ struct Plan {
 }
 
 impl Targets {
-    /// For so many controlled zones of a building of this name.
-    pub(crate) fn new(setpoints: &Setpoints, building: &str, zones: usize) -> Self {
+    /// For so many controlled zones of a building of a class.
+    pub(crate) fn new(setpoints: &Setpoints, class: Option<Class>, zones: usize) -> Self {
         let own = match setpoints {
             Setpoints::Random { day, .. } => *day,
             _ => None,
         };
         Self {
             setpoints: setpoints.clone(),
-            day: own.unwrap_or_else(|| RandomDay::of_name(building)),
+            day: own.unwrap_or_else(|| RandomDay::of_class(class)),
             drawn: vec![(0, Plan::default()); zones],
         }
     }
@@ -323,7 +322,7 @@ mod tests {
 
     #[test]
     fn an_empty_zone_is_let_go_by_season() {
-        let mut targets = Targets::new(&"occupancy".parse().unwrap(), "OfficeSmall", 1);
+        let mut targets = Targets::new(&"occupancy".parse().unwrap(), None, 1);
         assert_eq!(targets.at(0, moment(10, 3.0), true), (true, 21.0));
         for (day, target) in [(10, 18.0), (100, 21.0), (200, 26.0), (300, 21.0)] {
             assert_eq!(targets.at(0, moment(day, 3.0), false), (false, target));
@@ -363,7 +362,7 @@ mod tests {
 
     #[test]
     fn a_random_target_is_a_function_of_seed_zone_and_moment_alone() {
-        let random = |seed: u64| Targets::new(&Setpoints::Random { seed, day: None }, "OfficeSmall-0042", 5);
+        let random = |seed: u64| Targets::new(&Setpoints::Random { seed, day: None }, None, 5);
         let (mut forward, mut backward) = (random(3), random(3));
         let moments: Vec<_> =
             (1..40).flat_map(|day| [6.0, 12.0, 23.0].map(|hour| moment(day, hour))).collect();
@@ -376,8 +375,9 @@ mod tests {
     }
 
     #[test]
-    fn a_building_has_the_hours_of_the_type_it_is_named_after() {
-        assert_eq!(RandomDay::of_name("Warehouse-0042"), RandomDay::of(BuildingType::Warehouse));
-        assert_eq!(RandomDay::of_name("my model"), RandomDay::of(BuildingType::OfficeSmall));
+    fn a_building_has_the_hours_of_its_type_and_one_of_no_type_those_of_offices() {
+        let warehouse = Class::new(BuildingType::Warehouse, Some("5B"));
+        assert_eq!(RandomDay::of_class(Some(warehouse)), RandomDay::of(BuildingType::Warehouse));
+        assert_eq!(RandomDay::of_class(None), RandomDay::of(BuildingType::OfficeSmall));
     }
 }

@@ -4,10 +4,12 @@ use std::fmt;
 use std::path::Path;
 use std::str::FromStr;
 
+use b2b_building::Class;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use crate::comfort::{Comfort, Pmv};
+use crate::energy_scale::EnergyScale;
 use crate::setpoints::Setpoints;
 use crate::{Error, Result};
 
@@ -35,7 +37,8 @@ pub struct Task {
     /// Weight w_E of what is to be saved (paper, eq. 1).
     pub energy_weight: f64,
     /// Scale τ_E: what the resource of a step is divided by before it is weighted; in its unit, Wh/m² for energy.
-    pub energy_scale: f64,
+    /// `None`: see [`Task::scale_for`].
+    pub energy_scale: Option<f64>,
     /// How zones that cannot be cooled are judged.
     pub heating_only_zones: HeatingOnlyZones,
     /// A zone is outside comfort when it is further than this from its target, K. For the metrics alone.
@@ -107,7 +110,7 @@ impl Default for Task {
             comfort: Comfort::Squared,
             resource: Resource::Energy,
             energy_weight: 0.0,
-            energy_scale: 1.0,
+            energy_scale: None,
             heating_only_zones: HeatingOnlyZones::BelowTarget,
             comfort_band: 1.0,
             prices: PRICES,
@@ -157,7 +160,7 @@ impl Task {
     /// [`Error::TaskValue`] naming the first that is not.
     pub fn check(&self) -> Result<()> {
         within("energy_weight", self.energy_weight, 0.0, f64::MAX)?;
-        within("energy_scale", self.energy_scale, f64::MIN_POSITIVE, f64::MAX)?;
+        within("energy_scale", self.energy_scale.unwrap_or(1.0), f64::MIN_POSITIVE, f64::MAX)?;
         within("comfort_band", self.comfort_band, 0.0, 50.0)?;
         for (name, fuels, low) in [("prices", &self.prices, f64::MIN), ("emissions", &self.emissions, 0.0)] {
             for value in fuels.electricity.values().iter().chain(fuels.gas.values()) {
@@ -166,6 +169,16 @@ impl Task {
         }
         self.setpoints.check()?;
         self.comfort.check()
+    }
+
+    /// The scale τ_E for a building of a class, with so many steps an hour: the task's own; else for energy the shipped
+    /// [`EnergyScale`] of the class; else 1.
+    pub fn scale_for(&self, class: Option<Class>, steps_per_hour: u32) -> f64 {
+        let shipped = || match self.resource {
+            Resource::Energy => EnergyScale::of(class?, steps_per_hour),
+            _ => None,
+        };
+        self.energy_scale.or_else(shipped).unwrap_or(1.0)
     }
 
     /// SHA-256 of it as JSON, in hexadecimal: equal hashes mean equal tasks.
@@ -318,6 +331,22 @@ mod tests {
         assert_eq!(hashes.len(), 6);
         let own = Task { comfort_band: 0.5, ..Task::default() };
         assert!(own.to_string().starts_with("constant#"), "{own}");
+    }
+
+    #[test]
+    fn the_scale_is_the_task_s_own_or_that_of_the_class_and_of_energy_alone() {
+        let [energy, cost] = ["constant+energy0.5", "constant+cost1"].map(task);
+        let class = EnergyScale::shipped()[0].class;
+        let shipped = EnergyScale::of(class, 12).unwrap();
+        assert_eq!(energy.scale_for(Some(class), 12), shipped);
+        assert_eq!(energy.scale_for(None, 12), 1.0);
+        assert_eq!(cost.scale_for(Some(class), 12), 1.0);
+        let own = Task { energy_scale: Some(3.0), ..energy };
+        assert_eq!(own.scale_for(Some(class), 12), 3.0);
+        assert_ne!(own.hash(), task("constant+energy0.5").hash());
+        assert!(
+            Task { energy_scale: Some(0.0), ..own }.check().unwrap_err().to_string().contains("energy_scale")
+        );
     }
 
     #[test]

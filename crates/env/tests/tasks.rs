@@ -2,9 +2,11 @@
 
 mod common;
 
-use b2b_building::BuildingType;
-use b2b_env::{Env, Reward, RewardFunction, StepView, Trajectory};
-use common::{Case, Dice};
+use std::sync::Arc;
+
+use b2b_building::{BuildingType, Class, PreparedBuilding};
+use b2b_env::{EnergyScale, Env, Reward, RewardFunction, StepView, Trajectory};
+use common::{Case, Dice, random_episode};
 
 fn office() -> Case {
     Case::at_home(BuildingType::OfficeSmall)
@@ -195,4 +197,26 @@ fn a_reward_of_one_s_own_takes_the_place_of_the_task_s() {
             assert_eq!(*penalties, [warmest, step as f64 + 1.0]);
         }
     }
+}
+
+#[test]
+fn what_a_class_uses_scales_the_reward_and_a_scale_of_the_task_goes_before_it() {
+    let house = Case::at_home(BuildingType::SingleFamilyHouse);
+    let class = Class::new(BuildingType::SingleFamilyHouse, None);
+    let of_class = PreparedBuilding::clone(&house.building).of_class(Some(class));
+    let of_class =
+        Case { building: Arc::new(of_class), weather: house.weather.clone(), library: house.library.clone() };
+    let penalty = |case: &Case, scale: Option<f64>| {
+        let mut episode = case.env_for("01-03..01-03", "constant+energy0.5").episode().clone();
+        episode.task.energy_scale = scale;
+        let mut env = Env::new(case.library.clone(), Arc::clone(&case.building), episode).unwrap();
+        random_episode(&mut env, 1);
+        let energy = env.metrics().electricity + env.metrics().gas;
+        assert!(energy > 0.0);
+        env.metrics().energy_penalty / energy
+    };
+    let near = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-9, "{a} {b}");
+    near(penalty(&house, None), 0.5);
+    near(penalty(&of_class, None), 0.5 / EnergyScale::of(class, 12).unwrap());
+    near(penalty(&of_class, Some(4.0)), 0.125);
 }

@@ -7,7 +7,7 @@ use b2b_energyplus::install::{Cache, Progress};
 use crate::climate::{Location, Site};
 use crate::commercial::{self, CommercialParameters};
 use crate::house::{self, HouseSample};
-use crate::{BuildingType, Model, Result};
+use crate::{BuildingType, Class, Model, Result};
 
 /// A building: its type, where it stands, and its parameters.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,6 +32,11 @@ impl Building {
             Self::Commercial { building_type, .. } => *building_type,
             Self::House(_) => BuildingType::SingleFamilyHouse,
         }
+    }
+
+    /// What it is of.
+    pub fn class(&self) -> Class {
+        Class::new(self.building_type(), self.location().ashrae_zone())
     }
 
     /// Where it stands.

@@ -2,6 +2,7 @@
 //! temperature, and thermostats for heaters.
 
 mod air_loop;
+mod parameters;
 mod pi;
 mod trim_respond;
 mod unitary;
@@ -11,21 +12,12 @@ use b2b_building::{Conditioning, PreparedBuilding};
 use b2b_env::{ObservationSpace, Target};
 
 pub use air_loop::AirLoopParameters;
+pub use parameters::{Parameter, ReactiveParameters};
 pub use pi::Gains;
 pub use trim_respond::TrimRespond;
 pub use unitary::UnitaryParameters;
 
 use crate::Controller;
-
-/// Parameters of the reactive controllers. The defaults hold 21 °C in every base building; they are not tuned to
-/// any one.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct ReactiveParameters {
-    /// For unitary systems.
-    pub unitary: UnitaryParameters,
-    /// For central air loops.
-    pub air_loop: AirLoopParameters,
-}
 
 /// The paper's reactive controllers, one for each system of a building.
 #[derive(Clone, Debug)]

@@ -1,15 +1,19 @@
 //! A proportional-integral loop.
 
+use serde::{Deserialize, Serialize};
+
 /// Gains of a PI loop.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Gains {
-    /// Proportional, 1/K.
+    /// Proportional, 1/K; 0 to 10.
     pub proportional: f64,
-    /// Integral, 1/(K h).
+    /// Integral, 1/(K h); 0 to 100.
     pub integral: f64,
 }
 
-/// A PI loop whose output stays in bounds, and whose integral does not wind up beyond them.
+/// A PI loop whose output stays in bounds, whose integral does not wind up beyond them, and which starts anew when its
+/// target jumps.
 #[derive(Clone, Debug)]
 pub(super) struct Pi {
     gains: Gains,
@@ -17,20 +21,28 @@ pub(super) struct Pi {
     high: f64,
     /// Length of a step, h.
     hours: f64,
+    /// Change of the target within a step that makes it start anew, K.
+    jump: f64,
     integral: f64,
+    target: Option<f64>,
 }
 
 impl Pi {
-    pub(super) fn new(gains: Gains, low: f64, high: f64, hours: f64) -> Self {
-        Self { gains, low, high, hours, integral: 0.0 }
+    pub(super) fn new(gains: Gains, [low, high]: [f64; 2], hours: f64, jump: f64) -> Self {
+        Self { gains, low, high, hours, jump, integral: 0.0, target: None }
     }
 
     pub(super) fn reset(&mut self) {
         self.integral = 0.0;
+        self.target = None;
     }
 
-    /// The output for an error, K.
-    pub(super) fn step(&mut self, error: f64) -> f64 {
+    /// The output for an error from a target, K. What was learnt of the load at one target is of no use at another.
+    pub(super) fn step(&mut self, error: f64, target: f64) -> f64 {
+        let before = self.target.replace(target);
+        if before.is_some_and(|before| (target - before).abs() >= self.jump) {
+            self.integral = 0.0;
+        }
         let proportional = self.gains.proportional * error;
         let integral = self.integral + self.gains.integral * error * self.hours;
         let output = proportional + integral;
@@ -41,20 +53,36 @@ impl Pi {
         }
         (proportional + self.integral).clamp(self.low, self.high)
     }
+
+    /// Takes an output that was held back for what the loop has learnt, at an error of 0.
+    pub(super) fn hold(&mut self, output: f64) {
+        self.integral = output;
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    const GAINS: Gains = Gains { proportional: 0.2, integral: 1.0 };
+
     #[test]
     fn a_loop_held_at_its_bound_comes_back_as_soon_as_the_error_turns() {
-        let gains = Gains { proportional: 0.2, integral: 1.0 };
-        let mut pi = Pi::new(gains, -1.0, 1.0, 1.0 / 12.0);
+        let mut pi = Pi::new(GAINS, [-1.0, 1.0], 1.0 / 12.0, 0.5);
         for _ in 0..1000 {
-            assert!(pi.step(10.0) <= 1.0);
+            assert!(pi.step(10.0, 21.0) <= 1.0);
         }
-        let back = (0..20).position(|_| pi.step(-1.0) < 0.9);
+        let back = (0..20).position(|_| pi.step(-1.0, 21.0) < 0.9);
         assert!(back.is_some_and(|steps| steps <= 2), "{back:?}");
+    }
+
+    #[test]
+    fn a_loop_starts_anew_when_its_target_jumps_and_not_when_it_drifts() {
+        let mut pi = Pi::new(GAINS, [-1.0, 1.0], 1.0 / 12.0, 0.5);
+        for _ in 0..100 {
+            pi.step(0.5, 21.0);
+        }
+        assert!(pi.step(0.0, 21.3) > 0.9, "a drift of 0.3 K");
+        assert_eq!(pi.step(0.0, 18.0), 0.0);
     }
 }

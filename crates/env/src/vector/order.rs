@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use b2b_building::{Model, PreparedBuilding};
+use b2b_building::{Class, Model, PreparedBuilding};
 use b2b_energyplus::Library;
 use serde::{Deserialize, Serialize};
 
@@ -18,6 +18,8 @@ pub enum Source {
     Model {
         /// Its name.
         name: String,
+        /// What it is of.
+        class: Option<Class>,
         /// The model as it was generated or read.
         model: Box<Model>,
     },
@@ -48,8 +50,8 @@ impl Order {
         let library = Library::load(&self.library)?;
         let building = match self.source {
             Source::Prepared(building) => *building,
-            Source::Model { name, model } => {
-                PreparedBuilding::new(&name, *model, &self.episode.weather, &library)?
+            Source::Model { name, class, model } => {
+                PreparedBuilding::new(&name, *model, &self.episode.weather, &library)?.of_class(class)
             }
         };
         Ok(Env::new(library, building.into(), self.episode)?)
