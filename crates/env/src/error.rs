@@ -85,6 +85,9 @@ pub enum Error {
         /// How many there may be.
         most: usize,
     },
+    /// A population without buildings.
+    #[error("there is no building to draw from")]
+    NoBuilding,
     /// A vector environment of none.
     #[error("a vector environment needs at least one environment")]
     NoEnvironment,
@@ -141,6 +144,9 @@ pub enum Error {
     /// The engine failed, or refused a handle.
     #[error(transparent)]
     Engine(#[from] b2b_energyplus::Error),
+    /// A building that cannot be made.
+    #[error(transparent)]
+    Building(#[from] b2b_building::Error),
     /// A file could not be read or written.
     #[error("{path}: {source}")]
     Io {

@@ -17,6 +17,6 @@ pub use launcher::Launcher;
 pub use order::Source;
 pub use pool::{Held, Live, Pool, PoolOptions, Setting, Spaces, TemplateId};
 pub use region::Start;
-pub use sampler::{AnyOf, Draw, Fixed, Sampler, Windows};
+pub use sampler::{AnyOf, Buildings, Draw, Fixed, Population, Sampler, Windows};
 pub use vec_env::{Autoreset, VecEnv, VecEnvOptions};
 pub use worker::run_if_worker;

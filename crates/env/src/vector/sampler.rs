@@ -1,10 +1,17 @@
 //! Which episode comes next.
 
-use b2b_building::{Date, RunPeriod};
+use std::sync::Arc;
+
+use b2b_building::dataset::{self, BuildingId, Places, Split};
+use b2b_building::{BuildingType, Catalog, Date, RunPeriod};
+use b2b_energyplus::install::Quiet;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
+use super::order::Source;
 use super::pool::Setting;
+use crate::env::Episode;
+use crate::task::Task;
 use crate::{Error, Result};
 
 /// An episode to come.
@@ -50,6 +57,72 @@ impl Sampler for AnyOf {
     fn draw(&mut self, _: usize, random: &mut ChaCha8Rng) -> Result<Draw> {
         let index = random.random_range(0..self.0.len());
         Ok(Draw { setting: self.0[index].clone(), steps: None })
+    }
+}
+
+/// Every episode is of another building, which is made when it is drawn: of the dataset, or of the generator.
+#[derive(Clone, Debug)]
+pub struct Buildings {
+    /// Makes them.
+    pub catalog: Arc<Catalog>,
+    /// What they are drawn from.
+    pub population: Population,
+    /// Days of an episode.
+    pub period: RunPeriod,
+    /// Zone time steps an hour.
+    pub steps_per_hour: u32,
+    /// What is asked.
+    pub task: Task,
+}
+
+/// Buildings to draw from, each as likely as the others.
+#[derive(Clone, Debug)]
+pub enum Population {
+    /// These of the dataset.
+    Ids(Vec<BuildingId>),
+    /// Whatever the generator makes of a type. No two are the same.
+    Generated {
+        /// The type.
+        building_type: BuildingType,
+        /// Where they stand.
+        places: Places,
+        /// Parameters that are fixed or drawn from a narrower range.
+        settings: Vec<dataset::Setting>,
+    },
+}
+
+impl Population {
+    /// The buildings of a type that are to train or to test on.
+    pub fn of_split(building_type: BuildingType, split: Split) -> Self {
+        let rows = dataset::rows(building_type).iter().filter(|row| row.split == split);
+        Self::Ids(rows.map(|row| row.id).collect())
+    }
+
+    fn draw(&self, random: &mut ChaCha8Rng) -> Result<(String, dataset::Building)> {
+        match self {
+            Self::Ids(ids) if ids.is_empty() => Err(Error::NoBuilding),
+            Self::Ids(ids) => {
+                let id = ids[random.random_range(0..ids.len())];
+                Ok((id.to_string(), dataset::row(id).building.clone()))
+            }
+            Self::Generated { building_type, places, settings } => {
+                let seed = random.random();
+                let mut drawn = dataset::sample(*building_type, 1, seed, places, settings)?;
+                let building = drawn.pop().ok_or(Error::NoBuilding)?;
+                Ok((format!("{building_type}-seed{seed}-0001"), building))
+            }
+        }
+    }
+}
+
+impl Sampler for Buildings {
+    fn draw(&mut self, _: usize, random: &mut ChaCha8Rng) -> Result<Draw> {
+        let (name, building) = self.population.draw(random)?;
+        let (model, weather) = self.catalog.generate(&building, &mut Quiet)?;
+        let source = Source::Model { name, class: Some(building.class()), model: Box::new(model) };
+        let task = self.task.clone();
+        let episode = Episode { weather, period: self.period, steps_per_hour: self.steps_per_hour, task };
+        Ok(Draw { setting: Setting { source: Arc::new(source), episode }, steps: None })
     }
 }
 
