@@ -68,6 +68,8 @@ pub struct Env {
     metrics: Metrics,
     messages: Messages,
     observe_effects: bool,
+    /// The actions of the episode, one after another, if they are kept.
+    history: Option<Vec<f64>>,
     /// Steps after which an episode is left where it stands, the engine with it.
     left_after: Option<usize>,
     /// The model file and the engine's own files; goes with the environment.
@@ -85,6 +87,15 @@ pub struct Step<'a> {
     pub reward: Reward,
     /// Whether the run period is over.
     pub truncated: bool,
+}
+
+/// Where an episode stood: what it is of, and every action up to there.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Snapshot {
+    building: String,
+    episode: Episode,
+    /// As they were given, one after another.
+    actions: Vec<f64>,
 }
 
 /// A simulation in progress with its handles.
@@ -138,6 +149,7 @@ impl Env {
             asked: vec![(false, f64::NAN); zones.len()],
             zone_steps: Vec::with_capacity(zones.len()),
             observe_effects: false,
+            history: None,
             left_after: None,
             library,
             building,
@@ -153,6 +165,14 @@ impl Env {
     #[must_use]
     pub fn observe_effects(mut self) -> Self {
         self.observe_effects = true;
+        self
+    }
+
+    /// Keeps the actions of an episode, so that [`Env::snapshot`] can take it back to where it stood. A step then
+    /// allocates now and then.
+    #[must_use]
+    pub fn keep_history(mut self) -> Self {
+        self.history = Some(Vec::new());
         self
     }
 
@@ -172,6 +192,9 @@ impl Env {
         self.live = None;
         self.metrics = new_metrics(&self.zones, &self.action_space, &self.episode);
         self.reward.reset();
+        if let Some(history) = &mut self.history {
+            history.clear();
+        }
         let effects = self.observe_effects;
         let (model, weather) = (self.model_path(), &self.episode.weather);
         let mut live = Live::start(&self.library, &self.building, &self.zones, &model, weather, effects)?;
@@ -195,6 +218,9 @@ impl Env {
                 return Err(error);
             }
         }
+        if let Some(history) = &mut self.history {
+            history.extend_from_slice(action);
+        }
         live.act(&self.action);
         if live.simulation.advance()? != Some(Event::Step) {
             return Err(self.wrong_length());
@@ -212,6 +238,30 @@ impl Env {
             self.live = Some(live);
         }
         Ok(Step { observation: &self.observation, action: &self.action, reward, truncated })
+    }
+
+    /// Where the episode stands, to come back to. `None` without [`Env::keep_history`] or an episode in progress.
+    pub fn snapshot(&self) -> Option<Snapshot> {
+        let actions = self.history.clone().filter(|_| self.live.is_some())?;
+        Some(Snapshot { building: self.building.name.clone(), episode: self.episode.clone(), actions })
+    }
+
+    /// Comes back to where a snapshot was taken, bit for bit, by a fresh start and the same actions: for systems that
+    /// cannot copy a process, and for processes of their own. Where the system can, a
+    /// [`Pool`](crate::vector::Pool) does it in a millisecond.
+    ///
+    /// # Errors
+    /// [`Error::OtherSnapshot`] when it was taken of another building or episode; those of [`Env::reset`].
+    pub fn restore(&mut self, snapshot: &Snapshot) -> Result<&[f64]> {
+        if snapshot.building != self.building.name || snapshot.episode != self.episode {
+            let (taken, here) = (snapshot.building.clone(), self.building.name.clone());
+            return Err(Error::OtherSnapshot { taken, here });
+        }
+        self.reset()?;
+        for action in snapshot.actions.chunks_exact(self.action_space.len()) {
+            self.step(action)?;
+        }
+        Ok(&self.observation)
     }
 
     /// What is driven, between which bounds.

@@ -85,6 +85,14 @@ pub enum Error {
         /// How many there may be.
         most: usize,
     },
+    /// A snapshot of another building or episode.
+    #[error("a snapshot of {taken} is none of {here} with this period, weather and task")]
+    OtherSnapshot {
+        /// Building of the snapshot.
+        taken: String,
+        /// Building of the environment.
+        here: String,
+    },
     /// A population without buildings.
     #[error("there is no building to draw from")]
     NoBuilding,

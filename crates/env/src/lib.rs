@@ -25,7 +25,7 @@ mod warmup;
 pub use action::ActionSpace;
 pub use comfort::{Comfort, Pmv};
 pub use energy_scale::EnergyScale;
-pub use env::{Env, Episode, Step};
+pub use env::{Env, Episode, Snapshot, Step};
 pub use error::{Error, Result};
 pub use metrics::{Metrics, ZoneMetrics};
 pub use morphology::Decomposition;

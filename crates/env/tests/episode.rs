@@ -129,3 +129,27 @@ fn a_weather_file_that_is_missing_is_named() {
     let error = case.env("01-20..01-20").reset().unwrap_err().to_string();
     assert!(error.contains("no such weather.epw"), "{error}");
 }
+
+#[test]
+fn an_episode_comes_back_to_where_a_snapshot_was_taken() {
+    let mut env = house().env("01-10..01-11").keep_history();
+    let mut dice = Dice::new(env.action_space(), 5);
+    assert_eq!(env.snapshot(), None);
+    env.reset().unwrap();
+    let mut play = |env: &mut Env, steps: usize| -> Vec<f64> {
+        (0..steps).flat_map(|_| env.step(dice.roll()).unwrap().observation.to_vec()).collect()
+    };
+    play(&mut env, 200);
+    let (snapshot, metrics) = (env.snapshot().unwrap(), env.metrics().clone());
+    let actions: Vec<Vec<f64>> = (0..100).map(|_| Dice::new(env.action_space(), 9).roll().to_vec()).collect();
+    let follow = |env: &mut Env| -> Vec<f64> {
+        actions.iter().flat_map(|action| env.step(action).unwrap().observation.to_vec()).collect()
+    };
+    let first = follow(&mut env);
+    env.restore(&snapshot).unwrap();
+    assert_eq!(env.metrics(), &metrics);
+    assert_eq!(follow(&mut env), first);
+    let mut other = house().env("01-10..01-12").keep_history();
+    let said = other.restore(&snapshot).unwrap_err().to_string();
+    assert!(said.contains("SingleFamilyHouse"), "{said}");
+}
