@@ -89,6 +89,14 @@ impl ActionSpace {
         Ok(())
     }
 
+    /// Makes shares of the bounds, -1 for the lowest and 1 for the highest value, an action in physical units. What is
+    /// beyond is clamped later, as any action is; a value without an actuator stays as it is.
+    pub fn rescale(&self, action: &mut [f64]) {
+        for ((value, low), high) in action.iter_mut().zip(&self.low).zip(&self.high) {
+            *value = low + (*value + 1.0) / 2.0 * (high - low);
+        }
+    }
+
     /// Writes the action that is carried out for the one given: every value within its bounds. Returns how
     /// many values were out of bounds.
     ///

@@ -20,6 +20,9 @@ pub enum Source {
         name: String,
         /// The model as it was generated or read.
         model: Box<Model>,
+        /// Whether it is a user's own, of which as much is made controllable as can be.
+        #[serde(default)]
+        own: bool,
     },
 }
 
@@ -48,8 +51,9 @@ impl Order {
         let library = Library::load(&self.library)?;
         let building = match self.source {
             Source::Prepared(building) => *building,
-            Source::Model { name, model } => {
-                PreparedBuilding::new(&name, *model, &self.episode.weather, &library)?
+            Source::Model { name, model, own } => {
+                let make = if own { PreparedBuilding::as_far_as_possible } else { PreparedBuilding::new };
+                make(&name, *model, &self.episode.weather, &library)?
             }
         };
         Ok(Env::new(library, building.into(), self.episode)?)
