@@ -87,7 +87,8 @@ for _name in list_building_types():
             f"b2b/{_name}-v0",
             entry_point="building2building.env:BuildingEnv",
             vector_entry_point="building2building.vector:BuildingVectorEnv",
-            kwargs={"building_type": _name},
+            # Learners want actions from -1 to 1, and Gymnasium's checker asks for them.
+            kwargs={"building_type": _name, "rescale_action": True},
             disable_env_checker=True,
             order_enforce=False,
         )

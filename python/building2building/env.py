@@ -445,7 +445,7 @@ def make_env(building_type: str | None = None, **arguments) -> BuildingEnv:
       model, at its home, at ``place``, or under a ``weather`` file.
     - ``task``: ``constant``, ``occupancy+energy0.5``, ``random:7+cost2``..., a JSON file, or a dictionary;
       ``run_period``: ``winter``, ``summer``, ``full_year`` or ``01-01..01-07``; ``timesteps_per_hour``.
-    - ``rescale_action``: actions from -1 to 1 in place of physical units.
+    - ``rescale_action``: actions from -1 to 1 in place of physical units; the default of ``gymnasium.make``.
     - ``window_days``, ``window_starts``: episodes of so many days from a random one of so many first days;
       ``resample_targets``: other targets each episode, for random tasks. Both follow the seed of ``reset``.
     - ``reward``: your own, a function of the step's info, in place of the task's.
@@ -454,8 +454,7 @@ def make_env(building_type: str | None = None, **arguments) -> BuildingEnv:
     if building_type is None:
         return BuildingEnv(**arguments)
     name = _type_name(building_type)
-    env = gymnasium.make(f"b2b/{name}-v0", **arguments)
-    return env
+    return gymnasium.make(f"b2b/{name}-v0", **{"rescale_action": False, **arguments})
 
 
 def _type_name(text: str) -> str:

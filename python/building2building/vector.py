@@ -241,4 +241,4 @@ def make_vec(building_type: str | None = None, num_envs: int = 1, **arguments) -
         return BuildingVectorEnv(None, num_envs, **arguments)
     from .env import _type_name
 
-    return gymnasium.make_vec(f"b2b/{_type_name(building_type)}-v0", num_envs=num_envs, **arguments)
+    return gymnasium.make_vec(f"b2b/{_type_name(building_type)}-v0", num_envs=num_envs, **{"rescale_action": False, **arguments})

@@ -141,11 +141,24 @@ class AugmentObservationWithBuildingParams(_Wrapper):
 
 class ResampleBuildingOnResetWrapper(_Wrapper):
     """Another building every episode, drawn by the seed of ``reset`` from a list of ids or :class:`Building`, or from a
-    split of the environment's type. The buildings must have the same spaces: make the environment with
-    ``rescale_action=True``. ``reset(options={"building": ...})`` asks for one."""
+    split of the environment's type. Make the environment with ``rescale_action=True``, so that they have the same actions.
+    Houses have one to three zones: ``width`` pads the observation. ``reset(options={"building": ...})`` asks for one."""
 
-    def __init__(self, env: gymnasium.Env, buildings: Sequence[Building | str] | None = None, split: str = "train"):
-        super().__init__(env, buildings=buildings, split=split)
+    def __init__(
+        self,
+        env: gymnasium.Env,
+        buildings: Sequence[Building | str] | None = None,
+        split: str = "train",
+        width: int | None = None,
+    ):
+        super().__init__(env, buildings=buildings, split=split, width=width)
+        box = env.observation_space
+        self._width, self._pads = width or box.shape[0], width is not None
+        if width is not None:
+            if box.shape[0] > width:
+                raise SettingError(f"the observation has {box.shape[0]} slots, more than {width}")
+            low, high = min(float(box.low.min()), 0.0), max(float(box.high.max()), 0.0)
+            self.observation_space = Box(low, high, (width,), dtype=box.dtype)
         if buildings is None:
             buildings = list_buildings(env.unwrapped.building.building_type, split)
         self._buildings = list(buildings)
@@ -158,14 +171,26 @@ class ResampleBuildingOnResetWrapper(_Wrapper):
         building = options.pop("building", None)
         if building is None:
             building = self._buildings[int(core.np_random.integers(len(self._buildings)))]
-        spaces = core.observation_space, core.action_space
+        actions = core.action_space
         core.set_building(building)
-        if (core.observation_space, core.action_space) != spaces:
-            name = core.building.name
+        if core.action_space != actions:
             raise SettingError(
-                f"{name} has other spaces than the building before it: rescale_action=True gives one type the same actions"
+                f"{core.building.name} has other actions than the building before it: rescale_action=True gives the "
+                "buildings of a type the same"
             )
-        return self.env.reset(seed=seed, options=options or None)
+        self._check(core)
+        observation, info = self.env.reset(seed=seed, options=options or None)
+        return self.observation(observation), info
+
+    def _check(self, core):
+        slots = core.observation_space.shape[0]
+        if slots > self._width or (slots != self._width and not self._pads):
+            raise SettingError(
+                f"{core.building.name} has {slots} observation slots, not {self._width}: give the width of the largest"
+            )
+
+    def observation(self, observation):
+        return np.pad(observation, (0, self._width - len(observation)))
 
 
 class WeatherForecast(_Wrapper):

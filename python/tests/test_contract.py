@@ -151,7 +151,7 @@ def test_a_frame_shows_the_building(make):
         ({"building_type": "OfficeSmall", "task": "cosy"}, errors.TaskError, "occupancy"),
         ({"building_type": "OfficeSmall", "run_period": "spring"}, errors.BuildingError, "MM-DD"),
         ({"building_type": "OfficeSmall", "timesteps_per_hour": 7}, errors.Error, "7 steps per hour"),
-        ({"building_type": "OfficeSmall", "render_mode": "ansi"}, errors.SettingError, "rgb_array"),
+        ({"building_type": "OfficeSmall", "window_days": 100}, errors.Error, "100 days"),
     ],
 )
 def test_what_cannot_be_is_an_error_that_says_what_can(arguments, error, words):

@@ -43,7 +43,8 @@ def test_the_building_is_told(make):
 
 def test_another_building_every_episode(make):
     env = wrappers.ResampleBuildingOnResetWrapper(
-        make("SingleFamilyHouse", rescale_action=True), ["SingleFamilyHouse", "SingleFamilyHouse-0001"]
+        make("SingleFamilyHouse", rescale_action=True), ["SingleFamilyHouse", "SingleFamilyHouse-0001"],
+        width=16,
     )
 
     def drawn():
@@ -51,7 +52,8 @@ def test_another_building_every_episode(make):
 
     names = drawn()
     assert set(names) == {"SingleFamilyHouse", "SingleFamilyHouse-0001"} and names == drawn()
-    env.step(env.action_space.sample())
+    observation, *_ = env.step(env.action_space.sample())
+    assert env.observation_space.contains(observation)
     assert env.reset(options={"building": "SingleFamilyHouse-0001"})[1]["building"] == "SingleFamilyHouse-0001"
 
 
