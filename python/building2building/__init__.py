@@ -7,11 +7,9 @@
 576
 """
 
-from importlib.metadata import version as _version
-
 import gymnasium as _gymnasium
 
-from . import wrappers
+from . import _core, wrappers
 from .buildings import (
     Building,
     building_parameters,
@@ -40,7 +38,7 @@ from .rollouts import (
 from .vector import BuildingVectorEnv, make_vec
 from .wrappers import wrap_env_for_rl
 
-__version__ = _version("building2building")
+__version__ = _core.__version__
 
 __all__ = [
     "Building",

@@ -348,7 +348,8 @@ class BuildingEnv(gymnasium.Env):
         action = np.asarray(action, dtype=np.float64)
         if not self.rescale_action:
             return action
-        return self.layout.action_low + (action + 1) / 2 * (self.layout.action_high - self.layout.action_low)
+        share = (action + 1) / 2
+        return self.layout.action_low * (1 - share) + self.layout.action_high * share
 
     @property
     def steps(self) -> int:

@@ -27,7 +27,7 @@ class Renderer:
 
     def _plan(self, env):
         """Floors of the zones, level by level: (level, zone, x and y of the corners)."""
-        floors = [(zone, np.array(corners)) for zone, is_floor, corners in env.layout.core.plan() if is_floor]
+        floors = [(zone, np.array(corners)) for zone, is_floor, corners in env.layout.core.faces() if is_floor]
         heights = sorted({round(float(corners[:, 2].mean()), 1) for _, corners in floors})
         levels: list[float] = []
         for height in heights:

@@ -19,7 +19,7 @@ pub fn numbers(given: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
 /// Numbers of any array of two dimensions, row by row, with their shape.
 pub fn rows(given: &Bound<'_, PyAny>) -> PyResult<(Vec<f64>, [usize; 2])> {
     if let Ok(array) = given.cast::<PyArray2<f32>>() {
-        let (array, _) = (array.readonly(), ());
+        let array = array.readonly();
         let view = array.as_array();
         return Ok((view.iter().map(|value| f64::from(*value)).collect(), [view.nrows(), view.ncols()]));
     }

@@ -8,10 +8,10 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::arrays;
 use crate::catalog::locked;
 use crate::error::raise;
 use crate::spaces::Spaces;
-use crate::arrays;
 
 /// A controller of the crates: reactive, random or constant.
 #[pyclass(frozen, module = "building2building._core")]

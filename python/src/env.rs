@@ -32,8 +32,10 @@ struct State {
     next_snapshot: u64,
 }
 
+/// An observation as f32 and as f64.
+pub type Seen<'py> = (Bound<'py, PyArray1<f32>>, Bound<'py, PyArray1<f64>>);
 /// What a step gives: observation as f32 and as f64, both penalties, and whether the episode is over.
-type Stepped<'py> = (Bound<'py, PyArray1<f32>>, Bound<'py, PyArray1<f64>>, f64, f64, bool);
+pub type Stepped<'py> = (Bound<'py, PyArray1<f32>>, Bound<'py, PyArray1<f64>>, f64, f64, bool);
 
 #[pymethods]
 impl Env {
@@ -85,11 +87,7 @@ impl Env {
 
     /// Begins an episode of so many steps, or of the whole run period.
     #[pyo3(signature = (steps=None))]
-    fn reset<'py>(
-        &self,
-        py: Python<'py>,
-        steps: Option<usize>,
-    ) -> PyResult<(Bound<'py, PyArray1<f32>>, Bound<'py, PyArray1<f64>>)> {
+    fn reset<'py>(&self, py: Python<'py>, steps: Option<usize>) -> PyResult<Seen<'py>> {
         let observation = self.with(py, |state| state.reset(steps))?;
         Ok((arrays::single(py, &observation), arrays::row(py, observation)))
     }
@@ -218,8 +216,7 @@ impl State {
         }
         // It is the same one unless it had to make room.
         self.template = pool.prepare(&self.setting.setting).map_err(of_env)?;
-        let mut live =
-            pool.begin(self.template, Start { steps, processor: None }).map_err(of_env)?;
+        let mut live = pool.begin(self.template, Start { steps, processor: None }).map_err(of_env)?;
         pool.wait(std::slice::from_mut(&mut live), 1).map_err(of_env)?;
         alive(&live)?;
         let mut observation = vec![0.0; self.spaces.observation.len()];

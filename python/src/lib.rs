@@ -22,9 +22,7 @@ mod _core {
     use super::*;
 
     #[pymodule_export]
-    use super::catalog::{
-        Building, Setting, building_types, dataset_table, find_building, generate, places,
-    };
+    use super::catalog::{Building, Setting, building_types, dataset_table, find_building, generate, places};
     #[pymodule_export]
     use super::control::{Controller, trajectory_hash};
     #[pymodule_export]
@@ -35,6 +33,11 @@ mod _core {
     use super::spaces::{Morphology, Spaces};
     #[pymodule_export]
     use super::vector::VecEnv;
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
 
     /// Runs this process as a worker if it was started as one, and then never returns.
     #[pyfunction]

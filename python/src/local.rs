@@ -9,6 +9,7 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 
 use crate::catalog::{self, Setting};
+use crate::env::{Seen, Stepped};
 use crate::error::{of_building, of_env, raise};
 use crate::spaces::Spaces;
 use crate::{arrays, control};
@@ -53,23 +54,18 @@ impl LocalEnv {
     }
 
     /// Begins an episode.
-    #[allow(clippy::type_complexity, reason = "both forms of one observation")]
-    fn reset<'py>(
-        &mut self,
-        py: Python<'py>,
-    ) -> PyResult<(Bound<'py, PyArray1<f32>>, Bound<'py, PyArray1<f64>>)> {
+    fn reset<'py>(&mut self, py: Python<'py>) -> PyResult<Seen<'py>> {
         let observation = self.env()?.reset().map_err(of_env)?.to_vec();
         Ok((arrays::single(py, &observation), arrays::row(py, observation)))
     }
 
     /// As `Env.step`.
-    #[allow(clippy::type_complexity, reason = "as Env.step")]
     fn step<'py>(
         &mut self,
         py: Python<'py>,
         action: &Bound<'py, PyAny>,
         rescale: bool,
-    ) -> PyResult<(Bound<'py, PyArray1<f32>>, Bound<'py, PyArray1<f64>>, f64, f64, bool)> {
+    ) -> PyResult<Stepped<'py>> {
         let mut action = arrays::numbers(action)?;
         if rescale {
             self.spaces.action.rescale(&mut action);

@@ -46,7 +46,10 @@ pub fn options(py: Python<'_>) -> PyResult<PoolOptions> {
     let text = |module: &str, name: &str| -> PyResult<String> {
         let value = py.import(module)?.getattr(name)?.extract::<Option<String>>()?;
         value.filter(|value| !value.is_empty()).ok_or_else(|| {
-            raise("ProcessError", format!("`{module}.{name}` is empty: it must name what workers are started from"))
+            raise(
+                "ProcessError",
+                format!("`{module}.{name}` is empty: it must name what workers are started from"),
+            )
         })
     };
     let launcher = ["-I", "-S", "-c", BOOTSTRAP, &text("building2building._core", "__file__")?]

@@ -16,6 +16,9 @@ use crate::arrays;
 use crate::catalog::Inner;
 use crate::error::{of_building, of_env, raise};
 
+/// A face: number of its zone, whether it is a floor, corners (x, y, z), m.
+type Face = (usize, bool, Vec<[f64; 3]>);
+
 /// What an environment sees and drives, as data.
 #[pyclass(frozen, module = "building2building._core")]
 pub struct Spaces {
@@ -94,11 +97,13 @@ impl Spaces {
         Ok(serde_json::to_string(&self.describe()?).expect("a description is plain data"))
     }
 
-    /// Floors and outer walls of the zones from above: number of the zone, whether it is a floor, corners (x, y, z), m.
-    fn plan(&self) -> PyResult<Vec<(usize, bool, Vec<[f64; 3]>)>> {
+    /// Every face: number of its zone, whether it is a floor, corners (x, y, z), m.
+    fn faces(&self) -> PyResult<Vec<Face>> {
         let shape = self.spaces.building.shape().map_err(of_building)?;
-        let drawn = |kind| matches!(kind, SurfaceKind::Floor);
-        Ok(shape.faces.into_iter().map(|face| (face.zone, drawn(face.kind), face.corners)).collect())
+        let face = |face: b2b_building::description::shape::Face| {
+            (face.zone, face.kind == SurfaceKind::Floor, face.corners)
+        };
+        Ok(shape.faces.into_iter().map(face).collect())
     }
 
     /// The building as a graph, with the translations of its spaces.

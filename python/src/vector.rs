@@ -28,8 +28,12 @@ struct State {
 }
 
 /// Observations and rewards of all; penalties; who is truncated.
-type Stepped<'py> =
-    (Bound<'py, PyArray2<f32>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<bool>>);
+type Stepped<'py> = (
+    Bound<'py, PyArray2<f32>>,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray2<f64>>,
+    Bound<'py, PyArray1<bool>>,
+);
 
 /// What [`Stepped`] is made of.
 struct Batch {
@@ -99,11 +103,7 @@ impl VecEnv {
     }
 
     /// Begins a new episode in some environments.
-    fn reset_some<'py>(
-        &self,
-        py: Python<'py>,
-        which: Vec<usize>,
-    ) -> PyResult<Bound<'py, PyArray2<f32>>> {
+    fn reset_some<'py>(&self, py: Python<'py>, which: Vec<usize>) -> PyResult<Bound<'py, PyArray2<f32>>> {
         let batch = self.with(py, |state| {
             let envs = state.envs()?;
             for index in &which {
@@ -231,6 +231,8 @@ fn sampler(
         (true, None) => Box::new(AnyOf(settings)),
         (false, None) => Box::new(Fixed(settings)),
         (true, Some((days, starts))) => Box::new(Windows { of: AnyOf(settings), days: (days, days), starts }),
-        (false, Some((days, starts))) => Box::new(Windows { of: Fixed(settings), days: (days, days), starts }),
+        (false, Some((days, starts))) => {
+            Box::new(Windows { of: Fixed(settings), days: (days, days), starts })
+        }
     }
 }

@@ -93,7 +93,9 @@ impl ActionSpace {
     /// beyond is clamped later, as any action is; a value without an actuator stays as it is.
     pub fn rescale(&self, action: &mut [f64]) {
         for ((value, low), high) in action.iter_mut().zip(&self.low).zip(&self.high) {
-            *value = low + (*value + 1.0) / 2.0 * (high - low);
+            let share = (*value + 1.0) / 2.0;
+            // Exact at both ends.
+            *value = low * (1.0 - share) + high * share;
         }
     }
 
@@ -132,6 +134,16 @@ mod tests {
         let mut done = [0.0; 2];
         assert_eq!(space().clamp_into(&[0.7, 20.0], &mut done).unwrap(), 1);
         assert_eq!(done, [0.5, 20.0]);
+    }
+
+    #[test]
+    fn shares_of_the_bounds_reach_them_and_not_beyond() {
+        for (share, expected) in [(-1.0, [0.0, 10.0]), (0.0, [0.25, 27.5]), (1.0, [0.5, 45.0])] {
+            let mut action = [share; 2];
+            space().rescale(&mut action);
+            assert_eq!(action, expected);
+            assert_eq!(space().clamp_into(&action, &mut [0.0; 2]).unwrap(), 0);
+        }
     }
 
     #[test]

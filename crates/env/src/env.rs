@@ -12,9 +12,7 @@ use tempfile::TempDir;
 use crate::action::ActionSpace;
 use crate::metrics::Metrics;
 use crate::observation::{ObservationSpace, Shared, Target};
-use crate::reward::{
-    JudgedZone, Reward, RewardFunction, StepView, ZoneStep, judged_zones,
-};
+use crate::reward::{JudgedZone, Reward, RewardFunction, StepView, ZoneStep, judged_zones};
 use crate::setpoints::{Moment, Targets};
 use crate::task::Task;
 use crate::warmup;

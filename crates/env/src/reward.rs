@@ -198,8 +198,7 @@ mod tests {
 
     #[test]
     fn cost_and_emissions_follow_the_fuel_and_the_hour() {
-        let (cost, emissions) =
-            Task::default().cost_and_emissions([1000.0, 2000.0], 5.0);
+        let (cost, emissions) = Task::default().cost_and_emissions([1000.0, 2000.0], 5.0);
         assert!((cost - (0.127 + 2.0 * 0.0365)).abs() < 1e-12);
         assert!((emissions - (373.0 + 362.0)).abs() < 1e-9);
     }

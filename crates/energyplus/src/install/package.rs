@@ -130,8 +130,11 @@ impl Package {
     fn find_among(&self, folder: &Path) -> Option<Installed> {
         let record = format!("{}-{}.dist-info/RECORD", self.name.replace('-', "_"), self.version);
         let record = std::fs::read_to_string(folder.join(record)).ok()?;
-        let files: Vec<_> =
-            record.lines().filter_map(UnpackedFile::of_record).filter(|file| self.wants(&file.path)).collect();
+        let files: Vec<_> = record
+            .lines()
+            .filter_map(UnpackedFile::of_record)
+            .filter(|file| self.wants(&file.path))
+            .collect();
         let whole = self.respelt.is_empty()
             && !files.is_empty()
             && files.iter().all(|file| file.missing_or_truncated(folder).is_none());
