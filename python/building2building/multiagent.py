@@ -16,8 +16,8 @@ _pettingzoo = need("pettingzoo", "pettingzoo")
 class ZonesParallelEnv(_pettingzoo.ParallelEnv):
     """Agents are the owners of actuators: zones, and the handlers of central air loops.
 
-    All see the whole observation; each drives its own actuators. A zone's reward is minus its squared deviation, and a
-    share of the energy penalty; an air handler's is the mean of the building's.
+    All see the whole observation; each drives its own actuators. A zone's reward is minus its squared deviation (of
+    one without cooling, below target only) and a share of the energy penalty; an air handler's is the mean of the building's.
     """
 
     metadata: dict[str, Any] = {"name": "b2b_zones_v0", "render_modes": ["rgb_array"]}
@@ -55,6 +55,9 @@ class ZonesParallelEnv(_pettingzoo.ParallelEnv):
             action[self._actuators[agent]] = actions[agent]
         observation, reward, terminated, truncated, info = self.env.step(action)
         zones = dict(zip(self.env.layout.zones, info["zone_deviation"]))
+        for zone in self.env.layout.data["zones"]:
+            if zone["controlled"] and not zone["cooling"]:
+                zones[zone["name"]] = min(zones[zone["name"]], 0.0)
         energy = info["reward_terms"]["energy"] / len(self.agents)
         rewards = {
             agent: float(-zones[agent] ** 2 + energy) if agent in zones else reward / len(self.agents)

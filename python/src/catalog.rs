@@ -8,7 +8,7 @@ use b2b_building::climate::{Place, WeatherFile};
 use b2b_building::dataset::{self, Places, manifest};
 use b2b_building::description::Origin;
 use b2b_building::{BuildingName, BuildingType, Catalog, Model, Placement};
-use b2b_energyplus::install::{Quiet, look_in};
+use b2b_energyplus::install::look_in;
 use b2b_env::vector::{AnyOf, Draw, Sampler, Source, Windows};
 use b2b_env::{Episode, Task, vector};
 use pyo3::prelude::*;
@@ -16,6 +16,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use crate::error::{of_building, of_env};
+use crate::pools::Signals;
 
 /// A value that no panic spoils.
 pub fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -32,7 +33,7 @@ fn catalog() -> PyResult<Arc<Catalog>> {
     if let Some(folder) = site_packages()? {
         look_in(folder);
     }
-    let catalog = Arc::new(Catalog::open(&mut Quiet).map_err(of_building)?);
+    let catalog = Arc::new(Catalog::open(&mut Signals).map_err(of_building)?);
     Ok(Arc::clone(known.insert(catalog)))
 }
 
@@ -222,7 +223,7 @@ pub fn find_building(
     if let Some(inner) = known {
         return Ok(Building { inner });
     }
-    let found = py.detach(|| catalog()?.find(&name, &placement, &mut Quiet).map_err(of_building))?;
+    let found = py.detach(|| catalog()?.find(&name, &placement, &mut Signals).map_err(of_building))?;
     let origin = placement.origin(&name);
     let own = matches!(name, BuildingName::Model(_));
     let mut inner = Inner::new(name.to_string(), found.model, own, found.place, found.weather, origin);
@@ -274,7 +275,7 @@ pub fn generate(
             dataset::sample(building_type, count, seed, &places, &settings).map_err(of_building)?;
         let catalog = catalog()?;
         let building = |(number, building): (usize, &dataset::Building)| {
-            let (model, weather) = catalog.generate(building, &mut Quiet).map_err(of_building)?;
+            let (model, weather) = catalog.generate(building, &mut Signals).map_err(of_building)?;
             let name = format!("{building_type}-seed{seed}-{number:04}");
             let parameters = cells(manifest::of_buildings([(name.as_str(), building)]));
             let (place, origin) = (building.place().to_owned(), Origin::of(building));

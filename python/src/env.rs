@@ -64,9 +64,8 @@ impl Env {
     }
 
     /// What is seen and driven.
-    fn spaces(&self) -> Spaces {
-        let state = locked(&self.state);
-        Spaces::new(Arc::clone(&state.spaces), Arc::clone(&state.setting.building))
+    fn spaces(&self, py: Python<'_>) -> PyResult<Spaces> {
+        self.with(py, |state| Ok(Spaces::new(Arc::clone(&state.spaces), Arc::clone(&state.setting.building))))
     }
 
     /// Makes this the setting of the episodes to come; what was in progress is over.
@@ -136,9 +135,8 @@ impl Env {
         self.with(py, |state| {
             let (pool, live) = state.parts()?;
             let live = live.as_ref().ok_or_else(not_reset)?;
-            let mut copy = pool.snapshot(live).map_err(of_env)?;
-            pool.wait(std::slice::from_mut(&mut copy), 1).map_err(of_env)?;
-            alive(&copy)?;
+            let copy = pool.snapshot(live).map_err(of_env)?;
+            let copy = standing(pool, copy)?;
             state.next_snapshot += 1;
             state.snapshots.insert(state.next_snapshot, copy);
             Ok(state.next_snapshot)
@@ -152,10 +150,8 @@ impl Env {
             let kept = state.snapshots.get(&snapshot).ok_or_else(|| {
                 raise("EpisodeError", "this snapshot was released, or is of another environment".into())
             })?;
-            let mut copies = pool.branch(kept, 1).map_err(of_env)?;
-            pool.wait(&mut copies, 1).map_err(of_env)?;
-            let copy = copies.remove(0);
-            alive(&copy)?;
+            let copy = pool.snapshot(kept).map_err(of_env)?;
+            let copy = standing(pool, copy)?;
             if let Some(live) = state.live.replace(copy) {
                 pool.stop(live);
             }
@@ -164,20 +160,22 @@ impl Env {
     }
 
     /// Ends the process of a snapshot.
-    fn release(&self, snapshot: u64) {
-        if self.owner.is_here() {
-            let mut state = locked(&self.state);
+    fn release(&self, py: Python<'_>, snapshot: u64) -> PyResult<()> {
+        if !self.owner.is_here() {
+            return Ok(());
+        }
+        self.with(py, |state| {
             if let (Some(live), Some(pool)) = (state.snapshots.remove(&snapshot), state.pool.as_mut()) {
                 pool.stop(live);
             }
-        }
+            Ok(())
+        })
     }
 
     /// The process of the episode in progress.
     #[getter]
-    fn process(&self) -> Option<u32> {
-        let state = locked(&self.state);
-        state.live.as_ref().and_then(|live| state.pool.as_ref()?.process(live))
+    fn process(&self, py: Python<'_>) -> PyResult<Option<u32>> {
+        self.with(py, |state| Ok(state.live.as_ref().and_then(|live| state.pool.as_ref()?.process(live))))
     }
 
     /// Ends all its processes. Nothing of it can be used after.
@@ -193,7 +191,8 @@ impl Env {
 }
 
 impl Env {
-    /// Works on the state without holding up other Python threads.
+    /// Works on the state without holding up other Python threads. Whoever waits for the state must not hold the
+    /// interpreter: who has the state asks for it now and then, to see to signals.
     fn with<T: Send>(
         &self,
         py: Python<'_>,
@@ -216,9 +215,8 @@ impl State {
         }
         // It is the same one unless it had to make room.
         self.template = pool.prepare(&self.setting.setting).map_err(of_env)?;
-        let mut live = pool.begin(self.template, Start { steps, processor: None }).map_err(of_env)?;
-        pool.wait(std::slice::from_mut(&mut live), 1).map_err(of_env)?;
-        alive(&live)?;
+        let live = pool.begin(self.template, Start { steps, processor: None }).map_err(of_env)?;
+        let live = standing(pool, live)?;
         let mut observation = vec![0.0; self.spaces.observation.len()];
         pool.observation(&live, &mut observation);
         self.live = Some(live);
@@ -246,6 +244,18 @@ impl Drop for State {
     fn drop(&mut self) {
         if !self.owner.is_here() {
             std::mem::forget((self.pool.take(), self.live.take(), std::mem::take(&mut self.snapshots)));
+        }
+    }
+}
+
+/// Waits for a copy to stand; one that does not is not left behind.
+fn standing(pool: &mut Pool, mut live: Live) -> PyResult<Live> {
+    let waited = pool.wait(std::slice::from_mut(&mut live), 1).map_err(of_env);
+    match waited.and_then(|()| alive(&live)) {
+        Ok(()) => Ok(live),
+        Err(error) => {
+            pool.stop(live);
+            Err(error)
         }
     }
 }

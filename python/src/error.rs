@@ -18,6 +18,7 @@ pub fn raise(name: &str, message: String) -> PyErr {
 pub fn of_building(error: b2b_building::Error) -> PyErr {
     use b2b_building::Error;
     let name = match &error {
+        Error::Install(b2b_energyplus::install::Error::Cancelled { .. }) => return crate::pools::interrupt(),
         Error::Install(_) => "InstallError",
         Error::Engine(_) => "EngineError",
         _ => "BuildingError",

@@ -26,8 +26,8 @@ pub struct LocalEnv {
 #[pymethods]
 impl LocalEnv {
     #[new]
-    fn new(setting: &Setting) -> PyResult<Self> {
-        let path = catalog::library()?;
+    fn new(py: Python<'_>, setting: &Setting) -> PyResult<Self> {
+        let path = py.detach(catalog::library)?;
         let library = Library::load(&path).map_err(|error| of_env(error.into()))?;
         let episode = setting.setting.episode.clone();
         let building = match &*setting.setting.source {

@@ -1,7 +1,9 @@
 //! How processes are started from Python, and how waiting for them ends with Ctrl-C.
 
 use std::cell::RefCell;
+use std::ops::ControlFlow;
 
+use b2b_energyplus::install::Progress;
 use b2b_env::vector::{Launcher, PoolOptions};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
@@ -34,6 +36,15 @@ fn interrupted() -> bool {
     let Err(error) = Python::attach(|py| py.check_signals()) else { return false };
     RAISED.set(Some(error));
     true
+}
+
+/// Says nothing, and ends a download with Ctrl-C.
+pub struct Signals;
+
+impl Progress for Signals {
+    fn advance(&mut self, _: u64) -> ControlFlow<()> {
+        if interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
 }
 
 /// What the signal handler raised.
