@@ -12,6 +12,10 @@ from .errors import need
 _SPAN = 4.0
 #: Hours of power that are shown.
 _HOURS = 24
+#: Levels of a building are this many times their size apart.
+_GAP = 1.1
+#: Width over height of the room for the plan.
+_ROOM = 1.6
 
 
 class Renderer:
@@ -50,12 +54,15 @@ class Renderer:
         if self._of is not env.building:
             self._of, self._layout = env.building, self._plan(env)
         if self._figure is None:
-            self._figure = Figure(figsize=(9.6, 5.4), dpi=100, layout="constrained")
+            self._figure = Figure(figsize=(9.6, 5.4), dpi=100)
             self._canvas = FigureCanvasAgg(self._figure)
         figure = self._figure
         figure.clear()
         polygons, levels = self._layout
-        grid = figure.add_gridspec(2, 2, width_ratios=[3, 2], height_ratios=[3, 1])
+        grid = figure.add_gridspec(
+            2, 2, width_ratios=[3, 2], height_ratios=[3, 1], left=0.03, right=0.99, top=0.9, bottom=0.05, hspace=0.15,
+            wspace=0.03,
+        )
         plan = figure.add_subplot(grid[0, 0])
         self._draw_plan(env, plan, polygons, levels)
         self._draw_actuators(env, figure.add_subplot(grid[:, 1]))
@@ -88,22 +95,24 @@ class Renderer:
         targets = dict(zip(layout.zones, layout.targets_in(env.observation)))
         colours = colormaps["coolwarm"]
         corners = np.concatenate([xy for _, _, xy in polygons]) if polygons else np.zeros((1, 2))
-        low, size = corners.min(0), np.ptp(corners, axis=0)
-        # Levels lie beside each other, or below each other where a building is wide.
-        aside = np.array([size[0] * 1.1, 0]) if size[0] < size[1] * 1.5 else np.array([0, size[1] * 1.25])
+        low, size = corners.min(0), np.ptp(corners, axis=0) + 1e-9
+        columns = max(range(1, levels + 1), key=lambda count: _scale(size, count, -(-levels // count)))
+        crowded = len(polygons) > 8
         for level, zone, xy in polygons:
             about = data["zones"][zone]
             temperature = env.observation[about["temperature_slot"]]
             target = targets.get(about["name"])
             colour = (0.92, 0.92, 0.92) if target is None else colours((temperature - target) / (2 * _SPAN) + 0.5)
-            xy = xy - low + level * aside
+            row, column = divmod(level, columns)
+            xy = xy - low + np.array([column, row]) * size * _GAP
             axes.add_patch(Polygon(xy, facecolor=colour, edgecolor="0.25", linewidth=0.8))
-            text = f"{temperature:.1f}" + ("" if target is None else f" / {target:.0f}")
-            axes.text(*_inside(xy), text, ha="center", va="center", fontsize=7)
+            text = f"{temperature:.1f}" + ("" if target is None or crowded else f" / {target:.0f}")
+            axes.text(*_inside(xy), text, ha="center", va="center", fontsize=6 if crowded else 8)
         axes.set_aspect("equal")
         axes.autoscale_view()
         axes.axis("off")
-        axes.set_title("zones, °C / target; grey: not driven", fontsize=8, loc="left")
+        title = "zones, °C" if crowded else "zones, °C / target"
+        axes.set_title(f"{title}; blue is too cold, red too warm, by up to {_SPAN:.0f} K", fontsize=8, loc="left")
 
     @staticmethod
     def _draw_actuators(env, axes):
@@ -115,7 +124,7 @@ class Renderer:
         shares = np.nan_to_num((values - layout.action_low) / span)
         places = np.arange(len(names))
         axes.barh(places, np.ones(len(names)), color="0.93", height=0.8)
-        axes.barh(places, shares, color="#4c78a8", height=0.8)
+        axes.barh(places, shares, color="#a9c4e0", height=0.8)
         size = 6.5 if len(names) <= 16 else 4.5
         for place, (name, unit, value) in enumerate(zip(names, units, values)):
             number = "" if np.isnan(value) else f"  {value:.2f} {unit if unit != '1' else ''}"
@@ -164,6 +173,11 @@ class Renderer:
 
             pyplot.close(self._window)
             self._window = None
+
+
+def _scale(size: np.ndarray, columns: int, rows: int) -> float:
+    """How large levels can be drawn in so many columns and rows."""
+    return min(_ROOM / (size[0] * columns), 1 / (size[1] * rows))
 
 
 def _inside(xy: np.ndarray) -> np.ndarray:

@@ -35,6 +35,12 @@ class _BuiltIn:
     def reset(self) -> None:
         self._core.reset()
 
+    def copy(self):
+        """Another that stands where this one does, for snapshots of an environment."""
+        other = object.__new__(type(self))
+        other._env, other._core = self._env, self._core.copy()
+        return other
+
     def physical(self, observation: np.ndarray) -> np.ndarray:
         """The action in physical units, f64."""
         return self._core.act(observation)

@@ -3,38 +3,38 @@
 import building2building as b2b
 import numpy as np
 
-HOURS, TRIES, AHEAD = 6, 8, 12
+HOURS, TRIES, AHEAD = 6, 12, 24
 
 env = b2b.make_env("SingleFamilyHouse", run_period="01-09..01-09", task="constant")
-reactive = b2b.ReactiveController(env)
 random = np.random.default_rng(0)
+low, high = env.layout.action_low, env.layout.action_high
 
 
-def go_on(offset, steps):
-    """The reactive controller's action, moved by shares of the bounds."""
+def go_on(controller, offset, steps):
+    """The controller's actions, moved by shares of their bounds."""
     total = 0.0
-    span = env.layout.action_high - env.layout.action_low
     for _ in range(steps):
-        action = reactive(env.observation) + offset * span
-        _, reward, _, _, _ = env.step(np.clip(action, env.layout.action_low, env.layout.action_high))
+        action = controller(env.observation) + offset * (high - low)
+        _, reward, _, _, _ = env.step(np.clip(action, low, high))
         total += reward
     return total
 
 
+reactive = b2b.ReactiveController(env)
 print(f"reactive alone {b2b.rollout(env, reactive, steps=HOURS * 12).rewards.sum():.3f}")
 env.reset()
+reactive.reset()
 planned = 0.0
-for _ in range(HOURS):
+for _ in range(HOURS * 2):
     here = env.snapshot()
-    offsets = [np.zeros(2), *random.normal(0, 0.1, (TRIES, 2))]
+    offsets = [np.zeros(len(low)), *random.normal(0, 0.1, (TRIES, len(low)))]
     returns = []
     for offset in offsets:
         env.restore(here)
-        reactive.reset()
-        returns.append(go_on(offset, AHEAD))
+        trial = reactive.copy()
+        returns.append(go_on(trial, offset, 6) + go_on(trial, 0, AHEAD - 6))
     env.restore(here)
     here.release()
-    reactive.reset()
-    planned += go_on(offsets[int(np.argmax(returns))], 12)
+    planned += go_on(reactive, offsets[int(np.argmax(returns))], 6)
 print(f"planned        {planned:.3f}")
 env.close()

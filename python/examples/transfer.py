@@ -8,7 +8,7 @@ import numpy as np
 
 
 class NodePolicy:
-    """A proportional rule at every zone, from its temperature and its target; air handlers hold their middle."""
+    """A rule for each quantity that a node drives, from the temperature and the target of the node."""
 
     def __init__(self, env):
         self.graph = env.morphology
@@ -21,16 +21,21 @@ class NodePolicy:
         nodes = self.graph.split_observation(observation)
         actions = {}
         for node_type, low in self.low.items():
-            high, spaces = self.high[node_type], self.graph.node_types[node_type]
-            share = np.full_like(low, 0.5)
-            if node_type in nodes and node_type.endswith("zone"):
-                seen = [slot["quantity"] for slot in spaces["observation"]]
-                temperature, target = (nodes[node_type][:, seen.index(q)] for q in ("air_temperature", "target_temperature"))
-                error = (target - temperature) / 4
-                for column, slot in enumerate(spaces["action"]):
-                    warm = slot["quantity"] in ("supply_air_temperature", "heating_setpoint")
-                    share[:, column] = np.clip(0.5 + error if warm else np.abs(error) + 0.2, 0, 1)
-            actions[node_type] = low + share * (high - low)
+            spaces, seen = self.graph.node_types[node_type], nodes.get(node_type)
+            at = [slot["quantity"] for slot in spaces["observation"]]
+            target = 21.0 if seen is None else seen[:, at.index("target_temperature")]
+            cold = 0.0 if seen is None else target - seen[:, at.index("air_temperature")]
+            rules = {
+                "supply_air_flow": low[:, 0] + np.abs(cold) * (self.high[node_type] - low)[:, 0],
+                "supply_air_temperature": np.where(cold > 0, 40.0, 14.0),
+                "outdoor_air_flow": 0.3,
+                "damper_opening": 0.2 - cold / 2,
+                "heating_setpoint": target,
+            }
+            if node_type == "air_loop":
+                rules["supply_air_temperature"] = 16.0
+            rows = [np.broadcast_to(rules[slot["quantity"]], len(low)) for slot in spaces["action"]]
+            actions[node_type] = np.clip(np.stack(rows, axis=1), low, self.high[node_type])
         return self.graph.join_actions(actions)
 
 

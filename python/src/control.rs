@@ -2,7 +2,7 @@
 
 use std::sync::Mutex;
 
-use b2b_control::{Constant, Random, Reactive, ReactiveParameters};
+use b2b_control::{Constant, Controller as _, Random, Reactive, ReactiveParameters};
 use b2b_env::{Metrics, Trajectory};
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -16,8 +16,25 @@ use crate::spaces::Spaces;
 /// A controller of the crates: reactive, random or constant.
 #[pyclass(frozen, module = "building2building._core")]
 pub struct Controller {
-    controller: Mutex<Box<dyn b2b_control::Controller + Send>>,
+    controller: Mutex<Kind>,
     widths: (usize, usize),
+}
+
+#[derive(Clone)]
+enum Kind {
+    Reactive(Reactive),
+    Random(Random),
+    Constant(Constant),
+}
+
+impl Kind {
+    fn controller(&mut self) -> &mut dyn b2b_control::Controller {
+        match self {
+            Self::Reactive(controller) => controller,
+            Self::Random(controller) => controller,
+            Self::Constant(controller) => controller,
+        }
+    }
 }
 
 #[pymethods]
@@ -25,15 +42,15 @@ impl Controller {
     #[new]
     fn new(kind: &str, spaces: &Spaces, seed: u64) -> PyResult<Self> {
         let inner = spaces.inner();
-        let controller: Box<dyn b2b_control::Controller + Send> = match kind {
-            "reactive" => Box::new(Reactive::new(
+        let controller = match kind {
+            "reactive" => Kind::Reactive(Reactive::new(
                 &inner.building,
                 &inner.observation,
                 inner.episode.steps_per_hour,
                 &ReactiveParameters::default(),
             )),
-            "random" => Box::new(Random::new(&inner.action, seed)),
-            "constant" => Box::new(Constant::middle(&inner.action)),
+            "random" => Kind::Random(Random::new(&inner.action, seed)),
+            "constant" => Kind::Constant(Constant::middle(&inner.action)),
             _ => {
                 let message = format!("there is no controller `{kind}`: give reactive, random or constant");
                 return Err(raise("SettingError", message));
@@ -44,7 +61,12 @@ impl Controller {
 
     /// Forgets everything: a new episode begins.
     fn reset(&self) {
-        locked(&self.controller).reset();
+        locked(&self.controller).controller().reset();
+    }
+
+    /// Another that stands where this one does.
+    fn copy(&self) -> Self {
+        Self { controller: Mutex::new(locked(&self.controller).clone()), widths: self.widths }
     }
 
     /// The action for an observation, both in the units of the spaces.
@@ -60,7 +82,7 @@ impl Controller {
             return Err(raise("ActionError", message));
         }
         let mut action = vec![0.0; self.widths.1];
-        locked(&self.controller).act(&observation, &mut action);
+        locked(&self.controller).controller().act(&observation, &mut action);
         Ok(arrays::row(py, action))
     }
 }
