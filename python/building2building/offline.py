@@ -25,9 +25,9 @@ def collect(
     environment: ``minari.load_dataset(dataset_id).recover_environment()`` makes it again.
 
     ``controller`` is a class or function that makes one for an environment (``ReactiveController``). Each building runs
-    ``episodes`` episodes, of ``steps`` steps at most; ``arguments`` go to :func:`make_env`. Needs ``minari`` and ``h5py``.
+    ``episodes`` episodes, of ``steps`` steps at most; ``arguments`` go to :func:`make_env`. Needs ``minari[hdf5,create]``.
     """
-    minari = need("minari", "'minari[hdf5]'")
+    minari = need("minari", "'minari[hdf5,create]'")
     import gymnasium
 
     from .buildings import find_building
@@ -39,7 +39,14 @@ def collect(
     several = len(found) > 1
     if several:
         arguments.setdefault("rescale_action", True)
-    env = gymnasium.make(f"b2b/{types.pop()}-v0", building=found[0], **arguments)
+    kind, *named = found[0]._recipe
+    if kind == "found":
+        # By its names, which the spec in the dataset can hold.
+        building_id, place, weather = named
+        named = {"building_id": building_id, "place": place, "weather": None if weather is None else str(weather)}
+    else:
+        named = {"building": found[0]}
+    env = gymnasium.make(f"b2b/{types.pop()}-v0", **named, **{"rescale_action": False, **arguments})
     collector = minari.DataCollector(env)
     try:
         for number, building in enumerate(found):

@@ -2,7 +2,7 @@
 
 use std::sync::Mutex;
 
-use b2b_control::{Constant, Controller as _, Random, Reactive, ReactiveParameters};
+use b2b_control::{Constant, Random, Reactive, ReactiveParameters};
 use b2b_env::{Metrics, Trajectory};
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -23,7 +23,7 @@ pub struct Controller {
 #[derive(Clone)]
 enum Kind {
     Reactive(Reactive),
-    Random(Random),
+    Random(Box<Random>),
     Constant(Constant),
 }
 
@@ -31,7 +31,7 @@ impl Kind {
     fn controller(&mut self) -> &mut dyn b2b_control::Controller {
         match self {
             Self::Reactive(controller) => controller,
-            Self::Random(controller) => controller,
+            Self::Random(controller) => controller.as_mut(),
             Self::Constant(controller) => controller,
         }
     }
@@ -49,7 +49,7 @@ impl Controller {
                 inner.episode.steps_per_hour,
                 &ReactiveParameters::default(),
             )),
-            "random" => Kind::Random(Random::new(&inner.action, seed)),
+            "random" => Kind::Random(Box::new(Random::new(&inner.action, seed))),
             "constant" => Kind::Constant(Constant::middle(&inner.action)),
             _ => {
                 let message = format!("there is no controller `{kind}`: give reactive, random or constant");

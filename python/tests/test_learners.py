@@ -5,7 +5,17 @@ import numpy as np
 import pytest
 
 pytestmark = pytest.mark.learners
-DAYS = {"run_period": "01-01..01-02", "timesteps_per_hour": 4}
+
+
+@pytest.fixture(autouse=True)
+def one_thread():
+    """Small networks are slower on several threads, and the engine needs the other processors."""
+    import torch
+
+    torch.set_num_threads(1)
+
+
+DAYS = {"run_period": "01-01..01-01", "timesteps_per_hour": 4}
 
 
 @pytest.mark.parametrize("algorithm", ["PPO", "SAC"])
@@ -14,12 +24,12 @@ def test_sb3_learns_on_native_vector_environments(algorithm):
     from building2building.sb3 import make_sb3_vec
 
     envs = make_sb3_vec("SingleFamilyHouse", 2, **DAYS)
-    options = {"n_steps": 64, "batch_size": 64} if algorithm == "PPO" else {"learning_starts": 50}
+    options = {"n_steps": 64, "batch_size": 64} if algorithm == "PPO" else {"learning_starts": 300}
     model = getattr(stable_baselines3, algorithm)("MlpPolicy", envs, seed=0, device="cpu", **options)
     before = [each.clone() for each in model.policy.parameters()]
-    model.learn(500)
+    model.learn(400)
     assert any((one != other).any() for one, other in zip(before, model.policy.parameters()))
-    assert len(model.ep_info_buffer) >= 2 and all(np.isfinite(info["r"]) for info in model.ep_info_buffer)
+    assert len(model.ep_info_buffer) >= 4 and all(np.isfinite(info["r"]) for info in model.ep_info_buffer)
     envs.close()
 
 
@@ -28,7 +38,7 @@ def test_sb3_learns_on_a_single_environment(algorithm):
     import stable_baselines3
 
     env = b2b.wrap_env_for_rl(b2b.make_env("SingleFamilyHouse", **DAYS))
-    options = {"n_steps": 64, "batch_size": 64} if algorithm == "PPO" else {"learning_starts": 50}
+    options = {"n_steps": 64, "batch_size": 64} if algorithm == "PPO" else {"learning_starts": 200}
     getattr(stable_baselines3, algorithm)("MlpPolicy", env, seed=0, device="cpu", **options).learn(300)
     env.close()
 
@@ -57,7 +67,7 @@ def test_episodes_are_a_minari_dataset_that_makes_its_environment_again(tmp_path
     monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path))
     b2b.collect(b2b.ReactiveController, ["SingleFamilyHouse"], "b2b/house-v0", episodes=2, **DAYS)
     dataset = minari.load_dataset("b2b/house-v0")
-    assert dataset.total_episodes == 2 and dataset.total_steps == 2 * 192
+    assert dataset.total_episodes == 2 and dataset.total_steps == 2 * 96
     env = dataset.recover_environment()
     observation, _ = env.reset()
     np.testing.assert_allclose(observation, dataset[0].observations[0])
