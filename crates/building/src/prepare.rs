@@ -135,7 +135,7 @@ impl PreparedBuilding {
     }
 
     /// The model as prepared, without a run period of its own.
-    pub(crate) fn model(&self) -> &Model {
+    pub fn model(&self) -> &Model {
         &self.model
     }
 

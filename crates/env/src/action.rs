@@ -89,6 +89,16 @@ impl ActionSpace {
         Ok(())
     }
 
+    /// Makes shares of the bounds, -1 for the lowest and 1 for the highest value, an action in physical units. What is
+    /// beyond is clamped later, as any action is; a value without an actuator stays as it is.
+    pub fn rescale(&self, action: &mut [f64]) {
+        for ((value, low), high) in action.iter_mut().zip(&self.low).zip(&self.high) {
+            let share = (*value + 1.0) / 2.0;
+            // Exact at both ends.
+            *value = low * (1.0 - share) + high * share;
+        }
+    }
+
     /// Writes the action that is carried out for the one given: every value within its bounds. Returns how
     /// many values were out of bounds.
     ///
@@ -124,6 +134,16 @@ mod tests {
         let mut done = [0.0; 2];
         assert_eq!(space().clamp_into(&[0.7, 20.0], &mut done).unwrap(), 1);
         assert_eq!(done, [0.5, 20.0]);
+    }
+
+    #[test]
+    fn shares_of_the_bounds_reach_them_and_not_beyond() {
+        for (share, expected) in [(-1.0, [0.0, 10.0]), (0.0, [0.25, 27.5]), (1.0, [0.5, 45.0])] {
+            let mut action = [share; 2];
+            space().rescale(&mut action);
+            assert_eq!(action, expected);
+            assert_eq!(space().clamp_into(&action, &mut [0.0; 2]).unwrap(), 0);
+        }
     }
 
     #[test]

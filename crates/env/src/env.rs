@@ -12,9 +12,7 @@ use tempfile::TempDir;
 use crate::action::ActionSpace;
 use crate::metrics::Metrics;
 use crate::observation::{ObservationSpace, Shared, Target};
-use crate::reward::{
-    JudgedZone, Reward, RewardFunction, StepView, ZoneStep, cost_and_emissions, judged_zones,
-};
+use crate::reward::{JudgedZone, Reward, RewardFunction, StepView, ZoneStep, judged_zones};
 use crate::setpoints::{Moment, Targets};
 use crate::task::Task;
 use crate::warmup;
@@ -414,7 +412,7 @@ impl Env {
         for (step, zone) in self.zone_steps.iter_mut().zip(&self.zones) {
             step.temperature = self.observation[zone.slot];
         }
-        let (cost, emissions) = cost_and_emissions(&self.episode.task, energy, began);
+        let (cost, emissions) = self.episode.task.cost_and_emissions(energy, began.hour);
         let step = StepView {
             zones: &self.zone_steps,
             observation: &self.observation,

@@ -4,7 +4,7 @@ use std::fmt::Debug;
 
 use b2b_building::{Conditioning, PreparedBuilding};
 
-use crate::setpoints::{Moment, Season};
+use crate::setpoints::Season;
 use crate::task::{HeatingOnlyZones, Resource, Task};
 
 /// The reward of one step, by its terms.
@@ -112,13 +112,15 @@ impl RewardFunction for Task {
     }
 }
 
-/// Cost (currency/m²) and emissions (g/m²) of electricity and gas (Wh/m²) used at a moment.
-pub(crate) fn cost_and_emissions(task: &Task, energy: [f64; 2], moment: Moment) -> (f64, f64) {
-    let at = |fuels: &crate::task::Fuels| {
-        energy[0] * fuels.electricity.at(moment.hour) + energy[1] * fuels.gas.at(moment.hour)
-    };
-    // Per kWh, and kg per kWh, which is g per Wh.
-    (at(&task.prices) / 1000.0, at(&task.emissions))
+impl Task {
+    /// Cost (currency/m²) and emissions (g of CO₂/m²) of electricity and gas (Wh/m²) used at an hour of the day.
+    pub fn cost_and_emissions(&self, energy: [f64; 2], hour: f64) -> (f64, f64) {
+        let at = |fuels: &crate::task::Fuels| {
+            energy[0] * fuels.electricity.at(hour) + energy[1] * fuels.gas.at(hour)
+        };
+        // Per kWh, and kg per kWh, which is g per Wh.
+        (at(&self.prices) / 1000.0, at(&self.emissions))
+    }
 }
 
 /// A controlled zone as the reward sees it.
@@ -196,8 +198,7 @@ mod tests {
 
     #[test]
     fn cost_and_emissions_follow_the_fuel_and_the_hour() {
-        let (cost, emissions) =
-            cost_and_emissions(&Task::default(), [1000.0, 2000.0], Moment { day_of_year: 1, hour: 5.0 });
+        let (cost, emissions) = Task::default().cost_and_emissions([1000.0, 2000.0], 5.0);
         assert!((cost - (0.127 + 2.0 * 0.0365)).abs() < 1e-12);
         assert!((emissions - (373.0 + 362.0)).abs() < 1e-9);
     }

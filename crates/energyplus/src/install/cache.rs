@@ -2,6 +2,7 @@
 
 use std::ffi::OsString;
 use std::path::PathBuf;
+use std::sync::OnceLock;
 
 use super::{Error, Result};
 
@@ -14,12 +15,24 @@ pub struct Cache {
     pub offline: bool,
     /// Variables for the package client on top of the process's own, such as the address of a mirror.
     pub client_environment: Vec<(String, OsString)>,
+    /// A folder where the package client itself has put packages, as for a Python program that depends on them: what is
+    /// there whole is used as it is.
+    pub packages: Option<PathBuf>,
+}
+
+/// What [`look_in`] was told.
+static PACKAGES: OnceLock<PathBuf> = OnceLock::new();
+
+/// Has every cache of [`Cache::from_env`] look for packages in a folder first: the `site-packages` of the Python program
+/// that this is part of. The first folder stays.
+pub fn look_in(folder: PathBuf) {
+    let _ = PACKAGES.set(folder);
 }
 
 impl Cache {
     /// A cache in this folder that may download.
     pub fn new(root: impl Into<PathBuf>) -> Self {
-        Self { root: root.into(), offline: false, client_environment: Vec::new() }
+        Self { root: root.into(), offline: false, client_environment: Vec::new(), packages: None }
     }
 
     /// The cache the environment asks for: [`cache_dir`], and no downloads when `B2B_OFFLINE` is set (and
@@ -29,7 +42,7 @@ impl Cache {
     /// [`Error::NoCacheFolder`] when no home folder is known.
     pub fn from_env() -> Result<Self> {
         let offline = variable("B2B_OFFLINE").is_some_and(|value| value != "0");
-        Ok(Self { offline, ..Self::new(cache_dir()?) })
+        Ok(Self { offline, packages: PACKAGES.get().cloned(), ..Self::new(cache_dir()?) })
     }
 }
 

@@ -4,6 +4,8 @@ use std::fs::File;
 use std::io::{Read, Write};
 use std::path::Path;
 
+use base64::Engine as _;
+use base64::prelude::BASE64_URL_SAFE_NO_PAD as URL_SAFE_NO_PAD;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
@@ -69,6 +71,15 @@ impl Manifest {
 }
 
 impl UnpackedFile {
+    /// A line of a wheel's RECORD: path, `sha256=` and its base 64 digits, size.
+    pub(super) fn of_record(line: &str) -> Option<Self> {
+        let mut fields = line.rsplitn(3, ',');
+        let (bytes, hash, path) = (fields.next()?.parse().ok()?, fields.next()?, fields.next()?);
+        let hash = URL_SAFE_NO_PAD.decode(hash.strip_prefix("sha256=")?).ok()?;
+        let sha256 = hash.iter().map(|byte| format!("{byte:02x}")).collect();
+        Some(Self { path: path.to_owned(), bytes, sha256 })
+    }
+
     /// What is wrong with the file by name and size: microseconds.
     pub(super) fn missing_or_truncated(&self, folder: &Path) -> Option<String> {
         let path = folder.join(&self.path);

@@ -18,7 +18,7 @@ mod manifest;
 mod package;
 mod progress;
 
-pub use cache::{Cache, cache_dir};
+pub use cache::{Cache, cache_dir, look_in};
 pub use engine::{ENGINE, ENGINE_VERSION, Engine, Source};
 pub use error::{Error, Result};
 pub use manifest::{Manifest, UnpackedFile};

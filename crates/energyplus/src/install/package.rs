@@ -113,13 +113,33 @@ impl Package {
         cache.root.join(self.stem())
     }
 
-    /// The package in the cache, if all its files are there with the right sizes. Reads only the manifest.
+    /// The package in a folder that the package client fills itself, or in the cache, if all its files are there with the
+    /// right sizes. Reads only the list of files.
     pub fn find(&self, cache: &Cache) -> Option<Installed> {
+        if let Some(found) = cache.packages.as_deref().and_then(|folder| self.find_among(folder)) {
+            return Some(found);
+        }
         let root = self.folder(cache);
         let manifest = Manifest::read(&root)?;
         let whole = manifest.is_of(self, self.wheel().ok()?)
             && manifest.files.iter().all(|file| file.missing_or_truncated(&root).is_none());
         whole.then_some(Installed { root, manifest })
+    }
+
+    /// The package where the package client installed it, by the client's own record of its files.
+    fn find_among(&self, folder: &Path) -> Option<Installed> {
+        let record = format!("{}-{}.dist-info/RECORD", self.name.replace('-', "_"), self.version);
+        let record = std::fs::read_to_string(folder.join(record)).ok()?;
+        let files: Vec<_> = record
+            .lines()
+            .filter_map(UnpackedFile::of_record)
+            .filter(|file| self.wants(&file.path))
+            .collect();
+        let whole = self.respelt.is_empty()
+            && !files.is_empty()
+            && files.iter().all(|file| file.missing_or_truncated(folder).is_none());
+        let manifest = Manifest::new(self, self.wheel().ok()?, files);
+        whole.then(|| Installed { root: folder.to_owned(), manifest })
     }
 
     /// How the package stands in the cache, with the SHA-256 of every file.

@@ -1,6 +1,6 @@
 //! What a process is started for.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use b2b_building::{Class, Model, PreparedBuilding};
 use b2b_energyplus::Library;
@@ -22,10 +22,27 @@ pub enum Source {
         class: Option<Class>,
         /// The model as it was generated or read.
         model: Box<Model>,
+        /// Whether it is a user's own, of which as much is made controllable as can be.
+        #[serde(default)]
+        own: bool,
     },
 }
 
 impl Source {
+    /// The building, sized under a weather file and made controllable if it is not yet.
+    ///
+    /// # Errors
+    /// Those of [`PreparedBuilding::new`].
+    pub fn prepare(self, weather: &Path, library: &Library) -> b2b_building::Result<PreparedBuilding> {
+        match self {
+            Self::Prepared(building) => Ok(*building),
+            Self::Model { name, class, model, own } => {
+                let make = if own { PreparedBuilding::as_far_as_possible } else { PreparedBuilding::new };
+                Ok(make(&name, *model, weather, library)?.of_class(class))
+            }
+        }
+    }
+
     /// Its name.
     pub fn name(&self) -> &str {
         match self {
@@ -48,12 +65,7 @@ impl Order {
     /// The environment, before its first reset.
     pub(super) fn env(self) -> Result<Env, Box<dyn std::error::Error>> {
         let library = Library::load(&self.library)?;
-        let building = match self.source {
-            Source::Prepared(building) => *building,
-            Source::Model { name, class, model } => {
-                PreparedBuilding::new(&name, *model, &self.episode.weather, &library)?.of_class(class)
-            }
-        };
+        let building = self.source.prepare(&self.episode.weather, &library)?;
         Ok(Env::new(library, building.into(), self.episode)?)
     }
 }

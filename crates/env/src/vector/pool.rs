@@ -93,7 +93,11 @@ pub struct Spaces {
 }
 
 impl Spaces {
-    fn new(building: Arc<PreparedBuilding>, episode: Episode) -> Result<Self> {
+    /// Of a prepared building in an episode.
+    ///
+    /// # Errors
+    /// [`Error::TooWide`] when a worker has no room for as many numbers.
+    pub fn new(building: Arc<PreparedBuilding>, episode: Episode) -> Result<Self> {
         let spaces = Self {
             action: ActionSpace::of(&building),
             observation: ObservationSpace::of(&building, episode.steps_per_hour, &episode.task.setpoints),

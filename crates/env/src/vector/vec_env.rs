@@ -115,6 +115,21 @@ impl VecEnv {
         })
     }
 
+    /// Has templates made ahead of the first reset, and waits for them: what is seen and driven of each.
+    ///
+    /// # Errors
+    /// [`Error::Template`] for a building that cannot be made an environment; [`Error::Pool`]; [`Error::Interrupted`].
+    pub fn prepare(&mut self, settings: &[Setting]) -> Result<Vec<Arc<Spaces>>> {
+        for setting in settings {
+            self.pool.prepare(setting)?;
+        }
+        let spaces = |setting| {
+            let template = self.pool.prepare(setting)?;
+            self.pool.spaces(template)
+        };
+        settings.iter().map(spaces).collect()
+    }
+
     /// Begins an episode in every environment; what was in progress is over.
     ///
     /// # Errors

@@ -155,6 +155,28 @@ fn offline_without_a_cache_says_what_to_do() {
 }
 
 #[test]
+fn what_the_client_installed_for_itself_is_used_where_it_is_while_it_is_whole() {
+    let registry = Registry::new();
+    let package = Package { respelt: &[], ..registry.package };
+    let there = registry.folder.path().join("site-packages");
+    std::fs::create_dir_all(there.join("tiny/weather")).unwrap();
+    std::fs::create_dir_all(there.join("tiny-1.0.dist-info")).unwrap();
+    let mut cache = registry.cache.clone();
+    (cache.packages, cache.offline) = (Some(there.clone()), true);
+    assert!(package.find(&cache).is_none(), "without a record");
+    let digest = "47DEQpj8HBSa-_TImW-5JCeuQeRkm5NMpJWZG3hSuFU";
+    let record = format!("tiny/__init__.py,sha256={digest},0\n{EPW},sha256={digest},14\nlist,,\n");
+    std::fs::write(there.join("tiny-1.0.dist-info/RECORD"), record).unwrap();
+    assert!(package.find(&cache).is_none(), "without its file");
+    std::fs::write(there.join(EPW), "LOCATION,Here\n").unwrap();
+    let found = package.ensure(&cache, &mut Quiet).unwrap();
+    let (path, file) = found.file("AK_Here.epw").unwrap();
+    assert_eq!((path, found.manifest.files.len()), (there.join(EPW), 1));
+    assert!(file.sha256.starts_with("e3b0c44298fc"), "{}", file.sha256);
+    assert!(!cache.root.exists());
+}
+
+#[test]
 fn offline_with_a_full_cache_works() {
     let mut registry = Registry::new();
     let online = registry.package.ensure(&registry.cache, &mut Quiet).unwrap();

@@ -1,0 +1,126 @@
+"""A native vector environment for Stable-Baselines3."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from gymnasium.vector import AutoresetMode
+
+from .errors import SettingError, need
+
+need("stable_baselines3", "train")
+from stable_baselines3.common.vec_env import VecEnv  # noqa: E402
+
+from .info import Info  # noqa: E402
+from .vector import BuildingVectorEnv, make_vec  # noqa: E402
+
+
+class SB3VecEnv(VecEnv):
+    """Stable-Baselines3's ``VecEnv`` over a :class:`BuildingVectorEnv` that resets in the same step.
+
+    ``infos[i]["terminal_observation"]`` is the last observation of an episode and ``["TimeLimit.truncated"]`` is true, so
+    that the value there is bootstrapped; ``["episode"]`` has its return and length for SB3's log.
+    """
+
+    def __init__(self, envs: BuildingVectorEnv, normalize: bool = True):
+        if envs.autoreset_mode != AutoresetMode.SAME_STEP:
+            raise SettingError("Stable-Baselines3 resets in the same step: make with autoreset_mode='SameStep'")
+        self.envs = envs
+        space = envs.single_observation_space
+        self._scale = _Scale(envs) if normalize else None
+        if self._scale is not None:
+            space = self._scale.space
+        self._seed: int | None = None
+        self._returns = np.zeros(envs.num_envs)
+        self._lengths = np.zeros(envs.num_envs, dtype=int)
+        self.render_mode = None
+        super().__init__(envs.num_envs, space, envs.single_action_space)
+
+    def _seen(self, observations):
+        return observations if self._scale is None else self._scale(observations)
+
+    def reset(self):
+        observations, _ = self.envs.reset(seed=self._seed)
+        self._seed = None
+        self._returns[:], self._lengths[:] = 0, 0
+        self.reset_infos = [{} for _ in range(self.num_envs)]
+        return self._seen(observations)
+
+    def step_async(self, actions):
+        self._actions = actions
+
+    def step_wait(self):
+        observations, rewards, _, dones, all_infos = self.envs.step(self._actions)
+        self._returns += rewards
+        self._lengths += 1
+        infos: list[dict[str, Any]] = [Info(_row(all_infos, index)) for index in range(self.num_envs)]
+        for index in np.flatnonzero(dones):
+            infos[index] = {
+                "terminal_observation": self._seen(all_infos["final_obs"][index][None])[0],
+                "TimeLimit.truncated": True,
+                "episode": {"r": float(self._returns[index]), "l": int(self._lengths[index]), "t": 0.0},
+                "metrics": all_infos["final_info"]["metrics"][index],
+            }
+            self._returns[index], self._lengths[index] = 0, 0
+        return self._seen(observations), rewards.astype(np.float32), dones, infos
+
+    def close(self):
+        self.envs.close()
+
+    def seed(self, seed: int | None = None):
+        self._seed = seed
+        return [seed] * self.num_envs
+
+    def get_attr(self, attr_name, indices=None):
+        value = getattr(self.envs, attr_name, None)
+        return [value for _ in self._get_indices(indices)]
+
+    def set_attr(self, attr_name, value, indices=None):
+        setattr(self.envs, attr_name, value)
+
+    def env_method(self, method_name, *arguments, indices=None, **options):
+        raise NotImplementedError(f"the environments are in other processes: `{method_name}` cannot be called there")
+
+    def env_is_wrapped(self, wrapper_class, indices=None):
+        return [False for _ in self._get_indices(indices)]
+
+
+def _row(infos, index):
+    """One environment's part of the infos, made when it is read."""
+
+    def fill():
+        terms = infos["reward_terms"]
+        return {"reward_terms": {name: float(values[index]) for name, values in terms.items()}}
+
+    return fill
+
+
+class _Scale:
+    """Observations by the usual bounds of their slots, from -1 to 1."""
+
+    def __init__(self, envs: BuildingVectorEnv):
+        from gymnasium.spaces import Box
+
+        from .wrappers import NormalizeObservation
+
+        if len(envs.layouts) > 1 and len({len(each.observation_low) for each in envs.layouts}) > 1:
+            raise SettingError("buildings with different observations: normalize=False, and normalise in the policy")
+        box, usual = envs.single_observation_space, NormalizeObservation.USUAL
+        low, high = box.low.astype(np.float64), box.high.astype(np.float64)
+        for index, slot in enumerate(envs.layouts[0].data["observation"]):
+            fits = [words for words in usual if slot["name"].endswith(words)]
+            if fits:
+                low[index], high[index] = usual[max(fits, key=len)]
+        self._low, self._span = low.astype(np.float32), np.where(high > low, high - low, 1).astype(np.float32)
+        self.space = Box(-1.0, 1.0, box.shape, dtype=np.float32)
+
+    def __call__(self, observations):
+        return np.clip(2 * (observations - self._low) / self._span - 1, -1, 1)
+
+
+def make_sb3_vec(building_type: str | None = None, num_envs: int = 1, *, normalize: bool = True, **arguments) -> SB3VecEnv:
+    """Makes environments for Stable-Baselines3: actions from -1 to 1, observations normalised by fixed bounds.
+    Arguments are those of :func:`make_vec`."""
+    arguments.setdefault("rescale_action", True)
+    return SB3VecEnv(make_vec(building_type, num_envs, autoreset_mode="SameStep", **arguments), normalize)

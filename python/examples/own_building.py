@@ -1,0 +1,20 @@
+"""A building of yours: `python own_building.py MODEL.idf WEATHER.epw`; without arguments, a model that comes with EnergyPlus."""
+
+import sys
+
+import building2building as b2b
+from building2building import _engine
+
+if len(sys.argv) == 3:
+    model, weather = sys.argv[1:]
+else:
+    model = _engine.folder() / "pyenergyplus/data/model/ASHRAE901_RestaurantSitDown_STD2019_Denver.idf"
+    weather = b2b.find_building("OfficeSmall").weather
+
+building = b2b.import_building(model, weather)
+env = b2b.make_env(building=building, run_period="01-09..01-10")
+print(env.morphology)
+print("driven:", ", ".join(env.metadata["action_names"]))
+trajectory = b2b.rollout(env, b2b.ReactiveController(env))
+print(f"return {trajectory.episode_return:.1f}, mean deviation {trajectory.metrics['mean_abs_deviation_k']:.2f} K")
+env.close()

@@ -1,0 +1,60 @@
+//! Numbers from and to numpy.
+
+use numpy::{Element, PyArray1, PyArray2, PyArrayMethods};
+use pyo3::prelude::*;
+
+use crate::error::raise;
+
+/// Numbers of any array or sequence of one dimension.
+pub fn numbers(given: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
+    if let Ok(array) = given.cast::<PyArray1<f32>>() {
+        return Ok(array.readonly().as_array().iter().map(|value| f64::from(*value)).collect());
+    }
+    if let Ok(array) = given.cast::<PyArray1<f64>>() {
+        return Ok(array.readonly().as_array().iter().copied().collect());
+    }
+    given.extract().or_else(|_| converted(given)?.extract()).map_err(|_: PyErr| wrong(given, "a row"))
+}
+
+/// Numbers of any array of two dimensions, row by row, with their shape.
+pub fn rows(given: &Bound<'_, PyAny>) -> PyResult<(Vec<f64>, [usize; 2])> {
+    if let Ok(array) = given.cast::<PyArray2<f32>>() {
+        let array = array.readonly();
+        let view = array.as_array();
+        return Ok((view.iter().map(|value| f64::from(*value)).collect(), [view.nrows(), view.ncols()]));
+    }
+    let given = converted(given)?;
+    let array = given.cast::<PyArray2<f64>>().map_err(|_| wrong(&given, "a table"))?.readonly();
+    let view = array.as_array();
+    Ok((view.iter().copied().collect(), [view.nrows(), view.ncols()]))
+}
+
+/// As an array of f64.
+fn converted<'py>(given: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    given.py().import("numpy")?.call_method1("asarray", (given, "float64"))
+}
+
+fn wrong(given: &Bound<'_, PyAny>, what: &str) -> PyErr {
+    let given = given.repr().map_or_else(|_| "it".into(), |text| text.to_string());
+    let given: String = given.chars().take(80).collect();
+    raise("ActionError", format!("{given} is not {what} of numbers"))
+}
+
+/// A new array.
+pub fn row<'py, T: Element>(py: Python<'py>, values: Vec<T>) -> Bound<'py, PyArray1<T>> {
+    PyArray1::from_vec(py, values)
+}
+
+/// A new array of f32.
+pub fn single<'py>(py: Python<'py>, values: &[f64]) -> Bound<'py, PyArray1<f32>> {
+    PyArray1::from_iter(py, values.iter().map(|value| *value as f32))
+}
+
+/// A new table.
+pub fn table<'py, T: Element>(
+    py: Python<'py>,
+    values: Vec<T>,
+    shape: [usize; 2],
+) -> PyResult<Bound<'py, PyArray2<T>>> {
+    PyArray1::from_vec(py, values).reshape(shape)
+}

@@ -1,0 +1,130 @@
+//! The controllers that come with the crates, and what an episode came to.
+
+use std::sync::Mutex;
+
+use b2b_control::{Constant, Random, Reactive, ReactiveParameters};
+use b2b_env::{Metrics, Trajectory};
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::arrays;
+use crate::catalog::locked;
+use crate::error::raise;
+use crate::spaces::Spaces;
+
+/// A controller of the crates: reactive, random or constant.
+#[pyclass(frozen, module = "building2building._core")]
+pub struct Controller {
+    controller: Mutex<Kind>,
+    widths: (usize, usize),
+}
+
+#[derive(Clone)]
+enum Kind {
+    Reactive(Reactive),
+    Random(Box<Random>),
+    Constant(Constant),
+}
+
+impl Kind {
+    fn controller(&mut self) -> &mut dyn b2b_control::Controller {
+        match self {
+            Self::Reactive(controller) => controller,
+            Self::Random(controller) => controller.as_mut(),
+            Self::Constant(controller) => controller,
+        }
+    }
+}
+
+#[pymethods]
+impl Controller {
+    #[new]
+    fn new(kind: &str, spaces: &Spaces, seed: u64) -> PyResult<Self> {
+        let inner = spaces.inner();
+        let controller = match kind {
+            "reactive" => Kind::Reactive(Reactive::new(
+                &inner.building,
+                &inner.observation,
+                inner.episode.steps_per_hour,
+                &ReactiveParameters::tuned_for(&inner.building),
+            )),
+            "random" => Kind::Random(Box::new(Random::new(&inner.action, seed))),
+            "constant" => Kind::Constant(Constant::middle(&inner.action)),
+            _ => {
+                let message = format!("there is no controller `{kind}`: give reactive, random or constant");
+                return Err(raise("SettingError", message));
+            }
+        };
+        Ok(Self { controller: Mutex::new(controller), widths: (inner.observation.len(), inner.action.len()) })
+    }
+
+    /// Forgets everything: a new episode begins.
+    fn reset(&self) {
+        locked(&self.controller).controller().reset();
+    }
+
+    /// Another that stands where this one does.
+    fn copy(&self) -> Self {
+        Self { controller: Mutex::new(locked(&self.controller).clone()), widths: self.widths }
+    }
+
+    /// The action for an observation, both in the units of the spaces.
+    fn act<'py>(
+        &self,
+        py: Python<'py>,
+        observation: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let observation = arrays::numbers(observation)?;
+        if observation.len() != self.widths.0 {
+            let (given, expected) = (observation.len(), self.widths.0);
+            let message = format!("the observation has {given} numbers, and the controller's has {expected}");
+            return Err(raise("ActionError", message));
+        }
+        let mut action = vec![0.0; self.widths.1];
+        locked(&self.controller).controller().act(&observation, &mut action);
+        Ok(arrays::row(py, action))
+    }
+}
+
+/// The hash that `b2b run` prints, of observations and actions, a row a step, and both penalties.
+#[pyfunction]
+pub fn trajectory_hash(
+    observations: &Bound<'_, PyAny>,
+    actions: &Bound<'_, PyAny>,
+    penalties: &Bound<'_, PyAny>,
+) -> PyResult<String> {
+    let (penalties, _) = arrays::rows(penalties)?;
+    let trajectory = Trajectory {
+        observations: arrays::rows(observations)?.0,
+        actions: arrays::rows(actions)?.0,
+        penalties: penalties.chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect(),
+    };
+    Ok(trajectory.hash())
+}
+
+/// The sums over an episode as a dictionary, with the names of `b2b run --json`.
+pub fn metrics<'py>(py: Python<'py>, metrics: &Metrics) -> PyResult<Bound<'py, PyAny>> {
+    let all = PyDict::new(py);
+    all.set_item("steps", metrics.steps)?;
+    for (name, value) in [
+        ("return", metrics.episode_return),
+        ("temperature_penalty", metrics.temperature_penalty),
+        ("energy_penalty", metrics.energy_penalty),
+        ("mean_abs_deviation_k", metrics.mean_abs_deviation()),
+        ("rms_deviation_k", metrics.rms_deviation()),
+        ("hours_outside_band", metrics.hours_outside_band()),
+        ("discomfort_k_h", metrics.discomfort()),
+        ("electricity_wh_m2", metrics.electricity),
+        ("gas_wh_m2", metrics.gas),
+        ("cost_m2", metrics.cost),
+        ("emissions_kg_m2", metrics.emissions / 1000.0),
+        ("peak_electricity_w_m2", metrics.peak_electricity),
+        ("peak_gas_w_m2", metrics.peak_gas),
+        ("daily_travel", metrics.daily_travel()),
+    ] {
+        all.set_item(name, value)?;
+    }
+    all.set_item("clamped_actions", metrics.clamped_actions)?;
+    Ok(all.into_any())
+}

@@ -1,0 +1,100 @@
+//! One environment in this process, for debuggers and profilers: no second at the same time.
+
+use std::sync::Arc;
+
+use b2b_energyplus::Library;
+use b2b_env::vector::{Source, Spaces as EnvSpaces};
+use numpy::PyArray1;
+use pyo3::prelude::*;
+
+use crate::catalog::{self, Setting};
+use crate::env::{Seen, Stepped};
+use crate::error::{of_building, of_env, raise};
+use crate::spaces::Spaces;
+use crate::{arrays, control};
+
+/// An environment in this process. The engine stands on a stack of this thread's making, so it stays with the thread.
+#[pyclass(unsendable, module = "building2building._core")]
+pub struct LocalEnv {
+    env: Option<b2b_env::Env>,
+    setting: Setting,
+    spaces: Arc<EnvSpaces>,
+    carried_out: Vec<f64>,
+}
+
+#[pymethods]
+impl LocalEnv {
+    #[new]
+    fn new(py: Python<'_>, setting: &Setting) -> PyResult<Self> {
+        let path = py.detach(catalog::library)?;
+        let library = Library::load(&path).map_err(|error| of_env(error.into()))?;
+        let episode = setting.setting.episode.clone();
+        let source = Source::clone(&setting.setting.source);
+        let building = source.prepare(&episode.weather, &library).map_err(of_building)?;
+        let building = Arc::new(building);
+        let spaces = EnvSpaces::new(Arc::clone(&building), episode.clone()).map_err(of_env)?;
+        let env = b2b_env::Env::new(library, building, episode).map_err(of_env)?;
+        Ok(Self {
+            carried_out: vec![0.0; env.action_space().len()],
+            env: Some(env),
+            setting: setting.clone(),
+            spaces: Arc::new(spaces),
+        })
+    }
+
+    /// What is seen and driven.
+    fn spaces(&self) -> Spaces {
+        Spaces::new(Arc::clone(&self.spaces), Arc::clone(&self.setting.building))
+    }
+
+    /// Begins an episode.
+    fn reset<'py>(&mut self, py: Python<'py>) -> PyResult<Seen<'py>> {
+        let observation = self.env()?.reset().map_err(of_env)?.to_vec();
+        Ok((arrays::single(py, &observation), arrays::row(py, observation)))
+    }
+
+    /// As `Env.step`.
+    fn step<'py>(
+        &mut self,
+        py: Python<'py>,
+        action: &Bound<'py, PyAny>,
+        rescale: bool,
+    ) -> PyResult<Stepped<'py>> {
+        let mut action = arrays::numbers(action)?;
+        if rescale {
+            self.spaces.action.rescale(&mut action);
+        }
+        let env = self.env.as_mut().ok_or_else(closed)?;
+        let step = env.step(&action).map_err(of_env)?;
+        self.carried_out.copy_from_slice(step.action);
+        let (temperature, energy) = (step.reward.temperature_penalty, step.reward.energy_penalty);
+        let observation = step.observation.to_vec();
+        let single = arrays::single(py, &observation);
+        Ok((single, arrays::row(py, observation), temperature, energy, step.truncated))
+    }
+
+    /// The last action as it was carried out.
+    fn carried_out<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        arrays::row(py, self.carried_out.clone())
+    }
+
+    /// The sums over the episode, as a dictionary.
+    fn metrics<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        control::metrics(py, self.env()?.metrics())
+    }
+
+    /// Ends the episode and the engine.
+    fn close(&mut self) {
+        self.env = None;
+    }
+}
+
+impl LocalEnv {
+    fn env(&mut self) -> PyResult<&mut b2b_env::Env> {
+        self.env.as_mut().ok_or_else(closed)
+    }
+}
+
+fn closed() -> PyErr {
+    raise("EpisodeError", "the environment is closed".into())
+}

@@ -1,0 +1,38 @@
+import building2building as b2b
+import pytest
+
+DAY = "01-01..01-01"
+
+
+def pytest_addoption(parser):
+    parser.addoption("--learners", action="store_true", help="train for a few hundred steps (needs torch)")
+
+
+def pytest_collection_modifyitems(config, items):
+    if not config.getoption("--learners"):
+        skip = pytest.mark.skip(reason="give --learners")
+        for item in items:
+            if "learners" in item.keywords:
+                item.add_marker(skip)
+
+
+@pytest.fixture
+def make():
+    """``make_env`` for one day; what it made is closed in the end."""
+    made = []
+
+    def make(building_type="OfficeSmall", **arguments):
+        made.append(b2b.make_env(building_type, **{"run_period": DAY, **arguments}))
+        return made[-1]
+
+    yield make
+    for env in made:
+        env.close()
+
+
+@pytest.fixture(scope="module")
+def office():
+    """One small office for tests that leave it as it is."""
+    env = b2b.make_env("OfficeSmall", run_period=DAY)
+    yield env
+    env.close()

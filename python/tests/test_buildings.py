@@ -1,0 +1,116 @@
+"""Buildings: the dataset, generated ones, one's own; graphs; the same numbers as the command's."""
+
+import json
+import os
+import pickle
+import subprocess
+from pathlib import Path
+
+import building2building as b2b
+import numpy as np
+import pytest
+from building2building import _engine, errors
+
+ROOT = Path(__file__).parents[2]
+B2B = Path(os.environ.get("B2B", ROOT / "target/release/b2b"))
+DAY = "01-01..01-01"
+
+
+def test_the_dataset_is_listed_by_type_split_and_climate():
+    assert len(b2b.list_building_types()) == 6
+    train, test = b2b.list_buildings("OfficeSmall"), b2b.list_buildings("OfficeSmall", "test")
+    assert (len(train), len(test), len(b2b.list_buildings("OfficeSmall", "test_small"))) == (900, 100, 8)
+    assert not set(train) & set(test)
+    cold = b2b.list_buildings_by_climate_zone("OfficeSmall", "8", "all")
+    assert cold and all(b2b.get_climate_zone(each) == "8" for each in cold)
+    assert 0 < b2b.building_parameters(train[0])["window_to_wall"] < 1
+    with pytest.raises(errors.SettingError, match="test_small"):
+        b2b.list_buildings("OfficeSmall", "valid")
+    with pytest.raises(errors.BuildingError):
+        b2b.list_buildings("Castle")
+
+
+@pytest.mark.skipif(not B2B.exists(), reason="b2b is not built")
+@pytest.mark.parametrize("building_type", b2b.list_building_types())
+def test_an_episode_is_that_of_the_command(building_type, tmp_path):
+    command = [B2B, "run", building_type, "--period", DAY, "--controller", "random", "--seed", "5", "--json"]
+    ran = subprocess.run([*command, "--out", tmp_path / "run"], capture_output=True, text=True, check=True)
+    env = b2b.make_env(building_type, run_period=DAY)
+    trajectory = b2b.rollout(env, b2b.RandomController(env, seed=5))
+    env.close()
+    assert trajectory.hash() == json.loads(ran.stdout)["trajectory_hash"]
+
+
+def test_a_building_is_chosen_by_index_or_id(make):
+    env = make("SingleFamilyHouse", split="test", index=0)
+    assert env.building.name == b2b.list_buildings("SingleFamilyHouse", "test")[0]
+    assert env.metadata["building"] == env.building.name
+
+
+def test_generated_buildings_are_what_was_asked(make):
+    one, other = b2b.generate("OfficeSmall", 2, seed=7, places="Miami", parameters={"window_to_wall": 0.3})
+    assert one.name == "OfficeSmall-seed7-0001" and one.place == "Miami" and one.climate_zone == "1A"
+    assert one.parameters["window_to_wall"] == 0.3 and one.parameters != other.parameters
+    again = pickle.loads(pickle.dumps(other))
+    assert again.to_epjson() == other.to_epjson() != one.to_epjson()
+    env = make(None, building=other)
+    env.reset()
+    assert env.step(env.action_space.low)[1] < 0
+    with pytest.raises(errors.BuildingError, match="window_to_wall"):
+        b2b.generate("OfficeSmall", parameters={"window_to_wal": 0.3})
+
+
+def test_a_model_of_ones_own_is_an_environment(make):
+    package = _engine.folder() / "pyenergyplus/data"
+    building = b2b.import_building(
+        package / "model/ASHRAE901_RestaurantFastFood_STD2019_Denver.idf", b2b.find_building("OfficeSmall").weather
+    )
+    env = make(None, building=building)
+    observation, _ = env.reset()
+    assert env.observation_space.contains(observation) and env.action_space.shape[0] >= 4
+    with pytest.raises(errors.BuildingError, match="nowhere.idf"):
+        b2b.import_building("nowhere.idf", building.weather)
+
+
+def test_a_morphology_splits_and_joins(office):
+    graph = office.morphology
+    observation, _ = office.reset()
+    parts = graph.split_observation(observation)
+    assert parts["unitary_zone"].shape == (5, 3)
+    np.testing.assert_array_equal(parts["weather"][0], observation[6:8])
+    action = office.action_space.sample()
+    np.testing.assert_array_equal(graph.join_actions(graph.split_action(action)), action)
+    batch = graph.split_observation(np.stack([observation] * 3))
+    assert batch["unitary_zone"].shape == (3, 5, 3)
+    with pytest.raises(errors.ActionError, match="unitary_zone"):
+        graph.join_actions({})
+
+
+def test_a_morphology_is_arrays_for_graph_libraries():
+    env = b2b.make_env("OfficeMedium", run_period=DAY)
+    graph, arrays = env.morphology, env.morphology.to_pyg()
+    env.close()
+    assert arrays["x"]["vav_zone"].shape[0] == 15 and arrays["x"]["air_loop"].shape[0] == 3
+    serves = arrays["edge_index"]["air_loop", "serves", "vav_zone"]
+    assert serves.shape == (2, 15) and (arrays["edge_attr"]["air_loop", "serves", "vav_zone"] > 0).all()
+    assert graph.counts["uncontrolled_zone"] == 3
+    assert all(index.max() < 15 for index in arrays["edge_index"].values())
+
+
+def test_trajectories_have_names(office, tmp_path):
+    trajectory = b2b.rollout(office, b2b.ReactiveController(office))
+    assert len(trajectory) == 288 and trajectory.truncated
+    assert trajectory.metrics["return"] == pytest.approx(trajectory.episode_return)
+    assert trajectory.observed("outdoor air temperature").shape == (289,)
+    assert trajectory.acted("Core_ZN supply air flow").max() > 0
+    with pytest.raises(errors.SettingError, match="outdoor air temperature"):
+        trajectory.observed("outdoor temperature")
+    middle = b2b.callable_controller(lambda _: (office.layout.action_low + office.layout.action_high) / 2)
+    constant = b2b.rollout(office, b2b.ConstantController(office), steps=10)
+    assert b2b.rollout(office, middle, steps=10).hash() == constant.hash()
+
+
+def test_a_policy_is_evaluated_on_buildings_and_tasks():
+    rows = b2b.evaluate(b2b.ReactiveController, ["SingleFamilyHouse"], ["constant", "occupancy"], run_period=DAY)
+    assert [row["task"] for row in rows] == ["constant", "occupancy"]
+    assert all(row["rms_deviation_k"] < 3 for row in rows)

@@ -1,0 +1,179 @@
+"""What Gymnasium asks of an environment."""
+
+import copy
+import json
+import pickle
+import warnings
+
+import building2building as b2b
+import gymnasium
+import numpy as np
+import pytest
+from building2building import errors
+from gymnasium.utils.env_checker import check_env
+
+DAY = "01-01..01-01"
+
+
+@pytest.mark.parametrize("building_type", b2b.list_building_types())
+def test_every_id_passes_the_checker_without_a_warning(building_type):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        env = gymnasium.make(f"b2b/{building_type}-v0", run_period=DAY, render_mode="rgb_array")
+        check_env(env.unwrapped)
+    env.close()
+
+
+def test_an_environment_is_made_again_from_its_spec(make):
+    env = make(task="occupancy+energy0.5", rescale_action=True)
+    spec = pickle.loads(pickle.dumps(env.spec))
+    assert json.loads(env.spec.to_json())["kwargs"]["task"] == "occupancy+energy0.5"
+    again = gymnasium.make(spec)
+    action = env.action_space.sample()
+    for each in (env, again):
+        each.reset(seed=0)
+    one, other = env.step(action), again.step(action)
+    np.testing.assert_array_equal(one[0], other[0])
+    assert one[1] == other[1] and again.metadata["action_names"] == env.metadata["action_names"]
+    again.close()
+
+
+def test_names_and_units_stand_beside_the_spaces(office):
+    meta = office.metadata
+    assert len(meta["observation_names"]) == len(meta["observation_units"]) == office.observation_space.shape[0]
+    assert len(meta["action_names"]) == len(meta["action_units"]) == office.action_space.shape[0]
+    assert meta["building"] == "OfficeSmall"
+    assert set(meta["action_units"]) == {"kg/s", "°C"}
+
+
+def test_an_episode_ends_truncated_after_its_run_period(make):
+    env = make(timesteps_per_hour=1)
+    env.reset()
+    for step in range(1, 25):
+        _, _, terminated, truncated, info = env.step(env.action_space.sample())
+        assert not terminated and truncated == (step == 24)
+    assert info["metrics"]["steps"] == 24
+    with pytest.raises(errors.EpisodeError, match="over"):
+        env.step(env.action_space.sample())
+
+
+def test_rescaled_actions_are_the_same_actions(make):
+    plain, rescaled = make(), make(rescale_action=True)
+    plain.reset()
+    rescaled.reset()
+    share = np.linspace(-1, 1, 10)
+    one = plain.step(rescaled.physical(share))
+    other = rescaled.step(share)
+    np.testing.assert_array_equal(one[0], other[0])
+    np.testing.assert_allclose(plain.carried_out(), rescaled.physical(share))
+
+
+def test_bounds_of_the_space_are_never_clamped(make):
+    env = make(timesteps_per_hour=1)
+    env.reset()
+    for step in range(24):
+        *_, info = env.step(env.action_space.high if step % 2 else env.action_space.low)
+    assert info["metrics"]["clamped_actions"] == 0
+
+
+def test_info_says_what_the_reward_is_made_of(make):
+    env = make(task="occupancy+energy0.5", run_period="01-02..01-02")
+    env.reset()
+    for _ in range(120):
+        _, reward, _, _, info = env.step(env.action_space.high)
+        assert sum(info["reward_terms"].values()) == reward
+    assert info["reward_terms"]["temperature"] == pytest.approx(-np.mean(info["zone_deviation"] ** 2))
+    energy = info["energy"]["electricity"] + info["energy"]["gas"]
+    assert info["reward_terms"]["energy"] == pytest.approx(-0.5 * energy)
+    assert energy > 0 and info["cost"] > 0 and info["emissions"] > 0
+    assert info["zone_occupied"].any() and len(info["zone_temperature"]) == len(env.metadata["controlled_zones"])
+
+
+def test_info_is_a_dictionary_in_every_way(make):
+    env = make()
+    env.reset()
+
+    def info():
+        return env.step(env.action_space.sample())[-1]
+
+    assert "energy" in dict(info()) and "energy" in {**info()} and "energy" in info().copy()
+    assert "energy" in pickle.loads(pickle.dumps(info())) and "energy" in copy.deepcopy(info())
+    assert "energy" in list(info()) and len(info()) > 5 and (info() | {"x": 1})["x"] == 1
+    written = info()
+    written["mine"] = 1
+    assert written["mine"] == 1 and "energy" in written and dict(written)["mine"] == 1
+
+
+def test_a_seed_draws_the_days_and_the_targets(make):
+    env = make("OfficeSmall", task="random", run_period="winter", window_days=2, window_starts=3,
+               resample_targets=True, timesteps_per_hour=1)
+
+    def episode(seed):
+        observation, info = env.reset(seed=seed)
+        rows = [observation]
+        while True:
+            observation, _, _, truncated, _ = env.step(env.action_space.low)
+            rows.append(observation)
+            if truncated:
+                return info["first_day"], np.array(rows)
+
+    first, again, other = episode(3), episode(3), episode(5)
+    assert first[0] == again[0] and len(first[1]) == 49
+    np.testing.assert_array_equal(first[1], again[1])
+    assert first[1].shape == other[1].shape and (first[1] != other[1]).any()
+
+
+def test_a_reward_of_ones_own_takes_the_place_of_the_task_s(make):
+    env = make(reward=lambda info: -float(np.abs(info["zone_deviation"]).max()))
+    env.reset()
+    _, reward, _, _, info = env.step(env.action_space.low)
+    assert reward == -np.abs(info["zone_deviation"]).max() < 0
+
+
+def test_a_frame_shows_the_building(make):
+    pytest.importorskip("matplotlib")
+    env = make(render_mode="rgb_array")
+    env.reset()
+    before = env.render()
+    env.step(env.action_space.high)
+    after = env.render()
+    assert before.dtype == np.uint8 and before.shape == (540, 960, 3) and before.std() > 10
+    assert (before != after).any()
+
+
+@pytest.mark.parametrize(
+    "arguments, error, words",
+    [
+        ({"building_type": "OficeSmall"}, errors.BuildingError, "OfficeSmall"),
+        ({"building_type": "OfficeSmall", "building_id": "OfficeSmall-2000"}, errors.BuildingError, "1000"),
+        ({"building_type": "OfficeSmall", "place": "Dever"}, errors.BuildingError, "Denver"),
+        ({"building_type": "OfficeSmall", "index": 900}, errors.SettingError, "0 to 899"),
+        ({"building_type": "OfficeSmall", "task": "cosy"}, errors.TaskError, "occupancy"),
+        ({"building_type": "OfficeSmall", "run_period": "spring"}, errors.BuildingError, "MM-DD"),
+        ({"building_type": "OfficeSmall", "timesteps_per_hour": 7}, errors.Error, "7 steps per hour"),
+        ({"building_type": "OfficeSmall", "window_days": 100}, errors.Error, "100 days"),
+    ],
+)
+def test_what_cannot_be_is_an_error_that_says_what_can(arguments, error, words):
+    with pytest.raises(error, match=words) as raised:
+        b2b.make_env(**arguments)
+    assert isinstance(raised.value, b2b.Error)
+
+
+def test_a_wrong_action_names_the_actuator_and_leaves_the_episode(make):
+    env = make()
+    with pytest.raises(errors.EpisodeError, match="reset"):
+        env.step(env.action_space.low)
+    env.reset()
+    action = env.action_space.low.astype(float)
+    action[3] = np.nan
+    with pytest.raises(errors.ActionError, match=env.metadata["action_names"][3]):
+        env.step(action)
+    with pytest.raises(errors.ActionError, match="10 actuators"):
+        env.step(action[:4])
+    env.step(env.action_space.low)
+    env.close()
+    with pytest.raises(errors.EpisodeError, match="closed"):
+        env.step(env.action_space.low)
+    with pytest.raises(errors.EpisodeError, match="closed"):
+        env.reset()

@@ -1,0 +1,95 @@
+"""Learners, for a few hundred steps; give --learners."""
+
+import building2building as b2b
+import numpy as np
+import pytest
+
+pytestmark = pytest.mark.learners
+
+
+@pytest.fixture(autouse=True)
+def one_thread():
+    """Small networks are slower on several threads, and the engine needs the other processors."""
+    import torch
+
+    torch.set_num_threads(1)
+
+
+DAYS = {"run_period": "01-01..01-01", "timesteps_per_hour": 4}
+
+
+@pytest.mark.parametrize("algorithm", ["PPO", "SAC"])
+def test_sb3_learns_on_native_vector_environments(algorithm):
+    import stable_baselines3
+    from building2building.sb3 import make_sb3_vec
+
+    envs = make_sb3_vec("SingleFamilyHouse", 2, **DAYS)
+    options = {"n_steps": 64, "batch_size": 64} if algorithm == "PPO" else {"learning_starts": 300}
+    model = getattr(stable_baselines3, algorithm)("MlpPolicy", envs, seed=0, device="cpu", **options)
+    before = [each.clone() for each in model.policy.parameters()]
+    model.learn(400)
+    assert any((one != other).any() for one, other in zip(before, model.policy.parameters()))
+    assert len(model.ep_info_buffer) >= 4 and all(np.isfinite(info["r"]) for info in model.ep_info_buffer)
+    envs.close()
+
+
+@pytest.mark.parametrize("algorithm", ["PPO", "SAC"])
+def test_sb3_learns_on_a_single_environment(algorithm):
+    import stable_baselines3
+
+    env = b2b.wrap_env_for_rl(b2b.make_env("SingleFamilyHouse", **DAYS))
+    options = {"n_steps": 64, "batch_size": 64} if algorithm == "PPO" else {"learning_starts": 200}
+    getattr(stable_baselines3, algorithm)("MlpPolicy", env, seed=0, device="cpu", **options).learn(300)
+    env.close()
+
+
+def test_sb3_sees_the_last_observation_of_an_episode():
+    from building2building.sb3 import make_sb3_vec
+
+    envs = make_sb3_vec("SingleFamilyHouse", 2, normalize=False, run_period="01-01..01-01", timesteps_per_hour=1)
+    env = b2b.make_env("SingleFamilyHouse", run_period="01-01..01-01", timesteps_per_hour=1, rescale_action=True)
+    envs.reset()
+    first, _ = env.reset()
+    for step in range(24):
+        action = np.full(env.action_space.shape, step / 24)
+        observations, _, dones, infos = envs.step(np.stack([action] * 2))
+        last, *_ = env.step(action)
+    assert dones.all() and infos[0]["TimeLimit.truncated"]
+    np.testing.assert_array_equal(infos[1]["terminal_observation"], last)
+    np.testing.assert_array_equal(observations[1], first)
+    env.close()
+    envs.close()
+
+
+def test_episodes_are_a_minari_dataset_that_makes_its_environment_again(tmp_path, monkeypatch):
+    import minari
+
+    monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path))
+    b2b.collect(b2b.ReactiveController, ["SingleFamilyHouse"], "b2b/house-v0", episodes=2, **DAYS)
+    dataset = minari.load_dataset("b2b/house-v0")
+    assert dataset.total_episodes == 2 and dataset.total_steps == 2 * 96
+    env = dataset.recover_environment()
+    observation, _ = env.reset()
+    np.testing.assert_allclose(observation, dataset[0].observations[0])
+    for action, expected in zip(dataset[0].actions[:20], dataset[0].observations[1:]):
+        np.testing.assert_allclose(env.step(action)[0], expected, rtol=1e-5)
+    env.close()
+
+
+def test_zones_are_agents_of_a_parallel_environment(make):
+    from building2building.multiagent import ZonesParallelEnv
+    from pettingzoo.test import parallel_api_test
+
+    env = ZonesParallelEnv(make("OfficeMedium", timesteps_per_hour=1))
+    assert len(env.possible_agents) == 18
+    parallel_api_test(env, num_cycles=30)
+
+
+def test_a_trajectory_is_a_parquet_file(office, tmp_path):
+    import pyarrow.parquet
+
+    trajectory = b2b.rollout(office, b2b.ReactiveController(office), steps=10)
+    trajectory.to_parquet(tmp_path / "t.parquet")
+    table = pyarrow.parquet.read_table(tmp_path / "t.parquet")
+    assert table.num_rows == 10 and "outdoor air temperature" in table.column_names
+    assert [each.name for each in tmp_path.iterdir()] == ["t.parquet"]

@@ -1,0 +1,246 @@
+"""Threads, forks, signals, and what stays behind."""
+
+import multiprocessing
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+import threading
+import time
+
+import building2building as b2b
+import numpy as np
+import pytest
+from building2building import errors
+
+DAY = {"run_period": "01-01..01-01"}
+
+
+def episode(env) -> str:
+    return b2b.rollout(env, b2b.RandomController(env, seed=4), steps=100).hash()
+
+
+def episode_in_another_process(queue, env=None):
+    env = b2b.make_env("OfficeSmall", **DAY) if env is None else env
+    queue.put(episode(env))
+
+
+def test_the_in_process_environment_is_the_same_to_the_bit(make, office):
+    env = make(in_process=True)
+    assert episode(env) == episode(office)
+    refused = []
+
+    def use():
+        try:
+            env.reset()
+        except errors.ProcessError as error:
+            refused.append(str(error))
+
+    thread = threading.Thread(target=use)
+    thread.start()
+    thread.join()
+    assert refused and "thread" in refused[0]
+    with pytest.raises(errors.ProcessError, match="in_process"):
+        env.snapshot()
+
+
+def test_several_threads_step_several_environments(make, office):
+    expected = episode(office)
+    envs = [make() for _ in range(3)]
+    hashes = [None] * 3
+
+    def run(index):
+        hashes[index] = episode(envs[index])
+
+    threads = [threading.Thread(target=run, args=(index,)) for index in range(3)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert hashes == [expected] * 3
+
+
+@pytest.mark.parametrize("method", ["fork", "spawn"])
+def test_other_processes_have_environments_of_their_own(method, office):
+    context = multiprocessing.get_context(method)
+    queue = context.Queue()
+    process = context.Process(target=episode_in_another_process, args=(queue,))
+    process.start()
+    assert queue.get(timeout=120) == episode(office)
+    process.join(20)
+    assert process.exitcode == 0
+
+
+def test_a_fork_leaves_the_environments_of_its_parent_alone(make):
+    env = make()
+    env.reset()
+    expected = episode(env)
+    env.reset()
+    context = multiprocessing.get_context("fork")
+    queue = context.Queue()
+    process = context.Process(target=episode_in_another_process, args=(queue, env))
+    process.start()
+    assert queue.get(timeout=120) == expected, "reset makes processes of its own"
+    process.join(20)
+    env.step(env.action_space.low)
+
+    queue = context.Queue()
+
+    def step():
+        try:
+            env.step(env.action_space.low)
+        except errors.ProcessError as error:
+            queue.put(str(error))
+
+    process = context.Process(target=step)
+    process.start()
+    assert "fork" in queue.get(timeout=60)
+    process.join(20)
+    env.step(env.action_space.low)
+
+
+def workers_of(pid: int) -> list[int]:
+    """Workers that a process started, and their copies: they have its number in their arguments."""
+    found = []
+    for entry in os.listdir("/proc"):
+        if entry.isdigit():
+            try:
+                with open(f"/proc/{entry}/cmdline", "rb") as file:
+                    arguments = file.read().split(b"\0")
+            except OSError:
+                continue
+            if b"--b2b-worker" in arguments and arguments[arguments.index(b"--b2b-worker") + 1] == b"%d" % pid:
+                found.append(int(entry))
+    return found
+
+
+def gone_within(seconds: float, pid: int) -> bool:
+    deadline = time.monotonic() + seconds
+    while time.monotonic() < deadline:
+        if not workers_of(pid):
+            return True
+        time.sleep(0.05)
+    return False
+
+
+def script(text: str, tmp_path) -> subprocess.Popen:
+    environment = {**os.environ, "TMPDIR": str(tmp_path)}
+    return subprocess.Popen(
+        [sys.executable, "-c", textwrap.dedent(text)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        env=environment,
+    )
+
+
+ENV = "import building2building as b2b; env = b2b.make_env('OfficeSmall', run_period='winter'); env.reset()\n"
+
+
+def test_leaving_without_close_leaves_nothing(tmp_path):
+    process = script(ENV + "env.step(env.action_space.low); keep = env.snapshot()", tmp_path)
+    out, err = process.communicate(timeout=120)
+    assert process.returncode == 0 and err == ""
+    assert gone_within(5, process.pid) and os.listdir(tmp_path) == []
+
+
+def test_a_killed_program_leaves_nothing(tmp_path):
+    process = script(ENV + "print('ready', flush=True); import time; time.sleep(100)", tmp_path)
+    assert process.stdout.readline() == "ready\n"
+    assert workers_of(process.pid)
+    process.kill()
+    process.communicate()
+    assert gone_within(5, process.pid)
+    deadline = time.monotonic() + 5
+    while os.listdir(tmp_path) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert os.listdir(tmp_path) == []
+
+
+def test_ctrl_c_stops_a_rollout_and_the_environment_goes_on(tmp_path):
+    process = script(
+        ENV
+        + """
+controller = b2b.ReactiveController(env)
+print('ready', flush=True)
+try:
+    while True:
+        b2b.rollout(env, controller)
+except KeyboardInterrupt:
+    env.reset()
+    env.step(env.action_space.low)
+    print('went on', flush=True)
+""",
+        tmp_path,
+    )
+    assert process.stdout.readline() == "ready\n"
+    time.sleep(0.5)
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=30)
+    assert (out, err, process.returncode) == ("went on\n", "", 0)
+
+
+def test_ctrl_c_stops_a_building_in_the_making(tmp_path):
+    process = script(
+        """
+import building2building as b2b
+print('ready', flush=True)
+try:
+    b2b.make_env('OfficeMedium', place='Miami')
+except KeyboardInterrupt:
+    print('stopped', flush=True)
+""",
+        tmp_path,
+    )
+    assert process.stdout.readline() == "ready\n"
+    time.sleep(1.5)
+    process.send_signal(signal.SIGINT)
+    start = time.monotonic()
+    out, err = process.communicate(timeout=30)
+    assert (out, err, process.returncode) == ("stopped\n", "", 0)
+    assert time.monotonic() - start < 2
+    assert gone_within(5, process.pid)
+
+
+def test_an_episode_whose_process_dies_says_so_and_the_next_begins(make):
+    env = make()
+    env.reset()
+    os.kill(env._core.process, signal.SIGKILL)
+    with pytest.raises(errors.EpisodeError, match="killed"):
+        env.step(env.action_space.low)
+    env.reset()
+    env.step(env.action_space.low)
+
+
+def test_a_worker_has_one_thread_and_no_numpy(office):
+    office.reset()
+    process = office._core.process
+    with open(f"/proc/{process}/status") as file:
+        assert "Threads:\t1\n" in file.read()
+    with open(f"/proc/{process}/maps") as file:
+        assert "numpy" not in file.read()
+
+
+def test_the_package_is_imported_quickly_and_without_torch():
+    code = "import sys, building2building; print(any(m in sys.modules for m in ('torch', 'matplotlib', 'pandas')))"
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert out.stdout == "False\n"
+
+
+def test_snapshots_branch_the_true_simulation(make):
+    env = make()
+    env.reset()
+    rng = np.random.default_rng(0)
+    low, high = env.layout.action_low, env.layout.action_high
+    for _ in range(20):
+        env.step(rng.uniform(low, high))
+    actions = rng.uniform(low, high, (10, len(low)))
+    kept = env.snapshot()
+    futures = []
+    for _ in range(3):
+        observation, _ = env.restore(kept)
+        assert env.steps == 20
+        futures.append([env.step(action)[0] for action in actions])
+    for future in futures[1:]:
+        np.testing.assert_array_equal(future, futures[0])
+    kept.release()
+    with pytest.raises(errors.EpisodeError, match="released"):
+        env.restore(kept)

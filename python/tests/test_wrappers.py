@@ -1,0 +1,107 @@
+"""Wrappers."""
+
+import building2building as b2b
+import gymnasium
+import numpy as np
+import pytest
+from building2building import errors, wrappers
+
+
+def stepped(env):
+    env.reset(seed=0)
+    observation, *_ = env.step(env.action_space.sample())
+    assert env.observation_space.contains(observation), (observation, env.observation_space)
+    assert len(env.metadata["observation_names"]) == len(observation)
+    return observation
+
+
+def test_padding_is_zeros(make):
+    observation = stepped(wrappers.PadObservation(make(), 20))
+    assert observation.shape == (20,) and not observation[13:].any()
+    with pytest.raises(errors.SettingError, match="13"):
+        wrappers.PadObservation(make(), 5)
+
+
+def test_normalised_observations_fill_their_range(make):
+    env = wrappers.NormalizeObservation(make())
+    observation = stepped(env)
+    assert np.abs(observation).max() <= 1
+    plain = env.unwrapped.observation
+    names = env.metadata["observation_names"]
+    zone = names.index("Core_ZN air temperature")
+    assert observation[zone] == pytest.approx(2 * (plain[zone] - 5) / 35 - 1, abs=1e-6)
+    outdoors = names.index("outdoor air temperature")
+    assert observation[outdoors] == pytest.approx(2 * (plain[outdoors] + 40) / 90 - 1, abs=1e-6)
+
+
+def test_the_building_is_told(make):
+    observation = stepped(wrappers.AugmentObservationWithBuildingParams(make()))
+    assert len(observation) > 15 and np.isfinite(observation).all() and observation[13:].any()
+    with pytest.raises(errors.SettingError, match="a building has no"):
+        wrappers.AugmentObservationWithBuildingParams(make(), ["colour"])
+
+
+def test_another_building_every_episode(make):
+    env = wrappers.ResampleBuildingOnResetWrapper(
+        make("SingleFamilyHouse", rescale_action=True), ["SingleFamilyHouse", "SingleFamilyHouse-0001"],
+        width=16,
+    )
+
+    def drawn():
+        return [env.reset(seed=seed)[1]["building"] for seed in range(5)]
+
+    names = drawn()
+    assert set(names) == {"SingleFamilyHouse", "SingleFamilyHouse-0001"} and names == drawn()
+    observation, *_ = env.step(env.action_space.sample())
+    assert env.observation_space.contains(observation)
+    assert env.reset(options={"building": "SingleFamilyHouse-0001"})[1]["building"] == "SingleFamilyHouse-0001"
+
+
+def test_the_forecast_is_the_weather_to_come(make):
+    env = wrappers.WeatherForecast(make(), hours=3, quantities=("temperature", "wind_speed"))
+    assert stepped(env).shape == (19,)
+    observation, _ = env.reset()
+    for _ in range(12):
+        later, *_ = env.step(env.action_space.low)
+    # What was forecast for an hour ahead, against what the engine has then: the mean of that hour's steps moves on.
+    assert observation[13] == pytest.approx(later[6], abs=0.6)
+    assert later[13] == pytest.approx(observation[14], abs=1e-4)
+
+
+def test_a_price_is_seen_and_charged(make):
+    series = np.arange(24) / 100 + 0.1
+    env = wrappers.PriceSignal(make(), series, ahead=2, weight=1000.0)
+    observation, _ = env.reset()
+    np.testing.assert_allclose(observation[-3:], series[:3], rtol=1e-6)
+    _, reward, _, _, info = env.step(env.action_space.high)
+    electricity = info["energy"]["electricity"] / 1000
+    assert info["reward_terms"]["electricity price"] == pytest.approx(-1000 * 0.1 * electricity)
+    assert reward == pytest.approx(sum(info["reward_terms"].values()))
+    with pytest.raises(errors.SettingError, match="8760"):
+        wrappers.PriceSignal(make(), [1.0])
+
+
+def test_parts_are_chosen_by_name(make):
+    env = wrappers.SubsetObservation(make(), ["outdoor air temperature", "Core_ZN air temperature"])
+    assert stepped(env).shape == (2,)
+    env = wrappers.SubsetAction(make(), ["Core_ZN supply air flow"])
+    env.reset()
+    env.step(np.array([0.1], dtype=np.float32))
+    carried_out = env.unwrapped.carried_out()
+    assert carried_out[env.unwrapped.metadata["action_names"].index("Core_ZN supply air flow")] == np.float32(0.1)
+    assert carried_out[1] > 10
+    with pytest.raises(errors.SettingError, match="Core_ZN"):
+        wrappers.SubsetAction(make(), ["no such"])
+
+
+def test_wrapped_environments_are_made_again_from_their_spec(make):
+    env = wrappers.PadObservation(wrappers.NormalizeObservation(make()), 20)
+    again = gymnasium.make(env.spec)
+    np.testing.assert_array_equal(again.reset(seed=0)[0], env.reset(seed=0)[0])
+    again.close()
+
+
+def test_learners_get_bounded_boxes(make):
+    env = b2b.wrap_env_for_rl(make(), width=20)
+    assert env.observation_space.shape == (20,) and env.action_space.low.tolist() == [-1.0] * 10
+    stepped(env)
