@@ -51,6 +51,8 @@ pub struct Found {
     pub name: BuildingName,
     /// What it is of; `None` for a model of the user's own.
     pub class: Option<Class>,
+    /// Whether its model is a prototype as it comes with the engine.
+    pub prototype: bool,
     /// Name of the place, or of the weather file.
     pub place: String,
     /// The weather file.
@@ -97,7 +99,8 @@ impl Catalog {
         let site = self.site(&weather)?;
         let model = self.model(name, placement, &site)?;
         let class = placement.class(name, &weather)?;
-        Ok(Found { name: name.clone(), class, place, weather, site, model })
+        let prototype = placement.leaves_prototype(name);
+        Ok(Found { name: name.clone(), class, prototype, place, weather, site, model })
     }
 
     /// The model of a generated building, before sizing, and its weather file.
@@ -191,11 +194,26 @@ impl Found {
             BuildingName::Model(_) => PreparedBuilding::as_far_as_possible,
             BuildingName::Type(_) | BuildingName::Id(_) => PreparedBuilding::new,
         };
-        Ok(make(&self.name.to_string(), self.model, &self.weather, library)?.of_class(self.class))
+        let mut building =
+            make(&self.name.to_string(), self.model, &self.weather, library)?.of_class(self.class);
+        building.prototype = self.prototype;
+        Ok(building)
     }
 }
 
 impl Placement {
+    /// Whether a building is a prototype as it comes with the engine, but for its weather: a base model at home or under a
+    /// weather file. The generator writes houses, and gives the others elsewhere what the code asks there.
+    fn leaves_prototype(&self, name: &BuildingName) -> bool {
+        match name {
+            BuildingName::Type(BuildingType::SingleFamilyHouse) => false,
+            BuildingName::Type(building_type) => {
+                self.weather.is_some() || self.place.is_none_or(|place| place.name == building_type.home())
+            }
+            BuildingName::Id(_) | BuildingName::Model(_) => false,
+        }
+    }
+
     /// What a building is of. Under a weather file of the user, its climate zone follows from the file's hours.
     fn class(&self, name: &BuildingName, weather: &Path) -> Result<Option<Class>> {
         let building_type = match name {
@@ -289,6 +307,13 @@ mod tests {
         assert_eq!(class("Warehouse", Some("Miami")).unwrap(), "Warehouse in zone 1");
         assert_eq!(class("SingleFamilyHouse-0003", None).unwrap(), "SingleFamilyHouse");
         assert_eq!(class("my.idf", Some("Miami")), None);
+        let prototype = |text: &str, place: Option<&str>| {
+            let placement = Placement { place: place.map(|name| Place::find(name).unwrap()), weather: None };
+            placement.leaves_prototype(&text.parse().unwrap())
+        };
+        assert!(prototype("Warehouse", None) && prototype("Warehouse", Some("Denver")));
+        assert!(!prototype("Warehouse", Some("Miami")) && !prototype("SingleFamilyHouse", None));
+        assert!(!prototype("Warehouse-0007", None));
         let id = BuildingId::new(BuildingType::OfficeSmall, 42).unwrap();
         let zone = dataset::row(id).building.location().ashrae_zone().unwrap();
         let digit = zone.chars().next().unwrap();

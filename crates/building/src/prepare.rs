@@ -21,6 +21,8 @@ pub struct PreparedBuilding {
     pub name: String,
     /// What it is of; `None` for a model of the user's own, and where it was not told.
     pub class: Option<Class>,
+    /// Whether it is a prototype as it comes with the engine, and not one that the generator of the dataset made of it.
+    pub prototype: bool,
     /// The model: [`PreparedBuilding::model_for`] gives it a run period.
     model: Model,
     /// Every zone, in model order.
@@ -105,6 +107,7 @@ impl PreparedBuilding {
         Ok(Self {
             name: name.to_owned(),
             class: None,
+            prototype: false,
             model,
             conditioned_floor_area: zones.iter().filter(conditioned).map(|z| z.floor_area).sum(),
             zones,

@@ -59,7 +59,8 @@ impl Kind {
 pub enum Parameters {
     /// The same for every building.
     Default,
-    /// What tuning found for the building's type and climate zone; the defaults where there is none.
+    /// What tuning found for the building's type and climate zone; the defaults where there is none, and for a
+    /// prototype.
     Tuned,
     /// Those of a JSON file.
     File(PathBuf),

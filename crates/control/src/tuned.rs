@@ -55,9 +55,11 @@ impl Tuned {
 }
 
 impl ReactiveParameters {
-    /// What tuning found for the class of a building; the defaults where there is none.
+    /// What tuning found for the class of a building; the defaults where there is none, and for prototypes, whose
+    /// dynamics are others: the kitchen of the prototype has no mass but its air's, and swings under gains that those of the
+    /// dataset take well.
     pub fn tuned_for(building: &PreparedBuilding) -> Self {
-        let tuned = building.class.and_then(Tuned::of);
+        let tuned = building.class.filter(|_| !building.prototype).and_then(Tuned::of);
         tuned.map(|tuned| tuned.parameters.clone()).unwrap_or_default()
     }
 }
