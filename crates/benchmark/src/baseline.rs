@@ -100,6 +100,18 @@ impl Terms {
     }
 }
 
+impl Terms {
+    /// The largest relative difference between two.
+    pub fn relative_difference(&self, other: &Self) -> f64 {
+        let values = |terms: &Self| {
+            [terms.temperature_penalty, terms.energy, terms.cost, terms.emissions, terms.peak]
+        };
+        let pairs = values(self).into_iter().zip(values(other));
+        let difference = |(a, b): (f64, f64)| if a == b { 0.0 } else { (a - b).abs() / a.abs().max(b.abs()) };
+        pairs.map(difference).fold(0.0, f64::max)
+    }
+}
+
 /// All that a baseline depends on.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct Key {
@@ -227,6 +239,8 @@ impl Baselines {
         episodes: &[(Key, Episode)],
         progress: &dyn Progress,
     ) -> Result<HashMap<Key, String>> {
+        let days = episodes.iter().map(|(_, episode)| episode.days()).sum();
+        progress.begin("baselines", episodes.len(), days);
         let lost = std::sync::Mutex::new(HashMap::new());
         let numbered: Vec<_> = episodes.iter().map(|(_, episode)| episode).enumerate().collect();
         evaluation.run(&numbered, &BuiltIn::Reactive, progress, &|number, outcome| {

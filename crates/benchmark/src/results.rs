@@ -109,7 +109,6 @@ impl Results {
         }
         let keys = ran.iter().zip(episodes).filter_map(|(each, episode)| Some((each.as_ref()?.key.clone(), episode.clone())));
         let unknown = baselines.missing(keys);
-        progress.begin("baselines", unknown.len(), unknown.iter().map(|(_, episode)| episode.days()).sum());
         baselines.compute(evaluation, &unknown, progress)?;
         let row = |(number, (ran, episode)): (usize, (Option<Unscored>, &Episode))| match ran {
             Some(ran) => ran.row(baselines),

@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use b2b_building::climate::{ClimateYear, Place};
-use b2b_building::{BuildingName, Found, Placement, dataset};
+use b2b_building::{BuildingName, Catalog, Found, Placement, dataset};
+use b2b_energyplus::install::Progress;
 use sha2::{Digest, Sha256};
 
 use crate::error::at;
@@ -61,6 +62,14 @@ impl Subject {
             (None, None, BuildingName::Type(building_type)) => format!("{what}@{}", building_type.home()),
             (None, None, _) => what,
         })
+    }
+
+    /// Where it stands.
+    ///
+    /// # Errors
+    /// Those of [`Catalog::find`]; [`Error::Io`].
+    pub fn locate(&self, catalog: &Catalog, progress: &mut dyn Progress) -> Result<Surroundings> {
+        self.surroundings(&catalog.find(&self.name, &self.placement, progress)?)
     }
 
     /// The place of a building that was found.
