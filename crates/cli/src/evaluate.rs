@@ -1,11 +1,10 @@
 //! `b2b evaluate`: a policy on many buildings.
 
-use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Mutex;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use b2b_benchmark::{
     ActionScale, Baselines, BuiltIn, Episode, Evaluation, Folder, Group, OnnxPolicy, Policy, Progress, Results,
     Subject, Summary, Versions, report, write_episodes,
@@ -15,7 +14,7 @@ use b2b_env::Task;
 use b2b_env::vector::Launcher;
 use indicatif::ProgressBar;
 
-use crate::generate::Part;
+use crate::generate::{self, Part};
 use crate::prepare::Location;
 use crate::progress::{Download, counter};
 use crate::table::Table;
@@ -101,7 +100,7 @@ pub fn evaluate(arguments: &Arguments) -> Result<ExitCode> {
     let episodes = arguments.episodes();
     let folder = Folder::open(&arguments.out, policy.as_ref(), &episodes)?;
     let catalog = Catalog::open(&mut Download::new(arguments.json))?;
-    fetch_weather(&catalog, &episodes, arguments.json)?;
+    fetch_weather(&episodes, arguments.json)?;
     let evaluation = evaluation(&catalog, arguments.jobs)?;
     let baselines = Baselines::open()?;
     let bars = Bars::new(arguments.json);
@@ -142,9 +141,7 @@ impl Arguments {
                         let (subject, task) = (subject.clone(), task.clone());
                         let (period, seed, steps_per_hour) = (*period, *seed, self.steps_per_hour);
                         let episode = Episode { subject, task, period, seed, steps_per_hour };
-                        if !episodes.contains(&episode) {
-                            episodes.push(episode);
-                        }
+                        episodes.push(episode);
                     }
                 }
             }
@@ -168,21 +165,13 @@ pub fn names(split: Part, types: &[BuildingType]) -> Vec<BuildingName> {
     dataset::all().filter(wanted).map(|row| BuildingName::Id(row.id)).collect()
 }
 
-/// Downloads first, so that they are seen and can be interrupted.
-pub fn fetch_weather(catalog: &Catalog, episodes: &[Episode], quiet: bool) -> Result<()> {
-    let mut places = HashSet::new();
-    for Episode { subject, .. } in episodes {
-        let fresh = match &subject.name {
-            BuildingName::Id(id) => places.insert(dataset::row(*id).building.place()),
-            BuildingName::Type(_) | BuildingName::Model(_) => true,
-        };
-        if fresh {
-            let found = catalog.find(&subject.name, &subject.placement, &mut Download::new(quiet));
-            found.with_context(|| format!("{} cannot be prepared", subject.name))?;
-            interrupt::check()?;
-        }
-    }
-    Ok(())
+/// Downloads first, so that they are seen and can be interrupted. A building of no dataset fetches its own later.
+fn fetch_weather(episodes: &[Episode], quiet: bool) -> Result<()> {
+    let of_dataset = |episode: &Episode| match episode.subject.name {
+        BuildingName::Id(id) => Some(&dataset::row(id).building),
+        BuildingName::Type(_) | BuildingName::Model(_) => None,
+    };
+    generate::fetch_weather(episodes.iter().filter_map(of_dataset), quiet)
 }
 
 /// How episodes are run by this program.
