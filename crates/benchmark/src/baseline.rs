@@ -42,9 +42,8 @@ pub fn task_for(_subject: &Subject, _surroundings: &Surroundings, task: &Task) -
 }
 
 /// Climate zones that places of the dataset have.
-const ZONES: [&str; 17] = [
-    "1A", "1B", "2A", "2B", "3A", "3B", "3C", "4A", "4B", "4C", "5A", "5B", "5C", "6A", "6B", "7", "8",
-];
+const ZONES: [&str; 17] =
+    ["1A", "1B", "2A", "2B", "3A", "3B", "3C", "4A", "4B", "4C", "5A", "5B", "5C", "6A", "6B", "7", "8"];
 
 /// One hash of the parameters of all reactive controllers.
 pub(crate) fn controllers_hash() -> String {
@@ -103,9 +102,8 @@ impl Terms {
 impl Terms {
     /// The largest relative difference between two.
     pub fn relative_difference(&self, other: &Self) -> f64 {
-        let values = |terms: &Self| {
-            [terms.temperature_penalty, terms.energy, terms.cost, terms.emissions, terms.peak]
-        };
+        let values =
+            |terms: &Self| [terms.temperature_penalty, terms.energy, terms.cost, terms.emissions, terms.peak];
         let pairs = values(self).into_iter().zip(values(other));
         let difference = |(a, b): (f64, f64)| if a == b { 0.0 } else { (a - b).abs() / a.abs().max(b.abs()) };
         pairs.map(difference).fold(0.0, f64::max)
@@ -259,8 +257,11 @@ impl Baselines {
     /// Those of some episodes that are not known, once each and without what is saved, in their order.
     pub fn missing(&self, episodes: impl IntoIterator<Item = (Key, Episode)>) -> Vec<(Key, Episode)> {
         let mut seen = std::collections::HashSet::new();
-        let unknown = episodes.into_iter().filter(|(key, _)| seen.insert(key.clone()) && self.get(key).is_none());
-        unknown.map(|(key, episode)| (key, Episode { task: bare(&episode.task), seed: 0, ..episode })).collect()
+        let unknown =
+            episodes.into_iter().filter(|(key, _)| seen.insert(key.clone()) && self.get(key).is_none());
+        unknown
+            .map(|(key, episode)| (key, Episode { task: bare(&episode.task), seed: 0, ..episode }))
+            .collect()
     }
 
     /// The paper's `compute_normalized_score`: a return over that of the reactive controllers. `None` where
@@ -277,7 +278,8 @@ impl Baselines {
         period: RunPeriod,
         steps_per_hour: u32,
     ) -> Result<Option<f64>> {
-        let episode = Episode { subject: subject.clone(), task: task.clone(), period, seed: 0, steps_per_hour };
+        let episode =
+            Episode { subject: subject.clone(), task: task.clone(), period, seed: 0, steps_per_hour };
         let terms = self.get(&Key::of(&episode, surroundings)?).ok_or_else(|| Error::NoBaseline {
             building: subject.name.to_string(),
             task: task.to_string(),

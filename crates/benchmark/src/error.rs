@@ -14,7 +14,9 @@ pub enum Error {
         why: String,
     },
     /// An ONNX model that is no policy.
-    #[error("{path} is no policy: {why}; a policy takes one float32 array [1, observation] and gives one [1, action]")]
+    #[error(
+        "{path} is no policy: {why}; a policy takes one float32 array [1, observation] and gives one [1, action]"
+    )]
     NoPolicy {
         /// The file.
         path: PathBuf,

@@ -104,16 +104,21 @@ impl Results {
         let mut lost = run_missing(evaluation, folder, episodes, policy, progress)?;
         let mut ran = Vec::new();
         for (number, episode) in episodes.iter().enumerate() {
-            let finished = folder.read(number).map(|finished| Unscored::of(episode, finished, policy, baselines));
+            let finished =
+                folder.read(number).map(|finished| Unscored::of(episode, finished, policy, baselines));
             ran.push(finished.transpose()?);
         }
-        let keys = ran.iter().zip(episodes).filter_map(|(each, episode)| Some((each.as_ref()?.key.clone(), episode.clone())));
+        let keys = ran
+            .iter()
+            .zip(episodes)
+            .filter_map(|(each, episode)| Some((each.as_ref()?.key.clone(), episode.clone())));
         let unknown = baselines.missing(keys);
         baselines.compute(evaluation, &unknown, progress)?;
         let row = |(number, (ran, episode)): (usize, (Option<Unscored>, &Episode))| match ran {
             Some(ran) => ran.row(baselines),
             None => {
-                let why = lost.remove(&number).unwrap_or_else(|| "what was kept of it cannot be read".to_owned());
+                let why =
+                    lost.remove(&number).unwrap_or_else(|| "what was kept of it cannot be read".to_owned());
                 Row::lost(episode, policy, why)
             }
         };
@@ -177,7 +182,8 @@ impl Unscored {
 
     fn row(self, baselines: &Baselines) -> Row {
         let baseline_return = baselines.get(&self.key).map(|terms| terms.episode_return(&self.task));
-        let score = baseline_return.and_then(|baseline| normalized_score(self.record.episode_return, baseline));
+        let score =
+            baseline_return.and_then(|baseline| normalized_score(self.record.episode_return, baseline));
         Row { record: self.record, baseline_return, score, lost: None }
     }
 }

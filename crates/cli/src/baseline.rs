@@ -77,7 +77,8 @@ pub fn baseline(arguments: &Arguments) -> Result<ExitCode> {
     if let Some((key, why)) = lost.iter().min() {
         bail!("{} episodes were lost; {}, {}, {}: {why}", lost.len(), key.building, key.task, key.period);
     }
-    let rows: Vec<_> = wanted.into_iter().filter_map(|(key, _)| Some((key.clone(), baselines.get(&key)?))).collect();
+    let rows: Vec<_> =
+        wanted.into_iter().filter_map(|(key, _)| Some((key.clone(), baselines.get(&key)?))).collect();
     match &arguments.out {
         Some(path) => write(path, &baseline_table::text(&rows)).map(|()| ExitCode::SUCCESS),
         None => check(&rows),
@@ -87,7 +88,8 @@ pub fn baseline(arguments: &Arguments) -> Result<ExitCode> {
 impl Arguments {
     /// The episodes, with their keys.
     fn wanted(&self, catalog: &Catalog) -> Result<Vec<(Key, Episode)>> {
-        let names = if self.buildings.is_empty() { names(self.split, &self.types) } else { self.buildings.clone() };
+        let names =
+            if self.buildings.is_empty() { names(self.split, &self.types) } else { self.buildings.clone() };
         let mut wanted = Vec::new();
         for name in names {
             interrupt::check()?;
@@ -131,7 +133,8 @@ fn check(rows: &[(Key, Terms)]) -> Result<ExitCode> {
         };
         let difference = terms.relative_difference(theirs);
         if difference > TOLERANCE {
-            wrong.push(format!("{}, {}, {}: differs by {difference:.1e}", key.building, key.task, key.period));
+            wrong
+                .push(format!("{}, {}, {}: differs by {difference:.1e}", key.building, key.task, key.period));
         }
     }
     stdout::print(&format!("{} baselines, {} of them not as shipped", rows.len(), wrong.len()))?;

@@ -6,8 +6,8 @@ use std::sync::Mutex;
 
 use anyhow::Result;
 use b2b_benchmark::{
-    ActionScale, Baselines, BuiltIn, Episode, Evaluation, Folder, Group, OnnxPolicy, Policy, Progress, Results,
-    Subject, Summary, Versions, report, write_episodes,
+    ActionScale, Baselines, BuiltIn, Episode, Evaluation, Folder, Group, OnnxPolicy, Policy, Progress,
+    Results, Subject, Summary, Versions, report, write_episodes,
 };
 use b2b_building::{BuildingName, BuildingType, Catalog, RunPeriod, dataset};
 use b2b_env::Task;
@@ -113,7 +113,11 @@ pub fn evaluate(arguments: &Arguments) -> Result<ExitCode> {
     folder.write(REPORT, |file| report::write(file, &results, &summary, &|number| folder.read(number)))?;
     folder.write(SUMMARY, |file| Ok(serde_json::to_writer_pretty(file, &summary)?))?;
     let files = [EPISODES, SUMMARY, REPORT].map(|name| folder.path_of(name));
-    if arguments.json { stdout::print_json(&summary)? } else { stdout::print(&text(&summary, &files))? }
+    if arguments.json {
+        stdout::print_json(&summary)?
+    } else {
+        stdout::print(&text(&summary, &files))?
+    }
     Ok(if summary.lost.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
@@ -159,9 +163,8 @@ impl Arguments {
 
 /// Buildings of a part of the dataset: all types, or these.
 pub fn names(split: Part, types: &[BuildingType]) -> Vec<BuildingName> {
-    let wanted = |row: &&dataset::Row| {
-        split.has(row) && (types.is_empty() || types.contains(&row.id.building_type()))
-    };
+    let wanted =
+        |row: &&dataset::Row| split.has(row) && (types.is_empty() || types.contains(&row.id.building_type()));
     dataset::all().filter(wanted).map(|row| BuildingName::Id(row.id)).collect()
 }
 
@@ -236,7 +239,10 @@ fn text(summary: &Summary, files: &[PathBuf]) -> String {
         text += "\n\n  in brackets: 95 % intervals of a bootstrap over episodes, stratified by type\n\n";
     }
     for lost in &summary.lost {
-        text += &format!("lost: {}, {}, {}, seed {}: {}\n", lost.building, lost.task, lost.period, lost.seed, lost.why);
+        text += &format!(
+            "lost: {}, {}, {}, seed {}: {}\n",
+            lost.building, lost.task, lost.period, lost.seed, lost.why
+        );
     }
     if !summary.lost.is_empty() {
         text += "  the same command runs them once more\n\n";
@@ -262,10 +268,13 @@ fn table<'a>(groups: impl Iterator<Item = &'a Group>) -> String {
         "travel/d",
     ]);
     for group in groups {
-        let interval = |of: fn(&b2b_benchmark::statistics::Aggregate) -> b2b_benchmark::statistics::Interval| {
-            let value = group.scores.as_ref().map(of);
-            value.map_or("–".into(), |each| format!("{:.3} [{:.3}, {:.3}]", each.value, each.low, each.high))
-        };
+        let interval =
+            |of: fn(&b2b_benchmark::statistics::Aggregate) -> b2b_benchmark::statistics::Interval| {
+                let value = group.scores.as_ref().map(of);
+                value.map_or("–".into(), |each| {
+                    format!("{:.3} [{:.3}, {:.3}]", each.value, each.low, each.high)
+                })
+            };
         let beats = group.scores.as_ref().map(|scores| 100.0 * scores.beats_baseline.value);
         table.row([
             group.name.clone(),

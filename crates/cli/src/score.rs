@@ -156,7 +156,12 @@ impl Trajectory {
     fn steps_per_hour(&self, path: &Path) -> Result<u32> {
         let hours = self.period.days() as usize * 24;
         if self.steps == 0 || self.steps % hours != 0 {
-            bail!("{} has {} steps, which is no whole episode of {}", path.display(), self.steps, self.period);
+            bail!(
+                "{} has {} steps, which is no whole episode of {}",
+                path.display(),
+                self.steps,
+                self.period
+            );
         }
         Ok((self.steps / hours) as u32)
     }

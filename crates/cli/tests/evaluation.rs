@@ -133,7 +133,10 @@ fn the_reactive_controllers_score_one_and_are_those_of_an_environment_alone() {
     for (row, episode) in results.rows.iter().zip(&episodes) {
         assert!((row.score.unwrap() - 1.0).abs() < 1e-12, "{row:?}");
         let (hash, episode_return) = alone(&case.catalog, episode);
-        assert_eq!((row.record.trajectory_hash.as_str(), row.record.episode_return), (hash.as_str(), episode_return));
+        assert_eq!(
+            (row.record.trajectory_hash.as_str(), row.record.episode_return),
+            (hash.as_str(), episode_return)
+        );
     }
     // What it has done is the baseline of others: theirs is not run again.
     struct NoBaseline;
@@ -209,7 +212,8 @@ impl Controller for Kills {
         self.inner.act(observation, action);
         if let Some(template) = self.process.filter(|_| self.step == 20) {
             // The episode is the child of its template.
-            let children = std::fs::read_to_string(format!("/proc/{template}/task/{template}/children")).unwrap();
+            let children =
+                std::fs::read_to_string(format!("/proc/{template}/task/{template}/children")).unwrap();
             for child in children.split_whitespace() {
                 let killed = std::process::Command::new("kill").args(["-9", child]).status().unwrap();
                 assert!(killed.success());
@@ -262,7 +266,8 @@ fn a_policy_of_other_shapes_is_refused_with_sizes_and_slots() {
         case.try_run(name, policy, &episodes, &(), || false).unwrap_err().to_string()
     };
     let said = refused("observation", &onnx(&case, 11, 2, 0.0, ActionScale::Rescaled));
-    for word in ["takes 11 numbers", "SingleFamilyHouse-0014", "occupancy", "has 13", "target", "time of day"] {
+    for word in ["takes 11 numbers", "SingleFamilyHouse-0014", "occupancy", "has 13", "target", "time of day"]
+    {
         assert!(said.contains(word), "`{word}` is not in: {said}");
     }
     let said = refused("action", &onnx(&case, 13, 5, 0.0, ActionScale::Rescaled));

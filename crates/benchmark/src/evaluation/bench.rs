@@ -9,9 +9,9 @@ use b2b_energyplus::install::Quiet;
 use b2b_env::vector::{Pool, PoolOptions, Setting, Source};
 
 use super::{Episode, Evaluation};
+use crate::Result;
 use crate::baseline::task_for;
 use crate::subject::{Subject, Surroundings};
-use crate::Result;
 
 /// The episodes of one building that wait to be run.
 pub(super) struct Group<'a> {

@@ -230,8 +230,11 @@ fn deviations(rolled: &Rolled, zones: &[Controlled]) -> Deviations {
 
 fn hours(rolled: &Rolled, zones: &[Controlled], spaces: &Spaces) -> Hours {
     let per_hour = spaces.episode.steps_per_hour as usize;
-    let (outdoor, electricity, gas) =
-        (spaces.observation.outdoor_temperature(), spaces.observation.electricity(), spaces.observation.gas());
+    let (outdoor, electricity, gas) = (
+        spaces.observation.outdoor_temperature(),
+        spaces.observation.electricity(),
+        spaces.observation.gas(),
+    );
     let all: Vec<_> = steps(rolled).collect();
     let mut hours = Hours::default();
     for hour in all.chunks(per_hour) {

@@ -124,7 +124,12 @@ struct Columns<'a> {
 }
 
 impl Columns<'_> {
-    fn push<T: ArrowPrimitiveType>(&mut self, name: &str, unit: &str, value: impl Fn(&Row) -> Option<T::Native>) {
+    fn push<T: ArrowPrimitiveType>(
+        &mut self,
+        name: &str,
+        unit: &str,
+        value: impl Fn(&Row) -> Option<T::Native>,
+    ) {
         let unit = HashMap::from([("unit".to_owned(), unit.to_owned())]);
         self.fields.push(Field::new(name, T::DATA_TYPE, true).with_metadata(unit));
         self.arrays.push(Arc::new(self.rows.iter().map(value).collect::<PrimitiveArray<T>>()));

@@ -117,7 +117,8 @@ impl OnnxPolicy {
     }
 
     fn infer(&self, model: &Arc<TypedRunnableModel>, observation: &[f32]) -> Result<Vec<f32>> {
-        infer(model, observation).map_err(|error| Error::NoPolicy { path: self.path.clone(), why: words(&error) })
+        infer(model, observation)
+            .map_err(|error| Error::NoPolicy { path: self.path.clone(), why: words(&error) })
     }
 }
 

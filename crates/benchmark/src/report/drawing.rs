@@ -90,14 +90,21 @@ fn label(row: &Row) -> String {
     let score = row.score.map_or("no score".to_owned(), |score| format!("score {score:.3}"));
     format!(
         "{} in {} ({})<br>{}, {}, seed {}<br>{score}, return {:.1}, RMS {:.2} K",
-        record.building, record.place, record.climate_zone, record.task, record.period, record.seed,
-        record.episode_return, record.rms_deviation
+        record.building,
+        record.place,
+        record.climate_zone,
+        record.task,
+        record.period,
+        record.seed,
+        record.episode_return,
+        record.rms_deviation
     )
 }
 
 /// A box over each category, with the episodes beside it in the colours of their types.
 fn scores(rows: &[&Row], types: &[String], category: impl Fn(&Row) -> String) -> (Value, Value) {
-    let scored: Vec<&Row> = rows.iter().copied().filter(|row| row.score.is_some_and(f64::is_finite)).collect();
+    let scored: Vec<&Row> =
+        rows.iter().copied().filter(|row| row.score.is_some_and(f64::is_finite)).collect();
     let values: Vec<f64> = scored.iter().filter_map(|row| row.score).collect();
     let mut categories: Vec<String> = distinct(&scored, &category);
     let mut data = vec![json!({
@@ -242,8 +249,10 @@ fn energy_and_comfort(rows: &[&Row], types: &[String]) -> (Value, Value) {
 /// An episode hour by hour: its zones above, outdoors and power below.
 fn hours(worst: &Worst<'_>) -> Value {
     let record = &worst.row.record;
-    let hundredths = |values: &[i32]| values.iter().map(|value| f64::from(*value) / 100.0).collect::<Vec<_>>();
-    let first = record.period.parse::<b2b_building::RunPeriod>().map_or(1, |period| period.first().day_of_year());
+    let hundredths =
+        |values: &[i32]| values.iter().map(|value| f64::from(*value) / 100.0).collect::<Vec<_>>();
+    let first =
+        record.period.parse::<b2b_building::RunPeriod>().map_or(1, |period| period.first().day_of_year());
     // Milliseconds of the calendar year of every episode, 2017.
     let start = 1_483_228_800_000_i64 + i64::from(first - 1) * 86_400_000;
     let times: Vec<i64> = (0..worst.hours.mean.len() as i64).map(|hour| start + hour * 3_600_000).collect();
@@ -255,13 +264,19 @@ fn hours(worst: &Worst<'_>) -> Value {
         line("coldest to warmest zone", &worst.hours.warmest, "y", json!({"width": 0, "color": "#2563eb"}));
     warmest["fill"] = "tonexty".into();
     warmest["fillcolor"] = "rgba(37,99,235,.22)".into();
-    let mut coldest = line("coldest zone", &worst.hours.coldest, "y", json!({"width": 0, "color": "#2563eb"}));
+    let mut coldest =
+        line("coldest zone", &worst.hours.coldest, "y", json!({"width": 0, "color": "#2563eb"}));
     coldest["showlegend"] = false.into();
     let data = json!([
         coldest,
         warmest,
         line("mean of the zones", &worst.hours.mean, "y", json!({"width": 1.2, "color": "#2563eb"})),
-        line("target, mean", &worst.hours.target, "y", json!({"width": 1.2, "color": "#b45309", "dash": "dash"})),
+        line(
+            "target, mean",
+            &worst.hours.target,
+            "y",
+            json!({"width": 1.2, "color": "#b45309", "dash": "dash"})
+        ),
         line("outdoor air", &worst.hours.outdoor, "y2", json!({"width": 1, "color": "#0891b2"})),
         line("HVAC power", &worst.hours.power, "y3", json!({"width": 1, "color": "#e4572e"})),
     ]);
@@ -274,7 +289,10 @@ fn hours(worst: &Worst<'_>) -> Value {
     });
     let score = worst.row.score.map_or("no score".to_owned(), |score| format!("score {score:.2}"));
     let title = format!("Worst: {} in {}", record.building, record.place);
-    let note = format!("{score}, {}, task {}, seed {}; hourly, drag to zoom in", record.period, record.task, record.seed);
+    let note = format!(
+        "{score}, {}, task {}, seed {}; hourly, drag to zoom in",
+        record.period, record.task, record.seed
+    );
     drawing(&title, &note, 460, (data, layout))
 }
 

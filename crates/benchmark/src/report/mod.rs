@@ -102,7 +102,10 @@ fn tiles(summary: &Summary) -> Value {
     for Window { task, period, all, .. } in &summary.windows {
         let which = if summary.windows.len() > 1 { format!(" · {task}, {period}") } else { String::new() };
         if let Some(scores) = &all.scores {
-            tiles.push(json!([format!("interquartile mean of the scores{which}"), interval(scores.interquartile_mean)]));
+            tiles.push(json!([
+                format!("interquartile mean of the scores{which}"),
+                interval(scores.interquartile_mean)
+            ]));
             let share = format!("{:.0} %", 100.0 * scores.beats_baseline.value);
             tiles.push(json!([format!("beat the reactive controllers{which}"), share]));
         }

@@ -30,8 +30,12 @@ pub fn linear_policy(observation: usize, action: usize, bias: f32) -> Vec<u8> {
         ..GraphProto::default()
     };
     let version = OperatorSetIdProto { domain: String::new(), version: 17 };
-    let model =
-        ModelProto { ir_version: 8, opset_import: vec![version], graph: Some(graph), ..ModelProto::default() };
+    let model = ModelProto {
+        ir_version: 8,
+        opset_import: vec![version],
+        graph: Some(graph),
+        ..ModelProto::default()
+    };
     model.encode_to_vec()
 }
 
