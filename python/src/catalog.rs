@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use b2b_building::climate::{Place, WeatherFile};
 use b2b_building::dataset::{self, Places, manifest};
 use b2b_building::description::Origin;
-use b2b_building::{BuildingName, BuildingType, Catalog, Class, Model, Placement};
+use b2b_building::{BuildingName, BuildingType, Catalog, Class, Placement};
 use b2b_energyplus::install::look_in;
 use b2b_env::vector::{AnyOf, Draw, Sampler, Source, Windows};
 use b2b_env::{Episode, Task, vector};
@@ -66,16 +66,8 @@ pub struct Inner {
 
 impl Inner {
     /// `class` is what it is of; `None` for a model of the user's own.
-    fn new(
-        name: String,
-        class: Option<Class>,
-        model: Model,
-        place: String,
-        weather: PathBuf,
-        origin: Origin,
-    ) -> Self {
-        let own = class.is_none();
-        let source = Source::Model { name: name.clone(), class, model: Box::new(model), own };
+    fn new(source: Source, class: Option<Class>, place: String, weather: PathBuf, origin: Origin) -> Self {
+        let name = source.name().to_owned();
         let source = Mutex::new(Arc::new(source));
         Self { name, class, place, weather, origin, parameters: BTreeMap::new(), source }
     }
@@ -234,8 +226,8 @@ pub fn find_building(
     }
     let found = py.detach(|| catalog()?.find(&name, &placement, &mut Signals).map_err(of_building))?;
     let origin = placement.origin(&name);
-    let mut inner =
-        Inner::new(name.to_string(), found.class, found.model, found.place, found.weather, origin);
+    let (class, place, weather) = (found.class, found.place.clone(), found.weather.clone());
+    let mut inner = Inner::new(found.into(), class, place, weather, origin);
     if let BuildingName::Id(id) = name {
         inner.parameters = cells(manifest::manifest([dataset::row(id)]));
     }
@@ -287,7 +279,13 @@ pub fn generate(
             let name = format!("{building_type}-seed{seed}-{number:04}");
             let parameters = cells(manifest::of_buildings([(name.as_str(), building)]));
             let (place, origin) = (building.place().to_owned(), Origin::of(building));
-            let inner = Inner::new(name, Some(building.class()), model, place, weather, origin);
+            let inner = Inner::new(
+                Source::generated(name, building.class(), model),
+                Some(building.class()),
+                place,
+                weather,
+                origin,
+            );
             let inner = Inner { parameters, ..inner };
             Ok(Building { inner: Arc::new(inner) })
         };

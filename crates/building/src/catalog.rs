@@ -204,7 +204,7 @@ impl Found {
 impl Placement {
     /// Whether a building is a prototype as it comes with the engine, but for its weather: a base model at home or under a
     /// weather file. The generator writes houses, and gives the others elsewhere what the code asks there.
-    fn leaves_prototype(&self, name: &BuildingName) -> bool {
+    pub fn leaves_prototype(&self, name: &BuildingName) -> bool {
         match name {
             BuildingName::Type(BuildingType::SingleFamilyHouse) => false,
             BuildingName::Type(building_type) => {

@@ -220,7 +220,7 @@ impl Arguments {
 }
 
 /// Fetches the weather that is not in the cache.
-fn fetch_weather<'a>(buildings: impl Iterator<Item = &'a Building>, quiet: bool) -> Result<()> {
+pub fn fetch_weather<'a>(buildings: impl Iterator<Item = &'a Building>, quiet: bool) -> Result<()> {
     let (mut download, cache) = (Download::new(quiet), Cache::from_env()?);
     let mut fetched = HashSet::new();
     for building in buildings.filter(|building| fetched.insert(building.place().to_owned())) {

@@ -1,11 +1,15 @@
 //! The `b2b` command: buildings as reinforcement-learning environments, from a terminal.
 
+#[cfg(target_os = "linux")]
+mod baseline;
 mod bench;
 mod check;
 mod child;
 mod controller;
 mod dataset;
 mod doctor;
+#[cfg(target_os = "linux")]
+mod evaluate;
 mod facts;
 mod generate;
 mod import;
@@ -19,6 +23,8 @@ mod prepare;
 mod progress;
 mod ranges;
 mod run;
+#[cfg(target_os = "linux")]
+mod score;
 mod setup;
 mod show;
 mod stdout;
@@ -55,6 +61,7 @@ Examples:
   b2b view RetailStandalone                the same in 3D, as a page for the browser
   b2b generate Warehouse --count 100 --out warehouses
   b2b import my.idf --weather my.epw       what can be driven in a building of yours
+  b2b evaluate --policy my.onnx --type OfficeSmall --out results
   b2b doctor                               what is installed and whether it is whole
 
 EnergyPlus and weather files are fetched by themselves when first needed, with the Python
@@ -76,6 +83,12 @@ enum Command {
     Setup(setup::Arguments),
     Doctor(doctor::Arguments),
     Bench(bench::Arguments),
+    #[cfg(target_os = "linux")]
+    Evaluate(evaluate::Arguments),
+    #[cfg(target_os = "linux")]
+    Score(score::Arguments),
+    #[cfg(target_os = "linux")]
+    Baseline(baseline::Arguments),
     Generate(generate::Arguments),
     Dataset(dataset::Arguments),
     Check(check::Arguments),
@@ -118,6 +131,12 @@ fn execute(command: Command) -> Result<ExitCode> {
         Command::Setup(arguments) => setup::setup(&arguments)?,
         Command::Doctor(arguments) => return doctor::doctor(&arguments),
         Command::Bench(arguments) => bench::bench(&arguments)?,
+        #[cfg(target_os = "linux")]
+        Command::Evaluate(arguments) => return evaluate::evaluate(&arguments),
+        #[cfg(target_os = "linux")]
+        Command::Score(arguments) => score::score(&arguments)?,
+        #[cfg(target_os = "linux")]
+        Command::Baseline(arguments) => return baseline::baseline(&arguments),
         Command::Generate(arguments) => generate::generate(&arguments)?,
         Command::Check(arguments) => return check::check(&arguments),
         Command::Import(arguments) => return import::import(&arguments),

@@ -81,7 +81,7 @@ Tasks: the paper's are constant, occupancy and random, each with and without +en
 The same arguments give the same episode, bit for bit: compare trajectory_hash.";
 
 /// A task by its spelling, or from a JSON file.
-fn task(text: &str) -> b2b_env::Result<Task> {
+pub fn task(text: &str) -> b2b_env::Result<Task> {
     let path = Path::new(text);
     if path.extension().is_some_and(|extension| extension == "json") {
         Task::read(path)

@@ -55,11 +55,16 @@ impl Tuned {
 }
 
 impl ReactiveParameters {
-    /// What tuning found for the class of a building; the defaults where there is none, and for prototypes, whose
+    /// What tuning found for the class of a building: see [`ReactiveParameters::tuned`].
+    pub fn tuned_for(building: &PreparedBuilding) -> Self {
+        Self::tuned(building.class, building.prototype)
+    }
+
+    /// What tuning found for a class; the defaults where there is none, and for prototypes, whose
     /// dynamics are others: the kitchen of the prototype has no mass but its air's, and swings under gains that those of the
     /// dataset take well.
-    pub fn tuned_for(building: &PreparedBuilding) -> Self {
-        let tuned = building.class.filter(|_| !building.prototype).and_then(Tuned::of);
+    pub fn tuned(class: Option<Class>, prototype: bool) -> Self {
+        let tuned = class.filter(|_| !prototype).and_then(Tuned::of);
         tuned.map(|tuned| tuned.parameters.clone()).unwrap_or_default()
     }
 }

@@ -154,7 +154,7 @@ pub enum Error {
     Engine(#[from] b2b_energyplus::Error),
     /// A building that cannot be made.
     #[error(transparent)]
-    Building(#[from] b2b_building::Error),
+    Building(Box<b2b_building::Error>),
     /// A file could not be read or written.
     #[error("{path}: {source}")]
     Io {
@@ -167,3 +167,9 @@ pub enum Error {
 
 /// A result of this crate.
 pub type Result<T> = std::result::Result<T, Error>;
+
+impl From<b2b_building::Error> for Error {
+    fn from(error: b2b_building::Error) -> Self {
+        Self::Building(Box::new(error))
+    }
+}

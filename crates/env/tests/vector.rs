@@ -356,7 +356,8 @@ fn an_engine_that_stops_says_why() {
 fn a_building_that_cannot_be_prepared_says_why() {
     let case = Case::at_home(BuildingType::SingleFamilyHouse);
     let model = Model::from_epjson(r#"{"Zone": {"Z": {}}}"#, Path::new("empty.epJSON")).unwrap();
-    let source = Source::Model { name: "Shed".into(), class: None, model: model.into(), own: false };
+    let source =
+        Source::Model { name: "Shed".into(), class: None, prototype: false, own: false, model: model.into() };
     let setting = Setting { source: Arc::new(source), ..setting(&case, DAY) };
     let mut pool = Pool::new(options(&case)).unwrap();
     let template = pool.prepare(&setting).unwrap();

@@ -46,9 +46,7 @@ impl Rollouts {
         for id in buildings {
             let building = &dataset::row(*id).building;
             let (model, weather) = catalog.generate(building, progress)?;
-            let class = Some(building.class());
-            let source =
-                Arc::new(Source::Model { name: id.to_string(), class, model: model.into(), own: false });
+            let source = Arc::new(Source::generated(id.to_string(), building.class(), model));
             let setting = |task: &Task, period: RunPeriod| {
                 let (weather, task) = (weather.clone(), task.clone());
                 let episode = Episode { weather, period, steps_per_hour: STEPS_PER_HOUR, task };

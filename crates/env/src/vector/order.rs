@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use b2b_building::{Class, Model, PreparedBuilding};
+use b2b_building::{BuildingName, Class, Found, Model, PreparedBuilding};
 use b2b_energyplus::Library;
 use serde::{Deserialize, Serialize};
 
@@ -20,15 +20,33 @@ pub enum Source {
         name: String,
         /// What it is of.
         class: Option<Class>,
+        /// Whether it is a prototype as it comes with the engine.
+        prototype: bool,
+        /// Whether it is a user's own, of which as much is made controllable as can be.
+        own: bool,
         /// The model as it was generated or read.
         model: Box<Model>,
-        /// Whether it is a user's own, of which as much is made controllable as can be.
-        #[serde(default)]
-        own: bool,
     },
 }
 
+impl From<Found> for Source {
+    fn from(found: Found) -> Self {
+        Self::Model {
+            own: matches!(found.name, BuildingName::Model(_)),
+            name: found.name.to_string(),
+            class: found.class,
+            prototype: found.prototype,
+            model: Box::new(found.model),
+        }
+    }
+}
+
 impl Source {
+    /// A building of the generator, whose class is known.
+    pub fn generated(name: String, class: Class, model: Model) -> Self {
+        Self::Model { name, class: Some(class), prototype: false, own: false, model: Box::new(model) }
+    }
+
     /// The building, sized under a weather file and made controllable if it is not yet.
     ///
     /// # Errors
@@ -36,9 +54,11 @@ impl Source {
     pub fn prepare(self, weather: &Path, library: &Library) -> b2b_building::Result<PreparedBuilding> {
         match self {
             Self::Prepared(building) => Ok(*building),
-            Self::Model { name, class, model, own } => {
+            Self::Model { name, class, prototype, own, model } => {
                 let make = if own { PreparedBuilding::as_far_as_possible } else { PreparedBuilding::new };
-                Ok(make(&name, *model, weather, library)?.of_class(class))
+                let mut building = make(&name, *model, weather, library)?.of_class(class);
+                building.prototype = prototype;
+                Ok(building)
             }
         }
     }

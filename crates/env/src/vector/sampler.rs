@@ -119,8 +119,7 @@ impl Sampler for Buildings {
     fn draw(&mut self, _: usize, random: &mut ChaCha8Rng) -> Result<Draw> {
         let (name, building) = self.population.draw(random)?;
         let (model, weather) = self.catalog.generate(&building, &mut Quiet)?;
-        let source =
-            Source::Model { name, class: Some(building.class()), model: Box::new(model), own: false };
+        let source = Source::generated(name, building.class(), model);
         let task = self.task.clone();
         let episode = Episode { weather, period: self.period, steps_per_hour: self.steps_per_hour, task };
         Ok(Draw { setting: Setting { source: Arc::new(source), episode }, steps: None })

@@ -1,0 +1,148 @@
+//! What can go wrong in an evaluation.
+
+use std::path::{Path, PathBuf};
+
+/// An error of this crate.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// A file that holds no policy.
+    #[error("{path} is no ONNX model: {why}")]
+    NoOnnx {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        why: String,
+    },
+    /// An ONNX model that is no policy.
+    #[error(
+        "{path} is no policy: {why}; a policy takes one float32 array [1, observation] and gives one [1, action]"
+    )]
+    NoPolicy {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        why: String,
+    },
+    /// A policy for other observations.
+    #[error(
+        "{policy} takes {given} numbers, and an observation of {building} under task {task} has {}: {}",
+        slots.len(), slots.join(", ")
+    )]
+    ObservationShape {
+        /// The policy.
+        policy: String,
+        /// Numbers that it takes.
+        given: usize,
+        /// The building.
+        building: String,
+        /// The task.
+        task: String,
+        /// What an observation of the building is.
+        slots: Vec<String>,
+    },
+    /// A policy for other actions.
+    #[error("{policy} gives {given} numbers, and an action of {building} has {}: {}", slots.len(), slots.join(", "))]
+    ActionShape {
+        /// The policy.
+        policy: String,
+        /// Numbers that it gives.
+        given: usize,
+        /// The building.
+        building: String,
+        /// What an action of the building is.
+        slots: Vec<String>,
+    },
+    /// A policy that failed while it acted.
+    #[error("{policy} failed: {why}")]
+    PolicyFailed {
+        /// The policy.
+        policy: String,
+        /// What it said.
+        why: String,
+    },
+    /// A name that is no policy.
+    #[error("there is no policy `{text}`: give reactive, random, constant, planner, or an ONNX file (.onnx)")]
+    UnknownPolicy {
+        /// What was given.
+        text: String,
+    },
+    /// A folder of another evaluation.
+    #[error("{folder} holds another evaluation: {differences}; give another folder, or remove it")]
+    OtherEvaluation {
+        /// The folder.
+        folder: PathBuf,
+        /// In what it differs.
+        differences: String,
+    },
+    /// A folder that another process is at work in.
+    #[error("{folder} is in use by another evaluation that is running")]
+    Busy {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// A folder of other files.
+    #[error("{folder} is not empty and holds no evaluation: give a new folder")]
+    Foreign {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// A file that is not what it was written as.
+    #[error("{path} is damaged: {why}; remove it, and what it held is computed again")]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        why: String,
+    },
+    /// No reactive episode to compare with.
+    #[error("{building}, {task}, {period}: there is no baseline: {why}")]
+    NoBaseline {
+        /// The building.
+        building: String,
+        /// The task.
+        task: String,
+        /// The run period.
+        period: String,
+        /// Why.
+        why: String,
+    },
+    /// An evaluation of nothing.
+    #[error("there is no episode to run")]
+    NoEpisode,
+    /// A table cannot be written.
+    #[error("{path}: {source}")]
+    Table {
+        /// The file.
+        path: PathBuf,
+        /// What was said.
+        source: parquet::errors::ParquetError,
+    },
+    /// Somebody asked to stop. What was finished is kept.
+    #[error("interrupted")]
+    Interrupted,
+    /// A building could not be found or prepared.
+    #[error(transparent)]
+    Building(#[from] b2b_building::Error),
+    /// An environment failed.
+    #[error(transparent)]
+    Env(#[from] b2b_env::Error),
+    /// The cache folder is not known.
+    #[error(transparent)]
+    Install(#[from] b2b_energyplus::install::Error),
+    /// A file could not be read or written.
+    #[error("{path}: {source}")]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+}
+
+/// A result of this crate.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// Names the file of an error of the system.
+pub(crate) fn at(path: &Path) -> impl Fn(std::io::Error) -> Error {
+    move |source| Error::Io { path: path.to_owned(), source }
+}

@@ -1,0 +1,190 @@
+//! `b2b score`: the normalised score of a trajectory.
+
+use std::fs::File;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use arrow_array::types::Float64Type;
+use arrow_array::{Array, PrimitiveArray};
+use b2b_benchmark::{Baselines, Episode, Key, Subject, Surroundings, normalized_score, task_for};
+use b2b_building::climate::Place;
+use b2b_building::{BuildingName, Catalog, RunPeriod};
+use b2b_env::Task;
+use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use serde::Serialize;
+
+use crate::evaluate::{Bars, evaluation};
+use crate::prepare::Location;
+use crate::progress::Download;
+use crate::stdout;
+
+/// Score an episode against the reactive controllers
+///
+/// Takes a trajectory.parquet of `b2b run`: its return over that of the reactive controllers for the same building, task
+/// and days. Lower is better, below 1 beats them. A baseline that is not known is run first, and kept in the cache.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  b2b score b2b-out/OfficeSmall-Denver-winter-random/trajectory.parquet
+  b2b score trajectory.parquet --building my.idf --weather my.epw")]
+pub struct Arguments {
+    /// File that `b2b run` wrote
+    #[arg(value_name = "TRAJECTORY.parquet")]
+    trajectory: PathBuf,
+    /// Its building, where the file does not tell: a model file of one's own
+    #[arg(long, value_name = "BUILDING")]
+    building: Option<BuildingName>,
+    #[command(flatten)]
+    location: Location,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// A trajectory file in short.
+struct Trajectory {
+    subject: Subject,
+    place: String,
+    period: RunPeriod,
+    task: Task,
+    controller: String,
+    steps: usize,
+    temperature_penalty: f64,
+    energy_penalty: f64,
+}
+
+/// The object that `--json` prints.
+#[derive(Serialize)]
+struct Score {
+    building: String,
+    place: String,
+    task: String,
+    period: String,
+    steps_per_hour: u32,
+    controller: String,
+    #[serde(rename = "return")]
+    episode_return: f64,
+    baseline_return: f64,
+    score: Option<f64>,
+}
+
+/// Runs the command.
+pub fn score(arguments: &Arguments) -> Result<()> {
+    let trajectory = Trajectory::read(arguments)?;
+    let steps_per_hour = trajectory.steps_per_hour(&arguments.trajectory)?;
+    let catalog = Catalog::open(&mut Download::new(arguments.json))?;
+    let Trajectory { subject, period, .. } = &trajectory;
+    let surroundings = surroundings(&catalog, subject, arguments.json)?;
+    let task = trajectory.task.clone();
+    let episode =
+        Episode { subject: subject.clone(), task: task.clone(), period: *period, seed: 0, steps_per_hour };
+    let baselines = Baselines::open()?;
+    let key = Key::of(&episode, &surroundings)?;
+    let missing = baselines.missing([(key.clone(), episode)]);
+    let bars = Bars::new(arguments.json);
+    let lost = baselines.compute(&evaluation(&catalog, Some(1))?, &missing, &bars)?;
+    drop(bars);
+    let Some(terms) = baselines.get(&key) else {
+        bail!("the reactive controllers cannot be run: {}", lost.get(&key).map_or("", String::as_str));
+    };
+    let episode_return = -trajectory.temperature_penalty - trajectory.energy_penalty;
+    let baseline_return = terms.episode_return(&task_for(subject, &surroundings, &task, steps_per_hour));
+    let score = Score {
+        building: subject.name.to_string(),
+        place: trajectory.place,
+        task: task.to_string(),
+        period: period.to_string(),
+        steps_per_hour,
+        controller: trajectory.controller,
+        episode_return,
+        baseline_return,
+        score: normalized_score(episode_return, baseline_return),
+    };
+    if arguments.json { stdout::print_json(&score) } else { stdout::print(&score.text()) }
+}
+
+fn surroundings(catalog: &Catalog, subject: &Subject, quiet: bool) -> Result<Surroundings> {
+    let located = subject.locate(catalog, &mut Download::new(quiet));
+    located.with_context(|| format!("{} cannot be prepared", subject.name))
+}
+
+impl Score {
+    fn text(&self) -> String {
+        let score = self.score.map_or("none".to_owned(), |score| format!("{score:.4}"));
+        let Self { building, place, period, task, controller, .. } = self;
+        format!(
+            "{building} in {place}, {period}, task {task}, {controller} controller\n\n  {:<18}{:.1}\n  {:<18}{:.1}\n  \
+             {:<18}{score}",
+            "return", self.episode_return, "reactive return", self.baseline_return, "score"
+        )
+    }
+}
+
+impl Trajectory {
+    fn read(arguments: &Arguments) -> Result<Self> {
+        let path = &arguments.trajectory;
+        let not_ours = || format!("{} is no trajectory of b2b run", path.display());
+        let file = File::open(path).with_context(|| format!("{} cannot be read", path.display()))?;
+        let reader = ParquetRecordBatchReaderBuilder::try_new(file).with_context(not_ours)?;
+        let about = reader.schema().metadata().clone();
+        let word = |key: &str| about.get(key).cloned().with_context(not_ours);
+        let (building, place) = (word("building")?, word("place")?);
+        let period: RunPeriod = word("period")?.parse()?;
+        let controller = word("controller")?;
+        let task: Task = serde_json::from_str(&word("task_definition")?).with_context(not_ours)?;
+        task.check()?;
+        let subject = arguments.subject(&building, &place)?;
+        let [mut temperature_penalty, mut energy_penalty] = [0.0; 2];
+        let mut steps = 0;
+        for batch in reader.build()? {
+            let batch = batch.with_context(not_ours)?;
+            let sum = |name: &str| -> Result<f64> {
+                let column = batch.column_by_name(name).with_context(not_ours)?;
+                let column = column.as_any().downcast_ref::<PrimitiveArray<Float64Type>>();
+                Ok(column.with_context(not_ours)?.values().iter().sum())
+            };
+            temperature_penalty += sum("temperature penalty")?;
+            energy_penalty += sum("energy penalty")?;
+            steps += batch.num_rows();
+        }
+        Ok(Self { subject, place, period, task, controller, steps, temperature_penalty, energy_penalty })
+    }
+
+    /// A whole episode has as many steps every hour.
+    fn steps_per_hour(&self, path: &Path) -> Result<u32> {
+        let hours = self.period.days() as usize * 24;
+        if self.steps == 0 || self.steps % hours != 0 {
+            bail!(
+                "{} has {} steps, which is no whole episode of {}",
+                path.display(),
+                self.steps,
+                self.period
+            );
+        }
+        Ok((self.steps / hours) as u32)
+    }
+}
+
+impl Arguments {
+    /// The building that a file names, or the one given.
+    fn subject(&self, building: &str, place: &str) -> Result<Subject> {
+        let mut placement = self.location.placement();
+        let hint = "give --building and --weather";
+        let name = match &self.building {
+            Some(name) => name.clone(),
+            None => match building.parse() {
+                Ok(name) => name,
+                Err(_) => bail!("`{building}` is no building of the library: {hint}"),
+            },
+        };
+        // A type stands where the file says; a building of the dataset at its own place.
+        let is_type = matches!(name, BuildingName::Type(_));
+        if is_type && placement.weather.is_none() && placement.place.is_none() {
+            let Ok(found) = Place::find(place) else {
+                bail!("`{place}` is no known place: {hint}");
+            };
+            placement.place = Some(found);
+        }
+        Ok(Subject { name, placement })
+    }
+}

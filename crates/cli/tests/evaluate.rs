@@ -1,0 +1,115 @@
+//! `b2b evaluate`, `b2b score` and `b2b baseline` seen from outside, on the real engine.
+#![cfg(target_os = "linux")]
+
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+fn command(folder: &Path, arguments: &str) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_b2b"));
+    command.args(arguments.split_whitespace()).current_dir(folder).stdin(Stdio::null());
+    command
+}
+
+fn b2b(folder: &Path, arguments: &str) -> Output {
+    command(folder, arguments).output().unwrap()
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn json(folder: &Path, arguments: &str) -> Value {
+    let output = b2b(folder, &format!("{arguments} --json"));
+    assert!(output.status.success(), "{}", stderr(&output));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+fn assert_refused(folder: &Path, arguments: &str, words: &[&str]) {
+    let output = b2b(folder, arguments);
+    let said = stderr(&output);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(!said.contains("panicked"), "{said}");
+    for word in words {
+        assert!(said.contains(word), "`{word}` is not in: {said}");
+    }
+}
+
+const HOUSES: &str = "SingleFamilyHouse-0014 SingleFamilyHouse-0042";
+
+#[test]
+fn a_killed_evaluation_goes_on_and_ends_with_the_same_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let evaluate = |out: &str| {
+        format!("evaluate {HOUSES} --policy random --period 01-10..01-12 07-10..07-12 --jobs 1 --out {out}")
+    };
+    let summary = json(folder.path(), &evaluate("whole"));
+    assert_eq!((summary["episodes"].as_u64(), summary["lost"].as_array().unwrap().len()), (Some(4), 0));
+    assert_eq!(summary["windows"].as_array().unwrap().len(), 2);
+    assert!(summary["windows"][0]["all"]["scores"]["interquartile_mean"]["value"].as_f64().unwrap() > 1.0);
+
+    let episodes = folder.path().join("killed/episodes");
+    let names = || {
+        let entries = std::fs::read_dir(&episodes).into_iter().flatten();
+        let names = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap());
+        names.filter(|name| name.ends_with(".json")).collect::<Vec<_>>()
+    };
+    let mut process = command(folder.path(), &evaluate("killed")).stderr(Stdio::null()).spawn().unwrap();
+    let deadline = Instant::now() + Duration::from_secs(300);
+    while names().is_empty() && process.try_wait().unwrap().is_none() {
+        assert!(Instant::now() < deadline, "no episode ended");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    process.kill().unwrap();
+    process.wait().unwrap();
+    let kept = names();
+    assert!((1..4).contains(&kept.len()), "{kept:?}");
+    let written = |name: &String| std::fs::metadata(episodes.join(name)).unwrap().modified().unwrap();
+    let before: Vec<_> = kept.iter().map(written).collect();
+    assert!(b2b(folder.path(), &evaluate("killed")).status.success());
+    assert_eq!(kept.iter().map(written).collect::<Vec<_>>(), before, "nothing is repeated");
+    let table = |out: &str| std::fs::read(folder.path().join(out).join("episodes.parquet")).unwrap();
+    assert_eq!(table("killed"), table("whole"));
+    let page = std::fs::read_to_string(folder.path().join("killed/report.html")).unwrap();
+    assert!(page.contains("Plotly.newPlot") && page.contains("SingleFamilyHouse-0042"));
+}
+
+#[test]
+fn what_cannot_be_evaluated_is_refused_with_a_remedy() {
+    let folder = tempfile::tempdir().unwrap();
+    let refused = |arguments: &str, words: &[&str]| assert_refused(folder.path(), arguments, words);
+    std::fs::write(folder.path().join("no.onnx"), "this is no model").unwrap();
+    refused("evaluate --policy no.onnx --out x", &["no.onnx is no ONNX model"]);
+    refused("evaluate --policy none.onnx --out x", &["none.onnx"]);
+    refused("evaluate --policy reactiv --out x", &["`reactiv`", "planner", ".onnx"]);
+    refused("evaluate --policy random --task constnt --out x", &["constnt", "occupancy"]);
+    refused("evaluate --policy random --task constant+energyNaN --out x", &["energy_weight", "NaN"]);
+    refused("evaluate --policy random --task constant+energyinf --out x", &["energy_weight", "inf"]);
+    refused("evaluate OfficeSmal-1 --policy random --out x", &["OfficeSmal"]);
+    refused("evaluate --policy random --split test_big --out x", &["test_big", "test_small"]);
+    refused("evaluate --policy random", &["--out"]);
+    assert!(!folder.path().join("x").exists());
+    std::fs::write(folder.path().join("thesis.tex"), "").unwrap();
+    refused("evaluate --policy random --out .", &["holds no evaluation"]);
+    refused("score no.onnx", &["no.onnx is no trajectory"]);
+    refused("score none.parquet", &["none.parquet cannot be read"]);
+}
+
+#[test]
+fn a_trajectory_is_scored_and_the_reactive_controllers_get_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |controller: &str| {
+        let day = "run SingleFamilyHouse-0014 --period 01-10..01-10 --task occupancy+energy0.5";
+        json(folder.path(), &format!("{day} --controller {controller} --out {controller}"))
+    };
+    let score = |of: &str| json(folder.path(), &format!("score {of}/trajectory.parquet"));
+    let (reactive, random) = (run("reactive"), run("random"));
+    let close = |a: &Value, b: f64| (a.as_f64().unwrap() - b).abs() < 1e-9 * b.abs();
+    assert!(close(&score("reactive")["score"], 1.0));
+    let scored = score("random");
+    let ratio = random["return"].as_f64().unwrap() / reactive["return"].as_f64().unwrap();
+    assert!(close(&scored["score"], ratio) && ratio > 1.0, "{scored}");
+    assert!(close(&scored["return"], random["return"].as_f64().unwrap()));
+}
