@@ -93,11 +93,11 @@ pub fn score(arguments: &Arguments) -> Result<()> {
     let baseline_return = terms.episode_return(&task);
     let score = Score {
         building: subject.name.to_string(),
-        place: trajectory.place,
+        place: trajectory.place.clone(),
         task: task.to_string(),
         period: period.to_string(),
         steps_per_hour,
-        controller: trajectory.controller,
+        controller: trajectory.controller.clone(),
         episode_return,
         baseline_return,
         score: normalized_score(episode_return, baseline_return),
