@@ -69,7 +69,7 @@ pub fn baseline(arguments: &Arguments) -> Result<ExitCode> {
     let wanted = arguments.wanted(&catalog)?;
     let fresh = tempfile::tempdir()?;
     let cache = b2b_energyplus::install::cache_dir()?.join("baselines");
-    let baselines = Baselines::without_shipped(if arguments.fresh { fresh.path() } else { &cache });
+    let baselines = Baselines::without_shipped(if arguments.fresh { fresh.path() } else { cache.as_path() });
     let missing = baselines.missing(wanted.clone());
     let bars = Bars::new(false);
     let lost = baselines.compute(&evaluation(&catalog, arguments.jobs)?, &missing, &bars)?;

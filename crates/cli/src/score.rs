@@ -91,11 +91,11 @@ pub fn score(arguments: &Arguments) -> Result<()> {
     let baseline_return = terms.episode_return(&task_for(subject, &surroundings, &task, steps_per_hour));
     let score = Score {
         building: subject.name.to_string(),
-        place: trajectory.place,
+        place: trajectory.place.clone(),
         task: task.to_string(),
         period: period.to_string(),
         steps_per_hour,
-        controller: trajectory.controller,
+        controller: trajectory.controller.clone(),
         episode_return,
         baseline_return,
         score: normalized_score(episode_return, baseline_return),

@@ -85,8 +85,8 @@ fn what_cannot_be_evaluated_is_refused_with_a_remedy() {
     refused("evaluate --policy none.onnx --out x", &["none.onnx"]);
     refused("evaluate --policy reactiv --out x", &["`reactiv`", "planner", ".onnx"]);
     refused("evaluate --policy random --task constnt --out x", &["constnt", "occupancy"]);
-    refused("evaluate --policy random --task constant+energyNaN --out x", &["energy_weight", "NaN"]);
-    refused("evaluate --policy random --task constant+energyinf --out x", &["energy_weight", "inf"]);
+    refused("evaluate --policy random --task constant+energyNaN --out x", &["energyNaN", "energy0.5"]);
+    refused("evaluate --policy random --task constant+energyinf --out x", &["energyinf", "energy0.5"]);
     refused("evaluate OfficeSmal-1 --policy random --out x", &["OfficeSmal"]);
     refused("evaluate --policy random --split test_big --out x", &["test_big", "test_small"]);
     refused("evaluate --policy random", &["--out"]);

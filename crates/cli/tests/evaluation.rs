@@ -248,11 +248,11 @@ fn onnx(case: &Case, observation: usize, action: usize, bias: f32, scale: Action
 fn an_onnx_policy_of_zeros_is_the_middle_of_every_bound() {
     let case = Case::new();
     let episodes = episodes(&HOUSES[..1], &["constant"], "01-10..01-10");
-    let policy = onnx(&case, 11, 2, 0.0, ActionScale::Rescaled);
+    let policy = onnx(&case, 9, 2, 0.0, ActionScale::Rescaled);
     let zeros = case.run("onnx", &policy, &episodes, &());
     let middle = case.run("constant", &BuiltIn::Constant, &episodes, &());
     assert_eq!(zeros.rows[0].record.trajectory_hash, middle.rows[0].record.trajectory_hash);
-    let physical = onnx(&case, 11, 2, 1e4, ActionScale::Physical);
+    let physical = onnx(&case, 9, 2, 1e4, ActionScale::Physical);
     let clamped = case.run("physical", &physical, &episodes, &());
     assert_eq!(clamped.rows[0].record.clamped_actions, 2 * 24 * 12);
     assert_ne!(physical.identity(), policy.identity());
@@ -265,12 +265,12 @@ fn a_policy_of_other_shapes_is_refused_with_sizes_and_slots() {
     let refused = |name: &str, policy: &dyn Policy| {
         case.try_run(name, policy, &episodes, &(), || false).unwrap_err().to_string()
     };
-    let said = refused("observation", &onnx(&case, 11, 2, 0.0, ActionScale::Rescaled));
-    for word in ["takes 11 numbers", "SingleFamilyHouse-0014", "occupancy", "has 13", "target", "time of day"]
+    let said = refused("observation", &onnx(&case, 9, 2, 0.0, ActionScale::Rescaled));
+    for word in ["takes 9 numbers", "SingleFamilyHouse-0014", "occupancy", "has 11", "target", "time of day"]
     {
         assert!(said.contains(word), "`{word}` is not in: {said}");
     }
-    let said = refused("action", &onnx(&case, 13, 5, 0.0, ActionScale::Rescaled));
+    let said = refused("action", &onnx(&case, 11, 5, 0.0, ActionScale::Rescaled));
     for word in ["gives 5 numbers", "has 2", "supply air flow"] {
         assert!(said.contains(word), "`{word}` is not in: {said}");
     }
