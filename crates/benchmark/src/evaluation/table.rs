@@ -83,7 +83,8 @@ pub fn write_episodes(file: &mut (impl Write + Send), rows: &[Row], versions: &V
     columns.push::<UInt64Type>("seed", "1", |row| Some(row.record.seed));
     columns.text("policy", |row| Some(&row.record.policy));
     columns.push::<UInt64Type>("steps", "1", |row| row.if_run(|record| record.steps as u64));
-    let numbers: [(&str, &str, fn(&Record) -> f64); 15] = [
+    type Column = (&'static str, &'static str, fn(&Record) -> f64);
+    let numbers: [Column; 15] = [
         ("return", "1", |record| record.episode_return),
         ("temperature_penalty", "K²", |record| record.temperature_penalty),
         ("energy_penalty", "1", |record| record.energy_penalty),
