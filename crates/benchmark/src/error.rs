@@ -52,14 +52,6 @@ pub enum Error {
         /// What an action of the building is.
         slots: Vec<String>,
     },
-    /// A policy that failed while it acted.
-    #[error("{policy} failed: {why}")]
-    PolicyFailed {
-        /// The policy.
-        policy: String,
-        /// What it said.
-        why: String,
-    },
     /// A name that is no policy.
     #[error("there is no policy `{text}`: give reactive, random, constant, planner, or an ONNX file (.onnx)")]
     UnknownPolicy {

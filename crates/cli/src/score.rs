@@ -155,7 +155,7 @@ impl Trajectory {
     /// A whole episode has as many steps every hour.
     fn steps_per_hour(&self, path: &Path) -> Result<u32> {
         let hours = self.period.days() as usize * 24;
-        if self.steps == 0 || self.steps % hours != 0 {
+        if self.steps == 0 || !self.steps.is_multiple_of(hours) {
             bail!(
                 "{} has {} steps, which is no whole episode of {}",
                 path.display(),

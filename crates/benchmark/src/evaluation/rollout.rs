@@ -57,7 +57,7 @@ fn roll_out(
     pool.observation(live, &mut observation);
     let first_observation = observation.clone();
     while !live.is_truncated() {
-        if trajectory.len() % steps_a_day == 0 {
+        if trajectory.len().is_multiple_of(steps_a_day) {
             work.check()?;
         }
         controller.act(&observation, &mut action);
@@ -69,7 +69,7 @@ fn roll_out(
         trajectory.observations.extend_from_slice(&observation);
         trajectory.actions.extend_from_slice(&action);
         trajectory.penalties.push([reward.temperature_penalty, reward.energy_penalty]);
-        if trajectory.len() % steps_a_day == 0 {
+        if trajectory.len().is_multiple_of(steps_a_day) {
             work.progress.day();
         }
     }
