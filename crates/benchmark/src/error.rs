@@ -52,14 +52,6 @@ pub enum Error {
         /// What an action of the building is.
         slots: Vec<String>,
     },
-    /// A policy that failed while it acted.
-    #[error("{policy} failed: {why}")]
-    PolicyFailed {
-        /// The policy.
-        policy: String,
-        /// What it said.
-        why: String,
-    },
     /// A name that is no policy.
     #[error("there is no policy `{text}`: give reactive, random, constant, planner, or an ONNX file (.onnx)")]
     UnknownPolicy {
@@ -122,7 +114,7 @@ pub enum Error {
     Interrupted,
     /// A building could not be found or prepared.
     #[error(transparent)]
-    Building(#[from] b2b_building::Error),
+    Building(Box<b2b_building::Error>),
     /// An environment failed.
     #[error(transparent)]
     Env(#[from] b2b_env::Error),
@@ -137,6 +129,12 @@ pub enum Error {
         /// What the system said.
         source: std::io::Error,
     },
+}
+
+impl From<b2b_building::Error> for Error {
+    fn from(error: b2b_building::Error) -> Self {
+        Self::Building(Box::new(error))
+    }
 }
 
 /// A result of this crate.

@@ -129,7 +129,7 @@ mod tests {
         assert_eq!(aggregate(&strata, 7), Some(first.clone()));
         assert_eq!(first.episodes, 7);
         for each in [first.mean, first.median, first.interquartile_mean] {
-            assert!(each.low < each.value && each.value < each.high, "{each:?}");
+            assert!(each.low <= each.value && each.value <= each.high && each.low < each.high, "{each:?}");
         }
         assert_eq!(aggregate(&[vec![]], 0), None);
     }

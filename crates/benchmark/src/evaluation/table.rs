@@ -15,6 +15,9 @@ use parquet::file::properties::WriterProperties;
 use super::{Episode, Record, Versions};
 use crate::policy::Policy;
 
+/// A column of numbers: name, unit, and where its values are.
+type Number = (&'static str, &'static str, fn(&Record) -> f64);
+
 /// An episode with its score.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
@@ -83,8 +86,7 @@ pub fn write_episodes(file: &mut (impl Write + Send), rows: &[Row], versions: &V
     columns.push::<UInt64Type>("seed", "1", |row| Some(row.record.seed));
     columns.text("policy", |row| Some(&row.record.policy));
     columns.push::<UInt64Type>("steps", "1", |row| row.if_run(|record| record.steps as u64));
-    type Column = (&'static str, &'static str, fn(&Record) -> f64);
-    let numbers: [Column; 15] = [
+    let numbers: [Number; 15] = [
         ("return", "1", |record| record.episode_return),
         ("temperature_penalty", "K²", |record| record.temperature_penalty),
         ("energy_penalty", "1", |record| record.energy_penalty),
