@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -55,8 +56,6 @@ class BuildingVectorEnv(VectorEnv):
         autoreset_mode: str | AutoresetMode = AutoresetMode.NEXT_STEP,
         render_mode: str | None = None,
     ):
-        import json
-
         self._core = None
         if render_mode is not None:
             raise SettingError("a vector environment draws no pictures: make one environment with render_mode")
@@ -75,9 +74,8 @@ class BuildingVectorEnv(VectorEnv):
         self.autoreset_mode = _mode(autoreset_mode)
         self._reward = reward
         window = None if window_days is None else (window_days, window_starts)
-        mode = {"NextStep": "NextStep", "SameStep": "SameStep", "Disabled": "Disabled"}[self.autoreset_mode.value]
         self._process = os.getpid()
-        self._core = _core.VecEnv(self._settings, num_envs, mode, rescale_action, resample, window)
+        self._core = _core.VecEnv(self._settings, num_envs, self.autoreset_mode.value, rescale_action, resample, window)
         _open.add(self)
         self.layouts = [Layout(spaces) for spaces in self._core.spaces()]
         self._fixed = not resample

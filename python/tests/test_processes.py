@@ -137,7 +137,7 @@ ENV = "import building2building as b2b; env = b2b.make_env('OfficeSmall', run_pe
 
 def test_leaving_without_close_leaves_nothing(tmp_path):
     process = script(ENV + "env.step(env.action_space.low); keep = env.snapshot()", tmp_path)
-    out, err = process.communicate(timeout=120)
+    _, err = process.communicate(timeout=120)
     assert process.returncode == 0 and err == ""
     assert gone_within(5, process.pid) and os.listdir(tmp_path) == []
 
@@ -236,7 +236,7 @@ def test_snapshots_branch_the_true_simulation(make):
     kept = env.snapshot()
     futures = []
     for _ in range(3):
-        observation, _ = env.restore(kept)
+        env.restore(kept)
         assert env.steps == 20
         futures.append([env.step(action)[0] for action in actions])
     for future in futures[1:]:
