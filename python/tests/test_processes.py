@@ -191,7 +191,7 @@ except KeyboardInterrupt:
         tmp_path,
     )
     assert process.stdout.readline() == "ready\n"
-    time.sleep(1.5)
+    time.sleep(0.5)
     process.send_signal(signal.SIGINT)
     start = time.monotonic()
     out, err = process.communicate(timeout=30)
