@@ -65,9 +65,7 @@ class BuildingVectorEnv(VectorEnv):
             buildings = [resolve(building_type, split, index, building_id, place, weather, building)]
         self.buildings = [each if isinstance(each, Building) else find_building(each) for each in buildings]
         task = json.dumps(task) if isinstance(task, dict) else str(task)
-        self._settings = [
-            _core.Setting(each._core, run_period, timesteps_per_hour, task) for each in self.buildings
-        ]
+        self._settings = [_core.Setting(each._core, run_period, timesteps_per_hour, task) for each in self.buildings]
         self.num_envs = num_envs
         self.render_mode = None
         self.rescale_action = rescale_action
@@ -80,7 +78,10 @@ class BuildingVectorEnv(VectorEnv):
         self.layouts = [Layout(spaces) for spaces in self._core.spaces()]
         self._fixed = not resample
         self.single_observation_space = _padded_box(
-            [(each.observation_low.astype(np.float32), each.observation_high.astype(np.float32)) for each in self.layouts]
+            [
+                (each.observation_low.astype(np.float32), each.observation_high.astype(np.float32))
+                for each in self.layouts
+            ]
         )
         if rescale_action:
             width = max(len(each.action_low) for each in self.layouts)
@@ -239,4 +240,6 @@ def make_vec(building_type: str | None = None, num_envs: int = 1, **arguments) -
         return BuildingVectorEnv(None, num_envs, **arguments)
     from .env import _type_name
 
-    return gymnasium.make_vec(f"b2b/{_type_name(building_type)}-v0", num_envs=num_envs, **{"rescale_action": False, **arguments})
+    return gymnasium.make_vec(
+        f"b2b/{_type_name(building_type)}-v0", num_envs=num_envs, **{"rescale_action": False, **arguments}
+    )

@@ -113,8 +113,15 @@ def test_info_is_a_dictionary_in_every_way(make):
 
 
 def test_a_seed_draws_the_days_and_the_targets(make):
-    env = make("OfficeSmall", task="random", run_period="winter", window_days=2, window_starts=3,
-               resample_targets=True, timesteps_per_hour=1)
+    env = make(
+        "OfficeSmall",
+        task="random",
+        run_period="winter",
+        window_days=2,
+        window_starts=3,
+        resample_targets=True,
+        timesteps_per_hour=1,
+    )
 
     def episode(seed):
         observation, info = env.reset(seed=seed)
