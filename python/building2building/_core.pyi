@@ -27,6 +27,7 @@ def generate(
     settings: Sequence[str],
 ) -> list[Building]: ...
 def trajectory_hash(observations: ArrayLike, actions: ArrayLike, penalties: ArrayLike) -> str: ...
+
 @final
 class Building:
     @property

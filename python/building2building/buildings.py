@@ -180,6 +180,4 @@ def generate(
     files = [os.fspath(file) for file in listed(weather)]
     made = _core.generate(building_type, count, seed, listed(places), files, settings)
     options = {"seed": seed, "places": places, "weather": weather, "parameters": parameters}
-    return [
-        Building(core, ("generated", building_type, count, options, number)) for number, core in enumerate(made)
-    ]
+    return [Building(core, ("generated", building_type, count, options, number)) for number, core in enumerate(made)]

@@ -7,7 +7,7 @@ import json
 import os
 import threading
 import weakref
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,7 +16,7 @@ import numpy as np
 
 from . import _core
 from .buildings import Building, find_building, list_buildings
-from .errors import ActionError, EpisodeError, ProcessError, SettingError
+from .errors import EpisodeError, ProcessError, SettingError
 from .info import Info
 from .morphology import Morphology
 
@@ -216,6 +216,7 @@ class BuildingEnv(gymnasium.Env):
         in_process: bool = False,
     ):
         self._core = None
+        self._arguments = {name: value for name, value in locals().items() if name not in ("self", "__class__")}
         if render_mode is not None and render_mode not in self.metadata["render_modes"]:
             raise SettingError(f"render_mode is `{render_mode}`: give rgb_array, human or None")
         if in_process and window_days is not None:
@@ -377,6 +378,7 @@ class BuildingEnv(gymnasium.Env):
         """Makes another building that of the episodes to come. Its spaces become this environment's."""
         self.building = building if isinstance(building, Building) else find_building(building)
         self._check_thread()
+        self._arguments["building"] = self.building
         self._whole = self.setting = self._setting(self.building, self.task)
         if self._thread is not None:
             self._core = _core.LocalEnv(self.setting)
@@ -431,11 +433,18 @@ class BuildingEnv(gymnasium.Env):
         except Exception:  # the interpreter may be half gone
             pass
 
-    def __getstate__(self):
-        raise TypeError("an environment holds processes and cannot be pickled: pickle env.spec and make it again")
+    def __reduce__(self):
+        """Pickles as how it was made: what comes out has processes of its own, and stands before its first reset."""
+        return _remake, (self._arguments, self.spec)
 
     def __str__(self) -> str:
         return f"<{type(self).__name__} {self.building.name}>"
+
+
+def _remake(arguments: dict[str, Any], spec) -> BuildingEnv:
+    env = BuildingEnv(**arguments)
+    env.spec = spec
+    return env
 
 
 def make_env(building_type: str | None = None, **arguments) -> BuildingEnv:

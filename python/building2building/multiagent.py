@@ -60,7 +60,7 @@ class ZonesParallelEnv(_pettingzoo.ParallelEnv):
                 zones[zone["name"]] = min(zones[zone["name"]], 0.0)
         energy = info["reward_terms"]["energy"] / len(self.agents)
         rewards = {
-            agent: float(-zones[agent] ** 2 + energy) if agent in zones else reward / len(self.agents)
+            agent: float(-(zones[agent] ** 2) + energy) if agent in zones else reward / len(self.agents)
             for agent in self.agents
         }
         agents = self.agents

@@ -60,7 +60,15 @@ class Renderer:
         figure.clear()
         polygons, levels = self._layout
         grid = figure.add_gridspec(
-            2, 2, width_ratios=[3, 2], height_ratios=[3, 1], left=0.03, right=0.99, top=0.9, bottom=0.05, hspace=0.15,
+            2,
+            2,
+            width_ratios=[3, 2],
+            height_ratios=[3, 1],
+            left=0.03,
+            right=0.99,
+            top=0.9,
+            bottom=0.05,
+            hspace=0.15,
             wspace=0.03,
         )
         plan = figure.add_subplot(grid[0, 0])

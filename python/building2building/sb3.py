@@ -119,7 +119,9 @@ class _Scale:
         return np.clip(2 * (observations - self._low) / self._span - 1, -1, 1)
 
 
-def make_sb3_vec(building_type: str | None = None, num_envs: int = 1, *, normalize: bool = True, **arguments) -> SB3VecEnv:
+def make_sb3_vec(
+    building_type: str | None = None, num_envs: int = 1, *, normalize: bool = True, **arguments
+) -> SB3VecEnv:
     """Makes environments for Stable-Baselines3: actions from -1 to 1, observations normalised by fixed bounds.
     Arguments are those of :func:`make_vec`."""
     arguments.setdefault("rescale_action", True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -55,8 +56,6 @@ class BuildingVectorEnv(VectorEnv):
         autoreset_mode: str | AutoresetMode = AutoresetMode.NEXT_STEP,
         render_mode: str | None = None,
     ):
-        import json
-
         self._core = None
         if render_mode is not None:
             raise SettingError("a vector environment draws no pictures: make one environment with render_mode")
@@ -66,23 +65,23 @@ class BuildingVectorEnv(VectorEnv):
             buildings = [resolve(building_type, split, index, building_id, place, weather, building)]
         self.buildings = [each if isinstance(each, Building) else find_building(each) for each in buildings]
         task = json.dumps(task) if isinstance(task, dict) else str(task)
-        self._settings = [
-            _core.Setting(each._core, run_period, timesteps_per_hour, task) for each in self.buildings
-        ]
+        self._settings = [_core.Setting(each._core, run_period, timesteps_per_hour, task) for each in self.buildings]
         self.num_envs = num_envs
         self.render_mode = None
         self.rescale_action = rescale_action
         self.autoreset_mode = _mode(autoreset_mode)
         self._reward = reward
         window = None if window_days is None else (window_days, window_starts)
-        mode = {"NextStep": "NextStep", "SameStep": "SameStep", "Disabled": "Disabled"}[self.autoreset_mode.value]
         self._process = os.getpid()
-        self._core = _core.VecEnv(self._settings, num_envs, mode, rescale_action, resample, window)
+        self._core = _core.VecEnv(self._settings, num_envs, self.autoreset_mode.value, rescale_action, resample, window)
         _open.add(self)
         self.layouts = [Layout(spaces) for spaces in self._core.spaces()]
         self._fixed = not resample
         self.single_observation_space = _padded_box(
-            [(each.observation_low.astype(np.float32), each.observation_high.astype(np.float32)) for each in self.layouts]
+            [
+                (each.observation_low.astype(np.float32), each.observation_high.astype(np.float32))
+                for each in self.layouts
+            ]
         )
         if rescale_action:
             width = max(len(each.action_low) for each in self.layouts)
@@ -241,4 +240,6 @@ def make_vec(building_type: str | None = None, num_envs: int = 1, **arguments) -
         return BuildingVectorEnv(None, num_envs, **arguments)
     from .env import _type_name
 
-    return gymnasium.make_vec(f"b2b/{_type_name(building_type)}-v0", num_envs=num_envs, **{"rescale_action": False, **arguments})
+    return gymnasium.make_vec(
+        f"b2b/{_type_name(building_type)}-v0", num_envs=num_envs, **{"rescale_action": False, **arguments}
+    )

@@ -241,8 +241,14 @@ class PriceSignal(_Wrapper):
     """
 
     def __init__(
-        self, env: gymnasium.Env, series: Sequence[float] | None = None, *, ahead: int = 3, weight: float = 0.0,
-        name: str = "electricity price", unit: str = "1/kWh",
+        self,
+        env: gymnasium.Env,
+        series: Sequence[float] | None = None,
+        *,
+        ahead: int = 3,
+        weight: float = 0.0,
+        name: str = "electricity price",
+        unit: str = "1/kWh",
     ):
         super().__init__(env, series=series, ahead=ahead, weight=weight, name=name, unit=unit)
         self._series = np.asarray(self.time_of_use() if series is None else series, dtype=np.float64)
@@ -321,7 +327,9 @@ class SubsetAction(_Wrapper):
         self.action_space = Box(box.low[self._actuators], box.high[self._actuators], dtype=box.dtype)
         units = env.metadata["action_units"]
         self.metadata = {
-            **env.metadata, "action_names": list(names), "action_units": [units[each] for each in self._actuators]
+            **env.metadata,
+            "action_names": list(names),
+            "action_units": [units[each] for each in self._actuators],
         }
 
     def reset(self, **options):

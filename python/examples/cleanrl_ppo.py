@@ -16,7 +16,12 @@ GAMMA, LAMBDA, CLIP, RATE, VALUE, GRADIENT = 0.99, 0.95, 0.2, 3e-4, 0.5, 0.5
 torch.manual_seed(0)
 torch.set_num_threads(1)
 envs = b2b.make_vec(
-    "SingleFamilyHouse", ENVS, run_period="01-01..01-28", window_days=7, window_starts=4, rescale_action=True,
+    "SingleFamilyHouse",
+    ENVS,
+    run_period="01-01..01-28",
+    window_days=7,
+    window_starts=4,
+    rescale_action=True,
     autoreset_mode="SameStep",
 )
 slots, actuators = envs.single_observation_space.shape[0], envs.single_action_space.shape[0]

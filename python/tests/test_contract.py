@@ -38,6 +38,14 @@ def test_an_environment_is_made_again_from_its_spec(make):
     again.close()
 
 
+def test_an_environment_pickles_as_how_it_was_made(make):
+    env = make(task="occupancy", window_days=1)
+    again = pickle.loads(pickle.dumps(env))
+    np.testing.assert_array_equal(again.reset(seed=1)[0], env.reset(seed=1)[0])
+    assert again.spec == env.spec and again._core.process != env._core.process
+    again.close()
+
+
 def test_names_and_units_stand_beside_the_spaces(office):
     meta = office.metadata
     assert len(meta["observation_names"]) == len(meta["observation_units"]) == office.observation_space.shape[0]
@@ -105,8 +113,15 @@ def test_info_is_a_dictionary_in_every_way(make):
 
 
 def test_a_seed_draws_the_days_and_the_targets(make):
-    env = make("OfficeSmall", task="random", run_period="winter", window_days=2, window_starts=3,
-               resample_targets=True, timesteps_per_hour=1)
+    env = make(
+        "OfficeSmall",
+        task="random",
+        run_period="winter",
+        window_days=2,
+        window_starts=3,
+        resample_targets=True,
+        timesteps_per_hour=1,
+    )
 
     def episode(seed):
         observation, info = env.reset(seed=seed)

@@ -18,9 +18,14 @@ def run(*arguments) -> str:
     return ran.stdout
 
 
-@pytest.mark.parametrize("name, words", [
-    ("first_steps", "reactive"), ("transfer", "OfficeMedium"), ("own_building", "driven:"),
-])
+@pytest.mark.parametrize(
+    "name, words",
+    [
+        ("first_steps", "reactive"),
+        ("transfer", "OfficeMedium"),
+        ("own_building", "driven:"),
+    ],
+)
 def test_an_example_runs(name, words):
     assert words in run(EXAMPLES / f"{name}.py")
 

@@ -90,8 +90,14 @@ def test_buildings_of_different_types_are_padded(make_vec):
 
 def test_a_seed_draws_the_buildings_and_the_days(make_vec):
     envs = make_vec(
-        None, 3, buildings=["SingleFamilyHouse", "SingleFamilyHouse-0001"], resample=True, rescale_action=True,
-        window_days=1, run_period="01-01..01-08", window_starts=2,
+        None,
+        3,
+        buildings=["SingleFamilyHouse", "SingleFamilyHouse-0001"],
+        resample=True,
+        rescale_action=True,
+        window_days=1,
+        run_period="01-01..01-08",
+        window_starts=2,
     )
 
     def drawn(seed):

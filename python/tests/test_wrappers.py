@@ -43,7 +43,8 @@ def test_the_building_is_told(make):
 
 def test_another_building_every_episode(make):
     env = wrappers.ResampleBuildingOnResetWrapper(
-        make("SingleFamilyHouse", rescale_action=True), ["SingleFamilyHouse", "SingleFamilyHouse-0001"],
+        make("SingleFamilyHouse", rescale_action=True),
+        ["SingleFamilyHouse", "SingleFamilyHouse-0001"],
         width=16,
     )
 
