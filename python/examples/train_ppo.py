@@ -1,6 +1,6 @@
 """Train Stable-Baselines3's PPO on a house in winter, and compare it with the reactive controller.
 
-Hyperparameters of the paper's table where it names them. `python train_ppo.py 200000` takes a while; the default is a try.
+Hyperparameters are Stable-Baselines3's own, but for shorter rollouts and larger batches. `python train_ppo.py 200000` takes a while; the default is a try.
 """
 
 import sys

@@ -22,7 +22,7 @@ use crate::{BuiltIn, Error, Result, Subject, Surroundings};
 
 /// Raised when a change to preparation, environments or controllers changes what the reactive controllers get, so that
 /// nothing that was cached before is taken for it.
-const REVISION: u32 = 1;
+const REVISION: u32 = 2;
 
 /// The shipped baselines: `b2b baseline` writes them.
 const SHIPPED: &str = include_str!("../data/baselines.csv");

@@ -20,9 +20,9 @@ use crate::{child, interrupt, stdout};
 
 /// Size and run buildings of the dataset, and tell which fail
 ///
-/// Each is sized and runs, by default, a winter week and a summer week under the reactive controller. It fails when
-/// EnergyPlus stops or has a severe message, when a zone with heating is under 12 °C, or when a zone with
-/// cooling is over 32 °C. Exit code 1 when one fails.
+/// Each is sized and runs, by default, a winter week and a summer week under the reactive controller with its
+/// default parameters. It fails when EnergyPlus stops or has a severe message, when a zone with heating is
+/// under 12 °C, or when a zone with cooling is over 32 °C. Exit code 1 when one fails.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -201,7 +201,7 @@ fn episodes(id: BuildingId, periods: &[RunPeriod]) -> Result<Vec<Outcome>> {
 
 fn run_episode(prepared: &Prepared, period: RunPeriod) -> Result<Outcome> {
     let mut env = prepared.env(period, STEPS_PER_HOUR, Task::default())?;
-    let mut controller = reactive(&env, &Parameters::Tuned)?;
+    let mut controller = reactive(&env, &Parameters::Default)?;
     let rollout = roll_out(&mut env, &mut controller, true)?;
     Outcome::of(&env, &rollout.trajectory)
 }

@@ -161,8 +161,8 @@ fn alone(catalog: &Catalog, episode: &Episode) -> (String, f64) {
     };
     let building = found.prepare(catalog.library()).unwrap();
     let mut env = Env::new(catalog.library().clone(), building.into(), setting).unwrap();
-    let mut controller =
-        Reactive::new(env.building(), env.observation_space(), 12, &ReactiveParameters::default());
+    let parameters = ReactiveParameters::tuned_for(env.building());
+    let mut controller = Reactive::new(env.building(), env.observation_space(), 12, &parameters);
     let mut trajectory = Trajectory::for_episode(&env);
     let mut action = vec![0.0; env.action_space().len()];
     let mut observation = env.reset().unwrap().to_vec();
