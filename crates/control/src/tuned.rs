@@ -17,13 +17,17 @@ pub struct Tuned {
     pub parameters: ReactiveParameters,
     /// Score of the default parameters: −1, or −1 and a little where a percentile is interpolated.
     pub default_score: f64,
-    /// Score of these: the 25th percentile over the buildings of the return in times what the defaults lost. 0 is
-    /// perfect.
+    /// Score of these: the 25th percentile over the buildings of what they lose in times what the defaults lose,
+    /// restless actuators counted. 0 is perfect.
     pub score: f64,
     /// Penalty of a step under the default parameters, mean over the buildings, K².
     pub default_penalty: f64,
     /// Penalty of a step under these, mean over the buildings, K².
     pub penalty: f64,
+    /// Way of an actuator in times its range a day under the default parameters, mean over the buildings.
+    pub default_daily_travel: f64,
+    /// The same under these.
+    pub daily_travel: f64,
     /// HVAC energy of a step under these, mean over the buildings, Wh/m²: τ_E of the class.
     pub energy: f64,
     /// How many sets of parameters were tried.

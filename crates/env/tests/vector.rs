@@ -164,34 +164,38 @@ fn roll(vec: &VecEnv, dice: &mut [Dice]) -> Vec<f64> {
 
 #[test]
 fn the_next_episode_begins_with_the_step_after_the_last_and_is_the_same_bit_for_bit() {
-    let house = Case::at_home(BuildingType::SingleFamilyHouse);
-    let warehouse = Case::at_home(BuildingType::Warehouse);
-    let mut vec = vec_env(&house, vec![setting(&house, DAY), setting(&warehouse, DAY)], Autoreset::NextStep);
+    const DAYS: &str = "01-10..01-11";
+    let cases = BuildingType::ALL.map(Case::at_home);
+    let mut envs = cases.each_ref().map(|case| case.env(DAYS));
+    let expected = envs.each_mut().map(|env| fresh(env, &mut dice(&env.action_space().clone())));
+    let settings = cases.iter().map(|case| setting(case, DAYS)).collect();
+    let mut vec = vec_env(&cases[0], settings, Autoreset::NextStep);
     vec.reset(0).unwrap();
-    let spaces = [0, 1].map(|index| vec.spaces(index).unwrap().action.clone());
-    let mut envs = [house.env(DAY), warehouse.env(DAY)];
+    let width = vec.widths().1;
     for episode in 0..2 {
-        let mut dice: Vec<Dice> = spaces.iter().map(dice).collect();
-        let mut again: Vec<Dice> = spaces.iter().map(crate::dice).collect();
-        envs.iter_mut().for_each(|env| _ = env.reset().unwrap());
         if episode > 0 {
-            vec.step(&vec![f64::NAN; vec.widths().0 * 2]).unwrap();
-            assert_eq!(vec.truncated(), [false; 2]);
+            vec.step(&vec![f64::NAN; vec.widths().0 * vec.len()]).unwrap();
+            assert_eq!(vec.truncated(), [false; 6]);
         }
-        let width = vec.widths().1;
-        for step in 0..288 {
+        let mut dice: Vec<Dice> = envs.iter().map(|env| dice(env.action_space())).collect();
+        let mut traces = envs.each_ref().map(|_| Vec::new());
+        for _ in 0..576 {
             let actions = roll(&vec, &mut dice);
             vec.step(&actions).unwrap();
-            for (index, (env, again)) in envs.iter_mut().zip(&mut again).enumerate() {
-                let expected = env.step(again.roll()).unwrap();
+            for (index, (env, trace)) in envs.iter().zip(&mut traces).enumerate() {
                 let row = &vec.observations()[index * width..][..width];
-                assert_eq!(row[..expected.observation.len()], *expected.observation, "step {step}");
-                assert!(row[expected.observation.len()..].iter().all(|padding| *padding == 0.0));
-                assert_eq!(vec.rewards()[index], expected.reward);
+                let (observation, padding) = row.split_at(env.observation_space().len());
+                assert!(padding.iter().all(|value| *value == 0.0));
+                let reward = vec.rewards()[index];
+                let penalties = [reward.temperature_penalty, reward.energy_penalty];
+                trace.extend(observation.iter().chain(&penalties).map(|value| value.to_bits()));
             }
         }
-        assert_eq!(vec.truncated(), [true; 2]);
-        assert_eq!(vec.final_metrics(1), Some(envs[1].metrics()));
+        assert_eq!(vec.truncated(), [true; 6]);
+        for (index, env) in envs.iter().enumerate() {
+            assert!(traces[index] == expected[index], "{:?} in episode {episode}", BuildingType::ALL[index]);
+            assert_eq!(vec.final_metrics(index), Some(env.metrics()));
+        }
     }
 }
 

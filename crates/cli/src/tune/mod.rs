@@ -21,8 +21,9 @@ use crate::{interrupt, stdout};
 ///
 /// For each type and climate zone: Bayesian optimisation of eight parameters, on training buildings over a winter and a
 /// summer week, with targets by occupancy and energy not counted. The score is the 25th percentile over the
-/// buildings of the return in times what the default parameters lose: -1 is as good as they are, 0 is perfect. The
-/// result is never worse than the defaults. Every evaluation is kept in a file: the same arguments go on where they
+/// buildings of what is lost in times what the default parameters lose: -1 is as good as they are, 0 is perfect. Loss
+/// counts twice where actuators go five times their range a day, so that none hunts. The result is never worse than the
+/// defaults. Every evaluation is kept in a file: the same arguments go on where they
 /// stood. The parameters that ship with this program are FOLDER/tuned.json of a run with the defaults of the options.
 #[derive(clap::Args)]
 #[command(
@@ -161,6 +162,8 @@ impl Arguments {
             "score, default -1",
             "penalty before, K²",
             "after, K²",
+            "travel before, 1/d",
+            "after, 1/d",
             "energy, Wh/m²",
         ]);
         for tuned in found {
@@ -172,6 +175,8 @@ impl Arguments {
                 format!("{:.3}", tuned.score),
                 format!("{:.3}", tuned.default_penalty),
                 format!("{:.3}", tuned.penalty),
+                format!("{:.2}", tuned.default_daily_travel),
+                format!("{:.2}", tuned.daily_travel),
                 format!("{:.3}", tuned.energy),
             ]);
         }

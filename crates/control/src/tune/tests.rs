@@ -18,7 +18,7 @@ fn made_up(parameters: &ReactiveParameters) -> Result<Vec<Outcome>> {
     let off = (parameters.unitary.heating_lift - 15.0) / 10.0;
     let flow = parameters.unitary.least_flow - 0.3;
     let loss = |weight: f64| -weight * (0.01 + off * off + flow * flow);
-    let outcome = |weight| Outcome { episode_return: loss(weight), steps: 1, energy: 0.0 };
+    let outcome = |weight| Outcome { episode_return: loss(weight), steps: 1, ..Outcome::default() };
     Ok([1.0, 5.0, 100.0].map(outcome).to_vec())
 }
 
@@ -98,4 +98,12 @@ fn the_score_is_a_percentile_over_buildings_that_weigh_alike() {
     // Relative: -2, -1, -0.5, -0.5, -0.5.
     assert_eq!(score(&defaults, &outcomes([-2.0, -10.0, -50.0, -0.5, -1.0])), -1.0);
     assert_eq!(percentile_25(vec![-3.0, -1.0]), -2.5);
+}
+
+#[test]
+fn restless_actuators_make_a_score_worse() {
+    let moving =
+        |episode_return, daily_travel| [Outcome { episode_return, daily_travel, ..Outcome::default() }];
+    assert_eq!(score(&moving(-1.0, 0.0), &moving(-1.0, 5.0)), -2.0);
+    assert!(score(&moving(-1.0, 1.0), &moving(-0.5, 12.0)) < -1.0);
 }
