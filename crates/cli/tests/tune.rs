@@ -33,7 +33,8 @@ fn a_tuning_goes_on_where_it_stood_and_its_result_is_what_an_uninterrupted_one_h
     let read = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
     let whole = json(folder, &format!("{TINY} --evaluations 3 --out whole"));
     assert_eq!(whole[0]["evaluations"], 3);
-    assert!(whole[0]["score"].as_f64().unwrap() >= whole[0]["default_score"].as_f64().unwrap());
+    let measured = &whole[0]["measured"];
+    assert!(measured["score"].as_f64().unwrap() >= measured["default_score"].as_f64().unwrap());
 
     json(folder, &format!("{TINY} --evaluations 2 --out parts"));
     let before = read("parts/evaluations/SingleFamilyHouse.jsonl");
@@ -43,7 +44,7 @@ fn a_tuning_goes_on_where_it_stood_and_its_result_is_what_an_uninterrupted_one_h
     assert_eq!(after, read("whole/evaluations/SingleFamilyHouse.jsonl"));
     assert_eq!(serde_json::from_str::<Value>(&read("parts/tuned.json")).unwrap(), whole);
     let scale: Value = serde_json::from_str(&read("parts/energy_scale.json")).unwrap();
-    assert_eq!(scale[0]["energy_scale"], whole[0]["energy"]);
+    assert_eq!(scale[0]["energy_scale"], whole[0]["measured"]["energy"]);
 
     let said = refused(folder, &format!("{TINY} --evaluations 3 --seed 1 --out parts"));
     assert!(said.contains("another tuning") && said.contains("SingleFamilyHouse.jsonl"), "{said}");

@@ -23,7 +23,7 @@ pub use reactive::{
     AirLoopParameters, Gains, Parameter, Reactive, ReactiveParameters, TrimRespond, UnitaryParameters,
 };
 pub use replay::Replay;
-pub use tuned::Tuned;
+pub use tuned::{Measured, Tuned};
 
 /// Something that acts on an environment.
 pub trait Controller {

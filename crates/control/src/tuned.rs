@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use b2b_building::{Class, PreparedBuilding};
+use b2b_building::{Class, PreparedBuilding, RunPeriod};
 use serde::{Deserialize, Serialize};
 
 use crate::ReactiveParameters;
@@ -15,6 +15,28 @@ pub struct Tuned {
     pub class: Class,
     /// The parameters.
     pub parameters: ReactiveParameters,
+    /// What they come to on the training buildings.
+    pub measured: Measured,
+    /// How many sets of parameters were tried.
+    pub evaluations: usize,
+    /// Seed of buildings and search.
+    pub seed: u64,
+    /// Version of the dataset.
+    pub dataset: String,
+    /// The training buildings that it was tuned on.
+    pub buildings: Vec<String>,
+    /// The days that each ran.
+    pub periods: Vec<RunPeriod>,
+    /// The task, by its spelling.
+    pub task: String,
+    /// The command that made it.
+    pub command: String,
+}
+
+/// What parameters come to on training buildings, beside the defaults.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Measured {
     /// Score of the default parameters: −1, or −1 and a little where a percentile is interpolated.
     pub default_score: f64,
     /// Score of these: the 25th percentile over the buildings of what they lose in times what the defaults lose,
@@ -30,16 +52,25 @@ pub struct Tuned {
     pub daily_travel: f64,
     /// HVAC energy of a step under these, mean over the buildings, Wh/m²: τ_E of the class.
     pub energy: f64,
-    /// How many sets of parameters were tried.
-    pub evaluations: usize,
-    /// Seed of buildings and search.
-    pub seed: u64,
-    /// Version of the dataset.
-    pub dataset: String,
-    /// The training buildings that it was tuned on.
-    pub buildings: Vec<String>,
-    /// The command that made it.
-    pub command: String,
+}
+
+impl Measured {
+    /// The largest relative difference between two.
+    pub fn relative_difference(&self, other: &Self) -> f64 {
+        let values = |m: &Self| {
+            [
+                m.default_score,
+                m.score,
+                m.default_penalty,
+                m.penalty,
+                m.default_daily_travel,
+                m.daily_travel,
+                m.energy,
+            ]
+        };
+        let difference = |(a, b): (f64, f64)| if a == b { 0.0 } else { (a - b).abs() / a.abs().max(b.abs()) };
+        values(self).into_iter().zip(values(other)).map(difference).fold(0.0, f64::max)
+    }
 }
 
 static SHIPPED: LazyLock<Vec<Tuned>> = LazyLock::new(|| {
@@ -85,7 +116,7 @@ mod tests {
     fn shipped_parameters_are_sound_and_no_worse_than_the_defaults_and_saw_no_test_building() {
         for tuned in Tuned::shipped() {
             tuned.parameters.check().unwrap();
-            assert!(tuned.score >= tuned.default_score, "{}", tuned.class);
+            assert!(tuned.measured.score >= tuned.measured.default_score, "{}", tuned.class);
             assert_eq!(tuned.dataset, dataset::GENERATOR_VERSION);
             for id in &tuned.buildings {
                 let row = dataset::row(id.parse().unwrap());

@@ -1,5 +1,6 @@
 //! `b2b tune`: the parameters of the reactive controllers, found on training buildings.
 
+mod check;
 mod compare;
 
 use std::path::{Path, PathBuf};
@@ -33,6 +34,7 @@ Examples:
   b2b tune                                       every type and zone: an hour or two
   b2b tune --type OfficeSmall --zone 5
   b2b tune --type SingleFamilyHouse --buildings 8 --evaluations 50 --seed 1 --out mine
+  b2b tune check --type SingleFamilyHouse        whether what is shipped comes out again
   b2b tune compare --type OfficeSmall            before and after, on buildings that tuning has not seen
   b2b run OfficeSmall --parameters mine.json     with parameters of your own"
 )]
@@ -67,6 +69,7 @@ pub struct Arguments {
 
 #[derive(clap::Subcommand)]
 enum Instead {
+    Check(check::Arguments),
     Compare(compare::Arguments),
 }
 
@@ -89,14 +92,16 @@ struct Energy<'a> {
 
 impl<'a> Energy<'a> {
     fn of(tuned: &'a Tuned) -> Self {
-        Self { class: tuned.class, energy_scale: tuned.energy, command: &tuned.command }
+        Self { class: tuned.class, energy_scale: tuned.measured.energy, command: &tuned.command }
     }
 }
 
 /// Runs the command.
 pub fn tune(arguments: &Arguments) -> Result<()> {
-    if let Some(Instead::Compare(arguments)) = &arguments.instead {
-        return compare::compare(arguments);
+    match &arguments.instead {
+        Some(Instead::Check(arguments)) => return check::check(arguments),
+        Some(Instead::Compare(arguments)) => return compare::compare(arguments),
+        None => {}
     }
     let classes = classes(&arguments.types, &arguments.zones)?;
     let folder = arguments.out.join("evaluations");
@@ -172,12 +177,12 @@ impl Arguments {
                 tuned.class.climate_zone.map_or_else(String::new, |zone| zone.to_string()),
                 tuned.buildings.len().to_string(),
                 tuned.evaluations.to_string(),
-                format!("{:.3}", tuned.score),
-                format!("{:.3}", tuned.default_penalty),
-                format!("{:.3}", tuned.penalty),
-                format!("{:.2}", tuned.default_daily_travel),
-                format!("{:.2}", tuned.daily_travel),
-                format!("{:.3}", tuned.energy),
+                format!("{:.3}", tuned.measured.score),
+                format!("{:.3}", tuned.measured.default_penalty),
+                format!("{:.3}", tuned.measured.penalty),
+                format!("{:.2}", tuned.measured.default_daily_travel),
+                format!("{:.2}", tuned.measured.daily_travel),
+                format!("{:.3}", tuned.measured.energy),
             ]);
         }
         format!("{}\n\n  {}", table.text(), self.out.join(TUNED).display())

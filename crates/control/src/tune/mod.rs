@@ -24,7 +24,7 @@ use serde::{Deserialize, Serialize};
 
 pub use rollouts::Rollouts;
 
-use crate::{Error, ReactiveParameters, Result, Tuned};
+use crate::{Error, Measured, ReactiveParameters, Result, Tuned};
 use record::{Evaluation, Record};
 use search::Search;
 
@@ -162,19 +162,28 @@ pub fn tune(
     Ok(Tuned {
         class: plan.class,
         parameters: space::parameters(axes, &chosen.values),
-        default_score: score(&default.outcomes, &default.outcomes),
-        score: best.1,
-        default_penalty: mean_penalty(&default.outcomes),
-        penalty: mean_penalty(&chosen.outcomes),
-        default_daily_travel: mean_travel(&default.outcomes),
-        daily_travel: mean_travel(&chosen.outcomes),
-        energy: mean_energy(&chosen.outcomes),
+        measured: measured(&default.outcomes, &chosen.outcomes),
         evaluations: evaluations.max(1),
         seed: plan.seed,
         dataset: plan.dataset.to_owned(),
         buildings: plan.buildings.clone(),
+        periods: plan.periods.clone(),
+        task: plan.task.clone(),
         command: command.to_owned(),
     })
+}
+
+/// What outcomes come to beside those of the default parameters.
+pub fn measured(defaults: &[Outcome], outcomes: &[Outcome]) -> Measured {
+    Measured {
+        default_score: score(defaults, defaults),
+        score: score(defaults, outcomes),
+        default_penalty: mean_penalty(defaults),
+        penalty: mean_penalty(outcomes),
+        default_daily_travel: mean_travel(defaults),
+        daily_travel: mean_travel(outcomes),
+        energy: mean_energy(outcomes),
+    }
 }
 
 /// The 25th percentile over the buildings of the value in times that of the defaults: −1 is as good as the defaults,

@@ -36,10 +36,11 @@ fn the_search_comes_near_the_best_and_is_never_worse_than_the_defaults() {
     let folder = tempfile::tempdir().unwrap();
     for seed in 0..5 {
         let (tuned, _) = run(&plan(seed), 40, &folder.path().join(seed.to_string()));
-        assert!(tuned.default_score == -1.0 && tuned.score > -0.4, "{}", tuned.score);
-        assert!(tuned.penalty < 0.4 * tuned.default_penalty);
+        let measured = tuned.measured;
+        assert!(measured.default_score == -1.0 && measured.score > -0.4, "{}", measured.score);
+        assert!(measured.penalty < 0.4 * measured.default_penalty);
         let (alone, _) = run(&plan(seed), 1, &folder.path().join(format!("{seed}-alone")));
-        assert_eq!((alone.score, alone.parameters), (-1.0, ReactiveParameters::default()));
+        assert_eq!((alone.measured.score, alone.parameters), (-1.0, ReactiveParameters::default()));
     }
 }
 
