@@ -1,0 +1,121 @@
+//! A building in a season, under test.
+
+use b2b_building::PreparedBuilding;
+use b2b_building::hvac::{Actuator, Quantity, System};
+
+use super::heat::{heated_zones, judge_heat};
+use super::hold::{Hold, heat_hold};
+use super::reading::Reading;
+use super::report::{Level, Limit, Row, Season};
+use crate::Result;
+use crate::env::Env;
+
+/// Steps of a hold; the first is for settling.
+const HELD: usize = 9;
+/// Steps that a probe of a miss at the end of a hold may add.
+const PROBED: usize = 2;
+/// Steps of a heating setpoint.
+const HEATED: usize = 24;
+
+/// A building in a season, under test.
+pub(super) struct Bench<'a> {
+    pub(super) env: Env,
+    pub(super) building: &'a PreparedBuilding,
+    pub(super) season: Season,
+    pub(super) readings: Vec<Reading>,
+}
+
+impl Bench<'_> {
+    pub(super) fn hold(&mut self, hold: &Hold) -> Result<()> {
+        let actuators: Vec<_> = self.building.actuators().collect();
+        let judged =
+            |(i, level): &(usize, Level)| Reading::new(actuators[*i], self.season, hold.condition, *level);
+        let mut readings: Vec<_> = hold.judged.iter().map(judged).collect();
+        let mut action = hold.action.clone();
+        for step in 0..HELD + PROBED {
+            if step >= HELD && readings.iter().all(Reading::is_settled) {
+                break;
+            }
+            for ((i, _), reading) in hold.judged.iter().zip(&readings) {
+                action[*i] = reading.nearer.unwrap_or(reading.row.command);
+            }
+            self.env.step(&action)?;
+            for ((i, _), reading) in hold.judged.iter().zip(&mut readings) {
+                if (1..HELD).contains(&step) || !reading.is_settled() {
+                    reading.see(actuators[*i], self.effect(*i, actuators[*i]));
+                }
+            }
+        }
+        for ((i, _), reading) in hold.judged.iter().zip(&mut readings) {
+            reading.limit = reading.coil_limit().or(self.flow_limit(*i, &reading.row));
+        }
+        self.readings.append(&mut readings);
+        Ok(())
+    }
+
+    /// What an actuator drives, in the unit of its command.
+    fn effect(&self, i: usize, actuator: &Actuator) -> f64 {
+        self.env.effect(i).unwrap_or(f64::NAN) / actuator.effect_scale
+    }
+
+    /// The limit that an air loop's flows are at.
+    fn flow_limit(&self, i: usize, row: &Row) -> Option<Limit> {
+        let mut first = 0;
+        for system in &self.building.systems {
+            let actuators = system.actuators();
+            let range = first..first + actuators.len();
+            first = range.end;
+            let System::AirLoop(air_loop) = system else { continue };
+            if !range.contains(&i) {
+                continue;
+            }
+            let dampers = range.zip(actuators).filter(|(_, a)| a.quantity == Quantity::DamperOpening);
+            let supplied: f64 = dampers.map(|(i, _)| self.env.effect(i).unwrap_or(f64::NAN)).sum();
+            let reaches = |flow: f64, limit: f64, tolerance: f64| (flow / limit - 1.0).abs() <= tolerance;
+            return match row.quantity {
+                Quantity::DamperOpening => reaches(supplied, air_loop.fan_flow, 0.01).then_some(Limit::Fan),
+                Quantity::OutdoorAirFlow => {
+                    let outdoor = self.env.effect(i).unwrap_or(f64::NAN);
+                    let makes_up = outdoor > row.command && outdoor <= 1.02 * air_loop.exhaust_flow;
+                    let all = reaches(outdoor, supplied, 0.02).then_some(Limit::SupplyFlow);
+                    all.or(makes_up.then_some(Limit::Exhaust))
+                }
+                _ => None,
+            };
+        }
+        None
+    }
+
+    /// Raises and lowers the heating setpoints, and judges them by heat and zone temperature.
+    pub(super) fn heat(&mut self) -> Result<Vec<Row>> {
+        const LEVELS: [Level; 5] = [Level::Low, Level::Middle, Level::Low, Level::High, Level::Low];
+        let zones = heated_zones(self.building);
+        let actuators: Vec<_> = self.building.actuators().collect();
+        let mut rows: Vec<Vec<Row>> = Vec::new();
+        for level in LEVELS {
+            let hold = heat_hold(self.building, level);
+            let read =
+                |&(i, _): &(usize, usize)| Reading::new(actuators[i], self.season, hold.condition, level);
+            let mut readings: Vec<_> = zones.iter().map(read).collect();
+            for _ in 0..HEATED {
+                let step = self.env.step(&hold.action)?;
+                for (&(i, slot), reading) in zones.iter().zip(&mut readings) {
+                    reading.add(actuators[i], step.observation[slot]);
+                }
+            }
+            let ended = |(&(i, _), reading): (&(usize, usize), Reading)| {
+                let heat = self.env.heat(i);
+                Row {
+                    mean: reading.last,
+                    heat,
+                    error: (reading.last - reading.row.command).abs(),
+                    ..reading.row
+                }
+            };
+            rows.push(zones.iter().zip(readings).map(ended).collect());
+        }
+        Ok((0..zones.len())
+            .flat_map(|zone| judge_heat([0, 1, 2, 3, 4].map(|hold| &rows[hold][zone])))
+            .collect())
+    }
+}

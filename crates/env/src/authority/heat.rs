@@ -1,0 +1,61 @@
+//! Heating setpoints, judged by the heat they bring and the zone's temperature.
+
+use b2b_building::PreparedBuilding;
+use b2b_building::hvac::System;
+
+use super::report::{Limit, Row, Verdict};
+
+/// A zone is at its heating setpoint within this, K.
+const AT_SETPOINT: f64 = 0.5;
+/// Least rise of the zone by a raised setpoint, K, and least heat that counts, W.
+const RISE: f64 = 0.05;
+const SOME_HEAT: f64 = 1.0;
+
+/// The actuators that are heating setpoints, each with the slot of its zone's temperature.
+pub(super) fn heated_zones(building: &PreparedBuilding) -> Vec<(usize, usize)> {
+    let slot = |zone: &str| building.zones.iter().position(|z| z.name.eq_ignore_ascii_case(zone));
+    let zone_of = |name: &str| {
+        building.systems.iter().find_map(|system| match system {
+            System::HeatingOnly(heater) if heater.setpoint.name == name => slot(&heater.zone),
+            System::AirLoop(air_loop) => {
+                let terminal = air_loop.terminals.iter().find(|t| t.reheat.name == name)?;
+                slot(&terminal.zone)
+            }
+            _ => None,
+        })
+    };
+    building.actuators().enumerate().filter_map(|(i, a)| Some((i, zone_of(&a.name)?))).collect()
+}
+
+/// Rows of the holds low, middle, low, high, low: every raise is judged against its neighbours.
+pub(super) fn judge_heat(holds: [&Row; 5]) -> [Row; 3] {
+    let [before, middle, between, high, after] = holds;
+    let raised = |row: &Row, low: [&Row; 2]| Row { verdict: judge_raise(row, low), ..row.clone() };
+    let low = Row { verdict: judge_idle(before), ..before.clone() };
+    [low, raised(middle, [before, between]), raised(high, [between, after])]
+}
+
+/// A raised setpoint raises heat and temperature, unless the zone is above it and gets no heat.
+fn judge_raise(row: &Row, low: [&Row; 2]) -> Verdict {
+    let base = |value: fn(&Row) -> f64| 0.5 * (value(low[0]) + value(low[1]));
+    let heat = |row: &Row| row.heat.unwrap_or(0.0);
+    let rises = row.mean > base(|row| row.mean) + RISE;
+    let holds = (row.mean - row.command).abs() <= AT_SETPOINT;
+    if heat(row) > base(heat) + SOME_HEAT && (rises || holds) {
+        Verdict::Follows
+    } else if heat(row) < SOME_HEAT && row.mean > row.command {
+        Verdict::AtCapacity(Limit::WarmZone)
+    } else {
+        Verdict::Fails
+    }
+}
+
+/// Above its setpoint a zone gets no heat; below it gets some.
+fn judge_idle(row: &Row) -> Verdict {
+    let heated = row.heat.unwrap_or(0.0) > SOME_HEAT;
+    match row.mean - row.command {
+        above if above > AT_SETPOINT && heated => Verdict::Fails,
+        above if above < -AT_SETPOINT && !heated => Verdict::Fails,
+        _ => Verdict::Follows,
+    }
+}

@@ -1,0 +1,107 @@
+//! Whether every actuator bites: what each is told, against what the engine then does.
+//!
+//! In a winter and in a summer day every actuator is taken up and down its range (low, middle, high, middle,
+//! low, and zero for a flow), each value held for most of an hour, all systems at once:
+//!
+//! 1. air flows, with supply air at 20 °C;
+//! 2. supply temperatures, at middle and at full flow;
+//! 3. outdoor air of central air loops, and all dampers of a loop open;
+//! 4. heating setpoints, into the next day: low, middle, low, high, low, two hours each.
+//!
+//! What is judged is the state at the end of every held step but the first, against these limits:
+//!
+//! - air flow: 1 % of the command; nothing at zero;
+//! - supply air temperature: 0.2 K;
+//! - outdoor air flow: 2 % of the command; nothing at zero;
+//! - heating setpoint: raised, it raises the heat over what it is before and after at the low setpoint, and
+//!   raises the zone's temperature too or holds it at the setpoint; a zone above its setpoint gets no heat, and one
+//!   below it gets some.
+//!
+//! A miss counts as [`Verdict::AtCapacity`] only where the equipment shows that it has no more to give:
+//!
+//! - **supply temperature**: after each missed step the command is brought halfway to what was reached, for one
+//!   step, and the outlet moves by less than a fifth of the change from the mean of the steps before and after
+//!   (and a quarter of what it drifts between these): a coil with something left would follow. Where the nearer
+//!   command is met at once, the coil is catching up as its inlet air comes closer (control that lags would not
+//!   meet it), and must meet the command itself by the end of the hold. An outlet that never moves fails: some
+//!   other command at the same flow and in the same season must be followed.
+//! - **damper**: the terminals of the loop together are at the fan's design flow, and were asked for more.
+//! - **outdoor air**: it is all of the supply air, and more was asked for; or it makes up for exhaust fans in the
+//!   loop's zones, within their design flow, and less was asked for.
+//! - **heating setpoint**: the zone is above it without any heat.
+
+mod bench;
+mod heat;
+mod hold;
+mod reading;
+mod report;
+
+use std::path::Path;
+use std::sync::Arc;
+
+use b2b_building::hvac::Quantity;
+use b2b_building::{PreparedBuilding, RunPeriod};
+use b2b_energyplus::Library;
+
+pub use report::{Condition, Level, Limit, Report, Row, Season, Verdict};
+
+use crate::Result;
+use crate::env::{Env, Episode};
+use crate::task::Task;
+use bench::Bench;
+use hold::follow_holds;
+
+const STEPS_PER_HOUR: u32 = 12;
+
+/// Measures every actuator of a building.
+///
+/// # Errors
+/// As [`Env::reset`] and [`Env::step`].
+pub fn measure(library: &Library, building: &Arc<PreparedBuilding>, weather: &Path) -> Result<Report> {
+    let mut rows = Vec::new();
+    for season in [Season::Winter, Season::Summer] {
+        rows.extend(measure_season(library, building, weather, season)?);
+    }
+    let order = |row: &Row| building.actuators().position(|a| a.name == row.actuator);
+    rows.sort_by_key(order);
+    Ok(Report { building: building.name.clone(), rows })
+}
+
+fn measure_season(
+    library: &Library,
+    building: &Arc<PreparedBuilding>,
+    weather: &Path,
+    season: Season,
+) -> Result<Vec<Row>> {
+    let episode = Episode {
+        weather: weather.to_owned(),
+        period: season.days(),
+        steps_per_hour: STEPS_PER_HOUR,
+        task: Task::default(),
+    };
+    let mut bench = Bench {
+        env: Env::new(library.clone(), Arc::clone(building), episode)?.observe_effects(),
+        building,
+        season,
+        readings: Vec::new(),
+    };
+    bench.env.reset()?;
+    for hold in follow_holds(building) {
+        bench.hold(&hold)?;
+    }
+    let mut rows = reading::rows(&bench.readings);
+    if building.actuators().any(|a| a.quantity == Quantity::HeatingSetpoint) {
+        rows.extend(bench.heat()?);
+    }
+    Ok(rows)
+}
+
+impl Season {
+    fn days(self) -> RunPeriod {
+        let days = match self {
+            Season::Winter => "01-16..01-17",
+            Season::Summer => "07-17..07-18",
+        };
+        days.parse().expect("a run period in the calendar")
+    }
+}

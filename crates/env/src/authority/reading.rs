@@ -1,0 +1,181 @@
+//! What one actuator did while it was held, and whether its equipment had more to give.
+
+use b2b_building::hvac::{Actuator, Quantity};
+
+use super::report::{Condition, Level, Limit, Row, Season, Verdict, is_flow};
+
+/// Outlet movement over command movement under which a coil has nothing left to give, and the movement that
+/// inlet air may cause, K.
+const SATURATED: f64 = 0.2;
+const DRIFT: f64 = 0.05;
+/// How far halfway between two steps a decaying outlet may be off their mean, as a share of its decay.
+const CURVATURE: f64 = 0.25;
+
+fn tolerance(quantity: Quantity) -> f64 {
+    match quantity {
+        Quantity::SupplyAirFlow | Quantity::DamperOpening => 0.01,
+        Quantity::OutdoorAirFlow => 0.02,
+        Quantity::SupplyAirTemperature => 0.2,
+        Quantity::HeatingSetpoint => f64::INFINITY,
+    }
+}
+
+/// Deviation of what came of a command: see [`Row::error`].
+fn deviation(actuator: &Actuator, command: f64, effect: f64) -> f64 {
+    let scale = match is_flow(actuator.quantity) {
+        true if command > 0.0 => command,
+        true => actuator.high,
+        false => 1.0,
+    };
+    (effect - command).abs() / scale
+}
+
+/// What one actuator did in one hold.
+#[derive(Clone)]
+pub(super) struct Reading {
+    pub(super) row: Row,
+    steps: usize,
+    pub(super) last: f64,
+    /// The command of the next step where it is not the row's: halfway to what was reached.
+    pub(super) nearer: Option<f64>,
+    /// That command and what came of it.
+    probed: Option<(f64, f64)>,
+    /// Whether a nearer command has ever been met, has ever left the outlet in place, has ever moved it.
+    caught_up: bool,
+    held: bool,
+    moves: bool,
+    pub(super) limit: Option<Limit>,
+}
+
+impl Reading {
+    pub(super) fn new(actuator: &Actuator, season: Season, condition: Condition, level: Level) -> Self {
+        let row = Row {
+            actuator: actuator.name.clone(),
+            quantity: actuator.quantity,
+            season,
+            condition,
+            level,
+            command: level.of(actuator),
+            lowest: f64::INFINITY,
+            mean: 0.0,
+            highest: f64::NEG_INFINITY,
+            error: 0.0,
+            tolerance: tolerance(actuator.quantity),
+            heat: None,
+            verdict: Verdict::Follows,
+        };
+        Self {
+            row,
+            steps: 0,
+            last: f64::NAN,
+            nearer: None,
+            probed: None,
+            caught_up: false,
+            held: false,
+            moves: false,
+            limit: None,
+        }
+    }
+
+    /// Takes in what came of a step, and has a missed supply temperature followed by a nearer command.
+    pub(super) fn see(&mut self, actuator: &Actuator, effect: f64) {
+        if let Some(nearer) = self.nearer.take() {
+            self.probed = Some((nearer, effect));
+            return;
+        }
+        if let Some((nearer, outlet)) = self.probed.take() {
+            let moved = (outlet - 0.5 * (self.last + effect)).abs();
+            let little = SATURATED * (nearer - self.row.command).abs();
+            let met = (outlet - nearer).abs() <= little;
+            self.caught_up |= met;
+            self.held |= !met;
+            let drift = DRIFT + CURVATURE * (self.last - effect).abs();
+            self.moves |= !met && moved > little + drift;
+        }
+        self.add(actuator, effect);
+        let misses = deviation(actuator, self.row.command, effect) > self.row.tolerance;
+        if misses && actuator.quantity == Quantity::SupplyAirTemperature {
+            self.nearer = Some(0.5 * (self.row.command + effect));
+        }
+    }
+
+    pub(super) fn add(&mut self, actuator: &Actuator, effect: f64) {
+        let row = &mut self.row;
+        row.lowest = row.lowest.min(effect);
+        row.highest = row.highest.max(effect);
+        row.mean = (row.mean * self.steps as f64 + effect) / (self.steps + 1) as f64;
+        row.error = row.error.max(deviation(actuator, row.command, effect));
+        self.steps += 1;
+        self.last = effect;
+    }
+
+    /// Whether every miss has been followed up.
+    pub(super) fn is_settled(&self) -> bool {
+        self.nearer.is_none() && self.probed.is_none()
+    }
+
+    /// Whether the coil has shown that it is, or at first was, at its limit.
+    pub(super) fn coil_limit(&self) -> Option<Limit> {
+        let ended_well = (self.last - self.row.command).abs() <= self.row.tolerance;
+        (!self.moves && (self.held || self.caught_up && ended_well)).then_some(Limit::Coil)
+    }
+
+    fn misses(&self) -> bool {
+        self.row.error > self.row.tolerance
+    }
+
+    /// Takes another hold of the same row in. A miss that is explained does not explain another.
+    fn merge(&mut self, other: &Self) {
+        let (misses, steps) = (self.misses() || other.misses(), self.steps + other.steps);
+        self.limit = match (self.misses(), other.misses()) {
+            (true, false) => self.limit,
+            (false, true) => other.limit,
+            _ => self.limit.and(other.limit),
+        }
+        .filter(|_| misses);
+        let (row, other_row) = (&mut self.row, &other.row);
+        let mean = row.mean * self.steps as f64 + other_row.mean * other.steps as f64;
+        row.mean = mean / steps as f64;
+        row.lowest = row.lowest.min(other_row.lowest);
+        row.highest = row.highest.max(other_row.highest);
+        row.error = row.error.max(other_row.error);
+        self.steps = steps;
+    }
+
+    fn judge(&self) -> Verdict {
+        match self.limit {
+            _ if !self.misses() => Verdict::Follows,
+            Some(limit) => Verdict::AtCapacity(limit),
+            None => Verdict::Fails,
+        }
+    }
+}
+
+/// One row for all holds of an actuator at a level under a condition. A coil is at capacity only if it follows
+/// something else.
+pub(super) fn rows(readings: &[Reading]) -> Vec<Row> {
+    let mut merged: Vec<Reading> = Vec::new();
+    for reading in readings {
+        let same = |r: &&mut Reading| {
+            let key = |r: &Reading| (r.row.actuator.clone(), r.row.condition, r.row.level);
+            key(r) == key(reading)
+        };
+        match merged.iter_mut().find(same) {
+            Some(known) => known.merge(reading),
+            None => merged.push(reading.clone()),
+        }
+    }
+    let alive = |reading: &Reading| {
+        merged.iter().any(|r| {
+            r.row.actuator == reading.row.actuator && r.row.condition == reading.row.condition && !r.misses()
+        })
+    };
+    let judged = merged.iter().map(|reading| {
+        let verdict = match reading.judge() {
+            Verdict::AtCapacity(Limit::Coil) if !alive(reading) => Verdict::Fails,
+            verdict => verdict,
+        };
+        Row { verdict, ..reading.row.clone() }
+    });
+    judged.collect()
+}
