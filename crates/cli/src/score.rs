@@ -17,6 +17,7 @@ use crate::evaluate::{Bars, evaluation};
 use crate::prepare::Location;
 use crate::progress::Download;
 use crate::stdout;
+use crate::summary::Versions;
 
 /// Score an episode against the reactive controllers
 ///
@@ -108,6 +109,22 @@ fn surroundings(catalog: &Catalog, subject: &Subject, quiet: bool) -> Result<Sur
     located.with_context(|| format!("{} cannot be prepared", subject.name))
 }
 
+/// An episode of other buildings, or of another engine, is no match for the reactive controllers of these.
+fn check_versions(path: &Path, theirs: &Versions) -> Result<()> {
+    let ours = Versions::current();
+    if (&theirs.generator, &theirs.engine) != (&ours.generator, &ours.engine) {
+        bail!(
+            "{} is of buildings {} on EnergyPlus {}, and this program has {} on {}: run the episode again",
+            path.display(),
+            theirs.generator,
+            theirs.engine,
+            ours.generator,
+            ours.engine
+        );
+    }
+    Ok(())
+}
+
 impl Score {
     fn text(&self) -> String {
         let score = self.score.map_or("none".to_owned(), |score| format!("{score:.4}"));
@@ -133,6 +150,8 @@ impl Trajectory {
         let controller = word("controller")?;
         let task: Task = serde_json::from_str(&word("task_definition")?).with_context(not_ours)?;
         task.check()?;
+        let versions: Versions = serde_json::from_str(&word("versions")?).with_context(not_ours)?;
+        check_versions(path, &versions)?;
         let subject = arguments.subject(&building, &place)?;
         let [mut temperature_penalty, mut energy_penalty] = [0.0; 2];
         let mut steps = 0;
@@ -186,5 +205,24 @@ impl Arguments {
             placement.place = Some(found);
         }
         Ok(Subject { name, placement })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_episode_of_other_buildings_or_another_engine_is_refused() {
+        let path = Path::new("trajectory.parquet");
+        check_versions(path, &Versions::current()).unwrap();
+        check_versions(path, &Versions { package: "0".into(), ..Versions::current() }).unwrap();
+        for other in [
+            Versions { generator: "v0".into(), ..Versions::current() },
+            Versions { engine: "9.6".into(), ..Versions::current() },
+        ] {
+            let said = check_versions(path, &other).unwrap_err().to_string();
+            assert!(said.contains("trajectory.parquet") && said.contains("run the episode again"), "{said}");
+        }
     }
 }

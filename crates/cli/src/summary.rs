@@ -3,10 +3,12 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
+use b2b_building::dataset::GENERATOR_VERSION;
 use b2b_energyplus::Level;
+use b2b_energyplus::install::ENGINE_VERSION;
 use b2b_env::{Env, Setpoints, Task};
 use cpu_time::ProcessTime;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::run::Rollout;
 use crate::table::Table;
@@ -20,6 +22,8 @@ pub struct Summary {
     /// What only the command line knows.
     #[serde(flatten)]
     pub about: About,
+    /// What made it.
+    pub versions: Versions,
     /// Run period, as on the command line.
     pub period: String,
     /// Zone time steps an hour.
@@ -89,6 +93,26 @@ pub struct Summary {
     pub zones: Vec<ZoneSummary>,
 }
 
+/// Versions of what an episode depends on: with the same, it is the same.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Versions {
+    /// Of this program.
+    pub package: String,
+    /// Of the buildings.
+    pub generator: String,
+    /// Of EnergyPlus.
+    pub engine: String,
+}
+
+impl Versions {
+    /// Those at work.
+    pub fn current() -> Self {
+        let [package, generator, engine] =
+            [env!("CARGO_PKG_VERSION"), GENERATOR_VERSION, ENGINE_VERSION].map(str::to_owned);
+        Self { package, generator, engine }
+    }
+}
+
 /// What an environment does not know of its run.
 #[derive(Serialize)]
 pub struct About {
@@ -134,6 +158,7 @@ impl Summary {
         Ok(Self {
             building: env.building().name.clone(),
             about,
+            versions: Versions::current(),
             period: episode.period.to_string(),
             steps_per_hour: episode.steps_per_hour,
             task: episode.task.to_string(),

@@ -81,6 +81,7 @@ impl Columns {
             ("controller", summary.about.controller.to_owned()),
             ("task", summary.task.clone()),
             ("task_hash", summary.task_hash.clone()),
+            ("versions", serde_json::to_string(&summary.versions)?),
             ("task_definition", serde_json::to_string(&summary.task_definition)?),
         ];
         let about = about.map(|(key, value)| (key.to_owned(), value));
