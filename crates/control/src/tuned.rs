@@ -39,8 +39,8 @@ pub struct Tuned {
 pub struct Measured {
     /// Score of the default parameters: −1, or −1 and a little where a percentile is interpolated.
     pub default_score: f64,
-    /// Score of these: the 25th percentile over the buildings of what they lose in times what the defaults lose,
-    /// restless actuators counted. 0 is perfect.
+    /// Score of these: the 25th percentile over the buildings of the return in times what the defaults lost. 0 is
+    /// perfect.
     pub score: f64,
     /// Penalty of a step under the default parameters, mean over the buildings, K².
     pub default_penalty: f64,

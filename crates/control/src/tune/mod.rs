@@ -2,9 +2,10 @@
 //!
 //! 1. [`Plan::new`] draws training buildings of a class.
 //! 2. [`Rollouts`] keeps them ready to begin episodes over a winter and a summer week.
-//! 3. [`tune`] tries the default parameters, then what a Bayesian search proposes. What a building loses, made dearer by
-//!    how much its actuators move, is divided by the same of the defaults, so that buildings weigh alike. The score is
-//!    the 25th percentile over the buildings, as in the paper (which tunes on its test buildings; here none is seen).
+//! 3. [`tune`] tries the default parameters, then what a Bayesian search proposes. A building's return is divided by
+//!    what the defaults had on it, so that buildings weigh alike, and the score is the 25th percentile over the
+//!    buildings, as in the paper (which tunes on its test buildings; here none is seen). The search is told of scores
+//!    made worse by how much the actuators move, and the best is chosen among those whose actuators do not hunt.
 //!
 //! Every evaluation is appended to a file; the same plan goes on from there, and comes to the same result.
 
@@ -60,8 +61,9 @@ pub struct Outcome {
     pub daily_travel: f64,
 }
 
-/// Daily travel that counts as much as what is lost: beyond a few ranges a day, actuators hunt.
-const DEAR_TRAVEL: f64 = 5.0;
+/// Daily travel beyond which actuators hunt, unless those of the defaults travel further. A target that jumps up and
+/// down once a day takes an actuator there and back twice, which is four times its range.
+const CALM: f64 = 5.0;
 
 impl Outcome {
     /// Over some episodes.
@@ -75,9 +77,9 @@ impl Outcome {
         })
     }
 
-    /// The return, made worse by restless actuators: twice as bad at five times their ranges a day.
-    fn value(&self) -> f64 {
-        self.episode_return * (1.0 + (self.daily_travel / DEAR_TRAVEL).powi(2))
+    /// The return, made worse by how much the actuators move: twice as bad where they begin to hunt.
+    fn weighted_return(&self) -> f64 {
+        self.episode_return * (1.0 + (self.daily_travel / CALM).powi(2))
     }
 }
 
@@ -151,9 +153,13 @@ pub fn tune(
             record.push(Evaluation { values, outcomes })?;
         }
         let evaluation = &record.evaluations[number];
-        let score = score(&record.evaluations[0].outcomes, &evaluation.outcomes);
-        search.tell(&evaluation.values, score)?;
-        if score > best.1 {
+        let defaults = &record.evaluations[0].outcomes;
+        search.tell(
+            &evaluation.values,
+            percentile_of(Outcome::weighted_return, defaults, &evaluation.outcomes),
+        )?;
+        let score = score(defaults, &evaluation.outcomes);
+        if score > best.1 && is_calm(defaults, &evaluation.outcomes) {
             best = (number, score);
         }
         done(number + 1, best.1);
@@ -186,13 +192,21 @@ pub fn measured(defaults: &[Outcome], outcomes: &[Outcome]) -> Measured {
     }
 }
 
-/// The 25th percentile over the buildings of the value in times that of the defaults: −1 is as good as the defaults,
+/// The 25th percentile over the buildings of the return in times what the defaults lost: −1 is as good as the defaults,
 /// 0 is perfect.
 fn score(defaults: &[Outcome], outcomes: &[Outcome]) -> f64 {
+    percentile_of(|outcome| outcome.episode_return, defaults, outcomes)
+}
+
+fn percentile_of(value: fn(&Outcome) -> f64, defaults: &[Outcome], outcomes: &[Outcome]) -> f64 {
     let relative = |(outcome, default): (&Outcome, &Outcome)| {
-        outcome.value() / default.value().abs().max(f64::MIN_POSITIVE)
+        value(outcome) / value(default).abs().max(f64::MIN_POSITIVE)
     };
     percentile_25(outcomes.iter().zip(defaults).map(relative).collect())
+}
+
+fn is_calm(defaults: &[Outcome], outcomes: &[Outcome]) -> bool {
+    mean_travel(outcomes) <= mean_travel(defaults).max(CALM)
 }
 
 /// Interpolated between neighbours.
