@@ -92,6 +92,7 @@ class Layout:
             "zones": [zone["name"] for zone in data["zones"]],
             "controlled_zones": self.zones,
             "conditioned_floor_area": data["conditioned_floor_area"],
+            "energy_scale": data["energy_scale"],
         }
 
 
