@@ -1,6 +1,6 @@
 """The Rust core. The package's own names are in its other modules; these are how they are made."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import Any, final
@@ -26,6 +26,16 @@ def generate(
     weather: Sequence[str | PathLike[str]],
     settings: Sequence[str],
 ) -> list[Building]: ...
+def evaluate(
+    policy: str | Callable[[Spaces, Building, int], Callable[[NDArray[np.float64]], ArrayLike]],
+    episodes: Sequence[tuple[str, str | None, str | None, str, str, int, int]],
+    folder: str | PathLike[str],
+    jobs: int,
+    rescale: bool,
+    name: str,
+    identity: str,
+    progress: Callable[[str, int, int], None] | None = None,
+) -> tuple[dict[str, list[Any]], str]: ...
 def trajectory_hash(observations: ArrayLike, actions: ArrayLike, penalties: ArrayLike) -> str: ...
 
 @final

@@ -13,6 +13,7 @@ need("stable_baselines3", "train")
 from stable_baselines3.common.vec_env import VecEnv  # noqa: E402
 
 from .info import Info  # noqa: E402
+from .scaling import Scale  # noqa: E402
 from .vector import BuildingVectorEnv, make_vec  # noqa: E402
 
 
@@ -28,7 +29,7 @@ class SB3VecEnv(VecEnv):
             raise SettingError("Stable-Baselines3 resets in the same step: make with autoreset_mode='SameStep'")
         self.envs = envs
         space = envs.single_observation_space
-        self._scale = _Scale(envs) if normalize else None
+        self._scale = _scale(envs) if normalize else None
         if self._scale is not None:
             space = self._scale.space
         self._seed: int | None = None
@@ -96,27 +97,11 @@ def _row(infos, index):
     return fill
 
 
-class _Scale:
-    """Observations by the usual bounds of their slots, from -1 to 1."""
-
-    def __init__(self, envs: BuildingVectorEnv):
-        from gymnasium.spaces import Box
-
-        from .wrappers import NormalizeObservation
-
-        if len(envs.layouts) > 1 and len({len(each.observation_low) for each in envs.layouts}) > 1:
-            raise SettingError("buildings with different observations: normalize=False, and normalise in the policy")
-        box, usual = envs.single_observation_space, NormalizeObservation.USUAL
-        low, high = box.low.astype(np.float64), box.high.astype(np.float64)
-        for index, slot in enumerate(envs.layouts[0].data["observation"]):
-            fits = [words for words in usual if slot["name"].endswith(words)]
-            if fits:
-                low[index], high[index] = usual[max(fits, key=len)]
-        self._low, self._span = low.astype(np.float32), np.where(high > low, high - low, 1).astype(np.float32)
-        self.space = Box(-1.0, 1.0, box.shape, dtype=np.float32)
-
-    def __call__(self, observations):
-        return np.clip(2 * (observations - self._low) / self._span - 1, -1, 1)
+def _scale(envs: BuildingVectorEnv) -> Scale:
+    if len({len(each.observation_low) for each in envs.layouts}) > 1:
+        raise SettingError("buildings with different observations: normalize=False, and normalise in the policy")
+    box = envs.single_observation_space
+    return Scale([slot["name"] for slot in envs.layouts[0].data["observation"]], box.low, box.high)
 
 
 def make_sb3_vec(

@@ -13,6 +13,7 @@ from . import weather
 from .buildings import Building, list_buildings
 from .errors import ActionError, SettingError
 from .info import Info
+from .scaling import Scale
 
 __all__ = [
     "AugmentObservationWithBuildingParams",
@@ -82,32 +83,15 @@ class NormalizeObservation(_Wrapper):
     """Each slot from -1 at its lower to 1 at its upper bound. ``bounds`` are narrower ones by a slot's name or its last
     words, such as ``{"air temperature": (10, 35)}``; what is beyond is clipped."""
 
-    #: Where temperatures of zones and outdoors mostly are; the space's own bounds are those that no sane run crosses.
-    USUAL = {
-        "outdoor air temperature": (-40.0, 50.0),
-        "air temperature": (5.0, 40.0),
-        "target": (10.0, 35.0),
-        "HVAC electricity": (0.0, 10.0),
-        "HVAC gas": (0.0, 20.0),
-    }
-
     def __init__(self, env: gymnasium.Env, bounds: dict[str, tuple[float, float]] | None = None):
         super().__init__(env, bounds=bounds)
-        bounds = self.USUAL if bounds is None else bounds
-        box = env.observation_space
-        low, high = box.low.astype(np.float64), box.high.astype(np.float64)
-        for index, name in enumerate(env.metadata["observation_names"]):
-            fits = [words for words in bounds if name.endswith(words)]
-            if fits:
-                low[index], high[index] = bounds[max(fits, key=len)]
-        self._low, self._span = low, np.where(high > low, high - low, 1.0)
-        self.observation_space = Box(-1.0, 1.0, box.shape, dtype=np.float32)
-        names = env.metadata["observation_names"]
+        names, box = env.metadata["observation_names"], env.observation_space
+        self._scale = Scale(names, box.low, box.high, bounds)
+        self.observation_space = self._scale.space
         self._rename(names, ["1"] * len(names))
 
     def observation(self, observation):
-        shares = 2 * (observation - self._low) / self._span - 1
-        return np.clip(shares, -1.0, 1.0).astype(np.float32)
+        return self._scale(observation)
 
 
 class AugmentObservationWithBuildingParams(_Wrapper):
