@@ -184,7 +184,7 @@ struct Acting {
 impl Acting {
     fn ask(&self, observation: &[f64], action: &mut [f64]) -> PyResult<()> {
         Python::attach(|py| {
-            let given = self.act.call1(py, (arrays::row(py, observation.to_vec()),))?;
+            let given = self.act.call1(py, (arrays::row(py, observation),))?;
             let given = arrays::numbers(given.bind(py))?;
             self.space.check(&given).map_err(crate::error::of_env)?;
             action.copy_from_slice(&given);
