@@ -1,7 +1,7 @@
 """What a step costs, printed: ``python -m building2building.bench``.
 
-CPU time is of this process alone, or of an environment's process where it says worker; wall time is by the clock. What is
-compared takes turns, and each figure is the median over the turns.
+CPU time is of this process alone, or of an environment's process where it says worker; wall time is by the clock. What
+is compared takes turns, and each figure is the median over the turns.
 """
 
 from __future__ import annotations
@@ -126,7 +126,9 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=14, help="environments of the vector environment")
     arguments = parser.parse_args()
     print(f"import building2building: {importing():.2f} s\n")
-    print("type                Env::step, us  beyond it, us  owner, us  worker, us  wall, us  reset, ms  own memory, MB")
+    print(
+        "type                Env::step, us  beyond it, us  owner, us  worker, us  wall, us  reset, ms  own memory, MB"
+    )
     for each in arguments.types:
         times = single(each, arguments.days, arguments.turns)
         reset, memory = resetting(each)
@@ -135,9 +137,9 @@ def main() -> None:
             f"{times['worker']:10.1f}  {times['wall']:8.1f}  {reset:9.2f}  {memory:14.1f}"
         )
     print(
-        "\nEnv::step: in this process, called from Rust; beyond it: what a step of the same environment from Python takes "
-        "more.\nowner: what this process takes for a step of an environment with a process of its own, two switches "
-        "between\nprocesses included; worker: what that process takes."
+        "\nEnv::step: in this process, called from Rust; beyond it: what a step of it from Python takes more.\n"
+        "owner: what this process takes for a step of an environment with a process of its own, switching to it and\n"
+        "back included; worker: what that process takes."
     )
     print(f"\n{arguments.count} environments   make_vec, steps/s  VecEnv in Rust, steps/s  ratio")
     for each in arguments.types:

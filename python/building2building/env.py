@@ -183,12 +183,12 @@ class Snapshot:
 class BuildingEnv(gymnasium.Env):
     """A building on EnergyPlus; :func:`make_env` makes one.
 
-    - Observation: ``Box`` f32, ``metadata["observation_names"]`` and ``["observation_units"]``: air temperature of every
-      zone (°C), outdoor temperature (°C) and humidity (%), clock, electricity and gas of the step (Wh/m²); where targets
-      move, occupancy and target (°C) of every controlled zone for the step to come. :attr:`observation` is the same in
-      f64.
-    - Action: ``Box`` f32, one value an actuator, in physical units; from -1 to 1 with ``rescale_action``. f64 is taken as
-      it is.
+    - Observation: ``Box`` f32, ``metadata["observation_names"]`` and ``["observation_units"]``: air temperature of
+      every zone (°C), outdoor temperature (°C) and humidity (%), clock, electricity and gas of the step (Wh/m²); where
+      targets move, occupancy and target (°C) of every controlled zone for the step to come. :attr:`observation` is the
+      same in f64.
+    - Action: ``Box`` f32, one value an actuator, in physical units; from -1 to 1 with ``rescale_action``. f64 is taken
+      as it is.
     - Reward: minus the mean squared deviation from target over the controlled zones (K²), minus the task's weight times
       energy; ``info["reward_terms"]`` has both.
     - End: truncated at the end of the run period; never terminated.

@@ -109,12 +109,12 @@ def evaluate(
     - ``"reactive"``, ``"random"``, ``"constant"``, ``"planner"``, or the path of an ONNX file, whose actions are from
       -1 to 1 unless ``rescale_action=False``: no Python runs then.
 
-    ``buildings`` are ids, types, paths of models, or what :func:`find_building` gives. As many episodes run at a time as
-    ``jobs``, one for each core by default, each in a process of its own. With a ``folder``, every episode is on disk as
-    it ends; the same call goes on where it was interrupted, and gives the same bytes. Whether it is the same is told by
-    all arguments, and of the policy by ``name`` (by default that of the class or function) and ``version``: name another
-    version after training on. An observation is given alone: sums in a batch depend on what else is in it, and an
-    evaluation that was resumed would have other bits.
+    ``buildings`` are ids, types, paths of models, or what :func:`find_building` gives. As many episodes run at a time
+    as ``jobs``, one for each core by default, each in a process of its own. With a ``folder``, every episode is on disk
+    as it ends; the same call goes on where it was interrupted, and gives the same bytes. Whether it is the same is told
+    by all arguments, and of the policy by ``name`` (by default that of the class or function) and ``version``: name
+    another version after training on. An observation is given alone: sums in a batch depend on what else is in it, and
+    an evaluation that was resumed would have other bits.
 
     Raises what the policy raises, which ends the evaluation; :class:`~building2building.errors.EvaluationError` for a
     folder of another evaluation. An episode whose process dies is a row with the reason in ``lost``.

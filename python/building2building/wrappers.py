@@ -125,8 +125,9 @@ class AugmentObservationWithBuildingParams(_Wrapper):
 
 class ResampleBuildingOnResetWrapper(_Wrapper):
     """Another building every episode, drawn by the seed of ``reset`` from a list of ids or :class:`Building`, or from a
-    split of the environment's type. Make the environment with ``rescale_action=True``, so that they have the same actions.
-    Houses have one to three zones: ``width`` pads the observation. ``reset(options={"building": ...})`` asks for one."""
+    split of the environment's type. Make the environment with ``rescale_action=True``, so that they have the same
+    actions. Houses have one to three zones: ``width`` pads the observation. ``reset(options={"building": ...})`` asks
+    for one."""
 
     def __init__(
         self,
@@ -218,8 +219,8 @@ class WeatherForecast(_Wrapper):
 
 
 class PriceSignal(_Wrapper):
-    """A price, or emissions, by the hour: now and in the next hours behind the observation, and ``weight`` times it times
-    the electricity of the step (kWh/m²) off the reward.
+    """A price, or emissions, by the hour: now and in the next hours behind the observation, and ``weight`` times it
+    times the electricity of the step (kWh/m²) off the reward.
 
     ``series`` has 24 values for the hours of a day or 8760 for those of a year, such as :meth:`time_of_use`.
     """
@@ -297,8 +298,8 @@ class SubsetObservation(_Wrapper):
 
 
 class SubsetAction(_Wrapper):
-    """These actuators alone, by name and in this order; ``rest`` says for an observation what all actuators do, and drives
-    those that are left: :class:`ReactiveController` by default."""
+    """These actuators alone, by name and in this order; ``rest`` says for an observation what all actuators do, and
+    drives those that are left: :class:`ReactiveController` by default."""
 
     def __init__(self, env: gymnasium.Env, names: Sequence[str], rest: Callable[[np.ndarray], Any] | None = None):
         super().__init__(env, names=names, rest=rest)
@@ -337,8 +338,9 @@ def _place(known: list[str], name: str) -> int:
 
 
 def wrap_env_for_rl(env: gymnasium.Env, *, width: int | None = None, parameters: bool = False) -> gymnasium.Env:
-    """What learners want: observations from -1 to 1, actions too if the environment was made with ``rescale_action=True``
-    (they are rescaled here if not), padded to ``width``, with the building's parameters if asked for."""
+    """What learners want: observations from -1 to 1, actions too if the environment was made with
+    ``rescale_action=True`` (they are rescaled here if not), padded to ``width``, with the building's parameters if
+    asked for."""
     if not env.unwrapped.rescale_action:
         env = gymnasium.wrappers.RescaleAction(env, np.float32(-1.0), np.float32(1.0))
     env = NormalizeObservation(env)

@@ -78,7 +78,13 @@ def test_what_was_interrupted_goes_on_and_gives_the_same_bytes(tmp_path):
 
     def again():
         return b2b.evaluate(
-            Stumbling, HOUSES, ["constant", "occupancy"], run_periods=DAYS, folder=tmp_path / "parts", name="Lazy", jobs=1
+            Stumbling,
+            HOUSES,
+            ["constant", "occupancy"],
+            run_periods=DAYS,
+            folder=tmp_path / "parts",
+            name="Lazy",
+            jobs=1,
         )
 
     with pytest.raises(KeyError, match="a mistake"):
