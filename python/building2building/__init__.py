@@ -24,6 +24,7 @@ from .buildings import (
 )
 from .env import BuildingEnv, Snapshot, make_env
 from .errors import Error
+from .evaluation import Evaluation, evaluate
 from .morphology import Morphology
 from .rollouts import (
     ConstantController,
@@ -32,7 +33,6 @@ from .rollouts import (
     ReactiveController,
     Trajectory,
     callable_controller,
-    evaluate,
     rollout,
 )
 from .vector import BuildingVectorEnv, make_vec
@@ -47,6 +47,7 @@ __all__ = [
     "ConstantController",
     "Controller",
     "Error",
+    "Evaluation",
     "Morphology",
     "RandomController",
     "ReactiveController",

@@ -1,7 +1,7 @@
 """What a step costs, printed: ``python -m building2building.bench``.
 
-CPU time is of this process alone (single environments: of it and of the engine's process), wall time by the clock. Each
-measure is the best of several turns, taken in turns, so that what else the machine does counts as little as it can.
+CPU time is of this process alone, or of an environment's process where it says worker; wall time is by the clock. What
+is compared takes turns, and each figure is the median over the turns.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ import argparse
 import subprocess
 import sys
 import time
+from collections import defaultdict
 
 import numpy as np
 
@@ -22,59 +23,83 @@ def _cpu(process: int) -> float:
         return int(file.read().split()[0]) / 1e9
 
 
+class _Times:
+    """Times of a step, us, by name."""
+
+    def __init__(self):
+        self._all = defaultdict(list)
+
+    def keep(self, name: str, seconds: float, steps: int) -> None:
+        self._all[name].append(seconds / steps * 1e6)
+
+    def medians(self) -> dict[str, float]:
+        return {name: float(np.median(values)) for name, values in self._all.items()}
+
+
 def single(building_type: str, days: int, turns: int) -> dict[str, float]:
-    """CPU and wall time of a step, us: of Python, of the worker, and of the environment in this process."""
+    """CPU and wall time of a step, us.
+
+    ``rust``: ``Env::step`` in this process, called from Rust; ``in_process``: the same environment stepped from Python;
+    ``owner``, ``worker`` and ``wall``: of an environment with a process of its own, which is the default.
+    """
     period = f"01-01..01-{days:02d}"
     env = b2b.make_env(building_type, run_period=period)
     local = b2b.make_env(building_type, run_period=period, in_process=True)
-    middle = (env.layout.action_low + env.layout.action_high) / 2
-    action = middle.astype(np.float32)
-    best: dict[str, float] = {}
-
-    def keep(name, seconds, steps):
-        best[name] = min(best.get(name, np.inf), seconds / steps * 1e6)
-
+    action = ((env.unwrapped.layout.action_low + env.unwrapped.layout.action_high) / 2).astype(np.float32)
+    times, steps = _Times(), env.unwrapped.episode_steps - 1
     for _ in range(turns):
         env.reset()
-        process, steps, step = env._core.process, env.episode_steps - 1, env.step
+        process, step = env.unwrapped._core.process, env.step
         worker, cpu, wall = _cpu(process), time.process_time(), time.perf_counter()
         for _ in range(steps):
             step(action)
-        keep("wall", time.perf_counter() - wall, steps)
-        keep("python", time.process_time() - cpu, steps)
-        keep("worker", _cpu(process) - worker, steps)
+        times.keep("wall", time.perf_counter() - wall, steps)
+        times.keep("owner", time.process_time() - cpu, steps)
+        times.keep("worker", _cpu(process) - worker, steps)
+        # One episode, in which Rust and Python take turns: a quarter of an hour each.
         local.reset()
-        core = local._core
-        cpu = time.process_time()
-        for _ in range(steps):
-            core.step(action, False)
-        keep("rust", time.process_time() - cpu, steps)
+        step, hold, few = local.step, local.unwrapped._core.hold, 3
+        spent = {"rust": 0.0, "in_process": 0.0}
+        for _ in range(steps // (2 * few)):
+            cpu = time.process_time()
+            hold(action, few)
+            between = time.process_time()
+            for _ in range(few):
+                step(action)
+            spent["rust"] += between - cpu
+            spent["in_process"] += time.process_time() - between
+        for name, seconds in spent.items():
+            times.keep(name, seconds, steps // (2 * few) * few)
     env.close()
     local.close()
-    return best
+    return times.medians()
 
 
-def vector(building_type: str, count: int, days: int, turns: int) -> float:
-    """Steps a second of a vector environment, all its environments together."""
+def vector(building_type: str, count: int, days: int, turns: int) -> tuple[float, float]:
+    """Steps a second of a vector environment, all its environments together: from Python, and from Rust alone."""
     envs = b2b.make_vec(building_type, count, run_period=f"01-01..01-{days:02d}")
     actions = np.broadcast_to((envs.action_space.low + envs.action_space.high) / 2, envs.action_space.shape).copy()
-    best = 0.0
+    steps, times = envs.unwrapped.layouts[0].data["episode_steps"] - 1, _Times()
     for _ in range(turns):
         envs.reset(seed=0)
-        steps = envs.layouts[0].data["episode_steps"] - 1
         start = time.perf_counter()
         for _ in range(steps):
             envs.step(actions)
-        best = max(best, count * steps / (time.perf_counter() - start))
+        times.keep("python", time.perf_counter() - start, count * steps)
+        envs.reset(seed=0)
+        start = time.perf_counter()
+        envs.unwrapped._core.hold(actions, steps)
+        times.keep("rust", time.perf_counter() - start, count * steps)
     envs.close()
-    return best
+    medians = times.medians()
+    return 1e6 / medians["python"], 1e6 / medians["rust"]
 
 
 def importing(turns: int = 5) -> float:
-    """Time of ``import building2building`` in a fresh interpreter, s."""
+    """Time of ``import building2building`` in a fresh interpreter, s: the median."""
     code = "import time; t = time.perf_counter(); import building2building; print(time.perf_counter() - t)"
     run = lambda: subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)  # noqa: E731
-    return min(float(run().stdout) for _ in range(turns))
+    return float(np.median([float(run().stdout) for _ in range(turns)]))
 
 
 def resetting(building_type: str, turns: int = 20) -> tuple[float, float]:
@@ -97,21 +122,29 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m building2building.bench", description=main.__doc__)
     parser.add_argument("types", nargs="*", default=b2b.list_building_types(), metavar="TYPE")
     parser.add_argument("--days", type=int, default=7, help="days of an episode, up to 31")
-    parser.add_argument("--turns", type=int, default=3)
+    parser.add_argument("--turns", type=int, default=5, help="over which the medians are")
     parser.add_argument("--count", type=int, default=14, help="environments of the vector environment")
     arguments = parser.parse_args()
     print(f"import building2building: {importing():.2f} s\n")
-    print("type                Env::step, us  beyond it here, us  worker, us  wall, us  reset, ms  own memory, MB")
+    print(
+        "type                Env::step, us  beyond it, us  owner, us  worker, us  wall, us  reset, ms  own memory, MB"
+    )
     for each in arguments.types:
         times = single(each, arguments.days, arguments.turns)
         reset, memory = resetting(each)
         print(
-            f"{each:<18}  {times['rust']:13.1f}  {times['python']:18.1f}  {times['worker']:10.1f}  "
-            f"{times['wall']:8.1f}  {reset:9.2f}  {memory:14.1f}"
+            f"{each:<18}  {times['rust']:13.1f}  {times['in_process'] - times['rust']:13.1f}  {times['owner']:9.1f}  "
+            f"{times['worker']:10.1f}  {times['wall']:8.1f}  {reset:9.2f}  {memory:14.1f}"
         )
-    print(f"\nmake_vec, {arguments.count} environments, steps a second")
+    print(
+        "\nEnv::step: in this process, called from Rust; beyond it: what a step of it from Python takes more.\n"
+        "owner: what this process takes for a step of an environment with a process of its own, switching to it and\n"
+        "back included; worker: what that process takes."
+    )
+    print(f"\n{arguments.count} environments   make_vec, steps/s  VecEnv in Rust, steps/s  ratio")
     for each in arguments.types:
-        print(f"{each:<18}  {vector(each, arguments.count, arguments.days, arguments.turns):10.0f}")
+        python, rust = vector(each, arguments.count, arguments.days, arguments.turns)
+        print(f"{each:<18}  {python:15.0f}  {rust:23.0f}  {python / rust:5.2f}")
 
 
 if __name__ == "__main__":

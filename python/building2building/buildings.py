@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from functools import lru_cache
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +24,7 @@ def list_places() -> dict[str, str]:
     return dict(_core.places())
 
 
-@lru_cache(maxsize=None)
+@cache
 def _table(building_type: str) -> tuple[dict[str, str], ...]:
     columns, rows = _core.dataset_table(building_type)
     return tuple({name: cell for name, cell in zip(columns, row) if cell} for row in rows)

@@ -92,6 +92,7 @@ class Layout:
             "zones": [zone["name"] for zone in data["zones"]],
             "controlled_zones": self.zones,
             "conditioned_floor_area": data["conditioned_floor_area"],
+            "energy_scale": data["energy_scale"],
         }
 
 
@@ -118,21 +119,23 @@ def action_box(layout: Layout, rescale: bool) -> gymnasium.spaces.Box:
     return gymnasium.spaces.Box(low, high, dtype=np.float32)
 
 
-class StepInfo:
-    """What a step was judged by; :meth:`as_dict` is its info."""
+class StepInfo(Info):
+    """The info of a step, made of what the step was judged by when it is read."""
 
-    __slots__ = ("env", "before", "after", "temperature", "energy", "step", "truncated")
+    __slots__ = ("layout", "setting", "before", "after", "temperature", "energy", "step")
 
-    def __init__(self, env, before, after, temperature, energy, step, truncated):
-        self.env, self.before, self.after = env, before, after
-        self.temperature, self.energy, self.step, self.truncated = temperature, energy, step, truncated
+    def __init__(self, layout, setting, before, after, temperature, energy, step):
+        # One object and nothing else: this is made at every step.
+        self.layout, self.setting, self.before, self.after = layout, setting, before, after
+        self.temperature, self.energy, self.step = temperature, energy, step
 
-    def as_dict(self) -> dict[str, Any]:
-        env = self.env
-        layout: Layout = env.layout
+    def _filled(self) -> Info:
+        layout: Layout | None = self.layout
+        if layout is None:
+            return self
         electricity, gas = float(self.after[layout.electricity]), float(self.after[layout.gas])
         hour = (self.step - 1) % (24 * layout.steps_per_hour) / layout.steps_per_hour
-        cost, emissions = env.setting.cost_and_emissions(electricity, gas, hour)
+        cost, emissions = self.setting.cost_and_emissions(electricity, gas, hour)
         temperatures, targets = self.after[layout.temperatures], layout.targets_in(self.before)
         info = {
             "step": self.step,
@@ -148,7 +151,8 @@ class StepInfo:
         }
         if layout.occupancies is not None:
             info["zone_occupied"] = self.before[layout.occupancies] > 0.5
-        return info
+        self.layout = self.setting = self.before = self.after = None
+        return self._take(info)
 
 
 @dataclass(frozen=True)
@@ -179,12 +183,12 @@ class Snapshot:
 class BuildingEnv(gymnasium.Env):
     """A building on EnergyPlus; :func:`make_env` makes one.
 
-    - Observation: ``Box`` f32, ``metadata["observation_names"]`` and ``["observation_units"]``: air temperature of every
-      zone (°C), outdoor temperature (°C) and humidity (%), clock, electricity and gas of the step (Wh/m²); where targets
-      move, occupancy and target (°C) of every controlled zone for the step to come. :attr:`observation` is the same in
-      f64.
-    - Action: ``Box`` f32, one value an actuator, in physical units; from -1 to 1 with ``rescale_action``. f64 is taken as
-      it is.
+    - Observation: ``Box`` f32, ``metadata["observation_names"]`` and ``["observation_units"]``: air temperature of
+      every zone (°C), outdoor temperature (°C) and humidity (%), clock, electricity and gas of the step (Wh/m²); where
+      targets move, occupancy and target (°C) of every controlled zone for the step to come. :attr:`observation` is the
+      same in f64.
+    - Action: ``Box`` f32, one value an actuator, in physical units; from -1 to 1 with ``rescale_action``. f64 is taken
+      as it is.
     - Reward: minus the mean squared deviation from target over the controlled zones (K²), minus the task's weight times
       energy; ``info["reward_terms"]`` has both.
     - End: truncated at the end of the run period; never terminated.
@@ -278,7 +282,8 @@ class BuildingEnv(gymnasium.Env):
         single, self.observation = self._core.reset() if self._thread is not None else self._core.reset(steps)
         self._steps, self._began, self._truncated = 0, True, False
         self._episode_steps = steps or self.layout.data["episode_steps"]
-        info = Info(lambda: {"building": self.building.name, "first_day": setting.first_day()})
+        building = self.building
+        info = Info(lambda: {"building": building.name, "first_day": setting.first_day()})
         if self.render_mode == "human":
             self.render()
         return single, info
@@ -329,12 +334,9 @@ class BuildingEnv(gymnasium.Env):
         self._penalties = temperature, energy
         self._steps += 1
         self._truncated = truncated
-        judged = StepInfo(self, before, after, temperature, energy, self._steps, truncated)
+        info = StepInfo(self.layout, self.setting, before, after, temperature, energy, self._steps)
         if truncated:
-            info = Info()
-            info.update(judged.as_dict(), metrics=self._core.metrics())
-        else:
-            info = Info(judged.as_dict)
+            info["metrics"] = self._core.metrics()
         reward = -temperature - energy if self._reward is None else float(self._reward(info))
         if self.render_mode == "human":
             self.render()

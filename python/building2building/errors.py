@@ -33,6 +33,10 @@ class EngineError(Error, RuntimeError):
     """EnergyPlus failed."""
 
 
+class EvaluationError(Error, RuntimeError):
+    """The folder of an evaluation is another's, or damaged; or there is no such policy."""
+
+
 class ProcessError(Error, RuntimeError):
     """The system refused what worker processes need, or the wrong process asks."""
 

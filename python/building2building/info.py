@@ -18,8 +18,13 @@ class Info(dict):
         fill = self._fill
         if fill is not None:
             self._fill = None
-            for key, value in fill().items():
-                dict.setdefault(self, key, value)
+            self._take(fill())
+        return self
+
+    def _take(self, made: dict) -> Info:
+        """Takes over what was made, but for what was written here before."""
+        for key, value in made.items():
+            dict.setdefault(self, key, value)
         return self
 
     def __getitem__(self, key):

@@ -14,7 +14,8 @@ class Morphology:
     """A graph over one vocabulary for all buildings, so that one policy can drive buildings of any type.
 
     - :attr:`nodes`: dictionaries with ``node_type``, ``name``, ``attributes``, ``row`` (in the type's array).
-    - :attr:`edges`: dictionaries with ``kind`` (``serves``, ``adjacent``, ``controls``), ``from``, ``to``, ``attribute``.
+    - :attr:`edges`: dictionaries with ``kind`` (``serves``, ``adjacent``, ``controls``), ``from``, ``to``,
+      ``attribute``.
     - :meth:`split_observation` and :meth:`join_actions` go between vectors and arrays ``[nodes, slots]``, one a type.
     """
 
@@ -100,9 +101,9 @@ class Morphology:
         return graph
 
     def to_pyg(self) -> dict[str, Any]:
-        """Arrays as PyTorch Geometric's ``HeteroData`` has them: ``x[type]`` (attributes), ``edge_index[(from type, kind,
-        to type)]`` (2 rows: rows of the nodes in their types) and ``edge_attr``. No edge without direction is lost: it is
-        there both ways."""
+        """Arrays as PyTorch Geometric's ``HeteroData`` has them: ``x[type]`` (attributes), ``edge_index[(from type,
+        kind, to type)]`` (2 rows: rows of the nodes in their types) and ``edge_attr``. No edge without direction is
+        lost: it is there both ways."""
         index: dict[tuple, list] = {}
         for kind, ends, values in self._relations():
             for source, target, value in zip(*ends, values):

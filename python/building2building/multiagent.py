@@ -17,7 +17,8 @@ class ZonesParallelEnv(_pettingzoo.ParallelEnv):
     """Agents are the owners of actuators: zones, and the handlers of central air loops.
 
     All see the whole observation; each drives its own actuators. A zone's reward is minus its squared deviation (of
-    one without cooling, below target only) and a share of the energy penalty; an air handler's is the mean of the building's.
+    one without cooling, below target only) and a share of the energy penalty; an air handler's is the mean of the
+    building's.
     """
 
     metadata: dict[str, Any] = {"name": "b2b_zones_v0", "render_modes": ["rgb_array"]}

@@ -25,7 +25,8 @@ def collect(
     environment: ``minari.load_dataset(dataset_id).recover_environment()`` makes it again.
 
     ``controller`` is a class or function that makes one for an environment (``ReactiveController``). Each building runs
-    ``episodes`` episodes, of ``steps`` steps at most; ``arguments`` go to :func:`make_env`. Needs ``minari[hdf5,create]``.
+    ``episodes`` episodes, of ``steps`` steps at most; ``arguments`` go to :func:`make_env`. Needs
+    ``minari[hdf5,create]``.
     """
     minari = need("minari", "'minari[hdf5,create]'")
     import gymnasium

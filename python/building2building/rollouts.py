@@ -28,8 +28,10 @@ class _BuiltIn:
 
     kind = ""
 
-    def __init__(self, env, seed: int = 0):
+    def __init__(self, env, seed: int | None = None):
         self._env = env.unwrapped
+        if seed is None:
+            seed = getattr(self._env, "seed", 0)
         self._core = _core.Controller(self.kind, self._env.layout.core, seed)
 
     def reset(self) -> None:
@@ -185,34 +187,3 @@ def rollout(env, controller: Controller | Callable, *, steps: int | None = None,
         dict(core.metadata),
         info.get("metrics") if truncated else None,
     )
-
-
-def evaluate(
-    policy: Callable[[Any], Any] | Controller,
-    buildings: list,
-    tasks: list[str] = ("constant",),
-    *,
-    rescale_action: bool = False,
-    **arguments,
-) -> list[dict[str, Any]]:
-    """Runs a policy on every building and task: a dictionary of metrics for each.
-
-    ``policy`` is a class or function that makes a controller for an environment (``ReactiveController``), or a controller
-    itself. ``buildings`` are ids, types or :class:`Building`; ``arguments`` go to :func:`make_env`.
-    """
-    from .buildings import Building
-    from .env import BuildingEnv
-
-    rows = []
-    for building in buildings:
-        named = {"building": building} if isinstance(building, Building) else {"building_id": building}
-        for task in tasks:
-            env = BuildingEnv(task=task, rescale_action=rescale_action, **named, **arguments)
-            try:
-                makes = isinstance(policy, type)
-                ran = rollout(env, policy(env) if makes else policy)
-                rows.append({"building": env.building.name, "task": task, "return": ran.episode_return})
-                rows[-1].update(ran.metrics or {})
-            finally:
-                env.close()
-    return rows

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
+import logging
+import os
+import warnings
 from typing import Any
 
 import numpy as np
@@ -12,15 +16,15 @@ from .errors import SettingError, need
 need("stable_baselines3", "train")
 from stable_baselines3.common.vec_env import VecEnv  # noqa: E402
 
-from .info import Info  # noqa: E402
+from .scaling import Scale  # noqa: E402
 from .vector import BuildingVectorEnv, make_vec  # noqa: E402
 
 
 class SB3VecEnv(VecEnv):
     """Stable-Baselines3's ``VecEnv`` over a :class:`BuildingVectorEnv` that resets in the same step.
 
-    ``infos[i]["terminal_observation"]`` is the last observation of an episode and ``["TimeLimit.truncated"]`` is true, so
-    that the value there is bootstrapped; ``["episode"]`` has its return and length for SB3's log.
+    ``infos[i]["terminal_observation"]`` is the last observation of an episode and ``["TimeLimit.truncated"]`` is true,
+    so that the value there is bootstrapped; ``["episode"]`` has its return and length for SB3's log.
     """
 
     def __init__(self, envs: BuildingVectorEnv, normalize: bool = True):
@@ -28,10 +32,13 @@ class SB3VecEnv(VecEnv):
             raise SettingError("Stable-Baselines3 resets in the same step: make with autoreset_mode='SameStep'")
         self.envs = envs
         space = envs.single_observation_space
-        self._scale = _Scale(envs) if normalize else None
+        self._scale = _scale(envs) if normalize else None
         if self._scale is not None:
             space = self._scale.space
         self._seed: int | None = None
+        #: What the last step was judged by, of all environments: made when it is read, so that learners do not pay for
+        #: it.
+        self.infos: dict[str, Any] = {}
         self._returns = np.zeros(envs.num_envs)
         self._lengths = np.zeros(envs.num_envs, dtype=int)
         self.render_mode = None
@@ -54,7 +61,8 @@ class SB3VecEnv(VecEnv):
         observations, rewards, _, dones, all_infos = self.envs.step(self._actions)
         self._returns += rewards
         self._lengths += 1
-        infos: list[dict[str, Any]] = [Info(_row(all_infos, index)) for index in range(self.num_envs)]
+        self.infos = all_infos
+        infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
         for index in np.flatnonzero(dones):
             infos[index] = {
                 "terminal_observation": self._seen(all_infos["final_obs"][index][None])[0],
@@ -86,37 +94,11 @@ class SB3VecEnv(VecEnv):
         return [False for _ in self._get_indices(indices)]
 
 
-def _row(infos, index):
-    """One environment's part of the infos, made when it is read."""
-
-    def fill():
-        terms = infos["reward_terms"]
-        return {"reward_terms": {name: float(values[index]) for name, values in terms.items()}}
-
-    return fill
-
-
-class _Scale:
-    """Observations by the usual bounds of their slots, from -1 to 1."""
-
-    def __init__(self, envs: BuildingVectorEnv):
-        from gymnasium.spaces import Box
-
-        from .wrappers import NormalizeObservation
-
-        if len(envs.layouts) > 1 and len({len(each.observation_low) for each in envs.layouts}) > 1:
-            raise SettingError("buildings with different observations: normalize=False, and normalise in the policy")
-        box, usual = envs.single_observation_space, NormalizeObservation.USUAL
-        low, high = box.low.astype(np.float64), box.high.astype(np.float64)
-        for index, slot in enumerate(envs.layouts[0].data["observation"]):
-            fits = [words for words in usual if slot["name"].endswith(words)]
-            if fits:
-                low[index], high[index] = usual[max(fits, key=len)]
-        self._low, self._span = low.astype(np.float32), np.where(high > low, high - low, 1).astype(np.float32)
-        self.space = Box(-1.0, 1.0, box.shape, dtype=np.float32)
-
-    def __call__(self, observations):
-        return np.clip(2 * (observations - self._low) / self._span - 1, -1, 1)
+def _scale(envs: BuildingVectorEnv) -> Scale:
+    if len({len(each.observation_low) for each in envs.layouts}) > 1:
+        raise SettingError("buildings with different observations: normalize=False, and normalise in the policy")
+    box = envs.single_observation_space
+    return Scale([slot["name"] for slot in envs.layouts[0].data["observation"]], box.low, box.high)
 
 
 def make_sb3_vec(
@@ -126,3 +108,72 @@ def make_sb3_vec(
     Arguments are those of :func:`make_vec`."""
     arguments.setdefault("rescale_action", True)
     return SB3VecEnv(make_vec(building_type, num_envs, autoreset_mode="SameStep", **arguments), normalize)
+
+
+def export_onnx(model, path: str | os.PathLike) -> None:
+    """Writes what a trained model does without exploring as an ONNX file for ``b2b evaluate`` and :func:`evaluate`.
+
+    The file takes observations as the environment has them, ``[1, slots]``, and has their normalisation in it; it gives
+    actions from -1 to 1, ``[1, actuators]``. ``model`` was made on :func:`make_sb3_vec`, with a policy that acts on a
+    flat observation (PPO, A2C, SAC, TD3...). Needs ``onnxscript``.
+    """
+    need("onnxscript", "train")
+    import torch
+
+    envs = model.get_env()
+    if not isinstance(envs, SB3VecEnv):
+        raise SettingError("the model is of other environments than make_sb3_vec's: how to normalise is not known")
+    if not envs.envs.rescale_action:
+        raise SettingError("the model gives physical units: make the environments with rescale_action=True")
+    slots = envs.envs.single_observation_space.shape[0]
+    acts = _acting(model.policy, envs._scale).to(model.device).eval()
+    example = torch.zeros(1, slots, device=model.device)
+    aside = f"{os.fspath(path)}.partial"
+    try:
+        with _quiet_export(), torch.no_grad():
+            program = torch.onnx.export(
+                acts, (example,), input_names=["observation"], output_names=["action"], dynamo=True, verbose=False
+            )
+        program.save(aside)
+        os.replace(aside, path)
+    finally:
+        if os.path.exists(aside):
+            os.unlink(aside)
+
+
+@contextlib.contextmanager
+def _quiet_export():
+    """Without the checks of distributions, which have no form in ONNX, and without the exporter's words about itself."""
+    from torch.distributions import Distribution
+
+    log, checks = logging.getLogger("torch.onnx"), Distribution._validate_args
+    level = log.level
+    Distribution.set_default_validate_args(False)
+    log.setLevel(logging.ERROR)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            yield
+    finally:
+        Distribution.set_default_validate_args(checks)
+        log.setLevel(level)
+
+
+def _acting(policy, scale: Scale | None):
+    """A torch module from an observation as it is to an action from -1 to 1."""
+    import torch
+
+    class Acts(torch.nn.Module):
+        def __init__(self):
+            super().__init__()
+            self.policy = policy
+            if scale is not None:
+                self.register_buffer("low", torch.tensor(scale.low))
+                self.register_buffer("span", torch.tensor(scale.span))
+
+        def forward(self, observation):
+            if scale is not None:
+                observation = (2 * ((observation - self.low) / self.span) - 1).clamp(-1.0, 1.0)
+            return self.policy._predict(observation, deterministic=True).clamp(-1.0, 1.0)
+
+    return Acts()

@@ -25,10 +25,10 @@ class BuildingVectorEnv(VectorEnv):
     - Observations: f32 ``[N, slots]``; buildings with fewer slots than the largest are padded with zeros.
     - Actions: f32 or f64 ``[N, actuators]``, padded as well; what is behind a building's last actuator is not read.
     - Buildings with different bounds need ``rescale_action=True``, so that they have one action space.
-    - Autoreset: ``metadata["autoreset_mode"]``. With ``SAME_STEP``, ``infos["final_obs"]`` and ``["final_info"]`` have the
-      end of an episode, as in Gymnasium.
-    - An environment whose process dies is truncated; ``infos["lost"]`` says why, and the next episode begins as after any
-      other.
+    - Autoreset: ``metadata["autoreset_mode"]``. With ``SAME_STEP``, ``infos["final_obs"]`` and ``["final_info"]`` have
+      the end of an episode, as in Gymnasium.
+    - An environment whose process dies is truncated; ``infos["lost"]`` says why, and the next episode begins as after
+      any other.
     """
 
     metadata: dict[str, Any] = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}
@@ -91,7 +91,7 @@ class BuildingVectorEnv(VectorEnv):
             same = all(len(bounds[0][0]) == len(b[0]) and np.array_equal(bounds[0], b) for b in bounds)
             if not same:
                 raise SettingError(
-                    "these buildings have different actuators or bounds: rescale_action=True gives them one action space"
+                    "these buildings differ in actuators or bounds: rescale_action=True gives them one action space"
                 )
             self.single_action_space = gymnasium.spaces.Box(*bounds[0], dtype=np.float32)
         self.observation_space = batch_space(self.single_observation_space, num_envs)

@@ -13,6 +13,7 @@ from . import weather
 from .buildings import Building, list_buildings
 from .errors import ActionError, SettingError
 from .info import Info
+from .scaling import Scale
 
 __all__ = [
     "AugmentObservationWithBuildingParams",
@@ -82,32 +83,15 @@ class NormalizeObservation(_Wrapper):
     """Each slot from -1 at its lower to 1 at its upper bound. ``bounds`` are narrower ones by a slot's name or its last
     words, such as ``{"air temperature": (10, 35)}``; what is beyond is clipped."""
 
-    #: Where temperatures of zones and outdoors mostly are; the space's own bounds are those that no sane run crosses.
-    USUAL = {
-        "outdoor air temperature": (-40.0, 50.0),
-        "air temperature": (5.0, 40.0),
-        "target": (10.0, 35.0),
-        "HVAC electricity": (0.0, 10.0),
-        "HVAC gas": (0.0, 20.0),
-    }
-
     def __init__(self, env: gymnasium.Env, bounds: dict[str, tuple[float, float]] | None = None):
         super().__init__(env, bounds=bounds)
-        bounds = self.USUAL if bounds is None else bounds
-        box = env.observation_space
-        low, high = box.low.astype(np.float64), box.high.astype(np.float64)
-        for index, name in enumerate(env.metadata["observation_names"]):
-            fits = [words for words in bounds if name.endswith(words)]
-            if fits:
-                low[index], high[index] = bounds[max(fits, key=len)]
-        self._low, self._span = low, np.where(high > low, high - low, 1.0)
-        self.observation_space = Box(-1.0, 1.0, box.shape, dtype=np.float32)
-        names = env.metadata["observation_names"]
+        names, box = env.metadata["observation_names"], env.observation_space
+        self._scale = Scale(names, box.low, box.high, bounds)
+        self.observation_space = self._scale.space
         self._rename(names, ["1"] * len(names))
 
     def observation(self, observation):
-        shares = 2 * (observation - self._low) / self._span - 1
-        return np.clip(shares, -1.0, 1.0).astype(np.float32)
+        return self._scale(observation)
 
 
 class AugmentObservationWithBuildingParams(_Wrapper):
@@ -141,8 +125,9 @@ class AugmentObservationWithBuildingParams(_Wrapper):
 
 class ResampleBuildingOnResetWrapper(_Wrapper):
     """Another building every episode, drawn by the seed of ``reset`` from a list of ids or :class:`Building`, or from a
-    split of the environment's type. Make the environment with ``rescale_action=True``, so that they have the same actions.
-    Houses have one to three zones: ``width`` pads the observation. ``reset(options={"building": ...})`` asks for one."""
+    split of the environment's type. Make the environment with ``rescale_action=True``, so that they have the same
+    actions. Houses have one to three zones: ``width`` pads the observation. ``reset(options={"building": ...})`` asks
+    for one."""
 
     def __init__(
         self,
@@ -234,8 +219,8 @@ class WeatherForecast(_Wrapper):
 
 
 class PriceSignal(_Wrapper):
-    """A price, or emissions, by the hour: now and in the next hours behind the observation, and ``weight`` times it times
-    the electricity of the step (kWh/m²) off the reward.
+    """A price, or emissions, by the hour: now and in the next hours behind the observation, and ``weight`` times it
+    times the electricity of the step (kWh/m²) off the reward.
 
     ``series`` has 24 values for the hours of a day or 8760 for those of a year, such as :meth:`time_of_use`.
     """
@@ -313,8 +298,8 @@ class SubsetObservation(_Wrapper):
 
 
 class SubsetAction(_Wrapper):
-    """These actuators alone, by name and in this order; ``rest`` says for an observation what all actuators do, and drives
-    those that are left: :class:`ReactiveController` by default."""
+    """These actuators alone, by name and in this order; ``rest`` says for an observation what all actuators do, and
+    drives those that are left: :class:`ReactiveController` by default."""
 
     def __init__(self, env: gymnasium.Env, names: Sequence[str], rest: Callable[[np.ndarray], Any] | None = None):
         super().__init__(env, names=names, rest=rest)
@@ -353,8 +338,9 @@ def _place(known: list[str], name: str) -> int:
 
 
 def wrap_env_for_rl(env: gymnasium.Env, *, width: int | None = None, parameters: bool = False) -> gymnasium.Env:
-    """What learners want: observations from -1 to 1, actions too if the environment was made with ``rescale_action=True``
-    (they are rescaled here if not), padded to ``width``, with the building's parameters if asked for."""
+    """What learners want: observations from -1 to 1, actions too if the environment was made with
+    ``rescale_action=True`` (they are rescaled here if not), padded to ``width``, with the building's parameters if
+    asked for."""
     if not env.unwrapped.rescale_action:
         env = gymnasium.wrappers.RescaleAction(env, np.float32(-1.0), np.float32(1.0))
     env = NormalizeObservation(env)

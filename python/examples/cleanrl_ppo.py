@@ -6,6 +6,7 @@ import time
 import building2building as b2b
 import numpy as np
 import torch
+from building2building.scaling import Scale
 from torch import nn
 from torch.distributions import Normal
 
@@ -25,7 +26,8 @@ envs = b2b.make_vec(
     autoreset_mode="SameStep",
 )
 slots, actuators = envs.single_observation_space.shape[0], envs.single_action_space.shape[0]
-scale = torch.tensor([30.0] * (slots - 7) + [30.0, 100.0, 24.0, 6.0, 365.0, 10.0, 10.0])
+box = envs.single_observation_space
+scale = Scale(envs.metadata["observation_names"], box.low, box.high)
 
 
 def layers(out, gain):
@@ -40,7 +42,7 @@ optimizer = torch.optim.Adam(parameters, lr=RATE, eps=1e-5)
 
 
 def see(observations):
-    return torch.as_tensor(np.asarray(observations, dtype=np.float32)) / scale
+    return torch.as_tensor(scale(observations))
 
 
 observation = see(envs.reset(seed=0)[0])

@@ -1,4 +1,5 @@
-"""A building of yours: `python own_building.py MODEL.idf WEATHER.epw`; without arguments, a model that comes with EnergyPlus."""
+"""A building of yours: `python own_building.py MODEL.idf WEATHER.epw`; without arguments, a model that comes with
+EnergyPlus."""
 
 import sys
 

@@ -7,11 +7,12 @@ use crate::error::raise;
 
 /// Numbers of any array or sequence of one dimension.
 pub fn numbers(given: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
-    if let Ok(array) = given.cast::<PyArray1<f32>>() {
-        return Ok(array.readonly().as_array().iter().map(|value| f64::from(*value)).collect());
+    // Whole arrays are copied at once; looking at one in place would be noted in a table of all arrays in use.
+    if let Ok(Ok(values)) = given.cast::<PyArray1<f32>>().map(|array| array.to_vec()) {
+        return Ok(values.into_iter().map(f64::from).collect());
     }
-    if let Ok(array) = given.cast::<PyArray1<f64>>() {
-        return Ok(array.readonly().as_array().iter().copied().collect());
+    if let Ok(Ok(values)) = given.cast::<PyArray1<f64>>().map(|array| array.to_vec()) {
+        return Ok(values);
     }
     given.extract().or_else(|_| converted(given)?.extract()).map_err(|_: PyErr| wrong(given, "a row"))
 }
@@ -41,13 +42,14 @@ fn wrong(given: &Bound<'_, PyAny>, what: &str) -> PyErr {
 }
 
 /// A new array.
-pub fn row<'py, T: Element>(py: Python<'py>, values: Vec<T>) -> Bound<'py, PyArray1<T>> {
-    PyArray1::from_vec(py, values)
+pub fn row<'py, T: Element>(py: Python<'py>, values: &[T]) -> Bound<'py, PyArray1<T>> {
+    PyArray1::from_slice(py, values)
 }
 
 /// A new array of f32.
 pub fn single<'py>(py: Python<'py>, values: &[f64]) -> Bound<'py, PyArray1<f32>> {
-    PyArray1::from_iter(py, values.iter().map(|value| *value as f32))
+    let values: Vec<f32> = values.iter().map(|value| *value as f32).collect();
+    PyArray1::from_slice(py, &values)
 }
 
 /// A new table.

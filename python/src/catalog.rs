@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+use b2b_benchmark::{Subject, Surroundings};
 use b2b_building::climate::{Place, WeatherFile};
 use b2b_building::dataset::{self, Places, manifest};
 use b2b_building::description::Origin;
@@ -24,7 +25,7 @@ pub fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 /// The engine and what models are made from, loaded when first needed.
-fn catalog() -> PyResult<Arc<Catalog>> {
+pub fn catalog() -> PyResult<Arc<Catalog>> {
     static CATALOG: Mutex<Option<Arc<Catalog>>> = Mutex::new(None);
     let mut known = locked(&CATALOG);
     if let Some(catalog) = &*known {
@@ -50,7 +51,8 @@ pub fn library() -> PyResult<PathBuf> {
 /// A building with its weather, before it is an environment.
 #[pyclass(frozen, module = "building2building._core")]
 pub struct Building {
-    inner: Arc<Inner>,
+    /// For the crates.
+    pub inner: Arc<Inner>,
 }
 
 /// What settings of the building share.
@@ -65,6 +67,22 @@ pub struct Inner {
 }
 
 impl Inner {
+    /// A building of an evaluation, as it was prepared.
+    pub fn of_subject(subject: &Subject, surroundings: &Surroundings, spaces: &vector::Spaces) -> Self {
+        let source = Source::Prepared(Box::new((*spaces.building).clone()));
+        let (place, weather) = (surroundings.place.clone(), spaces.episode.weather.clone());
+        let origin = subject.placement.origin(&subject.name);
+        Self::new(source, spaces.building.class, place, weather, origin).with_parameters(&subject.name)
+    }
+
+    /// With its row of the dataset's table.
+    fn with_parameters(mut self, name: &BuildingName) -> Self {
+        if let BuildingName::Id(id) = name {
+            self.parameters = cells(manifest::manifest([dataset::row(*id)]));
+        }
+        self
+    }
+
     /// `class` is what it is of; `None` for a model of the user's own.
     fn new(source: Source, class: Option<Class>, place: String, weather: PathBuf, origin: Origin) -> Self {
         let name = source.name().to_owned();
@@ -189,7 +207,7 @@ impl Setting {
 }
 
 /// A task by its spelling, from a file, or from JSON.
-fn read_task(text: &str) -> PyResult<Task> {
+pub fn read_task(text: &str) -> PyResult<Task> {
     if text.trim_start().starts_with('{') {
         let task: Task = serde_json::from_str(text)
             .map_err(|error| crate::error::raise("TaskError", format!("the task is no task: {error}")))?;
@@ -227,11 +245,7 @@ pub fn find_building(
     let found = py.detach(|| catalog()?.find(&name, &placement, &mut Signals).map_err(of_building))?;
     let origin = placement.origin(&name);
     let (class, place, weather) = (found.class, found.place.clone(), found.weather.clone());
-    let mut inner = Inner::new(found.into(), class, place, weather, origin);
-    if let BuildingName::Id(id) = name {
-        inner.parameters = cells(manifest::manifest([dataset::row(id)]));
-    }
-    let inner = Arc::new(inner);
+    let inner = Arc::new(Inner::new(found.into(), class, place, weather, origin).with_parameters(&name));
     let mut known = locked(&KNOWN);
     if known.len() == MOST {
         known.remove(0);

@@ -83,7 +83,7 @@ impl Controller {
         }
         let mut action = vec![0.0; self.widths.1];
         locked(&self.controller).controller().act(&observation, &mut action);
-        Ok(arrays::row(py, action))
+        Ok(arrays::row(py, &action))
     }
 }
 

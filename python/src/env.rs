@@ -88,7 +88,7 @@ impl Env {
     #[pyo3(signature = (steps=None))]
     fn reset<'py>(&self, py: Python<'py>, steps: Option<usize>) -> PyResult<Seen<'py>> {
         let observation = self.with(py, |state| state.reset(steps))?;
-        Ok((arrays::single(py, &observation), arrays::row(py, observation)))
+        Ok((arrays::single(py, &observation), arrays::row(py, &observation)))
     }
 
     /// Carries out an action in physical units, or in shares from -1 to 1 of its bounds.
@@ -106,7 +106,7 @@ impl Env {
             state.step(&action)
         })?;
         let single = arrays::single(py, &observation);
-        Ok((single, arrays::row(py, observation), temperature, energy, truncated))
+        Ok((single, arrays::row(py, &observation), temperature, energy, truncated))
     }
 
     /// The last action as it was carried out.
@@ -118,7 +118,7 @@ impl Env {
             pool.action(live, &mut action);
             Ok(action)
         })?;
-        Ok(arrays::row(py, action))
+        Ok(arrays::row(py, &action))
     }
 
     /// The sums over an episode that is over, as a dictionary; `None` before its end.

@@ -41,3 +41,22 @@ pub fn of_env(error: b2b_env::Error) -> PyErr {
     };
     raise(name, error.to_string())
 }
+
+/// What went wrong in an evaluation.
+pub fn of_benchmark(error: b2b_benchmark::Error) -> PyErr {
+    use b2b_benchmark::Error;
+    match error {
+        Error::Building(error) => of_building(*error),
+        Error::Env(error) => of_env(error),
+        Error::Interrupted => crate::pools::interrupt(),
+        error => {
+            let name = match &error {
+                Error::Install(_) => "InstallError",
+                Error::ObservationShape { .. } | Error::ActionShape { .. } => "ActionError",
+                Error::NoEpisode => "SettingError",
+                _ => "EvaluationError",
+            };
+            raise(name, error.to_string())
+        }
+    }
+}

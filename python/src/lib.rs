@@ -2,13 +2,14 @@
 //!
 //! Nothing is decided here. [`catalog`] finds buildings, [`spaces`] tells what is seen and driven, [`env`] is one
 //! environment in a process of its own, [`vector`] many, [`local`] one in this process, [`control`] the controllers that
-//! come with the crates.
+//! come with the crates, [`evaluation`] runs a policy on many buildings.
 
 mod arrays;
 mod catalog;
 mod control;
 mod env;
 mod error;
+mod evaluation;
 mod local;
 mod pools;
 mod spaces;
@@ -27,6 +28,8 @@ mod _core {
     use super::control::{Controller, trajectory_hash};
     #[pymodule_export]
     use super::env::Env;
+    #[pymodule_export]
+    use super::evaluation::evaluate;
     #[pymodule_export]
     use super::local::LocalEnv;
     #[pymodule_export]

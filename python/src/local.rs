@@ -50,7 +50,7 @@ impl LocalEnv {
     /// Begins an episode.
     fn reset<'py>(&mut self, py: Python<'py>) -> PyResult<Seen<'py>> {
         let observation = self.env()?.reset().map_err(of_env)?.to_vec();
-        Ok((arrays::single(py, &observation), arrays::row(py, observation)))
+        Ok((arrays::single(py, &observation), arrays::row(py, &observation)))
     }
 
     /// As `Env.step`.
@@ -70,12 +70,22 @@ impl LocalEnv {
         let (temperature, energy) = (step.reward.temperature_penalty, step.reward.energy_penalty);
         let observation = step.observation.to_vec();
         let single = arrays::single(py, &observation);
-        Ok((single, arrays::row(py, observation), temperature, energy, step.truncated))
+        Ok((single, arrays::row(py, &observation), temperature, energy, step.truncated))
+    }
+
+    /// Holds an action for so many steps, without Python: what is left of a step then is the crates' own.
+    fn hold(&mut self, py: Python<'_>, action: &Bound<'_, PyAny>, steps: usize) -> PyResult<()> {
+        let action = arrays::numbers(action)?;
+        let env = self.env()?;
+        for _ in 0..steps {
+            env.step(&action).map_err(of_env)?;
+        }
+        py.check_signals()
     }
 
     /// The last action as it was carried out.
     fn carried_out<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        arrays::row(py, self.carried_out.clone())
+        arrays::row(py, &self.carried_out)
     }
 
     /// The sums over the episode, as a dictionary.

@@ -32,7 +32,7 @@ thread_local! {
 }
 
 /// Lets Python handle signals; whether a handler raised.
-fn interrupted() -> bool {
+pub fn interrupted() -> bool {
     let Err(error) = Python::attach(|py| py.check_signals()) else { return false };
     RAISED.set(Some(error));
     true

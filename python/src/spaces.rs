@@ -82,6 +82,7 @@ impl Spaces {
             "action": actuators.collect::<Vec<_>>(),
             "zones": zones.collect::<Vec<_>>(),
             "constant_target": observation.constant_target(),
+            "energy_scale": episode.task.scale_for(building.class, episode.steps_per_hour),
             "outdoor_temperature": observation.outdoor_temperature(),
             "electricity": observation.electricity(),
             "gas": observation.gas(),

@@ -142,10 +142,19 @@ impl VecEnv {
         })?;
         Ok((
             arrays::table(py, batch.observations, batch.shape)?,
-            arrays::row(py, batch.rewards),
+            arrays::row(py, &batch.rewards),
             arrays::table(py, batch.penalties, [batch.shape[0], 2])?,
-            arrays::row(py, batch.truncated),
+            arrays::row(py, &batch.truncated),
         ))
+    }
+
+    /// Holds actions in physical units for so many steps, without Python: what is left of a step then is the crates' own.
+    fn hold(&self, py: Python<'_>, actions: &Bound<'_, PyAny>, steps: usize) -> PyResult<()> {
+        let (actions, _) = arrays::rows(actions)?;
+        self.with(py, |state| {
+            let envs = state.envs()?;
+            (0..steps).try_for_each(|_| envs.step(&actions).map(|_| ()).map_err(of_env))
+        })
     }
 
     /// The end of the last episode of an environment.
@@ -157,7 +166,7 @@ impl VecEnv {
             Ok((observation, envs.final_metrics(environment).cloned(), lost))
         })?;
         let metrics = metrics.map(|metrics| control::metrics(py, &metrics)).transpose()?;
-        Ok((arrays::row(py, observation), metrics, lost))
+        Ok((arrays::row(py, &observation), metrics, lost))
     }
 
     /// Names of the buildings that the environments run now.

@@ -1,3 +1,6 @@
+import os
+from pathlib import Path
+
 import building2building as b2b
 import pytest
 
@@ -14,6 +17,16 @@ def pytest_collection_modifyitems(config, items):
         for item in items:
             if "learners" in item.keywords:
                 item.add_marker(skip)
+
+
+@pytest.fixture(scope="session")
+def b2b_command():
+    """The command ``b2b``, as the Rust tests built it."""
+    root = Path(__file__).parents[2]
+    command = root / os.environ.get("CARGO_TARGET_DIR", "target") / "release/b2b"
+    if not command.exists():
+        pytest.skip(f"{command} is not built: cargo build --release")
+    return command
 
 
 @pytest.fixture

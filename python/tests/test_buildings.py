@@ -1,18 +1,14 @@
 """Buildings: the dataset, generated ones, one's own; graphs; the same numbers as the command's."""
 
 import json
-import os
 import pickle
 import subprocess
-from pathlib import Path
 
 import building2building as b2b
 import numpy as np
 import pytest
 from building2building import _engine, errors
 
-ROOT = Path(__file__).parents[2]
-B2B = Path(os.environ.get("B2B", ROOT / "target/release/b2b"))
 DAY = "01-01..01-01"
 
 
@@ -30,10 +26,9 @@ def test_the_dataset_is_listed_by_type_split_and_climate():
         b2b.list_buildings("Castle")
 
 
-@pytest.mark.skipif(not B2B.exists(), reason="b2b is not built")
 @pytest.mark.parametrize("building_type", b2b.list_building_types())
-def test_an_episode_is_that_of_the_command(building_type, tmp_path):
-    command = [B2B, "run", building_type, "--period", DAY, "--controller", "random", "--seed", "5", "--json"]
+def test_an_episode_is_that_of_the_command(building_type, b2b_command, tmp_path):
+    command = [b2b_command, "run", building_type, "--period", DAY, "--controller", "random", "--seed", "5", "--json"]
     ran = subprocess.run([*command, "--out", tmp_path / "run"], capture_output=True, text=True, check=True)
     env = b2b.make_env(building_type, run_period=DAY)
     trajectory = b2b.rollout(env, b2b.RandomController(env, seed=5))
@@ -97,6 +92,17 @@ def test_a_morphology_is_arrays_for_graph_libraries():
     assert all(index.max() < 15 for index in arrays["edge_index"].values())
 
 
+def test_a_morphology_is_a_graph_of_networkx(office):
+    import networkx
+
+    graph = office.unwrapped.morphology.to_networkx()
+    assert graph.number_of_nodes() == len(office.unwrapped.morphology.nodes) and graph.name == "OfficeSmall"
+    core = next(node for node, name in graph.nodes(data="name") if name == "Core_ZN")
+    adjacent = [(a, b) for a, b, kind in graph.edges(data="kind") if kind == "adjacent"]
+    assert {(b, a) for a, b in adjacent} == set(adjacent) and sum(a == core for a, _ in adjacent) == 4
+    assert networkx.is_weakly_connected(graph.subgraph({node for edge in adjacent for node in edge}))
+
+
 def test_trajectories_have_names(office, tmp_path):
     trajectory = b2b.rollout(office, b2b.ReactiveController(office))
     assert len(trajectory) == 288 and trajectory.truncated
@@ -108,9 +114,3 @@ def test_trajectories_have_names(office, tmp_path):
     middle = b2b.callable_controller(lambda _: (office.layout.action_low + office.layout.action_high) / 2)
     constant = b2b.rollout(office, b2b.ConstantController(office), steps=10)
     assert b2b.rollout(office, middle, steps=10).hash() == constant.hash()
-
-
-def test_a_policy_is_evaluated_on_buildings_and_tasks():
-    rows = b2b.evaluate(b2b.ReactiveController, ["SingleFamilyHouse"], ["constant", "occupancy"], run_period=DAY)
-    assert [row["task"] for row in rows] == ["constant", "occupancy"]
-    assert all(row["rms_deviation_k"] < 3 for row in rows)

@@ -92,7 +92,7 @@ def test_info_says_what_the_reward_is_made_of(make):
         assert sum(info["reward_terms"].values()) == reward
     assert info["reward_terms"]["temperature"] == pytest.approx(-np.mean(info["zone_deviation"] ** 2))
     energy = info["energy"]["electricity"] + info["energy"]["gas"]
-    assert info["reward_terms"]["energy"] == pytest.approx(-0.5 * energy)
+    assert info["reward_terms"]["energy"] == pytest.approx(-0.5 / env.metadata["energy_scale"] * energy)
     assert energy > 0 and info["cost"] > 0 and info["emissions"] > 0
     assert info["zone_occupied"].any() and len(info["zone_temperature"]) == len(env.metadata["controlled_zones"])
 

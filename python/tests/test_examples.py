@@ -1,6 +1,5 @@
 """Examples run, and the README's snippet prints what the README shows."""
 
-import json
 import re
 import subprocess
 import sys
@@ -30,10 +29,15 @@ def test_an_example_runs(name, words):
     assert words in run(EXAMPLES / f"{name}.py")
 
 
-def test_the_notebook_runs():
-    cells = json.loads((EXAMPLES / "a_cold_day.ipynb").read_text())["cells"]
-    code = "\n".join("".join(cell["source"]) for cell in cells if cell["cell_type"] == "code")
-    run("-c", "import matplotlib\nmatplotlib.use('agg')\n" + code)
+def test_the_notebook_runs_and_draws():
+    """In a kernel of its own, with an event loop around the cells, as in Jupyter."""
+    import nbformat
+    from nbclient import NotebookClient
+
+    notebook = nbformat.read(EXAMPLES / "a_cold_day.ipynb", as_version=4)
+    NotebookClient(notebook, timeout=300, kernel_name="python3").execute()
+    outputs = [output for cell in notebook.cells if cell.cell_type == "code" for output in cell.outputs]
+    assert sum("image/png" in output.get("data", {}) for output in outputs) == 2
 
 
 def test_planning_on_snapshots_is_no_worse_than_not_planning():
@@ -44,10 +48,25 @@ def test_planning_on_snapshots_is_no_worse_than_not_planning():
 def test_the_readme_shows_what_it_prints():
     text = (ROOT / "README.md").read_text()
     code, shown = re.search(r"```python\n(.*?)```\n\n```text\n(.*?)```", text, re.S).groups()
-    assert run("-c", code) == shown
+
+    def but_for_decimals(text):
+        # Which move with the tuning of controllers.
+        return re.sub(r"\d+\.\d+", "#", text)
+
+    assert but_for_decimals(run("-c", code)) == but_for_decimals(shown)
+
+
+SHORT = ["--steps", 1, "--envs", 2, "--n-steps", 336, "--period", "01-01..01-14"]
 
 
 @pytest.mark.learners
-@pytest.mark.parametrize("name, steps, words", [("train_ppo", 1024, "a second"), ("cleanrl_ppo", 1024, "mean reward")])
-def test_an_example_learns(name, steps, words):
-    assert words in run(EXAMPLES / f"{name}.py", steps)
+@pytest.mark.parametrize(
+    "name, arguments, words",
+    [
+        ("train_ppo", SHORT, "after training: return"),
+        ("cleanrl_ppo", [1024], "mean reward"),
+        ("rllib_ppo", [1], "mean return of an episode -"),
+    ],
+)
+def test_an_example_learns(name, arguments, words):
+    assert words in run(EXAMPLES / f"{name}.py", *arguments)

@@ -76,15 +76,6 @@ def test_episodes_are_a_minari_dataset_that_makes_its_environment_again(tmp_path
     env.close()
 
 
-def test_zones_are_agents_of_a_parallel_environment(make):
-    from building2building.multiagent import ZonesParallelEnv
-    from pettingzoo.test import parallel_api_test
-
-    env = ZonesParallelEnv(make("OfficeMedium", timesteps_per_hour=1))
-    assert len(env.possible_agents) == 18
-    parallel_api_test(env, num_cycles=30)
-
-
 def test_a_trajectory_is_a_parquet_file(office, tmp_path):
     import pyarrow.parquet
 
@@ -93,3 +84,32 @@ def test_a_trajectory_is_a_parquet_file(office, tmp_path):
     table = pyarrow.parquet.read_table(tmp_path / "t.parquet")
     assert table.num_rows == 10 and "outdoor air temperature" in table.column_names
     assert [each.name for each in tmp_path.iterdir()] == ["t.parquet"]
+
+
+@pytest.mark.parametrize("algorithm", ["PPO", "SAC"])
+def test_a_policy_is_exported_and_evaluated_without_python(algorithm, b2b_command, tmp_path):
+    """The network in the file runs in Rust, with sums in another order: the returns agree but for f32's rounding."""
+    import json
+    import subprocess
+
+    import stable_baselines3
+    from building2building.sb3 import export_onnx, make_sb3_vec
+
+    building, period = "SingleFamilyHouse-0042", "01-10..01-10"
+    envs = make_sb3_vec(None, 2, building_id=building, run_period=period)
+    options = {"n_steps": 64, "batch_size": 64} if algorithm == "PPO" else {"learning_starts": 100}
+    model = getattr(stable_baselines3, algorithm)("MlpPolicy", envs, seed=0, device="cpu", **options)
+    model.learn(256)
+    export_onnx(model, tmp_path / "policy.onnx")
+    env = b2b.wrap_env_for_rl(b2b.make_env(building_id=building, run_period=period, rescale_action=True))
+    rolled = b2b.rollout(env, lambda observation: model.predict(observation, deterministic=True)[0])
+    env.close()
+    envs.close()
+
+    command = [b2b_command, "evaluate", building, "--policy", tmp_path / "policy.onnx", "--period", period, "--json"]
+    ran = subprocess.run([*command, "--out", tmp_path / "rust"], capture_output=True, text=True)
+    assert ran.returncode == 0, ran.stderr
+    assert json.loads(ran.stdout)["episodes"] == 1
+    (row,) = b2b.evaluate(tmp_path / "policy.onnx", building, run_periods=period, folder=tmp_path / "rust").rows
+    assert row["return"] == pytest.approx(rolled.episode_return, rel=1e-4)
+    assert row["clamped_actions"] == 0

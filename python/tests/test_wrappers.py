@@ -106,3 +106,12 @@ def test_learners_get_bounded_boxes(make):
     env = b2b.wrap_env_for_rl(make(), width=20)
     assert env.observation_space.shape == (20,) and env.action_space.low.tolist() == [-1.0] * 10
     stepped(env)
+
+
+def test_zones_are_agents_of_a_parallel_environment(make):
+    from building2building.multiagent import ZonesParallelEnv
+    from pettingzoo.test import parallel_api_test
+
+    env = ZonesParallelEnv(make("OfficeMedium", timesteps_per_hour=1))
+    assert len(env.possible_agents) == 18
+    parallel_api_test(env, num_cycles=30)

@@ -24,7 +24,7 @@ pub use baseline::{Baselines, Key, Terms, controller_parameters, task_for};
 pub use error::{Error, Result};
 pub use evaluation::{
     Deviations, Episode, Evaluation, Finished, Folder, Hours, Outcome, Progress, Record, Row, Versions,
-    write_episodes,
+    episode_table, write_episodes,
 };
 pub use policy::{ActionScale, Beginning, BuiltIn, OnnxPolicy, Policy};
 pub use results::{Group, Lost, Results, Summary, Window};

@@ -1,17 +1,23 @@
 //! An evaluation as a whole: its rows with their scores, and what they sum up to.
 
 use std::collections::HashMap;
+use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
 use b2b_env::Task;
 use serde::Serialize;
 
 use crate::baseline::{Baselines, Key, task_for};
-use crate::evaluation::{Episode, Evaluation, Finished, Folder, Outcome, Progress, Record, Row, Versions};
+use crate::evaluation::{
+    Episode, Evaluation, Finished, Folder, Outcome, Progress, Record, Row, Versions, write_episodes,
+};
 use crate::policy::Policy;
 use crate::statistics::{Aggregate, aggregate};
-use crate::{Result, Surroundings, normalized_score};
+use crate::{Result, Surroundings, normalized_score, report};
 
+const EPISODES: &str = "episodes.parquet";
+const SUMMARY: &str = "summary.json";
+const REPORT: &str = "report.html";
 /// Seed of the bootstrap.
 const SEED: u64 = 0;
 
@@ -123,6 +129,19 @@ impl Results {
             }
         };
         Ok(Self { rows: ran.into_iter().zip(episodes).enumerate().map(row).collect() })
+    }
+
+    /// Writes the table, the summary and the report into the folder that the episodes are in. Gives where they are.
+    ///
+    /// # Errors
+    /// [`Error::Io`](crate::Error::Io).
+    pub fn write(&self, folder: &Folder, summary: &Summary) -> Result<[PathBuf; 3]> {
+        folder.write(EPISODES, |file| {
+            write_episodes(file, &self.rows, &summary.versions).map_err(std::io::Error::other)
+        })?;
+        folder.write(REPORT, |file| report::write(file, self, summary, &|number| folder.read(number)))?;
+        folder.write(SUMMARY, |file| Ok(serde_json::to_writer_pretty(file, summary)?))?;
+        Ok([EPISODES, SUMMARY, REPORT].map(|name| folder.path_of(name)))
     }
 
     /// What they sum up to.

@@ -1,13 +1,12 @@
 //! `b2b evaluate`: a policy on many buildings.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Mutex;
 
 use anyhow::Result;
 use b2b_benchmark::{
-    ActionScale, Baselines, BuiltIn, Episode, Evaluation, Folder, Group, OnnxPolicy, Policy, Progress,
-    Results, Subject, Summary, Versions, report, write_episodes,
+    ActionScale, Baselines, Episode, Evaluation, Folder, Group, Policy, Progress, Results, Subject, Summary,
 };
 use b2b_building::{BuildingName, BuildingType, Catalog, RunPeriod, dataset};
 use b2b_env::Task;
@@ -90,10 +89,6 @@ enum Actions {
     Physical,
 }
 
-const EPISODES: &str = "episodes.parquet";
-const SUMMARY: &str = "summary.json";
-const REPORT: &str = "report.html";
-
 /// Runs the command.
 pub fn evaluate(arguments: &Arguments) -> Result<ExitCode> {
     let policy = arguments.policy()?;
@@ -107,12 +102,7 @@ pub fn evaluate(arguments: &Arguments) -> Result<ExitCode> {
     let results = Results::of(&evaluation, &folder, &episodes, policy.as_ref(), &baselines, &bars)?;
     drop(bars);
     let summary = results.summary(policy.as_ref());
-    folder.write(EPISODES, |file| {
-        write_episodes(file, &results.rows, &Versions::current()).map_err(std::io::Error::other)
-    })?;
-    folder.write(REPORT, |file| report::write(file, &results, &summary, &|number| folder.read(number)))?;
-    folder.write(SUMMARY, |file| Ok(serde_json::to_writer_pretty(file, &summary)?))?;
-    let files = [EPISODES, SUMMARY, REPORT].map(|name| folder.path_of(name));
+    let files = results.write(&folder, &summary)?;
     if arguments.json {
         stdout::print_json(&summary)?
     } else {
@@ -123,15 +113,11 @@ pub fn evaluate(arguments: &Arguments) -> Result<ExitCode> {
 
 impl Arguments {
     fn policy(&self) -> Result<Box<dyn Policy>> {
-        let path = Path::new(&self.policy);
         let scale = match self.actions {
             Actions::Rescaled => ActionScale::Rescaled,
             Actions::Physical => ActionScale::Physical,
         };
-        if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("onnx")) {
-            return Ok(Box::new(OnnxPolicy::read(path, scale)?));
-        }
-        Ok(Box::new(self.policy.parse::<BuiltIn>()?))
+        Ok(<dyn Policy>::named(&self.policy, scale)?)
     }
 
     /// Building by building: what one was prepared for serves all its episodes.

@@ -19,7 +19,7 @@ use b2b_env::vector::Launcher;
 use bench::{Bench, Group};
 pub use folder::{Folder, Versions};
 pub use record::{Deviations, Finished, Hours, Outcome, Record};
-pub use table::{Row, write_episodes};
+pub use table::{Row, episode_table, write_episodes};
 
 use crate::policy::Policy;
 use crate::subject::Subject;

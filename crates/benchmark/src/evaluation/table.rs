@@ -68,11 +68,24 @@ impl Row {
     }
 }
 
-/// Writes the table: rows in the order given, and nothing of when or how fast they came about.
+/// Writes the table of [`episode_table`].
 ///
 /// # Errors
 /// What the library says.
 pub fn write_episodes(file: &mut (impl Write + Send), rows: &[Row], versions: &Versions) -> Result<()> {
+    let table = episode_table(rows, versions)?;
+    let properties = WriterProperties::builder().set_compression(Compression::SNAPPY).build();
+    let mut writer = ArrowWriter::try_new(file, table.schema(), Some(properties))?;
+    writer.write(&table)?;
+    writer.close()?;
+    Ok(())
+}
+
+/// The table: rows in the order given, and nothing of when or how fast they came about.
+///
+/// # Errors
+/// What the library says.
+pub fn episode_table(rows: &[Row], versions: &Versions) -> Result<RecordBatch> {
     let mut columns = Columns { rows, fields: Vec::new(), arrays: Vec::new() };
     columns.text("building", |row| Some(&row.record.building));
     columns.text("type", |row| Some(&row.record.building_type));
@@ -110,7 +123,7 @@ pub fn write_episodes(file: &mut (impl Write + Send), rows: &[Row], versions: &V
     columns.push::<Float64Type>("score", "1", |row| row.score);
     columns.text("trajectory_hash", |row| row.lost.is_none().then_some(&row.record.trajectory_hash));
     columns.text("lost", |row| row.lost.as_ref());
-    columns.write(file, versions)
+    columns.table(versions)
 }
 
 impl Row {
@@ -144,15 +157,11 @@ impl Columns<'_> {
         self.arrays.push(Arc::new(values.collect::<StringArray>()));
     }
 
-    fn write(self, file: &mut (impl Write + Send), versions: &Versions) -> Result<()> {
+    fn table(self, versions: &Versions) -> Result<RecordBatch> {
         // One entry alone: several would come in any order.
         let versions = serde_json::to_string(versions).expect("it is plain data");
         let about = HashMap::from([("versions".to_owned(), versions)]);
         let schema = Arc::new(Schema::new_with_metadata(self.fields, about));
-        let properties = WriterProperties::builder().set_compression(Compression::SNAPPY).build();
-        let mut writer = ArrowWriter::try_new(file, Arc::clone(&schema), Some(properties))?;
-        writer.write(&RecordBatch::try_new(schema, self.arrays)?)?;
-        writer.close()?;
-        Ok(())
+        Ok(RecordBatch::try_new(schema, self.arrays)?)
     }
 }

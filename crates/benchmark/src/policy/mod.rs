@@ -3,6 +3,7 @@
 mod onnx;
 
 use std::fmt;
+use std::path::Path;
 use std::str::FromStr;
 use std::sync::Arc;
 
@@ -32,6 +33,20 @@ pub trait Policy: Sync {
     /// # Errors
     /// [`Error::ObservationShape`] and [`Error::ActionShape`] end the evaluation; any other loses the episode.
     fn controller(&self, beginning: Beginning<'_>) -> Result<Box<dyn Controller>>;
+}
+
+impl dyn Policy {
+    /// A policy by its name: one of the [`BuiltIn`], or an ONNX file whose numbers mean what `scale` says.
+    ///
+    /// # Errors
+    /// [`Error::UnknownPolicy`]; those of [`OnnxPolicy::read`].
+    pub fn named(name: &str, scale: ActionScale) -> Result<Box<Self>> {
+        let path = Path::new(name);
+        if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("onnx")) {
+            return Ok(Box::new(OnnxPolicy::read(path, scale)?));
+        }
+        Ok(Box::new(name.parse::<BuiltIn>()?))
+    }
 }
 
 /// The episode that a controller is asked for.

@@ -1,0 +1,137 @@
+"""A policy in Python on many buildings: what the command finds, kept episode by episode."""
+
+import json
+import signal
+import subprocess
+import sys
+
+import building2building as b2b
+import numpy as np
+import pytest
+from building2building import errors
+
+HOUSES = ["SingleFamilyHouse-0014", "SingleFamilyHouse-0042"]
+DAYS = "01-10..01-11"
+
+
+def table(folder) -> bytes:
+    return (folder / "episodes.parquet").read_bytes()
+
+
+class Lazy:
+    """Follows the target with one number of state."""
+
+    def __init__(self, scene):
+        self.low, self.high = scene.layout.action_low, scene.layout.action_high
+        self.temperatures = scene.layout.temperatures
+        self.heat = 0.5
+
+    def reset(self):
+        self.heat = 0.5
+
+    def __call__(self, observation):
+        cold = 21 - observation[self.temperatures].mean()
+        self.heat = float(np.clip(self.heat + 0.05 * cold, 0, 1))
+        return self.low + self.heat * (self.high - self.low)
+
+
+def test_the_reactive_controller_from_python_gives_the_bytes_of_the_command(b2b_command, tmp_path):
+    """Every observation and action of it goes through Python here."""
+    command = [b2b_command, "evaluate", *HOUSES, "--policy", "reactive", "--period", DAYS, "--json"]
+    ran = subprocess.run([*command, "--out", tmp_path / "rust"], capture_output=True, text=True, check=True)
+    folder = tmp_path / "python"
+    ours = b2b.evaluate(b2b.ReactiveController, HOUSES, run_periods=DAYS, name="reactive", folder=folder)
+    assert table(folder) == table(tmp_path / "rust")
+    assert ours.summary == json.loads(ran.stdout)
+    assert ours.column("score").tolist() == [1, 1] and ours.rows[0]["building"] == HOUSES[0]
+    assert (folder / "report.html").stat().st_size > 1000
+
+
+def test_a_function_s_episode_is_that_of_a_rollout():
+    env = b2b.make_env(building_id=HOUSES[0], run_period="01-10..01-10", task="occupancy", rescale_action=True)
+    weights = np.random.default_rng(0).normal(0, 0.02, (env.action_space.shape[0], env.observation_space.shape[0]))
+
+    def linear(observation):
+        assert observation.dtype == np.float32
+        return np.tanh(weights @ observation)
+
+    ran = b2b.rollout(env, linear)
+    env.close()
+    ours = b2b.evaluate(linear, HOUSES[0], "occupancy", run_periods="01-10..01-10", rescale_action=True)
+    assert ours.rows[0]["trajectory_hash"] == ran.hash() and ours.rows[0]["policy"] == "linear"
+    assert ours.rows[0]["return"] == pytest.approx(ran.episode_return)
+    assert ours.rows[0]["score"] > 1 and ours.folder is None
+
+
+def test_what_was_interrupted_goes_on_and_gives_the_same_bytes(tmp_path):
+    whole = b2b.evaluate(Lazy, HOUSES, ["constant", "occupancy"], run_periods=DAYS, folder=tmp_path / "whole")
+    assert len(whole) == 4 and not any(row["lost"] for row in whole.rows)
+
+    class Stumbling(Lazy):
+        left = 700
+
+        def __call__(self, observation):
+            Stumbling.left -= 1
+            if Stumbling.left < 0:
+                raise KeyError("a mistake")
+            return super().__call__(observation)
+
+    def again():
+        return b2b.evaluate(
+            Stumbling,
+            HOUSES,
+            ["constant", "occupancy"],
+            run_periods=DAYS,
+            folder=tmp_path / "parts",
+            name="Lazy",
+            jobs=1,
+        )
+
+    with pytest.raises(KeyError, match="a mistake"):
+        again()
+    assert not (tmp_path / "parts/episodes.parquet").exists()
+    Stumbling.left = 2 * 576 + 576
+    again()
+    assert Stumbling.left == 0, "one of four was kept"
+    assert table(tmp_path / "parts") == table(tmp_path / "whole")
+    with pytest.raises(errors.EvaluationError, match="identity"):
+        b2b.evaluate(Lazy, HOUSES, ["constant", "occupancy"], run_periods=DAYS, folder=tmp_path / "parts", version="2")
+
+
+def test_ctrl_c_stops_an_evaluation_and_keeps_what_is_done(tmp_path):
+    code = f"""
+import building2building as b2b
+calls = 0
+def middle(observation):
+    global calls
+    calls += 1
+    if calls == 1:
+        print("ready", flush=True)
+    return [0.0, 0.0]
+try:
+    b2b.evaluate(middle, {HOUSES!r}, run_periods="winter", rescale_action=True, folder={str(tmp_path / "out")!r})
+except KeyboardInterrupt:
+    print("stopped", flush=True)
+"""
+    process = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    assert process.stdout.readline() == "ready\n"
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=30)
+    assert (out, err, process.returncode) == ("stopped\n", "", 0)
+    assert {each.name for each in (tmp_path / "out").iterdir()} == {"evaluation.json", "episodes"}
+
+
+def test_what_is_no_policy_and_what_does_not_fit_is_refused():
+    day = {"run_periods": "01-10..01-10"}
+    with pytest.raises(errors.EvaluationError, match="onnx"):
+        b2b.evaluate("reactiv", HOUSES[0], **day)
+    with pytest.raises(errors.SettingError, match="no policy"):
+        b2b.evaluate(3, HOUSES[0], **day)
+    with pytest.raises(errors.SettingError, match="name="):
+        b2b.evaluate(lambda observation: None, HOUSES[0], **day)
+    with pytest.raises(errors.ActionError, match="2 actuators"):
+        b2b.evaluate(lambda observation: [0.0] * 7, HOUSES[0], name="seven", **day)
+    with pytest.raises(errors.SettingError, match="to_epjson"):
+        b2b.evaluate("reactive", b2b.generate("SingleFamilyHouse")[0], **day)
+    with pytest.raises(errors.SettingError, match="no episode"):
+        b2b.evaluate("reactive", [], **day)
