@@ -83,11 +83,21 @@ units with --actions physical.";
 
 /// What the numbers of an ONNX policy mean.
 #[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
-enum Actions {
+pub enum Actions {
     /// From -1 to 1, for the lowest and the highest value of an actuator
     Rescaled,
     /// Physical units
     Physical,
+}
+
+impl Actions {
+    /// For the crate that reads the file.
+    pub fn scale(self) -> ActionScale {
+        match self {
+            Self::Rescaled => ActionScale::Rescaled,
+            Self::Physical => ActionScale::Physical,
+        }
+    }
 }
 
 const EPISODES: &str = "episodes.parquet";
@@ -124,10 +134,7 @@ pub fn evaluate(arguments: &Arguments) -> Result<ExitCode> {
 impl Arguments {
     fn policy(&self) -> Result<Box<dyn Policy>> {
         let path = Path::new(&self.policy);
-        let scale = match self.actions {
-            Actions::Rescaled => ActionScale::Rescaled,
-            Actions::Physical => ActionScale::Physical,
-        };
+        let scale = self.actions.scale();
         if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("onnx")) {
             return Ok(Box::new(OnnxPolicy::read(path, scale)?));
         }
@@ -169,7 +176,7 @@ pub fn names(split: Part, types: &[BuildingType]) -> Vec<BuildingName> {
 }
 
 /// Downloads first, so that they are seen and can be interrupted. A building of no dataset fetches its own later.
-fn fetch_weather(episodes: &[Episode], quiet: bool) -> Result<()> {
+pub fn fetch_weather(episodes: &[Episode], quiet: bool) -> Result<()> {
     let of_dataset = |episode: &Episode| match episode.subject.name {
         BuildingName::Id(id) => Some(&dataset::row(id).building),
         BuildingName::Type(_) | BuildingName::Model(_) => None,
