@@ -59,7 +59,7 @@ pub enum Error {
         text: String,
     },
     /// A name that is no problem.
-    #[error("there is no problem `{text}`{}: `b2b benchmark list` has them", if near.is_empty() { String::new() } else { format!(", but {near}") })]
+    #[error("there is no problem `{text}`{}; `b2b benchmark list` has all", if near.is_empty() { String::new() } else { format!(": did you mean {near}?") })]
     UnknownProblem {
         /// What was given.
         text: String,

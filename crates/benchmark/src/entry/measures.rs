@@ -1,6 +1,7 @@
 //! What the episodes of a benchmark run come to.
 
 use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 
 use crate::evaluation::Row;
 use crate::problem::Stage;
@@ -127,6 +128,12 @@ impl Measures {
             adaptation: Adaptation::of(stages, &test),
         })
     }
+}
+
+/// Aggregate and profile of scores by stratum, building and seed, as in [`Measures`]. `None` without any.
+pub fn measures_of(strata: &[Vec<Cluster>]) -> Option<Value> {
+    let test = aggregate_clusters(strata, SEED)?;
+    Some(json!({"test": test, "profile": profile(strata, &bounds(), SEED)}))
 }
 
 impl Group {

@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 pub use entrant::{About, Entrant};
-pub use measures::{Adaptation, Measures, Point, Score, Stratum};
+pub use measures::{Adaptation, Measures, Point, Score, Stratum, measures_of};
 pub use result::{RunResult, read_result};
 pub use verify::{Check, Rerun, verify};
 

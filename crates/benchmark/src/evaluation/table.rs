@@ -220,7 +220,8 @@ impl Cells {
 
     fn row(&self, row: usize) -> Result<Row> {
         let text = |name: &str| -> Result<String> { Ok(self.text(name, row)?.unwrap_or_default()) };
-        let number = |name: &str| -> Result<f64> { Ok(self.value::<Float64Type>(name, row)?.unwrap_or(f64::NAN)) };
+        let number =
+            |name: &str| -> Result<f64> { Ok(self.value::<Float64Type>(name, row)?.unwrap_or(f64::NAN)) };
         let record = Record {
             building: text("building")?,
             building_type: text("type")?,

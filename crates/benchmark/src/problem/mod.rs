@@ -121,8 +121,8 @@ impl Problem {
             let likeness = |known: &str| strsim::jaro_winkler(known, &name.to_lowercase().replace('_', "-"));
             near.sort_by(|a, b| likeness(b).total_cmp(&likeness(a)));
             near.retain(|known| likeness(known) > 0.8);
-            near.truncate(3);
-            Error::UnknownProblem { text: name.to_owned(), near: words(&near) }
+            near.truncate(2);
+            Error::UnknownProblem { text: name.to_owned(), near: near.join(" or ") }
         })
     }
 
@@ -179,6 +179,13 @@ impl Problem {
         let mut found = Vec::new();
         differences("", &value(shipped), &value(self), &mut found);
         found.retain(|path| path != "question");
+        // Buildings by their ids and by their types are one field.
+        for path in &mut found {
+            if let Some(at) = path.find(".buildings") {
+                path.truncate(at + ".buildings".len());
+            }
+        }
+        found.dedup();
         Some(found)
     }
 

@@ -40,9 +40,7 @@ pub fn list(arguments: &ListArguments) -> Result<()> {
             side.tasks == other.tasks,
         ) {
             (true, true) => side.buildings.to_string(),
-            (true, false) => {
-                format!("{}: {}", side.buildings, words(side))
-            }
+            (true, false) => format!("{}, {} of the tasks", side.buildings, side.tasks.len()),
             _ => format!("{} {}", side.buildings.ids().len(), types(side)),
         };
         table.row([
@@ -81,7 +79,7 @@ fn text(problem: &Problem) -> String {
         (
             "training",
             format!(
-                "up to {} steps, all seeds each, on {}",
+                "up to {} steps with each seed, days: {}",
                 thousands(protocol.training_steps),
                 protocol.training_period
             ),
@@ -89,7 +87,7 @@ fn text(problem: &Problem) -> String {
         (
             "test",
             format!(
-                "an episode of {} for each, {} steps an hour",
+                "an episode of {} in each, {} steps an hour",
                 windows.join(" and of "),
                 protocol.steps_per_hour
             ),
@@ -99,7 +97,7 @@ fn text(problem: &Problem) -> String {
             "adaptation",
             format!("scored again after {} steps on each test environment", list(&protocol.adaptation)),
         ),
-        ("gap", format!("tested on {} training building(s) as well", protocol.train_sample)),
+        ("gap", format!("told with {} of the training buildings", protocol.train_sample)),
         ("attributes", format!("{}{padded}", protocol.attributes)),
         (
             "changes",
