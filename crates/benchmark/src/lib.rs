@@ -26,7 +26,7 @@ pub use baseline::{Baselines, Key, Terms, controller_parameters, task_for};
 pub use error::{Error, Result};
 pub use evaluation::{
     Deviations, Episode, Evaluation, Finished, Folder, Hours, Outcome, Progress, Record, Row, Versions,
-    write_episodes,
+    read_stages, write_episodes, write_stages,
 };
 pub use policy::{ActionScale, Beginning, BuiltIn, Interface, OnnxPolicy, Policy};
 pub use problem::Problem;

@@ -1,6 +1,7 @@
 //! `b2b benchmark` seen from outside, on the real engine: two houses, one day.
 #![cfg(target_os = "linux")]
 
+mod browser;
 mod onnx_file;
 
 use std::path::{Path, PathBuf};
@@ -296,6 +297,29 @@ fn a_result_that_was_changed_is_found_out() {
     // The table alone.
     std::fs::write(copy.join("episodes.parquet"), bytes(&judged.path(), "episodes.parquet")).unwrap();
     assert!(judged.wrong(&copy, 0).contains("episodes.parquet is not the one"));
+}
+
+#[test]
+fn the_leaderboard_opens_in_a_browser_without_an_error() {
+    let Some(path) = browser::find() else {
+        eprintln!("skipped: there is no Chromium on the path; B2B_BROWSER names one");
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    for policy in ["reactive", "constant"] {
+        run(folder.path(), &format!("{SMALL} --policy {policy} --out {policy}"));
+    }
+    let made = b2b(folder.path(), "benchmark report reactive constant --out board.html");
+    assert!(made.status.success(), "{}", said(&made));
+    let mut browser = browser::Browser::start(&path, folder.path());
+    browser
+        .open(&folder.path().join("board.html"), "document.querySelectorAll('.boards .main-svg').length > 0");
+    let mut count = |what: &str| browser.value(&format!("document.querySelectorAll('{what}').length"));
+    assert_eq!((count(".boards table"), count(".js-plotly-plot")), (json!(1), json!(4)));
+    assert_eq!(count(".boards tbody tr"), json!(2));
+    let first = browser.value("document.querySelector('.boards tbody td').textContent");
+    assert_eq!(first, json!("1. reactive"));
+    assert_eq!(browser.errors, [""; 0]);
 }
 
 #[test]
