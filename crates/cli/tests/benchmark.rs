@@ -4,16 +4,21 @@
 mod browser;
 mod onnx_file;
 
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use b2b_benchmark::entry::{Check, Rerun, read_result, verify};
 use b2b_benchmark::problem::Stage;
-use b2b_benchmark::{Evaluation, Row, Versions, write_stages};
-use b2b_building::Catalog;
+use b2b_benchmark::{Evaluation, Problem, Row, Versions, write_stages};
+use b2b_building::dataset::BuildingId;
+use b2b_building::{BuildingName, Catalog, Conditioning, Placement, PreparedBuilding};
+use b2b_control::ReactiveParameters;
 use b2b_energyplus::install::Quiet;
-use b2b_env::vector::Launcher;
+use b2b_env::Setpoints;
+use b2b_env::vector::{Launcher, Spaces};
 use onnx_file::linear_policy;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
@@ -94,6 +99,70 @@ fn the_reactive_controllers_score_one_and_two_runs_leave_the_same_bytes() {
     // And refused to another.
     let other = format!("run {SMALL} --policy constant --out first");
     assert_refused(folder.path(), &other, &["holds another evaluation", "policies"]);
+}
+
+/// The paper's table of buildings: type, observation under constant targets at least and at most, actuators. Where targets
+/// move there are two more slots for every controlled zone.
+const PAPER: [(&str, [usize; 2], usize); 5] = [
+    ("SingleFamilyHouse", [9, 11], 2),
+    ("Warehouse", [10, 10], 5),
+    ("RetailStandalone", [12, 12], 9),
+    ("OfficeSmall", [13, 13], 10),
+    ("OfficeMedium", [25, 25], 36),
+];
+/// Its table of action-space transfers.
+const TRANSFERS: [(&str, [usize; 2]); 4] = [
+    ("unitary-5-10", [5, 10]),
+    ("unitary-10-5", [10, 5]),
+    ("central-33-36", [33, 36]),
+    ("central-36-33", [36, 33]),
+];
+
+#[test]
+fn every_side_of_every_problem_has_the_sizes_of_the_paper() {
+    let catalog = Catalog::open(&mut Quiet).unwrap();
+    let mut prepared: HashMap<BuildingId, (Arc<PreparedBuilding>, PathBuf)> = HashMap::new();
+    for problem in Problem::all() {
+        let mut actions = Vec::new();
+        for side in [&problem.train, &problem.test] {
+            // One building for each type and use: those of a type have the same systems.
+            let listed = side.buildings.ids();
+            let id = prepared.keys().copied().find(|id| listed.contains(id)).unwrap_or(listed[0]);
+            let (building, weather) = prepared.entry(id).or_insert_with(|| {
+                let found = catalog.find(&BuildingName::Id(id), &Placement::default(), &mut Quiet).unwrap();
+                let weather = found.weather.clone();
+                (Arc::new(found.prepare(catalog.library()).unwrap()), weather)
+            });
+            let (_, slots, actuators) =
+                PAPER.iter().find(|(name, ..)| *name == id.building_type().name()).unwrap();
+            let controlled =
+                building.zones.iter().filter(|zone| zone.conditioning != Conditioning::None).count();
+            for task in &side.tasks {
+                let moving = !matches!(task.setpoints, Setpoints::Constant { .. });
+                let (period, weather) = ("01-10..01-10".parse().unwrap(), weather.clone());
+                let episode = b2b_env::Episode { weather, period, steps_per_hour: 12, task: task.clone() };
+                let spaces = Spaces::new(Arc::clone(building), episode).unwrap();
+                let told = if moving { 2 * controlled } else { 0 };
+                let seen = spaces.observation.len();
+                assert!((slots[0] + told..=slots[1] + told).contains(&seen), "{}: {seen}", problem.name);
+                assert!(problem.protocol.observation_width.is_none_or(|width| seen <= width));
+                let left = match side.restriction {
+                    None => *actuators,
+                    Some(restriction) => {
+                        restriction.within(&spaces, &ReactiveParameters::default()).unwrap().kept().len()
+                    }
+                };
+                assert_eq!(spaces.action.len(), *actuators, "{}", problem.name);
+                let [size] = &side.sizes[..] else { panic!("{}", problem.name) };
+                assert!((size.observation[0]..=size.observation[1]).contains(&seen) && size.action == left);
+            }
+            actions.push(side.sizes[0].action);
+        }
+        if let Some((_, sizes)) = TRANSFERS.iter().find(|(name, _)| *name == problem.name) {
+            assert_eq!(actions, sizes);
+            assert_eq!(problem.train.buildings.ids(), problem.test.buildings.ids());
+        }
+    }
 }
 
 #[test]

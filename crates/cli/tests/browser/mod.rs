@@ -7,7 +7,6 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use base64::Engine;
 use serde_json::{Value, json};
 
 /// Names of the browser on the path.
@@ -88,15 +87,6 @@ impl Browser {
     pub fn value(&mut self, script: &str) -> Value {
         self.ask("Runtime.evaluate", json!({"expression": script, "returnByValue": true}))["result"]["value"]
             .clone()
-    }
-
-    /// A picture of the page's top, PNG.
-    pub fn picture(&mut self, width: u32, height: u32) -> Vec<u8> {
-        let size = json!({"width": width, "height": height, "deviceScaleFactor": 1, "mobile": false});
-        self.ask("Emulation.setDeviceMetricsOverride", size);
-        std::thread::sleep(Duration::from_secs(2));
-        let answer = self.ask("Page.captureScreenshot", json!({"format": "png"}));
-        base64::engine::general_purpose::STANDARD.decode(answer["data"].as_str().unwrap()).unwrap()
     }
 
     /// Sends a command and waits for its answer; events on the way are looked through for errors.
