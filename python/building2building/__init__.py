@@ -9,7 +9,7 @@
 
 import gymnasium as _gymnasium
 
-from . import _core, wrappers
+from . import _core, benchmarks, wrappers
 from .buildings import (
     Building,
     building_parameters,
@@ -53,6 +53,7 @@ __all__ = [
     "ReactiveController",
     "Snapshot",
     "Trajectory",
+    "benchmarks",
     "building_parameters",
     "callable_controller",
     "collect",

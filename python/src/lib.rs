@@ -2,9 +2,10 @@
 //!
 //! Nothing is decided here. [`catalog`] finds buildings, [`spaces`] tells what is seen and driven, [`env`] is one
 //! environment in a process of its own, [`vector`] many, [`local`] one in this process, [`control`] the controllers that
-//! come with the crates, [`evaluation`] runs a policy on many buildings.
+//! come with the crates, [`evaluation`] runs a policy on many buildings, [`benchmarks`] knows the benchmark's problems.
 
 mod arrays;
+mod benchmarks;
 mod catalog;
 mod control;
 mod env;
@@ -22,6 +23,8 @@ use pyo3::prelude::*;
 mod _core {
     use super::*;
 
+    #[pymodule_export]
+    use super::benchmarks::{Problem, Restriction, measures, normalized_score};
     #[pymodule_export]
     use super::catalog::{Building, Setting, building_types, dataset_table, find_building, generate, places};
     #[pymodule_export]

@@ -58,6 +58,60 @@ pub enum Error {
         /// What was given.
         text: String,
     },
+    /// A name that is no problem.
+    #[error("there is no problem `{text}`{}; `b2b benchmark list` has all", if near.is_empty() { String::new() } else { format!(": did you mean {near}?") })]
+    UnknownProblem {
+        /// What was given.
+        text: String,
+        /// Names that are near.
+        near: String,
+    },
+    /// A file that is no problem.
+    #[error("{path} is no problem: {why}")]
+    ProblemFile {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong in it.
+        why: String,
+    },
+    /// A problem that cannot be.
+    #[error("problem {name}: {why}")]
+    Problem {
+        /// Its name.
+        name: String,
+        /// What is wrong.
+        why: String,
+    },
+    /// A building that must not be trained on.
+    #[error("{building} is not to train on in {problem}: {why}")]
+    ForTests {
+        /// The problem.
+        problem: String,
+        /// The building.
+        building: String,
+        /// Why.
+        why: String,
+    },
+    /// A benchmark run that has not ended.
+    #[error("{folder} is unfinished: the `b2b benchmark run` that it is of goes on with it")]
+    Unfinished {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// A folder without a result.
+    #[error("{folder} holds no result of `b2b benchmark run`")]
+    NoResult {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// A result that was changed after it was written.
+    #[error("{folder} is not as it was written: {what}")]
+    Forged {
+        /// The folder.
+        folder: PathBuf,
+        /// What is not.
+        what: String,
+    },
     /// A folder of another evaluation.
     #[error("{folder} holds another evaluation: {differences}; give another folder, or remove it")]
     OtherEvaluation {

@@ -10,9 +10,11 @@
 #![cfg(target_os = "linux")]
 
 mod baseline;
+pub mod entry;
 mod error;
 mod evaluation;
 mod policy;
+pub mod problem;
 pub mod report;
 mod results;
 mod scores;
@@ -24,9 +26,10 @@ pub use baseline::{Baselines, Key, Terms, controller_parameters, task_for};
 pub use error::{Error, Result};
 pub use evaluation::{
     Deviations, Episode, Evaluation, Finished, Folder, Hours, Outcome, Progress, Record, Row, Versions,
-    episode_table, write_episodes,
+    episode_table, read_stages, write_episodes, write_stages,
 };
-pub use policy::{ActionScale, Beginning, BuiltIn, OnnxPolicy, Policy};
+pub use policy::{ActionScale, Beginning, BuiltIn, Interface, OnnxPolicy, Policy};
+pub use problem::Problem;
 pub use results::{Group, Lost, Results, Summary, Window};
 pub use scores::normalized_score;
 pub use subject::{Subject, Surroundings};

@@ -6,7 +6,7 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Draws of the bootstrap.
 pub const DRAWS: usize = 5000;
@@ -14,7 +14,7 @@ pub const DRAWS: usize = 5000;
 pub const CONFIDENCE: f64 = 0.95;
 
 /// A value and the interval that a bootstrap gives it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Interval {
     /// Of the scores themselves.
     pub value: f64,
@@ -25,9 +25,9 @@ pub struct Interval {
 }
 
 /// Scores in a few numbers.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Aggregate {
-    /// How many scores.
+    /// How many scores; of several seeds, how many buildings under a task.
     pub episodes: usize,
     /// Arithmetic mean.
     pub mean: Interval,
@@ -39,42 +39,108 @@ pub struct Aggregate {
     pub beats_baseline: Interval,
 }
 
+/// Scores of one building under one task: one for each seed.
+pub type Cluster = Vec<f64>;
+
+/// Shares of scores up to some bounds: a point of a performance profile.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Share {
+    /// The bound.
+    pub score: f64,
+    /// Share of scores at or below it.
+    pub share: Interval,
+}
+
 /// Aggregates scores, one list for each stratum. `None` without any. The same seed gives the same intervals.
 pub fn aggregate(strata: &[Vec<f64>], seed: u64) -> Option<Aggregate> {
-    let episodes: usize = strata.iter().map(Vec::len).sum();
-    if episodes == 0 {
+    let alone = |scores: &Vec<f64>| scores.iter().map(|score| vec![*score]).collect();
+    aggregate_clusters(&strata.iter().map(alone).collect::<Vec<_>>(), seed)
+}
+
+/// The same for scores of several seeds: each building counts once, with the mean over its seeds. The bootstrap draws
+/// buildings anew within their stratum, and seeds anew within each building that was drawn.
+pub fn aggregate_clusters(strata: &[Vec<Cluster>], seed: u64) -> Option<Aggregate> {
+    let measure = |scores: &[f64]| {
+        vec![
+            mean(scores),
+            median(scores),
+            interquartile_mean(scores),
+            share_up_to(scores, |score| score < 1.0),
+        ]
+    };
+    let intervals = bootstrap(&[strata], seed, |lists| measure(lists[0]))?;
+    let [mean, median, interquartile_mean, beats_baseline] = intervals[..] else {
+        return None;
+    };
+    let episodes = strata.iter().map(Vec::len).sum();
+    Some(Aggregate { episodes, mean, median, interquartile_mean, beats_baseline })
+}
+
+/// The performance profile: for each bound the share of buildings whose score is at or below it.
+pub fn profile(strata: &[Vec<Cluster>], bounds: &[f64], seed: u64) -> Vec<Share> {
+    let shares =
+        |scores: &[f64]| bounds.iter().map(|bound| share_up_to(scores, |score| score <= *bound)).collect();
+    let shares = bootstrap(&[strata], seed, |lists| shares(lists[0])).unwrap_or_default();
+    bounds.iter().zip(shares).map(|(score, share)| Share { score: *score, share }).collect()
+}
+
+/// By how much the interquartile mean of some scores is above that of others.
+pub fn difference(above: &[Vec<Cluster>], below: &[Vec<Cluster>], seed: u64) -> Option<Interval> {
+    let measure = |lists: &[&[f64]]| vec![interquartile_mean(lists[0]) - interquartile_mean(lists[1])];
+    bootstrap(&[above, below], seed, measure)?.pop()
+}
+
+/// Measures of lists of scores, with the intervals that a bootstrap gives them. `None` when a list is empty.
+fn bootstrap(
+    lists: &[&[Vec<Cluster>]],
+    seed: u64,
+    measure: impl Fn(&[&[f64]]) -> Vec<f64>,
+) -> Option<Vec<Interval>> {
+    let sorted = |mut scores: Vec<f64>| {
+        scores.sort_by(f64::total_cmp);
+        scores
+    };
+    let own = |strata: &&[Vec<Cluster>]| sorted(strata.iter().flatten().map(|seeds| mean(seeds)).collect());
+    let mut scores: Vec<Vec<f64>> = lists.iter().map(own).collect();
+    if scores.iter().any(Vec::is_empty) {
         return None;
     }
-    let measures: [fn(&[f64]) -> f64; 4] = [mean, median, interquartile_mean, share_below_one];
-    let measure = |scores: &[f64]| measures.map(|measure| measure(scores));
-    let mut scores: Vec<f64> = strata.concat();
-    scores.sort_by(f64::total_cmp);
-    let values = measure(&scores);
+    let of = |scores: &[Vec<f64>]| measure(&scores.iter().map(Vec::as_slice).collect::<Vec<_>>());
+    let values = of(&scores);
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let mut drawn: [Vec<f64>; 4] = Default::default();
+    let mut drawn = vec![Vec::with_capacity(DRAWS); values.len()];
     for _ in 0..DRAWS {
-        scores.clear();
-        for stratum in strata.iter().filter(|stratum| !stratum.is_empty()) {
-            scores.extend((0..stratum.len()).map(|_| stratum[random.random_range(0..stratum.len())]));
+        for (scores, strata) in scores.iter_mut().zip(lists) {
+            scores.clear();
+            draw(strata, &mut random, scores);
+            scores.sort_by(f64::total_cmp);
         }
-        scores.sort_by(f64::total_cmp);
-        for (drawn, value) in drawn.iter_mut().zip(measure(&scores)) {
+        for (drawn, value) in drawn.iter_mut().zip(of(&scores)) {
             drawn.push(value);
         }
     }
-    let mut intervals = drawn.into_iter().zip(values).map(|(mut drawn, value)| {
-        drawn.sort_by(f64::total_cmp);
-        let tail = (1.0 - CONFIDENCE) / 2.0;
+    let tail = (1.0 - CONFIDENCE) / 2.0;
+    let interval = |(drawn, value): (Vec<f64>, f64)| {
+        let drawn = sorted(drawn);
         Interval { value, low: quantile(&drawn, tail), high: quantile(&drawn, 1.0 - tail) }
-    });
-    let mut next = || intervals.next();
-    Some(Aggregate {
-        episodes,
-        mean: next()?,
-        median: next()?,
-        interquartile_mean: next()?,
-        beats_baseline: next()?,
-    })
+    };
+    Some(drawn.into_iter().zip(values).map(interval).collect())
+}
+
+/// As many clusters as there are, with replacement, each with the mean of as many of its scores.
+fn draw(strata: &[Vec<Cluster>], random: &mut ChaCha8Rng, scores: &mut Vec<f64>) {
+    for stratum in strata.iter().filter(|stratum| !stratum.is_empty()) {
+        for _ in 0..stratum.len() {
+            let seeds = &stratum[random.random_range(0..stratum.len())];
+            scores.push(match seeds[..] {
+                [only] => only,
+                _ => {
+                    let sum: f64 = (0..seeds.len()).map(|_| seeds[random.random_range(0..seeds.len())]).sum();
+                    sum / seeds.len() as f64
+                }
+            });
+        }
+    }
 }
 
 fn mean(sorted: &[f64]) -> f64 {
@@ -93,8 +159,8 @@ pub fn interquartile_mean(sorted: &[f64]) -> f64 {
     mean(&sorted[cut..sorted.len() - cut])
 }
 
-fn share_below_one(sorted: &[f64]) -> f64 {
-    sorted.iter().filter(|score| **score < 1.0).count() as f64 / sorted.len() as f64
+fn share_up_to(scores: &[f64], counts: impl Fn(f64) -> bool) -> f64 {
+    scores.iter().filter(|score| counts(**score)).count() as f64 / scores.len() as f64
 }
 
 /// A quantile of sorted numbers, between two of them in proportion (numpy's default).
@@ -119,7 +185,7 @@ mod tests {
         // Without the two lowest and the two highest: 0.91, 0.97, 0.99, 1.01, 1.05, 1.2.
         assert!((interquartile_mean(&scores) - 6.13 / 6.0).abs() < 1e-12);
         assert!((quantile(&scores, 0.1) - 0.865).abs() < 1e-12);
-        assert_eq!(share_below_one(&scores), 0.5);
+        assert_eq!(share_up_to(&scores, |score| score < 1.0), 0.5);
     }
 
     #[test]
@@ -132,6 +198,48 @@ mod tests {
             assert!(each.low <= each.value && each.value <= each.high && each.low < each.high, "{each:?}");
         }
         assert_eq!(aggregate(&[vec![]], 0), None);
+    }
+
+    #[test]
+    fn seeds_of_a_building_are_one_score_and_widen_the_interval() {
+        let seeds =
+            |spread: f64| vec![vec![vec![1.0 - spread, 1.0 + spread], vec![2.0 - spread, 2.0 + spread]]];
+        let (steady, noisy) =
+            (aggregate_clusters(&seeds(0.0), 0).unwrap(), aggregate_clusters(&seeds(0.4), 0).unwrap());
+        assert_eq!((steady.episodes, steady.mean.value, noisy.mean.value), (2, 1.5, 1.5));
+        assert_eq!((steady.mean.low, steady.mean.high), (1.0, 2.0));
+        assert!(noisy.mean.low < 0.9 && noisy.mean.high > 2.1, "{noisy:?}");
+    }
+
+    #[test]
+    fn the_interval_of_a_mean_is_that_of_its_standard_error() {
+        // Two strata of 60 and 40 scores; the variance of the mean is the sum of n s², s² over n, over N².
+        let scores = |count: usize, shift: f64| -> Vec<f64> {
+            (0..count).map(|k| shift + (k as f64 * 0.754_877_666).fract()).collect()
+        };
+        let strata = [scores(60, 0.0), scores(40, 5.0)];
+        let variance = |scores: &[f64]| {
+            let mean = mean(scores);
+            scores.iter().map(|score| (score - mean).powi(2)).sum::<f64>() / scores.len() as f64
+        };
+        let error =
+            (strata.iter().map(|each| each.len() as f64 * variance(each)).sum::<f64>()).sqrt() / 100.0;
+        let Interval { value, low, high } = aggregate(&strata, 3).unwrap().mean;
+        for half in [value - low, high - value] {
+            assert!((half / (1.959_964 * error) - 1.0).abs() < 0.06, "{half} against {error}");
+        }
+    }
+
+    #[test]
+    fn a_profile_rises_from_none_to_all_and_a_gap_is_of_interquartile_means() {
+        let alone = |scores: &[f64]| vec![scores.iter().map(|score| vec![*score]).collect::<Vec<_>>()];
+        let (test, train) = (alone(&[0.5, 1.0, 1.5, 2.0]), alone(&[0.4, 0.8, 0.9, 1.6]));
+        let shares: Vec<f64> =
+            profile(&test, &[0.4, 0.5, 1.0, 1.7, 2.0], 0).iter().map(|each| each.share.value).collect();
+        assert_eq!(shares, [0.0, 0.25, 0.5, 0.75, 1.0]);
+        let gap = difference(&test, &train, 0).unwrap();
+        assert!((gap.value - 0.4).abs() < 1e-12 && gap.low < 0.0 && gap.high > 0.8, "{gap:?}");
+        assert_eq!(difference(&test, &[], 0), None);
     }
 
     #[test]

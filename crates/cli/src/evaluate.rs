@@ -82,11 +82,21 @@ units with --actions physical.";
 
 /// What the numbers of an ONNX policy mean.
 #[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
-enum Actions {
+pub enum Actions {
     /// From -1 to 1, for the lowest and the highest value of an actuator
     Rescaled,
     /// Physical units
     Physical,
+}
+
+impl Actions {
+    /// For the crate that reads the file.
+    pub fn scale(self) -> ActionScale {
+        match self {
+            Self::Rescaled => ActionScale::Rescaled,
+            Self::Physical => ActionScale::Physical,
+        }
+    }
 }
 
 /// Runs the command.
@@ -113,11 +123,7 @@ pub fn evaluate(arguments: &Arguments) -> Result<ExitCode> {
 
 impl Arguments {
     fn policy(&self) -> Result<Box<dyn Policy>> {
-        let scale = match self.actions {
-            Actions::Rescaled => ActionScale::Rescaled,
-            Actions::Physical => ActionScale::Physical,
-        };
-        Ok(<dyn Policy>::named(&self.policy, scale)?)
+        Ok(<dyn Policy>::named(&self.policy, self.actions.scale())?)
     }
 
     /// Building by building: what one was prepared for serves all its episodes.
@@ -155,7 +161,7 @@ pub fn names(split: Part, types: &[BuildingType]) -> Vec<BuildingName> {
 }
 
 /// Downloads first, so that they are seen and can be interrupted. A building of no dataset fetches its own later.
-fn fetch_weather(episodes: &[Episode], quiet: bool) -> Result<()> {
+pub fn fetch_weather(episodes: &[Episode], quiet: bool) -> Result<()> {
     let of_dataset = |episode: &Episode| match episode.subject.name {
         BuildingName::Id(id) => Some(&dataset::row(id).building),
         BuildingName::Type(_) | BuildingName::Model(_) => None,

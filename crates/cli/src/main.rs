@@ -3,6 +3,8 @@
 #[cfg(target_os = "linux")]
 mod baseline;
 mod bench;
+#[cfg(target_os = "linux")]
+mod benchmark;
 mod check;
 mod child;
 mod controller;
@@ -62,6 +64,7 @@ Examples:
   b2b generate Warehouse --count 100 --out warehouses
   b2b import my.idf --weather my.epw       what can be driven in a building of yours
   b2b evaluate --policy my.onnx --type OfficeSmall --out results
+  b2b benchmark list                       the benchmark's problems
   b2b doctor                               what is installed and whether it is whole
 
 EnergyPlus and weather files are fetched by themselves when first needed, with the Python
@@ -89,6 +92,8 @@ enum Command {
     Score(score::Arguments),
     #[cfg(target_os = "linux")]
     Baseline(baseline::Arguments),
+    #[cfg(target_os = "linux")]
+    Benchmark(benchmark::Arguments),
     Generate(generate::Arguments),
     Dataset(dataset::Arguments),
     Check(check::Arguments),
@@ -137,6 +142,8 @@ fn execute(command: Command) -> Result<ExitCode> {
         Command::Score(arguments) => score::score(&arguments)?,
         #[cfg(target_os = "linux")]
         Command::Baseline(arguments) => return baseline::baseline(&arguments),
+        #[cfg(target_os = "linux")]
+        Command::Benchmark(arguments) => return benchmark::benchmark(&arguments),
         Command::Generate(arguments) => generate::generate(&arguments)?,
         Command::Check(arguments) => return check::check(&arguments),
         Command::Import(arguments) => return import::import(&arguments),

@@ -28,6 +28,18 @@ impl ActionSpace {
         }
     }
 
+    /// These actuators alone, by their numbers and in this order.
+    pub fn select(&self, actuators: &[usize]) -> Self {
+        let numbers = |values: &[f64]| actuators.iter().map(|&number| values[number]).collect();
+        Self {
+            names: actuators.iter().map(|&number| self.names[number].clone()).collect(),
+            owners: actuators.iter().map(|&number| self.owners[number]).collect(),
+            quantities: actuators.iter().map(|&number| self.quantities[number]).collect(),
+            low: numbers(&self.low),
+            high: numbers(&self.high),
+        }
+    }
+
     /// A space without actuators.
     #[cfg(test)]
     pub(crate) fn empty() -> Self {
@@ -144,6 +156,16 @@ mod tests {
             assert_eq!(action, expected);
             assert_eq!(space().clamp_into(&action, &mut [0.0; 2]).unwrap(), 0);
         }
+    }
+
+    #[test]
+    fn selected_actuators_keep_their_names_and_bounds() {
+        let flow = space().select(&[0]);
+        assert_eq!(
+            (flow.names(), flow.low(), flow.high()),
+            (&["fan".to_owned()][..], &[0.0][..], &[0.5][..])
+        );
+        assert_eq!(space().select(&[1, 0]).quantities()[0], Quantity::SupplyAirTemperature);
     }
 
     #[test]

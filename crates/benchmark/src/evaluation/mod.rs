@@ -17,9 +17,10 @@ use b2b_env::Task;
 use b2b_env::vector::Launcher;
 
 use bench::{Bench, Group};
+pub(crate) use folder::write;
 pub use folder::{Folder, Versions};
 pub use record::{Deviations, Finished, Hours, Outcome, Record};
-pub use table::{Row, episode_table, write_episodes};
+pub use table::{Row, episode_table, read_stages, write_episodes, write_stages};
 
 use crate::policy::Policy;
 use crate::subject::Subject;
@@ -177,5 +178,6 @@ fn concerns_all(error: &Error) -> bool {
             | Error::ObservationShape { .. }
             | Error::ActionShape { .. }
             | Error::NoPolicy { .. }
+            | Error::Problem { .. }
     )
 }

@@ -9,7 +9,7 @@ use b2b_env::vector::{Live, Pool, Start};
 use super::bench::Bench;
 use super::record::Finished;
 use super::{Episode, Work};
-use crate::policy::Beginning;
+use crate::policy::{Beginning, Interface};
 use crate::{Error, Result};
 
 /// Runs an episode.
@@ -21,6 +21,7 @@ pub(super) fn run(bench: &mut Bench, episode: &Episode, work: &Work<'_>) -> Resu
         subject: &bench.located.subject,
         surroundings: &bench.located.surroundings,
         spaces: &spaces,
+        interface: &Interface::of(&spaces),
         seed: episode.seed,
         pool: &mut bench.pool,
         template,

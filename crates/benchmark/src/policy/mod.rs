@@ -8,6 +8,7 @@ use std::str::FromStr;
 use std::sync::Arc;
 
 use b2b_control::{Constant, Controller, Planner, PlannerParameters, Random, Reactive, Replay};
+use b2b_env::ActionSpace;
 use b2b_env::vector::{Pool, Spaces, Start, TemplateId};
 
 pub use onnx::{ActionScale, OnnxPolicy};
@@ -25,6 +26,11 @@ pub trait Policy: Sync {
 
     /// Whether it is the reactive controllers that scores are relative to.
     fn is_baseline(&self) -> bool {
+        false
+    }
+
+    /// Whether it sees and drives a building as a whole, whatever interface it is given.
+    fn drives_all(&self) -> bool {
         false
     }
 
@@ -57,12 +63,31 @@ pub struct Beginning<'a> {
     pub surroundings: &'a Surroundings,
     /// What is seen and driven in it.
     pub spaces: &'a Arc<Spaces>,
+    /// What of it the policy sees and drives.
+    pub interface: &'a Interface,
     /// The seed of the episode.
     pub seed: u64,
     /// Where the episode is about to run, and its template: for those who try things on copies of it.
     pub pool: &'a mut Pool,
     /// See `pool`.
     pub template: TemplateId,
+}
+
+/// What a policy sees and drives: all of a building's spaces, or what a problem makes of them.
+#[derive(Clone, Debug)]
+pub struct Interface {
+    /// Names of the numbers that it is shown.
+    pub observation: Vec<String>,
+    /// What it drives.
+    pub action: ActionSpace,
+}
+
+impl Interface {
+    /// Of a building as it is.
+    pub fn of(spaces: &Spaces) -> Self {
+        let observation = spaces.observation.slots().iter().map(|slot| slot.name.clone()).collect();
+        Self { observation, action: spaces.action.clone() }
+    }
 }
 
 /// The controllers that need no file.
@@ -115,8 +140,12 @@ impl Policy for BuiltIn {
         *self == Self::Reactive
     }
 
+    fn drives_all(&self) -> bool {
+        matches!(self, Self::Reactive | Self::Planner)
+    }
+
     fn controller(&self, beginning: Beginning<'_>) -> Result<Box<dyn Controller>> {
-        let space = &beginning.spaces.action;
+        let space = &beginning.interface.action;
         Ok(match self {
             Self::Reactive => Box::new(reactive(&beginning)),
             Self::Random => Box::new(Random::new(space, beginning.seed)),

@@ -7,16 +7,18 @@ use std::sync::{Arc, Mutex, PoisonError};
 use b2b_control::Controller;
 use b2b_env::ActionSpace;
 use b2b_env::vector::Spaces;
+use serde::{Deserialize, Serialize};
 use tract_onnx::prelude::*;
 use tract_onnx::tract_hir::internal::{DimLike, Factoid, format_err};
 
-use super::{Beginning, Policy};
+use super::{Beginning, Interface, Policy};
 use crate::error::at;
 use crate::subject::hex;
 use crate::{Error, Result};
 
 /// What the numbers that a policy gives mean.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum ActionScale {
     /// -1 is the lowest and 1 the highest value of an actuator; what is beyond is cut off.
     #[default]
@@ -88,31 +90,36 @@ impl OnnxPolicy {
         Ok(model)
     }
 
-    fn check_observation(&self, spaces: &Spaces) -> Result<()> {
-        let slots = spaces.observation.slots();
+    fn check_observation(&self, spaces: &Spaces, interface: &Interface) -> Result<()> {
+        let slots = &interface.observation;
         match self.width() {
             Some(given) if given != slots.len() => Err(Error::ObservationShape {
                 policy: self.path.display().to_string(),
                 given,
                 building: spaces.building.name.clone(),
                 task: spaces.episode.task.to_string(),
-                slots: slots.iter().map(|slot| slot.name.clone()).collect(),
+                slots: slots.clone(),
             }),
             _ => Ok(()),
         }
     }
 
     /// Tries the model once.
-    fn check_action(&self, model: &Arc<TypedRunnableModel>, spaces: &Spaces) -> Result<()> {
-        let given = self.infer(model, &vec![0.0; spaces.observation.len()])?.len();
-        if given == spaces.action.len() {
+    fn check_action(
+        &self,
+        model: &Arc<TypedRunnableModel>,
+        spaces: &Spaces,
+        interface: &Interface,
+    ) -> Result<()> {
+        let given = self.infer(model, &vec![0.0; interface.observation.len()])?.len();
+        if given == interface.action.len() {
             return Ok(());
         }
         Err(Error::ActionShape {
             policy: self.path.display().to_string(),
             given,
             building: spaces.building.name.clone(),
-            slots: spaces.action.names().to_vec(),
+            slots: interface.action.names().to_vec(),
         })
     }
 
@@ -132,15 +139,15 @@ impl Policy for OnnxPolicy {
     }
 
     fn controller(&self, beginning: Beginning<'_>) -> Result<Box<dyn Controller>> {
-        let spaces = beginning.spaces;
-        self.check_observation(spaces)?;
-        let model = self.for_width(spaces.observation.len())?;
-        self.check_action(&model, spaces)?;
+        let Beginning { spaces, interface, .. } = beginning;
+        self.check_observation(spaces, interface)?;
+        let model = self.for_width(interface.observation.len())?;
+        self.check_action(&model, spaces, interface)?;
         Ok(Box::new(OnnxController {
             model,
             scale: self.scale,
-            space: spaces.action.clone(),
-            observation: vec![0.0; spaces.observation.len()],
+            space: interface.action.clone(),
+            observation: vec![0.0; interface.observation.len()],
         }))
     }
 }

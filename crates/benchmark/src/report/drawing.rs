@@ -8,7 +8,7 @@ use crate::results::Results;
 use crate::statistics::quantile;
 
 /// Colours of the types.
-const PALETTE: [&str; 8] =
+pub(super) const PALETTE: [&str; 8] =
     ["#2563eb", "#e4572e", "#0f9d76", "#9333ea", "#d39b00", "#0891b2", "#db2777", "#65800f"];
 /// Points that stand for a distribution of steps.
 const QUANTILES: usize = 400;
@@ -151,7 +151,7 @@ fn points(rows: &[&Row], x: Vec<Value>, y: Vec<Value>, name: &str, color: &str) 
 }
 
 /// A dashed line across.
-fn line_at(value: f64) -> Value {
+pub(super) fn line_at(value: f64) -> Value {
     json!({"type": "line", "xref": "paper", "x0": 0, "x1": 1, "y0": value, "y1": value,
            "line": {"dash": "dash", "width": 1.3, "color": "#b45309"}})
 }

@@ -4,6 +4,7 @@
 //! `report.html` is the page around them.
 
 mod drawing;
+pub mod leaderboard;
 
 use std::io::Write;
 
@@ -50,6 +51,11 @@ pub fn write(
         "drawings": drawing::all(results, &deviations(results, read), &worst),
         "footer": footer(summary),
     });
+    write_page(file, &data)
+}
+
+/// The page with its data.
+fn write_page(file: &mut impl Write, data: &Value) -> std::io::Result<()> {
     // `<` would let a name end the script element.
     let data = data.to_string().replace('<', "\\u003c");
     file.write_all(PAGE.replace("{{PLOTLY}}", &plotly_script()).replace("{{DATA}}", &data).as_bytes())

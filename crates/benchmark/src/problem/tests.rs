@@ -1,0 +1,155 @@
+use super::*;
+
+#[test]
+fn every_shipped_problem_is_sound_and_reads_back_as_it_is() {
+    for problem in Problem::all() {
+        problem.check().unwrap();
+        let text = serde_json::to_string(problem).unwrap();
+        assert_eq!(serde_json::from_str::<Problem>(&text).unwrap(), *problem);
+        assert_eq!(problem.changes(), Some(vec![]), "{}", problem.name);
+        assert!(!problem.test.sizes.is_empty() && !problem.train.sizes.is_empty());
+    }
+    let names: HashSet<_> = Problem::all().iter().map(|problem| &problem.name).collect();
+    let hashes: HashSet<_> = Problem::all().iter().map(Problem::hash).collect();
+    assert_eq!((names.len(), hashes.len()), (SHIPPED.len(), SHIPPED.len()));
+}
+
+#[test]
+fn no_environment_is_both_to_train_and_to_test_on() {
+    for problem in Problem::all() {
+        let restriction = |side: &Side| side.restriction.map(|each| each.to_string());
+        let environments = |side: &Side| {
+            let of =
+                |id: BuildingId| side.tasks.iter().map(move |task| (id, task.to_string(), restriction(side)));
+            side.buildings.ids().into_iter().flat_map(of).collect::<HashSet<_>>()
+        };
+        let (train, test) = (environments(&problem.train), environments(&problem.test));
+        assert!(train.is_disjoint(&test), "{}", problem.name);
+        for id in problem.train.buildings.ids() {
+            assert_eq!(dataset::row(id).split, Split::Train, "{}", problem.name);
+        }
+    }
+}
+
+#[test]
+fn sides_have_as_many_buildings_as_the_dataset_has() {
+    let counts = |name: &str| {
+        let problem = Problem::named(name).unwrap();
+        (problem.train.buildings.ids().len(), problem.test.buildings.ids().len())
+    };
+    assert_eq!(counts("dynamics-house"), (900, 100));
+    assert_eq!(counts("retail-to-warehouse"), (900, 100));
+    assert_eq!(counts("unitary-5-10"), (1, 1));
+    let custom = Problem::cross_domain(
+        &[BuildingType::RetailStandalone, BuildingType::RestaurantFastFood],
+        &[BuildingType::OfficeSmall, BuildingType::OfficeMedium],
+    );
+    let custom = custom.unwrap();
+    assert_eq!((custom.train.buildings.ids().len(), custom.test.buildings.ids().len()), (1800, 200));
+    assert_eq!(custom.changes(), None, "it has a name of its own");
+}
+
+fn refused(name: &str, changes: Value) -> String {
+    let changes: Changes = serde_json::from_value(changes).unwrap();
+    Problem::named(name).unwrap().with(&changes).unwrap_err().to_string()
+}
+
+#[test]
+fn what_could_not_tell_anything_is_refused_by_name() {
+    use serde_json::json;
+    let cases = [
+        (
+            "dynamics-house",
+            json!({"train": ["SingleFamilyHouse-1", "SingleFamilyHouse-2"], "test": ["SingleFamilyHouse-2"]}),
+            ["buildings are on both sides", "SingleFamilyHouse-0002"],
+        ),
+        ("dynamics-office-small", json!({"train": ["OfficeSmall-0515"]}), ["test split", "OfficeSmall-0515"]),
+        (
+            "goal-energy-weight",
+            json!({"test_tasks": ["occupancy"]}),
+            ["tasks are on both sides", "occupancy"],
+        ),
+        ("goal-leave-one-out", json!({"left_out": "constant+cost2"}), ["constant+cost2", "random+energy0.5"]),
+        ("unitary-5-10", json!({"test": ["OfficeSmall-0003"]}), ["same buildings", "unitary-5-10"]),
+        ("dynamics-house", json!({"left_to": "pin"}), ["no actuator is taken away", "dynamics-house"]),
+        ("dynamics-house", json!({"seeds": [1, 1]}), ["seed 1", "twice"]),
+        ("dynamics-house", json!({"steps_per_hour": 7}), ["steps_per_hour is 7", "60"]),
+        (
+            "dynamics-house",
+            json!({"test": ["SingleFamilyHouse-1", "SingleFamilyHouse-1"]}),
+            ["twice", "SingleFamilyHouse-0001"],
+        ),
+        ("dynamics-house", json!({"test": ["OfficeSmall-515"]}), ["SingleFamilyHouse", "OfficeSmall"]),
+    ];
+    for (name, changes, expected) in cases {
+        let said = refused(name, changes);
+        assert!(expected.iter().all(|word| said.contains(word)), "{said}");
+    }
+    let types = [BuildingType::Warehouse, BuildingType::OfficeSmall];
+    let said = Problem::cross_domain(&types, &types[1..]).unwrap_err().to_string();
+    assert!(said.contains("types are on both sides: OfficeSmall"), "{said}");
+}
+
+#[test]
+fn an_unknown_name_is_refused_with_those_that_are_near() {
+    for (name, near) in [
+        ("dynamics-hous", "dynamics-house"),
+        ("unitary-5-11", "unitary-5-10"),
+        ("Dynamics_House", "dynamics-house"),
+        ("goal-setpoints", "goal-setpoint-mode"),
+    ] {
+        let said = Problem::named(name).unwrap_err().to_string();
+        assert!(said.contains(name) && said.contains(near), "{said}");
+    }
+    let said = Problem::named("xyz").unwrap_err().to_string();
+    assert!(said.contains("xyz") && said.contains("b2b benchmark list"), "{said}");
+}
+
+#[test]
+fn a_file_that_is_no_problem_is_refused_with_what_is_wrong_in_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("mine.json");
+    let mut value = serde_json::to_value(Problem::named("dynamics-house").unwrap()).unwrap();
+    value["name"] = "mine".into();
+    let write = |value: &Value| std::fs::write(&path, value.to_string()).unwrap();
+    write(&value);
+    assert_eq!(Problem::read(&path).unwrap().name, "mine");
+    for (pointer, wrong, word) in [
+        ("/train/buildings/types/0", Value::from("SingleFamilyHous"), "SingleFamilyHouse"),
+        ("/test/tasks/0", "constnt".into(), "constnt"),
+        ("/test/buildings/split", "validation".into(), "test_small"),
+        ("/protocol/windows/0", "winters".into(), "winters"),
+        ("/family", "goals".into(), "goal_adaptation"),
+        ("/train/buildings/split", "test".into(), "test split"),
+    ] {
+        let mut other = value.clone();
+        *other.pointer_mut(pointer).unwrap() = wrong;
+        write(&other);
+        let said = Problem::read(&path).unwrap_err().to_string();
+        assert!(said.contains(word), "`{word}` is not in: {said}");
+    }
+}
+
+#[test]
+fn a_change_is_another_problem_and_says_what_is_changed() {
+    let problem = Problem::named("dynamics-house").unwrap();
+    let changes: Changes =
+        serde_json::from_str(r#"{"windows": ["01-10..01-11"], "attributes": "given"}"#).unwrap();
+    let other = problem.clone().with(&changes).unwrap();
+    assert_ne!(other.hash(), problem.hash());
+    let changed = other.changes().unwrap();
+    assert_eq!(changed, ["protocol.attributes", "protocol.training_period", "protocol.windows"]);
+    let reworded = Problem { question: "Does it?".into(), ..problem.clone() };
+    assert_eq!((reworded.hash(), reworded.changes()), (problem.hash(), Some(vec![])));
+}
+
+#[test]
+fn a_test_building_is_not_trained_on() {
+    let house = Problem::named("dynamics-house").unwrap();
+    let id = house.test.buildings.ids()[0];
+    let said = house.check_training_building(id).unwrap_err().to_string();
+    assert!(said.contains(&id.to_string()) && said.contains("tested on"), "{said}");
+    house.check_training_building(house.train.buildings.ids()[0]).unwrap();
+    let office = Problem::named("unitary-5-10").unwrap();
+    assert!(office.check_training_building(id).is_err());
+}

@@ -1,0 +1,182 @@
+//! `b2b benchmark list` and `show`.
+
+use anyhow::Result;
+use b2b_benchmark::Problem;
+use b2b_benchmark::problem::{Part, Side};
+use serde_json::json;
+
+use super::selection::Selection;
+use crate::stdout;
+use crate::table::Table;
+
+/// List the problems
+#[derive(clap::Args)]
+pub struct ListArguments {
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Explain a problem
+#[derive(clap::Args)]
+pub struct ShowArguments {
+    #[command(flatten)]
+    selection: Selection,
+    /// Print the problem as it is read from a file, with every building, its changes and its hash
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs `list`.
+pub fn list(arguments: &ListArguments) -> Result<()> {
+    if arguments.json {
+        return stdout::print_json(&Problem::all());
+    }
+    let mut table = Table::new(["problem", "family", "trains on", "tests on", "actuators"]);
+    for problem in Problem::all() {
+        let (train, test) = (&problem.train, &problem.test);
+        let on = |side: &Side, other: &Side| match (
+            side.buildings == other.buildings,
+            side.tasks == other.tasks,
+        ) {
+            (true, true) => side.buildings.to_string(),
+            (true, false) => format!("{}, {} of the tasks", side.buildings, side.tasks.len()),
+            _ => format!("{} {}", side.buildings.ids().len(), types(side)),
+        };
+        table.row([
+            problem.name.clone(),
+            problem.family.to_string(),
+            on(train, test),
+            on(test, train),
+            actuators(train, test),
+        ]);
+    }
+    stdout::print(&format!("{}\n\n  `b2b benchmark show NAME` explains one", table.text()))
+}
+
+/// Runs `show`.
+pub fn show(arguments: &ShowArguments) -> Result<()> {
+    let problem = arguments.selection.problem()?;
+    if arguments.json {
+        let ids = |side: &Side| side.buildings.ids().iter().map(ToString::to_string).collect::<Vec<_>>();
+        return stdout::print_json(&json!({
+            "problem": problem, "hash": problem.hash(), "changes": problem.changes(),
+            "train_buildings": ids(&problem.train), "test_buildings": ids(&problem.test),
+        }));
+    }
+    stdout::print(&text(&problem))
+}
+
+fn text(problem: &Problem) -> String {
+    let protocol = &problem.protocol;
+    let list = |values: &[u64]| values.iter().map(u64::to_string).collect::<Vec<_>>().join(", ");
+    let windows: Vec<_> = protocol.windows.iter().map(ToString::to_string).collect();
+    let width = protocol.observation_width;
+    let padded = width.map_or(String::new(), |width| format!(", zeros behind it up to {width}"));
+    let rows = [
+        ("trains on", side(&problem.train)),
+        ("tests on", side(&problem.test)),
+        (
+            "training",
+            format!(
+                "up to {} steps with each seed, days: {}",
+                thousands(protocol.training_steps),
+                protocol.training_period
+            ),
+        ),
+        (
+            "test",
+            format!(
+                "an episode of {} in each, {} steps an hour",
+                windows.join(" and of "),
+                protocol.steps_per_hour
+            ),
+        ),
+        ("seeds", list(&protocol.seeds)),
+        (
+            "adaptation",
+            format!("scored again after {} steps on each test environment", list(&protocol.adaptation)),
+        ),
+        ("gap", format!("told with {} of the training buildings", protocol.train_sample)),
+        ("attributes", format!("{}{padded}", protocol.attributes)),
+        (
+            "changes",
+            match problem.changes() {
+                None => "a problem of your own".to_owned(),
+                Some(changes) if changes.is_empty() => "none".to_owned(),
+                Some(changes) => changes.join(", "),
+            },
+        ),
+        ("hash", problem.hash()),
+    ];
+    let rows: Vec<_> = rows.iter().map(|(name, value)| format!("  {name:<12}{value}")).collect();
+    format!(
+        "{}, version {}: {}\n\n  {}\n\n{}",
+        problem.name,
+        problem.version,
+        problem.family,
+        problem.question,
+        rows.join("\n")
+    )
+}
+
+fn side(side: &Side) -> String {
+    let mut text = format!("{}; {}", side.buildings, words(side));
+    for size in &side.sizes {
+        let [low, high] = size.observation;
+        let slots = if low == high { low.to_string() } else { format!("{low} to {high}") };
+        text += &format!("; {slots} observations, {} actions", size.action);
+    }
+    if let Some(restriction) = &side.restriction {
+        text += &format!("; {restriction}");
+    }
+    text
+}
+
+fn words(side: &Side) -> String {
+    side.tasks.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
+}
+
+fn types(side: &Side) -> String {
+    let types: Vec<_> = side.buildings.types().iter().map(ToString::to_string).collect();
+    let small = match &side.buildings {
+        b2b_benchmark::problem::Buildings::Part { split: Part::TestSmall, .. } => " (small test)",
+        _ => "",
+    };
+    types.join(", ") + small
+}
+
+fn actuators(train: &Side, test: &Side) -> String {
+    let of = |side: &Side| {
+        let numbers: Vec<_> = side.sizes.iter().map(|size| size.action.to_string()).collect();
+        numbers.join(", ")
+    };
+    let (train, test) = (of(train), of(test));
+    if train == test { train } else { format!("{train} → {test}") }
+}
+
+fn thousands(number: u64) -> String {
+    let digits = number.to_string();
+    let mut text = String::new();
+    for (place, digit) in digits.chars().enumerate() {
+        if place > 0 && (digits.len() - place).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_problem_is_explained_on_a_screen() {
+        for problem in Problem::all() {
+            let text = text(problem);
+            assert!(text.contains(&problem.question) && text.lines().count() < 16, "{text}");
+        }
+        assert_eq!(thousands(4_000_000), "4,000,000");
+    }
+}

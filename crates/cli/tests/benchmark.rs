@@ -1,0 +1,420 @@
+//! `b2b benchmark` seen from outside, on the real engine: two houses, one day.
+#![cfg(target_os = "linux")]
+
+mod browser;
+mod onnx_file;
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use b2b_benchmark::entry::{Check, Rerun, read_result, verify};
+use b2b_benchmark::problem::Stage;
+use b2b_benchmark::{Evaluation, Problem, Row, Versions, write_stages};
+use b2b_building::dataset::BuildingId;
+use b2b_building::{BuildingName, Catalog, Conditioning, Placement, PreparedBuilding};
+use b2b_control::ReactiveParameters;
+use b2b_energyplus::install::Quiet;
+use b2b_env::Setpoints;
+use b2b_env::vector::{Launcher, Spaces};
+use onnx_file::linear_policy;
+use serde_json::{Value, json};
+use sha2::{Digest, Sha256};
+use tempfile::TempDir;
+
+/// Two test houses and two to train on, of one to three zones, for one day.
+const SMALL: &str = "dynamics-house --test SingleFamilyHouse-0018 SingleFamilyHouse-0387 \
+                     --train SingleFamilyHouse-0001 SingleFamilyHouse-0002 --period 01-10..01-10 --seed 0 1";
+
+fn command(folder: &Path, arguments: &str) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_b2b"));
+    command.args(arguments.split_whitespace()).current_dir(folder).stdin(Stdio::null());
+    command
+}
+
+fn b2b(folder: &Path, arguments: &str) -> Output {
+    command(folder, arguments).output().unwrap()
+}
+
+fn said(output: &Output) -> String {
+    format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr))
+}
+
+fn run(folder: &Path, arguments: &str) -> String {
+    let output = b2b(folder, &format!("benchmark run {arguments}"));
+    assert!(output.status.success(), "{}", said(&output));
+    said(&output)
+}
+
+fn assert_refused(folder: &Path, arguments: &str, words: &[&str]) {
+    let output = b2b(folder, &format!("benchmark {arguments}"));
+    let said = said(&output);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(!said.contains("panicked"), "{said}");
+    for word in words {
+        assert!(said.contains(word), "`{word}` is not in: {said}");
+    }
+}
+
+fn bytes(folder: &Path, file: &str) -> Vec<u8> {
+    std::fs::read(folder.join(file)).unwrap()
+}
+
+#[test]
+fn the_reactive_controllers_score_one_and_two_runs_leave_the_same_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let printed = run(folder.path(), &format!("{SMALL} --policy reactive --out reactive"));
+    for building in ["SingleFamilyHouse-0018", "SingleFamilyHouse-0387"] {
+        let line = printed.lines().find(|line| line.contains(building)).unwrap();
+        assert!(line.ends_with("1.000"), "{line}");
+    }
+    assert!(printed.contains("changed: ") && printed.contains("test.buildings"), "{printed}");
+    let printed = run(folder.path(), &format!("{SMALL} --policy random --out first"));
+    assert!(printed.contains('[') && printed.contains("generalisation gap"), "{printed}");
+    run(folder.path(), &format!("{SMALL} --policy random --out second --jobs 1"));
+    for file in ["result.json", "episodes.parquet"] {
+        assert_eq!(
+            bytes(&folder.path().join("first"), file),
+            bytes(&folder.path().join("second"), file),
+            "{file}"
+        );
+    }
+    let names = |of: &str| {
+        let entries = std::fs::read_dir(folder.path().join(of)).unwrap();
+        let mut names: Vec<_> =
+            entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    };
+    assert_eq!(names("first"), ["episodes.parquet", "result.json"]);
+    // Run once more, it is left as it is.
+    let before = std::fs::metadata(folder.path().join("first/result.json")).unwrap().modified().unwrap();
+    run(folder.path(), &format!("{SMALL} --policy random --out first"));
+    assert_eq!(
+        std::fs::metadata(folder.path().join("first/result.json")).unwrap().modified().unwrap(),
+        before
+    );
+    // And refused to another.
+    let other = format!("run {SMALL} --policy constant --out first");
+    assert_refused(folder.path(), &other, &["holds another evaluation", "policies"]);
+}
+
+/// The paper's table of buildings: type, observation under constant targets at least and at most, actuators. Where targets
+/// move there are two more slots for every controlled zone.
+const PAPER: [(&str, [usize; 2], usize); 5] = [
+    ("SingleFamilyHouse", [9, 11], 2),
+    ("Warehouse", [10, 10], 5),
+    ("RetailStandalone", [12, 12], 9),
+    ("OfficeSmall", [13, 13], 10),
+    ("OfficeMedium", [25, 25], 36),
+];
+/// Its table of action-space transfers.
+const TRANSFERS: [(&str, [usize; 2]); 4] = [
+    ("unitary-5-10", [5, 10]),
+    ("unitary-10-5", [10, 5]),
+    ("central-33-36", [33, 36]),
+    ("central-36-33", [36, 33]),
+];
+
+#[test]
+fn every_side_of_every_problem_has_the_sizes_of_the_paper() {
+    let catalog = Catalog::open(&mut Quiet).unwrap();
+    let mut prepared: HashMap<BuildingId, (Arc<PreparedBuilding>, PathBuf)> = HashMap::new();
+    for problem in Problem::all() {
+        let mut actions = Vec::new();
+        for side in [&problem.train, &problem.test] {
+            // One building for each type and use: those of a type have the same systems.
+            let listed = side.buildings.ids();
+            let id = prepared.keys().copied().find(|id| listed.contains(id)).unwrap_or(listed[0]);
+            let (building, weather) = prepared.entry(id).or_insert_with(|| {
+                let found = catalog.find(&BuildingName::Id(id), &Placement::default(), &mut Quiet).unwrap();
+                let weather = found.weather.clone();
+                (Arc::new(found.prepare(catalog.library()).unwrap()), weather)
+            });
+            let (_, slots, actuators) =
+                PAPER.iter().find(|(name, ..)| *name == id.building_type().name()).unwrap();
+            let controlled =
+                building.zones.iter().filter(|zone| zone.conditioning != Conditioning::None).count();
+            for task in &side.tasks {
+                let moving = !matches!(task.setpoints, Setpoints::Constant { .. });
+                let (period, weather) = ("01-10..01-10".parse().unwrap(), weather.clone());
+                let episode = b2b_env::Episode { weather, period, steps_per_hour: 12, task: task.clone() };
+                let spaces = Spaces::new(Arc::clone(building), episode).unwrap();
+                let told = if moving { 2 * controlled } else { 0 };
+                let seen = spaces.observation.len();
+                assert!((slots[0] + told..=slots[1] + told).contains(&seen), "{}: {seen}", problem.name);
+                assert!(problem.protocol.observation_width.is_none_or(|width| seen <= width));
+                let left = match side.restriction {
+                    None => *actuators,
+                    Some(restriction) => {
+                        restriction.within(&spaces, &ReactiveParameters::default()).unwrap().kept().len()
+                    }
+                };
+                assert_eq!(spaces.action.len(), *actuators, "{}", problem.name);
+                let [size] = &side.sizes[..] else { panic!("{}", problem.name) };
+                assert!((size.observation[0]..=size.observation[1]).contains(&seen) && size.action == left);
+            }
+            actions.push(side.sizes[0].action);
+        }
+        if let Some((_, sizes)) = TRANSFERS.iter().find(|(name, _)| *name == problem.name) {
+            assert_eq!(actions, sizes);
+            assert_eq!(problem.train.buildings.ids(), problem.test.buildings.ids());
+        }
+    }
+}
+
+#[test]
+fn a_killed_run_goes_on_and_is_no_result_before_that() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = |out: &str| format!("{SMALL} --policy random --jobs 1 --out {out}");
+    run(folder.path(), &arguments("whole"));
+    let kept = folder.path().join("killed/unfinished/test/episodes");
+    let episodes = || {
+        std::fs::read_dir(&kept).map_or(0, |entries| {
+            entries
+                .filter(|entry| {
+                    entry.as_ref().unwrap().path().extension().is_some_and(|ending| ending == "json")
+                })
+                .count()
+        })
+    };
+    let mut process = command(folder.path(), &format!("benchmark run {}", arguments("killed")))
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let deadline = Instant::now() + Duration::from_secs(300);
+    while episodes() == 0 && process.try_wait().unwrap().is_none() {
+        assert!(Instant::now() < deadline, "no episode ended");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    process.kill().unwrap();
+    process.wait().unwrap();
+    assert!(!folder.path().join("killed/result.json").exists());
+    assert_refused(folder.path(), "report killed", &["killed is unfinished", "benchmark run"]);
+    assert_refused(folder.path(), "verify killed", &["WRONG", "killed is unfinished"]);
+    run(folder.path(), &arguments("killed"));
+    for file in ["result.json", "episodes.parquet"] {
+        assert_eq!(
+            bytes(&folder.path().join("killed"), file),
+            bytes(&folder.path().join("whole"), file),
+            "{file}"
+        );
+    }
+}
+
+#[test]
+fn taken_away_actuators_leave_the_building_as_it_is_and_the_reactive_controllers_at_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let day = "--period 01-10..01-10 --seed 0";
+    for (name, sizes) in [("unitary-5-10", ["5", "10"]), ("unitary-10-5", ["10", "5"])] {
+        let printed = run(folder.path(), &format!("{name} {day} --policy reactive --out {name}"));
+        let line = printed.lines().find(|line| line.contains("OfficeSmall-0005")).unwrap();
+        assert!(line.ends_with("1.000"), "{line}");
+        let (_, stages) = read_result(&folder.path().join(name)).unwrap();
+        let hash = |stage: usize| &stages[stage].1[0].record.trajectory_hash;
+        // Both sides: what is taken away, the reactive controllers drive as they drive all.
+        assert_eq!(hash(0), hash(1), "{sizes:?}");
+    }
+    // A network of each side's shape acts on its side, and is refused on the other.
+    for actions in [5, 10] {
+        std::fs::write(folder.path().join(format!("{actions}.onnx")), linear_policy(23, actions, 0.0))
+            .unwrap();
+    }
+    run(folder.path(), &format!("unitary-5-10 {day} --policy 10.onnx --train-policy 5.onnx --out fits"));
+    let (result, stages) = read_result(&folder.path().join("fits")).unwrap();
+    assert!(stages.iter().all(|(_, rows)| rows[0].record.clamped_actions == 0));
+    assert_eq!(std::fs::read_dir(folder.path().join("fits/policy")).unwrap().count(), 2);
+    assert_eq!(result.policies.len(), 2);
+    let refused = format!("run unitary-10-5 {day} --policy 10.onnx --out refused");
+    assert_refused(folder.path(), &refused, &["10.onnx", "gives 10 numbers", "has 5", "supply air flow"]);
+    assert_refused(
+        folder.path(),
+        &format!("run unitary-5-10 {day} --policy 5.onnx --out other"),
+        &["gives 5", "has 10", "supply air temperature"],
+    );
+    // Pinned, they are no longer those that the baseline is of.
+    let printed =
+        run(folder.path(), &format!("unitary-10-5 {day} --left-to pin --policy reactive --out pinned"));
+    let line = printed.lines().find(|line| line.contains("OfficeSmall-0005")).unwrap();
+    assert!(!line.ends_with(" 1.000"), "{line}");
+    assert!(printed.contains("changed: ") && printed.contains("restriction.left_to"), "{printed}");
+}
+
+#[test]
+fn an_adapting_policy_is_scored_before_and_after() {
+    let folder = tempfile::tempdir().unwrap();
+    // Zeros are the middle of every bound; the width is that of the protocol.
+    std::fs::write(folder.path().join("before.onnx"), linear_policy(20, 2, 0.0)).unwrap();
+    for house in ["SingleFamilyHouse-0018", "SingleFamilyHouse-0387"] {
+        std::fs::write(folder.path().join(format!("{house}.onnx")), linear_policy(20, 2, -0.9)).unwrap();
+    }
+    let arguments =
+        format!("{SMALL} --policy before.onnx --adapted 2016={{building}}.onnx --trained-steps 100");
+    let printed = run(folder.path(), &format!("{arguments} --out adapted"));
+    assert!(printed.contains("jump-start") && printed.contains("after 2016 steps"), "{printed}");
+    let (result, stages) = read_result(&folder.path().join("adapted")).unwrap();
+    let names: Vec<_> = stages.iter().map(|(stage, _)| *stage).collect();
+    assert_eq!(names, [Stage::Test, Stage::Train, Stage::Untrained, Stage::Adapted(2016)]);
+    let mean = |stage: usize| {
+        let rows = &stages[stage].1;
+        rows.iter().filter_map(|row| row.score).sum::<f64>() / rows.len() as f64
+    };
+    let adaptation = result.measures.adaptation.unwrap();
+    assert!((adaptation.jump_start.value - (mean(2) - mean(0))).abs() < 1e-9 * mean(2));
+    assert!((adaptation.curve[1].scores.mean.value - mean(3)).abs() < 1e-9 * mean(3));
+    let refused = |more: &str, words: &[&str]| {
+        assert_refused(folder.path(), &format!("run {SMALL} --policy before.onnx {more} --out x"), words);
+    };
+    refused("--adapted 77=before.onnx", &["after 77 steps", "2016"]);
+    refused("--adapted 2016=none/{building}.onnx", &["adapted-2016", "none/SingleFamilyHouse-0018.onnx"]);
+    refused("--trained-steps 4000001", &["4000001", "4000000"]);
+    refused("--attributes given", &["takes 20 numbers", "has 36", "building floor_area", "padding"]);
+}
+
+/// A result of random actions, and what to look at it with.
+struct Judged {
+    folder: TempDir,
+    catalog: Catalog,
+}
+
+impl Judged {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        run(folder.path(), &format!("{SMALL} --policy random --out result"));
+        Self { folder, catalog: Catalog::open(&mut Quiet).unwrap() }
+    }
+
+    fn path(&self) -> PathBuf {
+        self.folder.path().join("result")
+    }
+
+    /// What is wrong once the rows are changed, the hash of the file made to fit, and a sample run again.
+    fn after(&self, change: impl Fn(&mut Vec<(Stage, Vec<Row>)>), rerun: usize) -> String {
+        let copy = self.folder.path().join("copy");
+        std::fs::create_dir_all(&copy).unwrap();
+        let (_, mut stages) = read_result(&self.path()).unwrap();
+        change(&mut stages);
+        let named: Vec<_> = stages.into_iter().map(|(stage, rows)| (stage.to_string(), rows)).collect();
+        let mut table = Vec::new();
+        write_stages(&mut table, &named, &Versions::current()).unwrap();
+        let mut result: Value = serde_json::from_slice(&bytes(&self.path(), "result.json")).unwrap();
+        let hash: String = Sha256::digest(&table).iter().map(|byte| format!("{byte:02x}")).collect();
+        result["episodes_sha256"] = hash.into();
+        std::fs::write(copy.join("episodes.parquet"), &table).unwrap();
+        std::fs::write(copy.join("result.json"), result.to_string()).unwrap();
+        self.wrong(&copy, rerun)
+    }
+
+    fn wrong(&self, folder: &Path, episodes: usize) -> String {
+        let launcher = Launcher::new(env!("CARGO_BIN_EXE_b2b"));
+        let evaluation = Evaluation { catalog: &self.catalog, launcher, jobs: 2, interrupted: || false };
+        let checks = verify(folder, &evaluation, Rerun { episodes, seed: 0 }, &()).unwrap();
+        let wrong = |check: &Check| Some(format!("{}: {}", check.what, check.found.as_ref().err()?));
+        checks.iter().filter_map(wrong).collect::<Vec<_>>().join("\n")
+    }
+}
+
+#[test]
+fn a_result_that_was_changed_is_found_out() {
+    let judged = Judged::new();
+    assert_eq!(judged.wrong(&judged.path(), 2), "");
+    assert_eq!(judged.after(|_| {}, 0), "");
+
+    let said = judged.after(|stages| stages[0].1[1].record.episode_return *= 0.5, 0);
+    assert!(
+        said.contains("scores: test: SingleFamilyHouse-0018, constant, 01-10..01-10, seed 1: the return"),
+        "{said}"
+    );
+    let said = judged.after(|stages| stages[0].1[1].record.seed = 7, 0);
+    assert!(said.contains("seed 1 should be") && said.contains("seed 7"), "{said}");
+    let missing = |stages: &mut Vec<(Stage, Vec<Row>)>| drop(stages[0].1.pop());
+    let said = judged.after(missing, 0);
+    assert!(said.contains("SingleFamilyHouse-0387, constant, 01-10..01-10, seed 1 is missing"), "{said}");
+    let said = judged.after(|stages| drop(stages.pop()), 0);
+    assert!(said.contains("stage train is missing"), "{said}");
+
+    // A return that adds up, with score and measures made to fit, is found out by running it again.
+    let halve = |stages: &mut Vec<(Stage, Vec<Row>)>| {
+        for row in stages.iter_mut().flat_map(|(_, rows)| rows) {
+            row.record.episode_return /= 2.0;
+            row.record.temperature_penalty /= 2.0;
+            row.score = row.baseline_return.map(|baseline| row.record.episode_return / baseline);
+        }
+    };
+    let said = judged.after(halve, 0);
+    assert_eq!(said, "measures: they are not those of the episodes");
+    let copy = judged.folder.path().join("copy");
+    let (_, stages) = read_result(&copy).unwrap();
+    let edit = |name: &str, value: Value| {
+        let mut result: Value = serde_json::from_slice(&bytes(&copy, "result.json")).unwrap();
+        *result.pointer_mut(name).unwrap() = value;
+        std::fs::write(copy.join("result.json"), result.to_string()).unwrap();
+    };
+    edit("/measures", serde_json::to_value(b2b_benchmark::entry::Measures::of(&stages).unwrap()).unwrap());
+    assert_eq!(judged.wrong(&copy, 0), "");
+    let said = judged.wrong(&copy, 1);
+    assert!(said.contains("episodes run again") && said.contains("its figures are others"), "{said}");
+
+    edit("/versions/generator", json!("v0"));
+    assert!(judged.wrong(&copy, 0).contains("dataset v0 there and v1 here"));
+    edit("/versions/generator", json!("v1"));
+    edit("/problem/protocol/training_steps", json!(1));
+    assert!(judged.wrong(&copy, 0).contains("not the one whose hash is given"));
+    // The table alone.
+    std::fs::write(copy.join("episodes.parquet"), bytes(&judged.path(), "episodes.parquet")).unwrap();
+    assert!(judged.wrong(&copy, 0).contains("episodes.parquet is not the one"));
+}
+
+#[test]
+fn the_leaderboard_opens_in_a_browser_without_an_error() {
+    let Some(path) = browser::find() else {
+        eprintln!("skipped: there is no Chromium on the path; B2B_BROWSER names one");
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    for policy in ["reactive", "constant"] {
+        run(folder.path(), &format!("{SMALL} --policy {policy} --out {policy}"));
+    }
+    let made = b2b(folder.path(), "benchmark report reactive constant --out board.html");
+    assert!(made.status.success(), "{}", said(&made));
+    let mut browser = browser::Browser::start(&path, folder.path());
+    browser
+        .open(&folder.path().join("board.html"), "document.querySelectorAll('.boards .main-svg').length > 0");
+    let mut count = |what: &str| browser.value(&format!("document.querySelectorAll('{what}').length"));
+    assert_eq!((count(".boards table"), count(".js-plotly-plot")), (json!(1), json!(4)));
+    assert_eq!(count(".boards tbody tr"), json!(2));
+    let first = browser.value("document.querySelector('.boards tbody td').textContent");
+    assert_eq!(first, json!("1. reactive"));
+    assert_eq!(browser.errors, [""; 0]);
+}
+
+#[test]
+fn what_cannot_be_run_is_refused_with_a_remedy() {
+    let folder = tempfile::tempdir().unwrap();
+    let refused = |arguments: &str, words: &[&str]| assert_refused(folder.path(), arguments, words);
+    refused("run dynamics-hous --policy random --out x", &["dynamics-hous`", "dynamics-house"]);
+    refused("show dynamics-howse", &["dynamics-house"]);
+    refused("run dynamics-house --policy reactiv --out x", &["`reactiv`", "planner"]);
+    refused("run dynamics-house --policy none-{seed}.onnx --out x", &["none-0.onnx"]);
+    refused("run cross-domain --policy random --out x", &["--train-type"]);
+    refused(
+        "run cross-domain --train-type Warehouse OfficeSmall --test-type OfficeSmall --policy random --out x",
+        &["types are on both sides", "OfficeSmall"],
+    );
+    refused(
+        "run dynamics-office-small --train OfficeSmall-1 --test OfficeSmall-1 --policy random --out x",
+        &["buildings are on both sides", "OfficeSmall-0001"],
+    );
+    refused(
+        "run dynamics-office-small --train OfficeSmall-515 --policy random --out x",
+        &["OfficeSmall-0515", "test split"],
+    );
+    assert!(!folder.path().join("x").exists());
+    std::fs::write(folder.path().join("thesis.tex"), "").unwrap();
+    refused("run dynamics-house --policy random --out .", &["holds no evaluation"]);
+    refused("verify .", &["holds no result"]);
+    refused("report .", &["holds no result"]);
+}

@@ -1,0 +1,51 @@
+#!/usr/bin/env bash
+# The first entries of the leaderboard, each a folder that `b2b benchmark verify` checks, and the board itself.
+#
+#   examples/benchmark_entries.sh FOLDER            the problem as it is: 100 test houses, a winter, three seeds
+#   examples/benchmark_entries.sh FOLDER --small    two test houses, a day: a try
+#
+# Whatever is there already is left as it is: run it again after an interrupt. The planner runs on a small setting alone,
+# because a simulated day costs it minutes. PPO comes where Stable-Baselines3 and the package are installed for `python3`
+# (or $PYTHON); STEPS is its budget.
+set -euo pipefail
+
+out=${1:?give a folder}
+b2b=${B2B:-b2b}
+python=${PYTHON:-python3}
+steps=${STEPS:-200000}
+few=(--test SingleFamilyHouse-0018 SingleFamilyHouse-0387 --train SingleFamilyHouse-0001 SingleFamilyHouse-0002
+  --period 01-10..01-10 --seed 0)
+changes=()
+if [ "${2:-}" = --small ]; then changes=("${few[@]}"); fi
+
+run() {
+  local name=$1
+  shift
+  "$b2b" benchmark run dynamics-house --out "$out/$name" --entry "$name" "$@" ${changes[@]+"${changes[@]}"} | tail -n 9
+}
+
+run reactive --policy reactive --description "the tuned reactive controllers: the baseline"
+run constant --policy constant --description "the middle of every bound"
+run random --policy random --description "a uniform action at every step"
+results=("$out/reactive" "$out/constant" "$out/random")
+
+for name in reactive planner; do
+  "$b2b" benchmark run dynamics-house --out "$out/one-day-$name" --policy "$name" "${few[@]}" | tail -n 9
+  results+=("$out/one-day-$name")
+done
+
+here=$(cd "$(dirname "$0")" && pwd)
+if "$python" -c 'import stable_baselines3, building2building' 2>/dev/null; then
+  network=$out/networks/ppo.onnx
+  [ -f "$network" ] || "$python" "$here/../python/examples/benchmark_ppo.py" "$network" "$steps"
+  run ppo --policy "$network" --trained-steps "$steps" --description "PPO of Stable-Baselines3, eight houses, one seed"
+  results+=("$out/ppo")
+else
+  echo "PPO is left out: $python has no stable_baselines3 and building2building" >&2
+fi
+
+# Folders whose problem is the same stand once: with --small the one-day entries are those of the board.
+if [ "${2:-}" = --small ]; then results=("${results[@]/$out\/one-day-reactive/}"); fi
+folders=()
+for result in "${results[@]}"; do [ -z "$result" ] || folders+=("$result"); done
+"$b2b" benchmark report "${folders[@]}" --out "$out/leaderboard.html"

@@ -1,0 +1,145 @@
+import itertools
+import json
+
+import building2building as b2b
+import numpy as np
+import pytest
+from building2building import _core
+from building2building.benchmarks import (
+    ActionSpaceTransfer,
+    CrossDomainGeneralization,
+    DynamicsAdaptation,
+    GoalAdaptation,
+    Problem,
+    list_problems,
+)
+
+DAY = {"windows": ["01-10..01-10"]}
+
+
+@pytest.fixture
+def closing():
+    """Keeps environments, and closes them in the end."""
+    kept = []
+
+    def keep(envs):
+        kept.extend(envs if isinstance(envs, list) else [envs])
+        return envs
+
+    yield keep
+    for env in kept:
+        env.close()
+
+
+def test_every_problem_keeps_its_sides_apart():
+    for name in list_problems():
+        problem = Problem(name)
+        train, test = problem.definition["train"], problem.definition["test"]
+        pairs = [
+            set(itertools.product(ids, side["tasks"], [json.dumps(side.get("restriction"))]))
+            for ids, side in ((problem.train_building_ids(), train), (problem.test_building_ids(), test))
+        ]
+        assert pairs[0] and pairs[1] and not pairs[0] & pairs[1], name
+        assert problem.changes == []
+
+
+def test_a_test_building_is_refused_to_train_on():
+    problem = DynamicsAdaptation("house", **DAY)
+    building = problem.test_building_ids()[0]
+    for make in (problem.make_train_envs, problem.make_train_vec):
+        with pytest.raises(b2b.Error, match=f"{building}.*tested on"):
+            make(1, building_ids=[building])
+
+
+def test_names_that_are_none_are_refused():
+    with pytest.raises(b2b.Error, match="office-small"):
+        DynamicsAdaptation("hous")
+    with pytest.raises(b2b.Error, match="leave-one-out"):
+        GoalAdaptation("weight")
+    with pytest.raises(b2b.Error, match="types are on both sides: Warehouse"):
+        CrossDomainGeneralization(train_types=["Warehouse"], test_types=["Warehouse", "OfficeSmall"])
+    with pytest.raises(b2b.Error, match="dynamics-house"):
+        Problem("dynamics-hause")
+    assert CrossDomainGeneralization(2).name == "retail-to-warehouse"
+    assert ActionSpaceTransfer("central", "fewer").name == "central-36-33"
+    assert GoalAdaptation("leave-one-out", left_out="occupancy").definition["test"]["tasks"] == ["occupancy"]
+
+
+def test_both_sides_of_a_transfer_are_one_building_with_other_actuators(closing):
+    problem = ActionSpaceTransfer("unitary", "more", **DAY)
+    (few,), (all_,) = closing(problem.make_train_envs(1)), closing(problem.make_test_envs())
+    assert (few.action_space.shape, all_.action_space.shape) == ((5,), (10,))
+    assert few.observation_space == all_.observation_space
+    cores = [env.unwrapped.building._core.to_epjson() for env in (few, all_)]
+    assert cores[0] == cores[1]
+    reactive = b2b.rollout(all_, b2b.ReactiveController(all_))
+    # The flows of the reactive controllers, with the rest left to them, are the reactive controllers.
+    controller = b2b.ReactiveController(few)
+    kept = few._restriction.kept()
+    seen, _ = few.reset()
+    rewards = []
+    for _ in range(len(reactive)):
+        action = controller.physical(few.unwrapped.observation)[kept]
+        seen, reward, *_ = few.step(action)
+        rewards.append(reward)
+    assert np.array_equal(rewards, reactive.rewards)
+    with pytest.raises(b2b.Error, match="shape"):
+        few.step(np.zeros(10))
+
+
+def test_the_reactive_controllers_score_one_and_others_do_not():
+    houses = {"test": ["SingleFamilyHouse-0018", "SingleFamilyHouse-0387"], **DAY}
+    problem = DynamicsAdaptation(1, **houses)
+    reactive = problem.evaluate(b2b.ReactiveController)
+    assert set(reactive.scores.values()) == {1.0} and reactive.interquartile_mean == 1.0
+    random = problem.evaluate(b2b.RandomController)
+    assert random.interquartile_mean > 1
+    assert list(reactive.scores) == [(each, "constant") for each in houses["test"]]
+
+
+def test_training_environments_have_one_shape(closing):
+    problem = DynamicsAdaptation("house", **DAY)
+    envs = closing(problem.make_train_vec(2))
+    observation, _ = envs.reset(seed=0)
+    assert observation.shape == (2, 20) and envs.single_action_space.shape == (2,)
+    given = closing(DynamicsAdaptation("house", attributes="given", **DAY).make_train_envs(1))[0]
+    assert given.observation_space.shape == (36,)
+
+
+def interquartile_mean(scores):
+    cut = len(scores) // 4
+    return np.sort(scores)[cut : len(scores) - cut].mean()
+
+
+def test_measures_are_those_of_numpy():
+    random = np.random.default_rng(7)
+    strata = [
+        [list(random.lognormal(0.1, 0.4, size=3)) for _ in range(17)],
+        [list(random.lognormal(0.4, 0.3, size=3)) for _ in range(9)],
+    ]
+    measured = json.loads(_core.measures(strata))
+    scores = np.array([np.mean(seeds) for stratum in strata for seeds in stratum])
+    expected = {
+        "mean": np.mean(scores),
+        "median": np.median(scores),
+        "interquartile_mean": interquartile_mean(scores),
+        "beats_baseline": np.mean(scores < 1),
+    }
+    for name, value in expected.items():
+        assert abs(measured["test"][name]["value"] - value) < 1e-9, name
+    for point in measured["profile"]:
+        assert abs(point["share"]["value"] - np.mean(scores <= point["score"])) < 1e-9
+
+    # The same bootstrap with other draws: buildings within their stratum, then seeds within each building.
+    def draw():
+        drawn = []
+        for stratum in map(np.array, strata):
+            buildings = stratum[random.integers(len(stratum), size=len(stratum))]
+            seeds = random.integers(3, size=buildings.shape)
+            drawn.extend(np.take_along_axis(buildings, seeds, axis=1).mean(axis=1))
+        return interquartile_mean(np.array(drawn))
+
+    drawn = [draw() for _ in range(5000)]
+    width = np.quantile(drawn, 0.975) - np.quantile(drawn, 0.025)
+    for end, share in (("low", 0.025), ("high", 0.975)):
+        assert abs(measured["test"]["interquartile_mean"][end] - np.quantile(drawn, share)) < 0.06 * width
