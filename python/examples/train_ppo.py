@@ -95,7 +95,6 @@ def ppo(observation):
 
 def score(when):
     """A whole period in one episode, without exploring."""
-    torch.set_num_threads(1)
     options = {"run_periods": arguments.period, "rescale_action": True, "normalize": True}
     (row,) = b2b.evaluate(ppo, arguments.building, "constant", **options).rows
     print(
@@ -104,8 +103,9 @@ def score(when):
     )
 
 
+# Small networks are slower on several threads, and the engine needs the processors.
+torch.set_num_threads(1)
 score("before training")
-torch.set_num_threads(2)
 curve = Curve()
 model.learn(arguments.steps, callback=curve)
 spent = time.perf_counter() - curve.start
