@@ -4,6 +4,7 @@ use std::sync::Mutex;
 
 use b2b_benchmark::entry::measures_of;
 use b2b_benchmark::problem::{Restricted, Stage};
+use b2b_building::BuildingType;
 use b2b_building::dataset::BuildingId;
 use b2b_control::ReactiveParameters;
 use numpy::PyArray1;
@@ -29,7 +30,6 @@ impl Problem {
     /// A problem by its name, with changes (JSON).
     #[new]
     fn new(name: &str, changes: &str) -> PyResult<Self> {
-        b2b_benchmark::Problem::named(name).map_err(wrong)?;
         Self::changed(b2b_benchmark::Problem::named(name).map_err(wrong)?, changes)
     }
 
@@ -37,7 +37,10 @@ impl Problem {
     #[staticmethod]
     fn cross_domain(train: Vec<String>, test: Vec<String>, changes: &str) -> PyResult<Self> {
         let types = |names: Vec<String>| {
-            names.iter().map(|name| name.parse().map_err(of_building)).collect::<PyResult<Vec<_>>>()
+            names
+                .iter()
+                .map(|name| name.parse::<BuildingType>().map_err(of_building))
+                .collect::<PyResult<Vec<_>>>()
         };
         let problem = b2b_benchmark::Problem::cross_domain(&types(train)?, &types(test)?).map_err(wrong)?;
         Self::changed(problem, changes)

@@ -234,3 +234,114 @@ fn strata(groups: &[Group]) -> Vec<Vec<Cluster>> {
     };
     kinds(groups).iter().map(of).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evaluation::Episode;
+    use crate::{BuiltIn, Subject};
+
+    /// Rows of 11 small and 6 medium offices with two seeds each, whose scores are a function of where they are.
+    fn rows(score: impl Fn(usize, u64) -> f64) -> Vec<Row> {
+        let places = (0..17).flat_map(|number| [0, 1].map(|seed| (number, seed)));
+        let row = |(number, seed): (usize, u64)| {
+            let building_type = if number < 11 { "OfficeSmall" } else { "OfficeMedium" };
+            let episode = Episode {
+                subject: Subject::at_home(format!("{building_type}-{}", number + 1).parse().unwrap()),
+                task: "constant".parse().unwrap(),
+                period: "01-01..01-02".parse().unwrap(),
+                seed,
+                steps_per_hour: 12,
+            };
+            let lost = Row::lost(&episode, &BuiltIn::Random, String::new());
+            Row { score: Some(score(number, seed)), lost: None, ..lost }
+        };
+        places.map(row).collect()
+    }
+
+    fn noise(number: usize, seed: u64) -> f64 {
+        ((number as f64 + 1.0) * 12.9898 + seed as f64 * 78.233).sin().abs()
+    }
+
+    /// The mean over seeds of each building, by another way than the groups of the module.
+    fn means(score: impl Fn(usize, u64) -> f64) -> Vec<f64> {
+        (0..17).map(|number| 0.5 * score(number, 0) + 0.5 * score(number, 1)).collect()
+    }
+
+    /// As numpy and scipy define it, from ranks: 17 scores lose 4 at either end.
+    fn trimmed(scores: &[f64]) -> f64 {
+        let rank = |score: f64| scores.iter().filter(|other| **other < score).count();
+        let kept: Vec<f64> = scores.iter().copied().filter(|score| (4..13).contains(&rank(*score))).collect();
+        assert_eq!(kept.len(), 9);
+        kept.iter().sum::<f64>() / 9.0
+    }
+
+    fn near(a: f64, b: f64) {
+        assert!((a - b).abs() < 1e-9, "{a} {b}");
+    }
+
+    #[test]
+    fn measures_are_those_of_an_independent_computation() {
+        let test = |number, seed| 0.5 + noise(number, seed);
+        let train = |number, seed| 0.3 + noise(number + 40, seed);
+        let untrained = |number, seed| 3.0 + noise(number + 80, seed);
+        // A third of the buildings is below 1 after 100 steps, all of them but two after 200.
+        let first = |number: usize, seed| if number % 3 == 0 { 0.9 } else { 1.1 + noise(number, seed) };
+        let second = |number: usize, _| if number < 2 { 1.5 } else { 0.8 };
+        let stages = [
+            (Stage::Test, rows(test)),
+            (Stage::Train, rows(train)),
+            (Stage::Untrained, rows(untrained)),
+            (Stage::Adapted(100), rows(first)),
+            (Stage::Adapted(200), rows(second)),
+        ];
+        let measures = Measures::of(&stages).unwrap();
+        let scores = means(test);
+        near(measures.test.mean.value, scores.iter().sum::<f64>() / 17.0);
+        near(measures.test.interquartile_mean.value, trimmed(&scores));
+        let below = |score: f64| scores.iter().filter(|other| **other < score).count();
+        near(measures.test.median.value, *scores.iter().find(|score| below(**score) == 8).unwrap());
+        near(measures.test.beats_baseline.value, below(1.0) as f64 / 17.0);
+        assert_eq!(
+            (measures.scores.len(), measures.strata.len(), measures.strata[1].scores.episodes),
+            (17, 2, 6)
+        );
+        near(measures.scores[12].score, scores[12]);
+        let at = |bound: f64| {
+            measures.profile.iter().find(|point| (point.score - bound).abs() < 1e-12).unwrap().share
+        };
+        near(at(1.2).value, scores.iter().filter(|score| **score <= 1.2).count() as f64 / 17.0);
+        near(measures.generalisation_gap.unwrap().value, trimmed(&scores) - trimmed(&means(train)));
+
+        let adaptation = measures.adaptation.unwrap();
+        let better: Vec<f64> =
+            means(untrained).iter().zip(&scores).map(|(before, after)| before - after).collect();
+        near(adaptation.jump_start.value, trimmed(&better));
+        let steps = |number: usize| match number {
+            _ if scores[number] <= 1.0 => 0.0,
+            _ if number.is_multiple_of(3) => 100.0,
+            0 | 1 => f64::INFINITY,
+            _ => 200.0,
+        };
+        let reach = (0..17).filter(|number| steps(*number) < f64::INFINITY).count();
+        near(adaptation.reach_baseline, reach as f64 / 17.0);
+        let earlier = |bound: f64| (0..17).filter(|number| steps(*number) < bound).count();
+        let median = [0.0, 100.0, 200.0].into_iter().rfind(|bound| earlier(*bound) <= 8).unwrap();
+        assert_eq!(adaptation.median_steps_to_baseline, Some(median));
+        let curve: Vec<_> = adaptation.curve.iter().map(|point| point.steps).collect();
+        assert_eq!(curve, [0, 100, 200]);
+    }
+
+    #[test]
+    fn what_never_reaches_the_baseline_has_no_number_of_steps() {
+        let stages = [
+            (Stage::Test, rows(|_, _| 2.0)),
+            (Stage::Untrained, rows(|_, _| 3.0)),
+            (Stage::Adapted(5), rows(|_, _| 1.5)),
+        ];
+        let adaptation = Measures::of(&stages).unwrap().adaptation.unwrap();
+        assert_eq!((adaptation.median_steps_to_baseline, adaptation.reach_baseline), (None, 0.0));
+        assert_eq!(adaptation.jump_start.value, 1.0);
+        assert_eq!(Measures::of(&[]), None);
+    }
+}

@@ -23,7 +23,6 @@ use b2b_building::BuildingType;
 use b2b_building::dataset::{self, BuildingId, Split};
 use b2b_env::Task;
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
 
 pub use changes::Changes;
 pub(crate) use changes::differences;
@@ -167,9 +166,9 @@ impl Problem {
 
     /// SHA-256 of all of it but the words of the question, in hexadecimal.
     pub fn hash(&self) -> String {
-        let mut value = serde_json::to_value(self).expect("it is plain data");
-        value["question"] = Value::Null;
-        hex(value.to_string().as_bytes())
+        // In the order of the fields: that of a map depends on how the library was built.
+        let wordless = Self { question: String::new(), ..self.clone() };
+        hex(serde_json::to_string(&wordless).expect("it is plain data").as_bytes())
     }
 
     /// In what it differs from the shipped one of its name: paths of fields. `None` when there is no such name.

@@ -1,6 +1,7 @@
 //! One side of a problem: which buildings, which tasks, and which of the actuators.
 
 use std::fmt;
+use std::str::FromStr;
 
 use b2b_building::dataset::{self, BuildingId, Row};
 use b2b_building::{BuildingName, BuildingType, RunPeriod};
@@ -31,7 +32,7 @@ pub struct Side {
 
 /// Buildings of the dataset.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(untagged, expecting = "give {\"ids\": [...]}, or {\"types\": [...], \"split\": \"train\"}")]
+#[serde(untagged, try_from = "Written")]
 pub enum Buildings {
     /// These.
     Listed {
@@ -47,6 +48,33 @@ pub enum Buildings {
         /// Which of them.
         split: Part,
     },
+}
+
+/// Buildings as a file has them: read in a way that says what is wrong with them.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Written {
+    ids: Option<Vec<String>>,
+    types: Option<Vec<String>>,
+    split: Option<Part>,
+}
+
+impl TryFrom<Written> for Buildings {
+    type Error = String;
+
+    fn try_from(written: Written) -> Result<Self, String> {
+        match written {
+            Written { ids: Some(ids), types: None, split: None } => Ok(Self::Listed { ids: parsed(&ids)? }),
+            Written { ids: None, types: Some(types), split: Some(split) } => {
+                Ok(Self::Part { types: parsed(&types)?, split })
+            }
+            _ => Err(r#"give {"ids": [...]}, or {"types": [...], "split": "train"}"#.to_owned()),
+        }
+    }
+}
+
+fn parsed<T: FromStr<Err: fmt::Display>>(texts: &[String]) -> Result<Vec<T>, String> {
+    texts.iter().map(|text| text.parse().map_err(|error: T::Err| error.to_string())).collect()
 }
 
 /// A part of the dataset.
