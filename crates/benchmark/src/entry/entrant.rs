@@ -1,6 +1,7 @@
 //! Who runs in a benchmark: a built-in controller, or ONNX files, one for all or one for each seed, building or task.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::path::{Path, PathBuf};
 
 use b2b_control::Controller;
@@ -196,9 +197,9 @@ impl Files {
             for seed in seeds {
                 let (building, task) = (episode.subject.name.to_string(), episode.task.to_string());
                 let name = fill(&pattern, *seed, &building, &task);
-                if !files.contains_key(&name) {
-                    let file = File::read(path_of(&name), scale)?;
-                    files.insert(name, file);
+                if let Entry::Vacant(place) = files.entry(name) {
+                    let file = File::read(path_of(place.key()), scale)?;
+                    place.insert(file);
                 }
             }
         }

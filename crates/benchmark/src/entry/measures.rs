@@ -286,7 +286,8 @@ mod tests {
         let train = |number, seed| 0.3 + noise(number + 40, seed);
         let untrained = |number, seed| 3.0 + noise(number + 80, seed);
         // A third of the buildings is below 1 after 100 steps, all of them but two after 200.
-        let first = |number: usize, seed| if number % 3 == 0 { 0.9 } else { 1.1 + noise(number, seed) };
+        let first =
+            |number: usize, seed| if number.is_multiple_of(3) { 0.9 } else { 1.1 + noise(number, seed) };
         let second = |number: usize, _| if number < 2 { 1.5 } else { 0.8 };
         let stages = [
             (Stage::Test, rows(test)),

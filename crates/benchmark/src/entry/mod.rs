@@ -17,7 +17,7 @@ use std::path::Path;
 
 pub use entrant::{About, Entrant};
 pub use measures::{Adaptation, Measures, Point, Score, Stratum, measures_of};
-pub use result::{RunResult, read_result};
+pub use result::{RunResult, Stages, read_result};
 pub use verify::{Check, Rerun, verify};
 
 use crate::error::at;

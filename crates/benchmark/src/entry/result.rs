@@ -133,12 +133,15 @@ fn table(stages: &[(Stage, Vec<Row>)], versions: &Versions) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// The episodes of each stage, in order.
+pub type Stages = Vec<(Stage, Vec<Row>)>;
+
 /// The result of a folder, with its rows by stage.
 ///
 /// # Errors
 /// [`Error::Unfinished`] and [`Error::NoResult`] where there is none; [`Error::Damaged`]; [`Error::Forged`] when the
 /// episodes are not those that it says; [`Error::Io`].
-pub fn read_result(folder: &Path) -> Result<(RunResult, Vec<(Stage, Vec<Row>)>)> {
+pub fn read_result(folder: &Path) -> Result<(RunResult, Stages)> {
     match there(folder)? {
         Some(found) => Ok(found),
         None if folder.join(UNFINISHED).exists() => Err(Error::Unfinished { folder: folder.to_owned() }),
@@ -147,7 +150,7 @@ pub fn read_result(folder: &Path) -> Result<(RunResult, Vec<(Stage, Vec<Row>)>)>
 }
 
 /// The result of a folder, if it has one.
-pub(super) fn there(folder: &Path) -> Result<Option<(RunResult, Vec<(Stage, Vec<Row>)>)>> {
+pub(super) fn there(folder: &Path) -> Result<Option<(RunResult, Stages)>> {
     let path = folder.join(RESULT);
     if !path.exists() {
         return Ok(None);
@@ -169,7 +172,7 @@ pub(super) fn there(folder: &Path) -> Result<Option<(RunResult, Vec<(Stage, Vec<
         let what = format!("{EPISODES} is not the one that {RESULT} was made from");
         return Err(Error::Forged { folder: folder.to_owned(), what });
     }
-    let mut stages: Vec<(Stage, Vec<Row>)> = Vec::new();
+    let mut stages = Stages::new();
     for (name, row) in read {
         let stage: Stage =
             name.parse().map_err(|()| damaged(&episodes, format!("there is no stage `{name}`")))?;

@@ -33,7 +33,7 @@ Examples:
 #[derive(clap::Subcommand)]
 enum What {
     List(list::ListArguments),
-    Show(list::ShowArguments),
+    Show(Box<list::ShowArguments>),
     Run(Box<run::Arguments>),
     Verify(verify::Arguments),
     Report(report::Arguments),
