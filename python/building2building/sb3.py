@@ -143,7 +143,7 @@ def export_onnx(model, path: str | os.PathLike) -> None:
 
 @contextlib.contextmanager
 def _quiet_export():
-    """Without the checks of distributions, which have no form in ONNX, and without the exporter's words about itself."""
+    """Without the checks of distributions, which ONNX has no form for, and without the exporter's own words."""
     from torch.distributions import Distribution
 
     log, checks = logging.getLogger("torch.onnx"), Distribution._validate_args

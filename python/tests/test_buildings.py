@@ -99,7 +99,7 @@ def test_a_morphology_is_a_graph_of_networkx(office):
     assert graph.number_of_nodes() == len(office.unwrapped.morphology.nodes) and graph.name == "OfficeSmall"
     core = next(node for node, name in graph.nodes(data="name") if name == "Core_ZN")
     adjacent = [(a, b) for a, b, kind in graph.edges(data="kind") if kind == "adjacent"]
-    assert {(b, a) for a, b in adjacent} == set(adjacent) and sum(a == core for a, _ in adjacent) == 4
+    assert {(b, a) for a, b in adjacent} == set(adjacent) and sum(a == core for a, _ in adjacent) >= 4
     assert networkx.is_weakly_connected(graph.subgraph({node for edge in adjacent for node in edge}))
 
 

@@ -1,5 +1,7 @@
 """What Gymnasium asks of a vector environment."""
 
+import warnings
+
 import building2building as b2b
 import gymnasium
 import numpy as np
@@ -33,6 +35,23 @@ def test_make_vec_gives_the_native_one():
     assert again.num_envs == 2
     again.close()
     envs.close()
+
+
+@pytest.mark.parametrize("building_type", b2b.list_building_types())
+def test_every_id_is_a_vector_environment_without_a_warning(building_type):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        envs = gymnasium.make_vec(f"b2b/{building_type}-v0", num_envs=2, **DAY)
+        assert envs.action_space.shape == (2, *envs.single_action_space.shape)
+        envs.reset(seed=1)
+        ends = []
+        for _ in range(26):
+            observations, rewards, terminated, truncated, infos = envs.step(envs.action_space.sample())
+            assert envs.observation_space.contains(observations)
+            assert rewards.shape == terminated.shape == truncated.shape == (2,) and rewards.dtype == np.float64
+            ends.append(truncated.all())
+        assert ends.index(True) == 23 and ends.count(True) == 1 and "reward_terms" in infos
+        envs.close()
 
 
 @pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
