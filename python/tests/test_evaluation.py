@@ -99,8 +99,11 @@ def test_what_was_interrupted_goes_on_and_gives_the_same_bytes(tmp_path):
 
 
 def test_ctrl_c_stops_an_evaluation_and_keeps_what_is_done(tmp_path):
+    # A shell has what it runs in the background ignore the signal.
     code = f"""
+import signal
 import building2building as b2b
+signal.signal(signal.SIGINT, signal.default_int_handler)
 calls = 0
 def middle(observation):
     global calls
