@@ -172,7 +172,20 @@ mod tests {
     #[test]
     fn the_arguments_are_well_formed() {
         use clap::CommandFactory;
-        Cli::command().debug_assert();
+        let mut command = Cli::command();
+        command.clone().debug_assert();
+        // What clap checks for itself, it does not check in a release build.
+        command.build();
+        assert_no_argument_is_there_twice(&command);
+    }
+
+    fn assert_no_argument_is_there_twice(command: &clap::Command) {
+        let mut ids: Vec<_> = command.get_arguments().map(|argument| argument.get_id().to_string()).collect();
+        ids.sort();
+        let count = ids.len();
+        ids.dedup();
+        assert_eq!(ids.len(), count, "{}: {ids:?}", command.get_name());
+        command.get_subcommands().for_each(assert_no_argument_is_there_twice);
     }
 
     #[test]

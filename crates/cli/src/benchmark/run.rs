@@ -44,8 +44,8 @@ pub struct Arguments {
     #[arg(long, value_name = "N")]
     trained_steps: Option<u64>,
     /// Name on the leaderboard [default: that of the policy]
-    #[arg(long = "entry", value_name = "NAME")]
-    name: Option<String>,
+    #[arg(long, value_name = "NAME")]
+    entry: Option<String>,
     /// How it came about, in a line
     #[arg(long, value_name = "TEXT")]
     description: Option<String>,
@@ -110,7 +110,7 @@ impl Arguments {
             }
         }
         Ok(Entry {
-            name: self.name.clone().unwrap_or_else(|| policy.name()),
+            name: self.entry.clone().unwrap_or_else(|| policy.name()),
             description: self.description.clone(),
             training_steps: self.trained_steps,
             problem,
