@@ -2,12 +2,12 @@
 
 use anyhow::{Context, Result, bail};
 use b2b_building::dataset::BuildingId;
-use b2b_building::{BuildingType, Catalog, Class};
+use b2b_building::{Catalog, Class};
 use b2b_control::tune::{self, Outcome};
 use b2b_control::{Measured, ReactiveParameters, Tuned};
 use b2b_env::EnergyScale;
 
-use super::{classes, rollouts};
+use super::{Groups, rollouts};
 use crate::progress::{Download, counter};
 use crate::{interrupt, stdout};
 
@@ -18,12 +18,8 @@ use crate::{interrupt, stdout};
 /// relatively.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Building types [default: every type]
-    #[arg(long = "type", value_name = "TYPE", num_args = 1..)]
-    types: Vec<BuildingType>,
-    /// Climate zones, 1 to 8 [default: all]
-    #[arg(long = "zone", value_name = "ZONE", num_args = 1.., value_parser = clap::value_parser!(u8).range(1..=8))]
-    zones: Vec<u8>,
+    #[command(flatten)]
+    groups: Groups,
 }
 
 /// By how much a number may differ from what is shipped, relatively: machines round the mathematics of the engine
@@ -32,7 +28,7 @@ const TOLERANCE: f64 = 1e-6;
 
 /// Runs the command.
 pub fn check(arguments: &Arguments) -> Result<()> {
-    let classes = classes(&arguments.types, &arguments.zones)?;
+    let classes = arguments.groups.classes()?;
     let catalog = Catalog::open(&mut Download::new(false))?;
     let bar = counter(classes.len(), "groups", false);
     let mut wrong = Vec::new();

@@ -7,7 +7,7 @@ use b2b_control::{ReactiveParameters, Tuned};
 use b2b_env::{Metrics, Task};
 use serde::Serialize;
 
-use super::{WEEKS, classes, rollouts};
+use super::{Groups, WEEKS, rollouts};
 use crate::progress::{Download, counter};
 use crate::table::Table;
 use crate::{interrupt, stdout};
@@ -18,12 +18,8 @@ use crate::{interrupt, stdout};
 /// actuators in times their ranges a day, and HVAC energy, under the default and the tuned parameters.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Building types [default: every type]
-    #[arg(long = "type", value_name = "TYPE", num_args = 1..)]
-    types: Vec<BuildingType>,
-    /// Climate zones, 1 to 8 [default: all]
-    #[arg(long = "zone", value_name = "ZONE", num_args = 1.., value_parser = clap::value_parser!(u8).range(1..=8))]
-    zones: Vec<u8>,
+    #[command(flatten)]
+    groups: Groups,
     /// Tasks
     #[arg(long = "task", value_name = "TASK", num_args = 1.., default_values = ["constant", "occupancy"])]
     tasks: Vec<Task>,
@@ -69,7 +65,7 @@ impl Held {
 /// Runs the command.
 pub fn compare(arguments: &Arguments) -> Result<()> {
     let mut buildings: Vec<(Class, Vec<BuildingId>)> = Vec::new();
-    for class in classes(&arguments.types, &arguments.zones)? {
+    for class in arguments.groups.classes()? {
         let rows = dataset::rows(class.building_type).iter();
         let ids = rows.filter(|row| row.test_small && row.building.class() == class).map(|row| row.id);
         buildings.extend(ids.map(|id| (class, vec![id])));

@@ -41,12 +41,8 @@ Examples:
 pub struct Arguments {
     #[command(subcommand)]
     instead: Option<Instead>,
-    /// Building types [default: every type]
-    #[arg(long = "type", value_name = "TYPE", num_args = 1..)]
-    types: Vec<BuildingType>,
-    /// Climate zones, 1 to 8 [default: all]; houses have one group
-    #[arg(long = "zone", value_name = "ZONE", num_args = 1.., value_parser = clap::value_parser!(u8).range(1..=8))]
-    zones: Vec<u8>,
+    #[command(flatten)]
+    groups: Groups,
     /// Training buildings of each type and zone
     #[arg(long, default_value_t = 3, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     buildings: u32,
@@ -103,7 +99,7 @@ pub fn tune(arguments: &Arguments) -> Result<()> {
         Some(Instead::Compare(arguments)) => return compare::compare(arguments),
         None => {}
     }
-    let classes = classes(&arguments.types, &arguments.zones)?;
+    let classes = arguments.groups.classes()?;
     let folder = arguments.out.join("evaluations");
     std::fs::create_dir_all(&folder)
         .with_context(|| format!("the folder {} cannot be written", folder.display()))?;
@@ -189,17 +185,30 @@ impl Arguments {
     }
 }
 
-/// The classes of some types and zones; all where none is given.
-fn classes(types: &[BuildingType], zones: &[u8]) -> Result<Vec<Class>> {
-    let asked = |class: &Class| {
-        (types.is_empty() || types.contains(&class.building_type))
-            && class.climate_zone.is_none_or(|zone| zones.is_empty() || zones.contains(&zone))
-    };
-    let classes: Vec<_> = Class::all().filter(asked).collect();
-    if classes.is_empty() {
-        bail!("no building is of that type and zone");
+/// The groups that are meant.
+#[derive(clap::Args)]
+struct Groups {
+    /// Building types [default: every type]
+    #[arg(long = "type", value_name = "TYPE", num_args = 1..)]
+    types: Vec<BuildingType>,
+    /// Climate zones, 1 to 8 [default: all]; houses have one group
+    #[arg(long = "zone", value_name = "ZONE", num_args = 1.., value_parser = clap::value_parser!(u8).range(1..=8))]
+    zones: Vec<u8>,
+}
+
+impl Groups {
+    /// The classes of these types and zones; all where none is given.
+    fn classes(&self) -> Result<Vec<Class>> {
+        let asked = |class: &Class| {
+            (self.types.is_empty() || self.types.contains(&class.building_type))
+                && class.climate_zone.is_none_or(|zone| self.zones.is_empty() || self.zones.contains(&zone))
+        };
+        let classes: Vec<_> = Class::all().filter(asked).collect();
+        if classes.is_empty() {
+            bail!("no building is of that type and zone");
+        }
+        Ok(classes)
     }
-    Ok(classes)
 }
 
 /// Buildings in processes of their own. Waiting for them ends with an interrupt.
