@@ -21,10 +21,10 @@ from gymnasium.spaces import Box
 
 from . import _core
 from .env import BuildingEnv
-from .errors import ActionError, SettingError
+from .errors import SettingError
 from .rollouts import ReactiveController, rollout
 from .vector import BuildingVectorEnv
-from .wrappers import AugmentObservationWithBuildingParams, PadObservation
+from .wrappers import AugmentObservationWithBuildingParams, PadObservation, action_of_shape
 
 __all__ = [
     "ActionSpaceTransfer",
@@ -66,9 +66,7 @@ class RestrictedAction(gymnasium.Wrapper):
         return self.env.reset(**options)
 
     def step(self, action):
-        action = np.asarray(action)
-        if action.shape != self.action_space.shape:
-            raise ActionError(f"the action is of shape {action.shape}, and must be of {self.action_space.shape}")
+        action = action_of_shape(action, self.action_space.shape)
         return self.env.step(self._restriction.complete(self.unwrapped.observation, action))
 
 

@@ -323,12 +323,18 @@ class SubsetAction(_Wrapper):
         return self.env.reset(**options)
 
     def step(self, action):
-        action = np.asarray(action)
-        if action.shape != self._actuators.shape:
-            raise ActionError(f"the action is of shape {action.shape}, and must be of {self._actuators.shape}")
+        action = action_of_shape(action, self._actuators.shape)
         every = np.array(self._rest(self.unwrapped.observation), dtype=np.float64)
         every[self._actuators] = action
         return self.env.step(every)
+
+
+def action_of_shape(action, shape: tuple[int, ...]) -> np.ndarray:
+    """An action as an array, which has to be of this shape."""
+    action = np.asarray(action)
+    if action.shape != shape:
+        raise ActionError(f"the action is of shape {action.shape}, and must be of {shape}")
+    return action
 
 
 def _place(known: list[str], name: str) -> int:

@@ -65,13 +65,15 @@ impl Env {
 
     /// What is seen and driven.
     fn spaces(&self, py: Python<'_>) -> PyResult<Spaces> {
-        self.with(py, |state| Ok(Spaces::new(Arc::clone(&state.spaces), Arc::clone(&state.setting.building))))
+        self.owner.with(py, &self.state, |state| {
+            Ok(Spaces::new(Arc::clone(&state.spaces), Arc::clone(&state.setting.building)))
+        })
     }
 
     /// Makes this the setting of the episodes to come; what was in progress is over.
     fn set(&self, py: Python<'_>, setting: &Setting) -> PyResult<()> {
         let setting = setting.clone();
-        self.with(py, |state| {
+        self.owner.with(py, &self.state, |state| {
             let (pool, live) = state.parts()?;
             if let Some(live) = live.take() {
                 pool.stop(live);
@@ -87,7 +89,7 @@ impl Env {
     /// Begins an episode of so many steps, or of the whole run period.
     #[pyo3(signature = (steps=None))]
     fn reset<'py>(&self, py: Python<'py>, steps: Option<usize>) -> PyResult<Seen<'py>> {
-        let observation = self.with(py, |state| state.reset(steps))?;
+        let observation = self.owner.with(py, &self.state, |state| state.reset(steps))?;
         Ok((arrays::single(py, &observation), arrays::row(py, &observation)))
     }
 
@@ -99,7 +101,7 @@ impl Env {
         rescale: bool,
     ) -> PyResult<Stepped<'py>> {
         let mut action = arrays::numbers(action)?;
-        let (observation, [temperature, energy], truncated) = self.with(py, |state| {
+        let (observation, [temperature, energy], truncated) = self.owner.with(py, &self.state, |state| {
             if rescale {
                 state.spaces.action.rescale(&mut action);
             }
@@ -111,7 +113,7 @@ impl Env {
 
     /// The last action as it was carried out.
     fn carried_out<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let action = self.with(py, |state| {
+        let action = self.owner.with(py, &self.state, |state| {
             let mut action = vec![0.0; state.spaces.action.len()];
             let (pool, live) = state.parts()?;
             let live = live.as_ref().ok_or_else(not_reset)?;
@@ -123,7 +125,7 @@ impl Env {
 
     /// The sums over an episode that is over, as a dictionary; `None` before its end.
     fn metrics<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
-        let metrics = self.with(py, |state| {
+        let metrics = self.owner.with(py, &self.state, |state| {
             let (pool, live) = state.parts()?;
             Ok(live.as_ref().and_then(|live| pool.metrics(live)))
         })?;
@@ -132,7 +134,7 @@ impl Env {
 
     /// Keeps the episode where it stands: the number of a snapshot.
     fn snapshot(&self, py: Python<'_>) -> PyResult<u64> {
-        self.with(py, |state| {
+        self.owner.with(py, &self.state, |state| {
             let (pool, live) = state.parts()?;
             let live = live.as_ref().ok_or_else(not_reset)?;
             let copy = pool.snapshot(live).map_err(of_env)?;
@@ -145,7 +147,7 @@ impl Env {
 
     /// Goes back to where a snapshot was taken.
     fn restore(&self, py: Python<'_>, snapshot: u64) -> PyResult<()> {
-        self.with(py, |state| {
+        self.owner.with(py, &self.state, |state| {
             let pool = state.pool.as_mut().ok_or_else(closed)?;
             let kept = state.snapshots.get(&snapshot).ok_or_else(|| {
                 raise("EpisodeError", "this snapshot was released, or is of another environment".into())
@@ -164,7 +166,7 @@ impl Env {
         if !self.owner.is_here() {
             return Ok(());
         }
-        self.with(py, |state| {
+        self.owner.with(py, &self.state, |state| {
             if let (Some(live), Some(pool)) = (state.snapshots.remove(&snapshot), state.pool.as_mut()) {
                 pool.stop(live);
             }
@@ -175,7 +177,9 @@ impl Env {
     /// The process of the episode in progress.
     #[getter]
     fn process(&self, py: Python<'_>) -> PyResult<Option<u32>> {
-        self.with(py, |state| Ok(state.live.as_ref().and_then(|live| state.pool.as_ref()?.process(live))))
+        self.owner.with(py, &self.state, |state| {
+            Ok(state.live.as_ref().and_then(|live| state.pool.as_ref()?.process(live)))
+        })
     }
 
     /// Ends all its processes. Nothing of it can be used after.
@@ -187,19 +191,6 @@ impl Env {
                 state.snapshots.clear();
             });
         }
-    }
-}
-
-impl Env {
-    /// Works on the state without holding up other Python threads. Whoever waits for the state must not hold the
-    /// interpreter: who has the state asks for it now and then, to see to signals.
-    fn with<T: Send>(
-        &self,
-        py: Python<'_>,
-        work: impl FnOnce(&mut State) -> PyResult<T> + Send,
-    ) -> PyResult<T> {
-        self.owner.check()?;
-        py.detach(|| work(&mut locked(&self.state)))
     }
 }
 

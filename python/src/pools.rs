@@ -2,13 +2,14 @@
 
 use std::cell::RefCell;
 use std::ops::ControlFlow;
+use std::sync::Mutex;
 
 use b2b_energyplus::install::Progress;
 use b2b_env::vector::{Launcher, PoolOptions};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 
-use crate::catalog;
+use crate::catalog::{self, locked};
 use crate::error::raise;
 
 /// Memory that templates of one environment's pool may hold when no episode descends from them, bytes.
@@ -83,6 +84,18 @@ impl Owner {
     /// Whether it is this process.
     pub fn is_here(self) -> bool {
         self == Self::this()
+    }
+
+    /// Works on what belongs to this process without holding up other Python threads. Whoever waits for the state must
+    /// not hold the interpreter: who has the state asks for it now and then, to see to signals.
+    pub fn with<S: Send, T: Send>(
+        self,
+        py: Python<'_>,
+        state: &Mutex<S>,
+        work: impl FnOnce(&mut S) -> PyResult<T> + Send,
+    ) -> PyResult<T> {
+        self.check()?;
+        py.detach(|| work(&mut locked(state)))
     }
 
     /// An exception that says so if it is not.

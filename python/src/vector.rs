@@ -94,7 +94,7 @@ impl VecEnv {
 
     /// Begins an episode in every environment.
     fn reset<'py>(&self, py: Python<'py>, seed: u64) -> PyResult<Bound<'py, PyArray2<f32>>> {
-        let batch = self.with(py, |state| {
+        let batch = self.owner.with(py, &self.state, |state| {
             let envs = state.envs()?;
             envs.reset(seed).map_err(of_env)?;
             Ok(Batch::of(envs))
@@ -104,7 +104,7 @@ impl VecEnv {
 
     /// Begins a new episode in some environments.
     fn reset_some<'py>(&self, py: Python<'py>, which: Vec<usize>) -> PyResult<Bound<'py, PyArray2<f32>>> {
-        let batch = self.with(py, |state| {
+        let batch = self.owner.with(py, &self.state, |state| {
             let envs = state.envs()?;
             for index in &which {
                 envs.reset_one(*index).map_err(of_env)?;
@@ -122,7 +122,7 @@ impl VecEnv {
     /// One step of every environment.
     fn step<'py>(&self, py: Python<'py>, actions: &Bound<'py, PyAny>) -> PyResult<Stepped<'py>> {
         let (mut actions, shape) = arrays::rows(actions)?;
-        let batch = self.with(py, |state| {
+        let batch = self.owner.with(py, &self.state, |state| {
             let rescale = state.rescale;
             let envs = state.envs()?;
             let expected = [envs.len(), envs.widths().0];
@@ -151,7 +151,7 @@ impl VecEnv {
     /// Holds actions in physical units for so many steps, without Python: what is left of a step then is the crates' own.
     fn hold(&self, py: Python<'_>, actions: &Bound<'_, PyAny>, steps: usize) -> PyResult<()> {
         let (actions, _) = arrays::rows(actions)?;
-        self.with(py, |state| {
+        self.owner.with(py, &self.state, |state| {
             let envs = state.envs()?;
             (0..steps).try_for_each(|_| envs.step(&actions).map(|_| ()).map_err(of_env))
         })
@@ -159,7 +159,7 @@ impl VecEnv {
 
     /// The end of the last episode of an environment.
     fn ended<'py>(&self, py: Python<'py>, environment: usize) -> PyResult<Ended<'py>> {
-        let (observation, metrics, lost) = self.with(py, |state| {
+        let (observation, metrics, lost) = self.owner.with(py, &self.state, |state| {
             let envs = state.envs()?;
             let observation = envs.final_observation(environment).to_vec();
             let lost = envs.lost(environment).map(str::to_owned);
@@ -171,7 +171,7 @@ impl VecEnv {
 
     /// Names of the buildings that the environments run now.
     fn buildings(&self, py: Python<'_>) -> PyResult<Vec<Option<String>>> {
-        self.with(py, |state| {
+        self.owner.with(py, &self.state, |state| {
             let envs = state.envs()?;
             let name = |index| envs.spaces(index).map(|spaces| spaces.building.name.clone());
             Ok((0..envs.len()).map(name).collect())
@@ -181,7 +181,7 @@ impl VecEnv {
     /// Numbers in a row of actions and in a row of observations; 0 before the first reset.
     #[getter]
     fn widths(&self, py: Python<'_>) -> PyResult<(usize, usize)> {
-        self.with(py, |state| Ok(state.envs()?.widths()))
+        self.owner.with(py, &self.state, |state| Ok(state.envs()?.widths()))
     }
 
     /// Ends all processes. Nothing of it can be used after.
@@ -189,17 +189,6 @@ impl VecEnv {
         if self.owner.is_here() {
             py.detach(|| locked(&self.state).envs = None);
         }
-    }
-}
-
-impl VecEnv {
-    fn with<T: Send>(
-        &self,
-        py: Python<'_>,
-        work: impl FnOnce(&mut State) -> PyResult<T> + Send,
-    ) -> PyResult<T> {
-        self.owner.check()?;
-        py.detach(|| work(&mut locked(&self.state)))
     }
 }
 

@@ -91,16 +91,10 @@ impl Terms {
         };
         -self.temperature_penalty - task.energy_weight / task.energy_scale.unwrap_or(1.0) * used
     }
-}
 
-impl Terms {
-    /// The largest relative difference between two.
-    pub fn relative_difference(&self, other: &Self) -> f64 {
-        let values =
-            |terms: &Self| [terms.temperature_penalty, terms.energy, terms.cost, terms.emissions, terms.peak];
-        let pairs = values(self).into_iter().zip(values(other));
-        let difference = |(a, b): (f64, f64)| if a == b { 0.0 } else { (a - b).abs() / a.abs().max(b.abs()) };
-        pairs.map(difference).fold(0.0, f64::max)
+    /// All of them, in order.
+    pub fn values(&self) -> [f64; 5] {
+        [self.temperature_penalty, self.energy, self.cost, self.emissions, self.peak]
     }
 }
 

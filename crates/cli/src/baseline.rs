@@ -12,7 +12,7 @@ use crate::evaluate::{Bars, evaluation, names};
 use crate::generate::Part;
 use crate::output_folder::OutputFolder;
 use crate::progress::Download;
-use crate::{interrupt, run, stdout};
+use crate::{interrupt, run, shipped, stdout};
 
 /// Compute the returns that scores are relative to
 ///
@@ -58,10 +58,6 @@ pub struct Arguments {
     #[arg(long, conflicts_with = "out")]
     check: bool,
 }
-
-/// By how much a baseline may differ from what is shipped, relatively: machines round the mathematics of the engine
-/// differently.
-const TOLERANCE: f64 = 1e-6;
 
 /// Runs the command.
 pub fn baseline(arguments: &Arguments) -> Result<ExitCode> {
@@ -124,15 +120,15 @@ fn write(path: &std::path::Path, text: &str) -> Result<()> {
 
 /// Compares with what is shipped.
 fn check(rows: &[(Key, Terms)]) -> Result<ExitCode> {
-    let shipped = Baselines::open()?;
+    let known = Baselines::open()?;
     let mut wrong = Vec::new();
     for (key, terms) in rows {
-        let Some((_, theirs)) = shipped.shipped().find(|(known, _)| *known == key) else {
+        let Some((_, theirs)) = known.shipped().find(|(other, _)| *other == key) else {
             wrong.push(format!("{}, {}, {}: none is shipped", key.building, key.task, key.period));
             continue;
         };
-        let difference = terms.relative_difference(theirs);
-        if difference > TOLERANCE {
+        let difference = shipped::difference(terms.values(), theirs.values());
+        if difference > shipped::TOLERANCE {
             wrong
                 .push(format!("{}, {}, {}: differs by {difference:.1e}", key.building, key.task, key.period));
         }

@@ -28,6 +28,8 @@ mod run;
 #[cfg(target_os = "linux")]
 mod score;
 mod setup;
+#[cfg(target_os = "linux")]
+mod shipped;
 mod show;
 mod stdout;
 mod summary;

@@ -2,11 +2,12 @@
 #![cfg(target_os = "linux")]
 
 mod browser;
+mod common;
 mod onnx_file;
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::{Output, Stdio};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -19,6 +20,7 @@ use b2b_control::ReactiveParameters;
 use b2b_energyplus::install::Quiet;
 use b2b_env::Setpoints;
 use b2b_env::vector::{Launcher, Spaces};
+use common::{b2b, command};
 use onnx_file::linear_policy;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
@@ -27,16 +29,6 @@ use tempfile::TempDir;
 /// Two test houses and two to train on, of one to three zones, for one day.
 const SMALL: &str = "dynamics-house --test SingleFamilyHouse-0018 SingleFamilyHouse-0387 \
                      --train SingleFamilyHouse-0001 SingleFamilyHouse-0002 --period 01-10..01-10 --seed 0 1";
-
-fn command(folder: &Path, arguments: &str) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_b2b"));
-    command.args(arguments.split_whitespace()).current_dir(folder).stdin(Stdio::null());
-    command
-}
-
-fn b2b(folder: &Path, arguments: &str) -> Output {
-    command(folder, arguments).output().unwrap()
-}
 
 fn said(output: &Output) -> String {
     format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr))

@@ -1,31 +1,14 @@
 //! `b2b evaluate`, `b2b score` and `b2b baseline` seen from outside, on the real engine.
 #![cfg(target_os = "linux")]
 
+mod common;
+
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
+use std::process::Stdio;
 use std::time::{Duration, Instant};
 
+use common::{b2b, command, json, stderr};
 use serde_json::Value;
-
-fn command(folder: &Path, arguments: &str) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_b2b"));
-    command.args(arguments.split_whitespace()).current_dir(folder).stdin(Stdio::null());
-    command
-}
-
-fn b2b(folder: &Path, arguments: &str) -> Output {
-    command(folder, arguments).output().unwrap()
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
-fn json(folder: &Path, arguments: &str) -> Value {
-    let output = b2b(folder, &format!("{arguments} --json"));
-    assert!(output.status.success(), "{}", stderr(&output));
-    serde_json::from_slice(&output.stdout).unwrap()
-}
 
 fn assert_refused(folder: &Path, arguments: &str, words: &[&str]) {
     let output = b2b(folder, arguments);

@@ -1,27 +1,17 @@
 //! Tuning from the command line, on the real engine, and what becomes of its result.
 #![cfg(target_os = "linux")]
 
+mod common;
+
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
 
+use common::{b2b, json, stderr};
 use serde_json::Value;
-
-fn b2b(folder: &Path, arguments: &str) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_b2b"));
-    command.args(arguments.split_whitespace()).current_dir(folder).stdin(Stdio::null());
-    command.output().unwrap()
-}
-
-fn json(folder: &Path, arguments: &str) -> Value {
-    let output = b2b(folder, &format!("{arguments} --json"));
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).unwrap()
-}
 
 fn refused(folder: &Path, arguments: &str) -> String {
     let output = b2b(folder, arguments);
     assert_eq!(output.status.code(), Some(1), "{arguments}");
-    String::from_utf8_lossy(&output.stderr).into_owned()
+    stderr(&output)
 }
 
 const TINY: &str = "tune --type SingleFamilyHouse --buildings 1 --period 01-08..01-08";

@@ -55,21 +55,17 @@ pub struct Measured {
 }
 
 impl Measured {
-    /// The largest relative difference between two.
-    pub fn relative_difference(&self, other: &Self) -> f64 {
-        let values = |m: &Self| {
-            [
-                m.default_score,
-                m.score,
-                m.default_penalty,
-                m.penalty,
-                m.default_daily_travel,
-                m.daily_travel,
-                m.energy,
-            ]
-        };
-        let difference = |(a, b): (f64, f64)| if a == b { 0.0 } else { (a - b).abs() / a.abs().max(b.abs()) };
-        values(self).into_iter().zip(values(other)).map(difference).fold(0.0, f64::max)
+    /// All of them, in order.
+    pub fn values(&self) -> [f64; 7] {
+        [
+            self.default_score,
+            self.score,
+            self.default_penalty,
+            self.penalty,
+            self.default_daily_travel,
+            self.daily_travel,
+            self.energy,
+        ]
     }
 }
 

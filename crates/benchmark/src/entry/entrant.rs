@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use b2b_control::Controller;
 use serde::{Deserialize, Serialize};
 
-use crate::policy::{ActionScale, Beginning, BuiltIn, OnnxPolicy, Policy};
+use crate::policy::{ActionScale, Beginning, BuiltIn, OnnxPolicy, Policy, is_onnx};
 use crate::subject::{hash_of, hex};
 use crate::{Episode, Error, Result};
 
@@ -81,7 +81,7 @@ impl Entrant {
     /// # Errors
     /// [`Error::UnknownPolicy`]; those of [`OnnxPolicy::read`].
     pub fn read(text: &str, scale: ActionScale, seeds: &[u64], episodes: &[Episode]) -> Result<Self> {
-        if !text.to_ascii_lowercase().ends_with(".onnx") {
+        if !is_onnx(Path::new(text)) {
             return Ok(Self::BuiltIn(text.parse()?));
         }
         let (folder, pattern) = split(text);

@@ -48,11 +48,16 @@ impl dyn Policy {
     /// [`Error::UnknownPolicy`]; those of [`OnnxPolicy::read`].
     pub fn named(name: &str, scale: ActionScale) -> Result<Box<Self>> {
         let path = Path::new(name);
-        if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("onnx")) {
+        if is_onnx(path) {
             return Ok(Box::new(OnnxPolicy::read(path, scale)?));
         }
         Ok(Box::new(name.parse::<BuiltIn>()?))
     }
+}
+
+/// Whether a policy is the path of a network, and no name.
+pub(crate) fn is_onnx(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("onnx"))
 }
 
 /// The episode that a controller is asked for.

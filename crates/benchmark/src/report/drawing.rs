@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::{TypeDeviations, Worst};
-use crate::evaluation::{Deviations, Row};
+use crate::evaluation::{Deviations, Record, Row};
 use crate::results::Results;
 use crate::statistics::quantile;
 
@@ -88,17 +88,14 @@ fn by_zone<'a>(rows: &[&'a Row]) -> Vec<&'a Row> {
 fn label(row: &Row) -> String {
     let record = &row.record;
     let score = row.score.map_or("no score".to_owned(), |score| format!("score {score:.3}"));
-    format!(
-        "{} in {} ({})<br>{}, {}, seed {}<br>{score}, return {:.1}, RMS {:.2} K",
-        record.building,
-        record.place,
-        record.climate_zone,
-        record.task,
-        record.period,
-        record.seed,
-        record.episode_return,
-        record.rms_deviation
-    )
+    let (asked, episode_return, rms) = (asked(record), record.episode_return, record.rms_deviation);
+    format!("{asked}<br>{score}, return {episode_return:.1}, RMS {rms:.2} K")
+}
+
+/// Which episode it is, in two lines.
+pub(super) fn asked(record: &Record) -> String {
+    let Record { building, place, climate_zone, task, period, seed, .. } = record;
+    format!("{building} in {place} ({climate_zone})<br>{task}, {period}, seed {seed}")
 }
 
 /// A box over each category, with the episodes beside it in the colours of their types.

@@ -4,7 +4,7 @@ use std::io::Write;
 
 use serde_json::{Value, json};
 
-use super::drawing::{PALETTE, line_at};
+use super::drawing::{PALETTE, asked, line_at};
 use super::{interval, write_page};
 use crate::entry::{Measures, RunResult};
 use crate::evaluation::Row;
@@ -246,18 +246,8 @@ fn test_rows(stages: &[(Stage, Vec<Row>)]) -> impl Iterator<Item = &Row> {
 
 /// What is read when a point is pointed at.
 fn label(row: &Row) -> String {
-    let record = &row.record;
-    format!(
-        "{} in {} ({})<br>{}, {}, seed {}<br>score {:.3}, RMS {:.2} K",
-        record.building,
-        record.place,
-        record.climate_zone,
-        record.task,
-        record.period,
-        record.seed,
-        row.score.unwrap_or(f64::NAN),
-        record.rms_deviation
-    )
+    let (score, rms) = (row.score.unwrap_or(f64::NAN), row.record.rms_deviation);
+    format!("{}<br>score {score:.3}, RMS {rms:.2} K", asked(&row.record))
 }
 
 /// Scores as points around a box, for each type.

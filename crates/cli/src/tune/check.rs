@@ -9,7 +9,7 @@ use b2b_env::EnergyScale;
 
 use super::{Groups, rollouts};
 use crate::progress::{Download, counter};
-use crate::{interrupt, stdout};
+use crate::{interrupt, shipped, stdout};
 
 /// Check that the shipped parameters come to what is said of them
 ///
@@ -21,10 +21,6 @@ pub struct Arguments {
     #[command(flatten)]
     groups: Groups,
 }
-
-/// By how much a number may differ from what is shipped, relatively: machines round the mathematics of the engine
-/// differently.
-const TOLERANCE: f64 = 1e-6;
 
 /// Runs the command.
 pub fn check(arguments: &Arguments) -> Result<()> {
@@ -46,27 +42,27 @@ pub fn check(arguments: &Arguments) -> Result<()> {
 
 /// How what a class comes to differs from what is shipped, if it does.
 fn difference(catalog: &Catalog, class: Class) -> Result<Option<String>> {
-    let Some(shipped) = Tuned::of(class) else { return Ok(Some("none is shipped".into())) };
-    let again = measure(catalog, shipped).with_context(|| format!("{class} cannot be run"))?;
-    let difference = again.relative_difference(&shipped.measured);
-    if difference > TOLERANCE {
-        return Ok(Some(format!("differs by {difference:.1e}: {:?}, shipped {:?}", again, shipped.measured)));
+    let Some(tuned) = Tuned::of(class) else { return Ok(Some("none is shipped".into())) };
+    let again = measure(catalog, tuned).with_context(|| format!("{class} cannot be run"))?;
+    let difference = shipped::difference(again.values(), tuned.measured.values());
+    if difference > shipped::TOLERANCE {
+        return Ok(Some(format!("differs by {difference:.1e}: {:?}, shipped {:?}", again, tuned.measured)));
     }
     let scale = EnergyScale::shipped().iter().find(|scale| scale.class == class);
     Ok(match scale {
-        Some(scale) if scale.energy_scale == shipped.measured.energy => None,
+        Some(scale) if scale.energy_scale == tuned.measured.energy => None,
         _ => Some("its energy scale is not that of its parameters".into()),
     })
 }
 
 /// What the shipped parameters come to on their buildings.
-fn measure(catalog: &Catalog, shipped: &Tuned) -> Result<Measured> {
-    let ids = shipped.buildings.iter().map(|id| id.parse()).collect::<Result<Vec<BuildingId>, _>>()?;
-    let mut ready = rollouts(catalog, &ids, &shipped.periods, &[shipped.task.parse()?])?;
+fn measure(catalog: &Catalog, tuned: &Tuned) -> Result<Measured> {
+    let ids = tuned.buildings.iter().map(|id| id.parse()).collect::<Result<Vec<BuildingId>, _>>()?;
+    let mut ready = rollouts(catalog, &ids, &tuned.periods, &[tuned.task.parse()?])?;
     let mut outcomes = |parameters: &ReactiveParameters| -> Result<Vec<Outcome>> {
         interrupt::check()?;
         Ok(ready.run(parameters)?.iter().map(|episodes| Outcome::of(episodes)).collect())
     };
     let defaults = outcomes(&ReactiveParameters::default())?;
-    Ok(tune::measured(&defaults, &outcomes(&shipped.parameters)?))
+    Ok(tune::measured(&defaults, &outcomes(&tuned.parameters)?))
 }

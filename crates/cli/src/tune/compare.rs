@@ -1,6 +1,7 @@
 //! `b2b tune compare`: how the reactive controllers hold the targets before and after tuning.
 
 use anyhow::{Context, Result};
+use b2b_benchmark::statistics;
 use b2b_building::dataset::{self, BuildingId};
 use b2b_building::{BuildingType, Catalog, Class, RunPeriod};
 use b2b_control::{ReactiveParameters, Tuned};
@@ -182,6 +183,5 @@ fn row(building: &str, zone: String, pair: &Pair) -> [String; 11] {
 
 fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
-    let middle = values.len() / 2;
-    if values.len() % 2 == 1 { values[middle] } else { f64::midpoint(values[middle - 1], values[middle]) }
+    statistics::median(&values)
 }

@@ -3,6 +3,7 @@
 mod check;
 mod compare;
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
@@ -14,6 +15,7 @@ use b2b_env::Task;
 use b2b_env::vector::{Launcher, PoolOptions};
 use indicatif::ProgressBar;
 
+use crate::output_folder::OutputFolder;
 use crate::progress::{Download, counter};
 use crate::table::Table;
 use crate::{interrupt, stdout};
@@ -109,8 +111,7 @@ pub fn tune(arguments: &Arguments) -> Result<()> {
     let mut found = Vec::new();
     for class in classes {
         found.push(arguments.tune_one(&catalog, class, &folder, &bar)?);
-        write(&arguments.out.join(TUNED), &found)?;
-        write(&arguments.out.join(ENERGY), &found.iter().map(Energy::of).collect::<Vec<_>>())?;
+        write(&arguments.out, &found)?;
     }
     bar.finish_and_clear();
     if arguments.json { stdout::print_json(&found) } else { stdout::print(&arguments.text(&found)) }
@@ -225,15 +226,17 @@ fn rollouts(
     Rollouts::new(options, catalog, ids, periods, tasks, &mut Download::new(true))
 }
 
-/// Writes a list as JSON, an entry a paragraph; the file is there whole or not at all.
-fn write<T: serde::Serialize>(path: &Path, entries: &[T]) -> Result<()> {
-    let write = || {
-        let folder = path.parent().unwrap_or(Path::new("."));
-        let file = tempfile::NamedTempFile::new_in(folder)?;
-        serde_json::to_writer_pretty(&file, entries)?;
-        std::io::Write::write_all(&mut file.as_file(), b"\n")?;
-        file.persist(path)?;
-        Ok(())
-    };
-    write().map_err(|error: anyhow::Error| error.context(format!("{} cannot be written", path.display())))
+/// Writes what was found, an entry a paragraph; the files are there whole or not at all.
+fn write(folder: &Path, found: &[Tuned]) -> Result<()> {
+    let staged = OutputFolder::stage(folder)?;
+    list(&staged, TUNED, found)?;
+    list(&staged, ENERGY, &found.iter().map(Energy::of).collect::<Vec<_>>())?;
+    staged.keep()
+}
+
+fn list(folder: &OutputFolder, name: &str, entries: &[impl serde::Serialize]) -> Result<()> {
+    folder.write(name, |file| {
+        serde_json::to_writer_pretty(&mut *file, entries)?;
+        Ok(writeln!(file)?)
+    })
 }
