@@ -24,7 +24,7 @@ from .buildings import (
 )
 from .env import BuildingEnv, Snapshot, make_env
 from .errors import Error
-from .evaluation import Evaluation, evaluate
+from .evaluation import Evaluation, compute_normalized_score, evaluate
 from .morphology import Morphology
 from .rollouts import (
     ConstantController,
@@ -57,6 +57,7 @@ __all__ = [
     "building_parameters",
     "callable_controller",
     "collect",
+    "compute_normalized_score",
     "evaluate",
     "find_building",
     "generate",

@@ -122,36 +122,34 @@ def action_box(layout: Layout, rescale: bool) -> gymnasium.spaces.Box:
 class StepInfo(Info):
     """The info of a step, made of what the step was judged by when it is read."""
 
-    __slots__ = ("layout", "setting", "before", "after", "temperature", "energy", "step")
+    __slots__ = ("made_of",)
 
-    def __init__(self, layout, setting, before, after, temperature, energy, step):
-        # One object and nothing else: this is made at every step.
-        self.layout, self.setting, self.before, self.after = layout, setting, before, after
-        self.temperature, self.energy, self.step = temperature, energy, step
+    # One is made at every step: without a call of Python's, and with one thing to keep.
+    __init__ = dict.__init__
 
     def _filled(self) -> Info:
-        layout: Layout | None = self.layout
-        if layout is None:
+        if self.made_of is None:
             return self
-        electricity, gas = float(self.after[layout.electricity]), float(self.after[layout.gas])
-        hour = (self.step - 1) % (24 * layout.steps_per_hour) / layout.steps_per_hour
-        cost, emissions = self.setting.cost_and_emissions(electricity, gas, hour)
-        temperatures, targets = self.after[layout.temperatures], layout.targets_in(self.before)
+        layout, setting, before, after, temperature, energy, step = self.made_of
+        electricity, gas = float(after[layout.electricity]), float(after[layout.gas])
+        hour = (step - 1) % (24 * layout.steps_per_hour) / layout.steps_per_hour
+        cost, emissions = setting.cost_and_emissions(electricity, gas, hour)
+        temperatures, targets = after[layout.temperatures], layout.targets_in(before)
         info = {
-            "step": self.step,
+            "step": step,
             "hour": hour,
-            "reward_terms": {"temperature": -self.temperature, "energy": -self.energy},
+            "reward_terms": {"temperature": -temperature, "energy": -energy},
             "energy": {"electricity": electricity, "gas": gas},
             "cost": cost,
             "emissions": emissions,
             "zone_temperature": temperatures,
             "zone_target": targets,
             "zone_deviation": temperatures - targets,
-            "observation": self.after,
+            "observation": after,
         }
         if layout.occupancies is not None:
-            info["zone_occupied"] = self.before[layout.occupancies] > 0.5
-        self.layout = self.setting = self.before = self.after = None
+            info["zone_occupied"] = before[layout.occupancies] > 0.5
+        self.made_of = None
         return self._take(info)
 
 
@@ -311,36 +309,33 @@ class BuildingEnv(gymnasium.Env):
         self._core, self._process = _core.Env(self._whole), os.getpid()
         self.setting = self._whole
 
-    def step(self, action):
-        """One zone time step: 5 minutes by default."""
-        if self._thread is not None or self._core is None:
+    def step(self, action, *, rescale: bool | None = None):
+        """One zone time step: 5 minutes by default.
+
+        ``rescale`` tells whether this action is from -1 to 1, where it is not as the environment was made.
+        """
+        # All of it in one place: next to the engine's memory, a call of Python's own is what costs.
+        if self._core is None or (self._thread is not None and self._thread != threading.get_ident()):
             self._check_thread()
-        return self._step(action, self.rescale_action)
-
-    def _physical_step(self, action):
-        """A step of an action in physical units, whatever the action space."""
-        self._check_thread()
-        observation, reward, _, truncated, info = self._step(action, False)
-        return observation, reward, truncated, info
-
-    @property
-    def penalties(self) -> tuple[float, float]:
-        """Temperature and energy penalty of the last step: the task's reward is minus both."""
-        return self._penalties
-
-    def _step(self, action, rescale):
+        rescale = self.rescale_action if rescale is None else rescale
         single, after, temperature, energy, truncated = self._core.step(action, rescale)
         before, self.observation = self.observation, after
         self._penalties = temperature, energy
         self._steps += 1
         self._truncated = truncated
-        info = StepInfo(self.layout, self.setting, before, after, temperature, energy, self._steps)
+        info = StepInfo()
+        info.made_of = self.layout, self.setting, before, after, temperature, energy, self._steps
         if truncated:
             info["metrics"] = self._core.metrics()
         reward = -temperature - energy if self._reward is None else float(self._reward(info))
         if self.render_mode == "human":
             self.render()
         return single, reward, False, truncated, info
+
+    @property
+    def penalties(self) -> tuple[float, float]:
+        """Temperature and energy penalty of the last step: the task's reward is minus both."""
+        return self._penalties
 
     def carried_out(self) -> np.ndarray:
         """The last action as it was carried out: f64, physical units, within bounds."""

@@ -151,6 +151,31 @@ def evaluate(
     return Evaluation(rows, json.loads(summary), None if folder is None else Path(folder))
 
 
+def compute_normalized_score(
+    episode_return: float,
+    building: str | Building,
+    task: str | dict = "constant",
+    run_period: str = "winter",
+    *,
+    timesteps_per_hour: int = 12,
+    place: str | None = None,
+    weather: str | os.PathLike | None = None,
+) -> float | None:
+    """An episode's return over that of the reactive controllers for the same building, task and days.
+
+    Both are sums of penalties: lower is better, and below 1 beats the controllers. What they get comes with the package
+    for the small test, and is otherwise computed, which takes an episode, and kept in the cache. ``None`` where nothing
+    was to be lost.
+
+    >>> b2b.compute_normalized_score(-30.0, "SingleFamilyHouse-0018", "constant+energy0.5", "winter")
+
+    Raises :class:`~building2building.errors.EvaluationError` for a building that cannot be run.
+    """
+    text = json.dumps(task) if isinstance(task, dict) else str(task)
+    asked = (*_named(building, place, weather), text, run_period, 0, timesteps_per_hour)
+    return _core.compute_normalized_score(float(episode_return), asked)
+
+
 class _Makes:
     """Makes what acts in an episode: a function of an f64 observation, in physical units, that gives an action."""
 

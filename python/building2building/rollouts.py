@@ -170,7 +170,7 @@ def rollout(env, controller: Controller | Callable, *, steps: int | None = None,
     while not truncated and (steps is None or len(rewards) < steps):
         if built_in:
             action = controller.physical(core.observation)
-            observation, reward, truncated, info = core._physical_step(action)
+            observation, reward, _, truncated, info = core.step(action, rescale=False)
         else:
             observation, reward, terminated, truncated, info = env.step(controller(observation))
             truncated = truncated or terminated

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::Duration;
 
 use arrow_array::RecordBatch;
@@ -10,11 +10,12 @@ use arrow_array::cast::AsArray;
 use arrow_array::types::{Float64Type, UInt32Type, UInt64Type};
 use b2b_benchmark::{
     ActionScale, Baselines, Beginning, Episode, Evaluation, Folder, Policy, Progress, Results, Subject,
-    episode_table,
+    episode_table, normalized_score,
 };
 use b2b_building::Placement;
 use b2b_building::climate::Place;
 use b2b_control::Controller;
+use b2b_energyplus::install::Quiet;
 use b2b_env::ActionSpace;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
@@ -60,10 +61,7 @@ pub fn evaluate<'py>(
     identity: String,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Bound<'py, PyDict>, String)> {
-    let one_at_a_time =
-        || raise("ProcessError", "an evaluation runs in this process: wait for its end".into());
-    let _running = RUNNING.try_lock().map_err(|_| one_at_a_time())?;
-    STOP.store(false, Ordering::Relaxed);
+    let _running = running()?;
     let episodes = episodes.into_iter().map(episode).collect::<PyResult<Vec<_>>>()?;
     let raised = Arc::new(Mutex::new(None));
     let policy: Box<dyn Policy> = match policy.extract::<String>() {
@@ -102,6 +100,38 @@ pub fn evaluate<'py>(
     let table = table.map_err(|error| raise("EvaluationError", error.to_string()))?;
     let summary = serde_json::to_string(&summary).expect("a summary is plain data");
     Ok((columns(py, &table)?, summary))
+}
+
+/// An episode's return over that of the reactive controllers, which run now if theirs is not known.
+#[pyfunction]
+pub fn compute_normalized_score(
+    py: Python<'_>,
+    episode_return: f64,
+    episode: Asked,
+) -> PyResult<Option<f64>> {
+    let _running = running()?;
+    let episode = self::episode(episode)?;
+    let launcher = pools::options(py)?.launcher;
+    let counter = Counter::default();
+    py.detach(|| {
+        let catalog = catalog::catalog()?;
+        let run = || {
+            let evaluation = Evaluation { catalog: &catalog, launcher, jobs: 1, interrupted: stopped };
+            let surroundings = episode.subject.locate(&catalog, &mut Quiet)?;
+            Baselines::open()?.episode_return(&evaluation, &episode, &surroundings, &counter)
+        };
+        let baseline_return = wait_for(run, &counter, None).map_err(of_benchmark)?;
+        Ok(normalized_score(episode_return, baseline_return))
+    })
+}
+
+/// Takes the one place of an evaluation in this process.
+fn running() -> PyResult<MutexGuard<'static, ()>> {
+    let one_at_a_time =
+        || raise("ProcessError", "an evaluation runs in this process: wait for its end".into());
+    let running = RUNNING.try_lock().map_err(|_| one_at_a_time())?;
+    STOP.store(false, Ordering::Relaxed);
+    Ok(running)
 }
 
 /// Runs on another thread, and sees to signals and progress on this one.

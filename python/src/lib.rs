@@ -32,7 +32,7 @@ mod _core {
     #[pymodule_export]
     use super::env::Env;
     #[pymodule_export]
-    use super::evaluation::evaluate;
+    use super::evaluation::{compute_normalized_score, evaluate};
     #[pymodule_export]
     use super::local::LocalEnv;
     #[pymodule_export]

@@ -124,6 +124,17 @@ except KeyboardInterrupt:
     assert {each.name for each in (tmp_path / "out").iterdir()} == {"evaluation.json", "episodes"}
 
 
+def test_a_return_is_scored_against_the_shipped_and_the_computed_reactive_return():
+    env = b2b.make_env(building_id=HOUSES[0], task="occupancy+energy0.5", run_period="01-10..01-10")
+    episode_return = b2b.rollout(env, b2b.ReactiveController(env)).episode_return
+    asked = HOUSES[0], "occupancy+energy0.5", "01-10..01-10"
+    assert b2b.compute_normalized_score(episode_return, *asked) == pytest.approx(1.0, abs=1e-12)
+    assert b2b.compute_normalized_score(2 * episode_return, *asked) == pytest.approx(2.0, abs=1e-12)
+    assert b2b.compute_normalized_score(-1.0, "SingleFamilyHouse-0018") < 1.0, "the winter's is shipped"
+    with pytest.raises(b2b.Error, match="occupied"):
+        b2b.compute_normalized_score(-1.0, HOUSES[0], "occupied")
+
+
 def test_what_is_no_policy_and_what_does_not_fit_is_refused():
     day = {"run_periods": "01-10..01-10"}
     with pytest.raises(errors.EvaluationError, match="onnx"):

@@ -7,8 +7,8 @@ use std::collections::HashMap;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
+use b2b_building::Class;
 use b2b_building::dataset::GENERATOR_VERSION;
-use b2b_building::{Class, RunPeriod};
 use b2b_control::ReactiveParameters;
 use b2b_energyplus::install::{ENGINE_VERSION, cache_dir};
 use b2b_env::{Metrics, Resource, Task};
@@ -16,13 +16,12 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::at;
 use crate::evaluation::{Episode, Evaluation, Outcome, Progress};
-use crate::scores::normalized_score;
 use crate::subject::hex;
 use crate::{BuiltIn, Error, Result, Subject, Surroundings};
 
 /// Raised when a change to preparation, environments or controllers changes what the reactive controllers get, so that
 /// nothing that was cached before is taken for it.
-const REVISION: u32 = 2;
+const REVISION: u32 = 3;
 
 /// The shipped baselines: `b2b baseline` writes them.
 const SHIPPED: &str = include_str!("../data/baselines.csv");
@@ -252,29 +251,31 @@ impl Baselines {
             .collect()
     }
 
-    /// The paper's `compute_normalized_score`: a return over that of the reactive controllers. `None` where
-    /// [`normalized_score`] is.
+    /// The return of the reactive controllers for an episode's building, task and days, run now if it is not known.
     ///
     /// # Errors
-    /// [`Error::NoBaseline`] when it is not known yet: see [`Baselines::compute`].
-    pub fn compute_normalized_score(
+    /// [`Error::NoBaseline`] when they cannot be run; [`Error::Interrupted`]; [`Error::Io`].
+    pub fn episode_return(
         &self,
-        episode_return: f64,
-        subject: &Subject,
+        evaluation: &Evaluation<'_>,
+        episode: &Episode,
         surroundings: &Surroundings,
-        task: &Task,
-        period: RunPeriod,
-        steps_per_hour: u32,
-    ) -> Result<Option<f64>> {
-        let episode =
-            Episode { subject: subject.clone(), task: task.clone(), period, seed: 0, steps_per_hour };
-        let terms = self.get(&Key::of(&episode, surroundings)?).ok_or_else(|| Error::NoBaseline {
+        progress: &dyn Progress,
+    ) -> Result<f64> {
+        let Episode { subject, task, period, steps_per_hour, .. } = episode;
+        let key = Key::of(episode, surroundings)?;
+        let missing = self.missing([(key.clone(), episode.clone())]);
+        let mut lost = match &missing[..] {
+            [] => HashMap::new(),
+            missing => self.compute(evaluation, missing, progress)?,
+        };
+        let terms = self.get(&key).ok_or_else(|| Error::NoBaseline {
             building: subject.name.to_string(),
             task: task.to_string(),
             period: period.to_string(),
-            why: "it was not computed".into(),
+            why: lost.remove(&key).unwrap_or_default(),
         })?;
-        Ok(normalized_score(episode_return, terms.episode_return(task)))
+        Ok(terms.episode_return(&task_for(subject, surroundings, task, *steps_per_hour)))
     }
 }
 
@@ -355,6 +356,8 @@ pub mod table {
 
 #[cfg(test)]
 mod tests {
+    use b2b_building::RunPeriod;
+
     use super::*;
 
     fn episode(task: &str) -> Episode {

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use arrow_array::types::Float64Type;
 use arrow_array::{Array, PrimitiveArray};
-use b2b_benchmark::{Baselines, Episode, Key, Subject, Surroundings, normalized_score, task_for};
+use b2b_benchmark::{Baselines, Episode, Subject, Surroundings, normalized_score};
 use b2b_building::climate::Place;
 use b2b_building::{BuildingName, Catalog, RunPeriod};
 use b2b_env::Task;
@@ -80,16 +80,11 @@ pub fn score(arguments: &Arguments) -> Result<()> {
     let episode =
         Episode { subject: subject.clone(), task: task.clone(), period: *period, seed: 0, steps_per_hour };
     let baselines = Baselines::open()?;
-    let key = Key::of(&episode, &surroundings)?;
-    let missing = baselines.missing([(key.clone(), episode)]);
     let bars = Bars::new(arguments.json);
-    let lost = baselines.compute(&evaluation(&catalog, Some(1))?, &missing, &bars)?;
+    let evaluation = evaluation(&catalog, Some(1))?;
+    let baseline_return = baselines.episode_return(&evaluation, &episode, &surroundings, &bars)?;
     drop(bars);
-    let Some(terms) = baselines.get(&key) else {
-        bail!("the reactive controllers cannot be run: {}", lost.get(&key).map_or("", String::as_str));
-    };
     let episode_return = -trajectory.temperature_penalty - trajectory.energy_penalty;
-    let baseline_return = terms.episode_return(&task_for(subject, &surroundings, &task, steps_per_hour));
     let score = Score {
         building: subject.name.to_string(),
         place: trajectory.place.clone(),

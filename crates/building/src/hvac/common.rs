@@ -195,7 +195,8 @@ pub fn items<'a>(fields: &'a Fields, array: &str) -> impl Iterator<Item = &'a Fi
     fields.get(array).and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_object)
 }
 
-fn reference(fields: &Fields, class: &str, name: &str) -> Option<Reference> {
+/// The object that two fields, class and name, refer to.
+pub fn reference(fields: &Fields, class: &str, name: &str) -> Option<Reference> {
     Some(Reference { class: text(fields, class)?.to_owned(), name: text(fields, name)?.to_owned() })
 }
 

@@ -25,8 +25,8 @@ use crate::{interrupt, stdout};
 /// For each type and climate zone: Bayesian optimisation of eight parameters, on training buildings over a winter and a
 /// summer week, with targets by occupancy and energy not counted. The score is the 25th percentile over the
 /// buildings of the return in times what the default parameters lose: -1 is as good as they are, 0 is perfect. The best
-/// is chosen among those whose actuators go at most five times their range a day, or no further than under the defaults;
-/// it is never worse than these. Every evaluation is kept in a file: the same arguments go on where they
+/// is chosen among those with which no building's actuators go more than five times their range a day, or no further than
+/// under the defaults; it is never worse than these. Every evaluation is kept in a file: the same arguments go on where they
 /// stood. The parameters that ship with this program are FOLDER/tuned.json of a run with the defaults of the options.
 #[derive(clap::Args)]
 #[command(

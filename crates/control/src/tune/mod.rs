@@ -5,7 +5,7 @@
 //! 3. [`tune`] tries the default parameters, then what a Bayesian search proposes. A building's return is divided by
 //!    what the defaults had on it, so that buildings weigh alike, and the score is the 25th percentile over the
 //!    buildings, as in the paper (which tunes on its test buildings; here none is seen). The search is told of scores
-//!    made worse by how much the actuators move, and the best is chosen among those whose actuators do not hunt.
+//!    made worse by how much the actuators move, and the best is chosen among those with which no building hunts.
 //!
 //! Every evaluation is appended to a file; the same plan goes on from there, and comes to the same result.
 
@@ -205,8 +205,11 @@ fn percentile_of(value: fn(&Outcome) -> f64, defaults: &[Outcome], outcomes: &[O
     percentile_25(outcomes.iter().zip(defaults).map(relative).collect())
 }
 
+/// Whether no building's actuators hunt. A mean would hide one that does.
 fn is_calm(defaults: &[Outcome], outcomes: &[Outcome]) -> bool {
-    mean_travel(outcomes) <= mean_travel(defaults).max(CALM)
+    let calm =
+        |(outcome, default): (&Outcome, &Outcome)| outcome.daily_travel <= default.daily_travel.max(CALM);
+    outcomes.iter().zip(defaults).all(calm)
 }
 
 /// Interpolated between neighbours.

@@ -105,11 +105,12 @@ fn the_score_is_a_percentile_over_buildings_that_weigh_alike() {
 fn parameters_whose_actuators_hunt_are_not_chosen() {
     let folder = tempfile::tempdir().unwrap();
     let chosen = |restless: f64| {
-        // The warmer the supply, the better, but beyond a lift of 12 K actuators are restless.
+        // The warmer the supply, the better, but beyond a lift of 12 K one building's actuators are restless.
         let evaluate = |parameters: &ReactiveParameters| {
             let lift = parameters.unitary.heating_lift;
-            let daily_travel = if lift > 12.0 { restless } else { 1.0 };
-            Ok(vec![Outcome { episode_return: lift - 30.0, steps: 1, energy: 0.0, daily_travel }; 3])
+            let outcome =
+                |daily_travel| Outcome { episode_return: lift - 30.0, steps: 1, energy: 0.0, daily_travel };
+            Ok([1.0, 1.0, if lift > 12.0 { restless } else { 1.0 }].map(outcome).to_vec())
         };
         let file = folder.path().join(restless.to_string());
         tune(&plan(0), 30, &file, "", evaluate, |_, _| ()).unwrap()

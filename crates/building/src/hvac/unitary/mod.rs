@@ -2,11 +2,13 @@
 //!
 //! Whatever packaged unit the model has is rewritten as one kind that obeys both commands exactly: a
 //! blow-through `AirLoopHVAC:UnitarySystem` under setpoint control with a variable-volume fan and a two-speed
-//! cooling coil, feeding a terminal whose minimum flow is the command. Capacities, efficiencies, pressures and
-//! curves are those of the original unit.
+//! cooling coil, feeding a terminal whose minimum flow is the command. A heat pump's heating coils follow behind it.
+//! Capacities, efficiencies, pressures and curves are those of the original unit.
 
 mod assemble;
 mod cooling_coil;
+mod heat_pump;
+mod outdoor_air;
 
 use std::collections::HashSet;
 
@@ -17,6 +19,7 @@ use super::distribution::{ServedZone, served_zones};
 use super::{Actuator, EngineVariable, Quantity, Unitary};
 use crate::model::{Fields, Model, number, text};
 use crate::{Error, Result};
+use outdoor_air::OutdoorAir;
 
 /// Supply air temperatures an agent may ask for, °C. The lower end is what a cooling coil delivers without
 /// freezing; the upper end is below what gas coils and heat pumps reach at full flow on a design day.
@@ -40,15 +43,15 @@ const FAN_POWER: [f64; 5] = [0.0013, 0.1470, 0.9506, -0.0998, 0.0];
 /// reference.
 pub fn make_controllable(model: &mut Model, air_loop: &str, air_density: f64) -> Result<Unitary> {
     assemble::assemble(model, air_loop)?;
+    heat_pump::rejoin(model, air_loop)?;
     let unit = Unit::find(model, air_loop)?;
     let schedules = Schedules::insert(model, &unit.served.zone);
     common::always_on(model, air_loop)?;
     common::own_thermostat(model, &unit.served.zone, 0.0, common::OUT_OF_REACH)?;
     let nodes = unit.rewrite(model)?;
     follow_supply_temperature(model, &unit, &nodes, &schedules.temperature);
-    if let Some(controller) = outdoor_air_controller(model, &unit) {
-        mix_for_supply_temperature(model, &unit, &nodes);
-        admit_any_outdoor_air_share(model, &controller)?;
+    if let Some(outdoor_air) = &unit.outdoor_air {
+        outdoor_air.follow(model, &unit, &nodes)?;
     }
     let terminal = follow_flow(model, &unit, &schedules.flow)?;
     let flow = terminal.design_flow * air_density;
@@ -134,6 +137,7 @@ struct Unit {
     outlet: String,
     demand_inlet: String,
     served: ServedZone,
+    outdoor_air: Option<OutdoorAir>,
     /// Every node in it and at its ends, as they were, in lower case.
     old_nodes: HashSet<String>,
 }
@@ -184,8 +188,20 @@ impl Unit {
         old_nodes.extend([inlet.clone(), outlet.clone(), demand_inlet.clone()]);
         let old_nodes = old_nodes.iter().map(|node| node.to_lowercase()).collect();
         let served = only_zone(model, air_loop)?;
+        let outdoor_air = OutdoorAir::find(model, &inlet);
         let air_loop = air_loop.to_owned();
-        Ok(Self { air_loop, branch, class, name, inlet, outlet, demand_inlet, served, old_nodes })
+        Ok(Self {
+            air_loop,
+            branch,
+            class,
+            name,
+            inlet,
+            outlet,
+            demand_inlet,
+            served,
+            outdoor_air,
+            old_nodes,
+        })
     }
 
     /// Replaces the unit by its controllable form and returns the nodes inside it.
@@ -219,16 +235,12 @@ impl Unit {
             "dehumidification_control_type": "None",
             "availability_schedule_name": common::ALWAYS_ON,
             "air_inlet_node_name": self.inlet,
-            "air_outlet_node_name": self.outlet,
             "supply_fan_object_type": "Fan:VariableVolume",
             "supply_fan_name": fan,
             "fan_placement": "BlowThrough",
             "supply_air_fan_operating_mode_schedule_name": common::ALWAYS_ON,
             "cooling_coil_object_type": "Coil:Cooling:DX:TwoSpeed",
             "cooling_coil_name": cooling,
-            "heating_coil_object_type": heating.0,
-            "heating_coil_name": heating.1,
-            "dx_heating_coil_sizing_ratio": 1.0,
             "minimum_supply_air_temperature": 2.0,
             "latent_load_control": "SensibleOnlyLoadControl",
             "maximum_supply_air_temperature": MAXIMUM_SUPPLY_TEMPERATURE,
@@ -237,24 +249,45 @@ impl Unit {
             unit[format!("{regime}_supply_air_flow_rate_method")] = json!("SupplyAirFlowRate");
             unit[format!("{regime}_supply_air_flow_rate")] = json!(flow);
         }
-        if let Some((class, name)) = supplemental {
-            unit["supplemental_heating_coil_object_type"] = json!(class);
-            unit["supplemental_heating_coil_name"] = json!(name);
-            let limit = "maximum_outdoor_dry_bulb_temperature_for_supplemental_heater_operation";
-            unit[limit] = old.get(limit).cloned().unwrap_or(json!(21.0));
+        let mut components = Vec::new();
+        if self.heats_apart(&heating) {
+            components = heat_pump::stand_apart(model, self, &nodes, &heating, supplemental.as_ref())?;
+        } else {
+            unit["heating_coil_object_type"] = json!(heating.0);
+            unit["heating_coil_name"] = json!(heating.1);
+            unit["dx_heating_coil_sizing_ratio"] = json!(1.0);
+            if let Some((class, name)) = supplemental {
+                unit["supplemental_heating_coil_object_type"] = json!(class);
+                unit["supplemental_heating_coil_name"] = json!(name);
+                let limit = "maximum_outdoor_dry_bulb_temperature_for_supplemental_heater_operation";
+                unit[limit] = old.get(limit).cloned().unwrap_or(json!(21.0));
+            }
         }
-        model.insert("AirLoopHVAC:UnitarySystem", &self.name, unit);
-        self.retype_branch(model)?;
+        let outlet = if components.is_empty() { &self.outlet } else { &nodes.cooling };
+        unit["air_outlet_node_name"] = json!(outlet);
+        components.insert(0, component(UNIT_CLASSES[0], &self.name, &self.inlet, outlet));
+        model.insert(UNIT_CLASSES[0], &self.name, unit);
+        self.put_on_branch(model, components)?;
         Ok(nodes)
     }
 
-    fn retype_branch(&self, model: &mut Model) -> Result<()> {
+    /// Whether the heating coils leave the unit: those of a heat pump. With an economiser, which aims at a temperature
+    /// ahead of the fan, the engine would go round the air side a dozen times.
+    fn heats_apart(&self, heating: &Coil) -> bool {
+        let economises = self.outdoor_air.as_ref().is_some_and(|air| air.has_economiser);
+        heating.0.eq_ignore_ascii_case(heat_pump::HEATING_COIL) && !economises
+    }
+
+    /// Puts components on the branch in the place of the unit.
+    fn put_on_branch(&self, model: &mut Model, new: Vec<Value>) -> Result<()> {
         let branch = model.require_mut("Branch", &self.branch)?;
-        for component in branch.get_mut("components").and_then(Value::as_array_mut).into_iter().flatten() {
-            if component["component_name"].as_str().is_some_and(|name| name.eq_ignore_ascii_case(&self.name))
-            {
-                component["component_object_type"] = json!("AirLoopHVAC:UnitarySystem");
-            }
+        let is_unit = |component: &Value| {
+            component["component_name"].as_str().is_some_and(|name| name.eq_ignore_ascii_case(&self.name))
+        };
+        if let Some(components) = branch.get_mut("components").and_then(Value::as_array_mut)
+            && let Some(at) = components.iter().position(is_unit)
+        {
+            components.splice(at..=at, new);
         }
         Ok(())
     }
@@ -336,8 +369,21 @@ struct Nodes {
     heating: String,
 }
 
-/// Class and name of a coil that a unit refers to.
-fn coil(unit: &Fields, which: &str) -> Option<(String, String)> {
+/// Class and name of a coil.
+type Coil = (String, String);
+
+/// A component of a branch.
+fn component(class: &str, name: &str, inlet: &str, outlet: &str) -> Value {
+    json!({
+        "component_object_type": class,
+        "component_name": name,
+        "component_inlet_node_name": inlet,
+        "component_outlet_node_name": outlet,
+    })
+}
+
+/// The coil that a unit refers to.
+fn coil(unit: &Fields, which: &str) -> Option<Coil> {
     let class = text(unit, &format!("{which}_object_type"))?;
     let name = text(unit, &format!("{which}_name"))?;
     Some((class.to_owned(), name.to_owned()))
@@ -351,19 +397,16 @@ fn remove_multispeed_design(model: &mut Model, unit: &Fields) {
 }
 
 /// Heating coils that can follow a setpoint keep their class; only their place in the air changes.
-fn place_heating_coil(model: &mut Model, coil: &(String, String), inlet: &str, outlet: &str) -> Result<()> {
+fn place_heating_coil(model: &mut Model, coil: &Coil, inlet: &str, outlet: &str) -> Result<()> {
     let (class, name) = coil;
-    if !common::is_one_of(
-        class,
-        &["Coil:Heating:DX:SingleSpeed", "Coil:Heating:Fuel", "Coil:Heating:Electric"],
-    ) {
+    if !common::is_one_of(class, &[heat_pump::HEATING_COIL, "Coil:Heating:Fuel", "Coil:Heating:Electric"]) {
         return Err(unsupported(class, name, "no setpoint control is known for this heating coil"));
     }
     let fields = model.require_mut(class, name)?;
     fields.insert("availability_schedule_name".into(), json!(common::ALWAYS_ON));
     fields.insert("air_inlet_node_name".into(), json!(inlet));
     fields.insert("air_outlet_node_name".into(), json!(outlet));
-    if class.eq_ignore_ascii_case("Coil:Heating:DX:SingleSpeed") {
+    if class.eq_ignore_ascii_case(heat_pump::HEATING_COIL) {
         return Ok(());
     }
     // The unitary system controls the coil; a setpoint node of its own would be a second master.
@@ -390,21 +433,6 @@ fn follow_supply_temperature(model: &mut Model, unit: &Unit, nodes: &Nodes, sche
             "control_variable": "Temperature",
             "schedule_name": schedule,
             "setpoint_node_or_nodelist_name": list,
-        }),
-    );
-}
-
-/// The mixer aims at the unit's setpoint less the heat of the fan: this is what the economiser follows.
-fn mix_for_supply_temperature(model: &mut Model, unit: &Unit, nodes: &Nodes) {
-    model.insert(
-        "SetpointManager:MixedAir",
-        &format!("{} Mixed Air Setpoint", unit.air_loop),
-        json!({
-            "control_variable": "Temperature",
-            "reference_setpoint_node_name": unit.outlet,
-            "fan_inlet_node_name": unit.inlet,
-            "fan_outlet_node_name": nodes.fan,
-            "setpoint_node_or_nodelist_name": unit.inlet,
         }),
     );
 }
@@ -436,24 +464,6 @@ fn follow_flow(model: &mut Model, unit: &Unit, schedule: &str) -> Result<Termina
     );
     Ok(Terminal { design_flow, outlet })
 }
-
-/// The controller of the outdoor air that a unit takes, if it takes any.
-fn outdoor_air_controller(model: &Model, unit: &Unit) -> Option<String> {
-    let mixes_for = |fields: &Fields| {
-        text(fields, "mixed_air_node_name").is_some_and(|n| n.eq_ignore_ascii_case(&unit.inlet))
-    };
-    let controllers = model.objects(OUTDOOR_AIR_CONTROLLER);
-    controllers.iter().find(|(_, fields)| mixes_for(fields)).map(|(name, _)| (*name).to_owned())
-}
-
-/// Takes off the limit on the share of outdoor air: with an exhaust fan it makes the supply flow collapse.
-fn admit_any_outdoor_air_share(model: &mut Model, controller: &str) -> Result<()> {
-    let controller = model.require_mut(OUTDOOR_AIR_CONTROLLER, controller)?;
-    controller.remove("maximum_fraction_of_outdoor_air_schedule_name");
-    Ok(())
-}
-
-const OUTDOOR_AIR_CONTROLLER: &str = "Controller:OutdoorAir";
 
 /// The node where the unit's air enters the demand side.
 fn demand_inlet(model: &Model, air_loop: &str, fields: &Fields) -> Result<String> {

@@ -57,6 +57,7 @@ fn rooftop() -> Model {
         "SetpointManager:MixedAir": {"Old mixed": {"setpoint_node_or_nodelist_name": "After cooling"}},
         "SetpointManager:Scheduled": {"Hot water": {"setpoint_node_or_nodelist_name": "Plant outlet"}},
         "Controller:OutdoorAir": {"OA control": {
+            "economizer_control_type": "DifferentialDryBulb",
             "mixed_air_node_name": "Mixed", "maximum_fraction_of_outdoor_air_schedule_name": "0.75"}},
         "ZoneHVAC:EquipmentConnections": {"C": {
             "zone_name": "Zone", "zone_conditioning_equipment_list_name": "Equipment"}},
@@ -77,6 +78,31 @@ fn rooftop() -> Model {
         "ZoneControl:Thermostat": {"T": {"zone_or_zonelist_name": "Zone"}},
     });
     Model::from_epjson(&model.to_string(), Path::new("rooftop.epJSON")).unwrap()
+}
+
+/// The same as a heat pump with an electric backup, without an economiser.
+fn heat_pump() -> Model {
+    let mut model = rooftop();
+    model.replace_references("Coil:Heating:Fuel", "Coil:Heating:DX:SingleSpeed");
+    let coil = model.remove("Coil:Heating:Fuel", "Heating").unwrap();
+    model.insert("Coil:Heating:DX:SingleSpeed", "Heating", Value::Object(coil));
+    model.insert("Coil:Heating:Electric", "Backup", json!({}));
+    let unit = model.require_mut("AirLoopHVAC:UnitarySystem", "Unit").unwrap();
+    unit.insert("supplemental_heating_coil_object_type".into(), json!("Coil:Heating:Electric"));
+    unit.insert("supplemental_heating_coil_name".into(), json!("Backup"));
+    without_economiser(&mut model);
+    model
+}
+
+fn without_economiser(model: &mut Model) {
+    model.require_mut("Controller:OutdoorAir", "OA control").unwrap().remove("economizer_control_type");
+}
+
+/// Class, inlet and outlet of what is on the branch.
+fn on_branch(model: &Model) -> Vec<[&str; 3]> {
+    let ends = ["component_object_type", "component_inlet_node_name", "component_outlet_node_name"];
+    let items = common::items(model.require("Branch", "Main").unwrap(), "components");
+    items.map(|item| ends.map(|end| text(item, end).unwrap())).collect()
 }
 
 fn controllable() -> (Model, Unitary) {
@@ -217,13 +243,53 @@ fn a_unit_in_parts_becomes_what_the_same_unit_in_one_becomes() {
     ] {
         assert_eq!(model.get(class, name), whole.get(class, name), "{class}");
     }
-    let branch = model.require("Branch", "Main").unwrap();
-    let ends: Vec<_> = common::items(branch, "components")
-        .map(|item| {
-            ["component_inlet_node_name", "component_outlet_node_name"].map(|f| text(item, f).unwrap())
-        })
-        .collect();
-    assert_eq!(ends, [["Return", "Mixed"], ["Mixed", "Supply outlet"]]);
+    assert_eq!(on_branch(&model), on_branch(&whole));
+}
+
+#[test]
+fn the_mixer_has_a_setpoint_for_an_economiser_alone() {
+    let mut model = rooftop();
+    without_economiser(&mut model);
+    make_controllable(&mut model, "Loop", 1.2).unwrap();
+    assert!(model.objects("SetpointManager:MixedAir").is_empty());
+}
+
+#[test]
+fn the_coils_of_a_heat_pump_stand_behind_the_unit_with_its_setpoint() {
+    let mut model = heat_pump();
+    let unit = make_controllable(&mut model, "Loop", 1.2).unwrap();
+    assert_eq!(
+        on_branch(&model),
+        [
+            ["AirLoopHVAC:OutdoorAirSystem", "Return", "Mixed"],
+            ["AirLoopHVAC:UnitarySystem", "Mixed", "Loop Cooling Coil Outlet"],
+            ["CoilSystem:Heating:DX", "Loop Cooling Coil Outlet", "Loop Heating Coil Outlet"],
+            ["Coil:Heating:Electric", "Loop Heating Coil Outlet", "Supply outlet"],
+        ]
+    );
+    let whole = model.require("AirLoopHVAC:UnitarySystem", "Unit").unwrap();
+    assert!(whole.keys().all(|field| !field.contains("heating_coil")), "{whole:?}");
+    assert_eq!(whole["air_outlet_node_name"], "Loop Cooling Coil Outlet");
+    let backup = model.require("Coil:Heating:Electric", "Backup").unwrap();
+    assert_eq!(backup["temperature_setpoint_node_name"], "Supply outlet");
+    let nodes = model.require("NodeList", "Loop Setpoint Nodes").unwrap()["nodes"].as_array().unwrap();
+    assert_eq!(nodes.len(), 4, "after each coil, and where the duct begins");
+
+    let before = model.clone();
+    assert_eq!(make_controllable(&mut model, "Loop", 1.2).unwrap(), unit, "again");
+    assert_eq!(model, before);
+}
+
+#[test]
+fn a_heat_pump_with_an_economiser_keeps_its_coils() {
+    let mut model = heat_pump();
+    let controller = model.require_mut("Controller:OutdoorAir", "OA control").unwrap();
+    controller.insert("economizer_control_type".into(), json!("FixedDryBulb"));
+    make_controllable(&mut model, "Loop", 1.2).unwrap();
+    assert!(model.objects("CoilSystem:Heating:DX").is_empty());
+    let unit = model.require("AirLoopHVAC:UnitarySystem", "Unit").unwrap();
+    assert_eq!(unit["heating_coil_name"], "Heating");
+    assert_eq!(unit["supplemental_heating_coil_name"], "Backup");
 }
 
 #[test]
@@ -235,7 +301,6 @@ fn a_furnace_becomes_a_unitary_system() {
     let branch = model.require_mut("Branch", "Main").unwrap();
     branch["components"][1]["component_object_type"] = "AirLoopHVAC:Unitary:Furnace:HeatCool".into();
     make_controllable(&mut model, "Loop", 1.2).unwrap();
-    let branch = model.require("Branch", "Main").unwrap();
-    assert_eq!(branch["components"][1]["component_object_type"], "AirLoopHVAC:UnitarySystem");
+    assert_eq!(on_branch(&model)[1], ["AirLoopHVAC:UnitarySystem", "Mixed", "Supply outlet"]);
     assert!(model.objects("AirLoopHVAC:Unitary:Furnace:HeatCool").is_empty());
 }

@@ -1,0 +1,58 @@
+//! The outdoor air that a unit takes.
+
+use serde_json::json;
+
+use super::{Nodes, Unit};
+use crate::Result;
+use crate::model::{Model, text};
+
+const CONTROLLER: &str = "Controller:OutdoorAir";
+
+/// The mixing of outdoor air ahead of a unit.
+pub(super) struct OutdoorAir {
+    controller: String,
+    pub(super) has_economiser: bool,
+}
+
+impl OutdoorAir {
+    /// That of a unit with this inlet, if it takes any.
+    pub(super) fn find(model: &Model, unit_inlet: &str) -> Option<Self> {
+        let controllers = model.objects(CONTROLLER);
+        let (name, fields) = controllers.iter().find(|(_, fields)| {
+            text(fields, "mixed_air_node_name").is_some_and(|node| node.eq_ignore_ascii_case(unit_inlet))
+        })?;
+        let control = text(fields, "economizer_control_type");
+        Some(Self {
+            controller: (*name).to_owned(),
+            has_economiser: control.is_some_and(|control| !control.eq_ignore_ascii_case("NoEconomizer")),
+        })
+    }
+
+    /// Makes it follow the supply temperature, and no limit but its own flows.
+    pub(super) fn follow(&self, model: &mut Model, unit: &Unit, nodes: &Nodes) -> Result<()> {
+        // Only for an economiser: the heat of the fan is known a pass late, so that the engine computes the air side
+        // about three times.
+        if self.has_economiser {
+            mix_for_supply_temperature(model, unit, nodes);
+        }
+        // A limit on its share makes the supply flow collapse where there is an exhaust fan.
+        let controller = model.require_mut(CONTROLLER, &self.controller)?;
+        controller.remove("maximum_fraction_of_outdoor_air_schedule_name");
+        Ok(())
+    }
+}
+
+/// The mixer aims at the unit's setpoint less the heat of the fan: this is what the economiser follows.
+fn mix_for_supply_temperature(model: &mut Model, unit: &Unit, nodes: &Nodes) {
+    model.insert(
+        "SetpointManager:MixedAir",
+        &format!("{} Mixed Air Setpoint", unit.air_loop),
+        json!({
+            "control_variable": "Temperature",
+            "reference_setpoint_node_name": unit.outlet,
+            "fan_inlet_node_name": unit.inlet,
+            "fan_outlet_node_name": nodes.fan,
+            "setpoint_node_or_nodelist_name": unit.inlet,
+        }),
+    );
+}
