@@ -1,7 +1,7 @@
 """What a step costs, printed: ``python -m building2building.bench``.
 
 CPU time is of this process alone, or of an environment's process where it says worker; wall time is by the clock. What
-is compared takes turns, and each figure is the median over the turns.
+is compared takes turns, in an order by lot.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import subprocess
 import sys
 import time
 from collections import defaultdict
+from collections.abc import Callable
 
 import numpy as np
 
@@ -28,6 +29,18 @@ def _middle(values: np.ndarray) -> float:
     """Mean without the tenth at either end: a shared machine has moments."""
     cut = len(values) // 10
     return float(np.sort(values)[cut : len(values) - cut].mean())
+
+
+def _in_turns(calls: tuple[Callable, Callable], pairs: int, clock: Callable[[], float]) -> np.ndarray:
+    """Calls both, in an order by lot, so many times: neither has the hours with more to compute. Times of each, s, in rows."""
+    spent, chance = np.empty((pairs, 2)), random.Random(0)
+    for pair in spent:
+        first = chance.randrange(2)
+        for which in (first, 1 - first):
+            start = clock()
+            calls[which]()
+            pair[which] = clock() - start
+    return spent
 
 
 class _Times:
@@ -63,20 +76,12 @@ def single(building_type: str, days: int, turns: int) -> dict[str, float]:
         times.keep("wall", time.perf_counter() - wall, steps)
         times.keep("owner", time.process_time() - cpu, steps)
         times.keep("worker", _cpu(process) - worker, steps)
-        # Of two steps one is Rust's and one Python's, by lot: neither has the hours with more to compute.
         local.reset()
         step, hold = local.step, local.unwrapped._core.hold
         calls = (lambda: hold(action, 1)), (lambda: step(action))
-        spent = np.empty((steps // 2, 2))
-        chance = random.Random(0)
-        for pair in spent:
-            first = chance.randrange(2)
-            for which in (first, 1 - first):
-                cpu = time.thread_time_ns()
-                calls[which]()
-                pair[which] = time.thread_time_ns() - cpu
-        times.keep("rust", _middle(spent[:, 0]) / 1e9, 1)
-        times.keep("beyond", _middle(spent[:, 1] - spent[:, 0]) / 1e9, 1)
+        spent = _in_turns(calls, steps // 2, time.thread_time)
+        times.keep("rust", _middle(spent[:, 0]), 1)
+        times.keep("beyond", _middle(spent[:, 1] - spent[:, 0]), 1)
     env.close()
     local.close()
     return times.medians()
@@ -87,23 +92,17 @@ def vector(building_type: str, count: int, days: int, turns: int) -> tuple[float
     envs = b2b.make_vec(building_type, count, run_period=f"01-01..01-{days:02d}")
     actions = np.broadcast_to((envs.action_space.low + envs.action_space.high) / 2, envs.action_space.shape).copy()
     hours = envs.unwrapped.layouts[0].data["episode_steps"] // 12 - 1
-    # Of two hours one is stepped from Python and one from Rust, by lot, as above.
-    spent = np.empty((turns, hours // 2, 2))
-    chance = random.Random(0)
-    for episode in spent:
+
+    def an_hour():
+        for _ in range(12):
+            envs.step(actions)
+
+    calls, spent = (an_hour, lambda: envs.unwrapped._core.hold(actions, 12)), []
+    for _ in range(turns):
         envs.reset(seed=0)
-        for pair in episode:
-            first = chance.randrange(2)
-            for which in (first, 1 - first):
-                start = time.perf_counter()
-                if which == 0:
-                    for _ in range(12):
-                        envs.step(actions)
-                else:
-                    envs.unwrapped._core.hold(actions, 12)
-                pair[which] = time.perf_counter() - start
+        spent.append(_in_turns(calls, hours // 2, time.perf_counter))
     envs.close()
-    python, rust = (12 * count / _middle(spent[:, :, which].ravel()) for which in range(2))
+    python, rust = (12 * count / _middle(each) for each in np.concatenate(spent).T)
     return python, rust
 
 

@@ -132,7 +132,18 @@ def script(text: str, tmp_path) -> subprocess.Popen:
         stderr=subprocess.PIPE,
         text=True,
         env=environment,
+        # A shell has what it runs in the background ignore Ctrl-C.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
+
+
+def interrupted(text: str, tmp_path) -> subprocess.Popen:
+    """A script that gets a Ctrl-C half a second after it says that it is ready."""
+    process = script(text, tmp_path)
+    assert process.stdout.readline() == "ready\n"
+    time.sleep(0.5)
+    process.send_signal(signal.SIGINT)
+    return process
 
 
 ENV = "import building2building as b2b; env = b2b.make_env('OfficeSmall', run_period='winter'); env.reset()\n"
@@ -159,7 +170,7 @@ def test_a_killed_program_leaves_nothing(tmp_path):
 
 
 def test_ctrl_c_stops_a_rollout_and_the_environment_goes_on(tmp_path):
-    process = script(
+    process = interrupted(
         ENV
         + """
 controller = b2b.ReactiveController(env)
@@ -174,28 +185,28 @@ except KeyboardInterrupt:
 """,
         tmp_path,
     )
-    assert process.stdout.readline() == "ready\n"
-    time.sleep(0.5)
-    process.send_signal(signal.SIGINT)
     out, err = process.communicate(timeout=30)
     assert (out, err, process.returncode) == ("went on\n", "", 0)
 
 
 def test_ctrl_c_stops_a_building_in_the_making(tmp_path):
-    process = script(
+    process = interrupted(
         """
+import time
 import building2building as b2b
+begun = time.monotonic()
+b2b.make_env('OfficeMedium', place='Denver').close()
+whole = time.monotonic() - begun
+begun = time.monotonic()
 print('ready', flush=True)
 try:
     b2b.make_env('OfficeMedium', place='Miami')
 except KeyboardInterrupt:
-    print('stopped', flush=True)
+    at_once = time.monotonic() - begun < 0.5 + whole / 2
+    print('stopped' if at_once else 'at its end', flush=True)
 """,
         tmp_path,
     )
-    assert process.stdout.readline() == "ready\n"
-    time.sleep(0.5)
-    process.send_signal(signal.SIGINT)
     out, err = process.communicate(timeout=30)
     assert (out, err, process.returncode) == ("stopped\n", "", 0)
     assert gone_within(5, process.pid)
@@ -203,7 +214,7 @@ except KeyboardInterrupt:
 
 def test_ctrl_c_in_a_reset_stops_it_and_the_next_one_works(tmp_path):
     # Every episode is another building, so that a reset is the making of one, its sizing and its warm-up.
-    process = script(
+    process = interrupted(
         """
 import building2building as b2b
 from building2building.wrappers import ResampleBuildingOnResetWrapper
@@ -222,9 +233,6 @@ print('went on', flush=True)
 """,
         tmp_path,
     )
-    assert process.stdout.readline() == "ready\n"
-    time.sleep(0.5)
-    process.send_signal(signal.SIGINT)
     assert process.stdout.readline() == "stopped\n"
     out, err = process.communicate(timeout=60)
     assert (out, err, process.returncode) == ("went on\n", "", 0)

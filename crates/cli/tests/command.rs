@@ -1,6 +1,8 @@
 //! The `b2b` command seen from outside, on the real engine.
 #![cfg(unix)]
 
+mod common;
+
 use std::collections::HashMap;
 use std::fs::File;
 use std::os::unix::process::{CommandExt, ExitStatusExt};
@@ -12,6 +14,7 @@ use b2b_building::BuildingType;
 use b2b_building::climate::Place;
 use b2b_energyplus::Library;
 use b2b_energyplus::install::{Engine, Quiet};
+use common::stderr;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use rustix::process::{Pid, Signal, kill_process, test_kill_process_group};
 use serde_json::Value;
@@ -67,10 +70,6 @@ impl Sandbox {
         assert_eq!(String::from_utf8_lossy(&output.stdout), "");
         assert_eq!(self.left_behind(), before);
     }
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
 /// The fastest building, for two days.

@@ -9,11 +9,10 @@ use rand_chacha::ChaCha8Rng;
 
 use super::result::POLICY;
 use super::{Entrant, Measures, RunResult, read_result};
-use crate::baseline::Key;
 use crate::evaluation::{Episode, Evaluation, Finished, Outcome, Progress, Row, Versions};
 use crate::problem::{Problem, Stage, Through};
 use crate::scores::normalized_score;
-use crate::{Baselines, Error, Result, Surroundings, task_for};
+use crate::{Baselines, Error, Result, Surroundings};
 
 /// Relative difference of numbers that were added up in another order.
 const ROUNDING: f64 = 1e-9;
@@ -265,14 +264,11 @@ fn compare(
         Surroundings { place: record.place.clone(), climate_zone: record.climate_zone.clone() };
     let cache = tempfile::tempdir().map_err(|source| Error::Io { path: std::env::temp_dir(), source })?;
     let baselines = Baselines::without_shipped(cache.path());
-    let key = Key::of(episode, &surroundings)?;
-    let missing = baselines.missing([(key.clone(), episode.clone())]);
-    let lost = baselines.compute(evaluation, &missing, progress)?;
-    let Some(terms) = baselines.get(&key) else {
-        return Ok(Err(format!("its baseline was lost: {}", lost.get(&key).map_or("", String::as_str))));
+    let here = match baselines.episode_return(evaluation, episode, &surroundings, progress) {
+        Err(Error::NoBaseline { why, .. }) => return Ok(Err(format!("its baseline was lost: {why}"))),
+        here => here?,
     };
-    let task = task_for(&episode.subject, &surroundings, &episode.task, episode.steps_per_hour);
-    let (there, here) = (row.baseline_return.unwrap_or(f64::NAN), terms.episode_return(&task));
+    let there = row.baseline_return.unwrap_or(f64::NAN);
     if near(there, here) {
         return Ok(Ok(String::new()));
     }

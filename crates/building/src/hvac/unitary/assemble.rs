@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 
 use super::super::common::{self, Reference, is_one_of, unsupported};
 use super::super::distribution::served_zones;
-use super::TERMINALS;
+use super::{HEATERS, TERMINALS, UNITARY_SYSTEM, component};
 use crate::Result;
 use crate::model::{Model, text};
 
@@ -13,7 +13,6 @@ const OUTDOOR_AIR_SYSTEM: &str = "AirLoopHVAC:OutdoorAirSystem";
 const COOLING_SYSTEM: &str = "CoilSystem:Cooling:DX";
 const COOLING: [&str; 4] =
     [COOLING_SYSTEM, "Coil:Cooling:DX:SingleSpeed", "Coil:Cooling:DX:TwoSpeed", "Coil:Cooling:DX:MultiSpeed"];
-const HEATING: [&str; 2] = ["Coil:Heating:Fuel", "Coil:Heating:Electric"];
 const FANS: [&str; 4] = ["Fan:ConstantVolume", "Fan:OnOff", "Fan:SystemModel", "Fan:VariableVolume"];
 
 /// The parts of a unit.
@@ -40,7 +39,7 @@ pub(super) fn assemble(model: &mut Model, air_loop: &str) -> Result<()> {
     put_on_branch(model, air_loop, &name)?;
     let cooling = cooling_coil(model, parts.cooling)?;
     model.insert(
-        super::UNIT_CLASSES[0],
+        UNITARY_SYSTEM,
         &name,
         json!({
             "supply_fan_object_type": parts.fan.class, "supply_fan_name": parts.fan.name,
@@ -55,7 +54,7 @@ pub(super) fn assemble(model: &mut Model, air_loop: &str) -> Result<()> {
 fn parts(components: &[Reference]) -> Option<Parts> {
     let inside: Vec<_> = components.iter().filter(|c| !is_outdoor_air(&c.class)).collect();
     let one = |classes: &[&str]| inside.iter().find(|c| is_one_of(&c.class, classes)).map(|c| (*c).clone());
-    let parts = Parts { cooling: one(&COOLING)?, heating: one(&HEATING)?, fan: one(&FANS)? };
+    let parts = Parts { cooling: one(&COOLING)?, heating: one(&HEATERS)?, fan: one(&FANS)? };
     (inside.len() == 3).then_some(parts)
 }
 
@@ -86,12 +85,7 @@ fn put_on_branch(model: &mut Model, air_loop: &str, unit: &str) -> Result<()> {
     let inlet = node(parts.iter().find(|c| is_part(c)), "component_inlet_node_name");
     let outlet = node(parts.iter().rfind(|c| is_part(c)), "component_outlet_node_name");
     let mut components: Vec<Value> = parts.into_iter().filter(|c| !is_part(c)).map(Value::Object).collect();
-    components.push(json!({
-        "component_object_type": super::UNIT_CLASSES[0],
-        "component_name": unit,
-        "component_inlet_node_name": inlet,
-        "component_outlet_node_name": outlet,
-    }));
+    components.push(component(UNITARY_SYSTEM, unit, &inlet, &outlet));
     branch.insert("components".into(), components.into());
     Ok(())
 }

@@ -1,18 +1,17 @@
-//! A heat pump's heating coils on a branch of their own, after the unit.
+//! A heat pump's heating coils behind the unit, on its branch.
 //!
 //! Inside the unit the engine would look for the compressor's other coil at every call, and never find a two-speed one:
 //! a sixth of a year's time. Each coil has the setpoint that it would have inside.
 
 use serde_json::{Value, json};
 
-use super::{Coil, Nodes, UNIT_CLASSES, Unit, component, unit_component};
+use super::{Coil, HEATERS, Nodes, UNITARY_SYSTEM, Unit, component, unit_component};
 use crate::Result;
 use crate::hvac::common::{self, Reference};
 use crate::model::{Model, text};
 
 pub(super) const HEATING_COIL: &str = "Coil:Heating:DX:SingleSpeed";
 const SYSTEM: &str = "CoilSystem:Heating:DX";
-const BACKUPS: [&str; 2] = ["Coil:Heating:Fuel", "Coil:Heating:Electric"];
 
 /// Puts the heating coil and its backup behind the cooling coil, and returns their components of the branch.
 pub(super) fn stand_apart(
@@ -52,11 +51,11 @@ pub(super) fn rejoin(model: &mut Model, air_loop: &str) -> Result<()> {
     let Some(at) = (1..components.len()).find(|at| part(*at).is_some_and(|part| is(&part, &[SYSTEM]))) else {
         return Ok(());
     };
-    let (Some(unit), Some(system)) = (part(at - 1).filter(|part| is(part, &UNIT_CLASSES[..1])), part(at))
+    let (Some(unit), Some(system)) = (part(at - 1).filter(|part| is(part, &[UNITARY_SYSTEM])), part(at))
     else {
         return Ok(());
     };
-    let backup = part(at + 1).filter(|part| is(part, &BACKUPS));
+    let backup = part(at + 1).filter(|part| is(part, &HEATERS));
     let last = at + usize::from(backup.is_some());
     let Some(heating) = super::coil(model.require(&system.class, &system.name)?, "heating_coil") else {
         return Ok(());

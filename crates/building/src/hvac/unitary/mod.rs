@@ -86,9 +86,15 @@ pub fn make_controllable(model: &mut Model, air_loop: &str, air_density: f64) ->
     })
 }
 
+/// What a unit becomes.
+const UNITARY_SYSTEM: &str = "AirLoopHVAC:UnitarySystem";
+
+/// The heating coils that are no heat pump's.
+const HEATERS: [&str; 2] = ["Coil:Heating:Fuel", "Coil:Heating:Electric"];
+
 /// The classes this module rewrites.
 const UNIT_CLASSES: [&str; 4] = [
-    "AirLoopHVAC:UnitarySystem",
+    UNITARY_SYSTEM,
     "AirLoopHVAC:UnitaryHeatPump:AirToAir",
     "AirLoopHVAC:UnitaryHeatCool",
     "AirLoopHVAC:Unitary:Furnace:HeatCool",
@@ -265,8 +271,8 @@ impl Unit {
         }
         let outlet = if components.is_empty() { &self.outlet } else { &nodes.cooling };
         unit["air_outlet_node_name"] = json!(outlet);
-        components.insert(0, component(UNIT_CLASSES[0], &self.name, &self.inlet, outlet));
-        model.insert(UNIT_CLASSES[0], &self.name, unit);
+        components.insert(0, component(UNITARY_SYSTEM, &self.name, &self.inlet, outlet));
+        model.insert(UNITARY_SYSTEM, &self.name, unit);
         self.put_on_branch(model, components)?;
         Ok(nodes)
     }
@@ -399,14 +405,15 @@ fn remove_multispeed_design(model: &mut Model, unit: &Fields) {
 /// Heating coils that can follow a setpoint keep their class; only their place in the air changes.
 fn place_heating_coil(model: &mut Model, coil: &Coil, inlet: &str, outlet: &str) -> Result<()> {
     let (class, name) = coil;
-    if !common::is_one_of(class, &[heat_pump::HEATING_COIL, "Coil:Heating:Fuel", "Coil:Heating:Electric"]) {
+    let of_heat_pump = class.eq_ignore_ascii_case(heat_pump::HEATING_COIL);
+    if !of_heat_pump && !common::is_one_of(class, &HEATERS) {
         return Err(unsupported(class, name, "no setpoint control is known for this heating coil"));
     }
     let fields = model.require_mut(class, name)?;
     fields.insert("availability_schedule_name".into(), json!(common::ALWAYS_ON));
     fields.insert("air_inlet_node_name".into(), json!(inlet));
     fields.insert("air_outlet_node_name".into(), json!(outlet));
-    if class.eq_ignore_ascii_case(heat_pump::HEATING_COIL) {
+    if of_heat_pump {
         return Ok(());
     }
     // The unitary system controls the coil; a setpoint node of its own would be a second master.
