@@ -2,8 +2,8 @@
 #![cfg(target_os = "linux")]
 
 mod browser;
-mod common;
 mod onnx_file;
+mod program;
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -20,8 +20,8 @@ use b2b_control::ReactiveParameters;
 use b2b_energyplus::install::Quiet;
 use b2b_env::Setpoints;
 use b2b_env::vector::{Launcher, Spaces};
-use common::{b2b, command};
 use onnx_file::linear_policy;
+use program::{b2b, command};
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 use tempfile::TempDir;

@@ -1,7 +1,7 @@
 //! The `b2b` command seen from outside, on the real engine.
 #![cfg(unix)]
 
-mod common;
+mod program;
 
 use std::collections::HashMap;
 use std::fs::File;
@@ -14,8 +14,8 @@ use b2b_building::BuildingType;
 use b2b_building::climate::Place;
 use b2b_energyplus::Library;
 use b2b_energyplus::install::{Engine, Quiet};
-use common::stderr;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use program::stderr;
 use rustix::process::{Pid, Signal, kill_process, test_kill_process_group};
 use serde_json::Value;
 use tempfile::TempDir;

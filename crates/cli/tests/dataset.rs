@@ -1,7 +1,7 @@
 //! The dataset from the command line: manifest, generated files, and buildings by id.
 #![cfg(unix)]
 
-mod common;
+mod program;
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -16,8 +16,8 @@ use arrow_array::types::Float64Type;
 use b2b_building::climate::Place;
 use b2b_building::dataset::{self, Building};
 use b2b_energyplus::install::Quiet;
-use common::{b2b, command, json, stderr};
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use program::{b2b, command, json, stderr};
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
 

@@ -1,13 +1,13 @@
 //! `b2b evaluate`, `b2b score` and `b2b baseline` seen from outside, on the real engine.
 #![cfg(target_os = "linux")]
 
-mod common;
+mod program;
 
 use std::path::Path;
 use std::process::Stdio;
 use std::time::{Duration, Instant};
 
-use common::{b2b, command, json, stderr};
+use program::{b2b, command, json, stderr};
 use serde_json::Value;
 
 fn assert_refused(folder: &Path, arguments: &str, words: &[&str]) {

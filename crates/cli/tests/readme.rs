@@ -1,8 +1,8 @@
 //! The README shows what the program prints.
 
-mod common;
+mod program;
 
-use common::{b2b, stderr};
+use program::{b2b, stderr};
 
 /// Lines that are of the machine and the moment.
 const PASSING: [&str; 3] = ["  speed ", "  CPU time ", "  energy against the engine's meters "];

@@ -1,11 +1,11 @@
 //! Tuning from the command line, on the real engine, and what becomes of its result.
 #![cfg(target_os = "linux")]
 
-mod common;
+mod program;
 
 use std::path::Path;
 
-use common::{b2b, json, stderr};
+use program::{b2b, json, stderr};
 use serde_json::Value;
 
 fn refused(folder: &Path, arguments: &str) -> String {
