@@ -34,7 +34,7 @@ pub trait Controller {
     fn act(&mut self, observation: &[f64], action: &mut [f64]);
 }
 
-/// The README's example, which runs as a test.
+/// The example in the documentation, which runs as a test.
 #[cfg(doctest)]
-#[doc = include_str!("../../../README.md")]
-struct Readme;
+#[doc = include_str!("../../../docs/rust.md")]
+struct Documentation;
