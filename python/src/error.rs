@@ -23,7 +23,8 @@ pub fn of_building(error: impl Into<b2b_dataset::Error>) -> PyErr {
             b2b_energyplus::install::Error::Cancelled { .. } => return crate::pools::interrupt(),
             _ => "InstallError",
         },
-        Error::Engine(_) | Error::Building(b2b_building::Error::Engine(_)) => "EngineError",
+        Error::Engine(_) => "EngineError",
+        Error::Building(source) if matches!(**source, b2b_building::Error::Engine(_)) => "EngineError",
         _ => "BuildingError",
     };
     raise(name, error.to_string())

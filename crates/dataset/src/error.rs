@@ -120,7 +120,7 @@ pub enum Error {
     },
     /// A model cannot be read, edited or made controllable.
     #[error(transparent)]
-    Building(#[from] b2b_building::Error),
+    Building(Box<b2b_building::Error>),
     /// A place or its weather file cannot be used.
     #[error(transparent)]
     Climate(#[from] b2b_climate::Error),
@@ -130,6 +130,12 @@ pub enum Error {
     /// The engine could not be loaded.
     #[error(transparent)]
     Engine(#[from] b2b_energyplus::Error),
+}
+
+impl From<b2b_building::Error> for Error {
+    fn from(error: b2b_building::Error) -> Self {
+        Self::Building(Box::new(error))
+    }
 }
 
 /// A result of this crate.
