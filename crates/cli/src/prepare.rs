@@ -5,8 +5,9 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use anyhow::{Context, Result};
-use b2b_building::climate::{Place, Site};
-use b2b_building::{BuildingName, Catalog, Placement, PreparedBuilding, RunPeriod};
+use b2b_building::{PreparedBuilding, RunPeriod};
+use b2b_climate::{Place, Site};
+use b2b_dataset::{BuildingName, Catalog, Placement};
 use b2b_energyplus::Library;
 use b2b_env::{Env, Episode, Task};
 

@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use anyhow::{Result, bail};
-use b2b_building::{BuildingName, Date, RunPeriod};
+use b2b_building::{Date, RunPeriod};
 use b2b_control::Controller;
+use b2b_dataset::BuildingName;
 use b2b_env::{Env, Task, Trajectory};
 use cpu_time::ProcessTime;
 

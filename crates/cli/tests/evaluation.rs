@@ -10,8 +10,8 @@ use b2b_benchmark::{
     ActionScale, Baselines, Beginning, BuiltIn, Episode, Evaluation, Folder, OnnxPolicy, Policy, Progress,
     Results, Subject, Versions, write_episodes,
 };
-use b2b_building::Catalog;
 use b2b_control::{Controller, Reactive, ReactiveParameters};
+use b2b_dataset::Catalog;
 use b2b_energyplus::install::Quiet;
 use b2b_env::vector::Launcher;
 use b2b_env::{Env, Trajectory};
