@@ -22,7 +22,7 @@ impl Prepared {
     }
 
     /// The building as the setting of an episode.
-    pub fn setting(&self, episode: Episode) -> Setting {
+    pub fn setting(&self, episode: EpisodeConfig) -> Setting {
         Setting { source: Arc::new(Source::Prepared(Box::new((*self.building).clone()))), episode }
     }
 }

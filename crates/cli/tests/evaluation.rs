@@ -163,7 +163,7 @@ fn alone(catalog: &Catalog, episode: &Episode) -> (String, f64) {
     let mut env = Env::new(catalog.library().clone(), building.into(), setting).unwrap();
     let parameters = ReactiveParameters::tuned_for(env.building());
     let mut controller = Reactive::new(env.building(), env.observation_space(), 12, &parameters);
-    let mut trajectory = Trajectory::for_episode(&env);
+    let mut trajectory = Trajectory::for_episode(env.spaces());
     let mut action = vec![0.0; env.action_space().len()];
     let mut observation = env.reset().unwrap().to_vec();
     loop {

@@ -5,8 +5,8 @@ use std::str::FromStr;
 
 use b2b_building::dataset::{self, BuildingId, Row};
 use b2b_building::{BuildingName, BuildingType, RunPeriod};
+use b2b_env::Spaces;
 use b2b_env::Task;
-use b2b_env::vector::Spaces;
 use serde::{Deserialize, Serialize};
 
 use super::restriction::Restriction;
