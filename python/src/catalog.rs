@@ -11,7 +11,7 @@ use b2b_climate::{Place, WeatherFile};
 use b2b_dataset::{BuildingName, Catalog, Placement, Places, manifest};
 use b2b_energyplus::install::look_in;
 use b2b_env::vector::{AnyOf, Draw, Sampler, Source, Windows};
-use b2b_env::{Episode, Task, vector};
+use b2b_env::{EpisodeConfig, Task, vector};
 use pyo3::prelude::*;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -68,7 +68,7 @@ pub struct Inner {
 
 impl Inner {
     /// A building of an evaluation, as it was prepared.
-    pub fn of_subject(subject: &Subject, surroundings: &Surroundings, spaces: &vector::Spaces) -> Self {
+    pub fn of_subject(subject: &Subject, surroundings: &Surroundings, spaces: &b2b_env::Spaces) -> Self {
         let source = Source::Prepared(Box::new((*spaces.building).clone()));
         let (place, weather) = (surroundings.place.clone(), spaces.episode.weather.clone());
         let origin = subject.placement.origin(&subject.name);
@@ -95,7 +95,7 @@ impl Inner {
     }
 
     /// Keeps what was prepared of it, so that no other environment has to.
-    pub fn keep(&self, spaces: &vector::Spaces) {
+    pub fn keep(&self, spaces: &b2b_env::Spaces) {
         let mut source = locked(&self.source);
         if matches!(**source, Source::Model { .. }) {
             *source = Arc::new(Source::Prepared(Box::new((*spaces.building).clone())));
@@ -171,7 +171,7 @@ impl Setting {
         let task = read_task(task)?;
         let period = run_period.parse().map_err(of_building)?;
         let weather = building.inner.weather.clone();
-        let episode = Episode { weather, period, steps_per_hour: timesteps_per_hour, task };
+        let episode = EpisodeConfig { weather, period, steps_per_hour: timesteps_per_hour, task };
         let setting = vector::Setting { source: building.inner.source(), episode };
         Ok(Self { setting, building: Arc::clone(&building.inner) })
     }
