@@ -125,12 +125,16 @@ pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 }
 
 /// Returns an error of a building as an exception.
-pub fn of_building(error: b2b_building::Error) -> PyErr {
-    use b2b_building::Error;
+pub fn of_building(error: impl Into<b2b_dataset::Error>) -> PyErr {
+    use b2b_dataset::Error;
+    let error = error.into();
     let exception = match &error {
-        Error::Install(b2b_energyplus::install::Error::Cancelled { .. }) => return crate::pools::interrupt(),
-        Error::Install(_) => Exception::Install,
+        Error::Install(source) | Error::Climate(b2b_climate::Error::Install(source)) => match source {
+            b2b_energyplus::install::Error::Cancelled { .. } => return crate::pools::interrupt(),
+            _ => Exception::Install,
+        },
         Error::Engine(_) => Exception::Engine,
+        Error::Building(source) if matches!(**source, b2b_building::Error::Engine(_)) => Exception::Engine,
         _ => Exception::Building,
     };
     exception.new_err(error.to_string())

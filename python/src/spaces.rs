@@ -7,7 +7,7 @@ use b2b_building::description::shape::Face;
 use b2b_building::morphology::Owner as Part;
 use b2b_building::zone::SurfaceKind;
 use b2b_building::{Conditioning, Morphology as Graph};
-use b2b_env::{Decomposition, Target, vector};
+use b2b_env::{Decomposition, Target};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
@@ -20,7 +20,7 @@ use crate::owner::{Owner, name_of};
 /// The spaces of an environment of a building.
 #[pyclass(frozen, module = "building2building._core")]
 pub struct Spaces {
-    spaces: Arc<vector::Spaces>,
+    spaces: Arc<b2b_env::Spaces>,
     building: Arc<Inner>,
 }
 
@@ -83,13 +83,13 @@ pub struct Zone {
 
 impl Spaces {
     /// Creates the spaces of an environment of a building.
-    pub fn new(spaces: Arc<vector::Spaces>, building: Arc<Inner>) -> Self {
+    pub fn new(spaces: Arc<b2b_env::Spaces>, building: Arc<Inner>) -> Self {
         building.keep(&spaces);
         Self { spaces, building }
     }
 
     /// Returns the spaces as the crates have them.
-    pub fn inner(&self) -> &vector::Spaces {
+    pub fn inner(&self) -> &b2b_env::Spaces {
         &self.spaces
     }
 
@@ -207,7 +207,7 @@ impl Spaces {
     /// Scale of the energy penalty, the paper's τ_E.
     #[getter]
     fn energy_scale(&self) -> f64 {
-        let vector::Spaces { building, episode, .. } = &*self.spaces;
+        let b2b_env::Spaces { building, episode, .. } = &*self.spaces;
         episode.task.scale_for(building.class, episode.steps_per_hour)
     }
 

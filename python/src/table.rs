@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use b2b_building::dataset::manifest::{Kind, Manifest};
+use b2b_dataset::manifest::{Kind, Manifest};
 use pyo3::prelude::*;
 
 /// A cell of the table.
