@@ -6,7 +6,8 @@ use std::process::ExitCode;
 
 use anyhow::{Result, bail};
 use b2b_benchmark::{Baselines, Episode, Key, Subject, Surroundings, Terms, baseline_table};
-use b2b_building::{Catalog, RunPeriod};
+use b2b_building::RunPeriod;
+use b2b_dataset::Catalog;
 use b2b_env::Task;
 
 use crate::arguments::buildings::Buildings;

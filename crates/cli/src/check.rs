@@ -3,8 +3,9 @@
 use std::process::ExitCode;
 
 use anyhow::{Context, Result};
-use b2b_building::dataset::{self, BuildingId};
-use b2b_building::{BuildingName, Conditioning, PreparedBuilding, RunPeriod};
+use b2b_building::{Conditioning, PreparedBuilding, RunPeriod};
+use b2b_dataset::BuildingId;
+use b2b_dataset::BuildingName;
 use b2b_energyplus::Level;
 use b2b_env::{Env, Task, Trajectory};
 use rayon::prelude::*;
@@ -128,7 +129,7 @@ impl Report {
     fn of(id: BuildingId, periods: &[RunPeriod]) -> Result<Self> {
         interrupt::check()?;
         let outcome = run_in_process(id, periods)?;
-        let place = dataset::row(id).building.place().to_owned();
+        let place = b2b_dataset::row(id).building.place().to_owned();
         let (episodes, error) = match outcome {
             Ok(episodes) => (episodes, None),
             Err(error) => (Vec::new(), Some(error)),

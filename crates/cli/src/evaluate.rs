@@ -6,7 +6,8 @@ use std::process::ExitCode;
 use anyhow::Result;
 use b2b_benchmark::statistics::Aggregate;
 use b2b_benchmark::{Baselines, Episode, Folder, Group, Results, Subject, Summary, Window};
-use b2b_building::{Catalog, RunPeriod};
+use b2b_building::RunPeriod;
+use b2b_dataset::Catalog;
 use b2b_env::Task;
 
 use crate::arguments::buildings::Buildings;

@@ -5,7 +5,7 @@ use std::sync::Mutex;
 use anyhow::Result;
 use b2b_benchmark::statistics::Interval;
 use b2b_benchmark::{Episode, Evaluation, Progress};
-use b2b_building::{BuildingName, Catalog, dataset};
+use b2b_dataset::{BuildingName, Catalog};
 use b2b_env::vector::Launcher;
 use indicatif::ProgressBar;
 
@@ -21,7 +21,7 @@ pub fn evaluation(catalog: &Catalog, jobs: usize) -> Result<Evaluation<'_>> {
 /// Downloads weather ahead, where progress is shown and can be interrupted. Types and model files fetch theirs later.
 pub fn fetch_weather(episodes: &[Episode], quiet: bool) -> Result<()> {
     let of_dataset = |episode: &Episode| match episode.subject.name {
-        BuildingName::Id(id) => Some(&dataset::row(id).building),
+        BuildingName::Id(id) => Some(&b2b_dataset::row(id).building),
         BuildingName::Type(_) | BuildingName::Model(_) => None,
     };
     weather::fetch(episodes.iter().filter_map(of_dataset), quiet)

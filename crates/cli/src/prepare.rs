@@ -4,9 +4,10 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use anyhow::{Context, Result};
-use b2b_building::{BuildingName, Catalog, PreparedBuilding, RunPeriod};
+use b2b_building::{PreparedBuilding, RunPeriod};
+use b2b_dataset::{BuildingName, Catalog};
 use b2b_energyplus::Library;
-use b2b_env::{Env, Episode, Task};
+use b2b_env::{Env, EpisodeConfig, Task};
 
 use crate::arguments::location::Location;
 use crate::progress::{Download, spinner};
@@ -52,7 +53,7 @@ impl Prepared {
     }
 
     /// Returns the configuration of an episode under this weather.
-    pub fn episode(&self, period: RunPeriod, steps_per_hour: u32, task: Task) -> Episode {
-        Episode { weather: self.weather.clone(), period, steps_per_hour, task }
+    pub fn episode(&self, period: RunPeriod, steps_per_hour: u32, task: Task) -> EpisodeConfig {
+        EpisodeConfig { weather: self.weather.clone(), period, steps_per_hour, task }
     }
 }

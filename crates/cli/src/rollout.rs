@@ -25,7 +25,7 @@ pub struct Rollout {
 /// Runs an episode to its end. Errors if it is interrupted.
 pub fn roll_out(env: &mut Env, controller: &mut dyn Controller, quiet: bool) -> Result<Rollout> {
     let days = Days::new(env.episode().period, env.episode().steps_per_hour, quiet);
-    let mut trajectory = Trajectory::for_episode(env);
+    let mut trajectory = Trajectory::for_episode(env.spaces());
     let mut action = vec![0.0; env.action_space().len()];
     let mut env_cpu = Duration::ZERO;
     controller.reset();

@@ -1,7 +1,7 @@
 //! `b2b setup`: download and repair of the engine and the weather files.
 
 use anyhow::Result;
-use b2b_building::climate::weather::PACKAGES;
+use b2b_climate::weather::PACKAGES;
 use b2b_energyplus::install::{Cache, ENGINE, Engine, Package};
 
 use crate::progress::Download;

@@ -3,8 +3,8 @@
 use std::collections::HashSet;
 
 use anyhow::Result;
-use b2b_building::climate::Site;
-use b2b_building::dataset::Building;
+use b2b_climate::Site;
+use b2b_dataset::Building;
 use b2b_energyplus::install::Cache;
 
 use crate::interrupt;

@@ -11,7 +11,7 @@ use std::process::{Command, Output, Stdio};
 use std::time::Duration;
 
 use b2b_building::BuildingType;
-use b2b_building::climate::Place;
+use b2b_climate::Place;
 use b2b_energyplus::Library;
 use b2b_energyplus::install::{Engine, Quiet};
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
@@ -84,7 +84,11 @@ fn the_front_page_teaches_without_arguments_and_on_help() {
         String::from_utf8(output.stdout).unwrap()
     };
     for page in [text(""), text("--help")] {
-        for words in ["Start here:\n  b2b run OfficeSmall", "Evaluate policies:\n  evaluate ", "downloaded automatically"] {
+        for words in [
+            "Start here:\n  b2b run OfficeSmall",
+            "Evaluate policies:\n  evaluate ",
+            "downloaded automatically",
+        ] {
             assert!(page.contains(words), "`{words}` is not in: {page}");
         }
         assert!(page.lines().all(|line| line.chars().count() <= 120), "{page}");
@@ -160,7 +164,9 @@ fn the_text_report_shows_metrics_zones_and_files() {
     let sandbox = Sandbox::new();
     let output = sandbox.b2b(&format!("{SHORT} --controller constant"));
     let text = String::from_utf8(output.stdout).unwrap();
-    for word in ["RestaurantFastFood in Denver", "peak electric demand", "actuator travel", "Kitchen", "picture.html"] {
+    for word in
+        ["RestaurantFastFood in Denver", "peak electric demand", "actuator travel", "Kitchen", "picture.html"]
+    {
         assert!(text.contains(word), "{text}");
     }
     assert_eq!(std::fs::read_dir(sandbox.temporary.path()).unwrap().count(), 0);
@@ -362,7 +368,7 @@ fn the_page_of_a_building_draws_every_surface_at_its_size_and_needs_no_network()
 
     let engine = Engine::ensure(&mut Quiet).unwrap();
     let library = Library::load(&engine.library).unwrap();
-    let model = BuildingType::Warehouse.prototype(&engine, &library).unwrap();
+    let model = b2b_dataset::archetype::prototype(BuildingType::Warehouse, &engine, &library).unwrap();
     let surfaces = b2b_building::zone::surfaces(&model).unwrap();
     assert!(surfaces.iter().any(|surface| surface.corners.len() == 6));
     for surface in &surfaces {

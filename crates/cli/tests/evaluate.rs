@@ -3,7 +3,6 @@
 
 mod program;
 
-use std::path::Path;
 use std::process::Stdio;
 use std::time::{Duration, Instant};
 
@@ -63,7 +62,10 @@ fn invalid_arguments_are_rejected_with_a_remedy() {
     refused("evaluate OfficeSmal-1 --policy random --out x", &["OfficeSmal"]);
     refused("evaluate --policy random --split test_big --out x", &["test_big", "test_small"]);
     refused("evaluate --policy random", &["--out"]);
-    refused("evaluate OfficeSmall-0001 --type Warehouse --policy random --out x", &["--type", "cannot be used with"]);
+    refused(
+        "evaluate OfficeSmall-0001 --type Warehouse --policy random --out x",
+        &["--type", "cannot be used with"],
+    );
     refused("evaluate --type Warehouse --zone 9 --policy random --out x", &["9", "1..=8"]);
     assert!(!folder.path().join("x").exists());
     std::fs::write(folder.path().join("thesis.tex"), "").unwrap();

@@ -1,4 +1,4 @@
-//! The README shows the output of the program.
+//! The documentation shows the output of the program.
 
 mod program;
 
@@ -7,10 +7,10 @@ use program::{b2b, stderr};
 /// Lines that vary from run to run.
 const VARIABLE: [&str; 3] = ["  speed ", "  CPU time ", "  energy mismatch vs. EnergyPlus meters "];
 
-/// Returns the block of text that follows a sentence of the README.
+/// Returns the block of text that follows a sentence of the documentation.
 fn shown(sentence: &str) -> Vec<String> {
-    let readme = include_str!("../../../README.md");
-    let (_, rest) = readme.split_once(sentence).expect("the sentence is there");
+    let page = include_str!("../../../docs/cli.md");
+    let (_, rest) = page.split_once(sentence).expect("the sentence is there");
     let (_, block) = rest.split_once("```text\n").unwrap();
     lines(block.split_once("```").unwrap().0)
 }
@@ -29,7 +29,7 @@ fn printed(arguments: &str) -> Vec<String> {
 
 #[test]
 fn the_list_of_types_is_shown() {
-    assert_eq!(printed("list --sizes"), shown("`cargo run --release -- list --sizes` prints:"));
+    assert_eq!(printed("list --sizes"), shown("`b2b list --sizes` prints:"));
 }
 
 #[test]
@@ -39,8 +39,6 @@ fn the_description_of_a_building_is_shown() {
 
 #[test]
 fn the_report_of_a_run_is_shown() {
-    assert_eq!(
-        printed("run OfficeSmall"),
-        shown("What you see (the first run fetches EnergyPlus before it):")
-    );
+    let sentence = "`b2b run OfficeSmall` simulates a winter under the reactive controllers and prints:";
+    assert_eq!(printed("run OfficeSmall"), shown(sentence));
 }

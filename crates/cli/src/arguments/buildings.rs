@@ -1,8 +1,9 @@
 //! Groups of buildings: by name, or by split, type and climate zone of the dataset.
 
 use anyhow::{Result, bail};
-use b2b_building::dataset::{self, BuildingId, Row};
-use b2b_building::{BuildingName, BuildingType, Class};
+use b2b_building::{BuildingType, Class};
+use b2b_dataset::BuildingName;
+use b2b_dataset::{BuildingId, Row};
 
 /// A subset of the dataset.
 #[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -23,8 +24,8 @@ impl Split {
     pub fn contains(self, row: &Row) -> bool {
         match self {
             Self::All => true,
-            Self::Train => row.split == dataset::Split::Train,
-            Self::Test => row.split == dataset::Split::Test,
+            Self::Train => row.split == b2b_dataset::Split::Train,
+            Self::Test => row.split == b2b_dataset::Split::Test,
             Self::TestSmall => row.test_small,
         }
     }
@@ -64,7 +65,7 @@ impl Buildings {
     /// Returns the buildings of the split. Errors if there are none of these types and zones.
     fn rows(&self) -> Result<impl Iterator<Item = &'static Row>> {
         let selected = |row: &&Row| self.split.contains(row) && self.classes.contains(row.building.class());
-        let mut rows = dataset::all().filter(selected).peekable();
+        let mut rows = b2b_dataset::all().filter(selected).peekable();
         match rows.peek() {
             Some(_) => Ok(rows),
             None => bail!("the dataset has no building of these types and climate zones in this split"),

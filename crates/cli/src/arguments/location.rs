@@ -3,8 +3,8 @@
 use std::ffi::OsString;
 use std::path::PathBuf;
 
-use b2b_building::Placement;
-use b2b_building::climate::Place;
+use b2b_climate::Place;
+use b2b_dataset::Placement;
 
 /// The location of a building: a known place, or a weather file.
 #[derive(clap::Args, Default)]

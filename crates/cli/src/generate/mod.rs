@@ -6,10 +6,11 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use anyhow::{Context, Result, bail};
-use b2b_building::climate::WeatherFile;
-use b2b_building::dataset::manifest::{Manifest, of_buildings};
-use b2b_building::dataset::{self, Building, Places, Row, Setting};
-use b2b_building::{BuildingType, Catalog};
+use b2b_building::BuildingType;
+use b2b_climate::WeatherFile;
+use b2b_dataset::Catalog;
+use b2b_dataset::manifest::{Manifest, of_buildings};
+use b2b_dataset::{Building, Places, Row, Setting};
 use b2b_energyplus::install::Quiet;
 use rayon::prelude::*;
 use serde_json::json;
@@ -141,10 +142,10 @@ impl Arguments {
             self.building_type.is_none_or(|building_type| building_type == row.id.building_type())
         };
         let of_split = |row: &&Row| self.split.is_none_or(|split| split.contains(row));
-        let rows: Vec<_> = dataset::all().filter(of_type).filter(of_split).collect();
+        let rows: Vec<_> = b2b_dataset::all().filter(of_type).filter(of_split).collect();
         Selection {
             buildings: rows.iter().map(|row| (row.id.to_string(), row.building.clone())).collect(),
-            manifest: dataset::manifest(rows).with_weather(),
+            manifest: b2b_dataset::manifest(rows).with_weather(),
         }
     }
 
@@ -152,7 +153,7 @@ impl Arguments {
     fn sample(&self, building_type: BuildingType) -> Result<Selection> {
         let places = self.places(building_type)?;
         let buildings =
-            dataset::sample(building_type, self.count as usize, self.seed, &places, &self.settings)?;
+            b2b_dataset::sample(building_type, self.count as usize, self.seed, &places, &self.settings)?;
         let name = |number| format!("{building_type}-seed{}-{number:04}", self.seed);
         let buildings: Vec<_> = (1..).map(name).zip(buildings).collect();
         let manifest = of_buildings(buildings.iter().map(|(name, building)| (name.as_str(), building)));

@@ -9,7 +9,8 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{Context, Result, bail};
-use b2b_building::{BuildingName, RunPeriod, import};
+use b2b_building::{RunPeriod, import};
+use b2b_dataset::BuildingName;
 
 use crate::arguments::location::Location;
 use crate::prepare::Prepared;

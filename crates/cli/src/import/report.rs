@@ -1,7 +1,8 @@
 //! What was found in an imported model.
 
+use b2b_building::Conditioning;
 use b2b_building::hvac::{self, LeftAlone};
-use b2b_building::{BuildingName, Conditioning};
+use b2b_dataset::BuildingName;
 use serde::{Deserialize, Serialize};
 
 use super::trial::Trial;

@@ -7,7 +7,8 @@ mod trajectory_file;
 use std::path::PathBuf;
 
 use anyhow::{Result, bail};
-use b2b_building::{BuildingName, Date, RunPeriod};
+use b2b_building::{Date, RunPeriod};
+use b2b_dataset::BuildingName;
 use b2b_env::Task;
 
 use crate::arguments::controller::ControllerArguments;

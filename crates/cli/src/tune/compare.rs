@@ -2,9 +2,10 @@
 
 use anyhow::{Context, Result};
 use b2b_benchmark::statistics;
-use b2b_building::dataset::{self, BuildingId};
-use b2b_building::{BuildingType, Catalog, Class, RunPeriod};
+use b2b_building::{BuildingType, Class, RunPeriod};
 use b2b_control::{ReactiveParameters, Tuned};
+use b2b_dataset::BuildingId;
+use b2b_dataset::Catalog;
 use b2b_env::{Metrics, Task};
 use serde::Serialize;
 
@@ -83,7 +84,7 @@ pub fn compare(arguments: &Arguments) -> Result<()> {
 
 impl Arguments {
     fn pairs(&self, catalog: &Catalog, id: BuildingId) -> Result<Vec<Pair>> {
-        let class = dataset::row(id).building.class();
+        let class = b2b_dataset::row(id).building.class();
         let mut rollouts = rollouts(catalog, &[id], &self.periods, &self.tasks)?;
         let tuned = Tuned::of(class);
         let before = rollouts.run(&ReactiveParameters::default())?.concat();

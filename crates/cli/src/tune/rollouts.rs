@@ -1,9 +1,10 @@
 //! Episodes of tuning, in worker processes.
 
-use b2b_building::dataset::BuildingId;
-use b2b_building::{Catalog, RunPeriod};
+use b2b_building::RunPeriod;
 use b2b_control::tune::Rollouts;
 use b2b_control::{Error, Result};
+use b2b_dataset::BuildingId;
+use b2b_dataset::Catalog;
 use b2b_env::Task;
 
 use crate::progress::Download;

@@ -4,9 +4,10 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
-use b2b_building::{Catalog, Class, RunPeriod};
+use b2b_building::{Class, RunPeriod};
 use b2b_control::tune::{self, Outcome, Plan};
 use b2b_control::{ReactiveParameters, Tuned};
+use b2b_dataset::Catalog;
 use b2b_env::Task;
 use indicatif::ProgressBar;
 
