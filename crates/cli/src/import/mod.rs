@@ -22,7 +22,7 @@ use trial::Trial;
 
 /// Import your own model and report what an agent can control in it
 ///
-/// Sizes the model as it is, then makes every supported system controllable: unitary and rooftop units that serve one
+/// Sizes the unmodified model, then makes every supported system controllable: unitary and rooftop units that serve one
 /// zone, central air loops with reheat boxes, and zone heaters. All other systems keep their thermostats and schedules.
 /// The agent observes all zones; the reward counts those that it controls; energy use is that of all HVAC.
 ///

@@ -19,7 +19,7 @@ use plotly::Plot;
 use serde_json::{Value, json};
 
 use crate::arguments::location::Location;
-use crate::facts::{Facts, SYSTEM_COLUMNS};
+use crate::facts::{Facts, Served};
 use crate::output_folder::OutputFolder;
 use crate::prepare::Prepared;
 use crate::stdout;
@@ -66,8 +66,8 @@ fn page(prepared: &Prepared, facts: &Facts) -> Result<String> {
         "title": facts.title(),
         "facts": lines,
         "parameters": facts.parameters.iter().map(|p| [p.name.replace('_', " "), format!("{} {}", p.value, p.unit)]).collect::<Vec<_>>(),
-        "systems": systems(facts),
-        "zones": zones(facts),
+        "systems": facts.systems(Served::Named).json(),
+        "zones": facts.zones().json(),
         "solid": plot_json(&solid)?,
         "graph": plot_json(&graph)?,
         "graph_levels": graph::level_count(&facts.description),
@@ -87,61 +87,6 @@ fn plotly_script() -> String {
     let scripts = Plot::offline_js_sources();
     let end = scripts.find(END).map_or(scripts.len(), |at| at + END.len());
     scripts[..end].to_owned()
-}
-
-/// Returns the table of systems.
-fn systems(facts: &Facts) -> Value {
-    let systems = facts.description.systems.iter().map(|system| {
-        let zones: Vec<_> =
-            system.zones.iter().map(|zone| facts.description.zones[*zone].name.as_str()).collect();
-        json!([
-            system.name,
-            system.kind.name(),
-            zones.join(", "),
-            positive(system.design_flow, 2),
-            positive(system.heating_capacity / 1000.0, 1),
-            positive(system.cooling_capacity / 1000.0, 1),
-            positive(system.reheat_capacity / 1000.0, 1),
-        ])
-    });
-    json!({"header": SYSTEM_COLUMNS, "rows": systems.collect::<Vec<_>>()})
-}
-
-/// Returns the table of zones.
-fn zones(facts: &Facts) -> Value {
-    let zones = facts.description.zones.iter().map(|zone| {
-        let equipment = zone.equipment.unwrap_or_default();
-        json!([
-            zone.name,
-            format!("{:.1}", zone.floor_area),
-            format!("{:.0}", zone.volume),
-            format!("{:.0} %", 100.0 * zone.exterior_wall_fraction),
-            format!("{:.1} %", 100.0 * zone.window_to_wall),
-            format!("{:.0} %", 100.0 * zone.ground_contact_fraction),
-            format!("{:.2}", zone.infiltration),
-            positive(equipment.design_flow, 2),
-            positive(equipment.heating_capacity / 1000.0, 1),
-            positive(equipment.cooling_capacity / 1000.0, 1),
-        ])
-    });
-    let header = [
-        "zone",
-        "floor area (m²)",
-        "volume (m³)",
-        "exterior walls",
-        "window/wall",
-        "ground contact",
-        "infiltration (1/h)",
-        "air flow (kg/s)",
-        "heating (kW)",
-        "cooling (kW)",
-    ];
-    json!({"header": header, "rows": zones.collect::<Vec<_>>()})
-}
-
-/// Returns a number, or a dash for zero.
-fn positive(value: f64, decimals: usize) -> String {
-    if value > 0.0 { format!("{value:.decimals$}") } else { "–".into() }
 }
 
 #[cfg(test)]
