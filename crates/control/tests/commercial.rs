@@ -9,7 +9,7 @@ use b2b_dataset::archetype;
 use b2b_dataset::commercial::{CommercialParameters, generate};
 use b2b_energyplus::install::{Engine, Quiet};
 use b2b_energyplus::{Level, Library};
-use b2b_env::{Env, Episode, Task};
+use b2b_env::{Env, EpisodeConfig, Task};
 
 const STEPS_PER_HOUR: u32 = 12;
 /// Climate zones 1A, 5B and 8, each with ends of the bounds: 0 is the tightest and smallest building, 1 the leakiest and
@@ -57,7 +57,7 @@ fn building(
 fn is_held(building: &Arc<PreparedBuilding>, place: &Place, period: &str, library: &Library, label: &str) {
     let period: RunPeriod = period.parse().unwrap();
     let weather = place.epw(&mut Quiet).unwrap();
-    let episode = Episode { weather, period, steps_per_hour: STEPS_PER_HOUR, task: Task::default() };
+    let episode = EpisodeConfig { weather, period, steps_per_hour: STEPS_PER_HOUR, task: Task::default() };
     let mut env = Env::new(library.clone(), building.clone(), episode).unwrap();
     let mut controller =
         Reactive::new(building, env.observation_space(), STEPS_PER_HOUR, &ReactiveParameters::default());

@@ -107,7 +107,7 @@ impl Bench {
 
     /// An episode of the building.
     pub(super) fn setting(&self, episode: &Episode) -> Setting {
-        let episode = b2b_env::Episode {
+        let episode = b2b_env::EpisodeConfig {
             weather: self.located.weather.clone(),
             period: episode.period,
             steps_per_hour: episode.steps_per_hour,

@@ -5,8 +5,7 @@ use std::str::FromStr;
 
 use b2b_building::{BuildingType, RunPeriod};
 use b2b_dataset::{BuildingId, BuildingName, Row};
-use b2b_env::Task;
-use b2b_env::vector::Spaces;
+use b2b_env::{Spaces, Task};
 use serde::{Deserialize, Serialize};
 
 use super::restriction::Restriction;

@@ -7,7 +7,8 @@ use b2b_dataset::{BuildingName, Found};
 use b2b_energyplus::Library;
 use serde::{Deserialize, Serialize};
 
-use crate::env::{Env, Episode};
+use crate::env::Env;
+use crate::spaces::EpisodeConfig;
 
 /// A building to make an environment of.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -79,7 +80,7 @@ pub(super) struct Order {
     /// The engine's library.
     pub(super) library: PathBuf,
     pub(super) source: Source,
-    pub(super) episode: Episode,
+    pub(super) episode: EpisodeConfig,
 }
 
 impl Order {

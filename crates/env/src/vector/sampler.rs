@@ -10,7 +10,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::order::Source;
 use super::pool::Setting;
-use crate::env::Episode;
+use crate::spaces::EpisodeConfig;
 use crate::task::Task;
 use crate::{Error, Result};
 
@@ -121,7 +121,8 @@ impl Sampler for Buildings {
         let (model, weather) = self.catalog.generate(&building, &mut Quiet)?;
         let source = Source::generated(name, building.class(), model);
         let task = self.task.clone();
-        let episode = Episode { weather, period: self.period, steps_per_hour: self.steps_per_hour, task };
+        let episode =
+            EpisodeConfig { weather, period: self.period, steps_per_hour: self.steps_per_hour, task };
         Ok(Draw { setting: Setting { source: Arc::new(source), episode }, steps: None })
     }
 }

@@ -8,7 +8,7 @@ use b2b_building::{BuildingType, PreparedBuilding, import};
 use b2b_climate::{Place, Site};
 use b2b_energyplus::Library;
 use b2b_energyplus::install::{Engine, Quiet};
-use b2b_env::{ActionSpace, Env, Episode, Task, Trajectory};
+use b2b_env::{ActionSpace, Env, EpisodeConfig, Task, Trajectory};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -52,7 +52,7 @@ impl Case {
 
     /// As [`Case::env`], for a task by its spelling.
     pub fn env_for(&self, period: &str, task: &str) -> Env {
-        let episode = Episode {
+        let episode = EpisodeConfig {
             weather: self.weather.clone(),
             period: period.parse().unwrap(),
             steps_per_hour: 12,
@@ -91,7 +91,7 @@ impl Dice {
 /// An episode under random actions, observed step by step.
 pub fn random_episode(env: &mut Env, seed: u64) -> Trajectory {
     let mut dice = Dice::new(env.action_space(), seed);
-    let mut trajectory = Trajectory::for_episode(env);
+    let mut trajectory = Trajectory::for_episode(env.spaces());
     env.reset().unwrap();
     loop {
         let step = env.step(dice.roll()).unwrap();
