@@ -1,7 +1,5 @@
-//! Controllers that need no learning: reactive after ASHRAE Guideline 36, constant, random, a
-//! planner on copies of the simulation, and what was done before.
-//!
-//! A [`Controller`] maps an observation to an action, as a policy does, and may keep state between steps.
+//! Controllers without learning: reactive control after ASHRAE Guideline 36, constant and random actions, replay of recorded
+//! actions, and a planner on copies of the simulation.
 
 mod constant;
 mod error;
@@ -25,12 +23,12 @@ pub use reactive::{
 pub use replay::Replay;
 pub use tuned::{Measured, Tuned};
 
-/// Something that acts on an environment.
+/// A controller of an environment: maps observations to actions, and may keep state between steps.
 pub trait Controller {
-    /// Forgets everything: a new episode begins.
+    /// Resets internal state at the start of an episode.
     fn reset(&mut self);
 
-    /// Writes the action for an observation. Both in the order and the units of the environment's spaces.
+    /// Writes the action for an observation, in the order and units of the environment's spaces.
     fn act(&mut self, observation: &[f64], action: &mut [f64]);
 }
 

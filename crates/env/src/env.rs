@@ -10,12 +10,14 @@ use serde::{Deserialize, Serialize};
 use tempfile::TempDir;
 
 use crate::action::ActionSpace;
+use crate::calendar::Moment;
 use crate::metrics::Metrics;
 use crate::observation::{ObservationSpace, Shared, Target};
-use crate::reward::{JudgedZone, Reward, RewardFunction, StepView, ZoneStep, judged_zones};
-use crate::setpoints::{Moment, Targets};
+use crate::reward::{Reward, RewardFunction, StepView, ZoneStep};
+use crate::setpoints::Targets;
 use crate::task::Task;
 use crate::warmup;
+use crate::zones::{ControlledZone, controlled_zones};
 use crate::{Error, Result};
 
 /// What the engine takes.
@@ -53,7 +55,7 @@ pub struct Env {
     episode: Episode,
     action_space: ActionSpace,
     observation_space: ObservationSpace,
-    zones: Vec<JudgedZone>,
+    zones: Vec<ControlledZone>,
     targets: Targets,
     reward: Box<dyn RewardFunction>,
     /// Of each controlled zone, whether it is occupied, and its target for the step to come, °C.
@@ -133,7 +135,7 @@ impl Env {
         let action_space = ActionSpace::of(&building);
         let observation_space =
             ObservationSpace::of(&building, episode.steps_per_hour, &episode.task.setpoints);
-        let zones = judged_zones(&building, &episode.task);
+        let zones = controlled_zones(&building, &episode.task);
         let scale = episode.task.scale_for(building.class, episode.steps_per_hour);
         let reward = Task { energy_scale: Some(scale), ..episode.task.clone() };
         Ok(Self {
@@ -403,7 +405,7 @@ impl Env {
             temperature: f64::NAN,
             target: self.asked[index].1,
             occupied: self.asked[index].0,
-            warm_counts: zone.warm_counts,
+            penalize_above_target: zone.penalize_above_target,
         }));
     }
 
@@ -451,13 +453,18 @@ impl Env {
                     for (index, zone) in self.zones.iter().enumerate() {
                         let (occupied, target) = self.targets.at(index, moment, live.occupied(index));
                         let temperature = live.simulation.read(live.temperatures[zone.slot]);
-                        let warm_counts = zone.warm_counts;
-                        self.zone_steps.push(ZoneStep { temperature, target, occupied, warm_counts });
+                        let penalize_above_target = zone.penalize_above_target;
+                        self.zone_steps.push(ZoneStep {
+                            temperature,
+                            target,
+                            occupied,
+                            penalize_above_target,
+                        });
                     }
                     let (zones, steps) = (&self.zones, &self.zone_steps);
                     let zone = |name: &str| {
                         // The zones of a system are controlled ones: preparation took them from there.
-                        let named = |(zone, _): &(&JudgedZone, &ZoneStep)| {
+                        let named = |(zone, _): &(&ControlledZone, &ZoneStep)| {
                             self.building.zones[zone.slot].name.eq_ignore_ascii_case(name)
                         };
                         let step = zones.iter().zip(steps).find(named).map(|(_, step)| step);
@@ -524,7 +531,7 @@ impl Env {
     }
 }
 
-fn new_metrics(zones: &[JudgedZone], actions: &ActionSpace, episode: &Episode) -> Metrics {
+fn new_metrics(zones: &[ControlledZone], actions: &ActionSpace, episode: &Episode) -> Metrics {
     Metrics::new(zones, actions.len(), episode.steps_per_hour, episode.task.comfort_band)
 }
 
@@ -534,7 +541,7 @@ impl Live {
     fn start(
         library: &Library,
         building: &PreparedBuilding,
-        zones: &[JudgedZone],
+        zones: &[ControlledZone],
         model: &Path,
         weather: &Path,
         observe_effects: bool,
