@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
-use b2b_building::dataset::GENERATOR_VERSION;
+use b2b_dataset::GENERATOR_VERSION;
 use b2b_energyplus::Level;
 use b2b_energyplus::install::ENGINE_VERSION;
 use b2b_env::{Env, Setpoints, Task};

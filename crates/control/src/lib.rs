@@ -1,5 +1,5 @@
 //! Controllers without learning: reactive control after ASHRAE Guideline 36, constant and random actions, replay of recorded
-//! actions, and a planner on copies of the simulation.
+//! actions, and a planner on copies of the simulation. Each implements [`Controller`] of `b2b_env`.
 
 mod constant;
 mod error;
@@ -12,6 +12,7 @@ mod replay;
 pub mod tune;
 mod tuned;
 
+pub use b2b_env::Controller;
 pub use constant::Constant;
 pub use error::{Error, Result};
 #[cfg(target_os = "linux")]
@@ -22,15 +23,6 @@ pub use reactive::{
 };
 pub use replay::Replay;
 pub use tuned::{Measured, Tuned};
-
-/// A controller of an environment: maps observations to actions, and may keep state between steps.
-pub trait Controller {
-    /// Resets internal state at the start of an episode.
-    fn reset(&mut self);
-
-    /// Writes the action for an observation, in the order and units of the environment's spaces.
-    fn act(&mut self, observation: &[f64], action: &mut [f64]);
-}
 
 /// The README's example, which runs as a test.
 #[cfg(doctest)]

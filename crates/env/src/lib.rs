@@ -1,24 +1,31 @@
 //! Buildings as reinforcement-learning environments on EnergyPlus.
 //!
-//! An [`Env`] consists of a prepared building, a weather file, a [`Task`] and a run period. One step is one zone time
-//! step of EnergyPlus: the action is applied, the engine advances, the observation is the state at the end of the step,
-//! and energy is the meter reading of that step.
+//! An [`Environment`] consists of a prepared building, a weather file, a [`Task`] and a run period. One step is one zone
+//! time step of EnergyPlus: the action is applied, the engine advances, the observation is the state at the end of the
+//! step, and energy is the meter reading of that step.
+//!
+//! [`Env`] runs EnergyPlus in this process, a [`vector::Episode`] in a worker process, and a [`vector::VecEnv`] is a batch
+//! of those. A [`Controller`] chooses the actions, and [`rollout`] runs a whole episode under it.
 
 mod action;
 pub mod authority;
 mod calendar;
 mod comfort;
+mod controller;
 mod energy_scale;
+mod engine_report;
 #[allow(clippy::module_inception, reason = "one file a concept, and the concept is the environment")]
 mod env;
+mod environment;
 mod error;
 mod limits;
 mod metrics;
 mod morphology;
 mod observation;
-pub mod random;
 mod reward;
+mod rollout;
 mod setpoints;
+mod spaces;
 mod task;
 mod trajectory;
 #[cfg(target_os = "linux")]
@@ -28,13 +35,18 @@ mod zones;
 
 pub use action::{ActionSpace, rescale};
 pub use comfort::{Comfort, Pmv};
+pub use controller::Controller;
 pub use energy_scale::EnergyScale;
-pub use env::{Env, Episode, Snapshot, Step};
+pub use engine_report::EngineReport;
+pub use env::{Env, Snapshot};
+pub use environment::{Environment, Step};
 pub use error::{Error, Result};
 pub use metrics::{Metrics, ZoneMetrics};
 pub use morphology::Decomposition;
 pub use observation::{ObservationSpace, Slot, Target};
 pub use reward::{Reward, RewardFunction, StepView, ZoneStep};
+pub use rollout::{Observer, rollout};
 pub use setpoints::{RandomDay, RandomHour, Setpoints};
+pub use spaces::{EpisodeConfig, Spaces};
 pub use task::{Fuels, HeatingOnlyZones, Hourly, Resource, Task};
 pub use trajectory::Trajectory;

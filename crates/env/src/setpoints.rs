@@ -3,6 +3,7 @@
 use std::str::FromStr;
 
 use b2b_building::{BuildingType, Class};
+use b2b_dataset::random::{standard_normal, uniform};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use serde::{Deserialize, Serialize};
@@ -10,7 +11,6 @@ use serde::{Deserialize, Serialize};
 use crate::Result;
 use crate::calendar::{Moment, Season};
 use crate::limits::within;
-use crate::random::{standard_normal, uniform};
 
 /// Target temperatures, °C (paper, section on tasks).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -1,7 +1,7 @@
 //! What is kept of an episode.
 
 use b2b_building::Conditioning;
-use b2b_env::vector::Spaces;
+use b2b_env::Spaces;
 use b2b_env::{Metrics, Target};
 use serde::{Deserialize, Serialize};
 

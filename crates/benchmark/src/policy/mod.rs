@@ -8,8 +8,8 @@ use std::str::FromStr;
 use std::sync::Arc;
 
 use b2b_control::{Constant, Controller, Planner, PlannerParameters, Random, Reactive, Replay};
-use b2b_env::ActionSpace;
-use b2b_env::vector::{Pool, Spaces, Start, TemplateId};
+use b2b_env::vector::{Pool, Start, TemplateId};
+use b2b_env::{ActionSpace, Spaces};
 
 pub use onnx::{ActionScale, OnnxPolicy};
 

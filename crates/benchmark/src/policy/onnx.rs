@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use b2b_control::Controller;
 use b2b_env::ActionSpace;
-use b2b_env::vector::Spaces;
+use b2b_env::Spaces;
 use serde::{Deserialize, Serialize};
 use tract_onnx::prelude::*;
 use tract_onnx::tract_hir::internal::{DimLike, Factoid, format_err};
@@ -182,11 +182,7 @@ impl ActionScale {
     fn value(self, given: f64, low: f64, high: f64) -> f64 {
         match self {
             Self::Physical => given,
-            Self::Rescaled => {
-                // As [`ActionSpace::rescale`]: exact at both ends.
-                let share = (given.clamp(-1.0, 1.0) + 1.0) / 2.0;
-                low * (1.0 - share) + high * share
-            }
+            Self::Rescaled => b2b_env::rescale(given.clamp(-1.0, 1.0), low, high),
         }
     }
 }

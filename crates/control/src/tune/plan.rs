@@ -1,7 +1,7 @@
 //! The plan of a tuning run: class, training buildings, periods and task.
 
-use b2b_building::dataset::{self, BuildingId, GENERATOR_VERSION, Split};
 use b2b_building::{Class, RunPeriod};
+use b2b_dataset::{BuildingId, GENERATOR_VERSION, Split};
 use b2b_env::Task;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -55,7 +55,7 @@ impl Plan {
 /// # Errors
 /// [`Error::TooFewBuildings`].
 pub fn training_buildings(class: Class, count: usize, seed: u64) -> Result<Vec<BuildingId>> {
-    let rows = dataset::rows(class.building_type).iter();
+    let rows = b2b_dataset::rows(class.building_type).iter();
     let of_class = rows.filter(|row| row.split == Split::Train && row.building.class() == class);
     let mut left: Vec<BuildingId> = of_class.map(|row| row.id).collect();
     if count == 0 || count > left.len() {
