@@ -37,7 +37,7 @@ fn a_tuning_goes_on_where_it_stood_and_its_result_is_what_an_uninterrupted_one_h
     assert_eq!(scale[0]["energy_scale"], whole[0]["measured"]["energy"]);
 
     let said = refused(folder, &format!("{TINY} --evaluations 3 --seed 1 --out parts"));
-    assert!(said.contains("another tuning") && said.contains("SingleFamilyHouse.jsonl"), "{said}");
+    assert!(said.contains("another tuning run") && said.contains("SingleFamilyHouse.jsonl"), "{said}");
 }
 
 #[test]
@@ -57,9 +57,9 @@ fn a_building_of_the_dataset_runs_with_the_parameters_of_its_class_unless_told_o
     assert_eq!(hash("--parameters same.json"), tuned);
     assert_ne!(hash("--parameters default"), tuned);
 
-    std::fs::write(folder.join("wrong.json"), r#"{"unitary": {"least_flow": 1.5}}"#).unwrap();
+    std::fs::write(folder.join("wrong.json"), r#"{"unitary": {"min_flow": 1.5}}"#).unwrap();
     let said = refused(folder, "run SingleFamilyHouse-0042 --parameters wrong.json");
-    assert!(said.contains("unitary.least_flow") && said.contains("1.5"), "{said}");
+    assert!(said.contains("unitary.min_flow") && said.contains("1.5"), "{said}");
     let said = refused(folder, "run SingleFamilyHouse-0042 --parameters best");
     assert!(said.contains("default, tuned or a JSON file"), "{said}");
 }
