@@ -29,7 +29,7 @@ fn a_resumed_tuning_gives_the_result_of_an_uninterrupted_one() {
     assert_eq!(scale[0]["energy_scale"], whole[0]["measured"]["energy"]);
 
     let other = format!("{TINY} --evaluations 3 --seed 1 --out parts");
-    assert_rejected(folder, &other, &["another tuning", "SingleFamilyHouse.jsonl"]);
+    assert_rejected(folder, &other, &["another tuning run", "SingleFamilyHouse.jsonl"]);
 }
 
 #[test]
@@ -49,8 +49,8 @@ fn a_dataset_building_uses_the_tuned_parameters_of_its_class_by_default() {
     assert_eq!(hash("--parameters same.json"), tuned);
     assert_ne!(hash("--parameters default"), tuned);
 
-    std::fs::write(folder.join("wrong.json"), r#"{"unitary": {"least_flow": 1.5}}"#).unwrap();
+    std::fs::write(folder.join("wrong.json"), r#"{"unitary": {"min_flow": 1.5}}"#).unwrap();
     let run = "run SingleFamilyHouse-0042 --parameters";
-    assert_rejected(folder, &format!("{run} wrong.json"), &["unitary.least_flow", "1.5"]);
+    assert_rejected(folder, &format!("{run} wrong.json"), &["unitary.min_flow", "1.5"]);
     assert_rejected(folder, &format!("{run} best"), &["default, tuned or a JSON file"]);
 }

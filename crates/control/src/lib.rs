@@ -1,7 +1,5 @@
-//! Controllers that need no learning: reactive after ASHRAE Guideline 36, constant, random, a
-//! planner on copies of the simulation, and what was done before.
-//!
-//! Each implements [`Controller`] of `b2b_env`.
+//! Controllers without learning: reactive control after ASHRAE Guideline 36, constant and random actions, replay of recorded
+//! actions, and a planner on copies of the simulation. Each implements [`Controller`] of `b2b_env`.
 
 mod constant;
 mod error;
