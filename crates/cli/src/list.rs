@@ -20,8 +20,8 @@ Examples:
   b2b list --sizes         with the sizes of observation and action
   b2b list places --json")]
 pub struct Arguments {
-    /// Subject of the list
-    #[arg(value_enum, default_value_t = Subject::Types)]
+    /// What to list
+    #[arg(value_enum, value_name = "types|places", hide_possible_values = true, default_value_t = Subject::Types)]
     subject: Subject,
     /// Include the number of zones and the sizes of observation and action (takes about a second per type)
     #[arg(long)]

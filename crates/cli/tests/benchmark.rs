@@ -129,7 +129,11 @@ fn every_side_of_every_problem_has_the_sizes_of_the_paper() {
                 let spaces = Spaces::new(Arc::clone(building), episode);
                 let target_slots = if moving { 2 * controlled } else { 0 };
                 let seen = spaces.observation.len();
-                assert!((slots[0] + target_slots..=slots[1] + target_slots).contains(&seen), "{}: {seen}", problem.name);
+                assert!(
+                    (slots[0] + target_slots..=slots[1] + target_slots).contains(&seen),
+                    "{}: {seen}",
+                    problem.name
+                );
                 assert!(problem.protocol.observation_width.is_none_or(|width| seen <= width));
                 let left = match side.restriction {
                     None => *actuators,

@@ -28,10 +28,13 @@ use crate::stdout;
 ///
 /// Writes one HTML page that opens in any browser and needs no network.
 #[derive(clap::Args)]
-#[command(after_help = "\
+#[command(
+    verbatim_doc_comment,
+    after_help = "\
 Examples:
   b2b view OfficeMedium
-  b2b view SingleFamilyHouse-0007 --out house.html")]
+  b2b view SingleFamilyHouse-0007 --out house.html"
+)]
 pub struct Arguments {
     /// Building type (`b2b list`), dataset building such as OfficeSmall-0042, or model file (.idf, .epJSON)
     #[arg(value_name = "BUILDING")]
