@@ -75,7 +75,7 @@ def test_both_sides_of_a_transfer_are_one_building_with_other_actuators(closing)
     reactive = b2b.rollout(all_, b2b.ReactiveController(all_))
     # The flows of the reactive controllers, with the rest left to them, are the reactive controllers.
     controller = b2b.ReactiveController(few)
-    kept = few._restriction.kept()
+    kept = few.kept
     seen, _ = few.reset()
     rewards = []
     for _ in range(len(reactive)):

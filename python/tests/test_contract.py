@@ -73,7 +73,7 @@ def test_rescaled_actions_are_the_same_actions(make):
     one = plain.step(rescaled.physical(share))
     other = rescaled.step(share)
     np.testing.assert_array_equal(one[0], other[0])
-    np.testing.assert_allclose(plain.carried_out(), rescaled.physical(share))
+    np.testing.assert_allclose(plain.applied_action(), rescaled.physical(share))
 
 
 def test_bounds_of_the_space_are_never_clamped(make):

@@ -100,7 +100,7 @@ def test_buildings_of_different_types_are_padded(make_vec):
     assert envs.single_observation_space.shape == (13,) and envs.single_action_space.shape == (10,)
     observations, info = envs.reset(seed=0)
     assert list(info["building"]) == ["SingleFamilyHouse", "OfficeSmall"]
-    width = len(envs.layout_of(0).data["observation"])
+    width = len(envs.layout_of(0).observation)
     assert width < 13 and not observations[0, width:].any()
     envs.step(envs.action_space.sample())
     with pytest.raises(errors.SettingError, match="rescale_action"):

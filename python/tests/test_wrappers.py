@@ -88,9 +88,9 @@ def test_parts_are_chosen_by_name(make):
     env = wrappers.SubsetAction(make(), ["Core_ZN supply air flow"])
     env.reset()
     env.step(np.array([0.1], dtype=np.float32))
-    carried_out = env.unwrapped.carried_out()
-    assert carried_out[env.unwrapped.metadata["action_names"].index("Core_ZN supply air flow")] == np.float32(0.1)
-    assert carried_out[1] > 10
+    applied = env.unwrapped.applied_action()
+    assert applied[env.unwrapped.metadata["action_names"].index("Core_ZN supply air flow")] == np.float32(0.1)
+    assert applied[1] > 10
     with pytest.raises(errors.SettingError, match="Core_ZN"):
         wrappers.SubsetAction(make(), ["no such"])
 

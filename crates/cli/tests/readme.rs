@@ -1,4 +1,4 @@
-//! The README shows what the program prints.
+//! The documentation shows what the program prints.
 
 mod common;
 
@@ -7,10 +7,10 @@ use common::{b2b, stderr};
 /// Lines that are of the machine and the moment.
 const PASSING: [&str; 3] = ["  speed ", "  CPU time ", "  energy against the engine's meters "];
 
-/// The block of text that follows a sentence of the README.
+/// The block of text that follows a sentence of the documentation.
 fn shown(sentence: &str) -> Vec<String> {
-    let readme = include_str!("../../../README.md");
-    let (_, rest) = readme.split_once(sentence).expect("the sentence is there");
+    let page = include_str!("../../../docs/cli.md");
+    let (_, rest) = page.split_once(sentence).expect("the sentence is there");
     let (_, block) = rest.split_once("```text\n").unwrap();
     lines(block.split_once("```").unwrap().0)
 }
@@ -29,7 +29,7 @@ fn printed(arguments: &str) -> Vec<String> {
 
 #[test]
 fn the_types() {
-    assert_eq!(printed("list --sizes"), shown("`cargo run --release -- list --sizes` prints:"));
+    assert_eq!(printed("list --sizes"), shown("`b2b list --sizes` prints:"));
 }
 
 #[test]
@@ -39,8 +39,6 @@ fn a_building() {
 
 #[test]
 fn the_main_run() {
-    assert_eq!(
-        printed("run OfficeSmall"),
-        shown("What you see (the first run fetches EnergyPlus before it):")
-    );
+    let sentence = "`b2b run OfficeSmall` simulates a winter under the reactive controllers and prints:";
+    assert_eq!(printed("run OfficeSmall"), shown(sentence));
 }

@@ -24,7 +24,7 @@ pub use reactive::{
 pub use replay::Replay;
 pub use tuned::{Measured, Tuned};
 
-/// The README's example, which runs as a test.
+/// The example in the documentation, which runs as a test.
 #[cfg(doctest)]
-#[doc = include_str!("../../../README.md")]
-struct Readme;
+#[doc = include_str!("../../../docs/rust.md")]
+struct Documentation;
