@@ -9,9 +9,15 @@ use std::collections::HashSet;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::common::{self, Reference, is_one_of, unsupported};
+use super::air_loop_graph::supply_components;
+use super::controllable::{LEFT_ALONE, drive_air_loop};
 use super::distribution::served_zones;
-use super::{System, heating_only};
+use super::energy_management::{remove_ems_programs, sets_a_schedule};
+use super::heating_only;
+use super::references::{Reference, is_one_of, parts};
+use super::system::System;
+use super::thermostat::{split_thermostats, thermostat};
+use super::zone_equipment::zone_equipment;
 use crate::model::{Fields, Model, text};
 use crate::{Error, Result};
 
@@ -45,17 +51,17 @@ const VENTILATION: [&str; 2] = ["Fan:ZoneExhaust", "ZoneHVAC:EnergyRecoveryVenti
 /// # Errors
 /// [`Error::MissingObject`] for a dangling reference.
 pub(crate) fn discover(model: &mut Model, air_density: f64) -> Result<Discovery> {
-    common::split_thermostats(model);
+    split_thermostats(model);
     let mut found = Discovery::default();
     for air_loop in model.names("AirLoopHVAC") {
         let own = belongings(model, &air_loop)?;
         let driven = attempt(model, |model| {
             refuse_second_system(model, &air_loop)?;
-            super::drive_air_loop(model, &air_loop, air_density)
+            drive_air_loop(model, &air_loop, air_density)
         });
         match driven {
             Ok(system) => {
-                common::remove_ems_programs(model, |actuator| acts_on(actuator, &own));
+                remove_ems_programs(model, |actuator| acts_on(actuator, &own));
                 found.systems.push(system);
             }
             Err(error) => found.left.push(left_air_loop(model, air_loop, error)?),
@@ -76,8 +82,7 @@ impl Discovery {
 /// Whether a zone that is not driven has a thermostat and equipment that heats or cools it.
 pub(crate) fn has_own_controls(model: &Model, zone: &str) -> Result<bool> {
     let conditions = |e: &Reference| !is_one_of(&e.class, &VENTILATION);
-    Ok(common::thermostat(model, zone).is_some()
-        && common::zone_equipment(model, zone)?.iter().any(conditions))
+    Ok(thermostat(model, zone).is_some() && zone_equipment(model, zone)?.iter().any(conditions))
 }
 
 /// Edits that fail leave the model as it was.
@@ -96,14 +101,14 @@ fn refuse_second_system(model: &Model, air_loop: &str) -> Result<()> {
     for zone in &served {
         if !units.insert(zone.zone.to_lowercase()) {
             let why = format!("two of its terminals are in zone `{}`", zone.zone);
-            return Err(unsupported("AirLoopHVAC", air_loop, &why));
+            return Err(Error::unsupported("AirLoopHVAC", air_loop, &why));
         }
-        for equipment in common::zone_equipment(model, &zone.zone)? {
+        for equipment in zone_equipment(model, &zone.zone)? {
             let own = equipment.name.eq_ignore_ascii_case(&zone.unit);
             if !own && !is_beside(&equipment.class) {
                 let why =
                     format!("a {} works in one of its zones too, under the same thermostat", equipment.class);
-                return Err(unsupported("AirLoopHVAC", air_loop, &why));
+                return Err(Error::unsupported("AirLoopHVAC", air_loop, &why));
             }
         }
     }
@@ -112,7 +117,7 @@ fn refuse_second_system(model: &Model, air_loop: &str) -> Result<()> {
 
 /// Equipment that may work in a zone beside a driven system.
 fn is_beside(class: &str) -> bool {
-    is_one_of(class, &VENTILATION) || is_one_of(class, &super::LEFT_ALONE) || heating_only::is_heater(class)
+    is_one_of(class, &VENTILATION) || is_one_of(class, &LEFT_ALONE) || heating_only::is_heater(class)
 }
 
 fn left_air_loop(model: &Model, air_loop: String, error: Error) -> Result<LeftAlone> {
@@ -133,7 +138,7 @@ fn why(error: Error, system: &str) -> Result<String> {
 
 /// Drives the heater of a zone where nothing else conditions it, and says why the rest is left.
 fn discover_equipment(model: &mut Model, zone: &str, found: &mut Discovery) -> Result<()> {
-    let equipment = common::zone_equipment(model, zone)?;
+    let equipment = zone_equipment(model, zone)?;
     let air = found.drives(zone).cloned();
     let rival = |e: &&Reference| !is_beside(&e.class);
     let mut driven = false;
@@ -177,7 +182,7 @@ fn discover_equipment(model: &mut Model, zone: &str, found: &mut Discovery) -> R
 /// Every name in the objects of an air loop, in lower case: its components and their parts, nodes, terminals, zones.
 fn belongings(model: &Model, air_loop: &str) -> Result<HashSet<String>> {
     let mut names = HashSet::from([air_loop.to_lowercase()]);
-    for component in common::supply_components(model, air_loop)? {
+    for component in supply_components(model, air_loop)? {
         collect(model, &component, &mut names);
     }
     for served in served_zones(model, air_loop).unwrap_or_default() {
@@ -196,7 +201,7 @@ fn collect(model: &Model, object: &Reference, names: &mut HashSet<String>) {
     names.insert(object.name.to_lowercase());
     let Some(fields) = model.get(&object.class, &object.name) else { return };
     names.extend(fields.values().filter_map(Value::as_str).map(str::to_lowercase));
-    for part in common::parts(fields) {
+    for part in parts(fields) {
         collect(model, &part, names);
     }
 }
@@ -204,7 +209,7 @@ fn collect(model: &Model, object: &Reference, names: &mut HashSet<String>) {
 /// Whether an EMS actuator works on something of a driven system. Schedules do not count: what is driven has left the
 /// author's schedules.
 fn acts_on(actuator: &Fields, names: &HashSet<String>) -> bool {
-    !common::sets_a_schedule(actuator)
+    !sets_a_schedule(actuator)
         && text(actuator, "actuated_component_unique_name").is_some_and(|n| names.contains(&n.to_lowercase()))
 }
 
