@@ -182,14 +182,11 @@ fn greatest(values: &[f64]) -> f64 {
     values.iter().copied().fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// The number of the zone that an actuator belongs to; for those of a whole air loop its first zone.
+/// The zone of an actuator, by index; for those of an air handler the first zone of the air loop.
 fn zone_of(building: &PreparedBuilding, owner: Owner) -> usize {
-    let number = |zone: &str| building.zones.iter().position(|z| z.name.eq_ignore_ascii_case(zone));
     match owner {
         Owner::Zone(zone) => zone,
-        Owner::AirLoop(system) => {
-            building.systems[system].zones().first().and_then(|zone| number(zone)).unwrap_or(0)
-        }
+        Owner::AirLoop(system) => building.layouts()[system].zones[0].index,
         Owner::Weather | Owner::Calendar | Owner::Energy => 0,
     }
 }
