@@ -2,8 +2,8 @@
 
 use std::sync::Mutex;
 
-use b2b_benchmark::entry::measures_of;
-use b2b_benchmark::problem::{Restricted, Stage};
+use b2b_benchmark::entry::measure_scores;
+use b2b_benchmark::problem::{RestrictedAction, Stage};
 use b2b_building::BuildingType;
 use b2b_building::dataset::BuildingId;
 use b2b_control::ReactiveParameters;
@@ -86,7 +86,7 @@ impl Problem {
         let Some(restriction) = self.side(side)?.restriction else { return Ok(None) };
         let inner = spaces.inner();
         let parameters = ReactiveParameters::tuned_for(&inner.building);
-        let restricted = restriction.within(inner, &parameters).map_err(wrong)?;
+        let restricted = restriction.apply(inner, &parameters).map_err(wrong)?;
         let widths = (inner.observation.len(), inner.action.len());
         Ok(Some(Restriction { restricted: Mutex::new(restricted), widths }))
     }
@@ -110,7 +110,7 @@ impl Problem {
 /// An action space without some of its actuators.
 #[pyclass(frozen, module = "building2building._core")]
 pub struct Restriction {
-    restricted: Mutex<Restricted>,
+    restricted: Mutex<RestrictedAction>,
     widths: (usize, usize),
 }
 
@@ -159,6 +159,6 @@ pub fn normalized_score(episode_return: f64, baseline_return: f64) -> Option<f64
 /// The measures of scores: strata of buildings, each with the scores of its seeds; JSON.
 #[pyfunction]
 pub fn measures(strata: Vec<Vec<Vec<f64>>>) -> PyResult<String> {
-    let measures = measures_of(&strata).ok_or_else(|| wrong("there is no score to measure"))?;
+    let measures = measure_scores(&strata).ok_or_else(|| wrong("there is no score to measure"))?;
     Ok(measures.to_string())
 }

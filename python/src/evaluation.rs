@@ -9,7 +9,7 @@ use arrow_array::RecordBatch;
 use arrow_array::cast::AsArray;
 use arrow_array::types::{Float64Type, UInt32Type, UInt64Type};
 use b2b_benchmark::{
-    ActionScale, Baselines, Beginning, Episode, Evaluation, Folder, Policy, Progress, Results, Subject,
+    ActionScale, Baselines, Episode, EpisodeContext, Evaluation, Folder, Policy, Progress, Results, Subject,
     episode_table, normalized_score,
 };
 use b2b_building::Placement;
@@ -187,8 +187,8 @@ impl Policy for InPython {
         self.identity.clone()
     }
 
-    fn controller(&self, beginning: Beginning<'_>) -> b2b_benchmark::Result<Box<dyn Controller>> {
-        let Beginning { subject, surroundings, spaces, seed, .. } = beginning;
+    fn controller(&self, context: EpisodeContext<'_>) -> b2b_benchmark::Result<Box<dyn Controller>> {
+        let EpisodeContext { subject, surroundings, spaces, seed, .. } = context;
         let building = Arc::new(Inner::of_subject(subject, surroundings, spaces));
         let made = Python::attach(|py| {
             let seen = Spaces::new(Arc::clone(spaces), Arc::clone(&building));

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::{Result, bail};
-use b2b_benchmark::{Baselines, Episode, Key, Subject, Surroundings, Terms, baseline_table};
+use b2b_benchmark::{Baselines, Episode, Key, ReturnTerms, Subject, Surroundings, baseline_table};
 use b2b_building::{BuildingName, BuildingType, Catalog, RunPeriod};
 use b2b_env::Task;
 
@@ -70,7 +70,7 @@ pub fn baseline(arguments: &Arguments) -> Result<ExitCode> {
     let bars = Bars::new(false);
     let lost = baselines.compute(&evaluation(&catalog, arguments.jobs)?, &missing, &bars)?;
     drop(bars);
-    if let Some((key, why)) = lost.iter().min() {
+    if let Some((key, why)) = lost.iter().min_by_key(|(key, _)| *key) {
         bail!("{} episodes were lost; {}, {}, {}: {why}", lost.len(), key.building, key.task, key.period);
     }
     let rows: Vec<_> =
@@ -119,7 +119,7 @@ fn write(path: &std::path::Path, text: &str) -> Result<()> {
 }
 
 /// Compares with what is shipped.
-fn check(rows: &[(Key, Terms)]) -> Result<ExitCode> {
+fn check(rows: &[(Key, ReturnTerms)]) -> Result<ExitCode> {
     let known = Baselines::open()?;
     let mut wrong = Vec::new();
     for (key, terms) in rows {

@@ -5,6 +5,7 @@ use std::process::ExitCode;
 use std::sync::Mutex;
 
 use anyhow::Result;
+use b2b_benchmark::statistics::{Aggregate, Interval};
 use b2b_benchmark::{
     ActionScale, Baselines, Episode, Evaluation, Folder, Group, Policy, Progress, Results, Subject, Summary,
 };
@@ -222,7 +223,7 @@ fn text(summary: &Summary, files: &[PathBuf]) -> String {
     let mut text = String::new();
     for window in &summary.windows {
         let groups = || window.types.iter().chain((window.types.len() > 1).then_some(&window.all));
-        let episodes: usize = groups().take(window.types.len()).map(episodes_of).sum();
+        let episodes: usize = groups().take(window.types.len()).map(Group::episodes).sum();
         text += &format!(
             "{} on {episodes} episodes, {}, task {}: normalised scores, lower is better, 1 is the reactive controllers\n\n",
             summary.policy, window.period, window.task
@@ -231,20 +232,13 @@ fn text(summary: &Summary, files: &[PathBuf]) -> String {
         text += "\n\n  in brackets: 95 % intervals of a bootstrap over episodes, stratified by type\n\n";
     }
     for lost in &summary.lost {
-        text += &format!(
-            "lost: {}, {}, {}, seed {}: {}\n",
-            lost.building, lost.task, lost.period, lost.seed, lost.why
-        );
+        text += &format!("lost: {lost}\n");
     }
     if !summary.lost.is_empty() {
         text += "  the same command runs them once more\n\n";
     }
     let files: Vec<_> = files.iter().map(|file| format!("  {}", file.display())).collect();
     text + &files.join("\n")
-}
-
-fn episodes_of(group: &Group) -> usize {
-    group.scores.as_ref().map_or(0, |scores| scores.episodes)
 }
 
 fn table<'a>(groups: impl Iterator<Item = &'a Group>) -> String {
@@ -260,17 +254,13 @@ fn table<'a>(groups: impl Iterator<Item = &'a Group>) -> String {
         "travel/d",
     ]);
     for group in groups {
-        let interval =
-            |of: fn(&b2b_benchmark::statistics::Aggregate) -> b2b_benchmark::statistics::Interval| {
-                let value = group.scores.as_ref().map(of);
-                value.map_or("–".into(), |each| {
-                    format!("{:.3} [{:.3}, {:.3}]", each.value, each.low, each.high)
-                })
-            };
-        let beats = group.scores.as_ref().map(|scores| 100.0 * scores.beats_baseline.value);
+        let interval = |of: fn(&Aggregate) -> Interval| {
+            group.scores.as_ref().map(of).map_or("–".into(), |value| value.to_string())
+        };
+        let beats = group.scores.as_ref().map(Aggregate::beats_baseline_percent);
         table.row([
             group.name.clone(),
-            episodes_of(group).to_string(),
+            group.episodes().to_string(),
             interval(|scores| scores.interquartile_mean),
             interval(|scores| scores.median),
             interval(|scores| scores.mean),

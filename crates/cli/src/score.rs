@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use arrow_array::types::Float64Type;
 use arrow_array::{Array, PrimitiveArray};
-use b2b_benchmark::{Baselines, Episode, Subject, Surroundings, normalized_score};
+use b2b_benchmark::{Baselines, Episode, Subject, Surroundings, Versions, normalized_score};
 use b2b_building::climate::Place;
 use b2b_building::{BuildingName, Catalog, RunPeriod};
 use b2b_env::Task;
@@ -17,7 +17,6 @@ use crate::evaluate::{Bars, evaluation};
 use crate::prepare::Location;
 use crate::progress::Download;
 use crate::stdout;
-use crate::summary::Versions;
 
 /// Score an episode against the reactive controllers
 ///

@@ -3,12 +3,11 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
-use b2b_building::dataset::GENERATOR_VERSION;
+use b2b_benchmark::Versions;
 use b2b_energyplus::Level;
-use b2b_energyplus::install::ENGINE_VERSION;
-use b2b_env::{Env, Setpoints, Task};
+use b2b_env::{Env, EpisodeMetrics, Setpoints, Task};
 use cpu_time::ProcessTime;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use crate::run::Rollout;
 use crate::table::Table;
@@ -36,39 +35,11 @@ pub struct Summary {
     pub task_definition: Task,
     /// Scale τ_E by which the reward divides what the task weighs.
     pub energy_scale: f64,
-    /// Steps of the episode.
-    pub steps: usize,
-    /// Sum of the rewards.
-    #[serde(rename = "return")]
-    pub episode_return: f64,
-    /// Sum of the temperature penalties, K².
-    pub temperature_penalty: f64,
-    /// Sum of the energy penalties.
-    pub energy_penalty: f64,
-    /// Root mean square deviation from target, K.
-    pub rms_deviation_k: f64,
-    /// Mean absolute deviation from target, K.
-    pub mean_abs_deviation_k: f64,
-    /// Hours further from target than the task's comfort band.
-    pub hours_outside_band: f64,
-    /// Thermal discomfort beyond the band, mean over the controlled zones, K h.
-    pub discomfort_k_h: f64,
+    /// Metrics of the episode, each under the name of its column.
+    #[serde(flatten, serialize_with = "EpisodeMetrics::serialize_columns")]
+    pub metrics: EpisodeMetrics,
     /// Controlled zones in which nobody ever is.
     pub never_occupied: Vec<String>,
-    /// HVAC electricity, Wh/m².
-    pub electricity_wh_m2: f64,
-    /// HVAC gas, Wh/m².
-    pub gas_wh_m2: f64,
-    /// Cost by the task's prices, currency/m².
-    pub cost_m2: f64,
-    /// Emissions by the task's factors, kg of CO₂/m².
-    pub emissions_kg_m2: f64,
-    /// Highest electric HVAC power, mean of a step, W/m².
-    pub peak_electricity_w_m2: f64,
-    /// Highest gas power, mean of a step, W/m².
-    pub peak_gas_w_m2: f64,
-    /// Way of the actuators a day, in times their ranges, mean over them.
-    pub daily_travel: f64,
     /// Way of each actuator over the episode, in times its range, in the order of the action.
     pub travel: Vec<f64>,
     /// Largest relative difference between our energy sums and the engine's own meters.
@@ -79,8 +50,6 @@ pub struct Summary {
     pub engine_severes: usize,
     /// First severe messages.
     pub severe_messages: Vec<String>,
-    /// Action values that were out of bounds and clamped.
-    pub clamped_actions: usize,
     /// SHA-256 of every observation, action and penalty: equal hashes mean equal episodes.
     pub trajectory_hash: String,
     /// CPU time of the process up to the end of the episode, s.
@@ -91,26 +60,6 @@ pub struct Summary {
     pub steps_per_s: f64,
     /// The controlled zones.
     pub zones: Vec<ZoneSummary>,
-}
-
-/// Versions of what an episode depends on: with the same, it is the same.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Versions {
-    /// Of this program.
-    pub package: String,
-    /// Of the buildings.
-    pub generator: String,
-    /// Of EnergyPlus.
-    pub engine: String,
-}
-
-impl Versions {
-    /// Those at work.
-    pub fn current() -> Self {
-        let [package, generator, engine] =
-            [env!("CARGO_PKG_VERSION"), GENERATOR_VERSION, ENGINE_VERSION].map(str::to_owned);
-        Self { package, generator, engine }
-    }
 }
 
 /// What an environment does not know of its run.
@@ -165,28 +114,13 @@ impl Summary {
             task_hash: episode.task.hash(),
             task_definition: episode.task.clone(),
             energy_scale: env.energy_scale(),
-            steps: metrics.steps,
-            episode_return: metrics.episode_return,
-            temperature_penalty: metrics.temperature_penalty,
-            energy_penalty: metrics.energy_penalty,
-            rms_deviation_k: metrics.rms_deviation(),
-            mean_abs_deviation_k: metrics.mean_abs_deviation(),
-            hours_outside_band: metrics.hours_outside_band(),
-            discomfort_k_h: metrics.discomfort(),
+            metrics: metrics.into(),
             never_occupied: rollout.never_occupied.clone(),
-            electricity_wh_m2: metrics.electricity,
-            gas_wh_m2: metrics.gas,
-            cost_m2: metrics.cost,
-            emissions_kg_m2: metrics.emissions / 1000.0,
-            peak_electricity_w_m2: metrics.peak_electricity,
-            peak_gas_w_m2: metrics.peak_gas,
-            daily_travel: metrics.daily_travel(),
             travel: metrics.travel.clone(),
             meter_relative_error: meter_relative_error(env)?,
             engine_warnings: env.message_count(Level::Warning),
             engine_severes: env.message_count(Level::Severe),
             severe_messages: severes.map(|message| message.text.clone()).collect(),
-            clamped_actions: metrics.clamped_actions,
             trajectory_hash: rollout.trajectory.hash(),
             cpu_s: ProcessTime::now().as_duration().as_secs_f64(),
             engine_cpu_s: rollout.env_cpu.as_secs_f64(),
@@ -220,39 +154,40 @@ impl Summary {
 
     /// One line that names the episode.
     pub fn title(&self) -> String {
-        let Self { building, period, steps, about: About { place, controller, .. }, .. } = self;
-        let task = &self.task;
+        let Self { building, period, about: About { place, controller, .. }, task, .. } = self;
+        let steps = self.metrics.steps;
         format!("{building} in {place}, {period}, task {task}, {controller} controller: {steps} steps")
     }
 
     fn figures(&self) -> String {
-        let hours = self.steps as f64 / f64::from(self.steps_per_hour);
+        let metrics = &self.metrics;
+        let hours = metrics.steps as f64 / f64::from(self.steps_per_hour);
         let band = self.task_definition.comfort_band;
         let lines = [
             (
                 "return",
                 format!(
                     "{:.1}  (temperature {:.1}, energy {:.1})",
-                    self.episode_return,
-                    0.0 - self.temperature_penalty,
-                    0.0 - self.energy_penalty
+                    metrics.episode_return,
+                    0.0 - metrics.temperature_penalty,
+                    0.0 - metrics.energy_penalty
                 ),
             ),
-            ("mean absolute deviation", format!("{:.2} K", self.mean_abs_deviation_k)),
-            ("RMS deviation", format!("{:.2} K", self.rms_deviation_k)),
+            ("mean absolute deviation", format!("{:.2} K", metrics.mean_abs_deviation)),
+            ("RMS deviation", format!("{:.2} K", metrics.rms_deviation)),
             (
                 "outside the comfort band",
-                format!("{:.1} h of {hours:.0} h, at ±{band} K", self.hours_outside_band),
+                format!("{:.1} h of {hours:.0} h, at ±{band} K", metrics.hours_outside_band),
             ),
-            ("discomfort beyond it", format!("{:.1} K h", self.discomfort_k_h)),
-            ("HVAC electricity", format!("{:.2} kWh/m²", self.electricity_wh_m2 / 1000.0)),
-            ("HVAC gas", format!("{:.2} kWh/m²", self.gas_wh_m2 / 1000.0)),
-            ("cost, emissions", format!("{:.2} per m², {:.2} kg CO₂/m²", self.cost_m2, self.emissions_kg_m2)),
-            ("highest electric power", format!("{:.1} W/m²", self.peak_electricity_w_m2)),
-            ("way of the actuators", format!("{:.1} times their ranges a day", self.daily_travel)),
+            ("discomfort beyond it", format!("{:.1} K h", metrics.discomfort)),
+            ("HVAC electricity", format!("{:.2} kWh/m²", metrics.electricity / 1000.0)),
+            ("HVAC gas", format!("{:.2} kWh/m²", metrics.gas / 1000.0)),
+            ("cost, emissions", format!("{:.2} per m², {:.2} kg CO₂/m²", metrics.cost, metrics.emissions)),
+            ("highest electric power", format!("{:.1} W/m²", metrics.peak_electricity)),
+            ("way of the actuators", format!("{:.1} times their ranges a day", metrics.daily_travel)),
             ("energy against the engine's meters", format!("{:.1e} relative", self.meter_relative_error)),
             ("engine", format!("{} warnings, {} severe", self.engine_warnings, self.engine_severes)),
-            ("action values clamped", self.clamped_actions.to_string()),
+            ("action values clamped", metrics.clamped_actions.to_string()),
             ("speed", format!("{:.0} steps/s", self.steps_per_s)),
             (
                 "CPU time",

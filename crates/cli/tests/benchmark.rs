@@ -11,19 +11,19 @@ use std::process::{Output, Stdio};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use b2b_benchmark::entry::{Check, Rerun, read_result, verify};
+use b2b_benchmark::entry::{Check, Sample, read_result, verify};
 use b2b_benchmark::problem::Stage;
-use b2b_benchmark::{Evaluation, Problem, Row, Versions, write_stages};
+use b2b_benchmark::{Evaluation, Problem, Row, Scored, Versions, write_stages};
 use b2b_building::dataset::BuildingId;
 use b2b_building::{BuildingName, Catalog, Conditioning, Placement, PreparedBuilding};
 use b2b_control::ReactiveParameters;
+use b2b_energyplus::digest::sha256;
 use b2b_energyplus::install::Quiet;
 use b2b_env::Setpoints;
 use b2b_env::vector::{Launcher, Spaces};
 use common::{b2b, command};
 use onnx_file::linear_policy;
 use serde_json::{Value, json};
-use sha2::{Digest, Sha256};
 use tempfile::TempDir;
 
 /// Two test houses and two to train on, of one to three zones, for one day.
@@ -64,7 +64,7 @@ fn the_reactive_controllers_score_one_and_two_runs_leave_the_same_bytes() {
     }
     assert!(printed.contains("changed: ") && printed.contains("test.buildings"), "{printed}");
     let printed = run(folder.path(), &format!("{SMALL} --policy random --out first"));
-    assert!(printed.contains('[') && printed.contains("generalisation gap"), "{printed}");
+    assert!(printed.contains('[') && printed.contains("generalization gap"), "{printed}");
     run(folder.path(), &format!("{SMALL} --policy random --out second --jobs 1"));
     for file in ["result.json", "episodes.parquet"] {
         assert_eq!(
@@ -90,7 +90,7 @@ fn the_reactive_controllers_score_one_and_two_runs_leave_the_same_bytes() {
     );
     // And refused to another.
     let other = format!("run {SMALL} --policy constant --out first");
-    assert_refused(folder.path(), &other, &["holds another evaluation", "policies"]);
+    assert_refused(folder.path(), &other, &["contains a different evaluation", "policies"]);
 }
 
 /// The paper's table of buildings: type, observation under constant targets at least and at most, actuators. Where targets
@@ -141,7 +141,7 @@ fn every_side_of_every_problem_has_the_sizes_of_the_paper() {
                 let left = match side.restriction {
                     None => *actuators,
                     Some(restriction) => {
-                        restriction.within(&spaces, &ReactiveParameters::default()).unwrap().kept().len()
+                        restriction.apply(&spaces, &ReactiveParameters::default()).unwrap().kept().len()
                     }
                 };
                 assert_eq!(spaces.action.len(), *actuators, "{}", problem.name);
@@ -158,7 +158,7 @@ fn every_side_of_every_problem_has_the_sizes_of_the_paper() {
 }
 
 #[test]
-fn a_killed_run_goes_on_and_is_no_result_before_that() {
+fn a_killed_run_resumes_and_is_no_result_before_that() {
     let folder = tempfile::tempdir().unwrap();
     let arguments = |out: &str| format!("{SMALL} --policy random --jobs 1 --out {out}");
     run(folder.path(), &arguments("whole"));
@@ -198,7 +198,7 @@ fn a_killed_run_goes_on_and_is_no_result_before_that() {
 }
 
 #[test]
-fn taken_away_actuators_leave_the_building_as_it_is_and_the_reactive_controllers_at_one() {
+fn removed_actuators_change_neither_the_building_nor_the_score_of_the_reactive_controllers() {
     let folder = tempfile::tempdir().unwrap();
     let day = "--period 01-10..01-10 --seed 0";
     for (name, sizes) in [("unitary-5-10", ["5", "10"]), ("unitary-10-5", ["10", "5"])] {
@@ -206,7 +206,7 @@ fn taken_away_actuators_leave_the_building_as_it_is_and_the_reactive_controllers
         let line = printed.lines().find(|line| line.contains("OfficeSmall-0005")).unwrap();
         assert!(line.ends_with("1.000"), "{line}");
         let (_, stages) = read_result(&folder.path().join(name)).unwrap();
-        let hash = |stage: usize| &stages[stage].1[0].record.trajectory_hash;
+        let hash = |stage: usize| &stages[stage].1[0].outcome.as_ref().unwrap().trajectory_hash;
         // Both sides: what is taken away, the reactive controllers drive as they drive all.
         assert_eq!(hash(0), hash(1), "{sizes:?}");
     }
@@ -217,19 +217,19 @@ fn taken_away_actuators_leave_the_building_as_it_is_and_the_reactive_controllers
     }
     run(folder.path(), &format!("unitary-5-10 {day} --policy 10.onnx --train-policy 5.onnx --out fits"));
     let (result, stages) = read_result(&folder.path().join("fits")).unwrap();
-    assert!(stages.iter().all(|(_, rows)| rows[0].record.clamped_actions == 0));
+    assert!(stages.iter().all(|(_, rows)| rows[0].metrics().unwrap().clamped_actions == 0));
     assert_eq!(std::fs::read_dir(folder.path().join("fits/policy")).unwrap().count(), 2);
     assert_eq!(result.policies.len(), 2);
     let refused = format!("run unitary-10-5 {day} --policy 10.onnx --out refused");
-    assert_refused(folder.path(), &refused, &["10.onnx", "gives 10 numbers", "has 5", "supply air flow"]);
+    assert_refused(folder.path(), &refused, &["10.onnx", "returns 10 values", "has 5", "supply air flow"]);
     assert_refused(
         folder.path(),
         &format!("run unitary-5-10 {day} --policy 5.onnx --out other"),
-        &["gives 5", "has 10", "supply air temperature"],
+        &["returns 5", "has 10", "supply air temperature"],
     );
     // Pinned, they are no longer those that the baseline is of.
     let printed =
-        run(folder.path(), &format!("unitary-10-5 {day} --left-to pin --policy reactive --out pinned"));
+        run(folder.path(), &format!("unitary-10-5 {day} --fallback pin --policy reactive --out pinned"));
     let line = printed.lines().find(|line| line.contains("OfficeSmall-0005")).unwrap();
     assert!(!line.ends_with(" 1.000"), "{line}");
     assert!(printed.contains("changed: ") && printed.contains("restriction.left_to"), "{printed}");
@@ -252,7 +252,7 @@ fn an_adapting_policy_is_scored_before_and_after() {
     assert_eq!(names, [Stage::Test, Stage::Train, Stage::Untrained, Stage::Adapted(2016)]);
     let mean = |stage: usize| {
         let rows = &stages[stage].1;
-        rows.iter().filter_map(|row| row.score).sum::<f64>() / rows.len() as f64
+        rows.iter().filter_map(Row::score).sum::<f64>() / rows.len() as f64
     };
     let adaptation = result.measures.adaptation.unwrap();
     assert!((adaptation.jump_start.value - (mean(2) - mean(0))).abs() < 1e-9 * mean(2));
@@ -263,7 +263,7 @@ fn an_adapting_policy_is_scored_before_and_after() {
     refused("--adapted 77=before.onnx", &["after 77 steps", "2016"]);
     refused("--adapted 2016=none/{building}.onnx", &["adapted-2016", "none/SingleFamilyHouse-0018.onnx"]);
     refused("--trained-steps 4000001", &["4000001", "4000000"]);
-    refused("--attributes given", &["takes 20 numbers", "has 36", "building floor_area", "padding"]);
+    refused("--attributes given", &["takes 20 values", "has 36", "building floor_area", "padding"]);
 }
 
 /// A result of random actions, and what to look at it with.
@@ -293,8 +293,7 @@ impl Judged {
         let mut table = Vec::new();
         write_stages(&mut table, &named, &Versions::current()).unwrap();
         let mut result: Value = serde_json::from_slice(&bytes(&self.path(), "result.json")).unwrap();
-        let hash: String = Sha256::digest(&table).iter().map(|byte| format!("{byte:02x}")).collect();
-        result["episodes_sha256"] = hash.into();
+        result["episodes_sha256"] = sha256(&table).into();
         std::fs::write(copy.join("episodes.parquet"), &table).unwrap();
         std::fs::write(copy.join("result.json"), result.to_string()).unwrap();
         self.wrong(&copy, rerun)
@@ -303,25 +302,29 @@ impl Judged {
     fn wrong(&self, folder: &Path, episodes: usize) -> String {
         let launcher = Launcher::new(env!("CARGO_BIN_EXE_b2b"));
         let evaluation = Evaluation { catalog: &self.catalog, launcher, jobs: 2, interrupted: || false };
-        let checks = verify(folder, &evaluation, Rerun { episodes, seed: 0 }, &()).unwrap();
-        let wrong = |check: &Check| Some(format!("{}: {}", check.what, check.found.as_ref().err()?));
+        let checks = verify(folder, &evaluation, Sample { episodes, seed: 0 }, &()).unwrap();
+        let wrong = |check: &Check| Some(format!("{}: {}", check.name, check.outcome.as_ref().err()?));
         checks.iter().filter_map(wrong).collect::<Vec<_>>().join("\n")
     }
 }
 
+fn scored(row: &mut Row) -> &mut Scored {
+    row.outcome.as_mut().unwrap()
+}
+
 #[test]
-fn a_result_that_was_changed_is_found_out() {
+fn a_modified_result_fails_verification() {
     let judged = Judged::new();
     assert_eq!(judged.wrong(&judged.path(), 2), "");
     assert_eq!(judged.after(|_| {}, 0), "");
 
-    let said = judged.after(|stages| stages[0].1[1].record.episode_return *= 0.5, 0);
+    let said = judged.after(|stages| scored(&mut stages[0].1[1]).metrics.episode_return *= 0.5, 0);
     assert!(
         said.contains("scores: test: SingleFamilyHouse-0018, constant, 01-10..01-10, seed 1: the return"),
         "{said}"
     );
-    let said = judged.after(|stages| stages[0].1[1].record.seed = 7, 0);
-    assert!(said.contains("seed 1 should be") && said.contains("seed 7"), "{said}");
+    let said = judged.after(|stages| stages[0].1[1].info.seed = 7, 0);
+    assert!(said.contains("seed 1, found") && said.contains("seed 7"), "{said}");
     let missing = |stages: &mut Vec<(Stage, Vec<Row>)>| drop(stages[0].1.pop());
     let said = judged.after(missing, 0);
     assert!(said.contains("SingleFamilyHouse-0387, constant, 01-10..01-10, seed 1 is missing"), "{said}");
@@ -331,13 +334,14 @@ fn a_result_that_was_changed_is_found_out() {
     // A return that adds up, with score and measures made to fit, is found out by running it again.
     let halve = |stages: &mut Vec<(Stage, Vec<Row>)>| {
         for row in stages.iter_mut().flat_map(|(_, rows)| rows) {
-            row.record.episode_return /= 2.0;
-            row.record.temperature_penalty /= 2.0;
-            row.score = row.baseline_return.map(|baseline| row.record.episode_return / baseline);
+            let scored = scored(row);
+            scored.metrics.episode_return /= 2.0;
+            scored.metrics.temperature_penalty /= 2.0;
+            scored.score = scored.baseline_return.map(|baseline| scored.metrics.episode_return / baseline);
         }
     };
     let said = judged.after(halve, 0);
-    assert_eq!(said, "measures: they are not those of the episodes");
+    assert_eq!(said, "measures: they differ from those of the episodes");
     let copy = judged.folder.path().join("copy");
     let (_, stages) = read_result(&copy).unwrap();
     let edit = |name: &str, value: Value| {
@@ -348,16 +352,16 @@ fn a_result_that_was_changed_is_found_out() {
     edit("/measures", serde_json::to_value(b2b_benchmark::entry::Measures::of(&stages).unwrap()).unwrap());
     assert_eq!(judged.wrong(&copy, 0), "");
     let said = judged.wrong(&copy, 1);
-    assert!(said.contains("episodes run again") && said.contains("its figures are others"), "{said}");
+    assert!(said.contains("episodes run again") && said.contains("its metrics differ"), "{said}");
 
     edit("/versions/generator", json!("v0"));
     assert!(judged.wrong(&copy, 0).contains("dataset v0 there and v1 here"));
     edit("/versions/generator", json!("v1"));
     edit("/problem/protocol/training_steps", json!(1));
-    assert!(judged.wrong(&copy, 0).contains("not the one whose hash is given"));
+    assert!(judged.wrong(&copy, 0).contains("does not have the hash"));
     // The table alone.
     std::fs::write(copy.join("episodes.parquet"), bytes(&judged.path(), "episodes.parquet")).unwrap();
-    assert!(judged.wrong(&copy, 0).contains("episodes.parquet is not the one"));
+    assert!(judged.wrong(&copy, 0).contains("episodes.parquet is not the table"));
 }
 
 #[test]
@@ -384,7 +388,7 @@ fn the_leaderboard_opens_in_a_browser_without_an_error() {
 }
 
 #[test]
-fn what_cannot_be_run_is_refused_with_a_remedy() {
+fn an_invalid_run_is_an_error_with_a_remedy() {
     let folder = tempfile::tempdir().unwrap();
     let refused = |arguments: &str, words: &[&str]| assert_refused(folder.path(), arguments, words);
     refused("run dynamics-hous --policy random --out x", &["dynamics-hous`", "dynamics-house"]);
@@ -406,7 +410,7 @@ fn what_cannot_be_run_is_refused_with_a_remedy() {
     );
     assert!(!folder.path().join("x").exists());
     std::fs::write(folder.path().join("thesis.tex"), "").unwrap();
-    refused("run dynamics-house --policy random --out .", &["holds no evaluation"]);
-    refused("verify .", &["holds no result"]);
-    refused("report .", &["holds no result"]);
+    refused("run dynamics-house --policy random --out .", &["contains no evaluation"]);
+    refused("verify .", &["contains no result"]);
+    refused("report .", &["contains no result"]);
 }

@@ -30,6 +30,7 @@
 mod api;
 mod convert;
 mod coroutine;
+pub mod digest;
 mod error;
 pub mod install;
 mod library;

@@ -10,6 +10,7 @@ mod comfort;
 mod energy_scale;
 #[allow(clippy::module_inception, reason = "one file a concept, and the concept is the environment")]
 mod env;
+mod episode_metrics;
 mod error;
 mod metrics;
 mod morphology;
@@ -26,6 +27,7 @@ pub use action::ActionSpace;
 pub use comfort::{Comfort, Pmv};
 pub use energy_scale::EnergyScale;
 pub use env::{Env, Episode, Snapshot, Step};
+pub use episode_metrics::{EpisodeMetrics, MetricColumn, MetricValue};
 pub use error::{Error, Result};
 pub use metrics::{Metrics, ZoneMetrics};
 pub use morphology::Decomposition;

@@ -5,8 +5,8 @@ use std::path::Path;
 use std::str::FromStr;
 
 use b2b_building::Class;
+use b2b_energyplus::digest::sha256;
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 
 use crate::comfort::{Comfort, Pmv};
 use crate::energy_scale::EnergyScale;
@@ -185,7 +185,7 @@ impl Task {
     pub fn hash(&self) -> String {
         // A task is plain data: it has a JSON form.
         let json = serde_json::to_vec(self).unwrap_or_default();
-        Sha256::digest(json).iter().map(|byte| format!("{byte:02x}")).collect()
+        sha256(json)
     }
 
     fn spelling(&self) -> String {

@@ -8,7 +8,8 @@ use b2b_building::{Catalog, PreparedBuilding};
 use b2b_energyplus::install::Quiet;
 use b2b_env::vector::{Pool, PoolOptions, Setting, Source};
 
-use super::{Episode, Evaluation};
+use super::episode::Episode;
+use super::parallel::Evaluation;
 use crate::Result;
 use crate::subject::{Subject, Surroundings};
 

@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::{Context, Result, bail};
-use b2b_benchmark::entry::{Ended, Entrant, Entry, RunResult};
+use b2b_benchmark::entry::{Entry, EntryPolicy, RunOutcome, RunResult};
 use b2b_benchmark::problem::{Problem, Stage};
-use b2b_benchmark::statistics::{Aggregate, Interval};
+use b2b_benchmark::statistics::Aggregate;
 use b2b_benchmark::{Baselines, Row};
 use b2b_building::Catalog;
 
@@ -86,9 +86,9 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     let ended = entry.run(&arguments.out, &evaluation, &Baselines::open()?, &bars)?;
     drop(bars);
     match ended {
-        Ended::Finished(result, _) if arguments.json => stdout::print_json(&result)?,
-        Ended::Finished(result, _) => stdout::print(&text(&result, arguments))?,
-        Ended::Lost(rows) => {
+        RunOutcome::Complete(result, _) if arguments.json => stdout::print_json(&result)?,
+        RunOutcome::Complete(result, _) => stdout::print(&text(&result, arguments))?,
+        RunOutcome::Incomplete(rows) => {
             eprintln!("{}", lost(&rows));
             return Ok(ExitCode::FAILURE);
         }
@@ -99,13 +99,14 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
 impl Arguments {
     fn entry(&self) -> Result<Entry> {
         let problem = self.selection.problem()?;
-        let policy = self.entrant(&problem, &self.policy, Stage::Test)?;
+        let policy = self.entry_policy(&problem, &self.policy, Stage::Test)?;
         let train_policy = self.train_policy.as_ref();
-        let train_policy = train_policy.map(|text| self.entrant(&problem, text, Stage::Train)).transpose()?;
+        let train_policy =
+            train_policy.map(|text| self.entry_policy(&problem, text, Stage::Train)).transpose()?;
         let mut adapted = BTreeMap::new();
         for (steps, text) in &self.adapted {
-            let entrant = self.entrant(&problem, text, Stage::Adapted(*steps))?;
-            if adapted.insert(*steps, entrant).is_some() {
+            let policy = self.entry_policy(&problem, text, Stage::Adapted(*steps))?;
+            if adapted.insert(*steps, policy).is_some() {
                 bail!("two policies are given after {steps} steps");
             }
         }
@@ -120,19 +121,18 @@ impl Arguments {
         })
     }
 
-    fn entrant(&self, problem: &Problem, text: &str, stage: Stage) -> Result<Entrant> {
+    fn entry_policy(&self, problem: &Problem, text: &str, stage: Stage) -> Result<EntryPolicy> {
         let seeds = &problem.protocol.seeds;
         let episodes = problem.episodes(stage, &seeds[..1]);
-        let entrant = Entrant::read(text, self.actions.scale(), seeds, &episodes);
-        entrant.with_context(|| format!("nobody acts in stage {stage}"))
+        let policy = EntryPolicy::read(text, self.actions.scale(), seeds, &episodes);
+        policy.with_context(|| format!("no policy for stage {stage}"))
     }
 }
 
 fn lost(rows: &[Row]) -> String {
     let line = |row: &Row| {
-        let record = &row.record;
-        let why = row.lost.as_deref().unwrap_or("it has no score");
-        format!("lost: {}, {}, {}, seed {}: {why}", record.building, record.task, record.period, record.seed)
+        let why = row.outcome.as_ref().map_or_else(ToString::to_string, |_| "it has no score".to_owned());
+        format!("lost: {}: {why}", row.info)
     };
     let lines: Vec<_> = rows.iter().map(line).collect();
     format!("{}\nthere is no result without them; the same command runs them once more", lines.join("\n"))
@@ -175,8 +175,8 @@ fn text(result: &RunResult, arguments: &Arguments) -> String {
         }
     }
     text += &table.text();
-    if let Some(gap) = measures.generalisation_gap {
-        text += &format!("\n\n  generalisation gap {}", interval(gap));
+    if let Some(gap) = measures.generalization_gap {
+        text += &format!("\n\n  generalization gap {gap}");
     }
     if let Some(adaptation) = &measures.adaptation {
         let steps = match adaptation.median_steps_to_baseline {
@@ -185,7 +185,7 @@ fn text(result: &RunResult, arguments: &Arguments) -> String {
         };
         text += &format!(
             "\n  jump-start {}; half of the buildings at the level of the baseline: {steps}",
-            interval(adaptation.jump_start)
+            adaptation.jump_start
         );
     }
     text += "\n  in brackets: 95 % intervals of a bootstrap over buildings, stratified by type and task\n\n";
@@ -196,13 +196,9 @@ fn row(table: &mut Table, name: String, scores: &Aggregate) {
     table.row([
         name,
         scores.episodes.to_string(),
-        interval(scores.interquartile_mean),
-        interval(scores.median),
-        interval(scores.mean),
-        format!("{:.0} %", 100.0 * scores.beats_baseline.value),
+        scores.interquartile_mean.to_string(),
+        scores.median.to_string(),
+        scores.mean.to_string(),
+        format!("{:.0} %", scores.beats_baseline_percent()),
     ]);
-}
-
-fn interval(Interval { value, low, high }: Interval) -> String {
-    if low == high { format!("{value:.3}") } else { format!("{value:.3} [{low:.3}, {high:.3}]") }
 }

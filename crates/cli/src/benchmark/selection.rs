@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::{Result, bail};
 use b2b_benchmark::Problem;
-use b2b_benchmark::problem::{Attributes, Changes, LeftTo};
+use b2b_benchmark::problem::{Attributes, Changes, Fallback};
 use b2b_building::dataset::BuildingId;
 use b2b_building::{BuildingType, RunPeriod};
 use b2b_env::Task;
@@ -59,30 +59,14 @@ struct ChangeArguments {
     #[arg(long, value_name = "N")]
     steps_per_hour: Option<u32>,
     /// Whether the policy sees what building it is in
-    #[arg(long, value_name = "given|withheld", value_parser = attributes)]
+    #[arg(long, value_name = "given|withheld")]
     attributes: Option<Attributes>,
-    /// Who drives the actuators that are taken away
-    #[arg(long, value_name = "reactive|pin", value_parser = left_to)]
-    left_to: Option<LeftTo>,
-    /// Where they are pinned, in their unit
+    /// Control of the removed actuators
+    #[arg(long, value_name = "reactive|pin")]
+    fallback: Option<Fallback>,
+    /// Value of pinned actuators, in their unit
     #[arg(long, value_name = "VALUE")]
     pin: Option<f64>,
-}
-
-fn attributes(text: &str) -> std::result::Result<Attributes, String> {
-    match text {
-        "given" => Ok(Attributes::Given),
-        "withheld" => Ok(Attributes::Withheld),
-        _ => Err("give given or withheld".into()),
-    }
-}
-
-fn left_to(text: &str) -> std::result::Result<LeftTo, String> {
-    match text {
-        "reactive" => Ok(LeftTo::Reactive),
-        "pin" => Ok(LeftTo::Pin),
-        _ => Err("give reactive or pin".into()),
-    }
 }
 
 impl Selection {
@@ -101,7 +85,7 @@ impl Selection {
 
 impl ChangeArguments {
     fn changes(&self) -> Changes {
-        let Self { attributes, left_to, pin, steps_per_hour, .. } = *self;
+        let Self { attributes, fallback, pin, steps_per_hour, .. } = *self;
         Changes {
             buildings: self.buildings.clone(),
             train: self.train.clone(),
@@ -113,7 +97,7 @@ impl ChangeArguments {
             seeds: self.seeds.clone(),
             steps_per_hour,
             attributes,
-            left_to,
+            fallback,
             pin,
         }
     }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::Result;
-use b2b_benchmark::entry::{self, Check, Rerun};
+use b2b_benchmark::entry::{self, Check, Sample};
 use b2b_building::Catalog;
 use serde_json::json;
 
@@ -43,21 +43,21 @@ pub struct Arguments {
 pub fn verify(arguments: &Arguments) -> Result<ExitCode> {
     let catalog = Catalog::open(&mut Download::new(arguments.json))?;
     let evaluation = evaluation(&catalog, arguments.jobs)?;
-    let rerun = Rerun { episodes: arguments.episodes, seed: arguments.sample_seed };
+    let sample = Sample { episodes: arguments.episodes, seed: arguments.sample_seed };
     let bars = Bars::new(arguments.json);
-    let checks = entry::verify(&arguments.folder, &evaluation, rerun, &bars)?;
+    let checks = entry::verify(&arguments.folder, &evaluation, sample, &bars)?;
     drop(bars);
-    let good = checks.iter().all(|check| check.found.is_ok());
+    let good = checks.iter().all(|check| check.outcome.is_ok());
     if arguments.json {
         let check = |check: &Check| {
-            let (Ok(said) | Err(said)) = &check.found;
-            json!({"what": check.what, "good": check.found.is_ok(), "found": said})
+            let (Ok(said) | Err(said)) = &check.outcome;
+            json!({"what": check.name, "good": check.outcome.is_ok(), "found": said})
         };
         stdout::print_json(&json!({"good": good, "checks": checks.iter().map(check).collect::<Vec<_>>()}))?;
     } else {
-        let line = |check: &Check| match &check.found {
-            Ok(said) => format!("  good   {:<20}{said}", check.what),
-            Err(said) => format!("  WRONG  {:<20}{said}", check.what),
+        let line = |check: &Check| match &check.outcome {
+            Ok(said) => format!("  good   {:<20}{said}", check.name),
+            Err(said) => format!("  WRONG  {:<20}{said}", check.name),
         };
         stdout::print(&checks.iter().map(line).collect::<Vec<_>>().join("\n"))?;
     }
