@@ -5,8 +5,8 @@ use std::sync::Mutex;
 use b2b_benchmark::entry::measure_scores;
 use b2b_benchmark::problem::{RestrictedAction, Stage};
 use b2b_building::BuildingType;
-use b2b_building::dataset::BuildingId;
 use b2b_control::ReactiveParameters;
+use b2b_dataset::BuildingId;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 

@@ -5,13 +5,13 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use b2b_benchmark::{Subject, Surroundings};
-use b2b_building::climate::{Place, WeatherFile};
-use b2b_building::dataset::{self, Places, manifest};
 use b2b_building::description::Origin;
-use b2b_building::{BuildingName, BuildingType, Catalog, Class, Placement};
+use b2b_building::{BuildingType, Class};
+use b2b_climate::{Place, WeatherFile};
+use b2b_dataset::{BuildingName, Catalog, Placement, Places, manifest};
 use b2b_energyplus::install::look_in;
 use b2b_env::vector::{AnyOf, Draw, Sampler, Source, Windows};
-use b2b_env::{Episode, Task, vector};
+use b2b_env::{EpisodeConfig, Task, vector};
 use pyo3::prelude::*;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -68,7 +68,7 @@ pub struct Inner {
 
 impl Inner {
     /// A building of an evaluation, as it was prepared.
-    pub fn of_subject(subject: &Subject, surroundings: &Surroundings, spaces: &vector::Spaces) -> Self {
+    pub fn of_subject(subject: &Subject, surroundings: &Surroundings, spaces: &b2b_env::Spaces) -> Self {
         let source = Source::Prepared(Box::new((*spaces.building).clone()));
         let (place, weather) = (surroundings.place.clone(), spaces.episode.weather.clone());
         let origin = subject.placement.origin(&subject.name);
@@ -78,7 +78,7 @@ impl Inner {
     /// With its row of the dataset's table.
     fn with_parameters(mut self, name: &BuildingName) -> Self {
         if let BuildingName::Id(id) = name {
-            self.parameters = cells(manifest::manifest([dataset::row(*id)]));
+            self.parameters = cells(manifest::manifest([b2b_dataset::row(*id)]));
         }
         self
     }
@@ -95,7 +95,7 @@ impl Inner {
     }
 
     /// Keeps what was prepared of it, so that no other environment has to.
-    pub fn keep(&self, spaces: &vector::Spaces) {
+    pub fn keep(&self, spaces: &b2b_env::Spaces) {
         let mut source = locked(&self.source);
         if matches!(**source, Source::Model { .. }) {
             *source = Arc::new(Source::Prepared(Box::new((*spaces.building).clone())));
@@ -171,7 +171,7 @@ impl Setting {
         let task = read_task(task)?;
         let period = run_period.parse().map_err(of_building)?;
         let weather = building.inner.weather.clone();
-        let episode = Episode { weather, period, steps_per_hour: timesteps_per_hour, task };
+        let episode = EpisodeConfig { weather, period, steps_per_hour: timesteps_per_hour, task };
         let setting = vector::Setting { source: building.inner.source(), episode };
         Ok(Self { setting, building: Arc::clone(&building.inner) })
     }
@@ -286,13 +286,13 @@ pub fn generate(
             }
         };
         let buildings =
-            dataset::sample(building_type, count, seed, &places, &settings).map_err(of_building)?;
+            b2b_dataset::sample(building_type, count, seed, &places, &settings).map_err(of_building)?;
         let catalog = catalog()?;
-        let building = |(number, building): (usize, &dataset::Building)| {
+        let building = |(number, building): (usize, &b2b_dataset::Building)| {
             let (model, weather) = catalog.generate(building, &mut Signals).map_err(of_building)?;
             let name = format!("{building_type}-seed{seed}-{number:04}");
             let parameters = cells(manifest::of_buildings([(name.as_str(), building)]));
-            let (place, origin) = (building.place().to_owned(), Origin::of(building));
+            let (place, origin) = (building.place().to_owned(), building.origin());
             let inner = Inner::new(
                 Source::generated(name, building.class(), model),
                 Some(building.class()),
@@ -317,13 +317,13 @@ pub fn building_types() -> Vec<(&'static str, &'static str, &'static str)> {
 /// The known places with their climate zones.
 #[pyfunction]
 pub fn places() -> Vec<(&'static str, &'static str)> {
-    b2b_building::climate::PLACES.iter().map(|place| (place.name, place.ashrae_zone)).collect()
+    b2b_climate::PLACES.iter().map(|place| (place.name, place.ashrae_zone)).collect()
 }
 
 /// The dataset's table of a type: names of the columns, and the rows as text.
 #[pyfunction]
 pub fn dataset_table(building_type: &str) -> PyResult<(Vec<&'static str>, Vec<Vec<String>>)> {
     let building_type: BuildingType = building_type.parse().map_err(of_building)?;
-    let table = manifest::manifest(dataset::rows(building_type));
+    let table = manifest::manifest(b2b_dataset::rows(building_type));
     Ok((table.columns.iter().map(|column| column.name).collect(), table.rows))
 }

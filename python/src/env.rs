@@ -3,7 +3,8 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
 
-use b2b_env::vector::{Live, Pool, Spaces as EnvSpaces, Start, TemplateId};
+use b2b_env::Spaces as EnvSpaces;
+use b2b_env::vector::{Live, Pool, Start, TemplateId};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 

@@ -15,12 +15,16 @@ pub fn raise(name: &str, message: String) -> PyErr {
 }
 
 /// What went wrong with a building.
-pub fn of_building(error: b2b_building::Error) -> PyErr {
-    use b2b_building::Error;
+pub fn of_building(error: impl Into<b2b_dataset::Error>) -> PyErr {
+    use b2b_dataset::Error;
+    let error = error.into();
     let name = match &error {
-        Error::Install(b2b_energyplus::install::Error::Cancelled { .. }) => return crate::pools::interrupt(),
-        Error::Install(_) => "InstallError",
+        Error::Install(source) | Error::Climate(b2b_climate::Error::Install(source)) => match source {
+            b2b_energyplus::install::Error::Cancelled { .. } => return crate::pools::interrupt(),
+            _ => "InstallError",
+        },
         Error::Engine(_) => "EngineError",
+        Error::Building(source) if matches!(**source, b2b_building::Error::Engine(_)) => "EngineError",
         _ => "BuildingError",
     };
     raise(name, error.to_string())

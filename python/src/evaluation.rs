@@ -12,9 +12,9 @@ use b2b_benchmark::{
     ActionScale, Baselines, Episode, EpisodeContext, Evaluation, Folder, Policy, Progress, Results, Subject,
     episode_table, normalized_score,
 };
-use b2b_building::Placement;
-use b2b_building::climate::Place;
+use b2b_climate::Place;
 use b2b_control::Controller;
+use b2b_dataset::Placement;
 use b2b_energyplus::install::Quiet;
 use b2b_env::ActionSpace;
 use pyo3::prelude::*;

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use b2b_energyplus::Library;
-use b2b_env::vector::{Source, Spaces as EnvSpaces};
+use b2b_env::Spaces as EnvSpaces;
+use b2b_env::vector::Source;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
@@ -32,7 +33,7 @@ impl LocalEnv {
         let source = Source::clone(&setting.setting.source);
         let building = source.prepare(&episode.weather, &library).map_err(of_building)?;
         let building = Arc::new(building);
-        let spaces = EnvSpaces::new(Arc::clone(&building), episode.clone()).map_err(of_env)?;
+        let spaces = EnvSpaces::new(Arc::clone(&building), episode.clone());
         let env = b2b_env::Env::new(library, building, episode).map_err(of_env)?;
         Ok(Self {
             carried_out: vec![0.0; env.action_space().len()],

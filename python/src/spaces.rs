@@ -7,7 +7,7 @@ use b2b_building::description::Description;
 use b2b_building::morphology::{NodeType, Universe};
 use b2b_building::zone::SurfaceKind;
 use b2b_building::{Conditioning, Morphology as Graph};
-use b2b_env::{Decomposition, Target, vector};
+use b2b_env::{Decomposition, Target};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use serde_json::{Value, json};
@@ -22,19 +22,19 @@ type Face = (usize, bool, Vec<[f64; 3]>);
 /// What an environment sees and drives, as data.
 #[pyclass(frozen, module = "building2building._core")]
 pub struct Spaces {
-    spaces: Arc<vector::Spaces>,
+    spaces: Arc<b2b_env::Spaces>,
     building: Arc<Inner>,
 }
 
 impl Spaces {
     /// Of an environment of a building.
-    pub fn new(spaces: Arc<vector::Spaces>, building: Arc<Inner>) -> Self {
+    pub fn new(spaces: Arc<b2b_env::Spaces>, building: Arc<Inner>) -> Self {
         building.keep(&spaces);
         Self { spaces, building }
     }
 
     /// For the crates.
-    pub fn inner(&self) -> &vector::Spaces {
+    pub fn inner(&self) -> &b2b_env::Spaces {
         &self.spaces
     }
 
@@ -52,7 +52,7 @@ impl Spaces {
 impl Spaces {
     /// Names, units and bounds, the zones, and where what is in the observation; JSON.
     fn to_json(&self) -> String {
-        let vector::Spaces { building, episode, observation, .. } = &*self.spaces;
+        let b2b_env::Spaces { building, episode, observation, .. } = &*self.spaces;
         let slots = observation.slots().iter().map(|slot| {
             json!({"name": slot.name, "unit": slot.unit, "low": slot.low, "high": slot.high,
                    "source": slot.source, "quantity": slot.quantity, "owner": slot.owner})

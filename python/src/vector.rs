@@ -17,7 +17,7 @@ use crate::{arrays, control};
 pub struct VecEnv {
     owner: Owner,
     state: Mutex<State>,
-    spaces: Vec<(Arc<b2b_env::vector::Spaces>, Arc<Inner>)>,
+    spaces: Vec<(Arc<b2b_env::Spaces>, Arc<Inner>)>,
 }
 
 struct State {

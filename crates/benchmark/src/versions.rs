@@ -1,6 +1,6 @@
 //! The versions that a result depends on.
 
-use b2b_building::dataset::GENERATOR_VERSION;
+use b2b_dataset::GENERATOR_VERSION;
 use b2b_energyplus::install::ENGINE_VERSION;
 use serde::{Deserialize, Serialize};
 

@@ -6,6 +6,7 @@
 use std::fmt;
 use std::path::Path;
 
+use b2b_energyplus::Library;
 use serde::Serialize;
 use serde::de::{Deserialize, DeserializeSeed, Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
 use serde_json::{Map, Value};
@@ -25,6 +26,20 @@ pub struct Model {
 }
 
 impl Model {
+    /// Reads a model file: epJSON, or IDF through the engine's own converter.
+    ///
+    /// # Errors
+    /// [`Error::Malformed`] and [`Error::Io`] naming the file; [`Error::Engine`] with the engine's messages when it
+    /// cannot read an IDF.
+    pub fn read(path: &Path, library: &Library) -> Result<Self> {
+        if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("idf")) {
+            return Self::from_epjson(&library.convert_idf(path)?, path);
+        }
+        let text =
+            std::fs::read_to_string(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
+        Self::from_epjson(&text, path)
+    }
+
     /// Parses an epJSON text.
     ///
     /// # Errors

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use b2b_climate::Site;
 use b2b_energyplus::Library;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -12,7 +13,7 @@ use crate::outputs;
 use crate::run_period::RunPeriod;
 use crate::sizing::{self, Sizes};
 use crate::zone;
-use crate::{Class, Error, Result, climate::Site};
+use crate::{Class, Error, Result};
 
 /// A building ready for control: hard-sized, every actuator bites, nothing is written.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

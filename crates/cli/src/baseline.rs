@@ -5,7 +5,8 @@ use std::process::ExitCode;
 
 use anyhow::{Result, bail};
 use b2b_benchmark::{Baselines, Episode, Key, ReturnTerms, Subject, Surroundings, baseline_table};
-use b2b_building::{BuildingName, BuildingType, Catalog, RunPeriod};
+use b2b_building::{BuildingType, RunPeriod};
+use b2b_dataset::{BuildingName, Catalog};
 use b2b_env::Task;
 
 use crate::evaluate::{Bars, evaluation, names};

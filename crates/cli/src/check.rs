@@ -3,8 +3,8 @@
 use std::process::ExitCode;
 
 use anyhow::{Context, Result};
-use b2b_building::dataset::{self, BuildingId};
-use b2b_building::{BuildingName, Conditioning, PreparedBuilding, RunPeriod};
+use b2b_building::{Conditioning, PreparedBuilding, RunPeriod};
+use b2b_dataset::{BuildingId, BuildingName};
 use b2b_energyplus::Level;
 use b2b_env::{Env, Task, Trajectory};
 use rayon::prelude::*;
@@ -133,7 +133,7 @@ impl Arguments {
         if !self.ids.is_empty() {
             return self.ids.clone();
         }
-        dataset::all().filter(|row| self.split.has(row)).map(|row| row.id).collect()
+        b2b_dataset::all().filter(|row| self.split.has(row)).map(|row| row.id).collect()
     }
 }
 
@@ -142,7 +142,7 @@ impl Report {
     fn of(id: BuildingId, periods: &[RunPeriod]) -> Result<Self> {
         interrupt::check()?;
         let outcome = run_in_process(id, periods)?;
-        let place = dataset::row(id).building.place().to_owned();
+        let place = b2b_dataset::row(id).building.place().to_owned();
         let (episodes, error) = match outcome {
             Ok(episodes) => (episodes, None),
             Err(error) => (Vec::new(), Some(error)),

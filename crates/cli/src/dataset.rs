@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
-use b2b_building::dataset;
 
 use crate::output_folder::OutputFolder;
 use crate::{manifest_file, ranges, stdout};
@@ -49,8 +48,8 @@ pub fn dataset(arguments: &Arguments) -> Result<()> {
         What::Ranges => return stdout::print(&ranges::text()?),
     };
     let folder = OutputFolder::stage(&arguments.out)?;
-    let manifest = dataset::manifest(dataset::all());
-    let names = manifest_file::write(&folder, dataset::GENERATOR_VERSION, &manifest)?;
+    let manifest = b2b_dataset::manifest(b2b_dataset::all());
+    let names = manifest_file::write(&folder, b2b_dataset::GENERATOR_VERSION, &manifest)?;
     let files = folder.destinations(&names.each_ref().map(String::as_str));
     folder.keep()?;
     let files: Vec<_> = files.iter().map(|file| file.display().to_string()).collect();

@@ -3,8 +3,9 @@
 use std::process::ExitCode;
 
 use anyhow::Result;
-use b2b_building::climate::weather::PACKAGES;
-use b2b_building::{BuildingName, BuildingType, RunPeriod};
+use b2b_building::{BuildingType, RunPeriod};
+use b2b_climate::weather::PACKAGES;
+use b2b_dataset::BuildingName;
 use b2b_energyplus::Level;
 use b2b_energyplus::install::doctor::{Finding, Health, report};
 use b2b_energyplus::install::{Cache, Engine};

@@ -9,7 +9,8 @@ use b2b_benchmark::statistics::{Aggregate, Interval};
 use b2b_benchmark::{
     ActionScale, Baselines, Episode, Evaluation, Folder, Group, Policy, Progress, Results, Subject, Summary,
 };
-use b2b_building::{BuildingName, BuildingType, Catalog, RunPeriod, dataset};
+use b2b_building::{BuildingType, RunPeriod};
+use b2b_dataset::{BuildingName, Catalog};
 use b2b_env::Task;
 use b2b_env::vector::Launcher;
 use indicatif::ProgressBar;
@@ -156,15 +157,16 @@ impl Arguments {
 
 /// Buildings of a part of the dataset: all types, or these.
 pub fn names(split: Part, types: &[BuildingType]) -> Vec<BuildingName> {
-    let wanted =
-        |row: &&dataset::Row| split.has(row) && (types.is_empty() || types.contains(&row.id.building_type()));
-    dataset::all().filter(wanted).map(|row| BuildingName::Id(row.id)).collect()
+    let wanted = |row: &&b2b_dataset::Row| {
+        split.has(row) && (types.is_empty() || types.contains(&row.id.building_type()))
+    };
+    b2b_dataset::all().filter(wanted).map(|row| BuildingName::Id(row.id)).collect()
 }
 
 /// Downloads first, so that they are seen and can be interrupted. A building of no dataset fetches its own later.
 pub fn fetch_weather(episodes: &[Episode], quiet: bool) -> Result<()> {
     let of_dataset = |episode: &Episode| match episode.subject.name {
-        BuildingName::Id(id) => Some(&dataset::row(id).building),
+        BuildingName::Id(id) => Some(&b2b_dataset::row(id).building),
         BuildingName::Type(_) | BuildingName::Model(_) => None,
     };
     generate::fetch_weather(episodes.iter().filter_map(of_dataset), quiet)

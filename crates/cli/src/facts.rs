@@ -1,10 +1,10 @@
 //! What a building is, for people: the same facts on a screen and on a page.
 
 use anyhow::Result;
-use b2b_building::dataset::{self, manifest};
 use b2b_building::description::{Description, SystemDescription, leakage};
 use b2b_building::morphology::Owner;
-use b2b_building::{BuildingName, Conditioning, Morphology};
+use b2b_building::{Conditioning, Morphology};
+use b2b_dataset::{BuildingName, manifest};
 use b2b_env::Env;
 use serde_json::{Map, Value};
 
@@ -200,7 +200,7 @@ impl Parameter {
 
 fn parameters(name: &BuildingName) -> Vec<Parameter> {
     let BuildingName::Id(id) = name else { return Vec::new() };
-    let mut table = manifest([dataset::row(*id)]);
+    let mut table = manifest([b2b_dataset::row(*id)]);
     let cells = table.rows.pop().unwrap_or_default();
     let columns = table.columns.iter().zip(cells).filter(|(_, cell)| !cell.is_empty());
     // What the other facts tell already.

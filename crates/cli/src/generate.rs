@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use anyhow::{Context, Result, bail};
-use b2b_building::climate::WeatherFile;
-use b2b_building::dataset::manifest::{Manifest, of_buildings};
-use b2b_building::dataset::{self, Building, Places, Row, Setting};
-use b2b_building::{BuildingType, Catalog};
+use b2b_building::BuildingType;
+use b2b_climate::WeatherFile;
+use b2b_dataset::manifest::{Manifest, of_buildings};
+use b2b_dataset::{Building, Catalog, Places, Row, Setting};
 use b2b_energyplus::install::{Cache, Quiet};
 use rayon::prelude::*;
 use serde_json::json;
@@ -108,8 +108,8 @@ impl Part {
     pub fn has(self, row: &Row) -> bool {
         match self {
             Self::All => true,
-            Self::Train => row.split == dataset::Split::Train,
-            Self::Test => row.split == dataset::Split::Test,
+            Self::Train => row.split == b2b_dataset::Split::Train,
+            Self::Test => row.split == b2b_dataset::Split::Test,
             Self::TestSmall => row.test_small,
         }
     }
@@ -163,10 +163,10 @@ impl Arguments {
     fn of_dataset(&self) -> Wanted {
         let of_type = |row: &&Row| self.building_type.is_none_or(|wanted| wanted == row.id.building_type());
         let of_part = |row: &&Row| self.split.is_none_or(|part| part.has(row));
-        let rows: Vec<_> = dataset::all().filter(of_type).filter(of_part).collect();
+        let rows: Vec<_> = b2b_dataset::all().filter(of_type).filter(of_part).collect();
         Wanted {
             buildings: rows.iter().map(|row| (row.id.to_string(), row.building.clone())).collect(),
-            manifest: dataset::manifest(rows).with_weather(),
+            manifest: b2b_dataset::manifest(rows).with_weather(),
         }
     }
 
@@ -174,7 +174,7 @@ impl Arguments {
     fn sample(&self, building_type: BuildingType) -> Result<Wanted> {
         let places = self.places(building_type)?;
         let buildings =
-            dataset::sample(building_type, self.count as usize, self.seed, &places, &self.settings)?;
+            b2b_dataset::sample(building_type, self.count as usize, self.seed, &places, &self.settings)?;
         let name = |number| format!("{building_type}-seed{}-{number:04}", self.seed);
         let buildings: Vec<_> = (1..).map(name).zip(buildings).collect();
         let manifest = of_buildings(buildings.iter().map(|(name, building)| (name.as_str(), building)));

@@ -5,7 +5,8 @@ use std::process::ExitCode;
 
 use anyhow::{Context, Result, bail};
 use b2b_building::hvac::{LeftAlone, System};
-use b2b_building::{BuildingName, Conditioning, PreparedBuilding, RunPeriod, import};
+use b2b_building::{Conditioning, PreparedBuilding, RunPeriod, import};
+use b2b_dataset::BuildingName;
 use b2b_energyplus::Level;
 use b2b_env::Task;
 use serde::{Deserialize, Serialize};

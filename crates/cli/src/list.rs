@@ -1,8 +1,9 @@
 //! `b2b list`: what there is to run.
 
 use anyhow::Result;
-use b2b_building::climate::PLACES;
-use b2b_building::{BuildingName, BuildingType, RunPeriod};
+use b2b_building::{BuildingType, RunPeriod};
+use b2b_climate::PLACES;
+use b2b_dataset::BuildingName;
 use b2b_env::Task;
 use serde_json::{Value, json};
 
@@ -118,7 +119,7 @@ fn places_text() -> String {
 }
 
 fn places_json() -> Value {
-    let place = |place: &b2b_building::climate::Place| {
+    let place = |place: &b2b_climate::Place| {
         json!({
             "place": place.name,
             "ashrae_climate_zone": place.ashrae_zone,

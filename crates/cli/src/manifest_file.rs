@@ -8,7 +8,7 @@ use anyhow::{Context, Result};
 use arrow_array::types::{Float64Type, Int64Type};
 use arrow_array::{ArrayRef, ArrowPrimitiveType, BooleanArray, PrimitiveArray, RecordBatch, StringArray};
 use arrow_schema::{DataType, Field, Schema};
-use b2b_building::dataset::manifest::{Column, Kind, Manifest};
+use b2b_dataset::manifest::{Column, Kind, Manifest};
 use parquet::arrow::ArrowWriter;
 use parquet::basic::Compression;
 use parquet::file::properties::WriterProperties;

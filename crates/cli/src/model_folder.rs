@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
-use b2b_building::dataset::manifest::Manifest;
+use b2b_dataset::manifest::Manifest;
 use tempfile::TempDir;
 
 /// Name of the manifest in the folder.
@@ -96,8 +96,8 @@ fn rows(text: &str) -> (&str, impl Iterator<Item = (&str, &str)>) {
 mod tests {
     use super::*;
     use b2b_building::BuildingType;
-    use b2b_building::dataset::manifest::of_buildings;
-    use b2b_building::dataset::{Places, sample};
+    use b2b_dataset::manifest::of_buildings;
+    use b2b_dataset::{Places, sample};
 
     fn table(name: &str, seed: u64) -> Manifest {
         let buildings = sample(BuildingType::Warehouse, 1, seed, &Places::All, &[]).unwrap();

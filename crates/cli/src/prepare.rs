@@ -5,10 +5,11 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use anyhow::{Context, Result};
-use b2b_building::climate::{Place, Site};
-use b2b_building::{BuildingName, Catalog, Placement, PreparedBuilding, RunPeriod};
+use b2b_building::{PreparedBuilding, RunPeriod};
+use b2b_climate::{Place, Site};
+use b2b_dataset::{BuildingName, Catalog, Placement};
 use b2b_energyplus::Library;
-use b2b_env::{Env, Episode, Task};
+use b2b_env::{Env, EpisodeConfig, Task};
 
 use crate::interrupt;
 use crate::progress::{Download, spinner};
@@ -64,8 +65,8 @@ impl Prepared {
     }
 
     /// What an episode is made of, under this weather.
-    pub fn episode(&self, period: RunPeriod, steps_per_hour: u32, task: Task) -> Episode {
-        Episode { weather: self.weather.clone(), period, steps_per_hour, task }
+    pub fn episode(&self, period: RunPeriod, steps_per_hour: u32, task: Task) -> EpisodeConfig {
+        EpisodeConfig { weather: self.weather.clone(), period, steps_per_hour, task }
     }
 }
 

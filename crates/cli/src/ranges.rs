@@ -3,9 +3,9 @@
 use std::ops::RangeInclusive;
 
 use b2b_building::BuildingType;
-use b2b_building::commercial::{CommercialParameters, Prescriptive};
-use b2b_building::dataset::{self, Building};
-use b2b_building::house::{HouseSample, NUMBERS, Vintage};
+use b2b_dataset::Building;
+use b2b_dataset::commercial::{CommercialParameters, Prescriptive};
+use b2b_dataset::house::{HouseSample, NUMBERS, Vintage};
 
 use crate::table::Table;
 
@@ -58,7 +58,7 @@ fn commercial() -> anyhow::Result<String> {
 }
 
 fn in_zone(building_type: BuildingType, zone: char) -> Vec<&'static CommercialParameters> {
-    let there = dataset::rows(building_type).iter().filter_map(|row| match &row.building {
+    let there = b2b_dataset::rows(building_type).iter().filter_map(|row| match &row.building {
         Building::Commercial { location, parameters, .. } => {
             location.ashrae_zone().is_some_and(|own| own.starts_with(zone)).then_some(parameters)
         }
@@ -88,7 +88,7 @@ fn houses() -> String {
 }
 
 fn of_vintage(vintage: Vintage) -> Vec<&'static HouseSample> {
-    let rows = dataset::rows(BuildingType::SingleFamilyHouse).iter();
+    let rows = b2b_dataset::rows(BuildingType::SingleFamilyHouse).iter();
     rows.filter_map(|row| match &row.building {
         Building::House(sample) => (sample.vintage == vintage).then_some(sample),
         Building::Commercial { .. } => None,

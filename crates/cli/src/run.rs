@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use anyhow::{Result, bail};
-use b2b_building::{BuildingName, Date, RunPeriod};
+use b2b_building::{Date, RunPeriod};
 use b2b_control::Controller;
+use b2b_dataset::BuildingName;
 use b2b_env::{Env, Task, Trajectory};
 use cpu_time::ProcessTime;
 
@@ -156,7 +157,7 @@ impl Arguments {
 /// Runs an episode to its end, or to an interrupt.
 pub fn roll_out(env: &mut Env, controller: &mut dyn Controller, quiet: bool) -> Result<Rollout> {
     let days = Days::new(env.episode().period, env.episode().steps_per_hour, quiet);
-    let mut trajectory = Trajectory::for_episode(env);
+    let mut trajectory = Trajectory::for_episode(env.spaces());
     let mut action = vec![0.0; env.action_space().len()];
     let mut env_cpu = Duration::ZERO;
     controller.reset();

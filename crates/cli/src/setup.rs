@@ -1,7 +1,7 @@
 //! `b2b setup`: fetches and repairs what runs need.
 
 use anyhow::Result;
-use b2b_building::climate::weather::PACKAGES;
+use b2b_climate::weather::PACKAGES;
 use b2b_energyplus::install::{Cache, ENGINE, Engine, Package};
 
 use crate::progress::Download;

@@ -4,7 +4,8 @@ use anyhow::Result;
 use b2b_building::description::ZoneDescription;
 use b2b_building::hvac::Actuator;
 use b2b_building::morphology::{Owner, Universe};
-use b2b_building::{BuildingName, Conditioning, RunPeriod, Zone};
+use b2b_building::{Conditioning, RunPeriod, Zone};
+use b2b_dataset::BuildingName;
 use b2b_env::{Env, Slot, Task};
 use serde_json::{Value, json};
 

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use anyhow::Result;
-use b2b_env::Episode;
+use b2b_env::EpisodeConfig;
 use b2b_env::vector::{Autoreset, Launcher, PoolOptions, Setting, Source, VecEnvOptions};
 
 use crate::interrupt;
@@ -22,7 +22,7 @@ impl Prepared {
     }
 
     /// The building as the setting of an episode.
-    pub fn setting(&self, episode: Episode) -> Setting {
+    pub fn setting(&self, episode: EpisodeConfig) -> Setting {
         Setting { source: Arc::new(Source::Prepared(Box::new((*self.building).clone()))), episode }
     }
 }

@@ -14,13 +14,14 @@ use std::time::{Duration, Instant};
 use b2b_benchmark::entry::{Check, Sample, read_result, verify};
 use b2b_benchmark::problem::Stage;
 use b2b_benchmark::{Evaluation, Problem, Row, Scored, Versions, write_stages};
-use b2b_building::dataset::BuildingId;
-use b2b_building::{BuildingName, Catalog, Conditioning, Placement, PreparedBuilding};
+use b2b_building::{Conditioning, PreparedBuilding};
 use b2b_control::ReactiveParameters;
+use b2b_dataset::{BuildingId, BuildingName, Catalog, Placement};
 use b2b_energyplus::digest::sha256;
 use b2b_energyplus::install::Quiet;
 use b2b_env::Setpoints;
-use b2b_env::vector::{Launcher, Spaces};
+use b2b_env::Spaces;
+use b2b_env::vector::Launcher;
 use common::{b2b, command};
 use onnx_file::linear_policy;
 use serde_json::{Value, json};
@@ -132,8 +133,9 @@ fn every_side_of_every_problem_has_the_sizes_of_the_paper() {
             for task in &side.tasks {
                 let moving = !matches!(task.setpoints, Setpoints::Constant { .. });
                 let (period, weather) = ("01-10..01-10".parse().unwrap(), weather.clone());
-                let episode = b2b_env::Episode { weather, period, steps_per_hour: 12, task: task.clone() };
-                let spaces = Spaces::new(Arc::clone(building), episode).unwrap();
+                let episode =
+                    b2b_env::EpisodeConfig { weather, period, steps_per_hour: 12, task: task.clone() };
+                let spaces = Spaces::new(Arc::clone(building), episode);
                 let told = if moving { 2 * controlled } else { 0 };
                 let seen = spaces.observation.len();
                 assert!((slots[0] + told..=slots[1] + told).contains(&seen), "{}: {seen}", problem.name);

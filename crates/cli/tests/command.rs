@@ -11,7 +11,7 @@ use std::process::{Command, Output, Stdio};
 use std::time::Duration;
 
 use b2b_building::BuildingType;
-use b2b_building::climate::Place;
+use b2b_climate::Place;
 use b2b_energyplus::Library;
 use b2b_energyplus::install::{Engine, Quiet};
 use common::stderr;
@@ -346,7 +346,7 @@ fn the_page_of_a_building_has_every_surface_at_its_size_and_needs_no_network() {
 
     let engine = Engine::ensure(&mut Quiet).unwrap();
     let library = Library::load(&engine.library).unwrap();
-    let model = BuildingType::Warehouse.prototype(&engine, &library).unwrap();
+    let model = b2b_dataset::archetype::prototype(BuildingType::Warehouse, &engine, &library).unwrap();
     let surfaces = b2b_building::zone::surfaces(&model).unwrap();
     assert!(surfaces.iter().any(|surface| surface.corners.len() == 6));
     for surface in &surfaces {

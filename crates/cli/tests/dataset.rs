@@ -13,8 +13,8 @@ use std::time::Duration;
 use arrow_array::Array;
 use arrow_array::cast::AsArray;
 use arrow_array::types::Float64Type;
-use b2b_building::climate::Place;
-use b2b_building::dataset::{self, Building};
+use b2b_climate::Place;
+use b2b_dataset::Building;
 use b2b_energyplus::install::Quiet;
 use common::{b2b, command, json, stderr};
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
@@ -272,7 +272,7 @@ fn a_building_of_the_dataset_runs_at_its_own_place() {
     for id in ["RestaurantFastFood-0042", "SingleFamilyHouse-0042"] {
         let said = json(folder.path(), &format!("run {id} --period 01-01..01-01"));
         assert_eq!(said["building"], id);
-        assert_eq!(said["place"], dataset::row(id.parse().unwrap()).building.place());
+        assert_eq!(said["place"], b2b_dataset::row(id.parse().unwrap()).building.place());
         assert_eq!(said["engine_severes"], 0);
     }
 }
@@ -285,7 +285,7 @@ fn show_tells_of_the_building_of_the_id() {
         json(folder.path(), &format!("show {name}"))["conditioned_floor_area_m2"].as_f64().unwrap()
     };
     let Building::Commercial { parameters, .. } =
-        &dataset::row("RestaurantFastFood-0042".parse().unwrap()).building
+        &b2b_dataset::row("RestaurantFastFood-0042".parse().unwrap()).building
     else {
         unreachable!()
     };

@@ -58,7 +58,7 @@ pub enum Error {
     Search(String),
     /// A building could not be made.
     #[error(transparent)]
-    Building(Box<b2b_building::Error>),
+    Building(Box<b2b_dataset::Error>),
     /// An environment failed.
     #[error(transparent)]
     Env(#[from] b2b_env::Error),
@@ -72,9 +72,15 @@ pub enum Error {
     },
 }
 
+impl From<b2b_dataset::Error> for Error {
+    fn from(error: b2b_dataset::Error) -> Self {
+        Self::Building(Box::new(error))
+    }
+}
+
 impl From<b2b_building::Error> for Error {
     fn from(error: b2b_building::Error) -> Self {
-        Self::Building(Box::new(error))
+        b2b_dataset::Error::from(error).into()
     }
 }
 

@@ -1,7 +1,7 @@
 //! Controllers that need no learning: reactive after ASHRAE Guideline 36, constant, random, a
 //! planner on copies of the simulation, and what was done before.
 //!
-//! A [`Controller`] maps an observation to an action, as a policy does, and may keep state between steps.
+//! Each implements [`Controller`] of `b2b_env`.
 
 mod constant;
 mod error;
@@ -14,6 +14,7 @@ mod replay;
 pub mod tune;
 mod tuned;
 
+pub use b2b_env::Controller;
 pub use constant::Constant;
 pub use error::{Error, Result};
 #[cfg(target_os = "linux")]
@@ -24,15 +25,6 @@ pub use reactive::{
 };
 pub use replay::Replay;
 pub use tuned::{Measured, Tuned};
-
-/// Something that acts on an environment.
-pub trait Controller {
-    /// Forgets everything: a new episode begins.
-    fn reset(&mut self);
-
-    /// Writes the action for an observation. Both in the order and the units of the environment's spaces.
-    fn act(&mut self, observation: &[f64], action: &mut [f64]);
-}
 
 /// The README's example, which runs as a test.
 #[cfg(doctest)]

@@ -104,7 +104,7 @@ impl ReactiveParameters {
 mod tests {
     use std::collections::BTreeSet;
 
-    use b2b_building::dataset::{self, Split};
+    use b2b_dataset::Split;
 
     use super::*;
 
@@ -113,9 +113,9 @@ mod tests {
         for tuned in Tuned::shipped() {
             tuned.parameters.check().unwrap();
             assert!(tuned.measured.score >= tuned.measured.default_score, "{}", tuned.class);
-            assert_eq!(tuned.dataset, dataset::GENERATOR_VERSION);
+            assert_eq!(tuned.dataset, b2b_dataset::GENERATOR_VERSION);
             for id in &tuned.buildings {
-                let row = dataset::row(id.parse().unwrap());
+                let row = b2b_dataset::row(id.parse().unwrap());
                 assert_eq!((row.split, row.building.class()), (Split::Train, tuned.class), "{id}");
             }
         }

@@ -2,13 +2,14 @@
 
 use std::sync::Arc;
 
-use b2b_building::climate::{Place, Site};
-use b2b_building::commercial::{CommercialParameters, generate};
 use b2b_building::{BuildingType, Conditioning, Model, PreparedBuilding, RunPeriod};
+use b2b_climate::{Place, Site};
 use b2b_control::{Controller, Reactive, ReactiveParameters};
+use b2b_dataset::archetype;
+use b2b_dataset::commercial::{CommercialParameters, generate};
 use b2b_energyplus::install::{Engine, Quiet};
 use b2b_energyplus::{Level, Library};
-use b2b_env::{Env, Episode, Task};
+use b2b_env::{Env, EpisodeConfig, Task};
 
 const STEPS_PER_HOUR: u32 = 12;
 /// Climate zones 1A, 5B and 8, each with ends of the bounds: 0 is the tightest and smallest building, 1 the leakiest and
@@ -29,7 +30,7 @@ fn every_climate_is_held(building_type: BuildingType) {
     let engine = Engine::ensure(&mut Quiet).unwrap();
     let library = Library::load(&engine.library).unwrap();
     let home = site(Place::find("Denver").unwrap());
-    let base = building_type.base_model(&engine, &library, &home).unwrap();
+    let base = archetype::base_model(building_type, &engine, &library, &home).unwrap();
     for (place, corner) in CASES {
         let place = Place::find(place).unwrap();
         let building = building(&base, building_type, place, corner, &library);
@@ -56,7 +57,7 @@ fn building(
 fn is_held(building: &Arc<PreparedBuilding>, place: &Place, period: &str, library: &Library, label: &str) {
     let period: RunPeriod = period.parse().unwrap();
     let weather = place.epw(&mut Quiet).unwrap();
-    let episode = Episode { weather, period, steps_per_hour: STEPS_PER_HOUR, task: Task::default() };
+    let episode = EpisodeConfig { weather, period, steps_per_hour: STEPS_PER_HOUR, task: Task::default() };
     let mut env = Env::new(library.clone(), building.clone(), episode).unwrap();
     let mut controller =
         Reactive::new(building, env.observation_space(), STEPS_PER_HOUR, &ReactiveParameters::default());

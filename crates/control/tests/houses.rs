@@ -3,13 +3,13 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use b2b_building::climate::{Location, Region, Site};
-use b2b_building::house::{DIMENSIONS, Foundation, Heater, Heating, HouseSample, house};
 use b2b_building::{PreparedBuilding, RunPeriod};
+use b2b_climate::{Location, Region, Site};
 use b2b_control::{Controller, Reactive, ReactiveParameters};
+use b2b_dataset::house::{DIMENSIONS, Foundation, Heater, Heating, HouseSample, house};
 use b2b_energyplus::install::{Cache, Engine, Quiet};
 use b2b_energyplus::{Level, Library};
-use b2b_env::{Env, Episode, Task};
+use b2b_env::{Env, EpisodeConfig, Task};
 
 const STEPS_PER_HOUR: u32 = 12;
 
@@ -62,7 +62,7 @@ fn extremes(
     library: &Library,
 ) -> (f64, f64) {
     let task = Task::default();
-    let episode = Episode { weather: weather.to_owned(), period, steps_per_hour: STEPS_PER_HOUR, task };
+    let episode = EpisodeConfig { weather: weather.to_owned(), period, steps_per_hour: STEPS_PER_HOUR, task };
     let mut env = Env::new(library.clone(), building.clone(), episode).unwrap();
     let mut controller =
         Reactive::new(building, env.observation_space(), STEPS_PER_HOUR, &ReactiveParameters::default());

@@ -154,7 +154,7 @@ pub enum Error {
     Engine(#[from] b2b_energyplus::Error),
     /// A building that cannot be made.
     #[error(transparent)]
-    Building(Box<b2b_building::Error>),
+    Building(Box<b2b_dataset::Error>),
     /// A file could not be read or written.
     #[error("{path}: {source}")]
     Io {
@@ -168,8 +168,14 @@ pub enum Error {
 /// A result of this crate.
 pub type Result<T> = std::result::Result<T, Error>;
 
+impl From<b2b_dataset::Error> for Error {
+    fn from(error: b2b_dataset::Error) -> Self {
+        Self::Building(Box::new(error))
+    }
+}
+
 impl From<b2b_building::Error> for Error {
     fn from(error: b2b_building::Error) -> Self {
-        Self::Building(Box::new(error))
+        b2b_dataset::Error::from(error).into()
     }
 }

@@ -1,22 +1,30 @@
 //! Buildings as reinforcement-learning environments on EnergyPlus.
 //!
-//! An [`Env`] is composed of a prepared building, a weather file, a [`Task`] and a run period. One step is one
-//! zone time step of the engine: the action is set, the engine computes, the observation is the state at the
+//! An [`Environment`] is composed of a prepared building, a weather file, a [`Task`] and a run period. One step is
+//! one zone time step of the engine: the action is set, the engine computes, the observation is the state at the
 //! end of the step, and energy is that step's meter reading, counted once.
+//!
+//! [`Env`] has the engine in this process; a [`vector::Episode`] has it in a worker process, and a
+//! [`vector::VecEnv`] is a batch of those. A [`Controller`] acts, and [`rollout`] runs a whole episode under it.
 
 mod action;
 pub mod authority;
 mod comfort;
+mod controller;
 mod energy_scale;
+mod engine_report;
 #[allow(clippy::module_inception, reason = "one file a concept, and the concept is the environment")]
 mod env;
+mod environment;
 mod episode_metrics;
 mod error;
 mod metrics;
 mod morphology;
 mod observation;
 mod reward;
+mod rollout;
 mod setpoints;
+mod spaces;
 mod task;
 mod trajectory;
 #[cfg(target_os = "linux")]
@@ -25,14 +33,19 @@ mod warmup;
 
 pub use action::ActionSpace;
 pub use comfort::{Comfort, Pmv};
+pub use controller::Controller;
 pub use energy_scale::EnergyScale;
-pub use env::{Env, Episode, Snapshot, Step};
+pub use engine_report::EngineReport;
+pub use env::{Env, Snapshot};
+pub use environment::{Environment, Step};
 pub use episode_metrics::{EpisodeMetrics, MetricColumn, MetricValue};
 pub use error::{Error, Result};
 pub use metrics::{Metrics, ZoneMetrics};
 pub use morphology::Decomposition;
 pub use observation::{ObservationSpace, Slot, Target};
 pub use reward::{Reward, RewardFunction, StepView, ZoneStep};
+pub use rollout::{Observer, rollout};
 pub use setpoints::{RandomDay, RandomHour, Setpoints};
+pub use spaces::{EpisodeConfig, Spaces};
 pub use task::{Fuels, HeatingOnlyZones, Hourly, Resource, Task};
 pub use trajectory::Trajectory;

@@ -1,16 +1,17 @@
-//! An episode, step by step.
+//! The record of an episode.
 
 use b2b_energyplus::digest::hex;
 use sha2::{Digest, Sha256};
 
-use crate::env::{Env, Step};
+use crate::environment::Step;
+use crate::spaces::Spaces;
 
-/// The steps of an episode: what was seen, what was done, and what it was worth. Row-major, one row a step.
+/// The steps of an episode: observations, actions and penalties. Row-major, one row per step.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Trajectory {
     /// Observations at the ends of the steps.
     pub observations: Vec<f64>,
-    /// Actions carried out (within bounds).
+    /// Actions as carried out, within bounds.
     pub actions: Vec<f64>,
     /// Temperature and energy penalty of each step.
     pub penalties: Vec<[f64; 2]>,
@@ -18,11 +19,11 @@ pub struct Trajectory {
 
 impl Trajectory {
     /// An empty trajectory with room for an episode.
-    pub fn for_episode(env: &Env) -> Self {
-        let steps = env.episode_steps();
+    pub fn for_episode(spaces: &Spaces) -> Self {
+        let steps = spaces.episode_steps();
         Self {
-            observations: Vec::with_capacity(steps * env.observation_space().len()),
-            actions: Vec::with_capacity(steps * env.action_space().len()),
+            observations: Vec::with_capacity(steps * spaces.observation.len()),
+            actions: Vec::with_capacity(steps * spaces.action.len()),
             penalties: Vec::with_capacity(steps),
         }
     }
@@ -34,12 +35,12 @@ impl Trajectory {
         self.penalties.push([step.reward.temperature_penalty, step.reward.energy_penalty]);
     }
 
-    /// What one slot of the observation was at the ends of the steps.
+    /// One slot of the observation at the ends of the steps.
     pub fn observed(&self, slot: usize) -> impl Iterator<Item = f64> {
         self.column(&self.observations, slot)
     }
 
-    /// What one actuator was set to in the steps.
+    /// The values of one actuator in the steps.
     pub fn acted(&self, actuator: usize) -> impl Iterator<Item = f64> {
         self.column(&self.actions, actuator)
     }
@@ -59,7 +60,7 @@ impl Trajectory {
         self.penalties.is_empty()
     }
 
-    /// SHA-256 of every bit of it, in hexadecimal: equal hashes mean equal episodes.
+    /// SHA-256 of all values, in hexadecimal: equal hashes mean equal episodes.
     pub fn hash(&self) -> String {
         let mut hasher = Sha256::new();
         let penalties = self.penalties.iter().flatten();
@@ -75,7 +76,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_column_has_a_value_a_step() {
+    fn a_column_has_one_value_per_step() {
         let trajectory = Trajectory {
             observations: vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0],
             actions: vec![7.0, 8.0],

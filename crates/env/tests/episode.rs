@@ -66,7 +66,7 @@ fn interleaved(envs: [(&mut Env, u64); 2]) -> [String; 2] {
     let mut running = envs.map(|(env, seed)| {
         env.reset().unwrap();
         let dice = Dice::new(env.action_space(), seed);
-        let trajectory = Trajectory::for_episode(env);
+        let trajectory = Trajectory::for_episode(env.spaces());
         (env, dice, trajectory)
     });
     let mut truncated = false;
@@ -86,7 +86,7 @@ fn an_episode_goes_on_as_if_a_refused_action_had_never_been_given() {
     let mut env = case.env("01-20..01-20");
     let expected = random_episode(&mut env, 8).hash();
     let mut dice = Dice::new(env.action_space(), 8);
-    let mut trajectory = Trajectory::for_episode(&env);
+    let mut trajectory = Trajectory::for_episode(env.spaces());
     env.reset().unwrap();
     for done in 0..env.episode_steps() {
         if done % 50 == 7 {

@@ -8,7 +8,7 @@ use std::sync::{Arc, OnceLock};
 use b2b_building::description::Origin;
 use b2b_building::morphology::{Layout, NodeType, Observed, Owner};
 use b2b_building::{BuildingType, Conditioning, Description, Morphology};
-use b2b_env::{Decomposition, Env, Episode, Task};
+use b2b_env::{Decomposition, Env, EpisodeConfig, Task};
 
 struct Case {
     env: Env,
@@ -30,7 +30,7 @@ fn case_of(building_type: BuildingType, task: Task) -> Case {
     let common::Case { library, building, weather } =
         PREPARED[building_type as usize].get_or_init(|| common::Case::at_home(building_type));
     let period = "01-01..01-01".parse().unwrap();
-    let episode = Episode { weather: weather.clone(), period, steps_per_hour: 12, task };
+    let episode = EpisodeConfig { weather: weather.clone(), period, steps_per_hour: 12, task };
     let env = Env::new(library.clone(), Arc::clone(building), episode).unwrap();
     let description = Description::of(building, weather, Origin::default()).unwrap();
     let morphology = Morphology::of(building, &description);

@@ -15,7 +15,7 @@ fn office() -> Case {
 /// A day's episode under random actions: the first observation, and the steps.
 fn episode(env: &mut Env, seed: u64) -> (Vec<f64>, Trajectory) {
     let mut dice = Dice::new(env.action_space(), seed);
-    let mut trajectory = Trajectory::for_episode(env);
+    let mut trajectory = Trajectory::for_episode(env.spaces());
     let first = env.reset().unwrap().to_vec();
     loop {
         let step = env.step(dice.roll()).unwrap();

@@ -1,6 +1,6 @@
 //! What a baseline depends on.
 
-use b2b_building::dataset::GENERATOR_VERSION;
+use b2b_dataset::GENERATOR_VERSION;
 use b2b_energyplus::digest::sha256;
 use b2b_energyplus::install::ENGINE_VERSION;
 use b2b_env::Task;

@@ -153,7 +153,7 @@ impl Baselines {
 #[cfg(test)]
 mod tests {
     use b2b_building::RunPeriod;
-    use b2b_building::dataset::GENERATOR_VERSION;
+    use b2b_dataset::GENERATOR_VERSION;
     use b2b_energyplus::install::ENGINE_VERSION;
     use b2b_env::Task;
 

@@ -4,7 +4,8 @@ use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
-use b2b_building::{Catalog, PreparedBuilding};
+use b2b_building::PreparedBuilding;
+use b2b_dataset::Catalog;
 use b2b_energyplus::install::Quiet;
 use b2b_env::vector::{Pool, PoolOptions, Setting, Source};
 
@@ -107,7 +108,7 @@ impl Bench {
 
     /// An episode of the building.
     pub(super) fn setting(&self, episode: &Episode) -> Setting {
-        let episode = b2b_env::Episode {
+        let episode = b2b_env::EpisodeConfig {
             weather: self.located.weather.clone(),
             period: episode.period,
             steps_per_hour: episode.steps_per_hour,

@@ -1,6 +1,6 @@
 //! The record of an episode.
 
-use b2b_env::vector::Spaces;
+use b2b_env::Spaces;
 use b2b_env::{EpisodeMetrics, Metrics};
 use serde::{Deserialize, Serialize};
 

@@ -1,6 +1,6 @@
 //! Hourly values of an episode.
 
-use b2b_env::vector::Spaces;
+use b2b_env::Spaces;
 use serde::{Deserialize, Serialize};
 
 use super::recording::{ControlledZone, Recording};

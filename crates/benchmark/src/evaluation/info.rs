@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use b2b_env::vector::Spaces;
+use b2b_env::Spaces;
 use serde::{Deserialize, Serialize};
 
 use super::episode::Episode;

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use b2b_building::Catalog;
+use b2b_dataset::Catalog;
 use b2b_env::vector::Launcher;
 
 use super::episode::Episode;

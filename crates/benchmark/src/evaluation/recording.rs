@@ -1,7 +1,7 @@
 //! A recorded episode.
 
 use b2b_building::{Conditioning, Zone};
-use b2b_env::vector::Spaces;
+use b2b_env::Spaces;
 use b2b_env::{Target, Trajectory};
 
 /// A recorded episode.

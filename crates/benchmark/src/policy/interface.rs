@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use b2b_control::Controller;
 use b2b_env::ActionSpace;
-use b2b_env::vector::{Pool, Spaces, TemplateId};
+use b2b_env::Spaces;
+use b2b_env::vector::{Pool, TemplateId};
 
 use crate::{Result, Subject, Surroundings};
 

@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use b2b_control::Controller;
 use b2b_energyplus::digest::sha256;
 use b2b_env::ActionSpace;
-use b2b_env::vector::Spaces;
+use b2b_env::Spaces;
 use tract_onnx::prelude::*;
 use tract_onnx::tract_hir::internal::{DimLike, Factoid, format_err};
 

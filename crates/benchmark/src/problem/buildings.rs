@@ -4,7 +4,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use b2b_building::BuildingType;
-use b2b_building::dataset::{self, BuildingId, Row};
+use b2b_dataset::{BuildingId, Row};
 use serde::{Deserialize, Serialize};
 
 use super::as_text;
@@ -78,7 +78,7 @@ impl Buildings {
         match self {
             Self::Listed { ids } => ids.clone(),
             Self::Subset { types, subset } => {
-                let of_type = types.iter().flat_map(|building_type| dataset::rows(*building_type));
+                let of_type = types.iter().flat_map(|building_type| b2b_dataset::rows(*building_type));
                 of_type.filter(|row| subset.contains(row)).map(|row| row.id).collect()
             }
         }
@@ -115,8 +115,8 @@ impl Buildings {
 impl Subset {
     fn contains(self, row: &Row) -> bool {
         match self {
-            Self::Train => row.split == dataset::Split::Train,
-            Self::Test => row.split == dataset::Split::Test,
+            Self::Train => row.split == b2b_dataset::Split::Train,
+            Self::Test => row.split == b2b_dataset::Split::Test,
             Self::TestSmall => row.test_small,
         }
     }

@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 use std::fmt;
 
-use b2b_building::dataset::{self, BuildingId, Split};
+use b2b_dataset::{BuildingId, Split};
 use b2b_env::Task;
 
 use super::definition::{Family, Problem};
@@ -32,7 +32,7 @@ impl Problem {
 
     /// A policy trained on the dataset's test buildings cannot be compared on any problem.
     fn split_fault(&self) -> Option<String> {
-        let for_tests = |id: &BuildingId| dataset::row(*id).split == Split::Test;
+        let for_tests = |id: &BuildingId| b2b_dataset::row(*id).split == Split::Test;
         let ids: Vec<_> = self.train.buildings.ids().into_iter().filter(for_tests).collect();
         (!ids.is_empty()).then(|| {
             format!(

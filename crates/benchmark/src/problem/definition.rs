@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use b2b_building::dataset::{self, BuildingId, Split};
+use b2b_dataset::{BuildingId, Split};
 use b2b_energyplus::digest::sha256;
 use serde::{Deserialize, Serialize};
 
@@ -83,7 +83,7 @@ impl Problem {
         }
         let why = if self.test.buildings.ids().contains(&id) {
             "it is a test building of the problem"
-        } else if dataset::row(id).split == Split::Test {
+        } else if b2b_dataset::row(id).split == Split::Test {
             "it belongs to the dataset's test split"
         } else {
             "it is not on the training side"

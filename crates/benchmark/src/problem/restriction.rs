@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use b2b_building::hvac::Quantity;
 use b2b_control::{Controller, Reactive, ReactiveParameters};
-use b2b_env::vector::Spaces;
+use b2b_env::Spaces;
 use serde::{Deserialize, Serialize};
 
 use crate::{Error, Result};

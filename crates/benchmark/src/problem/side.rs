@@ -1,9 +1,10 @@
 //! One side of a problem: buildings, tasks and actuators.
 
-use b2b_building::dataset::BuildingId;
-use b2b_building::{BuildingName, BuildingType, RunPeriod};
+use b2b_building::{BuildingType, RunPeriod};
+use b2b_dataset::BuildingId;
+use b2b_dataset::BuildingName;
+use b2b_env::Spaces;
 use b2b_env::Task;
-use b2b_env::vector::Spaces;
 use serde::{Deserialize, Serialize};
 
 use super::as_text;

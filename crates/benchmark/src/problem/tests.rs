@@ -1,7 +1,7 @@
 use std::collections::HashSet;
 
 use b2b_building::BuildingType;
-use b2b_building::dataset::{self, BuildingId, Split};
+use b2b_dataset::{BuildingId, Split};
 use serde_json::Value;
 
 use super::shipped::SHIPPED;
@@ -33,7 +33,7 @@ fn no_environment_is_on_both_sides() {
         let (train, test) = (environments(&problem.train), environments(&problem.test));
         assert!(train.is_disjoint(&test), "{}", problem.name);
         for id in problem.train.buildings.ids() {
-            assert_eq!(dataset::row(id).split, Split::Train, "{}", problem.name);
+            assert_eq!(b2b_dataset::row(id).split, Split::Train, "{}", problem.name);
         }
     }
 }

@@ -250,12 +250,12 @@ pub fn is_one_of(class: &str, classes: &[&str]) -> bool {
 }
 
 /// Name of the schedule of a zone's heating setpoint, °C.
-pub(crate) fn heating_setpoint(zone: &str) -> String {
+pub fn heating_setpoint(zone: &str) -> String {
     format!("{zone} Heating Setpoint")
 }
 
 /// Name of the schedule of a zone's cooling setpoint, °C.
-pub(crate) fn cooling_setpoint(zone: &str) -> String {
+pub fn cooling_setpoint(zone: &str) -> String {
     format!("{zone} Cooling Setpoint")
 }
 

@@ -1,8 +1,9 @@
 //! `b2b bench soak`: many episodes of everything, to find what leaks or breaks.
 
 use anyhow::{Context, Result};
-use b2b_building::{BuildingName, BuildingType, RunPeriod};
+use b2b_building::{BuildingType, RunPeriod};
 use b2b_control::{Controller, Random};
+use b2b_dataset::BuildingName;
 use b2b_energyplus::digest::hex;
 use b2b_env::Task;
 use b2b_env::vector::{AnyOf, VecEnv, VecEnvOptions, Windows};

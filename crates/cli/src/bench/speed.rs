@@ -2,7 +2,8 @@
 
 use anyhow::{Result, bail};
 use b2b_building::hvac::{Actuator, Quantity};
-use b2b_building::{BuildingName, BuildingType, Date, RunPeriod};
+use b2b_building::{BuildingType, Date, RunPeriod};
+use b2b_dataset::BuildingName;
 use b2b_energyplus::{Event, Run, Simulation};
 use b2b_env::{Env, Task};
 use cpu_time::ProcessTime;

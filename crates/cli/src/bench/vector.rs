@@ -5,7 +5,8 @@ use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::time::Instant;
 
 use anyhow::{Context, Result};
-use b2b_building::{BuildingName, BuildingType, Date, RunPeriod};
+use b2b_building::{BuildingType, Date, RunPeriod};
+use b2b_dataset::BuildingName;
 use b2b_env::vector::{Fixed, Pool, Setting, Start, VecEnv};
 use b2b_env::{Env, Task};
 use cpu_time::ProcessTime;

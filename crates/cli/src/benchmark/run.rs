@@ -9,7 +9,7 @@ use b2b_benchmark::entry::{Entry, EntryPolicy, RunOutcome, RunResult};
 use b2b_benchmark::problem::{Problem, Stage};
 use b2b_benchmark::statistics::Aggregate;
 use b2b_benchmark::{Baselines, Row};
-use b2b_building::Catalog;
+use b2b_dataset::Catalog;
 
 use super::selection::Selection;
 use crate::evaluate::{Actions, Bars, evaluation, fetch_weather};

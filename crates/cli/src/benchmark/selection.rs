@@ -5,8 +5,8 @@ use std::path::Path;
 use anyhow::{Result, bail};
 use b2b_benchmark::Problem;
 use b2b_benchmark::problem::{Attributes, Changes, Fallback};
-use b2b_building::dataset::BuildingId;
 use b2b_building::{BuildingType, RunPeriod};
+use b2b_dataset::BuildingId;
 use b2b_env::Task;
 
 use crate::run;

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use anyhow::Result;
 use b2b_benchmark::entry::{self, Check, Sample};
-use b2b_building::Catalog;
+use b2b_dataset::Catalog;
 use serde_json::json;
 
 use crate::evaluate::{Bars, evaluation};

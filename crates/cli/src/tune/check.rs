@@ -1,10 +1,10 @@
 //! `b2b tune check`: whether what tuning found, and the energy scales that follow from it, come out again.
 
 use anyhow::{Context, Result, bail};
-use b2b_building::dataset::BuildingId;
-use b2b_building::{Catalog, Class};
+use b2b_building::Class;
 use b2b_control::tune::{self, Outcome};
 use b2b_control::{Measured, ReactiveParameters, Tuned};
+use b2b_dataset::{BuildingId, Catalog};
 use b2b_env::EnergyScale;
 
 use super::{Groups, rollouts};

@@ -2,9 +2,9 @@
 
 use anyhow::{Context, Result};
 use b2b_benchmark::statistics;
-use b2b_building::dataset::{self, BuildingId};
-use b2b_building::{BuildingType, Catalog, Class, RunPeriod};
+use b2b_building::{BuildingType, Class, RunPeriod};
 use b2b_control::{ReactiveParameters, Tuned};
+use b2b_dataset::{BuildingId, Catalog};
 use b2b_env::{Metrics, Task};
 use serde::Serialize;
 
@@ -67,7 +67,7 @@ impl Held {
 pub fn compare(arguments: &Arguments) -> Result<()> {
     let mut buildings: Vec<(Class, Vec<BuildingId>)> = Vec::new();
     for class in arguments.groups.classes()? {
-        let rows = dataset::rows(class.building_type).iter();
+        let rows = b2b_dataset::rows(class.building_type).iter();
         let ids = rows.filter(|row| row.test_small && row.building.class() == class).map(|row| row.id);
         buildings.extend(ids.map(|id| (class, vec![id])));
     }

@@ -7,10 +7,10 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
-use b2b_building::dataset::BuildingId;
-use b2b_building::{BuildingType, Catalog, Class, RunPeriod};
+use b2b_building::{BuildingType, Class, RunPeriod};
 use b2b_control::tune::{self, Outcome, Plan, Rollouts};
 use b2b_control::{ReactiveParameters, Tuned};
+use b2b_dataset::{BuildingId, Catalog};
 use b2b_env::Task;
 use b2b_env::vector::{Launcher, PoolOptions};
 use indicatif::ProgressBar;

@@ -11,7 +11,8 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use b2b_building::{BuildingName, RunPeriod};
+use b2b_building::RunPeriod;
+use b2b_dataset::BuildingName;
 use b2b_env::Task;
 use plotly::color::{Rgb, Rgba};
 use plotly::common::Font;

@@ -16,8 +16,8 @@ mod space;
 
 use std::path::Path;
 
-use b2b_building::dataset::{self, BuildingId, GENERATOR_VERSION, Split};
 use b2b_building::{Class, RunPeriod};
+use b2b_dataset::{BuildingId, GENERATOR_VERSION, Split};
 use b2b_env::{Metrics, Task};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -88,7 +88,7 @@ impl Outcome {
 /// # Errors
 /// [`Error::TooFewBuildings`].
 pub fn training_buildings(class: Class, count: usize, seed: u64) -> Result<Vec<BuildingId>> {
-    let rows = dataset::rows(class.building_type).iter();
+    let rows = b2b_dataset::rows(class.building_type).iter();
     let of_class = rows.filter(|row| row.split == Split::Train && row.building.class() == class);
     let mut left: Vec<BuildingId> = of_class.map(|row| row.id).collect();
     if count == 0 || count > left.len() {

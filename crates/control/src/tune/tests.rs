@@ -80,7 +80,7 @@ fn buildings_to_tune_on_are_training_buildings_of_the_class() {
         assert_eq!(drawn, training_buildings(class, 8, 3).unwrap());
         assert_ne!(drawn, training_buildings(class, 8, 4).unwrap());
         for id in &drawn {
-            let row = dataset::row(*id);
+            let row = b2b_dataset::row(*id);
             assert_eq!((row.split, row.building.class()), (Split::Train, class));
         }
         assert!(drawn.windows(2).all(|pair| pair[0].number() < pair[1].number()));

@@ -46,7 +46,8 @@ use b2b_energyplus::Library;
 pub use report::{Condition, Level, Limit, Report, Row, Season, Verdict};
 
 use crate::Result;
-use crate::env::{Env, Episode};
+use crate::env::Env;
+use crate::spaces::EpisodeConfig;
 use crate::task::Task;
 use bench::Bench;
 use hold::follow_holds;
@@ -73,7 +74,7 @@ fn measure_season(
     weather: &Path,
     season: Season,
 ) -> Result<Vec<Row>> {
-    let episode = Episode {
+    let episode = EpisodeConfig {
         weather: weather.to_owned(),
         period: season.days(),
         steps_per_hour: STEPS_PER_HOUR,

@@ -15,7 +15,7 @@ mod worker;
 
 pub use launcher::Launcher;
 pub use order::Source;
-pub use pool::{Held, Live, Pool, PoolOptions, Setting, Spaces, TemplateId};
+pub use pool::{Held, Live, Pool, PoolOptions, Setting, TemplateId};
 pub use region::Start;
 pub use sampler::{AnyOf, Buildings, Draw, Fixed, Population, Sampler, Windows};
 pub use vec_env::{Autoreset, VecEnv, VecEnvOptions};

@@ -2,11 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use b2b_building::{BuildingName, Class, Found, Model, PreparedBuilding};
+use b2b_building::{Class, Model, PreparedBuilding};
+use b2b_dataset::{BuildingName, Found};
 use b2b_energyplus::Library;
 use serde::{Deserialize, Serialize};
 
-use crate::env::{Env, Episode};
+use crate::env::Env;
+use crate::spaces::EpisodeConfig;
 
 /// A building to make an environment of.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -51,7 +53,7 @@ impl Source {
     ///
     /// # Errors
     /// Those of [`PreparedBuilding::new`].
-    pub fn prepare(self, weather: &Path, library: &Library) -> b2b_building::Result<PreparedBuilding> {
+    pub fn prepare(self, weather: &Path, library: &Library) -> b2b_dataset::Result<PreparedBuilding> {
         match self {
             Self::Prepared(building) => Ok(*building),
             Self::Model { name, class, prototype, own, model } => {
@@ -78,7 +80,7 @@ pub(super) struct Order {
     /// The engine's library.
     pub(super) library: PathBuf,
     pub(super) source: Source,
-    pub(super) episode: Episode,
+    pub(super) episode: EpisodeConfig,
 }
 
 impl Order {

@@ -21,11 +21,9 @@ use tempfile::TempDir;
 use super::launcher::Launcher;
 use super::order::{Order, Source};
 use super::region::{COPIES, Command, Region, SEATS, Standing, Start, WIDTH};
-use crate::action::ActionSpace;
-use crate::env::Episode;
 use crate::metrics::Metrics;
-use crate::observation::ObservationSpace;
 use crate::reward::Reward;
+use crate::spaces::{EpisodeConfig, Spaces};
 use crate::{Error, Result};
 
 /// How often somebody who waits looks whether those it waits for are alive.
@@ -65,7 +63,7 @@ pub struct Setting {
     /// The building. Settings that share one share what was prepared of it.
     pub source: Arc<Source>,
     /// The rest.
-    pub episode: Episode,
+    pub episode: EpisodeConfig,
 }
 
 impl Setting {
@@ -76,46 +74,6 @@ impl Setting {
     fn has_building(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.source, &other.source)
             || self.source.name() == other.source.name() && self.source == other.source
-    }
-}
-
-/// What a setting came to once it was prepared.
-#[derive(Debug)]
-pub struct Spaces {
-    /// The building, sized and controllable.
-    pub building: Arc<PreparedBuilding>,
-    /// What the episode is made of.
-    pub episode: Episode,
-    /// What is driven.
-    pub action: ActionSpace,
-    /// What is seen.
-    pub observation: ObservationSpace,
-}
-
-impl Spaces {
-    /// Of a prepared building in an episode.
-    ///
-    /// # Errors
-    /// [`Error::TooWide`] when a worker has no room for as many numbers.
-    pub fn new(building: Arc<PreparedBuilding>, episode: Episode) -> Result<Self> {
-        let spaces = Self {
-            action: ActionSpace::of(&building),
-            observation: ObservationSpace::of(&building, episode.steps_per_hour, &episode.task.setpoints),
-            episode,
-            building,
-        };
-        for (what, width) in [("actuators", spaces.action.len()), ("slots", spaces.observation.len())] {
-            if width > WIDTH {
-                let name = spaces.building.name.clone();
-                return Err(Error::TooWide { name, what, width, most: WIDTH });
-            }
-        }
-        Ok(spaces)
-    }
-
-    /// Steps of a whole episode.
-    pub fn episode_steps(&self) -> usize {
-        (self.episode.period.days() * 24 * self.episode.steps_per_hour) as usize
     }
 }
 
@@ -635,7 +593,8 @@ impl Pool {
         let building = Arc::new(building);
         let memory = resident_memory(template.child.id()).unwrap_or(0);
         let setting = template.setting.clone();
-        let spaces = Arc::new(Spaces::new(Arc::clone(&building), setting.episode.clone())?);
+        let spaces = Arc::new(Spaces::new(Arc::clone(&building), setting.episode.clone()));
+        check_widths(&spaces)?;
         let template = self.template_mut(id);
         template.memory = memory;
         template.spaces = Some(Arc::clone(&spaces));
@@ -777,6 +736,17 @@ impl Drop for Pool {
         }
         (0..self.templates.len()).for_each(|index| self.remove_template(TemplateId(index)));
     }
+}
+
+/// A worker must have room for the action and the observation.
+fn check_widths(spaces: &Spaces) -> Result<()> {
+    for (what, width) in [("actuators", spaces.action.len()), ("slots", spaces.observation.len())] {
+        if width > WIDTH {
+            let name = spaces.building.name.clone();
+            return Err(Error::TooWide { name, what, width, most: WIDTH });
+        }
+    }
+    Ok(())
 }
 
 fn open_process(process: i32) -> io::Result<OwnedFd> {

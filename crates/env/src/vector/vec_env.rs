@@ -5,11 +5,12 @@ use std::sync::Arc;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use super::pool::{Live, Pool, PoolOptions, Setting, Spaces};
+use super::pool::{Live, Pool, PoolOptions, Setting};
 use super::region::Start;
 use super::sampler::{Draw, Sampler};
 use crate::metrics::Metrics;
 use crate::reward::Reward;
+use crate::spaces::Spaces;
 use crate::{Error, Result};
 
 /// When an environment whose episode is over begins the next, after Gymnasium's `AutoresetMode`.

@@ -88,7 +88,7 @@ impl Worker {
         let watch = Watch::start(self.owner.process.try_clone()?, self.folder.clone())?;
         let mut env = serde_json::from_slice::<Order>(&std::fs::read(order)?)?.env()?;
         env.reset()?;
-        env.leave_after(0);
+        env.set_finish_run(false);
         // The engine keeps open what it still needs.
         std::fs::remove_dir_all(env.folder())?;
         let ready = order.with_extension("ready");
@@ -153,7 +153,7 @@ impl Worker {
                     opened?;
                     pin(self.region.processor(seat));
                     if let steps @ 1.. = self.region.steps(seat) {
-                        env.leave_after(steps as usize);
+                        env.truncate_after(steps as usize);
                     }
                     self.stand(env);
                     return Ok(());

@@ -4,11 +4,11 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use b2b_building::climate::{Place, Site};
 use b2b_building::{BuildingType, PreparedBuilding, import};
+use b2b_climate::{Place, Site};
 use b2b_energyplus::Library;
 use b2b_energyplus::install::{Engine, Quiet};
-use b2b_env::{ActionSpace, Env, Episode, Task, Trajectory};
+use b2b_env::{ActionSpace, Env, EpisodeConfig, Task, Trajectory};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -29,7 +29,7 @@ impl Case {
         let library = Library::load(&engine.library).unwrap();
         let weather = Place::find(place).unwrap().epw(&mut Quiet).unwrap();
         let site = Site::read(&weather).unwrap();
-        let model = building_type.base_model(&engine, &library, &site).unwrap();
+        let model = b2b_dataset::archetype::base_model(building_type, &engine, &library, &site).unwrap();
         let building = PreparedBuilding::new(building_type.name(), model, &weather, &library).unwrap();
         Self { library, building: Arc::new(building), weather }
     }
@@ -52,7 +52,7 @@ impl Case {
 
     /// As [`Case::env`], for a task by its spelling.
     pub fn env_for(&self, period: &str, task: &str) -> Env {
-        let episode = Episode {
+        let episode = EpisodeConfig {
             weather: self.weather.clone(),
             period: period.parse().unwrap(),
             steps_per_hour: 12,
@@ -91,7 +91,7 @@ impl Dice {
 /// An episode under random actions, observed step by step.
 pub fn random_episode(env: &mut Env, seed: u64) -> Trajectory {
     let mut dice = Dice::new(env.action_space(), seed);
-    let mut trajectory = Trajectory::for_episode(env);
+    let mut trajectory = Trajectory::for_episode(env.spaces());
     env.reset().unwrap();
     loop {
         let step = env.step(dice.roll()).unwrap();

@@ -162,12 +162,12 @@ struct Terminal {
 }
 
 /// Name of the schedule of a zone's flow command, as a fraction of its terminal's design flow.
-pub(crate) fn supply_air_flow_fraction(zone: &str) -> String {
+pub fn supply_air_flow_fraction(zone: &str) -> String {
     format!("{zone} Supply Air Flow Fraction")
 }
 
 /// Name of the schedule of a zone's supply air temperature command, °C.
-pub(crate) fn supply_air_temperature(zone: &str) -> String {
+pub fn supply_air_temperature(zone: &str) -> String {
     format!("{zone} Supply Air Temperature")
 }
 

@@ -1,0 +1,10 @@
+//! The interface of a controller.
+
+/// A controller: maps an observation to an action, as a policy does, and may keep state between steps.
+pub trait Controller {
+    /// Forgets all state: a new episode begins.
+    fn reset(&mut self);
+
+    /// Writes the action for an observation. Both in the order and the units of the environment's spaces.
+    fn act(&mut self, observation: &[f64], action: &mut [f64]);
+}

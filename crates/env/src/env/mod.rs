@@ -1,0 +1,362 @@
+//! The environment in this process: reset and step.
+
+mod engine;
+pub(crate) mod meters;
+mod observe;
+mod snapshot;
+mod warm_up;
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use b2b_building::PreparedBuilding;
+use b2b_energyplus::{Clock, Event, Level, Library, Messages};
+use tempfile::TempDir;
+
+use self::engine::Engine;
+pub use self::snapshot::Snapshot;
+use crate::action::ActionSpace;
+use crate::engine_report::EngineReport;
+use crate::environment::Step;
+use crate::metrics::Metrics;
+use crate::observation::ObservationSpace;
+use crate::reward::{JudgedZone, RewardFunction, ZoneStep, judged_zones};
+use crate::setpoints::Targets;
+use crate::spaces::{EpisodeConfig, Spaces};
+use crate::task::Task;
+use crate::{Error, Result};
+
+/// Zone time steps per hour that the engine accepts.
+const STEPS_PER_HOUR: [u32; 12] = [1, 2, 3, 4, 5, 6, 10, 12, 15, 20, 30, 60];
+const MODEL_FILE: &str = "model.epJSON";
+/// Severe messages in an [`EngineReport`].
+const SEVERES_KEPT: usize = 5;
+
+/// A building as an environment, with the engine in this process.
+///
+/// - Observation: [`ObservationSpace`], f64, the state at the end of the step.
+/// - Action: [`ActionSpace`], f64, physical units, clamped to its bounds.
+/// - Reward: [`Reward`](crate::Reward), the paper's two penalties or the terms of the [`Task`], judged by the targets
+///   that were observed before the step.
+/// - End: truncated at the end of the run period; never terminated.
+///
+/// A step allocates nothing and starts no thread. Only one engine runs at a time in a process; for several
+/// environments, or one that survives a crash of the engine, see [`vector`](crate::vector).
+#[derive(Debug)]
+pub struct Env {
+    library: Library,
+    spaces: Arc<Spaces>,
+    zones: Vec<JudgedZone>,
+    targets: Targets,
+    reward: Box<dyn RewardFunction>,
+    /// Of each controlled zone, whether it is occupied, and its target for the step to come, °C.
+    asked: Vec<(bool, f64)>,
+    /// The controlled zones in the last step.
+    zone_steps: Vec<ZoneStep>,
+    engine: Option<Engine>,
+    observation: Vec<f64>,
+    action: Vec<f64>,
+    metrics: Metrics,
+    truncated: bool,
+    messages: Messages,
+    never_occupied: Vec<String>,
+    observe_effects: bool,
+    /// The actions of the episode, one after another, if they are kept.
+    history: Option<Vec<f64>>,
+    /// Steps of an episode.
+    steps: usize,
+    /// Whether the engine finishes its run after the last step of the run period.
+    finish_run: bool,
+    /// Where the engine writes its meters.
+    meter_file: PathBuf,
+    /// The model file and the engine's own files; removed with the environment.
+    folder: TempDir,
+}
+
+impl Env {
+    /// An environment; [`Env::reset`] starts its first episode.
+    ///
+    /// # Errors
+    /// [`Error::StepsPerHour`]; [`Error::TaskValue`]; [`Error::Io`] when the model cannot be written to the temporary folder.
+    pub fn new(library: Library, building: Arc<PreparedBuilding>, episode: EpisodeConfig) -> Result<Self> {
+        if !STEPS_PER_HOUR.contains(&episode.steps_per_hour) {
+            return Err(Error::StepsPerHour(episode.steps_per_hour));
+        }
+        episode.task.check()?;
+        let folder = tempfile::Builder::new()
+            .prefix("b2b-env-")
+            .tempdir()
+            .map_err(|source| Error::Io { path: std::env::temp_dir(), source })?;
+        let mut model = building.model_for(episode.period, episode.steps_per_hour);
+        meters::request(&mut model);
+        let path = folder.path().join(MODEL_FILE);
+        std::fs::write(&path, model.to_epjson()).map_err(|source| Error::Io { path, source })?;
+        let spaces = Spaces::new(building, episode);
+        let task = &spaces.episode.task;
+        let zones = judged_zones(&spaces.building, task);
+        let reward = Task { energy_scale: Some(spaces.energy_scale()), ..task.clone() };
+        Ok(Self {
+            library,
+            observation: vec![0.0; spaces.observation.len()],
+            action: vec![0.0; spaces.action.len()],
+            metrics: new_metrics(&zones, &spaces),
+            targets: Targets::new(&task.setpoints, spaces.building.class, zones.len()),
+            reward: Box::new(reward),
+            asked: vec![(false, f64::NAN); zones.len()],
+            zone_steps: Vec::with_capacity(zones.len()),
+            engine: None,
+            truncated: false,
+            messages: Messages::default(),
+            never_occupied: Vec::new(),
+            observe_effects: false,
+            history: None,
+            steps: spaces.episode_steps(),
+            finish_run: true,
+            meter_file: folder.path().join(meters::METER_FILE),
+            spaces: Arc::new(spaces),
+            zones,
+            folder,
+        })
+    }
+
+    /// Has the engine keep what each actuator drives readable: see [`Env::effect`].
+    #[must_use]
+    pub fn observe_effects(mut self) -> Self {
+        self.observe_effects = true;
+        self
+    }
+
+    /// Replaces the task's reward by another.
+    #[must_use]
+    pub fn with_reward(mut self, reward: impl RewardFunction + 'static) -> Self {
+        self.reward = Box::new(reward);
+        self
+    }
+
+    /// Starts an episode: the engine is started and warmed up under a small fixed controller. Returns the
+    /// observation at midnight of the first day, with no energy yet.
+    ///
+    /// # Errors
+    /// [`Error::Engine`] with the engine's messages.
+    pub fn reset(&mut self) -> Result<&[f64]> {
+        self.engine = None;
+        self.truncated = false;
+        self.metrics = new_metrics(&self.zones, &self.spaces);
+        self.reward.reset();
+        if let Some(history) = &mut self.history {
+            history.clear();
+        }
+        let (model, spaces) = (self.folder.path().join(MODEL_FILE), &self.spaces);
+        let weather = &spaces.episode.weather;
+        let (library, effects) = (&self.library, self.observe_effects);
+        let mut engine = Engine::start(library, &spaces.building, &self.zones, &model, weather, effects)?;
+        let zones = self.zones.iter().zip(&engine.people).filter(|(_, people)| people.is_none());
+        self.never_occupied = zones.map(|(zone, _)| spaces.building.zones[zone.slot].name.clone()).collect();
+        self.warm_up(&mut engine)?;
+        self.observe(&engine, [0.0; 2])?;
+        self.engine = Some(engine);
+        Ok(&self.observation)
+    }
+
+    /// Carries out an action for one zone time step.
+    ///
+    /// # Errors
+    /// [`Error::ActionNotFinite`] and [`Error::ActionLength`] leave the episode as it is;
+    /// [`Error::Engine`] ends it; [`Error::NotReset`].
+    pub fn step(&mut self, action: &[f64]) -> Result<Step<'_>> {
+        let mut engine = self.engine.take().ok_or(Error::NotReset)?;
+        match self.spaces.action.clamp_into(action, &mut self.action) {
+            Ok(outside) => self.metrics.clamped_actions += outside,
+            Err(error) => {
+                self.engine = Some(engine);
+                return Err(error);
+            }
+        }
+        if let Some(history) = &mut self.history {
+            history.extend_from_slice(action);
+        }
+        engine.act(&self.action);
+        if engine.simulation.advance()? != Some(Event::Step) {
+            return Err(self.wrong_length());
+        }
+        let energy = engine.energy(self.spaces.building.conditioned_floor_area);
+        let began = self.moment();
+        self.keep_targets();
+        self.metrics.steps += 1;
+        self.observe(&engine, energy)?;
+        let reward = self.judge(energy, began);
+        let truncated = self.metrics.steps == self.steps;
+        if truncated && self.finish_run && self.steps == self.spaces.episode_steps() {
+            self.finish(engine)?;
+        } else {
+            self.engine = Some(engine);
+        }
+        self.truncated = truncated;
+        Ok(Step { observation: &self.observation, action: &self.action, reward, truncated })
+    }
+
+    /// The building with its observation and action spaces.
+    pub fn spaces(&self) -> &Arc<Spaces> {
+        &self.spaces
+    }
+
+    /// Names, units and bounds of the actuators.
+    pub fn action_space(&self) -> &ActionSpace {
+        &self.spaces.action
+    }
+
+    /// Names, units and bounds of the observation.
+    pub fn observation_space(&self) -> &ObservationSpace {
+        &self.spaces.observation
+    }
+
+    /// The building.
+    pub fn building(&self) -> &PreparedBuilding {
+        &self.spaces.building
+    }
+
+    /// The state at the end of the last step, or at the start of the episode.
+    pub fn observation(&self) -> &[f64] {
+        &self.observation
+    }
+
+    /// Weather, period, time step and task.
+    pub fn episode(&self) -> &EpisodeConfig {
+        &self.spaces.episode
+    }
+
+    /// The scale τ_E of the task's reward for this building: see [`Task::scale_for`].
+    pub fn energy_scale(&self) -> f64 {
+        self.spaces.energy_scale()
+    }
+
+    /// Steps of a whole episode.
+    pub fn episode_steps(&self) -> usize {
+        self.spaces.episode_steps()
+    }
+
+    /// Whether the episode is over.
+    pub fn is_truncated(&self) -> bool {
+        self.truncated
+    }
+
+    /// Metrics of the episode in progress, or of the last one.
+    pub fn metrics(&self) -> &Metrics {
+        &self.metrics
+    }
+
+    /// Number of messages of a level that the engine has given in this episode.
+    pub fn message_count(&self, level: Level) -> usize {
+        match &self.engine {
+            Some(engine) => engine.simulation.message_count(level),
+            None => self.messages.count(level),
+        }
+    }
+
+    /// The engine's messages in this episode.
+    pub fn messages(&self) -> Messages {
+        match &self.engine {
+            Some(engine) => engine.simulation.messages(),
+            None => self.messages.clone(),
+        }
+    }
+
+    /// EnergyPlus's own HVAC meters over a finished episode, Wh/m²: electricity and gas.
+    ///
+    /// # Errors
+    /// [`Error::Io`] when the engine has not written them, which it does at the end of the run period.
+    pub fn engine_meters(&self) -> Result<[f64; 2]> {
+        meters::read(&self.meter_file, self.spaces.building.conditioned_floor_area)
+    }
+
+    /// Messages, meters and occupancy of the engine's run, for a finished episode.
+    pub fn engine_report(&self) -> EngineReport {
+        let messages = self.messages();
+        let severes = messages.at_least(Level::Severe).take(SEVERES_KEPT);
+        EngineReport {
+            warnings: messages.count(Level::Warning),
+            severes: messages.count(Level::Severe),
+            severe_messages: severes.map(|message| message.text.clone()).collect(),
+            meters: self.engine_meters().ok(),
+            never_occupied: self.never_occupied.clone(),
+        }
+    }
+
+    /// The quantity that an actuator drives, as the engine has it at the end of the last step, in the unit of
+    /// its effect. `None` without [`Env::observe_effects`] or an episode in progress.
+    pub fn effect(&self, actuator: usize) -> Option<f64> {
+        let engine = self.engine.as_ref()?;
+        engine.effects.get(actuator).map(|variable| engine.simulation.read(*variable))
+    }
+
+    /// The heat that a heating setpoint called for in the last step, W. `None` for other actuators, and as
+    /// [`Env::effect`].
+    pub fn heat(&self, actuator: usize) -> Option<f64> {
+        let engine = self.engine.as_ref()?;
+        engine.heats.get(actuator).copied().flatten().map(|variable| engine.simulation.read(variable))
+    }
+
+    /// The engine's own clock at the end of the last step; the observation's is the calendar's. `None` without
+    /// an episode in progress.
+    pub fn engine_clock(&self) -> Option<Clock> {
+        self.engine.as_ref().map(|engine| engine.simulation.clock())
+    }
+
+    /// The controlled zones in which nobody ever is, by name: occupancy setpoints always leave them at the unoccupied
+    /// target. Empty before the first episode.
+    pub fn never_occupied(&self) -> impl Iterator<Item = &str> {
+        self.never_occupied.iter().map(String::as_str)
+    }
+
+    /// Lets the engine end its run: it must agree that the run period is over.
+    fn finish(&mut self, mut engine: Engine) -> Result<()> {
+        let end = engine.simulation.advance()?;
+        self.messages = engine.simulation.messages();
+        if end.is_some() {
+            return Err(self.wrong_length());
+        }
+        Ok(())
+    }
+
+    fn wrong_length(&self) -> Error {
+        Error::EpisodeLength { done: self.metrics.steps, expected: self.episode_steps() }
+    }
+}
+
+/// For a process that ends with its episode.
+#[cfg(target_os = "linux")]
+impl Env {
+    /// Copies this process at the current point of the episode: see [`Simulation::fork`](b2b_energyplus::Simulation::fork).
+    pub(crate) fn fork(&mut self) -> Result<b2b_energyplus::snapshot::Fork> {
+        let engine = self.engine.as_mut().ok_or(Error::NotReset)?;
+        Ok(engine.simulation.fork()?)
+    }
+
+    /// Truncates the episode after `steps` steps, or at the end of the run period.
+    pub(crate) fn truncate_after(&mut self, steps: usize) {
+        self.steps = steps.min(self.episode_steps());
+    }
+
+    /// Whether the engine finishes its run after the last step, or is left as it is.
+    pub(crate) fn set_finish_run(&mut self, finish_run: bool) {
+        self.finish_run = finish_run;
+    }
+
+    /// Drops what only a new environment needs, if nobody else holds it.
+    pub(crate) fn forget_model(&mut self) {
+        let spaces = Arc::get_mut(&mut self.spaces);
+        if let Some(building) = spaces.and_then(|spaces| Arc::get_mut(&mut spaces.building)) {
+            building.forget_model();
+        }
+    }
+
+    /// The folder of the model and of the engine's own files.
+    pub(crate) fn folder(&self) -> &Path {
+        self.folder.path()
+    }
+}
+
+fn new_metrics(zones: &[JudgedZone], spaces: &Spaces) -> Metrics {
+    let episode = &spaces.episode;
+    Metrics::new(zones, spaces.action.len(), episode.steps_per_hour, episode.task.comfort_band)
+}

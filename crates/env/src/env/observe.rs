@@ -1,0 +1,92 @@
+//! The observation and the reward of a step.
+
+use super::Env;
+use super::engine::Engine;
+use crate::observation::{Shared, Target};
+use crate::reward::{Reward, StepView, ZoneStep};
+use crate::setpoints::Moment;
+use crate::{Error, Result};
+
+impl Env {
+    /// The time of the observation, at which the next step begins.
+    pub(super) fn moment(&self) -> Moment {
+        let episode = &self.spaces.episode;
+        let steps_per_day = 24 * episode.steps_per_hour as usize;
+        let day = (self.metrics.steps / steps_per_day) as u32;
+        Moment {
+            day_of_year: (episode.period.first().day_of_year() - 1 + day) % 365 + 1,
+            hour: (self.metrics.steps % steps_per_day) as f64 / f64::from(episode.steps_per_hour),
+        }
+    }
+
+    /// Keeps occupancy and targets as observed before the step, which the step is judged by.
+    pub(super) fn keep_targets(&mut self) {
+        self.zone_steps.clear();
+        self.zone_steps.extend(self.zones.iter().enumerate().map(|(index, zone)| ZoneStep {
+            temperature: f64::NAN,
+            target: self.asked[index].1,
+            occupied: self.asked[index].0,
+            warm_counts: zone.warm_counts,
+        }));
+    }
+
+    /// The reward of the step just observed; adds the step to the metrics.
+    pub(super) fn judge(&mut self, energy: [f64; 2], began: Moment) -> Reward {
+        for (step, zone) in self.zone_steps.iter_mut().zip(&self.zones) {
+            step.temperature = self.observation[zone.slot];
+        }
+        let (cost, emissions) = self.spaces.episode.task.cost_and_emissions(energy, began.hour);
+        let step = StepView {
+            zones: &self.zone_steps,
+            observation: &self.observation,
+            action: &self.action,
+            electricity: energy[0],
+            gas: energy[1],
+            cost,
+            emissions,
+            peak_rise: self.metrics.peak_rise(energy[0]),
+            day_of_year: began.day_of_year,
+            hour: began.hour,
+        };
+        let reward = self.reward.reward(&step);
+        self.metrics.add(reward, &step, self.spaces.action.low(), self.spaces.action.high());
+        reward
+    }
+
+    /// Writes the observation. `energy` in Wh/m², electricity and gas.
+    pub(super) fn observe(&mut self, engine: &Engine, energy: [f64; 2]) -> Result<()> {
+        for (slot, variable) in self.observation.iter_mut().zip(&engine.temperatures) {
+            *slot = engine.simulation.read(*variable);
+        }
+        let space = &self.spaces.observation;
+        let [temperature, humidity] = engine.outdoor.map(|v| engine.simulation.read(v));
+        let moment = self.moment();
+        let mut put = |slot: Shared, value: f64| self.observation[space.shared(slot)] = value;
+        put(Shared::OutdoorTemperature, temperature);
+        put(Shared::OutdoorHumidity, humidity);
+        let steps_per_day = 24 * self.spaces.episode.steps_per_hour as usize;
+        let day = (self.metrics.steps / steps_per_day) as u32;
+        let first = self.spaces.episode.period.first();
+        put(Shared::TimeOfDay, moment.hour);
+        put(Shared::DayOfWeek, f64::from((first.weekday() + day) % 7));
+        put(Shared::DayOfYear, f64::from(moment.day_of_year));
+        put(Shared::Electricity, energy[0]);
+        put(Shared::Gas, energy[1]);
+        for zone in 0..self.zones.len() {
+            let (occupied, target) = self.targets.at(zone, moment, engine.occupied(zone));
+            self.asked[zone] = (occupied, target);
+            if let (Some(occupancy), Target::Slot(slot)) = (space.occupancy(zone), space.target(zone)) {
+                self.observation[occupancy] = f64::from(u8::from(occupied));
+                self.observation[slot] = target;
+            }
+        }
+        match self.observation.iter().position(|v| !v.is_finite()) {
+            None => Ok(()),
+            Some(slot) => Err(Error::ObservationNotFinite {
+                slot: space.slots()[slot].name.clone(),
+                value: self.observation[slot],
+                step: self.metrics.steps,
+            }),
+        }
+    }
+}

@@ -1,0 +1,51 @@
+//! Snapshots of an [`Env`] that replay its actions, for systems that cannot copy a process.
+
+use serde::{Deserialize, Serialize};
+
+use super::Env;
+use crate::spaces::EpisodeConfig;
+use crate::{Error, Result};
+
+/// A point in an episode: the building, the episode, and every action up to that point.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Snapshot {
+    building: String,
+    episode: EpisodeConfig,
+    /// As they were given, one after another.
+    actions: Vec<f64>,
+}
+
+impl Env {
+    /// Keeps the actions of an episode, so that [`Env::snapshot`] works. Some steps then allocate.
+    #[must_use]
+    pub fn keep_history(mut self) -> Self {
+        self.history = Some(Vec::new());
+        self
+    }
+
+    /// The current point of the episode. `None` without [`Env::keep_history`] or an episode in progress.
+    pub fn snapshot(&self) -> Option<Snapshot> {
+        let actions = self.history.clone().filter(|_| self.engine.is_some())?;
+        let spaces = &self.spaces;
+        Some(Snapshot { building: spaces.building.name.clone(), episode: spaces.episode.clone(), actions })
+    }
+
+    /// Returns to where a snapshot was taken, bit for bit, by a fresh start and the same actions: for systems that
+    /// cannot copy a process, and for another process. Where the system can, a
+    /// [`vector::Episode`](crate::vector::Episode) does it in milliseconds.
+    ///
+    /// # Errors
+    /// [`Error::OtherSnapshot`] when it was taken of another building or episode; those of [`Env::reset`].
+    pub fn restore(&mut self, snapshot: &Snapshot) -> Result<&[f64]> {
+        let spaces = &self.spaces;
+        if snapshot.building != spaces.building.name || snapshot.episode != spaces.episode {
+            let (taken, here) = (snapshot.building.clone(), spaces.building.name.clone());
+            return Err(Error::OtherSnapshot { taken, here });
+        }
+        self.reset()?;
+        for action in snapshot.actions.chunks_exact(self.spaces.action.len()) {
+            self.step(action)?;
+        }
+        Ok(&self.observation)
+    }
+}

@@ -1,0 +1,50 @@
+//! The engine's warm-up under a small fixed controller.
+
+use b2b_energyplus::Event;
+
+use super::Env;
+use super::engine::Engine;
+use crate::Result;
+use crate::reward::{JudgedZone, ZoneStep};
+use crate::setpoints::Moment;
+use crate::warmup;
+
+impl Env {
+    /// Simulates the first day over and over, until the engine says that it has converged.
+    ///
+    /// Nothing is set before the first step: a terminal takes the value of its flow schedule at the start of the run
+    /// for its minimum flow, and the prepared model has 0 there.
+    pub(super) fn warm_up(&mut self, engine: &mut Engine) -> Result<()> {
+        let spaces = &self.spaces;
+        let systems = &spaces.building.systems;
+        let first_day = self.moment().day_of_year;
+        loop {
+            match engine.simulation.advance()? {
+                Some(Event::WarmupStep) => {
+                    let hour = engine.simulation.clock().hour_of_day % 24.0;
+                    let moment = Moment { day_of_year: first_day, hour };
+                    self.zone_steps.clear();
+                    for (index, zone) in self.zones.iter().enumerate() {
+                        let (occupied, target) = self.targets.at(index, moment, engine.occupied(index));
+                        let temperature = engine.simulation.read(engine.temperatures[zone.slot]);
+                        let warm_counts = zone.warm_counts;
+                        self.zone_steps.push(ZoneStep { temperature, target, occupied, warm_counts });
+                    }
+                    let (zones, steps) = (&self.zones, &self.zone_steps);
+                    let zone = |name: &str| {
+                        // The zones of a system are controlled ones: preparation took them from there.
+                        let named = |(zone, _): &(&JudgedZone, &ZoneStep)| {
+                            spaces.building.zones[zone.slot].name.eq_ignore_ascii_case(name)
+                        };
+                        let step = zones.iter().zip(steps).find(named).map(|(_, step)| step);
+                        step.map_or([21.0; 2], |step| [step.target, step.temperature])
+                    };
+                    warmup::action(systems, zone, &mut self.action);
+                    engine.act(&self.action);
+                }
+                Some(Event::WarmedUp) => return Ok(()),
+                _ => return Err(self.wrong_length()),
+            }
+        }
+    }
+}

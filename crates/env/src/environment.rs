@@ -1,0 +1,65 @@
+//! The interface of an environment.
+
+use std::sync::Arc;
+
+use crate::metrics::Metrics;
+use crate::reward::Reward;
+use crate::spaces::Spaces;
+use crate::{Env, Result};
+
+/// An environment: a building whose HVAC is controlled step by step over a run period.
+///
+/// [`Env`] runs the engine in this process; a [`vector::Episode`](crate::vector::Episode) runs it in a worker process
+/// of its own. Both give the same numbers, bit for bit. A wrapper implements the trait around another environment.
+pub trait Environment {
+    /// The building with its observation and action spaces.
+    fn spaces(&self) -> &Arc<Spaces>;
+
+    /// Starts an episode and returns its first observation; an episode in progress ends.
+    ///
+    /// # Errors
+    /// [`Error::Engine`](crate::Error::Engine) with the engine's messages.
+    fn reset(&mut self) -> Result<&[f64]>;
+
+    /// Carries out an action for one zone time step.
+    ///
+    /// # Errors
+    /// [`Error::ActionNotFinite`](crate::Error::ActionNotFinite) and
+    /// [`Error::ActionLength`](crate::Error::ActionLength) leave the episode as it is;
+    /// [`Error::NotReset`](crate::Error::NotReset) without an episode in progress; any other error ends the episode.
+    fn step(&mut self, action: &[f64]) -> Result<Step<'_>>;
+
+    /// The metrics of the episode once it is truncated; `None` before.
+    fn metrics(&self) -> Option<&Metrics>;
+}
+
+/// The outcome of a step.
+#[derive(Clone, Copy, Debug)]
+pub struct Step<'a> {
+    /// State at the end of the step.
+    pub observation: &'a [f64],
+    /// The action as carried out, within bounds.
+    pub action: &'a [f64],
+    /// Reward by its terms.
+    pub reward: Reward,
+    /// Whether the episode is over.
+    pub truncated: bool,
+}
+
+impl Environment for Env {
+    fn spaces(&self) -> &Arc<Spaces> {
+        self.spaces()
+    }
+
+    fn reset(&mut self) -> Result<&[f64]> {
+        self.reset()
+    }
+
+    fn step(&mut self, action: &[f64]) -> Result<Step<'_>> {
+        self.step(action)
+    }
+
+    fn metrics(&self) -> Option<&Metrics> {
+        self.is_truncated().then(|| self.metrics())
+    }
+}

@@ -1,0 +1,66 @@
+//! What an episode is made of, and the spaces that follow from it.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use b2b_building::{PreparedBuilding, RunPeriod};
+use serde::{Deserialize, Serialize};
+
+use crate::action::ActionSpace;
+use crate::observation::ObservationSpace;
+use crate::task::Task;
+
+/// What defines an episode, beside the building.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct EpisodeConfig {
+    /// Weather file (EPW).
+    pub weather: PathBuf,
+    /// Days that the episode covers.
+    pub period: RunPeriod,
+    /// Zone time steps per hour, each one step of the environment.
+    pub steps_per_hour: u32,
+    /// Setpoints, comfort and reward.
+    pub task: Task,
+}
+
+impl EpisodeConfig {
+    /// Steps of the whole run period.
+    pub fn steps(&self) -> usize {
+        (self.period.days() * 24 * self.steps_per_hour) as usize
+    }
+}
+
+/// A building in an episode, with its observation and action spaces.
+#[derive(Debug)]
+pub struct Spaces {
+    /// The building, sized and controllable.
+    pub building: Arc<PreparedBuilding>,
+    /// Weather, period, time step and task.
+    pub episode: EpisodeConfig,
+    /// Names, units and bounds of the actuators.
+    pub action: ActionSpace,
+    /// Names, units and bounds of the observation.
+    pub observation: ObservationSpace,
+}
+
+impl Spaces {
+    /// The spaces of a prepared building in an episode.
+    pub fn new(building: Arc<PreparedBuilding>, episode: EpisodeConfig) -> Self {
+        Self {
+            action: ActionSpace::of(&building),
+            observation: ObservationSpace::of(&building, episode.steps_per_hour, &episode.task.setpoints),
+            episode,
+            building,
+        }
+    }
+
+    /// Steps of a whole episode.
+    pub fn episode_steps(&self) -> usize {
+        self.episode.steps()
+    }
+
+    /// The scale τ_E of the task's reward for this building: see [`Task::scale_for`].
+    pub fn energy_scale(&self) -> f64 {
+        self.episode.task.scale_for(self.building.class, self.episode.steps_per_hour)
+    }
+}
