@@ -29,7 +29,7 @@ pub(crate) fn controllers_hash() -> String {
 
 /// Returns the hash of the parameters of one reactive controller.
 pub(crate) fn parameters_hash(parameters: &ReactiveParameters) -> String {
-    short(sha256(format!("{parameters:?}")))
+    short(sha256(parameters.fingerprint()))
 }
 
 fn short(mut hash: String) -> String {

@@ -108,6 +108,13 @@ pub enum Error {
     Climate(#[from] b2b_climate::Error),
 }
 
+impl Error {
+    /// An [`Error::Unsupported`] for an object.
+    pub fn unsupported(class: &str, name: &str, why: &str) -> Self {
+        Self::Unsupported { class: class.to_owned(), name: name.to_owned(), why: why.to_owned() }
+    }
+}
+
 /// A result of this crate.
 pub type Result<T> = std::result::Result<T, Error>;
 

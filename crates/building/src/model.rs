@@ -124,6 +124,24 @@ impl Model {
         self.get_mut(class, name).ok_or_else(|| missing(class, name))
     }
 
+    /// A size that an object must carry.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] when the field is not a number; [`Error::MissingObject`] naming the class and the object.
+    pub fn require_size(&self, class: &str, name: &str, field: &str) -> Result<f64> {
+        let unsized_field =
+            || Error::unsupported(class, name, &format!("`{field}` must be a number: size the model first"));
+        number(self.require(class, name)?, field).ok_or_else(unsized_field)
+    }
+
+    /// Takes out an object that must be there and returns its fields.
+    ///
+    /// # Errors
+    /// [`Error::MissingObject`] naming the class and the object.
+    pub fn take(&mut self, class: &str, name: &str) -> Result<Fields> {
+        self.remove(class, name).ok_or_else(|| missing(class, name))
+    }
+
     /// Puts an object in, replacing one of the same name.
     ///
     /// # Panics
@@ -268,6 +286,11 @@ pub fn text<'a>(fields: &'a Fields, field: &str) -> Option<&'a str> {
 /// A numeric field, if it is there and is a number.
 pub fn number(fields: &Fields, field: &str) -> Option<f64> {
     fields.get(field)?.as_f64()
+}
+
+/// The objects in an array field.
+pub fn items<'a>(fields: &'a Fields, array: &str) -> impl Iterator<Item = &'a Fields> {
+    fields.get(array).and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_object)
 }
 
 fn order(fields: &Fields) -> u64 {

@@ -5,13 +5,13 @@
 //! its commit.
 #![cfg(target_os = "linux")]
 
-mod common;
+mod program;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use b2b_energyplus::digest::sha256;
-use common::{b2b, json, stderr};
+use program::{b2b, json, stderr};
 
 const TYPES: [&str; 6] = [
     "SingleFamilyHouse",
@@ -82,6 +82,6 @@ fn succeed(folder: &Path, arguments: &str) {
 fn files(folder: &Path) -> Hashes {
     let paths = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     let name = |path: &Path| path.file_name().unwrap().to_str().unwrap().to_owned();
-    let hash = |path: &Path| sha256(std::fs::read(path).unwrap());
+    let hash = |path: &Path| -> String { sha256(std::fs::read(path).unwrap()) };
     paths.filter(|path| name(path) != "manifest.csv").map(|path| (name(&path), hash(&path))).collect()
 }

@@ -43,9 +43,9 @@ pub struct Changes {
     pub steps_per_hour: Option<u32>,
     /// Whether observations include the building's attributes.
     pub attributes: Option<Attributes>,
-    /// Control of the removed actuators.
+    /// Control of the withheld actuators.
     pub fallback: Option<Fallback>,
-    /// Value at which removed actuators are pinned.
+    /// Value at which withheld actuators are pinned.
     pub pin: Option<f64>,
 }
 
@@ -72,7 +72,7 @@ impl Problem {
         let restricted = self.train.restriction.is_some() || self.test.restriction.is_some();
         if !restricted && (changes.fallback.is_some() || changes.pin.is_some()) {
             return Err(misfit(
-                "no actuators are removed; fallback and pin apply to action-space transfer".into(),
+                "no actuators are withheld; fallback and pin apply to action-space transfer".into(),
             ));
         }
         let Changes { buildings, train, test, .. } = changes;

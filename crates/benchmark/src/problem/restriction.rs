@@ -1,4 +1,4 @@
-//! A restricted action space: some actuators are removed from the policy's actions, but not from the building.
+//! A restricted action space: some actuators are withheld from the policy's actions, but not from the building.
 
 use std::fmt;
 use std::str::FromStr;
@@ -10,21 +10,21 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Error, Result};
 
-/// The actuators removed from an action space, and how they are controlled.
+/// The actuators withheld from an action space, and how they are controlled.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Restriction {
-    /// Actuators of this quantity are removed.
+    /// Actuators of this quantity are withheld.
     #[serde(rename = "without")]
-    pub removed: Quantity,
-    /// Control of the removed actuators.
+    pub withheld: Quantity,
+    /// Control of the withheld actuators.
     #[serde(rename = "left_to")]
     pub fallback: Fallback,
     /// Value of pinned actuators in their unit, clamped to their bounds.
     pub pin: f64,
 }
 
-/// The control of removed actuators.
+/// The control of withheld actuators.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Fallback {
@@ -38,8 +38,8 @@ pub enum Fallback {
 #[derive(Clone, Debug)]
 pub struct RestrictedAction {
     kept: Vec<usize>,
-    /// Indices and pinned values of the removed actuators.
-    removed: Vec<(usize, f64)>,
+    /// Indices and pinned values of the withheld actuators.
+    withheld: Vec<(usize, f64)>,
     reactive: Option<Reactive>,
     /// Action of the reactive controllers.
     reactive_action: Vec<f64>,
@@ -49,14 +49,14 @@ impl Restriction {
     /// Applies the restriction to a building whose reactive controllers have these parameters.
     ///
     /// # Errors
-    /// [`Error::Problem`] if it removes no actuator or all of them.
+    /// [`Error::Problem`] if it withholds no actuator or all of them.
     pub fn apply(&self, spaces: &Spaces, parameters: &ReactiveParameters) -> Result<RestrictedAction> {
         let space = &spaces.action;
-        let is_removed = |number: &usize| space.quantities()[*number] == self.removed;
-        let (removed, kept): (Vec<usize>, Vec<usize>) = (0..space.len()).partition(is_removed);
-        if removed.is_empty() || kept.is_empty() {
+        let is_withheld = |number: &usize| space.quantities()[*number] == self.withheld;
+        let (withheld, kept): (Vec<usize>, Vec<usize>) = (0..space.len()).partition(is_withheld);
+        if withheld.is_empty() || kept.is_empty() {
             let (name, which) = (spaces.building.name.clone(), if kept.is_empty() { "all" } else { "no" });
-            let why = format!("it removes {which} actuators of {name}: {}", space.names().join(", "));
+            let why = format!("it withholds {which} actuators of {name}: {}", space.names().join(", "));
             return Err(Error::Problem { name: self.to_string(), why });
         }
         let pinned = |number: usize| (number, self.pin.clamp(space.low()[number], space.high()[number]));
@@ -64,7 +64,7 @@ impl Restriction {
         let reactive = || Reactive::new(&spaces.building, &spaces.observation, steps_per_hour, parameters);
         Ok(RestrictedAction {
             kept,
-            removed: removed.into_iter().map(pinned).collect(),
+            withheld: withheld.into_iter().map(pinned).collect(),
             reactive: (self.fallback == Fallback::Reactive).then(reactive),
             reactive_action: vec![0.0; space.len()],
         })
@@ -92,14 +92,14 @@ impl RestrictedAction {
         self.overwrite(observation, action);
     }
 
-    /// Overwrites the values of the removed actuators.
+    /// Overwrites the values of the withheld actuators.
     pub(super) fn overwrite(&mut self, observation: &[f64], action: &mut [f64]) {
         match &mut self.reactive {
             Some(reactive) => {
                 reactive.act(observation, &mut self.reactive_action);
-                self.removed.iter().for_each(|(number, _)| action[*number] = self.reactive_action[*number]);
+                self.withheld.iter().for_each(|(number, _)| action[*number] = self.reactive_action[*number]);
             }
-            None => self.removed.iter().for_each(|(number, pin)| action[*number] = *pin),
+            None => self.withheld.iter().for_each(|(number, pin)| action[*number] = *pin),
         }
     }
 }
@@ -127,11 +127,11 @@ impl FromStr for Fallback {
 
 impl fmt::Display for Restriction {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let quantity = serde_json::to_value(self.removed).unwrap_or_default();
+        let quantity = serde_json::to_value(self.withheld).unwrap_or_default();
         write!(f, "without {}", quantity.as_str().unwrap_or_default().replace('_', " "))?;
         match self.fallback {
             Fallback::Reactive => write!(f, ", controlled by the reactive controllers"),
-            Fallback::Pin => write!(f, ", pinned at {} {}", self.pin, self.removed.unit()),
+            Fallback::Pin => write!(f, ", pinned at {} {}", self.pin, self.withheld.unit()),
         }
     }
 }

@@ -39,7 +39,7 @@ pub struct Size {
     /// Minimum and maximum length of an observation: it depends on attics and garages of houses, and on whether targets
     /// change.
     pub observation: [usize; 2],
-    /// Number of actuators without the removed ones.
+    /// Number of actuators without the withheld ones.
     pub action: usize,
 }
 

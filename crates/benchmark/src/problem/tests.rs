@@ -78,7 +78,7 @@ fn a_problem_that_cannot_measure_generalization_is_an_error_that_names_the_fault
         ),
         ("goal-leave-one-out", json!({"left_out": "constant+cost2"}), ["constant+cost2", "random+energy0.5"]),
         ("unitary-5-10", json!({"test": ["OfficeSmall-0003"]}), ["same buildings", "unitary-5-10"]),
-        ("dynamics-house", json!({"fallback": "pin"}), ["no actuators are removed", "dynamics-house"]),
+        ("dynamics-house", json!({"fallback": "pin"}), ["no actuators are withheld", "dynamics-house"]),
         ("dynamics-house", json!({"seeds": [1, 1]}), ["seed 1", "twice"]),
         ("dynamics-house", json!({"steps_per_hour": 7}), ["steps_per_hour is 7", "60"]),
         (

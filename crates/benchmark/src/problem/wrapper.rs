@@ -14,7 +14,7 @@ use crate::tuned::controller_parameters;
 use crate::{Error, Result};
 
 /// A policy behind the observation and action spaces of a problem's side: observations are zero-padded and extended by
-/// the building's attributes, and removed actuators are controlled by their fallback.
+/// the building's attributes, and withheld actuators are controlled by their fallback.
 pub struct WrappedPolicy<'a> {
     policy: &'a dyn Policy,
     problem: &'a Problem,
@@ -105,7 +105,7 @@ impl Policy for WrappedPolicy<'_> {
         let partial_action = vec![0.0; interface.action.len()];
         if bypass && restricted.is_some() && !self.policy.is_baseline() {
             let why = format!(
-                "{} controls all actuators; it cannot run with some of them removed",
+                "{} controls all actuators; it cannot run with some of them withheld",
                 self.policy.name()
             );
             return Err(Error::Problem { name: self.problem.name.clone(), why });
@@ -125,7 +125,7 @@ impl Policy for WrappedPolicy<'_> {
 /// The controller of a wrapped policy.
 struct WrappedController {
     inner: Box<dyn Controller>,
-    /// Whether the inner controller observes and controls the whole building; removed actuators are overwritten.
+    /// Whether the inner controller observes and controls the whole building; withheld actuators are overwritten.
     bypass: bool,
     restricted: Option<RestrictedAction>,
     /// Observation, zeros and attributes.

@@ -3,7 +3,8 @@
 use std::collections::BTreeSet;
 
 use b2b_building::description::leakage;
-use b2b_building::hvac::common::{self, Reference};
+use b2b_building::hvac::references::Reference;
+use b2b_building::hvac::zone_equipment::zone_equipment;
 use b2b_building::model::{Fields, number, text};
 use b2b_building::{Model, Result};
 use serde_json::{Value, json};
@@ -62,7 +63,7 @@ fn heat_storage_to_room_temperature(model: &mut Model) -> Result<()> {
     for sizing in model.names(SIZING) {
         let zone = text(model.require(SIZING, &sizing)?, "zone_or_zonelist_name").unwrap_or_default();
         let is_unit_heater = |e: &Reference| e.class.eq_ignore_ascii_case("ZoneHVAC:UnitHeater");
-        if common::zone_equipment(model, zone)?.iter().any(is_unit_heater) {
+        if zone_equipment(model, zone)?.iter().any(is_unit_heater) {
             let fields = model.require_mut(SIZING, &sizing)?;
             fields.insert("zone_heating_sizing_factor".into(), json!(UNIT_HEATER_SIZING_FACTOR));
         }

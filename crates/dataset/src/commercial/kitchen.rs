@@ -4,7 +4,7 @@
 //! the cold the room swings by tens of kelvin with the supply flow: a prototype in Fairbanks is between 11 and 27 °C under
 //! any feedback at 5-minute steps, and warm-up days never look alike.
 
-use b2b_building::hvac::common;
+use b2b_building::hvac::zone_equipment::zone_equipment;
 use b2b_building::model::{number, text};
 use b2b_building::{Model, Result};
 use serde_json::json;
@@ -48,7 +48,7 @@ fn exhausted_rooms(model: &Model) -> Result<Vec<Room>> {
     let mut rooms = Vec::new();
     for (sizing, fields) in model.objects(SIZING) {
         let zone = text(fields, "zone_or_zonelist_name").unwrap_or_default();
-        let equipment = common::zone_equipment(model, zone)?;
+        let equipment = zone_equipment(model, zone)?;
         let fans = equipment.iter().filter(|e| e.class.eq_ignore_ascii_case("Fan:ZoneExhaust"));
         let flows = fans.filter_map(|fan| number(model.get(&fan.class, &fan.name)?, "maximum_flow_rate"));
         let exhaust: f64 = flows.sum();

@@ -1,7 +1,7 @@
 //! Schedules: those that control the house, and those of the people in it.
 
 use b2b_building::Model;
-pub(super) use b2b_building::hvac::common::{cooling_setpoint, heating_setpoint};
+pub(super) use b2b_building::hvac::thermostat::{cooling_setpoint, heating_setpoint};
 pub(super) use b2b_building::hvac::unitary::{supply_air_flow_fraction, supply_air_temperature};
 use serde_json::{Value, json};
 
