@@ -117,8 +117,8 @@ pub fn compute_normalized_score(
         let catalog = catalog::catalog()?;
         let run = || {
             let evaluation = Evaluation { catalog: &catalog, launcher, jobs: 1, interrupted: stopped };
-            let surroundings = episode.subject.locate(&catalog, &mut Quiet)?;
-            Baselines::open()?.episode_return(&evaluation, &episode, &surroundings, &counter)
+            let site = episode.subject.locate(&catalog, &mut Quiet)?;
+            Baselines::open()?.episode_return(&evaluation, &episode, &site, &counter)
         };
         let baseline_return = wait_for(run, &counter, None).map_err(of_benchmark)?;
         Ok(normalized_score(episode_return, baseline_return))
@@ -188,8 +188,8 @@ impl Policy for InPython {
     }
 
     fn controller(&self, context: EpisodeContext<'_>) -> b2b_benchmark::Result<Box<dyn Controller>> {
-        let EpisodeContext { subject, surroundings, spaces, seed, .. } = context;
-        let building = Arc::new(Inner::of_subject(subject, surroundings, spaces));
+        let EpisodeContext { subject, site, spaces, seed, .. } = context;
+        let building = Arc::new(Inner::of_subject(subject, site, spaces));
         let made = Python::attach(|py| {
             let seen = Spaces::new(Arc::clone(spaces), Arc::clone(&building));
             self.make.call1(py, (seen, Building { inner: building }, seed))

@@ -38,7 +38,7 @@ pub use problem::Problem;
 pub use results::Results;
 pub use return_terms::ReturnTerms;
 pub use scores::normalized_score;
-pub use subject::{Subject, Surroundings};
+pub use subject::{SiteInfo, Subject};
 pub use summary::{Group, LostEpisode, Summary, Window};
 pub use tuned::{controller_parameters, task_for};
 pub use versions::Versions;

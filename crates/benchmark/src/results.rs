@@ -88,12 +88,12 @@ impl Unscored {
     /// Prepares a finished episode for scoring. An episode of the reactive controllers is cached as a baseline.
     fn of(episode: &Episode, finished: Finished, policy: &dyn Policy, baselines: &Baselines) -> Result<Self> {
         let Finished { record, terms, .. } = finished;
-        let surroundings = record.info.surroundings();
-        let key = Key::of(episode, &surroundings)?;
+        let site = record.info.site();
+        let key = Key::of(episode, &site)?;
         if policy.is_baseline() && baselines.get(&key).is_none() {
             baselines.keep(&key, terms)?;
         }
-        let task = task_for(&episode.subject, &surroundings, &episode.task, episode.steps_per_hour);
+        let task = task_for(&episode.subject, &site, &episode.task, episode.steps_per_hour);
         Ok(Self { record, key, task })
     }
 

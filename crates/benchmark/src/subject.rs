@@ -22,7 +22,7 @@ pub struct Subject {
 
 /// The site of a building.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Surroundings {
+pub struct SiteInfo {
     /// Name of the place, or of the weather file.
     pub place: String,
     /// ASHRAE 169 climate zone, such as `5B`: of the place, or derived from the weather file.
@@ -49,9 +49,9 @@ impl Subject {
     }
 
     /// Returns the class of the building at a site; `None` for a user's model.
-    pub fn class(&self, surroundings: &Surroundings) -> Option<Class> {
+    pub fn class(&self, site: &SiteInfo) -> Option<Class> {
         let building_type = self.name.building_type()?;
-        Some(Class::new(building_type, Some(&surroundings.climate_zone)))
+        Some(Class::new(building_type, Some(&site.climate_zone)))
     }
 
     /// Returns what determines model and weather, in one word: an id, a type and a place, or the SHA-256 of files.
@@ -75,12 +75,12 @@ impl Subject {
     ///
     /// # Errors
     /// Those of [`Catalog::find`]; [`Error::Io`](crate::Error::Io).
-    pub fn locate(&self, catalog: &Catalog, progress: &mut dyn Progress) -> Result<Surroundings> {
-        self.surroundings(&catalog.find(&self.name, &self.placement, progress)?)
+    pub fn locate(&self, catalog: &Catalog, progress: &mut dyn Progress) -> Result<SiteInfo> {
+        self.site(&catalog.find(&self.name, &self.placement, progress)?)
     }
 
     /// Returns the site of a building that was found.
-    pub(crate) fn surroundings(&self, found: &Found) -> Result<Surroundings> {
+    pub(crate) fn site(&self, found: &Found) -> Result<SiteInfo> {
         let listed = match &self.name {
             BuildingName::Id(id) => b2b_dataset::row(*id).building.location().ashrae_zone(),
             _ if self.placement.weather.is_some() => None,
@@ -94,7 +94,7 @@ impl Subject {
                 year.map(|year| year.zone()).unwrap_or_default()
             }
         };
-        Ok(Surroundings { place: found.place.clone(), climate_zone })
+        Ok(SiteInfo { place: found.place.clone(), climate_zone })
     }
 }
 

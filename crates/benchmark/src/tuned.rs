@@ -5,17 +5,17 @@ use b2b_control::ReactiveParameters;
 use b2b_energyplus::digest::sha256;
 use b2b_env::Task;
 
-use crate::subject::{Subject, Surroundings};
+use crate::subject::{SiteInfo, Subject};
 
 /// Returns the parameters of the reactive controllers for a building: those of its type and climate zone.
-pub fn controller_parameters(subject: &Subject, surroundings: &Surroundings) -> ReactiveParameters {
+pub fn controller_parameters(subject: &Subject, site: &SiteInfo) -> ReactiveParameters {
     let prototype = subject.placement.leaves_prototype(&subject.name);
-    ReactiveParameters::tuned(subject.class(surroundings), prototype)
+    ReactiveParameters::tuned(subject.class(site), prototype)
 }
 
 /// Returns the task with the energy scale τ_E of the building's type and climate zone.
-pub fn task_for(subject: &Subject, surroundings: &Surroundings, task: &Task, steps_per_hour: u32) -> Task {
-    let scale = task.scale_for(subject.class(surroundings), steps_per_hour);
+pub fn task_for(subject: &Subject, site: &SiteInfo, task: &Task, steps_per_hour: u32) -> Task {
+    let scale = task.scale_for(subject.class(site), steps_per_hour);
     Task { energy_scale: Some(scale), ..task.clone() }
 }
 

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::{Result, bail};
-use b2b_benchmark::{Baselines, Episode, Key, ReturnTerms, Subject, Surroundings, baseline_table};
+use b2b_benchmark::{Baselines, Episode, Key, ReturnTerms, SiteInfo, Subject, baseline_table};
 use b2b_building::RunPeriod;
 use b2b_dataset::Catalog;
 use b2b_env::Task;
@@ -84,7 +84,7 @@ impl Arguments {
         for name in self.buildings.names()? {
             interrupt::check()?;
             let subject = Subject::at_home(name);
-            let surroundings: Surroundings = subject.locate(catalog, &mut Download::new(false))?;
+            let site: SiteInfo = subject.locate(catalog, &mut Download::new(false))?;
             for period in &self.periods {
                 for task in &self.tasks {
                     let episode = Episode {
@@ -94,7 +94,7 @@ impl Arguments {
                         seed: 0,
                         steps_per_hour: self.steps_per_hour,
                     };
-                    episodes.push((Key::of(&episode, &surroundings)?, episode));
+                    episodes.push((Key::of(&episode, &site)?, episode));
                 }
             }
         }

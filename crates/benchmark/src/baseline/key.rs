@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::evaluation::Episode;
 use crate::tuned::{controller_parameters, parameters_hash};
-use crate::{Result, Surroundings};
+use crate::{Result, SiteInfo};
 
 /// Raised when a change to preparation, environments or controllers changes the reactive controllers' returns, so that
 /// baselines cached before are not reused.
@@ -40,7 +40,7 @@ impl Key {
     ///
     /// # Errors
     /// [`Error::Io`](crate::Error::Io) for a user's file that cannot be read.
-    pub fn of(episode: &Episode, surroundings: &Surroundings) -> Result<Self> {
+    pub fn of(episode: &Episode, site: &SiteInfo) -> Result<Self> {
         Ok(Self {
             building: episode.subject.identity()?,
             task: without_energy(&episode.task).to_string(),
@@ -48,7 +48,7 @@ impl Key {
             steps_per_hour: episode.steps_per_hour,
             generator: GENERATOR_VERSION.to_owned(),
             engine: ENGINE_VERSION.to_owned(),
-            controller: parameters_hash(&controller_parameters(&episode.subject, surroundings)),
+            controller: parameters_hash(&controller_parameters(&episode.subject, site)),
             revision: REVISION,
         })
     }

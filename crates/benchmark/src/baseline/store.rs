@@ -14,7 +14,7 @@ use crate::error::at;
 use crate::evaluation::{Episode, Evaluation, Lost, Progress};
 use crate::return_terms::ReturnTerms;
 use crate::tuned::task_for;
-use crate::{BuiltIn, Error, Result, Surroundings};
+use crate::{BuiltIn, Error, Result, SiteInfo};
 
 /// The shipped baselines: `b2b baseline` writes them.
 const SHIPPED: &str = include_str!("../../data/baselines.csv");
@@ -130,11 +130,11 @@ impl Baselines {
         &self,
         evaluation: &Evaluation<'_>,
         episode: &Episode,
-        surroundings: &Surroundings,
+        site: &SiteInfo,
         progress: &dyn Progress,
     ) -> Result<f64> {
         let Episode { subject, task, period, steps_per_hour, .. } = episode;
-        let key = Key::of(episode, surroundings)?;
+        let key = Key::of(episode, site)?;
         let missing = self.missing([(key.clone(), episode.clone())]);
         let mut lost = match &missing[..] {
             [] => HashMap::new(),
@@ -146,7 +146,7 @@ impl Baselines {
             period: period.to_string(),
             why: lost.remove(&key).map_or_else(String::new, |lost| lost.reason),
         })?;
-        Ok(terms.episode_return(&task_for(subject, surroundings, task, *steps_per_hour)))
+        Ok(terms.episode_return(&task_for(subject, site, task, *steps_per_hour)))
     }
 }
 
@@ -172,8 +172,8 @@ mod tests {
     }
 
     fn key(task: &str) -> Key {
-        let surroundings = Surroundings { place: "Denver".into(), climate_zone: "5B".into() };
-        Key::of(&episode(task), &surroundings).unwrap()
+        let site = SiteInfo { place: "Denver".into(), climate_zone: "5B".into() };
+        Key::of(&episode(task), &site).unwrap()
     }
 
     const TERMS: ReturnTerms = ReturnTerms {

@@ -244,10 +244,10 @@ fn compare(
         let (there, here) = (there.metrics.episode_return, here.metrics.episode_return);
         return Ok(Err(format!("its metrics differ: return {there} there and {here} here")));
     }
-    let surroundings = here.info.surroundings();
+    let site = here.info.site();
     let cache = tempfile::tempdir().map_err(|source| Error::Io { path: std::env::temp_dir(), source })?;
     let baselines = Baselines::without_shipped(cache.path());
-    let baseline = match baselines.episode_return(evaluation, episode, &surroundings, progress) {
+    let baseline = match baselines.episode_return(evaluation, episode, &site, progress) {
         Err(Error::NoBaseline { why, .. }) => return Ok(Err(format!("its baseline was lost: {why}"))),
         baseline => baseline?,
     };

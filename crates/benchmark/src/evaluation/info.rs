@@ -6,7 +6,7 @@ use b2b_env::Spaces;
 use serde::{Deserialize, Serialize};
 
 use super::episode::Episode;
-use crate::Surroundings;
+use crate::SiteInfo;
 use crate::policy::Policy;
 
 /// What identifies an episode in results: building, task, run period, policy and seed.
@@ -56,23 +56,18 @@ impl EpisodeInfo {
     }
 
     /// Returns the info of an episode that ran at a site.
-    pub(super) fn of_run(
-        episode: &Episode,
-        policy: &dyn Policy,
-        spaces: &Spaces,
-        surroundings: &Surroundings,
-    ) -> Self {
+    pub(super) fn of_run(episode: &Episode, policy: &dyn Policy, spaces: &Spaces, site: &SiteInfo) -> Self {
         Self {
             building: spaces.building.name.clone(),
-            climate_zone: surroundings.climate_zone.clone(),
-            place: surroundings.place.clone(),
+            climate_zone: site.climate_zone.clone(),
+            place: site.place.clone(),
             ..Self::of(episode, policy)
         }
     }
 
     /// Returns the site.
-    pub fn surroundings(&self) -> Surroundings {
-        Surroundings { place: self.place.clone(), climate_zone: self.climate_zone.clone() }
+    pub fn site(&self) -> SiteInfo {
+        SiteInfo { place: self.place.clone(), climate_zone: self.climate_zone.clone() }
     }
 }
 

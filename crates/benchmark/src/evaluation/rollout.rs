@@ -22,7 +22,7 @@ pub(super) fn run(bench: &mut Bench, episode: &Episode, work: &Work<'_>) -> Resu
     let spaces = bench.pool.spaces(template)?;
     let mut controller = work.policy.controller(EpisodeContext {
         subject: &bench.located.subject,
-        surroundings: &bench.located.surroundings,
+        site: &bench.located.site,
         spaces: &spaces,
         interface: &Interface::of(&spaces),
         seed: episode.seed,
@@ -35,7 +35,7 @@ pub(super) fn run(bench: &mut Bench, episode: &Episode, work: &Work<'_>) -> Resu
     bench.pool.stop(live);
     let rolled = rolled_out?;
     let metrics = metrics.ok_or(gone("it left no metrics"))?;
-    let info = EpisodeInfo::of_run(episode, work.policy, &spaces, &bench.located.surroundings);
+    let info = EpisodeInfo::of_run(episode, work.policy, &spaces, &bench.located.site);
     let finished = Finished::new(info, &spaces, &metrics, &rolled);
     bench.prepared.get_or_insert_with(|| Arc::clone(&spaces.building));
     Ok(finished)

@@ -81,8 +81,8 @@ impl Policy for BuiltIn {
 }
 
 fn reactive(context: &EpisodeContext<'_>) -> Reactive {
-    let EpisodeContext { subject, surroundings, spaces, .. } = context;
-    let parameters = controller_parameters(subject, surroundings);
+    let EpisodeContext { subject, site, spaces, .. } = context;
+    let parameters = controller_parameters(subject, site);
     Reactive::new(&spaces.building, &spaces.observation, spaces.episode.steps_per_hour, &parameters)
 }
 

@@ -7,7 +7,7 @@ use b2b_env::ActionSpace;
 use b2b_env::Spaces;
 use b2b_env::vector::{Pool, TemplateId};
 
-use crate::{Result, Subject, Surroundings};
+use crate::{Result, SiteInfo, Subject};
 
 /// A policy: makes a controller for an episode of any building, or of buildings of a certain shape.
 pub trait Policy: Sync {
@@ -41,7 +41,7 @@ pub struct EpisodeContext<'a> {
     /// The building.
     pub subject: &'a Subject,
     /// Its site.
-    pub surroundings: &'a Surroundings,
+    pub site: &'a SiteInfo,
     /// Spaces of the environment.
     pub spaces: &'a Arc<Spaces>,
     /// The part of the spaces that the policy observes and controls.

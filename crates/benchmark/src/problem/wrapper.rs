@@ -74,8 +74,8 @@ impl Policy for WrappedPolicy<'_> {
     }
 
     fn controller(&self, context: EpisodeContext<'_>) -> Result<Box<dyn Controller>> {
-        let EpisodeContext { subject, surroundings, spaces, seed, .. } = context;
-        let parameters = controller_parameters(subject, surroundings);
+        let EpisodeContext { subject, site, spaces, seed, .. } = context;
+        let parameters = controller_parameters(subject, site);
         let restricted = self.side.restriction.map(|each| each.apply(spaces, &parameters)).transpose()?;
         let attributes = self.attributes(&context)?;
         let slots = spaces.observation.slots();
@@ -112,7 +112,7 @@ impl Policy for WrappedPolicy<'_> {
         }
         let inner = self.policy.controller(EpisodeContext {
             subject,
-            surroundings,
+            site,
             spaces,
             interface: &interface,
             seed,

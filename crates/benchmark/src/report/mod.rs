@@ -12,3 +12,4 @@ mod leaderboard_charts;
 mod page;
 
 pub use evaluation::write;
+pub use page::fill;

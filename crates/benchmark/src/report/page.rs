@@ -7,11 +7,24 @@ use serde_json::Value;
 
 const PAGE: &str = include_str!("report.html");
 
-/// Writes the page with its data.
+/// Marks in a template.
+const PLOTLY: &str = "{{PLOTLY}}";
+const DATA: &str = "{{DATA}}";
+
+/// Writes the page of a report.
 pub(super) fn write_page(file: &mut impl Write, data: &Value) -> std::io::Result<()> {
+    file.write_all(fill(PAGE, data).as_bytes())
+}
+
+/// Returns a template with its data, a script element's JSON, and with plotly's script if it has a place for it.
+pub fn fill(template: &str, data: &Value) -> String {
+    let page = if template.contains(PLOTLY) {
+        template.replace(PLOTLY, &plotly_script())
+    } else {
+        template.to_owned()
+    };
     // An unescaped `<` in a name could end the script element.
-    let data = data.to_string().replace('<', "\\u003c");
-    file.write_all(PAGE.replace("{{PLOTLY}}", &plotly_script()).replace("{{DATA}}", &data).as_bytes())
+    page.replace(DATA, &data.to_string().replace('<', "\\u003c"))
 }
 
 /// Returns the script element of plotly, without the one for formulas, which reports do not contain.
@@ -28,13 +41,25 @@ mod tests {
 
     #[test]
     fn the_page_needs_no_network() {
-        for mark in ["{{DATA}}", "{{PLOTLY}}"] {
+        for mark in [DATA, PLOTLY] {
             assert_eq!(PAGE.matches(mark).count(), 1);
         }
         for word in ["http://", "https://", "src=", "@import", "<link"] {
             assert!(!PAGE.contains(word), "{word}");
         }
+    }
+
+    #[test]
+    fn a_page_embeds_plotly_as_one_script() {
         let script = plotly_script();
-        assert!(script.starts_with("<script") && script.matches("</script>").count() == 1);
+        assert!(script.starts_with("<script") && script.ends_with("</script>"));
+        assert_eq!(script.matches("</script>").count(), 1);
+        assert!(script.contains("mesh3d") && script.len() > 1_000_000);
+    }
+
+    #[test]
+    fn data_cannot_end_its_script_element() {
+        let page = fill("<script>{{DATA}}</script>", &Value::from("</script>"));
+        assert_eq!(page, "<script>\"\\u003c/script>\"</script>");
     }
 }
