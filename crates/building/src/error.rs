@@ -75,16 +75,13 @@ pub enum Error {
         /// What has to be put right.
         problems: Vec<String>,
     },
-    /// A model without any HVAC system that can be driven.
-    #[error(
-        "{name} has nothing to drive: {}",
-        if left.is_empty() { "no air loop, unit heater or baseboard".to_owned() } else { reasons(left) }
-    )]
-    NothingToDrive {
+    /// A model without any HVAC system that can be made controllable.
+    #[error("{name} has no controllable system: {}", lines(reasons))]
+    NothingToControl {
         /// Name of the building.
         name: String,
-        /// What it has, and why that cannot be driven.
-        left: Vec<crate::hvac::LeftAlone>,
+        /// Its systems that are not controlled, and why; one line for all of a class with the same reason.
+        reasons: Vec<String>,
     },
     /// The engine refused a model or stopped.
     #[error(transparent)]
@@ -118,15 +115,10 @@ impl Error {
 /// A result of this crate.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// Why systems cannot be driven, one line for all of a class with the same reason.
-fn reasons(left: &[crate::hvac::LeftAlone]) -> String {
-    let mut lines: Vec<(String, usize, &str)> = Vec::new();
-    for item in left {
-        match lines.iter_mut().find(|(class, _, why)| *class == item.what.class && *why == item.why) {
-            Some((_, count, _)) => *count += 1,
-            None => lines.push((item.what.class.clone(), 1, &item.why)),
-        }
+/// The reasons, one a line.
+fn lines(reasons: &[String]) -> String {
+    if reasons.is_empty() {
+        return "it has no air loop, unit heater or baseboard".to_owned();
     }
-    let line = |(class, count, why): &(String, usize, &str)| format!("\n  {count} × {class}: {why}");
-    lines.iter().map(line).collect()
+    reasons.iter().map(|reason| format!("\n  {reason}")).collect()
 }

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 use crate::hvac::energy_management;
-use crate::hvac::{self, Actuator, Discovery, LeftAlone, System};
+use crate::hvac::{self, Actuator, Discovery, System, Uncontrolled};
 use crate::model::Model;
 use crate::outputs;
 use crate::run_period::RunPeriod;
@@ -32,7 +32,7 @@ pub struct PreparedBuilding {
     /// The systems whose actuators make the action, in the order of the action.
     pub systems: Vec<System>,
     /// Systems and equipment that keep their own controls, and why; empty but for imported buildings.
-    pub left: Vec<LeftAlone>,
+    pub uncontrolled: Vec<Uncontrolled>,
     /// Floor area of the conditioned zones, m²: what energy is divided by. Energy is that of all HVAC, so that zones
     /// under their own controls count too.
     pub conditioned_floor_area: f64,
@@ -68,17 +68,17 @@ impl PreparedBuilding {
     /// Sizes a model as it is for a site and a weather file, then makes all of it controllable.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] naming the object that cannot be driven; [`Error::NothingToDrive`]; [`Error::Engine`] when
+    /// [`Error::Unsupported`] naming the object that cannot be driven; [`Error::NothingToControl`]; [`Error::Engine`] when
     /// the engine refuses the model.
     pub fn new(name: &str, mut model: Model, weather: &Path, library: &Library) -> Result<Self> {
         let air_density = size(&mut model, weather, library)?;
         energy_management::remove_ems_programs(&mut model, energy_management::sets_a_schedule);
         let systems = hvac::make_controllable(&mut model, air_density)?;
-        Self::with(name, model, Discovery { systems, left: Vec::new() })
+        Self::with(name, model, Discovery { systems, uncontrolled: Vec::new() })
     }
 
     /// As [`PreparedBuilding::new`], but a system that cannot be driven is left as it is, and told in
-    /// [`PreparedBuilding::left`]. For a user's own model: see [`crate::import`].
+    /// [`PreparedBuilding::uncontrolled`]. For a user's own model: see [`crate::import`].
     ///
     /// # Errors
     /// As [`PreparedBuilding::new`], without [`Error::Unsupported`].
@@ -94,10 +94,11 @@ impl PreparedBuilding {
     }
 
     /// A sized model whose systems have been made controllable.
-    fn with(name: &str, mut model: Model, Discovery { systems, left }: Discovery) -> Result<Self> {
-        if systems.is_empty() {
-            return Err(Error::NothingToDrive { name: name.to_owned(), left });
+    fn with(name: &str, mut model: Model, discovery: Discovery) -> Result<Self> {
+        if discovery.systems.is_empty() {
+            return Err(Error::NothingToControl { name: name.to_owned(), reasons: discovery.reasons() });
         }
+        let Discovery { systems, uncontrolled } = discovery;
         outputs::write_only(&mut model, &[]);
         keep_standard_time(&mut model);
         balance_exhaust(&mut model);
@@ -114,7 +115,7 @@ impl PreparedBuilding {
             conditioned_floor_area: zones.iter().filter(conditioned).map(|z| z.floor_area).sum(),
             zones,
             systems,
-            left,
+            uncontrolled,
         })
     }
 

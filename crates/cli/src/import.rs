@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{Context, Result, bail};
-use b2b_building::hvac::{LeftAlone, System};
+use b2b_building::hvac::{System, Uncontrolled};
 use b2b_building::{Conditioning, PreparedBuilding, RunPeriod, import};
 use b2b_dataset::BuildingName;
 use b2b_energyplus::Level;
@@ -56,7 +56,7 @@ struct Report {
     conditioned_floor_area_m2: f64,
     zones: Vec<Zone>,
     systems: Vec<Driven>,
-    left: Vec<LeftAlone>,
+    uncontrolled: Vec<Uncontrolled>,
     episode: Option<Outcome>,
 }
 
@@ -178,7 +178,7 @@ impl Report {
             conditioned_floor_area_m2: building.conditioned_floor_area,
             zones: building.zones.iter().map(Zone::of).collect(),
             systems: building.systems.iter().map(Driven::of).collect(),
-            left: building.left.clone(),
+            uncontrolled: building.uncontrolled.clone(),
             episode: arguments.run.map(|days| Outcome::of(&prepared, days, arguments.json)).transpose()?,
             place: prepared.place,
         })
@@ -208,8 +208,8 @@ impl Report {
             self.conditioned_floor_area_m2
         );
         let mut parts = vec![head, format!("Driven\n{}", self.systems_text())];
-        if !self.left.is_empty() {
-            parts.push(format!("Left as it is\n{}", self.left_text()));
+        if !self.uncontrolled.is_empty() {
+            parts.push(format!("Left as it is\n{}", self.uncontrolled_text()));
         }
         parts.push(format!("Zones\n{}", self.zones_text()));
         parts.extend(self.episode.as_ref().map(Outcome::text));
@@ -232,11 +232,11 @@ impl Report {
 
     fn left_text(&self) -> String {
         let mut table = Table::new(["", "what", "zones", "why"]);
-        for group in groups(&self.left) {
+        for group in groups(&self.uncontrolled) {
             table.row([
                 format!("{} ×", group.members.len()),
                 match &group.members[..] {
-                    [one] => format!("{} `{}`", group.class, one.what.name),
+                    [one] => format!("{} `{}`", group.class, one.object.name),
                     _ => group.class.to_owned(),
                 },
                 group.members.iter().map(|left| left.zones.len()).sum::<usize>().to_string(),
@@ -355,15 +355,15 @@ fn quoted(word: &str) -> String {
 struct Group<'a> {
     class: &'a str,
     why: &'a str,
-    members: Vec<&'a LeftAlone>,
+    members: Vec<&'a Uncontrolled>,
 }
 
-fn groups(left: &[LeftAlone]) -> Vec<Group<'_>> {
+fn groups(uncontrolled: &[Uncontrolled]) -> Vec<Group<'_>> {
     let mut groups: Vec<Group> = Vec::new();
     for item in left {
-        match groups.iter_mut().find(|g| g.class == item.what.class && g.why == item.why) {
+        match groups.iter_mut().find(|g| g.class == item.object.class && g.why == item.reason) {
             Some(group) => group.members.push(item),
-            None => groups.push(Group { class: &item.what.class, why: &item.why, members: vec![item] }),
+            None => groups.push(Group { class: &item.object.class, why: &item.reason, members: vec![item] }),
         }
     }
     groups
@@ -406,7 +406,7 @@ fn table(reports: &[(String, Result<Report, String>)]) -> String {
                     report.count(AIR_LOOP).to_string(),
                     report.count(HEATER).to_string(),
                     report.actuators().to_string(),
-                    report.left.len().to_string(),
+                    report.uncontrolled.len().to_string(),
                     of_episode(|e| format!("{:.2}", e.rms_deviation_k)),
                     of_episode(|e| format!("{:.2}", e.worst_zone_rms_k)),
                     of_episode(|e| e.severes.to_string()),
@@ -421,7 +421,7 @@ fn table(reports: &[(String, Result<Report, String>)]) -> String {
 
 /// What is left alone in a model, and why; its worst zone.
 fn note(name: &str, report: &Report) -> String {
-    let mut lines: Vec<String> = groups(&report.left)
+    let mut lines: Vec<String> = groups(&report.uncontrolled)
         .iter()
         .map(|g| format!("{} × {}: {}", g.members.len(), g.class, g.why))
         .collect();

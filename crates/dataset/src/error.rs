@@ -15,15 +15,16 @@ pub enum Error {
     },
     /// A number that no building of the dataset has.
     #[error(
-        "there is no {building_type} number `{number}`: the dataset has {building_type}-0001 to \
-         {building_type}-{}",
-        crate::BUILDINGS_PER_TYPE
+        "unknown building id `{building_type}-{number}`; ids of the type run from {building_type}-0001 to \
+         {building_type}-{last}"
     )]
     BuildingNumber {
         /// The type.
         building_type: BuildingType,
         /// The number, as it was given.
         number: String,
+        /// The highest number of the type.
+        last: u32,
     },
     /// The engine has no stock models beside it.
     #[error(

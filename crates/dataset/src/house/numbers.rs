@@ -1,6 +1,6 @@
 //! The numbers of a house that are drawn, by name.
 
-use super::House;
+use super::parameters::House;
 
 /// A number of a house.
 #[derive(Clone, Copy, Debug)]

@@ -1,6 +1,6 @@
 //! The parameters of a house.
 
-use super::Capacities;
+use super::capacities::Capacities;
 use crate::{Error, Result};
 
 /// One Btu-based R (h·ft²·°F/Btu) in m²K/W.

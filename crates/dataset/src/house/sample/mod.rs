@@ -6,9 +6,9 @@
 
 use b2b_climate::{Location, Region};
 
-use super::parameters::{IMPERIAL_R, IMPERIAL_U};
+use super::parameters::{Foundation, Heater, Heating, House, IMPERIAL_R, IMPERIAL_U};
 use super::stock::{number, numbers, pick, share, shares};
-use super::{Foundation, Heater, Heating, House};
+
 use crate::{Error, Result};
 
 /// Coordinates of the unit cube that make a house.
