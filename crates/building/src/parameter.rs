@@ -1,8 +1,8 @@
 //! Declared parameters: a name, a unit and bounds, and tables of them over the fields of a type.
 
-use serde::Serialize;
+use std::fmt;
 
-use crate::{Error, Result};
+use serde::Serialize;
 
 /// A number with a name, a unit and bounds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -26,23 +26,37 @@ impl Parameter {
     /// Checks that a value is a number within the bounds.
     ///
     /// # Errors
-    /// [`Error::Parameter`] when it is not.
-    pub fn check(&self, value: f64) -> Result<()> {
+    /// [`OutOfBounds`] when it is not.
+    pub fn check(&self, value: f64) -> Result<(), OutOfBounds> {
         // A comparison with NaN is false.
         if (self.low..=self.high).contains(&value) {
             return Ok(());
         }
-        Err(Error::Parameter { parameter: *self, value })
+        Err(OutOfBounds { parameter: *self, value })
     }
 
     /// Returns the value at a share of the way from the lowest (0) to the highest (1).
     pub fn at(&self, share: f64) -> f64 {
         (self.low + share * (self.high - self.low)).clamp(self.low, self.high)
     }
+}
 
-    /// Its unit behind a number: nothing for a ratio or a count.
-    pub(crate) fn suffix(&self) -> String {
-        if self.unit == "1" { String::new() } else { format!(" {}", self.unit) }
+/// A value that is not a number within the bounds of its parameter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OutOfBounds {
+    /// The parameter.
+    pub parameter: Parameter,
+    /// Its value.
+    pub value: f64,
+}
+
+impl std::error::Error for OutOfBounds {}
+
+impl fmt::Display for OutOfBounds {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Parameter { name, unit, low, high } = self.parameter;
+        write!(f, "`{name}` is {}; expected a number from {low} to {high}", self.value)?;
+        if unit == "1" { Ok(()) } else { write!(f, " {unit}") }
     }
 }
 
@@ -82,8 +96,8 @@ impl<T: Clone> Field<T> {
     /// Checks that the value of the field is a number within the bounds.
     ///
     /// # Errors
-    /// [`Error::Parameter`] when it is not.
-    pub fn check(&self, whole: &T) -> Result<()> {
+    /// [`OutOfBounds`] when it is not.
+    pub fn check(&self, whole: &T) -> Result<(), OutOfBounds> {
         self.parameter.check(self.of(whole))
     }
 }

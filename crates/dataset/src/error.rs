@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use b2b_building::BuildingType;
+use b2b_building::parameter::OutOfBounds;
 
 /// An error of this crate.
 #[derive(Debug, thiserror::Error)]
@@ -34,18 +35,9 @@ pub enum Error {
         /// The file looked for.
         file: String,
     },
-    /// A parameter of a generated building that is out of its bounds.
-    #[error("`{name}` is {value}, and must be a number from {low} to {high}")]
-    Parameter {
-        /// The parameter.
-        name: &'static str,
-        /// Its value.
-        value: f64,
-        /// Lowest value.
-        low: f64,
-        /// Highest value.
-        high: f64,
-    },
+    /// A parameter of a generated building that is not within its bounds.
+    #[error(transparent)]
+    Parameter(#[from] OutOfBounds),
     /// What was asked of a parameter cannot be.
     #[error("`{name}` is `{text}`: {remedy}")]
     Setting {

@@ -26,6 +26,7 @@
 //! baseboards and has no air system to control.
 
 mod air_loop;
+mod bounds;
 mod buffers;
 mod capacities;
 mod coils;
@@ -36,7 +37,6 @@ mod geometry;
 mod ground;
 mod infiltration;
 mod loads;
-mod numbers;
 mod parameters;
 mod sample;
 mod schedules;
@@ -45,9 +45,9 @@ mod stock;
 mod surface;
 mod zones;
 
+pub use bounds::{NUMBERS, Number};
 pub use capacities::Capacities;
 pub use geometry::Geometry;
-pub use numbers::{NUMBERS, Number};
 pub use parameters::{Foundation, Heater, Heating, House};
 pub use sample::{DIMENSIONS, Given, HouseSample, Vintage};
 pub use zones::{ATTIC, CRAWLSPACE, GARAGE, LIVING};
