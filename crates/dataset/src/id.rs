@@ -89,7 +89,7 @@ mod tests {
             ("OfficeSmall-1001", ["1001", "1000"]),
             ("Warehouse-99999999999", ["99999999999", "1000"]),
             ("Warehouse-+7", ["+7", "Warehouse-0001"]),
-            ("Warehouse-", ["``", "Warehouse-0001"]),
+            ("Warehouse-", ["`Warehouse-`", "Warehouse-0001"]),
         ] {
             let said = text.parse::<BuildingId>().unwrap_err().to_string();
             assert!(words.iter().all(|word| said.contains(word)), "{said}");

@@ -2,8 +2,11 @@ use std::sync::LazyLock;
 
 use b2b_energyplus::install::{Cache, Quiet};
 
+use super::months::{DAYS, HOURS, mean, months, range, spread};
+use super::sky::suns;
+use super::year::column;
 use super::*;
-use crate::{Place, Site};
+use crate::{Place, Site, sun};
 
 /// Montréal's typical year, from the user's own cache.
 fn base() -> String {
