@@ -11,7 +11,7 @@ ITERATIONS = int(sys.argv[1]) if len(sys.argv) > 1 else 3
 
 
 def house(config):
-    """Makes an environment with observations and actions in [-1, 1]. It has its own process, so any runner can make one."""
+    """Makes an environment with observations and actions in [-1, 1]. Any runner can: it has its own process."""
     return b2b.wrap_env_for_rl(b2b.make_env("SingleFamilyHouse", rescale_action=True, **config))
 
 

@@ -1,7 +1,8 @@
 """Train Stable-Baselines3's PPO on one house, constant task, winter, with the hyperparameters of the paper's appendix.
 
-`python train_ppo.py --steps 200000` prints the learning curve, the share of time spent in the environments, and the score
-relative to the reactive controller before and after training. `--onnx FILE` exports the policy for `b2b evaluate`.
+`python train_ppo.py --steps 200000` prints the learning curve, the share of time spent in the environments, and the
+score relative to the reactive controller before and after training. `--onnx FILE` exports the policy for
+`b2b evaluate`.
 """
 
 import argparse

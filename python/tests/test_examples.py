@@ -29,8 +29,8 @@ def test_an_example_runs(name, words):
     assert words in run(EXAMPLES / f"{name}.py")
 
 
-def test_the_notebook_runs_and_draws():
-    """In a kernel of its own, with an event loop around the cells, as in Jupyter."""
+def test_the_notebook_runs_and_plots():
+    """In its own kernel, with an event loop around the cells, as in Jupyter."""
     import nbformat
     from nbclient import NotebookClient
 

@@ -46,7 +46,7 @@ pub(crate) fn controllers_hash() -> String {
 }
 
 fn hash(parameters: &ReactiveParameters) -> String {
-    short(&hex(format!("{parameters:?}").as_bytes()))
+    short(&hex(parameters.fingerprint().as_bytes()))
 }
 
 fn short(hash: &str) -> String {

@@ -55,7 +55,7 @@ impl std::error::Error for OutOfBounds {}
 impl fmt::Display for OutOfBounds {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Parameter { name, unit, low, high } = self.parameter;
-        write!(f, "`{name}` is {}; expected a number from {low} to {high}", self.value)?;
+        write!(f, "parameter `{name}` is {}; expected a number from {low} to {high}", self.value)?;
         if unit == "1" { Ok(()) } else { write!(f, " {unit}") }
     }
 }

@@ -5,12 +5,12 @@
 //! its commit.
 #![cfg(target_os = "linux")]
 
-mod common;
+mod program;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use common::{b2b, json, stderr};
+use program::{b2b, json, stderr};
 use sha2::{Digest, Sha256};
 
 const TYPES: [&str; 6] = [

@@ -1,7 +1,5 @@
-//! Controllers that need no learning: reactive after ASHRAE Guideline 36, constant, random, a
-//! planner on copies of the simulation, and what was done before.
-//!
-//! Each implements [`Controller`] of `b2b_env`.
+//! Controllers without learning: reactive control after ASHRAE Guideline 36, constant and random actions, replay of recorded
+//! actions, and a planner on copies of the simulation. Each implements [`Controller`] of `b2b_env`.
 
 mod constant;
 mod error;
@@ -20,9 +18,7 @@ pub use error::{Error, Result};
 #[cfg(target_os = "linux")]
 pub use planner::{Planner, PlannerParameters};
 pub use random::Random;
-pub use reactive::{
-    AirLoopParameters, Gains, Parameter, Reactive, ReactiveParameters, TrimRespond, UnitaryParameters,
-};
+pub use reactive::{AirLoopParameters, Gains, Reactive, ReactiveParameters, TrimRespond, UnitaryParameters};
 pub use replay::Replay;
 pub use tuned::{Measured, Tuned};
 

@@ -3,6 +3,8 @@
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
+use crate::random::uniform;
+
 /// `count` points of the unit cube: cut into `count` equal slices along any axis, each slice holds one point.
 ///
 /// Axes are independent, and the same name and seed give the same points. At most 24 bytes of the name count.
@@ -11,7 +13,7 @@ pub(super) fn latin_hypercube<const D: usize>(name: &str, seed: u64, count: usiz
     for axis in 0..D {
         let mut random = stream(name, seed, axis);
         for (point, slice) in points.iter_mut().zip(shuffled(count, &mut random)) {
-            point[axis] = (slice as f64 + share(&mut random)) / count as f64;
+            point[axis] = (slice as f64 + uniform(&mut random)) / count as f64;
         }
     }
     points
@@ -47,11 +49,6 @@ fn shuffled(count: usize, random: &mut ChaCha8Rng) -> Vec<usize> {
 /// A whole number below `end`, from the upper bits of a product.
 fn below(end: usize, random: &mut ChaCha8Rng) -> usize {
     ((u128::from(random.next_u64()) * end as u128) >> 64) as usize
-}
-
-/// From 0 to just under 1, on 53 bits.
-fn share(random: &mut ChaCha8Rng) -> f64 {
-    (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64
 }
 
 #[cfg(test)]

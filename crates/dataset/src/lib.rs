@@ -20,6 +20,7 @@ pub mod house;
 mod hypercube;
 mod id;
 pub mod manifest;
+pub mod random;
 mod sample;
 mod setting;
 mod split;

@@ -10,7 +10,8 @@ use serde_json::json;
 use sha2::{Digest, Sha256};
 
 use super::process::{open_files, resident_mb};
-use crate::prepare::{Location, Prepared};
+use crate::arguments::location::Location;
+use crate::prepare::Prepared;
 use crate::progress::counter;
 use crate::{interrupt, stdout};
 

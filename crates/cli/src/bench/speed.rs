@@ -11,7 +11,8 @@ use serde::Serialize;
 use tempfile::TempDir;
 
 use super::{median, middle};
-use crate::prepare::{Location, Prepared};
+use crate::arguments::location::Location;
+use crate::prepare::Prepared;
 use crate::table::Table;
 use crate::{interrupt, stdout};
 

@@ -14,7 +14,8 @@ use serde::Serialize;
 
 use super::process::{cpu_seconds, private_mb, proportional_mb};
 use super::{median, middle, percentile};
-use crate::prepare::{Location, Prepared};
+use crate::arguments::location::Location;
+use crate::prepare::Prepared;
 use crate::progress::spinner;
 use crate::table::Table;
 use crate::{interrupt, stdout};

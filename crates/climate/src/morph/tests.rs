@@ -2,7 +2,7 @@ use std::sync::LazyLock;
 
 use b2b_energyplus::install::{Cache, Quiet};
 
-use super::months::{DAYS, HOURS, mean, months, range, spread};
+use super::months::{DAYS, HOURS, mean, range, spread};
 use super::sky::suns;
 use super::year::column;
 use super::*;

@@ -311,7 +311,7 @@ fn the_coils_are_those_asked_for() {
 fn a_parameter_out_of_bounds_is_named_with_its_value_and_bounds() {
     let refused = |house: House| super::house(&house, &site()).unwrap_err().to_string();
     let why = refused(House { floor_area: 5.0, ..House::default() });
-    assert_eq!(why, "`floor_area` is 5; expected a number from 40 to 1000 m²");
+    assert_eq!(why, "parameter `floor_area` is 5; expected a number from 40 to 1000 m²");
     for house in [
         House { window_u: f64::NAN, ..House::default() },
         House { storeys: 3, ..House::default() },

@@ -1,8 +1,8 @@
-//! `picture.html`: an episode to look at, in one file that needs no network.
+//! `picture.html`: the time series of an episode, in one file that needs no network.
 //!
-//! Every series goes into the page as the mean, the least and the greatest value of each of at most
-//! [`MAXIMUM_POINTS`] spans of equal length, in 16 bits between the least and the greatest of the whole series;
-//! that keeps a year of the largest building below 5 MB. The page draws with its own script.
+//! Every series is stored as the mean, minimum and maximum of each of at most [`MAX_POINTS`] spans of equal length,
+//! quantized to 16 bits between the minimum and maximum of the whole series. That keeps a year of the largest building
+//! below 5 MB. The page draws with its own script.
 
 use std::io::Write;
 
@@ -16,43 +16,44 @@ use base64::prelude::BASE64_STANDARD;
 use serde::Serialize;
 use serde_json::json;
 
-use crate::summary::Summary;
+use super::summary::Summary;
 
 /// Name of the file.
 pub const NAME: &str = "picture.html";
 
 const PAGE: &str = include_str!("picture.html");
-/// Points of a series: a year of hours, the last day's rounding included.
-const MAXIMUM_POINTS: usize = 8784;
+/// Maximum number of points of a series: the hours of a year, with the rounding of the last day.
+const MAX_POINTS: usize = 8784;
 
-/// Graphs of one unit over the time axis.
+/// Series of one unit over the time axis.
 #[derive(Serialize)]
 struct Panel {
     title: String,
     unit: &'static str,
     series: Vec<Series>,
-    /// A band to be shaded: the target and the comfort band to both sides, where it does not move.
+    /// The comfort band around a constant target, to be shaded.
     #[serde(skip_serializing_if = "Option::is_none")]
     band: Option<[f64; 2]>,
 }
 
-/// One graph.
+/// One time series.
 #[derive(Serialize)]
 struct Series {
     name: String,
-    /// Series of the same colour belong to the same zone.
+    /// Index of the color. Series of the same color belong to the same zone.
     color: usize,
     low: f64,
     high: f64,
-    /// Means, minima and maxima of the spans, base64 of little-endian 16-bit numbers from `low` to `high`.
+    /// Means of the spans: base64 of little-endian 16-bit numbers, 0 for `low` and 65535 for `high`.
     mean: String,
+    /// Minima and maxima of the spans, where a span is more than one step.
     #[serde(skip_serializing_if = "Option::is_none")]
     extremes: Option<[String; 2]>,
 }
 
 /// Writes the page.
 pub fn write(file: &mut impl Write, env: &Env, trajectory: &Trajectory, summary: &Summary) -> Result<()> {
-    let picture = Picture { env, trajectory, span: trajectory.len().div_ceil(MAXIMUM_POINTS).max(1) };
+    let picture = Picture { env, trajectory, span: trajectory.len().div_ceil(MAX_POINTS).max(1) };
     let data = json!({
         "title": summary.title(),
         "summary": summary,
@@ -70,7 +71,7 @@ pub fn write(file: &mut impl Write, env: &Env, trajectory: &Trajectory, summary:
 struct Picture<'a> {
     env: &'a Env,
     trajectory: &'a Trajectory,
-    /// Steps to a point.
+    /// Steps per point.
     span: usize,
 }
 
@@ -97,7 +98,7 @@ impl Picture<'_> {
         Panel { title: "Zone air temperature".into(), unit: "°C", series, band }
     }
 
-    /// Where they move.
+    /// Returns the targets that vary over time.
     fn targets(&self) -> Panel {
         let zones = self.env.building().zones.iter().enumerate();
         let controlled = zones.filter(|(_, zone)| zone.conditioning != Conditioning::None);
@@ -110,21 +111,21 @@ impl Picture<'_> {
         Panel { title: "Target temperature".into(), unit: "°C", series: series.collect(), band: None }
     }
 
-    /// Attics and plenums with the outdoors, which they follow more than they follow any target.
+    /// Returns the outdoor air with attics and plenums, which follow it more than any target.
     fn outdoor(&self) -> Panel {
         let outdoor = self.env.observation_space().outdoor_temperature();
         let mut series = vec![self.slot("outdoor air".into(), self.env.building().zones.len(), outdoor, 1.0)];
         series.extend(self.zones(|conditioning| conditioning == Conditioning::None));
-        Panel { title: "Outdoors and unconditioned zones".into(), unit: "°C", series, band: None }
+        Panel { title: "Outdoor air and unconditioned zones".into(), unit: "°C", series, band: None }
     }
 
-    /// Temperatures of the zones with such equipment.
-    fn zones(&self, with: impl Fn(Conditioning) -> bool) -> impl Iterator<Item = Series> {
+    /// Returns the temperatures of the zones whose equipment matches.
+    fn zones(&self, matches: impl Fn(Conditioning) -> bool) -> impl Iterator<Item = Series> {
         let zones = self.env.building().zones.iter().enumerate();
         let slots = self.env.observation_space().zone_temperatures();
         zones
             .zip(slots)
-            .filter(move |((_, zone), _)| with(zone.conditioning))
+            .filter(move |((_, zone), _)| matches(zone.conditioning))
             .map(|((number, zone), slot)| self.slot(zone.name.clone(), number, slot, 1.0))
     }
 
@@ -155,13 +156,13 @@ impl Picture<'_> {
         }
     }
 
-    /// What a slot of the observation was, times a scale.
+    /// Returns a slot of the observation, multiplied by a scale.
     fn slot(&self, name: String, color: usize, slot: usize, scale: f64) -> Series {
         self.series(name, color, self.trajectory.observed(slot).map(|value| value * scale).collect())
     }
 
     fn series(&self, name: String, color: usize, values: Vec<f64>) -> Series {
-        let (low, high) = (least(&values), greatest(&values));
+        let (low, high) = (minimum(&values), maximum(&values));
         let points = |of: fn(&[f64]) -> f64| encode(values.chunks(self.span).map(of), low, high);
         Series {
             name,
@@ -169,20 +170,20 @@ impl Picture<'_> {
             low,
             high,
             mean: points(|span| span.iter().sum::<f64>() / span.len() as f64),
-            extremes: (self.span > 1).then(|| [points(least), points(greatest)]),
+            extremes: (self.span > 1).then(|| [points(minimum), points(maximum)]),
         }
     }
 }
 
-fn least(values: &[f64]) -> f64 {
+fn minimum(values: &[f64]) -> f64 {
     values.iter().copied().fold(f64::INFINITY, f64::min)
 }
 
-fn greatest(values: &[f64]) -> f64 {
+fn maximum(values: &[f64]) -> f64 {
     values.iter().copied().fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// The number of the zone that an actuator belongs to; for those of a whole air loop its first zone.
+/// Returns the index of the zone that an actuator belongs to; for an air loop, its first zone.
 fn zone_of(building: &PreparedBuilding, owner: Owner) -> usize {
     let number = |zone: &str| building.zones.iter().position(|z| z.name.eq_ignore_ascii_case(zone));
     match owner {
@@ -194,7 +195,7 @@ fn zone_of(building: &PreparedBuilding, owner: Owner) -> usize {
     }
 }
 
-/// Base64 of 16-bit numbers, 0 for `low` and 65535 for `high`.
+/// Returns base64 of 16-bit numbers, 0 for `low` and 65535 for `high`.
 fn encode(values: impl Iterator<Item = f64>, low: f64, high: f64) -> String {
     let range = if high > low { high - low } else { 1.0 };
     let bytes: Vec<u8> = values
@@ -208,13 +209,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_value_is_encoded_between_the_least_and_the_greatest() {
+    fn values_are_quantized_between_minimum_and_maximum() {
         let bytes = BASE64_STANDARD.decode(encode([1.0, 2.0, 3.0].into_iter(), 1.0, 3.0)).unwrap();
         assert_eq!(bytes, [0, 0, 0, 128, 255, 255]);
     }
 
     #[test]
-    fn the_page_loads_nothing_from_elsewhere() {
+    fn the_page_needs_no_network() {
         assert_eq!(PAGE.matches("{{DATA}}").count(), 1);
         for word in ["http://", "https://", "src=", "@import", "<link"] {
             assert!(!PAGE.contains(word), "{word}");

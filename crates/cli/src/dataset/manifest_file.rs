@@ -1,4 +1,4 @@
-//! Manifests as files: CSV for people, Parquet for programs, both with the same content.
+//! Manifests as CSV and as Parquet, both with the same content.
 
 use std::collections::HashMap;
 use std::io::Write;
@@ -23,7 +23,7 @@ pub fn write(folder: &OutputFolder, name: &str, manifest: &Manifest) -> Result<[
     Ok(names)
 }
 
-/// A row group of nullable columns; the unit is in the field metadata.
+/// Writes nullable columns, with their units in the field metadata.
 fn write_parquet(file: &mut (impl Write + Send), manifest: &Manifest) -> Result<()> {
     let schema = Arc::new(Schema::new(manifest.columns.iter().map(field).collect::<Vec<_>>()));
     let properties = WriterProperties::builder().set_compression(Compression::SNAPPY).build();

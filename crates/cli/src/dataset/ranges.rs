@@ -1,4 +1,4 @@
-//! What the parameters of the dataset range over, beside what the code asks.
+//! Ranges of the parameters of the dataset, next to the requirements of the building code.
 
 use std::ops::RangeInclusive;
 
@@ -9,15 +9,15 @@ use b2b_dataset::house::{HouseSample, NUMBERS, Vintage};
 
 use crate::table::Table;
 
-/// Thermal climate zones of the code.
+/// Thermal climate zones of the building code.
 const ZONES: RangeInclusive<char> = '1'..='8';
 
-/// Both tables.
+/// Returns the tables of commercial buildings and of houses.
 pub fn text() -> anyhow::Result<String> {
     Ok(format!("{}\n\n{}", commercial()?, houses()))
 }
 
-/// A row a commercial type and climate zone: lowest and highest value of the buildings there, and the code's.
+/// Returns a row per commercial type and climate zone: minimum and maximum over its buildings, and the code value.
 fn commercial() -> anyhow::Result<String> {
     let mut table = Table::new([
         "type",
@@ -27,27 +27,28 @@ fn commercial() -> anyhow::Result<String> {
         "roof U (code)",
         "window U (code)",
         "SHGC (code)",
-        "window/wall",
+        "window/wall ratio",
         "infiltration",
         "x, y scale",
     ]);
     for building_type in BuildingType::ALL.into_iter().filter(|each| *each != BuildingType::SingleFamilyHouse)
     {
         for zone in ZONES {
-            let there = in_zone(building_type, zone);
+            let buildings = in_zone(building_type, zone);
             let code = Prescriptive::of(&zone.to_string())?;
-            let of =
-                |value: &dyn Fn(&CommercialParameters) -> f64| there.iter().map(|each| value(each)).collect();
-            let beside = |values: Vec<f64>, code: f64| format!("{} ({code:.2})", range(&values, 2));
-            let scales = there.iter().flat_map(|each| [each.x_scale, each.y_scale]).collect::<Vec<_>>();
+            let of = |value: &dyn Fn(&CommercialParameters) -> f64| {
+                buildings.iter().map(|each| value(each)).collect()
+            };
+            let with_code = |values: Vec<f64>, code: f64| format!("{} ({code:.2})", range(&values, 2));
+            let scales = buildings.iter().flat_map(|each| [each.x_scale, each.y_scale]).collect::<Vec<_>>();
             table.row([
                 building_type.name().to_owned(),
                 zone.to_string(),
-                there.len().to_string(),
-                beside(of(&|each| each.envelope * code.wall_u), code.wall_u),
-                beside(of(&|each| each.envelope * code.roof_u), code.roof_u),
-                beside(of(&|each| each.window_u), code.window_u),
-                beside(of(&|each| each.window_shgc), code.window_shgc),
+                buildings.len().to_string(),
+                with_code(of(&|each| each.envelope * code.wall_u), code.wall_u),
+                with_code(of(&|each| each.envelope * code.roof_u), code.roof_u),
+                with_code(of(&|each| each.window_u), code.window_u),
+                with_code(of(&|each| each.window_shgc), code.window_shgc),
                 range(&of(&|each| each.window_to_wall), 3),
                 range(&of(&|each| each.infiltration), 2),
                 range(&scales, 2),
@@ -58,16 +59,16 @@ fn commercial() -> anyhow::Result<String> {
 }
 
 fn in_zone(building_type: BuildingType, zone: char) -> Vec<&'static CommercialParameters> {
-    let there = b2b_dataset::rows(building_type).iter().filter_map(|row| match &row.building {
+    let commercial = b2b_dataset::rows(building_type).iter().filter_map(|row| match &row.building {
         Building::Commercial { location, parameters, .. } => {
             location.ashrae_zone().is_some_and(|own| own.starts_with(zone)).then_some(parameters)
         }
         Building::House(_) => None,
     });
-    there.collect()
+    commercial.collect()
 }
 
-/// A row a number, a column a vintage.
+/// Returns a row per parameter and a column per vintage.
 fn houses() -> String {
     let vintages = Vintage::ALL.map(of_vintage);
     let [a, b, c, d, e] = Vintage::ALL.map(Vintage::name);
@@ -96,7 +97,7 @@ fn of_vintage(vintage: Vintage) -> Vec<&'static HouseSample> {
     .collect()
 }
 
-/// Lowest and highest value.
+/// Returns minimum and maximum.
 fn range(values: &[f64], decimals: usize) -> String {
     let low = values.iter().copied().fold(f64::INFINITY, f64::min);
     let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);

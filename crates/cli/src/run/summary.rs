@@ -1,4 +1,4 @@
-//! What an episode amounts to, for people and for programs.
+//! The metrics of an episode, as text and as JSON.
 
 use std::path::PathBuf;
 
@@ -10,33 +10,33 @@ use b2b_env::{Env, Setpoints, Task};
 use cpu_time::ProcessTime;
 use serde::{Deserialize, Serialize};
 
-use crate::run::Rollout;
+use crate::rollout::Rollout;
 use crate::table::Table;
 
-/// The object that `--json` prints and `summary.json` holds. Means over zones are over those with both heating
-/// and cooling.
+/// The content of `summary.json`, which `--json` prints too. Means over zones are over those with both heating and
+/// cooling.
 #[derive(Serialize)]
 pub struct Summary {
-    /// Building type, or id of a building of the dataset.
+    /// Building type, dataset id, or name of the model.
     pub building: String,
-    /// What only the command line knows.
+    /// Place, controller, seed and files.
     #[serde(flatten)]
-    pub about: About,
-    /// What made it.
+    pub info: RunInfo,
+    /// Versions that the episode depends on.
     pub versions: Versions,
     /// Run period, as on the command line.
     pub period: String,
-    /// Zone time steps an hour.
+    /// Zone time steps per hour.
     pub steps_per_hour: u32,
-    /// Spelling of the task.
+    /// Short form of the task.
     pub task: String,
     /// SHA-256 of the task: equal hashes mean equal tasks.
     pub task_hash: String,
-    /// The task itself; a file with it is a task for `--task`.
+    /// The task in full. A file with this object is valid for `--task`.
     pub task_definition: Task,
-    /// Scale τ_E by which the reward divides what the task weighs.
+    /// Scale τ_E that normalizes the reward's energy term.
     pub energy_scale: f64,
-    /// Steps of the episode.
+    /// Number of steps.
     pub steps: usize,
     /// Sum of the rewards.
     #[serde(rename = "return")]
@@ -45,67 +45,67 @@ pub struct Summary {
     pub temperature_penalty: f64,
     /// Sum of the energy penalties.
     pub energy_penalty: f64,
-    /// Root mean square deviation from target, K.
+    /// RMS deviation from the target temperature, K.
     pub rms_deviation_k: f64,
-    /// Mean absolute deviation from target, K.
+    /// Mean absolute deviation from the target temperature, K.
     pub mean_abs_deviation_k: f64,
-    /// Hours further from target than the task's comfort band.
+    /// Hours outside the task's comfort band.
     pub hours_outside_band: f64,
-    /// Thermal discomfort beyond the band, mean over the controlled zones, K h.
+    /// Discomfort outside the band, mean over the controlled zones, K·h.
     pub discomfort_k_h: f64,
-    /// Controlled zones in which nobody ever is.
+    /// Controlled zones that are never occupied.
     pub never_occupied: Vec<String>,
     /// HVAC electricity, Wh/m².
     pub electricity_wh_m2: f64,
     /// HVAC gas, Wh/m².
     pub gas_wh_m2: f64,
-    /// Cost by the task's prices, currency/m².
+    /// Energy cost at the task's prices, currency/m².
     pub cost_m2: f64,
-    /// Emissions by the task's factors, kg of CO₂/m².
+    /// Emissions at the task's emission factors, kg CO₂/m².
     pub emissions_kg_m2: f64,
-    /// Highest electric HVAC power, mean of a step, W/m².
+    /// Peak electric HVAC demand, averaged over a step, W/m².
     pub peak_electricity_w_m2: f64,
-    /// Highest gas power, mean of a step, W/m².
+    /// Peak gas demand, averaged over a step, W/m².
     pub peak_gas_w_m2: f64,
-    /// Way of the actuators a day, in times their ranges, mean over them.
+    /// Actuator travel, mean over the actuators, full strokes/day.
     pub daily_travel: f64,
-    /// Way of each actuator over the episode, in times its range, in the order of the action.
+    /// Travel of each actuator over the episode, full strokes, in action order.
     pub travel: Vec<f64>,
-    /// Largest relative difference between our energy sums and the engine's own meters.
+    /// Largest relative mismatch between the energy of the steps and EnergyPlus's meters.
     pub meter_relative_error: f64,
-    /// Warnings of the engine.
+    /// Number of engine warnings.
     pub engine_warnings: usize,
-    /// Severe messages of the engine.
+    /// Number of severe engine messages.
     pub engine_severes: usize,
-    /// First severe messages.
+    /// The first severe messages.
     pub severe_messages: Vec<String>,
-    /// Action values that were out of bounds and clamped.
+    /// Number of action values that were clamped to their bounds.
     pub clamped_actions: usize,
-    /// SHA-256 of every observation, action and penalty: equal hashes mean equal episodes.
+    /// SHA-256 of all observations, actions and penalties: equal hashes mean equal episodes.
     pub trajectory_hash: String,
     /// CPU time of the process up to the end of the episode, s.
     pub cpu_s: f64,
-    /// CPU time within `Env::reset` and `Env::step`, s: the engine, and the little the environment adds.
+    /// CPU time within `Env::reset` and `Env::step`, s.
     pub engine_cpu_s: f64,
-    /// Steps a second, on the clock.
+    /// Steps per second of wall-clock time.
     pub steps_per_s: f64,
     /// The controlled zones.
     pub zones: Vec<ZoneSummary>,
 }
 
-/// Versions of what an episode depends on: with the same, it is the same.
+/// Versions that determine an episode: equal versions give equal episodes.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Versions {
-    /// Of this program.
+    /// Version of this program.
     pub package: String,
-    /// Of the buildings.
+    /// Version of the building generator.
     pub generator: String,
-    /// Of EnergyPlus.
+    /// Version of EnergyPlus.
     pub engine: String,
 }
 
 impl Versions {
-    /// Those at work.
+    /// Returns the versions in use.
     pub fn current() -> Self {
         let [package, generator, engine] =
             [env!("CARGO_PKG_VERSION"), GENERATOR_VERSION, ENGINE_VERSION].map(str::to_owned);
@@ -113,51 +113,51 @@ impl Versions {
     }
 }
 
-/// What an environment does not know of its run.
+/// Properties of a run that the environment does not know.
 #[derive(Serialize)]
-pub struct About {
+pub struct RunInfo {
     /// Name of the place, or of the weather file.
     pub place: String,
     /// Name of the controller.
     pub controller: &'static str,
-    /// Seed of the random controller.
+    /// Random seed of the controller.
     pub seed: u64,
-    /// Where the files are.
+    /// Output files.
     pub files: Vec<PathBuf>,
 }
 
-/// Deviation of one zone from target.
+/// Comfort metrics of one zone.
 #[derive(Serialize)]
 pub struct ZoneSummary {
-    /// Name.
+    /// Name of the zone.
     pub name: String,
     /// Root mean square deviation, K.
     pub rms_deviation_k: f64,
     /// Mean absolute deviation, K.
     pub mean_abs_deviation_k: f64,
-    /// Hours further from target than the task's comfort band.
+    /// Hours outside the task's comfort band.
     pub hours_outside_band: f64,
-    /// Thermal discomfort beyond the band, K h.
+    /// Discomfort outside the band, K·h.
     pub discomfort_k_h: f64,
     /// Whether it has both heating and cooling.
     pub heating_and_cooling: bool,
 }
 
-/// Severe messages that are kept.
+/// Number of severe messages that are kept.
 const SEVERES_KEPT: usize = 5;
 
 impl Summary {
     /// Name of the file.
     pub const NAME: &str = "summary.json";
 
-    /// Sums up a finished episode.
-    pub fn of(env: &Env, rollout: &Rollout, about: About) -> Result<Self> {
+    /// Summarizes a finished episode.
+    pub fn of(env: &Env, rollout: &Rollout, info: RunInfo) -> Result<Self> {
         let (metrics, episode) = (env.metrics(), env.episode());
         let severes = env.messages();
         let severes = severes.at_least(Level::Severe).take(SEVERES_KEPT);
         Ok(Self {
             building: env.building().name.clone(),
-            about,
+            info,
             versions: Versions::current(),
             period: episode.period.to_string(),
             steps_per_hour: episode.steps_per_hour,
@@ -195,92 +195,112 @@ impl Summary {
         })
     }
 
-    /// For people.
+    /// Returns the text report.
     pub fn text(&self) -> String {
         let severes: String =
             self.severe_messages.iter().map(|m| format!("    severe: {}\n", m.replace('\n', " "))).collect();
-        let files: Vec<_> = self.about.files.iter().map(|file| format!("  {}", file.display())).collect();
+        let files: Vec<_> = self.info.files.iter().map(|file| format!("  {}", file.display())).collect();
         format!(
-            "{}\n\n{}\n{severes}\n{}\n\n{}",
+            "{}\n\n{}\n{severes}\n{}{}\n\n{}",
             self.title(),
-            self.figures(),
+            self.metrics_text(),
             self.zone_table(),
+            self.never_occupied_note(),
             files.join("\n")
         )
     }
 
-    /// A line on zones without people, where targets follow them.
-    fn emptiness(&self) -> String {
-        let occupancy = matches!(self.task_definition.setpoints, Setpoints::Occupancy { .. });
-        if !occupancy || self.never_occupied.is_empty() {
-            return String::new();
-        }
-        format!("\n\n  nobody is ever in {}: always let go", self.never_occupied.join(", "))
-    }
-
-    /// One line that names the episode.
+    /// Returns a line that identifies the episode.
     pub fn title(&self) -> String {
-        let Self { building, period, steps, about: About { place, controller, .. }, .. } = self;
-        let task = &self.task;
-        format!("{building} in {place}, {period}, task {task}, {controller} controller: {steps} steps")
+        let Self { building, period, steps, task, info: RunInfo { place, controller, .. }, .. } = self;
+        let minutes = 60 / self.steps_per_hour;
+        format!(
+            "{building} in {place}, {period}, task {task}, {controller} controller: {steps} steps of {minutes} min"
+        )
     }
 
-    fn figures(&self) -> String {
+    fn metrics_text(&self) -> String {
+        let metrics = [self.outcome_metrics(), self.run_diagnostics()].concat();
+        let lines: Vec<_> = metrics.iter().map(|(name, value)| format!("  {name:<39}{value}")).collect();
+        lines.join("\n")
+    }
+
+    /// Returns how well the episode went: reward, comfort, energy and wear.
+    fn outcome_metrics(&self) -> Vec<(&'static str, String)> {
         let hours = self.steps as f64 / f64::from(self.steps_per_hour);
         let band = self.task_definition.comfort_band;
-        let lines = [
+        let [temperature, energy] = [self.temperature_penalty, self.energy_penalty].map(|p| 0.0 - p);
+        vec![
             (
                 "return",
-                format!(
-                    "{:.1}  (temperature {:.1}, energy {:.1})",
-                    self.episode_return,
-                    0.0 - self.temperature_penalty,
-                    0.0 - self.energy_penalty
-                ),
+                format!("{:.1}  (temperature {temperature:.1}, energy {energy:.1})", self.episode_return),
             ),
             ("mean absolute deviation", format!("{:.2} K", self.mean_abs_deviation_k)),
             ("RMS deviation", format!("{:.2} K", self.rms_deviation_k)),
-            (
-                "outside the comfort band",
-                format!("{:.1} h of {hours:.0} h, at ±{band} K", self.hours_outside_band),
-            ),
-            ("discomfort beyond it", format!("{:.1} K h", self.discomfort_k_h)),
+            ("outside comfort band", format!("{:.1} h of {hours:.0} h (±{band} K)", self.hours_outside_band)),
+            ("discomfort outside the band", format!("{:.1} K·h", self.discomfort_k_h)),
             ("HVAC electricity", format!("{:.2} kWh/m²", self.electricity_wh_m2 / 1000.0)),
             ("HVAC gas", format!("{:.2} kWh/m²", self.gas_wh_m2 / 1000.0)),
-            ("cost, emissions", format!("{:.2} per m², {:.2} kg CO₂/m²", self.cost_m2, self.emissions_kg_m2)),
-            ("highest electric power", format!("{:.1} W/m²", self.peak_electricity_w_m2)),
-            ("way of the actuators", format!("{:.1} times their ranges a day", self.daily_travel)),
-            ("energy against the engine's meters", format!("{:.1e} relative", self.meter_relative_error)),
-            ("engine", format!("{} warnings, {} severe", self.engine_warnings, self.engine_severes)),
-            ("action values clamped", self.clamped_actions.to_string()),
+            (
+                "cost, emissions",
+                format!("{:.2} currency/m², {:.2} kg CO₂/m²", self.cost_m2, self.emissions_kg_m2),
+            ),
+            ("peak electric demand", format!("{:.1} W/m²", self.peak_electricity_w_m2)),
+            ("actuator travel", format!("{:.1} full strokes/day", self.daily_travel)),
+        ]
+    }
+
+    /// Returns whether the run can be trusted, and what it cost to compute.
+    fn run_diagnostics(&self) -> Vec<(&'static str, String)> {
+        let other_cpu = self.cpu_s - self.engine_cpu_s;
+        vec![
+            ("clamped action values", self.clamped_actions.to_string()),
+            ("engine messages", format!("{} warnings, {} severe", self.engine_warnings, self.engine_severes)),
+            (
+                "energy mismatch vs. EnergyPlus meters",
+                format!("{:.1e} (relative)", self.meter_relative_error),
+            ),
             ("speed", format!("{:.0} steps/s", self.steps_per_s)),
             (
                 "CPU time",
                 format!(
-                    "{:.2} s in the environment, {:.2} s outside it (preparation, controller)",
-                    self.engine_cpu_s,
-                    self.cpu_s - self.engine_cpu_s
+                    "{:.2} s environment, {other_cpu:.2} s other (preparation, controller)",
+                    self.engine_cpu_s
                 ),
             ),
-        ];
-        let lines: Vec<_> = lines.iter().map(|(name, value)| format!("  {name:<36}{value}")).collect();
-        lines.join("\n")
+        ]
     }
 
     fn zone_table(&self) -> String {
-        let mut table =
-            Table::new(["zone", "equipment", "mean abs, K", "RMS, K", "outside, h", "discomfort, K h"]);
+        let mut table = Table::new([
+            "zone",
+            "equipment",
+            "mean abs. deviation (K)",
+            "RMS deviation (K)",
+            "outside band (h)",
+            "discomfort (K·h)",
+        ]);
         for zone in &self.zones {
             table.row([
                 zone.name.clone(),
-                if zone.heating_and_cooling { "heating and cooling" } else { "heating" }.into(),
+                if zone.heating_and_cooling { "heating and cooling" } else { "heating only" }.into(),
                 format!("{:.2}", zone.mean_abs_deviation_k),
                 format!("{:.2}", zone.rms_deviation_k),
                 format!("{:.1}", zone.hours_outside_band),
                 format!("{:.1}", zone.discomfort_k_h),
             ]);
         }
-        table.text() + &self.emptiness()
+        table.text()
+    }
+
+    /// Returns a note on zones whose setpoint is always the unoccupied one.
+    fn never_occupied_note(&self) -> String {
+        let by_occupancy = matches!(self.task_definition.setpoints, Setpoints::Occupancy { .. });
+        if !by_occupancy || self.never_occupied.is_empty() {
+            return String::new();
+        }
+        let zones = self.never_occupied.join(", ");
+        format!("\n\n  never occupied, always at the unoccupied setpoint: {zones}")
     }
 }
 
@@ -297,7 +317,7 @@ fn zones(env: &Env) -> Vec<ZoneSummary> {
     metrics.zones.iter().map(zone).collect()
 }
 
-/// A fuel that the building does not use is no error.
+/// Returns the largest relative mismatch of a fuel. A fuel that the building does not use has none.
 fn meter_relative_error(env: &Env) -> Result<f64> {
     const TINY: f64 = 1e-9;
     let ours = [env.metrics().electricity, env.metrics().gas];

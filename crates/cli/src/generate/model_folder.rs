@@ -1,4 +1,4 @@
-//! A folder of generated models and the manifest that describes them.
+//! A folder of generated models with the manifest that describes them.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -10,18 +10,18 @@ use tempfile::TempDir;
 /// Name of the manifest in the folder.
 pub const MANIFEST: &str = "manifest.csv";
 
-/// Each file is written aside and moved: what is there is whole. A file whose row in the manifest is no longer the same
-/// is removed before the manifest says anything else, so that an interrupted generation can go on.
+/// A folder of models. Each file is written elsewhere and moved into place, so that files are always complete. A file
+/// whose row in the manifest has changed is removed before the manifest is updated, so that an interrupted generation
+/// can resume.
 pub struct ModelFolder {
     root: PathBuf,
     staging: TempDir,
 }
 
 impl ModelFolder {
-    /// Makes the folder hold the manifest, and no model of one of its names that another manifest described. The rows of
-    /// other names stay.
+    /// Updates the manifest in the folder and removes the models that no longer match it. Rows of other names stay.
     pub fn open(root: &Path, manifest: &Manifest) -> Result<Self> {
-        let cannot = || format!("the folder {} cannot be written", root.display());
+        let cannot = || format!("cannot write the folder {}", root.display());
         std::fs::create_dir_all(root).with_context(cannot)?;
         let staging = tempfile::Builder::new().prefix(".b2b-unfinished-").tempdir_in(root);
         let folder = Self { root: root.to_owned(), staging: staging.with_context(cannot)? };
@@ -39,8 +39,8 @@ impl ModelFolder {
         Ok(folder)
     }
 
-    /// Whether the model of this name is there.
-    pub fn holds(&self, name: &str) -> bool {
+    /// Returns whether the model of this name exists.
+    pub fn contains(&self, name: &str) -> bool {
         self.model(name).is_file()
     }
 
@@ -49,14 +49,14 @@ impl ModelFolder {
         self.write_file(&file_name(name), epjson)
     }
 
-    /// The rows of the manifest that is there, by name; none when it has other columns.
+    /// Returns the rows of the existing manifest by name; none if it has other columns.
     fn described(&self, header: &str) -> Result<BTreeMap<String, String>> {
         let path = self.root.join(MANIFEST);
         if !path.exists() {
             return Ok(BTreeMap::new());
         }
         let text =
-            std::fs::read_to_string(&path).with_context(|| format!("{} cannot be read", path.display()))?;
+            std::fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
         let (old_header, old_rows) = rows(&text);
         let known = old_rows.filter(|_| old_header == header);
         Ok(known.map(|(name, row)| (name.to_owned(), row.to_owned())).collect())
@@ -69,7 +69,7 @@ impl ModelFolder {
     fn remove(&self, name: &str) -> Result<()> {
         let path = self.model(name);
         if path.exists() {
-            std::fs::remove_file(&path).with_context(|| format!("{} cannot be removed", path.display()))?;
+            std::fs::remove_file(&path).with_context(|| format!("cannot remove {}", path.display()))?;
         }
         Ok(())
     }
@@ -77,7 +77,7 @@ impl ModelFolder {
     fn write_file(&self, name: &str, content: &str) -> Result<()> {
         let (aside, path) = (self.staging.path().join(name), self.root.join(name));
         let written = std::fs::write(&aside, content).and_then(|()| std::fs::rename(&aside, &path));
-        written.with_context(|| format!("{} cannot be written", path.display()))
+        written.with_context(|| format!("cannot write {}", path.display()))
     }
 }
 
@@ -85,7 +85,7 @@ fn file_name(name: &str) -> String {
     format!("{name}.epJSON")
 }
 
-/// The header of a manifest, and its rows with their first cells.
+/// Returns the header of a manifest, and its rows with their first cells.
 fn rows(text: &str) -> (&str, impl Iterator<Item = (&str, &str)>) {
     let mut lines = text.lines();
     let header = lines.next().unwrap_or_default();
@@ -112,22 +112,22 @@ mod tests {
     }
 
     #[test]
-    fn a_model_is_kept_while_its_row_is_the_same_and_removed_when_it_is_not() {
+    fn a_model_is_kept_only_while_its_row_is_unchanged() {
         let root = tempfile::tempdir().unwrap();
         ModelFolder::open(root.path(), &table("a", 1)).unwrap().write("a", "{}").unwrap();
-        assert!(ModelFolder::open(root.path(), &table("a", 1)).unwrap().holds("a"));
-        assert!(!ModelFolder::open(root.path(), &table("a", 2)).unwrap().holds("a"));
+        assert!(ModelFolder::open(root.path(), &table("a", 1)).unwrap().contains("a"));
+        assert!(!ModelFolder::open(root.path(), &table("a", 2)).unwrap().contains("a"));
     }
 
     #[test]
-    fn a_model_that_no_manifest_describes_is_not_trusted() {
+    fn a_model_without_a_manifest_row_is_removed() {
         let root = tempfile::tempdir().unwrap();
         std::fs::write(root.path().join("a.epJSON"), "half").unwrap();
-        assert!(!ModelFolder::open(root.path(), &table("a", 1)).unwrap().holds("a"));
+        assert!(!ModelFolder::open(root.path(), &table("a", 1)).unwrap().contains("a"));
     }
 
     #[test]
-    fn another_generation_into_the_same_folder_is_added() {
+    fn a_second_generation_adds_to_the_folder() {
         let root = tempfile::tempdir().unwrap();
         ModelFolder::open(root.path(), &table("a", 1)).unwrap().write("a", "{}").unwrap();
         ModelFolder::open(root.path(), &table("b", 1)).unwrap().write("b", "{}").unwrap();

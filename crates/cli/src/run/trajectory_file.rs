@@ -1,4 +1,4 @@
-//! `trajectory.parquet`: one row a step, a named column for everything that was seen and done.
+//! `trajectory.parquet`: one row per step, one named column per observation, action and penalty.
 
 use std::collections::HashMap;
 use std::io::Write;
@@ -14,12 +14,12 @@ use parquet::arrow::ArrowWriter;
 use parquet::basic::Compression;
 use parquet::file::properties::WriterProperties;
 
-use crate::summary::Summary;
+use super::summary::Summary;
 
 /// Name of the file.
 pub const NAME: &str = "trajectory.parquet";
 
-/// Writes a trajectory. Column names are those of the spaces; the unit is in the field metadata.
+/// Writes a trajectory. Columns are named after the slots of the spaces; units are in the field metadata.
 pub fn write(
     file: &mut (impl Write + Send),
     env: &Env,
@@ -60,7 +60,7 @@ impl Columns {
         self.arrays.push(Arc::new(PrimitiveArray::<T>::from_iter_values(values)));
     }
 
-    /// The number of the step from 1, and the date and the time of its end.
+    /// Adds the step number, counted from 1, and the date and time at its end.
     fn calendar(&mut self, env: &Env, steps: usize) {
         let per_hour = env.episode().steps_per_hour as usize;
         let first = env.episode().period.first().day_of_year() as usize;
@@ -74,18 +74,18 @@ impl Columns {
     }
 
     fn write(self, file: &mut (impl Write + Send), summary: &Summary) -> Result<()> {
-        let about = [
+        let metadata = [
             ("building", summary.building.clone()),
-            ("place", summary.about.place.clone()),
+            ("place", summary.info.place.clone()),
             ("period", summary.period.clone()),
-            ("controller", summary.about.controller.to_owned()),
+            ("controller", summary.info.controller.to_owned()),
             ("task", summary.task.clone()),
             ("task_hash", summary.task_hash.clone()),
             ("versions", serde_json::to_string(&summary.versions)?),
             ("task_definition", serde_json::to_string(&summary.task_definition)?),
         ];
-        let about = about.map(|(key, value)| (key.to_owned(), value));
-        let schema = Arc::new(Schema::new_with_metadata(self.fields, HashMap::from(about)));
+        let metadata = metadata.map(|(key, value)| (key.to_owned(), value));
+        let schema = Arc::new(Schema::new_with_metadata(self.fields, HashMap::from(metadata)));
         let properties = WriterProperties::builder().set_compression(Compression::SNAPPY).build();
         let mut writer = ArrowWriter::try_new(file, Arc::clone(&schema), Some(properties))?;
         writer.write(&RecordBatch::try_new(schema, self.arrays)?)?;
