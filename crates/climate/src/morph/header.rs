@@ -7,7 +7,7 @@ use crate::station::{DesignConditions, Station};
 use crate::sun;
 use crate::{Error, Result};
 
-/// What an EPW header says of where its station is.
+/// The location of the station in an EPW header.
 pub(super) struct Location {
     pub(super) sun: sun::Place,
     pub(super) elevation: f64,
@@ -73,7 +73,7 @@ fn comment(base_location: &str, station: &Station) -> String {
     )
 }
 
-/// The ASHRAE fields that are known, at their places in the line.
+/// The DESIGN CONDITIONS line with the ASHRAE fields that are known.
 fn design_line(design: Option<&DesignConditions>) -> String {
     let Some(design) = design else { return "DESIGN CONDITIONS,0".into() };
     let mut heating = ["N/A"; 15];
@@ -110,7 +110,7 @@ fn ground(row: &str, station: &Station, base_dry_bulb: &[f64]) -> String {
     text
 }
 
-/// Half of the highest less the lowest month.
+/// Half the difference between the highest and the lowest month.
 fn amplitude(months: &[f64]) -> f64 {
     let high = months.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let low = months.iter().copied().fold(f64::INFINITY, f64::min);

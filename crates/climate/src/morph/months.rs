@@ -5,7 +5,7 @@ use std::ops::Range;
 pub(super) const DAYS: [usize; 12] = [31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31];
 /// Hours of a common year.
 pub(super) const HOURS: usize = 8760;
-/// Passes that bring a month to its target where no closed form does.
+/// Iterations that bring a month to its target where there is no closed form.
 pub(super) const PASSES: usize = 30;
 
 /// The hours of each month.
@@ -17,12 +17,12 @@ pub(super) fn months() -> impl Iterator<Item = Range<usize>> {
     })
 }
 
-/// Means, one a day.
+/// Daily means.
 fn daily_means(hours: &[f64]) -> Vec<f64> {
     hours.chunks(24).map(mean).collect()
 }
 
-/// The slow part of a year: daily means at noon, joined by straight lines, so that stretching it tears nothing at
+/// The slow component of a year: daily means at noon, linearly interpolated, so that stretching causes no jump at
 /// midnight.
 pub(super) fn trend(hours: &[f64]) -> Vec<f64> {
     let means = daily_means(hours);
@@ -43,7 +43,7 @@ pub(super) fn spread(hours: &[f64]) -> f64 {
     (squares / (days.len() - 1) as f64).sqrt()
 }
 
-/// Mean over the days of highest less lowest hour.
+/// Mean daily range.
 pub(super) fn range(hours: &[f64]) -> f64 {
     let range = |day: &[f64]| {
         let (low, high) =
@@ -53,7 +53,7 @@ pub(super) fn range(hours: &[f64]) -> f64 {
     hours.chunks(24).map(range).sum::<f64>() / (hours.len() / 24) as f64
 }
 
-/// What the hours of a month shall have.
+/// Target statistics of a month.
 pub(super) struct Target {
     pub(super) mean: f64,
     /// Standard deviation of the daily means.
@@ -63,7 +63,7 @@ pub(super) struct Target {
 }
 
 impl Target {
-    /// The hours with their trend and what is off it stretched, and then shifted.
+    /// Returns the hours with their trend and their deviation from it stretched, then shifted to the mean.
     pub(super) fn reached_by(&self, hours: &[f64], trend: &[f64]) -> Vec<f64> {
         let (mut slow, mut fast) = (1.0, 1.0);
         let mut stretched = hours.to_vec();
@@ -82,7 +82,7 @@ pub(super) fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// Dew points no higher than the dry bulbs, shifted so that their mean stays where it was.
+/// Dew points limited by the dry bulbs and shifted so that their mean is preserved.
 pub(super) fn held_under(mut dew_points: Vec<f64>, dry_bulbs: &[f64], target: f64) -> Vec<f64> {
     let mut shift = 0.0;
     let clamped = |shift: f64| dew_points.iter().zip(dry_bulbs).map(move |(d, t)| (d + shift).min(*t));

@@ -3,11 +3,11 @@
 use super::months::{HOURS, PASSES};
 use crate::sun;
 
-/// Clearness index that no hour exceeds: a dry, high, clear sky.
+/// Maximum clearness index: a dry, high, clear sky.
 const CLEAREST: f64 = 0.82;
-/// Sun outside the atmosphere under which an hour's clearness means nothing, Wh/m².
+/// Extraterrestrial irradiation below which the clearness of an hour is not meaningful, Wh/m².
 const LOW_SUN: f64 = 30.0;
-/// Stefan and Boltzmann, W/m²K⁴.
+/// Stefan-Boltzmann constant, W/m²K⁴.
 const STEFAN_BOLTZMANN: f64 = 5.6697e-8;
 
 /// Standard atmosphere (ASHRAE Fundamentals, psychrometrics).
@@ -21,7 +21,8 @@ pub(super) fn suns(place: sun::Place) -> Vec<sun::Sun> {
     (0..HOURS as u32).map(|hour| sun::Sun::over(place, hour / 24 + 1, hour % 24 + 1)).collect()
 }
 
-/// Global over extraterrestrial of each hour; of its whole day where the sun is low or not up.
+/// Clearness index of each hour: global over extraterrestrial irradiation; that of the whole day when the sun is low or
+/// down.
 pub(super) fn clearness(global: &[f64], suns: &[sun::Sun]) -> Vec<f64> {
     let of_day = |day: usize| {
         let hours = day * 24..(day + 1) * 24;
@@ -35,7 +36,7 @@ pub(super) fn clearness(global: &[f64], suns: &[sun::Sun]) -> Vec<f64> {
     (0..global.len()).map(of_hour).collect()
 }
 
-/// Global horizontal of a month whose sum is `target`, no hour clearer than the clearest.
+/// Global horizontal irradiation of a month that sums to `target`, with the maximum clearness index respected.
 pub(super) fn with_total(clearness: &[f64], suns: &[sun::Sun], target: f64) -> Vec<f64> {
     let hours = |scale: f64| {
         let pairs = clearness.iter().zip(suns);
@@ -48,7 +49,7 @@ pub(super) fn with_total(clearness: &[f64], suns: &[sun::Sun], target: f64) -> V
     hours(scale)
 }
 
-/// Beam normal and diffuse horizontal, Wh/m².
+/// Direct normal and diffuse horizontal irradiation, Wh/m².
 pub(super) fn split(global: f64, sun: sun::Sun) -> (f64, f64) {
     let outside = sun.horizontal();
     if outside <= 0.0 {

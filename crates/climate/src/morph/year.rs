@@ -1,4 +1,4 @@
-//! The year of hours that is morphed.
+//! The hours of a morphed year.
 
 use super::header::Location;
 use super::months::{DAYS, HOURS, Target, held_under, months, range, scaled, spread, trend};
@@ -6,7 +6,7 @@ use super::sky::{at_elevation, clearness, humidity, sky_radiation, split, suns, 
 use crate::station::{MonthNormals, Station};
 use crate::sun;
 
-/// The columns of a year that are morphed, and the lines that hold the others.
+/// The morphed columns of a year, and the original lines for the others.
 pub(super) struct Year<'a> {
     lines: Vec<&'a str>,
     pub(super) dry_bulb: Vec<f64>,
@@ -42,7 +42,7 @@ impl<'a> Year<'a> {
     pub(super) fn read(lines: impl Iterator<Item = &'a str>) -> Self {
         let lines: Vec<&str> = lines.collect();
         let values = |column: usize| {
-            // The check has read every column as a number.
+            // `epw::check` has parsed every column.
             let value = |line: &&str| line.split(',').nth(column).and_then(|v| v.trim().parse().ok());
             lines.iter().map(|line| value(line).unwrap_or_default()).collect()
         };
@@ -90,7 +90,7 @@ impl<'a> Year<'a> {
         }
     }
 
-    /// Global horizontal of each hour: its clearness under another sun, scaled to the totals of the months.
+    /// Global horizontal irradiation of each hour: its clearness under another sun path, scaled to the monthly totals.
     fn sun_under(&self, from: &[sun::Sun], to: &[sun::Sun], normals: &[MonthNormals; 12]) -> Vec<f64> {
         let mut global = Vec::with_capacity(HOURS);
         for (month, hours) in months().enumerate() {
@@ -130,7 +130,7 @@ impl<'a> Year<'a> {
         }
         values[column::HUMIDITY] = format!("{:.0}", humidity(dry_bulb, dew_point));
         values[column::PRESSURE] = format!("{:.0}", self.pressure[hour]);
-        // Missing: nothing in EnergyPlus reads them.
+        // Marked as missing: EnergyPlus does not use them.
         for column in column::ILLUMINANCE {
             values[column] = "999999".into();
         }
