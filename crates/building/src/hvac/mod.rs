@@ -20,7 +20,7 @@ pub mod zone_equipment;
 
 pub use actuator::{Actuator, EngineVariable, Quantity};
 pub use controllable::make_controllable;
-pub use discovery::{Discovery, LeftAlone};
+pub use discovery::{Discovery, Uncontrolled};
 pub(crate) use discovery::{discover, has_own_controls};
 pub use layout::{ServedZone, SystemLayout};
 pub use system::{AirLoop, HeatingOnly, System, Terminal, Unitary};

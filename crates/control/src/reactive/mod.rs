@@ -15,7 +15,7 @@ use b2b_building::hvac::{HeatingOnly, ServedZone, System, SystemLayout};
 use b2b_env::{Controller, ObservationSpace, Target};
 
 pub use air_loop::AirLoopParameters;
-pub use parameters::{Parameter, ReactiveParameters};
+pub use parameters::ReactiveParameters;
 pub use pi::Gains;
 pub use trim_respond::TrimRespond;
 pub use unitary::UnitaryParameters;
