@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use b2b_benchmark::Problem;
-use b2b_benchmark::problem::{Part, Side};
+use b2b_benchmark::problem::{Side, Subset};
 use serde_json::json;
 
 use super::selection::Selection;
@@ -144,7 +144,7 @@ fn words(side: &Side) -> String {
 fn types(side: &Side) -> String {
     let types: Vec<_> = side.buildings.types().iter().map(ToString::to_string).collect();
     let small = match &side.buildings {
-        b2b_benchmark::problem::Buildings::Part { split: Part::TestSmall, .. } => " (small test)",
+        b2b_benchmark::problem::Buildings::Subset { subset: Subset::TestSmall, .. } => " (small test)",
         _ => "",
     };
     types.join(", ") + small

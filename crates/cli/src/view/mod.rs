@@ -12,6 +12,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
+use b2b_benchmark::report;
 use b2b_building::RunPeriod;
 use b2b_dataset::BuildingName;
 use b2b_env::Task;
@@ -47,6 +48,7 @@ pub struct Arguments {
 }
 
 const PAGE: &str = include_str!("view.html");
+
 /// Runs the command.
 pub fn view(arguments: &Arguments) -> Result<()> {
     let prepared = Prepared::new(&arguments.building, &arguments.location, false)?;
@@ -75,21 +77,11 @@ fn page(prepared: &Prepared, facts: &Facts) -> Result<String> {
         "graph": plot_json(&graph)?,
         "graph_levels": graph::level_count(&facts.description),
     });
-    // `<` would let a name end the script element.
-    let data = data.to_string().replace('<', "\\u003c");
-    Ok(PAGE.replace("{{PLOTLY}}", &plotly_script()).replace("{{DATA}}", &data))
+    Ok(report::fill(PAGE, &data))
 }
 
 fn plot_json(plot: &Plot) -> Result<Value> {
     Ok(serde_json::from_str(&plot.to_json())?)
-}
-
-/// Returns the element with Plotly's script, without the script for formulas that comes with it.
-fn plotly_script() -> String {
-    const END: &str = "</script>";
-    let scripts = Plot::offline_js_sources();
-    let end = scripts.find(END).map_or(scripts.len(), |at| at + END.len());
-    scripts[..end].to_owned()
 }
 
 #[cfg(test)]
@@ -104,13 +96,5 @@ mod tests {
         for word in ["http://", "https://", "src=", "@import", "<link"] {
             assert!(!PAGE.contains(word), "{word}");
         }
-    }
-
-    #[test]
-    fn the_page_embeds_plotly_as_one_script() {
-        let script = plotly_script();
-        assert!(script.starts_with("<script") && script.ends_with("</script>"));
-        assert_eq!(script.matches("</script>").count(), 1);
-        assert!(script.contains("mesh3d") && script.len() > 1_000_000);
     }
 }
