@@ -35,7 +35,7 @@ fn the_manifest_command_writes_the_checked_in_files_and_parquet_equals_csv() {
     assert!(b2b(folder.path(), "dataset manifest --out here").status.success());
     let written = files(&folder.path().join("here"));
     assert_eq!(written.keys().collect::<Vec<_>>(), ["v1.csv", "v1.parquet"]);
-    let checked_in = Path::new(env!("CARGO_MANIFEST_DIR")).join("../building/data/dataset");
+    let checked_in = Path::new(env!("CARGO_MANIFEST_DIR")).join("../dataset/data");
     assert!(written["v1.csv"] == files(&checked_in)["v1.csv"]);
     for folder in [folder.path().join("here"), checked_in] {
         parquet_equals_csv(&folder);
