@@ -5,8 +5,8 @@ use std::path::Path;
 use b2b_building::Class;
 use b2b_climate::{ClimateYear, Place};
 use b2b_dataset::{BuildingName, Catalog, Found, Placement};
+use b2b_energyplus::digest::sha256_hex;
 use b2b_energyplus::install::Progress;
-use sha2::{Digest, Sha256};
 
 use crate::error::at;
 use crate::{Error, Result};
@@ -106,7 +106,7 @@ pub(crate) fn hash_of(path: &Path) -> Result<String> {
 
 /// SHA-256 in hexadecimal.
 pub(crate) fn hex(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+    sha256_hex(bytes)
 }
 
 #[cfg(test)]

@@ -30,6 +30,7 @@
 mod api;
 mod convert;
 mod coroutine;
+pub mod digest;
 mod error;
 mod event;
 pub mod install;

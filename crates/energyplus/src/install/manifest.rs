@@ -11,6 +11,7 @@ use sha2::{Digest, Sha256};
 
 use super::error::{Result, at};
 use super::pinned::{Package, Wheel};
+use crate::digest::hex;
 
 /// File name of the manifest in the folder of the package.
 const FILE_NAME: &str = "manifest.json";
@@ -76,7 +77,7 @@ impl UnpackedFile {
         let mut fields = line.rsplitn(3, ',');
         let (bytes, hash, path) = (fields.next()?.parse().ok()?, fields.next()?, fields.next()?);
         let hash = URL_SAFE_NO_PAD.decode(hash.strip_prefix("sha256=")?).ok()?;
-        let sha256 = hash.iter().map(|byte| format!("{byte:02x}")).collect();
+        let sha256 = hex(hash);
         Some(Self { path: path.to_owned(), bytes, sha256 })
     }
 
@@ -134,6 +135,5 @@ pub(super) fn copy(
         bytes += read as u64;
         advance(bytes)?;
     }
-    let digest = hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
-    Ok((bytes, digest))
+    Ok((bytes, hex(hash.finalize())))
 }
