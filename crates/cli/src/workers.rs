@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use anyhow::Result;
-use b2b_env::Episode;
+use b2b_env::EpisodeConfig;
 use b2b_env::vector::{Autoreset, Launcher, PoolOptions, Setting, Source, VecEnvOptions};
 
 use crate::interrupt;
