@@ -7,7 +7,7 @@ use b2b_building::description::Description;
 use b2b_building::morphology::{NodeType, Universe};
 use b2b_building::zone::SurfaceKind;
 use b2b_building::{Conditioning, Morphology as Graph};
-use b2b_env::{Decomposition, Target, vector};
+use b2b_env::{Decomposition, Target};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use serde_json::{Value, json};

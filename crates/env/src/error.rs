@@ -49,8 +49,8 @@ pub enum Error {
         /// The step, from 1.
         step: usize,
     },
-    /// What a pool of environments needs from the system and was not given.
-    #[error("cannot have {what}: {source}")]
+    /// The system refused what worker processes need.
+    #[error("cannot get {what}: {source}")]
     Pool {
         /// What was asked for.
         what: String,
@@ -65,16 +65,19 @@ pub enum Error {
         /// Why.
         why: String,
     },
-    /// A process that is no more, or an episode that is over.
-    #[error("{what} is gone: {why}")]
-    Gone {
-        /// What it was.
-        what: &'static str,
+    /// An episode or a template whose process died, hung or failed.
+    #[error("{what} was lost: {why}")]
+    Lost {
+        /// What was lost.
+        what: String,
         /// Why.
         why: String,
     },
-    /// A building with more numbers than a worker has room for.
-    #[error("{name} has {width} {what}, and a worker has room for {most}")]
+    /// An episode that is asked for a step while it is busy with another.
+    #[error("the episode is busy with another step: receive that first, or reset")]
+    Busy,
+    /// A building with more actuators or observation slots than there is room for.
+    #[error("{name} has {width} {what}, and there is room for {most}")]
     TooWide {
         /// Name of the building.
         name: String,
@@ -86,7 +89,9 @@ pub enum Error {
         most: usize,
     },
     /// A snapshot of another building or episode.
-    #[error("a snapshot of {taken} is none of {here} with this period, weather and task")]
+    #[error(
+        "the snapshot is of another episode ({taken}) than this one ({here}): building, weather, period and task must be the same"
+    )]
     OtherSnapshot {
         /// Building of the snapshot.
         taken: String,
@@ -97,7 +102,7 @@ pub enum Error {
     #[error("there is no building to draw from")]
     NoBuilding,
     /// A vector environment of none.
-    #[error("a vector environment needs at least one environment")]
+    #[error("a vector environment needs at least one environment, not 0")]
     NoEnvironment,
     /// Windows that do not fit their run period.
     #[error("windows of {least} to {most} days cannot be cut from {whole} days")]

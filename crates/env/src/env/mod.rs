@@ -1,7 +1,7 @@
 //! The environment in this process: reset and step.
 
 mod engine;
-pub(crate) mod meters;
+mod meters;
 mod observe;
 mod snapshot;
 mod warm_up;
@@ -327,9 +327,16 @@ impl Env {
 #[cfg(target_os = "linux")]
 impl Env {
     /// Copies this process at the current point of the episode: see [`Simulation::fork`](b2b_energyplus::Simulation::fork).
-    pub(crate) fn fork(&mut self) -> Result<b2b_energyplus::snapshot::Fork> {
+    /// The copy's engine writes its meters to a file of its own, if that is given, and nothing else.
+    pub(crate) fn fork(&mut self, meter_file: Option<&Path>) -> Result<b2b_energyplus::snapshot::Fork> {
+        use b2b_energyplus::snapshot::{Fork, KeptFile};
         let engine = self.engine.as_mut().ok_or(Error::NotReset)?;
-        Ok(engine.simulation.fork()?)
+        let kept = meter_file.map(|copy| KeptFile { name: meters::METER_FILE, copy });
+        let fork = engine.simulation.fork(kept)?;
+        if let (Fork::Copy(_), Some(path)) = (&fork, meter_file) {
+            self.meter_file = path.to_owned();
+        }
+        Ok(fork)
     }
 
     /// Truncates the episode after `steps` steps, or at the end of the run period.
