@@ -1,4 +1,4 @@
-"""Buildings as reinforcement-learning environments, on EnergyPlus.
+"""Buildings as reinforcement-learning environments, simulated by EnergyPlus.
 
 >>> import building2building as b2b
 >>> env = b2b.make_env("OfficeSmall", run_period="01-01..01-02")
@@ -7,7 +7,7 @@
 576
 """
 
-import gymnasium as _gymnasium
+from typing import Any
 
 from . import _core, benchmarks, wrappers
 from .buildings import (
@@ -22,10 +22,11 @@ from .buildings import (
     list_buildings_by_climate_zone,
     list_places,
 )
-from .env import BuildingEnv, Snapshot, make_env
+from .env import BuildingEnv
 from .errors import Error
-from .evaluation import Evaluation, compute_normalized_score, evaluate
+from .evaluation import EpisodeContext, Evaluation, compute_normalized_score, evaluate
 from .morphology import Morphology
+from .registration import make_env, make_vec, register_envs
 from .rollouts import (
     ConstantController,
     Controller,
@@ -35,7 +36,8 @@ from .rollouts import (
     callable_controller,
     rollout,
 )
-from .vector import BuildingVectorEnv, make_vec
+from .snapshot import Snapshot
+from .vector import BuildingVectorEnv
 from .wrappers import wrap_env_for_rl
 
 __version__ = _core.__version__
@@ -46,6 +48,7 @@ __all__ = [
     "BuildingVectorEnv",
     "ConstantController",
     "Controller",
+    "EpisodeContext",
     "Error",
     "Evaluation",
     "Morphology",
@@ -75,21 +78,11 @@ __all__ = [
 ]
 
 
-def collect(*arguments, **options):
-    """Writes a Minari dataset: see :func:`building2building.offline.collect`."""
+def collect(*arguments: Any, **options: Any) -> Any:
+    """Writes a Minari dataset; see :func:`building2building.offline.collect`."""
     from .offline import collect
 
     return collect(*arguments, **options)
 
 
-for _name in list_building_types():
-    if f"b2b/{_name}-v0" not in _gymnasium.registry:
-        _gymnasium.register(
-            f"b2b/{_name}-v0",
-            entry_point="building2building.env:BuildingEnv",
-            vector_entry_point="building2building.vector:BuildingVectorEnv",
-            # Learners want actions from -1 to 1, and Gymnasium's checker asks for them.
-            kwargs={"building_type": _name, "rescale_action": True},
-            disable_env_checker=True,
-            order_enforce=False,
-        )
+register_envs()

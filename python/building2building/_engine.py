@@ -1,14 +1,16 @@
-"""Where the package client put EnergyPlus."""
+"""The folder that pip installed EnergyPlus to."""
+
+from __future__ import annotations
 
 from pathlib import Path
 
 
 def folder() -> Path | None:
-    """The folder that the engine's wheel was installed to; ``None`` if it was not."""
-    # Takes a while to import.
+    """Returns the folder that the engine's wheel was installed to; ``None`` if it is not installed."""
+    # Imported here because it is slow.
     from importlib.metadata import PackageNotFoundError, distribution
 
     try:
-        return Path(distribution("pyenergyplus-lbnl").locate_file("")).resolve()
+        return Path(str(distribution("pyenergyplus-lbnl").locate_file(""))).resolve()
     except PackageNotFoundError:
         return None

@@ -1,97 +1,117 @@
-"""Buildings: the dataset, generated ones, and your own."""
+"""Buildings: of the dataset, generated, or imported."""
 
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from . import _core
 from .errors import BuildingError, SettingError
 
-#: Parts of the dataset.
+#: Splits of the dataset.
 SPLITS = ("train", "test", "test_small", "all")
+
+PathLike = str | os.PathLike[str]
 
 
 def list_building_types() -> list[str]:
-    """The six types, in the order of the paper's table."""
-    return [name for name, _, _ in _core.building_types()]
+    """Returns the names of the six building types, in the order of the paper's table."""
+    return [each.name for each in _core.building_types()]
 
 
 def list_places() -> dict[str, str]:
-    """Places that a type can stand at, each with its climate zone of ASHRAE 169."""
+    """Returns the places with a known weather file, each with its ASHRAE 169 climate zone."""
     return dict(_core.places())
 
 
 @cache
-def _table(building_type: str) -> tuple[dict[str, str], ...]:
-    columns, rows = _core.dataset_table(building_type)
-    return tuple({name: cell for name, cell in zip(columns, row) if cell} for row in rows)
+def _table(building_type: str) -> tuple[dict[str, Any], ...]:
+    return tuple(_core.dataset_rows(building_type))
 
 
 def list_buildings(building_type: str, split: str = "train") -> list[str]:
-    """Ids of the dataset's buildings of a type, such as ``OfficeSmall-0042``.
+    """Returns the ids of the dataset's buildings of a type, such as ``OfficeSmall-0042``.
 
-    ``split`` is ``train`` (900), ``test`` (100), ``test_small`` (8 of the test) or ``all``.
+    ``split`` is ``train`` (900 buildings), ``test`` (100), ``test_small`` (8 of ``test``) or ``all``.
     """
     if split not in SPLITS:
-        raise SettingError(f"there is no split `{split}`: give {', '.join(SPLITS)}")
+        raise SettingError(f"unknown split `{split}`; expected {', '.join(SPLITS)}")
+    rows = _table(building_type)
+    if split == "test_small":
+        return [row["id"] for row in rows if row["test_small"]]
+    return [row["id"] for row in rows if split in ("all", row["split"])]
 
-    def belongs(row):
-        return split == "all" or row["split"] == split or (split == "test_small" and row["test_small"] == "true")
 
-    return [row["id"] for row in _table(building_type) if belongs(row)]
-
-
-def _row(building_id: str) -> dict[str, str]:
+def _row(building_id: str) -> dict[str, Any]:
     building_type, _, _ = building_id.partition("-")
     for row in _table(building_type):
         if row["id"].lower() == building_id.lower():
             return row
-    raise BuildingError(f"there is no building `{building_id}`: ids are like {building_type}-0042")
+    raise BuildingError(f"unknown building id `{building_id}`; ids look like {building_type}-0042")
 
 
 def get_climate_zone(building_id: str) -> str | None:
-    """Climate zone of ASHRAE 169 of a building of the dataset, such as ``5A``; ``None`` for houses, which are not
-    built by it."""
+    """Returns the ASHRAE 169 climate zone of a building of the dataset, such as ``5A``.
+
+    ``None`` for houses, whose construction does not depend on it.
+    """
     return _row(building_id).get("climate_zone")
 
 
 def list_buildings_by_climate_zone(building_type: str, climate_zone: str, split: str = "train") -> list[str]:
-    """Ids of a type in one climate zone, such as ``5A``."""
+    """Returns the ids of the dataset's buildings of a type in one climate zone, such as ``5A``."""
     return [each for each in list_buildings(building_type, split) if get_climate_zone(each) == climate_zone]
 
 
 def building_parameters(building_id: str) -> dict[str, Any]:
-    """What a building of the dataset is made of: its row in the table, numbers as numbers."""
-    return {name: _value(cell) for name, cell in _row(building_id).items()}
+    """Returns the parameters of a building of the dataset: its row of the dataset's table."""
+    return dict(_row(building_id))
 
 
-def _value(cell: str):
-    if cell in ("true", "false"):
-        return cell == "true"
-    try:
-        return float(cell)
-    except ValueError:
-        return cell
+class Found(NamedTuple):
+    """A building that :func:`find_building` finds."""
+
+    name: str
+    place: str | None
+    weather: str | None
+
+    def build(self) -> Building:
+        return find_building(*self)
+
+
+class Generated(NamedTuple):
+    """One of the buildings that a call of :func:`generate` makes."""
+
+    number: int
+    building_type: str
+    total: int
+    options: dict[str, Any]
+
+    def build(self) -> Building:
+        return generate(self.building_type, self.total, **self.options)[self.number]
 
 
 class Building:
-    """A building with its weather, to give to :func:`make_env`. Pickles as how it was found or made."""
+    """A building with its weather file, as an argument of :func:`make_env`.
 
-    def __init__(self, core: _core.Building, recipe: tuple):
+    Pickles as the arguments of the function that made it.
+    """
+
+    def __init__(self, core: _core.Building, origin: Found | Generated):
         self._core = core
-        self._recipe = recipe
+        self.origin = origin
 
     @property
     def name(self) -> str:
-        """Name, such as ``OfficeSmall-seed7-0001``."""
+        """Name, such as ``OfficeSmall-0042`` or ``OfficeSmall-seed7-0001``."""
         return self._core.name
 
     @property
     def building_type(self) -> str | None:
-        """Type; ``None`` for a model of your own."""
+        """Building type; ``None`` for an imported model."""
         return self._core.building_type
 
     @property
@@ -101,56 +121,79 @@ class Building:
 
     @property
     def weather(self) -> Path:
-        """The weather file (EPW)."""
+        """Path of the weather file (EPW)."""
         return self._core.weather
 
     @property
     def climate_zone(self) -> str | None:
-        """Climate zone of ASHRAE 169, where it is known."""
+        """ASHRAE 169 climate zone, if known."""
         return self._core.climate_zone
 
     @property
     def parameters(self) -> dict[str, Any]:
-        """What it was made of; empty for a base model and for a model of your own."""
-        return {name: _value(cell) for name, cell in self._core.parameters.items()}
+        """Parameters of a dataset or generated building; empty for others."""
+        return self._core.parameters
 
     def to_epjson(self) -> str:
-        """The model as EnergyPlus reads it."""
+        """Returns the EnergyPlus model as epJSON text."""
         return self._core.to_epjson()
 
     def __repr__(self) -> str:
         return f"Building({self.name!r}, place={self.place!r})"
 
-    def __reduce__(self):
-        return _rebuild, self._recipe
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _rebuild, (self.origin,)
 
-    def __deepcopy__(self, memo):
+    def __deepcopy__(self, memo: dict[int, Any]) -> Building:
         return self
 
 
-def _rebuild(kind: str, *arguments) -> Building:
-    if kind == "found":
-        return find_building(*arguments)
-    *rest, number = arguments
-    return generate(*rest[:2], **rest[2])[number]
+def _rebuild(origin: Found | Generated) -> Building:
+    return origin.build()
 
 
-def find_building(name: str, place: str | None = None, weather: str | os.PathLike | None = None) -> Building:
-    """A building by its name: a type (at its home, at ``place``, or under a ``weather`` file), an id of the dataset, or
-    the path of a model."""
-    weather = None if weather is None else os.fspath(weather)
-    return Building(_core.find_building(name, place, weather), ("found", name, place, weather))
+def find_building(name: str, place: str | None = None, weather: PathLike | None = None) -> Building:
+    """Finds a building by its name: a building type, an id of the dataset, or the path of a model.
+
+    A type stands at its home unless ``place`` or a ``weather`` file is given.
+    """
+    file = None if weather is None else os.fspath(weather)
+    return Building(_core.find_building(name, place, file), Found(name, place, file))
 
 
-def import_building(model: str | os.PathLike, weather: str | os.PathLike) -> Building:
-    """A building of your own: an EnergyPlus model (IDF or epJSON, version 25.2) under a weather file (EPW).
+def import_building(model: PathLike, weather: PathLike) -> Building:
+    """Imports an EnergyPlus model (IDF or epJSON, version 25.2) with a weather file (EPW).
 
-    As much of it is driven as can be; what is left keeps its own controls.
+    Supported systems become controllable; the others keep the model's own controls.
     """
     path = Path(model).resolve()
     if not path.is_file():
-        raise BuildingError(f"{path}: there is no such model file")
+        raise BuildingError(f"{path}: no such model file")
     return find_building(os.fspath(path), None, Path(weather).resolve())
+
+
+def select_building(
+    building_type: str | None,
+    split: str = "train",
+    index: int | None = None,
+    building_id: str | None = None,
+    place: str | None = None,
+    weather: PathLike | None = None,
+    building: Building | None = None,
+) -> Building:
+    """Returns the building that the arguments of :func:`make_env` select."""
+    if building is not None:
+        return building
+    if building_id is not None:
+        return find_building(building_id, place, weather)
+    if building_type is None:
+        raise SettingError("no building selected; pass a building_type, a building_id or a building")
+    if index is not None:
+        ids = list_buildings(building_type, split)
+        if not 0 <= index < len(ids):
+            raise SettingError(f"index {index} is out of range for split `{split}`; expected 0 to {len(ids) - 1}")
+        return find_building(ids[index], place, weather)
+    return find_building(building_type, place, weather)
 
 
 def generate(
@@ -158,26 +201,24 @@ def generate(
     count: int = 1,
     *,
     seed: int = 0,
-    places: list[str] | str | None = None,
-    weather: list[str] | str | None = None,
+    places: Sequence[str] | str | None = None,
+    weather: Sequence[PathLike] | PathLike | None = None,
     parameters: dict[str, Any] | None = None,
 ) -> list[Building]:
-    """Buildings of a type, drawn by a Latin hypercube as those of the dataset.
+    """Generates buildings of a type by Latin hypercube sampling, as for the dataset.
 
-    ``parameters`` fixes some (``{"window_to_wall": 0.3}``) or narrows them (``{"infiltration": (0.5, 1.0)}``). The
-    same arguments give the same bytes.
+    ``parameters`` fixes parameters (``{"window_to_wall": 0.3}``) or narrows their ranges
+    (``{"infiltration": (0.5, 1.0)}``). The same arguments give the same models, byte for byte.
     """
-
-    def listed(given):
-        return [given] if isinstance(given, (str, os.PathLike)) else list(given or [])
-
-    def text(value):
-        if isinstance(value, tuple):
-            return f"{value[0]}..{value[1]}"
-        return str(value).lower() if isinstance(value, bool) else str(value)
-
-    settings = [f"{name}={text(value)}" for name, value in (parameters or {}).items()]
-    files = [os.fspath(file) for file in listed(weather)]
-    made = _core.generate(building_type, count, seed, listed(places), files, settings)
+    settings = [f"{name}={_setting_text(value)}" for name, value in (parameters or {}).items()]
+    names = [places] if isinstance(places, str) else list(places or [])
+    files = [weather] if isinstance(weather, (str, os.PathLike)) else list(weather or [])
+    made = _core.generate(building_type, count, seed, names, files, settings)
     options = {"seed": seed, "places": places, "weather": weather, "parameters": parameters}
-    return [Building(core, ("generated", building_type, count, options, number)) for number, core in enumerate(made)]
+    return [Building(core, Generated(number, building_type, count, options)) for number, core in enumerate(made)]
+
+
+def _setting_text(value: Any) -> str:
+    if isinstance(value, tuple):
+        return f"{value[0]}..{value[1]}"
+    return str(value).lower() if isinstance(value, bool) else str(value)

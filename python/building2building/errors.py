@@ -1,56 +1,54 @@
-"""What can go wrong, with the words of the Rust crates."""
+"""Exceptions of this package. The Rust core defines them; all derive from :class:`Error`."""
 
+from __future__ import annotations
 
-class Error(Exception):
-    """Any error of this package."""
+import importlib
+from typing import Any
 
+from ._core import (
+    ActionError,
+    BuildingError,
+    EngineError,
+    EpisodeError,
+    Error,
+    EvaluationError,
+    InstallError,
+    ProcessError,
+    SettingError,
+    TaskError,
+)
 
-class InstallError(Error):
-    """EnergyPlus or weather cannot be had."""
+__all__ = [
+    "ActionError",
+    "BuildingError",
+    "EngineError",
+    "EpisodeError",
+    "Error",
+    "EvaluationError",
+    "InstallError",
+    "MissingExtra",
+    "ProcessError",
+    "SettingError",
+    "TaskError",
+    "need",
+]
 
-
-class BuildingError(Error, ValueError):
-    """There is no such building, or it cannot be made an environment."""
-
-
-class TaskError(Error, ValueError):
-    """Text or data that is no task."""
-
-
-class SettingError(Error, ValueError):
-    """An argument that cannot be: steps an hour, windows, a mode, a name."""
-
-
-class ActionError(Error, ValueError):
-    """An action of the wrong length, or with a value that is not a number."""
-
-
-class EpisodeError(Error, RuntimeError):
-    """No episode is in progress, or its process is gone."""
-
-
-class EngineError(Error, RuntimeError):
-    """EnergyPlus failed."""
-
-
-class EvaluationError(Error, RuntimeError):
-    """The folder of an evaluation is another's, or damaged; or there is no such policy."""
-
-
-class ProcessError(Error, RuntimeError):
-    """The system refused what worker processes need, or the wrong process asks."""
+#: Extras of this package, as in ``pip install 'building2building[plots]'``.
+_EXTRAS = ("plots", "train")
 
 
 class MissingExtra(Error, ImportError):
-    """A part of the package needs a dependency that is not installed."""
+    """An optional dependency is not installed."""
 
 
-def need(module: str, extra: str):
-    """Imports a module of an extra, or says which extra to install."""
-    import importlib
+def need(module: str, extra: str) -> Any:
+    """Imports an optional dependency.
 
+    Raises :class:`MissingExtra`, which says how to install it: as an extra of this package or as the package
+    ``extra``.
+    """
     try:
         return importlib.import_module(module)
     except ImportError as error:
-        how = f"pip install 'building2building[{extra}]'" if extra in ("train", "plots") else f"pip install {extra}"
-        raise MissingExtra(f"this needs {module.split('.')[0]}: {how}") from error
+        target = f"'building2building[{extra}]'" if extra in _EXTRAS else extra
+        raise MissingExtra(f"{module.split('.')[0]} is not installed; run: pip install {target}") from error

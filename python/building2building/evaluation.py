@@ -1,4 +1,4 @@
-"""A policy on many buildings, against the reactive controllers."""
+"""Evaluation of a policy on many buildings, relative to the reactive controllers."""
 
 from __future__ import annotations
 
@@ -7,37 +7,44 @@ import json
 import os
 import sys
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from . import _core
-from .buildings import Building
-from .env import Layout, action_box, observation_box
+from .buildings import Building, Found, PathLike
 from .errors import SettingError
+from .layout import Layout
 from .morphology import Morphology
-from .rollouts import Controller, _BuiltIn, _Callable
+from .rollouts import BuiltInController, CallableController, Controller
 from .scaling import Scale
+
+Array = NDArray[Any]
+Policy = str | os.PathLike[str] | Callable[[Array], ArrayLike] | Controller | type[Any]
+#: Building, place, weather, task, run period, seed and steps per hour of an episode.
+_Episode = tuple[str, str | None, str | None, str, str, int, int]
 
 
 @dataclass
 class Evaluation:
-    """What :func:`evaluate` found."""
+    """The result of :func:`evaluate`."""
 
-    #: A dictionary an episode, in the order asked for, with the columns of ``episodes.parquet`` (docs/evaluation.md).
+    #: One dictionary per episode, in the order of the request, with the columns of ``episodes.parquet``
+    #: (docs/evaluation.md).
     rows: list[dict[str, Any]]
-    #: Interquartile means and intervals, by task, run period and type: what ``b2b evaluate --json`` prints.
+    #: Interquartile means and confidence intervals by task, run period and type, as printed by ``b2b evaluate --json``.
     summary: dict[str, Any]
-    #: Folder with ``episodes.parquet``, ``summary.json`` and ``report.html``; ``None`` if none was asked for.
+    #: Folder with ``episodes.parquet``, ``summary.json`` and ``report.html``; ``None`` if none was requested.
     folder: Path | None
 
-    def column(self, name: str) -> np.ndarray:
-        """A column over all episodes, such as ``score``; what is not known is NaN or ``None``."""
+    def column(self, name: str) -> Array:
+        """Returns a column, such as ``score``, over all episodes; missing values are NaN or ``None``."""
         if name not in self.rows[0]:
-            raise SettingError(f"there is no column `{name}`: there are {', '.join(self.rows[0])}")
+            raise SettingError(f"unknown column `{name}`; expected one of {', '.join(self.rows[0])}")
         values = [row[name] for row in self.rows]
         numbers = all(value is None or isinstance(value, (int, float)) for value in values)
         return np.array(values, dtype=np.float64 if numbers else object)
@@ -46,9 +53,11 @@ class Evaluation:
         return len(self.rows)
 
 
-class Scene:
-    """A building in an episode, as a class of controllers is asked to act in it: what :class:`BuildingEnv` says of its
-    spaces, without a simulation to step."""
+class EpisodeContext:
+    """The building and spaces of an episode, from which a controller class is instantiated.
+
+    It has the attributes of :class:`BuildingEnv` that describe the spaces, but no simulation.
+    """
 
     def __init__(
         self, spaces: _core.Spaces, building: _core.Building, seed: int, rescale_action: bool, normalize: bool
@@ -56,41 +65,41 @@ class Scene:
         self.layout = Layout(spaces)
         #: Seed of the episode.
         self.seed = seed
-        self.building = Building(building, ("found", building.name, None, None))
+        self.building = Building(building, Found(building.name, None, None))
         self.rescale_action = rescale_action
         self.metadata = self.layout.metadata()
-        self.scale = None
-        self.observation_space = observation_box(self.layout)
+        self.scale: Scale | None = None
+        self.observation_space = self.layout.observation_space()
         if normalize:
-            layout = self.layout
-            self.scale = Scale(self.metadata["observation_names"], layout.observation_low, layout.observation_high)
+            low, high = self.layout.observation_low, self.layout.observation_high
+            self.scale = Scale(self.metadata["observation_names"], low, high)
             self.observation_space = self.scale.space
-        self.action_space = action_box(self.layout, rescale_action)
+        self.action_space = self.layout.action_space(rescale_action)
 
     @property
-    def unwrapped(self) -> Scene:
-        """Itself, as an environment has it."""
+    def unwrapped(self) -> EpisodeContext:
+        """Itself."""
         return self
 
     @property
     def morphology(self) -> Morphology:
         """The building as a graph."""
-        return Morphology(self.layout.core.morphology())
+        return Morphology(self.layout.spaces.morphology())
 
 
 def evaluate(
-    policy: str | os.PathLike | Callable[[np.ndarray], Any] | Controller | type,
+    policy: Policy,
     buildings: str | Building | Sequence[str | Building],
-    tasks: str | dict | Sequence[str | dict] = ("constant",),
+    tasks: str | dict[str, Any] | Sequence[str | dict[str, Any]] = ("constant",),
     *,
     run_periods: str | Sequence[str] = ("winter",),
     seeds: int | Sequence[int] = (0,),
     timesteps_per_hour: int = 12,
     place: str | None = None,
-    weather: str | os.PathLike | None = None,
+    weather: PathLike | None = None,
     rescale_action: bool | None = None,
     normalize: bool = False,
-    folder: str | os.PathLike | None = None,
+    folder: PathLike | None = None,
     name: str | None = None,
     version: str = "",
     jobs: int | None = None,
@@ -98,54 +107,53 @@ def evaluate(
 ) -> Evaluation:
     """Runs a policy on every building under every task, run period and seed, and scores it, as ``b2b evaluate`` does.
 
-    ``policy`` is one of these:
+    ``policy`` is one of:
 
-    - a function from an observation to an action, both as :func:`make_env` has them: f32, actions in physical units, or
-      from -1 to 1 with ``rescale_action=True``. ``normalize=True`` gives observations from -1 to 1, as
-      ``make_sb3_vec`` and ``wrap_env_for_rl`` do. It is called once a step, from several threads;
-    - an object that is called in the same way and has ``reset``: every episode has a copy of it;
-    - a class of controllers, such as :class:`ReactiveController`: made for every episode, with a :class:`Scene` that
-      tells spaces, metadata, morphology and ``seed``;
-    - ``"reactive"``, ``"random"``, ``"constant"``, ``"planner"``, or the path of an ONNX file, whose actions are from
-      -1 to 1 unless ``rescale_action=False``: no Python runs then.
+    - a function from an observation to an action, both as in :func:`make_env`: f32, actions in physical units, or in
+      [-1, 1] with ``rescale_action=True``. ``normalize=True`` normalizes observations as ``make_sb3_vec`` and
+      ``wrap_env_for_rl`` do. It is called once per step, from several threads;
+    - a callable object with a ``reset`` method, which is copied for every episode;
+    - a controller class such as :class:`ReactiveController`, which is instantiated for every episode with an
+      :class:`EpisodeContext`;
+    - ``"reactive"``, ``"random"``, ``"constant"``, ``"planner"`` or the path of an ONNX file, whose actions are in
+      [-1, 1] unless ``rescale_action=False``; these run without Python.
 
-    ``buildings`` are ids, types, paths of models, or what :func:`find_building` gives. As many episodes run at a time
-    as ``jobs``, one for each core by default, each in a process of its own. With a ``folder``, every episode is on disk
-    as it ends; the same call goes on where it was interrupted, and gives the same bytes. Whether it is the same is told
-    by all arguments, and of the policy by ``name`` (by default that of the class or function) and ``version``: name
-    another version after training on. An observation is given alone: sums in a batch depend on what else is in it, and
-    an evaluation that was resumed would have other bits.
+    ``buildings`` are ids, types, paths of models, or results of :func:`find_building`. ``jobs`` episodes run at a time,
+    each in its own process; by default, one per core. With a ``folder``, episodes are written as they end: the same
+    call resumes an interrupted evaluation and gives the same bytes. Calls are the same if all arguments are; a policy
+    is identified by ``name`` (by default that of the class or function) and ``version``, so change ``version`` after
+    further training. Observations are not batched, because rounding within a batch depends on its other members.
 
-    Raises what the policy raises, which ends the evaluation; :class:`~building2building.errors.EvaluationError` for a
-    folder of another evaluation. An episode whose process dies is a row with the reason in ``lost``.
+    Raises the policy's own exceptions, which end the evaluation, and
+    :class:`~building2building.errors.EvaluationError` if the folder holds another evaluation. An episode whose process
+    dies becomes a row with the reason in ``lost``.
     """
-    named = isinstance(policy, (str, os.PathLike))
-    if not named and not callable(policy):
-        raise SettingError(f"{policy!r} is no policy: give a function, a class of controllers, or a name")
-    if isinstance(policy, _BuiltIn):
-        raise SettingError(f"this {type(policy).__name__} is of one environment: give the class")
-    asked = [
+    named = os.fspath(policy) if isinstance(policy, (str, os.PathLike)) else None
+    if named is None and not callable(policy):
+        raise SettingError(f"{policy!r} is not a policy; expected a function, a controller class or a name")
+    if isinstance(policy, BuiltInController):
+        raise SettingError(f"this {type(policy).__name__} belongs to an environment; pass the class")
+    episodes: list[_Episode] = [
         (*found, text, period, seed, timesteps_per_hour)
-        for found in (_named(building, place, weather) for building in _listed(buildings))
+        for found in (_found(building, place, weather) for building in _listed(buildings))
         for period in _listed(run_periods)
-        for text in (json.dumps(task) if isinstance(task, dict) else str(task) for task in _listed(tasks))
+        for text in (_task_text(task) for task in _listed(tasks))
         for seed in _listed(seeds)
     ]
-    name = name or ("" if named else _name_of(policy))
-    rescale = named if rescale_action is None else rescale_action
+    name = name or ("" if named is not None else _name_of(policy))
+    rescale = named is not None if rescale_action is None else rescale_action
     identity = f"python {name} {version}, rescale_action={rescale}, normalize={normalize}"
-    given = os.fspath(policy) if named else _Makes(policy, rescale, normalize)
-    physical = not named and isinstance(policy, type) and issubclass(policy, _BuiltIn)
-    with tempfile.TemporaryDirectory(prefix="b2b-evaluation-") as aside:
+    physical = isinstance(policy, type) and issubclass(policy, BuiltInController)
+    with tempfile.TemporaryDirectory(prefix="b2b-evaluation-") as temporary:
         columns, summary = _core.evaluate(
-            given,
-            asked,
-            os.fspath(folder) if folder is not None else aside,
+            _ControllerMaker(policy, rescale, normalize) if named is None else named,
+            episodes,
+            temporary if folder is None else os.fspath(folder),
             jobs or len(os.sched_getaffinity(0)),
             rescale and not physical,
             name,
             identity,
-            _Line() if progress else None,
+            _ProgressLine() if progress else None,
         )
     rows = [dict(zip(columns, row)) for row in zip(*columns.values())]
     return Evaluation(rows, json.loads(summary), None if folder is None else Path(folder))
@@ -154,89 +162,92 @@ def evaluate(
 def compute_normalized_score(
     episode_return: float,
     building: str | Building,
-    task: str | dict = "constant",
+    task: str | dict[str, Any] = "constant",
     run_period: str = "winter",
     *,
     timesteps_per_hour: int = 12,
     place: str | None = None,
-    weather: str | os.PathLike | None = None,
+    weather: PathLike | None = None,
 ) -> float | None:
-    """An episode's return over that of the reactive controllers for the same building, task and days.
+    """Divides a return by that of the reactive controllers for the same building, task and run period.
 
-    Both are sums of penalties: lower is better, and below 1 beats the controllers. What they get comes with the package
-    for the small test, and is otherwise computed, which takes an episode, and kept in the cache. ``None`` where nothing
-    was to be lost.
+    Both are sums of penalties: lower is better, and below 1 beats the baseline. Baseline returns of the ``test_small``
+    split come with the package; others take an episode to compute and are cached. ``None`` if the ratio is undefined.
 
     >>> b2b.compute_normalized_score(-30.0, "SingleFamilyHouse-0018", "constant+energy0.5", "winter")
 
-    Raises :class:`~building2building.errors.EvaluationError` for a building that cannot be run.
+    Raises :class:`~building2building.errors.EvaluationError` if the building cannot be simulated.
     """
-    text = json.dumps(task) if isinstance(task, dict) else str(task)
-    asked = (*_named(building, place, weather), text, run_period, 0, timesteps_per_hour)
-    return _core.compute_normalized_score(float(episode_return), asked)
+    episode = (*_found(building, place, weather), _task_text(task), run_period, 0, timesteps_per_hour)
+    return _core.compute_normalized_score(float(episode_return), episode)
 
 
-class _Makes:
-    """Makes what acts in an episode: a function of an f64 observation, in physical units, that gives an action."""
+class _ControllerMaker:
+    """Makes the controller of an episode for the core: a function from an f64 observation to an action."""
 
-    def __init__(self, policy, rescale_action: bool, normalize: bool):
-        self._policy = policy._function if isinstance(policy, _Callable) else policy
+    def __init__(self, policy: Any, rescale_action: bool, normalize: bool):
+        self._policy = policy.function if isinstance(policy, CallableController) else policy
         self._rescale, self._normalize = rescale_action, normalize
 
-    def __call__(self, spaces: _core.Spaces, building: _core.Building, seed: int):
-        policy, scene = self._policy, None
+    def __call__(self, spaces: _core.Spaces, building: _core.Building, seed: int) -> Callable[[Array], ArrayLike]:
+        policy, scale = self._policy, None
         if isinstance(policy, type) or self._normalize:
-            scene = Scene(spaces, building, seed, self._rescale, self._normalize)
-        if isinstance(policy, type):
-            policy = policy(scene)
-        elif hasattr(policy, "reset"):
+            context = EpisodeContext(spaces, building, seed, self._rescale, self._normalize)
+            scale = context.scale
+            if isinstance(policy, type):
+                policy = policy(context)
+        if not isinstance(self._policy, type) and hasattr(policy, "reset"):
             policy = copy.deepcopy(policy)
         if hasattr(policy, "reset"):
             policy.reset()
-        if isinstance(policy, _BuiltIn):
+        if isinstance(policy, BuiltInController):
             return policy.physical
-        if scene is not None and scene.scale is not None:
-            scale = scene.scale
+        if scale is not None:
             return lambda observation: policy(scale(observation))
         return lambda observation: policy(observation.astype(np.float32))
 
 
-class _Line:
-    """A line on standard error that says how far it is."""
+class _ProgressLine:
+    """A line on standard error with the progress of an evaluation."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         self._last = ""
 
-    def __call__(self, what: str, done: int, days: int) -> None:
-        text = f"\r{what}: {done} of {days} simulated days"
-        if days and text != self._last:
+    def __call__(self, label: str, done: int, total: int) -> None:
+        text = f"\r{label}: {done} of {total} simulated days"
+        if total and text != self._last:
             self._last = text
-            print(text, end="\n" if done == days else "", file=sys.stderr, flush=True)
+            print(text, end="\n" if done == total else "", file=sys.stderr, flush=True)
 
 
-def _listed(given) -> list:
+def _listed(given: Any) -> Iterable[Any]:
     return [given] if isinstance(given, (str, int, dict, Building)) else list(given)
 
 
-def _name_of(policy) -> str:
-    policy = policy._function if isinstance(policy, _Callable) else policy
+def _task_text(task: str | dict[str, Any]) -> str:
+    return json.dumps(task) if isinstance(task, dict) else str(task)
+
+
+def _name_of(policy: Any) -> str:
+    policy = policy.function if isinstance(policy, CallableController) else policy
     name = getattr(policy, "__name__", None) or type(policy).__name__
     if name == "<lambda>":
-        raise SettingError("a lambda has no name for the table: give evaluate(..., name=...)")
+        raise SettingError("a lambda has no name for the results; pass name=...")
     return name
 
 
-def _named(building: str | os.PathLike | Building, place, weather) -> tuple:
-    """A building as the evaluation finds it: name, place, weather."""
+def _found(
+    building: PathLike | Building, place: str | None, weather: PathLike | None
+) -> tuple[str, str | None, str | None]:
+    """Returns building, place and weather as the evaluation finds them."""
     if isinstance(building, Building):
-        kind, *found = building._recipe
-        if kind != "found":
+        origin = building.origin
+        if not isinstance(origin, Found):
             raise SettingError(
-                f"{building.name} was generated, and an evaluation takes buildings by their names: write its "
-                "to_epjson() to a file, and give the path with weather=..."
+                f"{building.name} was generated, but an evaluation finds buildings by name; write its to_epjson() to a "
+                "file and pass the path with weather=..."
             )
         if place is not None or weather is not None:
-            raise SettingError(f"{building!r} has its place: leave out place and weather")
-        building, place, weather = found
-    weather = None if weather is None else os.path.abspath(weather)
-    return os.fspath(building), place, weather
+            raise SettingError(f"{building!r} already has a place; omit place and weather")
+        building, place, weather = origin
+    return os.fspath(building), place, None if weather is None else os.path.abspath(weather)

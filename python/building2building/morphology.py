@@ -1,132 +1,130 @@
-"""A building as a graph, with its vectors as arrays of the nodes."""
+"""A building as a graph, with its observation and action as arrays per node type."""
 
 from __future__ import annotations
 
-import json
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
+from . import _core
 from .errors import ActionError, need
+
+Array = NDArray[Any]
+#: Offset in a buffer, nodes and slots of the array of a node type.
+_Block = tuple[int, int, int]
 
 
 class Morphology:
-    """A graph over one vocabulary for all buildings, so that one policy can drive buildings of any type.
+    """A building as a graph over node types that all buildings share, so that one policy can control any building.
 
-    - :attr:`nodes`: dictionaries with ``node_type``, ``name``, ``attributes``, ``row`` (in the type's array).
-    - :attr:`edges`: dictionaries with ``kind`` (``serves``, ``adjacent``, ``controls``), ``from``, ``to``,
-      ``attribute``.
-    - :meth:`split_observation` and :meth:`join_actions` go between vectors and arrays ``[nodes, slots]``, one a type.
+    - :attr:`nodes` have ``node_type``, ``name``, ``attributes``, ``owner`` and ``row``, the row in the arrays of their
+      type.
+    - :attr:`edges` have ``kind`` (``serves``, ``adjacent`` or ``controls``), ``source``, ``target`` and ``attribute``.
+    - :meth:`split_observation` and :meth:`join_actions` convert between the environment's vectors and one array
+      ``[nodes, slots]`` per node type.
     """
 
-    def __init__(self, core):
+    def __init__(self, core: _core.Morphology):
         self._core = core
-        data = json.loads(core.to_json())
-        graph, universe = data["graph"], data["universe"]
         #: Name of the building.
-        self.name: str = graph["name"]
-        #: The types with their ``attributes``, ``observation`` and ``action``: lists of quantity, unit, low, high.
-        self.node_types: dict[str, dict[str, Any]] = {each["node_type"]: each for each in universe["node_types"]}
-        #: Attributes of the whole building, by name.
-        self.common_attributes: dict[str, float] = {
-            slot["quantity"]: value for slot, value in zip(universe["common_attributes"], graph["common_attributes"])
-        }
-        self.nodes: list[dict[str, Any]] = graph["nodes"]
-        self.edges: list[dict[str, Any]] = graph["edges"]
-        names = list(self.node_types)
-        self._observation = dict(zip(names, data["observation"]))
-        self._action = dict(zip(names, data["action"]))
-        self._lengths = [sum(nodes * slots for _, nodes, slots in data[each]) for each in ("observation", "action")]
-        counts = dict.fromkeys(names, 0)
-        for node in self.nodes:
-            node["row"] = counts[node["node_type"]]
-            counts[node["node_type"]] += 1
-        #: How many nodes of each type there are.
-        self.counts: dict[str, int] = counts
+        self.name = core.name
+        #: Node types with their ``attributes``, ``observation`` and ``action`` slots.
+        self.node_types = {each.name: each for each in core.node_types}
+        #: Attributes of the whole building by name; NaN where unknown.
+        self.common_attributes = dict(core.common_attributes)
+        #: Nodes, ordered by type.
+        self.nodes = core.nodes
+        #: Edges; undirected ones are listed once.
+        self.edges = core.edges
+        self._observation = {name: each.observation_block for name, each in self.node_types.items()}
+        self._action = {name: each.action_block for name, each in self.node_types.items()}
+        self._action_length = sum(nodes * slots for _, nodes, slots in self._action.values())
+        #: Number of nodes of each type.
+        self.counts = {name: sum(node.node_type == name for node in self.nodes) for name in self.node_types}
 
-    def split_observation(self, observation) -> dict[str, np.ndarray]:
-        """The observation of each node: by type, f32 of shape ``[nodes, slots]``; of a batch of observations,
-        ``[batch, nodes, slots]``. Targets that never move are filled in."""
+    def split_observation(self, observation: ArrayLike) -> dict[str, Array]:
+        """Splits an observation into one array f32 ``[nodes, slots]`` per node type; a batch of observations into
+        ``[batch, nodes, slots]``. Constant targets are filled in."""
         observation = np.asarray(observation)
         flat = self._core.split(np.atleast_2d(observation))
-        return self._views(flat, self._observation, observation.ndim == 1)
+        return _views(flat, self._observation, observation.ndim == 1)
 
-    def join_actions(self, actions: dict[str, np.ndarray]) -> np.ndarray:
-        """The action of actions of the nodes: by type, of shape ``[nodes, slots]`` or ``[batch, nodes, slots]``."""
-        wanted = {name: block for name, block in self._action.items() if block[1] * block[2]}
-        missing = wanted.keys() - actions.keys()
+    def join_actions(self, actions: Mapping[str, ArrayLike]) -> Array:
+        """Joins actions per node type, ``[nodes, slots]`` or ``[batch, nodes, slots]``, into actions of the
+        environment."""
+        expected = {name: block for name, block in self._action.items() if block[1] * block[2]}
+        missing = expected.keys() - actions.keys()
         if missing:
-            raise ActionError(f"there are no actions of {', '.join(sorted(missing))}")
-        given = {name: np.asarray(actions[name]) for name in wanted}
-        one = all(array.ndim == 2 for array in given.values())
-        batch = 1 if one else next(iter(given.values())).shape[0]
-        flat = np.zeros((batch, self._lengths[1]), dtype=np.float64)
-        for name, (offset, nodes, slots) in wanted.items():
-            shape = given[name].shape
-            if shape != ((nodes, slots) if one else (batch, nodes, slots)):
-                raise ActionError(f"the actions of {name} are of shape {shape}, and must end with ({nodes}, {slots})")
+            raise ActionError(f"no actions given for {', '.join(sorted(missing))}")
+        given = {name: np.asarray(actions[name]) for name in expected}
+        single = all(array.ndim == 2 for array in given.values())
+        batch = 1 if single else next(iter(given.values())).shape[0]
+        flat = np.zeros((batch, self._action_length), dtype=np.float64)
+        for name, (offset, nodes, slots) in expected.items():
+            shape = (nodes, slots) if single else (batch, nodes, slots)
+            if given[name].shape != shape:
+                raise ActionError(f"the actions of {name} have shape {given[name].shape}; expected {shape}")
             flat[:, offset : offset + nodes * slots] = given[name].reshape(batch, -1)
         joined = self._core.join(flat)
-        return joined[0] if one else joined
+        return joined[0] if single else joined
 
-    def split_action(self, action) -> dict[str, np.ndarray]:
-        """The actions, or bounds, of each node; undoes :meth:`join_actions`."""
-        return self._views(self._core.split_action(np.asarray(action))[None], self._action, True)
+    def split_action(self, action: ArrayLike) -> dict[str, Array]:
+        """Splits an action or a vector of bounds into one array per node type; the inverse of :meth:`join_actions`."""
+        return _views(self._core.split_action(np.asarray(action))[None], self._action, True)
 
-    @staticmethod
-    def _views(flat, blocks, one):
-        views = {}
-        for name, (offset, nodes, slots) in blocks.items():
-            if nodes and slots:
-                array = flat[:, offset : offset + nodes * slots].reshape(-1, nodes, slots)
-                views[name] = array[0] if one else array
-        return views
-
-    def attributes(self, node_type: str) -> np.ndarray:
-        """Attributes of the nodes of a type, ``[nodes, attributes]``."""
-        rows = [node["attributes"] for node in self.nodes if node["node_type"] == node_type]
+    def attributes(self, node_type: str) -> Array:
+        """Returns the attributes of the nodes of a type, ``[nodes, attributes]``."""
+        rows = [node.attributes for node in self.nodes if node.node_type == node_type]
         return np.array(rows, dtype=np.float64).reshape(len(rows), -1)
 
-    def to_networkx(self):
-        """As a ``networkx.MultiDiGraph``; an edge without direction is there both ways."""
+    def to_networkx(self) -> Any:
+        """Returns a ``networkx.MultiDiGraph``, with undirected edges in both directions."""
         networkx = need("networkx", "networkx")
         graph = networkx.MultiDiGraph(name=self.name, **self.common_attributes)
         for number, node in enumerate(self.nodes):
-            slots = [slot["quantity"] for slot in self.node_types[node["node_type"]]["attributes"]]
-            attributes = dict(zip(slots, node["attributes"]))
-            graph.add_node(number, name=node["name"], node_type=node["node_type"], **attributes)
-        for kind, ends, values in self._relations():
-            for source, target, value in zip(*ends, values):
-                graph.add_edge(int(source), int(target), kind=kind, attribute=float(value))
+            names = [slot.quantity for slot in self.node_types[node.node_type].attributes]
+            attributes = dict(zip(names, node.attributes))
+            graph.add_node(number, name=node.name, node_type=node.node_type, **attributes)
+        for kind, source, target, attribute in self._directed_edges():
+            graph.add_edge(source, target, kind=kind, attribute=attribute)
         return graph
 
     def to_pyg(self) -> dict[str, Any]:
-        """Arrays as PyTorch Geometric's ``HeteroData`` has them: ``x[type]`` (attributes), ``edge_index[(from type,
-        kind, to type)]`` (2 rows: rows of the nodes in their types) and ``edge_attr``. No edge without direction is
-        lost: it is there both ways."""
-        index: dict[tuple, list] = {}
-        for kind, ends, values in self._relations():
-            for source, target, value in zip(*ends, values):
-                a, b = self.nodes[source], self.nodes[target]
-                key = (a["node_type"], kind, b["node_type"])
-                index.setdefault(key, []).append((a["row"], b["row"], value))
+        """Returns arrays in the layout of PyTorch Geometric's ``HeteroData``: ``x[type]`` (attributes),
+        ``edge_index[source type, kind, target type]`` (two rows of row numbers) and ``edge_attr``. Undirected edges
+        are there in both directions."""
+        edges: dict[tuple[str, str, str], list[tuple[int, int, float]]] = {}
+        for kind, source, target, attribute in self._directed_edges():
+            a, b = self.nodes[source], self.nodes[target]
+            edges.setdefault((a.node_type, kind, b.node_type), []).append((a.row, b.row, attribute))
         present = [name for name, count in self.counts.items() if count]
         return {
             "x": {name: self.attributes(name).astype(np.float32) for name in present},
-            "edge_index": {key: np.array([edge[:2] for edge in edges]).T for key, edges in index.items()},
-            "edge_attr": {
-                key: np.array([[edge[2]] for edge in edges], dtype=np.float32) for key, edges in index.items()
-            },
+            "edge_index": {key: np.array([edge[:2] for edge in each]).T for key, each in edges.items()},
+            "edge_attr": {key: np.array([[edge[2]] for edge in each], dtype=np.float32) for key, each in edges.items()},
         }
 
-    def _relations(self):
-        for kind in ("serves", "adjacent", "controls"):
-            edges = [edge for edge in self.edges if edge["kind"] == kind]
-            both = edges + [{**edge, "from": edge["to"], "to": edge["from"]} for edge in edges]
-            listed = both if kind == "adjacent" else edges
-            ends = [edge["from"] for edge in listed], [edge["to"] for edge in listed]
-            yield kind, ends, [edge["attribute"] for edge in listed]
+    def _directed_edges(self) -> Iterator[tuple[str, int, int, float]]:
+        """Yields kind, source, target and attribute of every edge; of undirected ones, in both directions."""
+        for kind in self._core.edge_kinds():
+            edges = [edge for edge in self.edges if edge.kind == kind]
+            for edge in edges:
+                yield kind, edge.source, edge.target, edge.attribute
+            for edge in edges:
+                if not edge.directed:
+                    yield kind, edge.target, edge.source, edge.attribute
 
     def __repr__(self) -> str:
         counts = ", ".join(f"{count} {name}" for name, count in self.counts.items() if count)
         return f"<Morphology of {self.name}: {counts}; {len(self.edges)} edges>"
+
+
+def _views(flat: Array, blocks: dict[str, _Block], single: bool) -> dict[str, Array]:
+    views = {}
+    for name, (offset, nodes, slots) in blocks.items():
+        if nodes and slots:
+            array = flat[:, offset : offset + nodes * slots].reshape(-1, nodes, slots)
+            views[name] = array[0] if single else array
+    return views

@@ -1,67 +1,72 @@
-"""One agent a zone: a PettingZoo parallel environment."""
+"""A multi-agent environment: a PettingZoo parallel environment with one agent per zone."""
 
 from __future__ import annotations
 
 from typing import Any
 
+import gymnasium
 import numpy as np
 from gymnasium.spaces import Box
 
-from .env import BuildingEnv
+from . import _core
+from .env import unwrap
 from .errors import need
+from .layout import Layout
 
 _pettingzoo = need("pettingzoo", "pettingzoo")
 
 
-class ZonesParallelEnv(_pettingzoo.ParallelEnv):
-    """Agents are the owners of actuators: zones, and the handlers of central air loops.
+class ZonesParallelEnv(_pettingzoo.ParallelEnv):  # type: ignore[name-defined]
+    """Agents are the zones with actuators and the air handlers of central air loops.
 
-    All see the whole observation; each drives its own actuators. A zone's reward is minus its squared deviation (of
-    one without cooling, below target only) and a share of the energy penalty; an air handler's is the mean of the
-    building's.
+    Every agent observes the whole observation and controls its own actuators. The reward of a zone is minus its squared
+    deviation from target (only below target for a zone without cooling) and an equal share of the energy term; that of
+    an air handler is an equal share of the building's reward.
     """
 
     metadata: dict[str, Any] = {"name": "b2b_zones_v0", "render_modes": ["rgb_array"]}
 
-    def __init__(self, env: BuildingEnv):
-        self.env = env.unwrapped
+    def __init__(self, env: gymnasium.Env[Any, Any]):
+        self.env = unwrap(env)
         self.render_mode = self.env.render_mode
         layout = self.env.layout
         self._actuators: dict[str, list[int]] = {}
-        for index, actuator in enumerate(layout.data["action"]):
-            self._actuators.setdefault(_name(actuator["owner"], layout), []).append(index)
+        for index, actuator in enumerate(layout.action):
+            self._actuators.setdefault(_agent(actuator.owner, layout), []).append(index)
         self.possible_agents = list(self._actuators)
         self.agents: list[str] = []
-        box = self.env.action_space
+        box = layout.action_space(self.env.rescale_action)
         self.action_spaces = {
-            agent: Box(box.low[indices], box.high[indices], dtype=box.dtype)
+            agent: Box(box.low[indices], box.high[indices], dtype=np.float32)
             for agent, indices in self._actuators.items()
         }
         self.observation_spaces = {agent: self.env.observation_space for agent in self.possible_agents}
 
-    def observation_space(self, agent):
+    def observation_space(self, agent: str) -> gymnasium.Space[Any]:
         return self.observation_spaces[agent]
 
-    def action_space(self, agent):
+    def action_space(self, agent: str) -> gymnasium.Space[Any]:
         return self.action_spaces[agent]
 
-    def reset(self, seed=None, options=None):
+    def reset(
+        self, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[dict[str, Any], dict[str, dict[str, Any]]]:
         observation, info = self.env.reset(seed=seed, options=options)
         self.agents = list(self.possible_agents)
         return {agent: observation for agent in self.agents}, {agent: info for agent in self.agents}
 
-    def step(self, actions):
-        action = np.zeros(self.env.action_space.shape, dtype=np.float64)
+    def step(self, actions: dict[str, Any]) -> tuple[dict[str, Any], ...]:
+        action = np.zeros(len(self.env.layout.action), dtype=np.float64)
         for agent in self.agents:
             action[self._actuators[agent]] = actions[agent]
         observation, reward, terminated, truncated, info = self.env.step(action)
-        zones = dict(zip(self.env.layout.zones, info["zone_deviation"]))
-        for zone in self.env.layout.data["zones"]:
-            if zone["controlled"] and not zone["cooling"]:
-                zones[zone["name"]] = min(zones[zone["name"]], 0.0)
+        deviations = dict(zip(self.env.layout.controlled_zones, info["zone_deviation"]))
+        for zone in self.env.layout.zones:
+            if zone.controlled and not zone.cooling:
+                deviations[zone.name] = min(deviations[zone.name], 0.0)
         energy = info["reward_terms"]["energy"] / len(self.agents)
         rewards = {
-            agent: float(-(zones[agent] ** 2) + energy) if agent in zones else reward / len(self.agents)
+            agent: float(-(deviations[agent] ** 2) + energy) if agent in deviations else reward / len(self.agents)
             for agent in self.agents
         }
         agents = self.agents
@@ -75,14 +80,14 @@ class ZonesParallelEnv(_pettingzoo.ParallelEnv):
             {agent: info for agent in agents},
         )
 
-    def render(self):
+    def render(self) -> Any:
         return self.env.render()
 
-    def close(self):
+    def close(self) -> None:
         self.env.close()
 
 
-def _name(owner, layout) -> str:
-    if isinstance(owner, dict) and "zone" in owner:
-        return layout.data["zones"][owner["zone"]]["name"]
-    return f"air loop {owner['air_loop']}"
+def _agent(owner: _core.Owner, layout: Layout) -> str:
+    if owner.kind == "zone" and owner.index is not None:
+        return layout.zones[owner.index].name
+    return f"air loop {owner.index}"

@@ -1,11 +1,15 @@
-"""Episodes of controllers as a Minari dataset."""
+"""Minari datasets."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from .buildings import Building
+import gymnasium
+import numpy as np
+
+from .buildings import Building, Found, find_building
+from .env import unwrap
 from .errors import SettingError, need
 
 
@@ -19,57 +23,59 @@ def collect(
     seed: int = 0,
     author: str = "",
     description: str = "",
-    **arguments,
-):
-    """Runs a controller on buildings of one type and writes what happened as a Minari dataset, with the spec of the
-    environment: ``minari.load_dataset(dataset_id).recover_environment()`` makes it again.
+    **arguments: Any,
+) -> Any:
+    """Runs a controller on buildings of one type and writes the episodes as a Minari dataset.
 
-    ``controller`` is a class or function that makes one for an environment (``ReactiveController``). Each building runs
-    ``episodes`` episodes, of ``steps`` steps at most; ``arguments`` go to :func:`make_env`. Needs
-    ``minari[hdf5,create]``.
+    The dataset contains the environment's spec: ``minari.load_dataset(dataset_id).recover_environment()`` makes it
+    again.
+
+    ``controller`` is a class or function that makes a controller for an environment, such as ``ReactiveController``.
+    Every building runs ``episodes`` episodes of at most ``steps`` steps. ``arguments`` are those of :func:`make_env`.
+    Needs ``minari[hdf5,create]``.
     """
     minari = need("minari", "'minari[hdf5,create]'")
-    import gymnasium
-
-    from .buildings import find_building
-
     found = [each if isinstance(each, Building) else find_building(each) for each in buildings]
     types = {each.building_type for each in found}
     if len(types) != 1 or None in types:
-        raise SettingError("a dataset is of buildings of one type: collect one for each")
-    several = len(found) > 1
-    if several:
+        raise SettingError("the buildings of a Minari dataset must have one type; collect one dataset per type")
+    if len(found) > 1:
         arguments.setdefault("rescale_action", True)
-    kind, *named = found[0]._recipe
-    if kind == "found":
-        # By its names, which the spec in the dataset can hold.
-        building_id, place, weather = named
-        named = {"building_id": building_id, "place": place, "weather": None if weather is None else str(weather)}
-    else:
-        named = {"building": found[0]}
-    env = gymnasium.make(f"b2b/{types.pop()}-v0", **named, **{"rescale_action": False, **arguments})
+    options: dict[str, Any] = {"rescale_action": False, **_selection(found[0]), **arguments}
+    env = gymnasium.make(f"b2b/{types.pop()}-v0", **options)
+    core, space = unwrap(env), env.action_space
+    if not isinstance(space, gymnasium.spaces.Box):
+        raise SettingError(f"expected actions in a Box; got {space}")
+    name = getattr(controller, "__name__", "controller")
     collector = minari.DataCollector(env)
     try:
         for number, building in enumerate(found):
-            if building is not env.unwrapped.building:
-                env.unwrapped.set_building(building)
-            acts = controller(env)
+            if building is not core.building:
+                core.set_building(building)
+            policy = controller(env)
             for episode in range(episodes):
-                if hasattr(acts, "reset"):
-                    acts.reset()
+                if hasattr(policy, "reset"):
+                    policy.reset()
                 observation, _ = collector.reset(seed=seed + number * episodes + episode)
                 done, count = False, 0
                 while not done and (steps is None or count < steps):
-                    action = acts(observation)
-                    observation, _, terminated, truncated, _ = collector.step(
-                        env.action_space.dtype.type(action).clip(env.action_space.low, env.action_space.high)
-                    )
+                    action = np.asarray(policy(observation), dtype=space.dtype).clip(space.low, space.high)
+                    observation, _, terminated, truncated, _ = collector.step(action)
                     done, count = terminated or truncated, count + 1
         return collector.create_dataset(
             dataset_id=dataset_id,
             author=author or "building2building",
-            description=description or f"{getattr(controller, '__name__', 'controller')} on {len(found)} buildings",
-            algorithm_name=getattr(controller, "__name__", "controller"),
+            description=description or f"{name} on {len(found)} buildings",
+            algorithm_name=name,
         )
     finally:
         collector.close()
+
+
+def _selection(building: Building) -> dict[str, Any]:
+    """Returns the arguments of :func:`make_env` that select a building, as plain values where possible, which a spec in
+    a dataset can hold."""
+    origin = building.origin
+    if isinstance(origin, Found):
+        return {"building_id": origin.name, "place": origin.place, "weather": origin.weather}
+    return {"building": building}

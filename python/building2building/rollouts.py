@@ -1,112 +1,132 @@
-"""Controllers, and episodes as they ran."""
+"""Controllers, rollouts and trajectories."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
+import gymnasium
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from . import _core
-from .errors import SettingError, need
+from .env import unwrap
+from .errors import need
+from .layout import Layout, index_of
+
+Array = NDArray[Any]
 
 
+@runtime_checkable
 class Controller(Protocol):
-    """Something that acts: it is called with an observation and gives an action, both as the environment's spaces have
-    them."""
+    """Maps observations to actions, both in the environment's spaces."""
 
-    def __call__(self, observation: np.ndarray) -> np.ndarray: ...
+    def __call__(self, observation: Array) -> ArrayLike: ...
 
     def reset(self) -> None:
-        """Forgets everything: a new episode begins."""
+        """Resets the state for a new episode."""
 
 
-class _BuiltIn:
-    """A controller of the Rust crates. It takes f64 and gives physical units: see :func:`rollout`."""
+class ControlledEnv(Protocol):
+    """The attributes of an environment that the built-in controllers need."""
+
+    layout: Layout
+    rescale_action: bool
+
+    @property
+    def unwrapped(self) -> Any: ...
+
+
+class BuiltInController:
+    """A controller of the Rust core. It computes in f64 and physical units; see :func:`rollout`."""
 
     kind = ""
 
-    def __init__(self, env, seed: int | None = None):
-        self._env = env.unwrapped
-        if seed is None:
-            seed = getattr(self._env, "seed", 0)
-        self._core = _core.Controller(self.kind, self._env.layout.core, seed)
+    def __init__(self, env: gymnasium.Env[Any, Any] | ControlledEnv, seed: int | None = None):
+        core: Any = env.unwrapped
+        self._layout: Layout = core.layout
+        self._rescale: bool = core.rescale_action
+        seed = getattr(core, "seed", 0) if seed is None else seed
+        self._core = _core.Controller(self.kind, self._layout.spaces, seed)
 
     def reset(self) -> None:
+        """Resets the state for a new episode."""
         self._core.reset()
 
-    def copy(self):
-        """Another that stands where this one does, for snapshots of an environment."""
+    def copy(self) -> BuiltInController:
+        """Returns a copy with the same state, for use with snapshots of an environment."""
         other = object.__new__(type(self))
-        other._env, other._core = self._env, self._core.copy()
+        other._layout, other._rescale, other._core = self._layout, self._rescale, self._core.copy()
         return other
 
-    def physical(self, observation: np.ndarray) -> np.ndarray:
-        """The action in physical units, f64."""
+    def physical(self, observation: ArrayLike) -> NDArray[np.float64]:
+        """Returns the action for an observation in f64 and physical units."""
         return self._core.act(observation)
 
-    def __call__(self, observation: np.ndarray) -> np.ndarray:
-        """The action as the environment's space has it."""
-        action, layout = self._core.act(observation), self._env.layout
-        if self._env.rescale_action:
+    def __call__(self, observation: Array) -> NDArray[np.float64]:
+        """Returns the action for an observation, in the environment's action space."""
+        action, layout = self._core.act(observation), self._layout
+        if self._rescale:
             span = layout.action_high - layout.action_low
             action = 2 * (action - layout.action_low) / np.where(span > 0, span, 1) - 1
         return action
 
 
-class ReactiveController(_BuiltIn):
+class ReactiveController(BuiltInController):
     """The paper's reactive controllers, after ASHRAE Guideline 36."""
 
     kind = "reactive"
 
 
-class RandomController(_BuiltIn):
-    """A fresh uniform action at every step; the same seed gives the same actions."""
+class RandomController(BuiltInController):
+    """Draws every action uniformly from the action space; the same seed gives the same actions."""
 
     kind = "random"
 
 
-class ConstantController(_BuiltIn):
-    """The middle of every bound, always."""
+class ConstantController(BuiltInController):
+    """Applies the midpoint of the action bounds at every step."""
 
     kind = "constant"
 
 
-class _Callable:
-    def __init__(self, function: Callable[[np.ndarray], Any]):
-        self._function = function
+class CallableController:
+    """A function as a controller without state."""
+
+    def __init__(self, function: Callable[[Array], ArrayLike]):
+        self.function = function
 
     def reset(self) -> None:
-        pass
+        """Does nothing."""
 
-    def __call__(self, observation):
-        return self._function(observation)
+    def __call__(self, observation: Array) -> ArrayLike:
+        return self.function(observation)
 
 
-def callable_controller(function: Callable[[np.ndarray], Any]) -> Controller:
-    """A controller of any function from an observation to an action."""
-    return _Callable(function)
+def callable_controller(function: Callable[[Array], ArrayLike]) -> Controller:
+    """Makes a controller from a function that maps an observation to an action."""
+    return CallableController(function)
 
 
 @dataclass
 class Trajectory:
-    """An episode, a row a step. Observations have one row more: the first is that of the reset."""
+    """The steps of an episode. ``observations`` has one row more than the others: the first is that of the reset."""
 
-    #: f64, ``[steps + 1, slots]``: states between the steps.
-    observations: np.ndarray
-    #: f64, ``[steps, actuators]``: as carried out, physical units.
-    actions: np.ndarray
-    #: f64, ``[steps]``.
-    rewards: np.ndarray
-    #: f64, ``[steps, 2]``: temperature and energy penalty.
-    penalties: np.ndarray
-    #: Whether the last step was the end of the episode.
+    #: f64 ``[steps + 1, slots]``.
+    observations: Array
+    #: f64 ``[steps, actuators]``, as applied, in physical units.
+    actions: Array
+    #: f64 ``[steps]``.
+    rewards: Array
+    #: f64 ``[steps, 2]``: temperature and energy penalty.
+    penalties: Array
+    #: Whether the last step ended the episode.
     truncated: bool
     #: The environment's metadata: names, units, building.
     metadata: dict[str, Any] = field(repr=False)
-    #: Sums over the episode, if it ran to its end.
+    #: Metrics of the episode; ``None`` if it did not run to its end.
     metrics: dict[str, Any] | None = None
 
     def __len__(self) -> int:
@@ -117,65 +137,68 @@ class Trajectory:
         """Sum of the rewards."""
         return float(self.rewards.sum())
 
-    def observed(self, name: str) -> np.ndarray:
-        """A slot of the observation by its name, ``[steps + 1]``."""
-        return self.observations[:, _index(self.metadata["observation_names"], name)]
+    def observed(self, name: str) -> Array:
+        """Returns the values of an observation slot, ``[steps + 1]``."""
+        return self.observations[:, index_of(self.metadata["observation_names"], "observation slot", name)]
 
-    def acted(self, name: str) -> np.ndarray:
-        """An actuator by its name, ``[steps]``."""
-        return self.actions[:, _index(self.metadata["action_names"], name)]
+    def acted(self, name: str) -> Array:
+        """Returns the values of an actuator, ``[steps]``."""
+        return self.actions[:, index_of(self.metadata["action_names"], "actuator", name)]
 
     def hash(self) -> str:
-        """SHA-256 of every bit: that of ``b2b run`` for the same episode."""
+        """Returns the SHA-256 of all values, which ``b2b run`` prints for the same episode."""
         return _core.trajectory_hash(self.observations[1:], self.actions, self.penalties)
 
-    def to_dict(self) -> dict[str, np.ndarray]:
-        """A column for each slot, actuator and term, as in ``trajectory.parquet``: states at the ends of the steps."""
+    def to_dict(self) -> dict[str, Array]:
+        """Returns the columns of ``trajectory.parquet``; observations are those at the ends of the steps."""
         columns = {name: self.observations[1:, i] for i, name in enumerate(self.metadata["observation_names"])}
         columns |= {f"action: {name}": self.actions[:, i] for i, name in enumerate(self.metadata["action_names"])}
         columns |= {"temperature penalty": self.penalties[:, 0], "energy penalty": self.penalties[:, 1]}
         return columns | {"reward": self.rewards}
 
-    def to_parquet(self, path: str | os.PathLike) -> None:
-        """Writes it as a Parquet file (needs ``pyarrow``): aside first, so that no half is left."""
+    def to_parquet(self, path: str | os.PathLike[str]) -> None:
+        """Writes a Parquet file atomically. Needs ``pyarrow``."""
         pyarrow, parquet = need("pyarrow", "pyarrow"), need("pyarrow.parquet", "pyarrow")
-        aside = f"{os.fspath(path)}.partial"
+        partial = f"{os.fspath(path)}.partial"
         try:
-            parquet.write_table(pyarrow.table(self.to_dict()), aside)
-            os.replace(aside, path)
+            parquet.write_table(pyarrow.table(self.to_dict()), partial)
+            os.replace(partial, path)
         finally:
-            if os.path.exists(aside):
-                os.unlink(aside)
+            if os.path.exists(partial):
+                os.unlink(partial)
 
 
-def _index(names: list[str], name: str) -> int:
-    if name not in names:
-        raise SettingError(f"there is no `{name}`: there are {', '.join(names)}")
-    return names.index(name)
+def rollout(
+    env: gymnasium.Env[Any, Any],
+    controller: Controller | Callable[[Array], ArrayLike],
+    *,
+    steps: int | None = None,
+    seed: int | None = None,
+) -> Trajectory:
+    """Runs an episode from its reset to its end, or for at most ``steps`` steps.
 
-
-def rollout(env, controller: Controller | Callable, *, steps: int | None = None, seed: int | None = None) -> Trajectory:
-    """Runs an episode from reset to its end, or for so many steps.
-
-    The controllers of this package see f64 and act in physical units, so that an episode is that of ``b2b run`` to the
-    bit; others get what the environment's wrappers give.
+    The built-in controllers see f64 and act in physical units, so that an episode equals that of ``b2b run`` bit for
+    bit; other controllers see what the environment's wrappers return.
     """
-    core = env.unwrapped
-    if hasattr(controller, "reset"):
+    core = unwrap(env)
+    if isinstance(controller, Controller):
         controller.reset()
-    built_in = isinstance(controller, _BuiltIn)
     observation, _ = env.reset(seed=seed)
-    observations, actions, rewards, penalties = [core.observation], [], [], []
-    truncated, info = False, {}
+    observations = [core.observation]
+    actions: list[Array] = []
+    rewards: list[float] = []
+    penalties: list[tuple[float, float]] = []
+    truncated = False
+    info: dict[str, Any] = {}
     while not truncated and (steps is None or len(rewards) < steps):
-        if built_in:
+        if isinstance(controller, BuiltInController):
             action = controller.physical(core.observation)
             observation, reward, _, truncated, info = core.step(action, rescale=False)
         else:
-            observation, reward, terminated, truncated, info = env.step(controller(observation))
-            truncated = truncated or terminated
+            observation, step_reward, terminated, truncated, info = env.step(controller(observation))
+            reward, truncated = float(step_reward), truncated or terminated
         observations.append(core.observation)
-        actions.append(core.carried_out())
+        actions.append(core.applied_action())
         rewards.append(reward)
         penalties.append(core.penalties)
     return Trajectory(

@@ -1,13 +1,14 @@
-"""Observations from -1 to 1, by bounds that never move."""
+"""Normalization of observations to [-1, 1] by fixed bounds."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from gymnasium.spaces import Box
+from numpy.typing import ArrayLike, NDArray
 
-#: Where temperatures of zones and outdoors mostly are; a space's own bounds are those that no sane run crosses.
+#: Usual ranges of slots, by the last words of their names. A space's own bounds are much wider.
 USUAL = {
     "outdoor air temperature": (-40.0, 50.0),
     "air temperature": (5.0, 40.0),
@@ -18,29 +19,35 @@ USUAL = {
 
 
 class Scale:
-    """Makes each slot -1 at its lower and 1 at its upper bound, and clips what is beyond.
+    """Maps the lower bound of each slot to -1 and its upper bound to 1, and clips.
 
-    ``names``, ``low`` and ``high`` are those of the slots. ``bounds`` are narrower ones by a slot's name or its last
-    words, such as ``{"air temperature": (10, 35)}``; the usual ones by default.
+    ``names``, ``low`` and ``high`` describe the slots. ``bounds`` replaces the bounds of slots by their name or its
+    last words, for example ``{"air temperature": (10, 35)}``; by default :data:`USUAL`.
     """
 
-    def __init__(self, names: Sequence[str], low, high, bounds: dict[str, tuple[float, float]] | None = None):
+    def __init__(
+        self,
+        names: Sequence[str],
+        low: ArrayLike,
+        high: ArrayLike,
+        bounds: Mapping[str, tuple[float, float]] | None = None,
+    ):
         bounds = USUAL if bounds is None else bounds
-        low, high = np.array(low, dtype=np.float64), np.array(high, dtype=np.float64)
+        lower, upper = np.array(low, dtype=np.float64), np.array(high, dtype=np.float64)
         for index, name in enumerate(names):
-            fits = [words for words in bounds if name.endswith(words)]
-            if fits:
-                low[index], high[index] = bounds[max(fits, key=len)]
+            matches = [words for words in bounds if name.endswith(words)]
+            if matches:
+                lower[index], upper[index] = bounds[max(matches, key=len)]
         #: Lower bounds, f32.
-        self.low = low.astype(np.float32)
-        #: Upper bounds less the lower ones, f32.
-        self.span = np.where(high > low, high - low, 1.0).astype(np.float32)
+        self.low = lower.astype(np.float32)
+        #: Differences between upper and lower bounds, f32.
+        self.span = np.where(upper > lower, upper - lower, 1.0).astype(np.float32)
 
     @property
     def space(self) -> Box:
-        """What it gives."""
+        """The space of the result."""
         return Box(-1.0, 1.0, self.low.shape, dtype=np.float32)
 
-    def __call__(self, observation: np.ndarray) -> np.ndarray:
+    def __call__(self, observation: ArrayLike) -> NDArray[np.float32]:
         shares = (np.asarray(observation, dtype=np.float32) - self.low) / self.span
         return np.clip(2 * shares - 1, -1.0, 1.0)

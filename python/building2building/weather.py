@@ -1,15 +1,17 @@
-"""What a weather file says, hour by hour."""
+"""Hourly values of a weather file."""
 
 from __future__ import annotations
 
 import csv
 import os
+from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .errors import SettingError
 
-#: Column of an EPW hour, and its unit (Auxiliary Programs, "EnergyPlus Weather File Data Dictionary").
+#: Column of an EPW record, and its unit (EnergyPlus Auxiliary Programs, "EnergyPlus Weather File Data Dictionary").
 COLUMNS = {
     "temperature": (6, "°C"),
     "dew_point": (7, "°C"),
@@ -18,14 +20,14 @@ COLUMNS = {
     "diffuse_radiation": (15, "Wh/m²"),
     "wind_speed": (21, "m/s"),
 }
-_HEADER = 8
+_HEADER_LINES = 8
 
 
-def read(path: str | os.PathLike, quantities: tuple[str, ...] = ("temperature",)) -> np.ndarray:
-    """Hourly values of a year without a 29 February, ``[8760, quantities]``."""
+def read(path: str | os.PathLike[str], quantities: Sequence[str] = ("temperature",)) -> NDArray[np.float64]:
+    """Reads the hourly values of a year without 29 February, ``[8760, quantities]``."""
     for quantity in quantities:
         if quantity not in COLUMNS:
-            raise SettingError(f"weather has no `{quantity}`: it has {', '.join(COLUMNS)}")
+            raise SettingError(f"unknown weather quantity `{quantity}`; expected one of {', '.join(COLUMNS)}")
     with open(path, encoding="latin-1", newline="") as file:
-        rows = [row for row in list(csv.reader(file))[_HEADER:] if len(row) > 21 and row[1:3] != ["2", "29"]]
+        rows = [row for row in list(csv.reader(file))[_HEADER_LINES:] if len(row) > 21 and row[1:3] != ["2", "29"]]
     return np.array([[float(row[COLUMNS[quantity][0]]) for quantity in quantities] for row in rows])

@@ -1,4 +1,4 @@
-"""Train Stable-Baselines3's PPO on training houses of a benchmark problem, and export it for `b2b benchmark run`.
+"""Train Stable-Baselines3's PPO on the training houses of a benchmark problem and export it for `b2b benchmark run`.
 
 `python benchmark_ppo.py ppo.onnx 200000`, then
 `b2b benchmark run dynamics-house --policy ppo.onnx --trained-steps 200000 --out results/ppo`.
@@ -19,13 +19,13 @@ HOUSES = 8
 
 problem = DynamicsAdaptation("house")
 single = problem.make_train_envs(HOUSES, rescale_action=True, window_days=7)
-# Slots to about 1: temperatures, and what padding is.
+# Bounds that scale temperatures to about 1 and leave padding at 0.
 box = single[0].observation_space
 low, high = np.clip(box.low, -40, 0), np.clip(box.high, 1, 400)
 
 
 class Scaled(torch.nn.Module):
-    """The policy with its scaling: what the file takes are numbers as the environment has them."""
+    """The policy with its scaling, so that the ONNX file takes unscaled observations."""
 
     def __init__(self, policy):
         super().__init__()

@@ -1,4 +1,4 @@
-"""PPO in one file, after CleanRL, on native vector environments: `python cleanrl_ppo.py STEPS`."""
+"""PPO in one file, after CleanRL, on a vector environment: `python cleanrl_ppo.py STEPS`."""
 
 import sys
 import time
@@ -57,7 +57,7 @@ for update in range(max(STEPS // (ENVS * ROLLOUT), 1)):
         later, reward, _, truncated, info = envs.step(action.numpy())
         seen.append(observation), acted.append(action), logs.append(policy.log_prob(action).sum(1))
         observation = see(later)
-        # At the end of an episode the value of its last state counts: it was cut, not lost.
+        # Episodes are truncated, not terminated: the value of their last state is bootstrapped.
         after = observation.clone()
         for index in np.flatnonzero(truncated):
             after[index] = see(info["final_obs"][index])
@@ -85,5 +85,5 @@ for update in range(max(STEPS // (ENVS * ROLLOUT), 1)):
             optimizer.step()
     done = (update + 1) * ENVS * ROLLOUT
     mean = torch.stack(rewards).mean().item()
-    print(f"{done:7d} steps  {done / (time.perf_counter() - start):6.0f} a second  mean reward {mean:.3f}")
+    print(f"{done:7d} steps  {done / (time.perf_counter() - start):6.0f} steps/s  mean reward {mean:.3f}")
 envs.close()

@@ -1,4 +1,4 @@
-"""A day in a small office: what is seen and driven, a controller, and what came of it."""
+"""Two days in a small office: observation, action, and three controllers."""
 
 import building2building as b2b
 
@@ -12,15 +12,15 @@ for name, unit, low, high in zip(
 ):
     print(f"{name:<40} {low:6.2f} to {high:6.2f} {unit}")
 
-# A function from an observation to an action is a controller.
-middle = (env.action_space.low + env.action_space.high) / 2
+# Any function from an observation to an action is a controller.
+midpoint = (env.action_space.low + env.action_space.high) / 2
+print()
 for name, controller in {
     "reactive": b2b.ReactiveController(env),
     "random": b2b.RandomController(env, seed=0),
-    "middle": b2b.callable_controller(lambda observation: middle),
+    "midpoint": b2b.callable_controller(lambda observation: midpoint),
 }.items():
     trajectory = b2b.rollout(env, controller)
-    print(f"\n{name:<9} return {trajectory.episode_return:10.1f}", end="")
-    print(f"  mean deviation {trajectory.metrics['mean_abs_deviation_k']:.2f} K", end="")
-print()
+    deviation = trajectory.metrics["mean_abs_deviation_k"]
+    print(f"{name:<9} return {trajectory.episode_return:10.1f}  mean absolute deviation {deviation:.2f} K")
 env.close()

@@ -1,5 +1,5 @@
-"""A building of yours: `python own_building.py MODEL.idf WEATHER.epw`; without arguments, a model that comes with
-EnergyPlus."""
+"""A building of your own: `python own_building.py MODEL.idf WEATHER.epw`. Without arguments, it uses a model that comes
+with EnergyPlus."""
 
 import sys
 
@@ -15,7 +15,8 @@ else:
 building = b2b.import_building(model, weather)
 env = b2b.make_env(building=building, run_period="01-09..01-10")
 print(env.morphology)
-print("driven:", ", ".join(env.metadata["action_names"]))
+print("actuators:", ", ".join(env.metadata["action_names"]))
 trajectory = b2b.rollout(env, b2b.ReactiveController(env))
-print(f"return {trajectory.episode_return:.1f}, mean deviation {trajectory.metrics['mean_abs_deviation_k']:.2f} K")
+deviation = trajectory.metrics["mean_abs_deviation_k"]
+print(f"return {trajectory.episode_return:.1f}, mean absolute deviation {deviation:.2f} K")
 env.close()

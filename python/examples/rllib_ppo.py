@@ -1,4 +1,4 @@
-"""PPO of RLlib's new API on a house: `python rllib_ppo.py ITERATIONS`."""
+"""RLlib's PPO (new API) on a house: `python rllib_ppo.py ITERATIONS`."""
 
 import sys
 
@@ -11,7 +11,7 @@ ITERATIONS = int(sys.argv[1]) if len(sys.argv) > 1 else 3
 
 
 def house(config):
-    """Observations and actions from -1 to 1. Every environment has a process of its own, so runners may be anywhere."""
+    """Makes an environment with observations and actions in [-1, 1]. Any runner can: it has its own process."""
     return b2b.wrap_env_for_rl(b2b.make_env("SingleFamilyHouse", rescale_action=True, **config))
 
 
@@ -31,7 +31,7 @@ if __name__ == "__main__":
         results = algorithm.train()
         runners = results["env_runners"]
         print(
-            f"{results['num_env_steps_sampled_lifetime']:7.0f} steps  mean return of an episode "
+            f"{results['num_env_steps_sampled_lifetime']:7.0f} steps  mean episode return "
             f"{runners['episode_return_mean']:.1f}"
         )
     algorithm.stop()

@@ -1,8 +1,8 @@
 """Train Stable-Baselines3's PPO on one house, constant task, winter, with the hyperparameters of the paper's appendix.
 
-`python train_ppo.py --steps 200000` prints the curve, what the network costs beside the engine, and how the policy
-scores against the reactive controller before and after. With `--onnx FILE` the trained policy is written for `b2b
-evaluate`.
+`python train_ppo.py --steps 200000` prints the learning curve, the share of time spent in the environments, and the
+score relative to the reactive controller before and after training. `--onnx FILE` exports the policy for
+`b2b evaluate`.
 """
 
 import argparse
@@ -20,11 +20,11 @@ parser.add_argument("--steps", type=int, default=9_408)
 parser.add_argument("--building", default="SingleFamilyHouse-0042")
 parser.add_argument("--period", default="winter")
 parser.add_argument("--envs", type=int, default=14)
-parser.add_argument("--n-steps", type=int, default=672, help="steps of each environment between updates")
+parser.add_argument("--n-steps", type=int, default=672, help="steps per environment between updates")
 parser.add_argument("--onnx", metavar="FILE")
 arguments = parser.parse_args()
 
-# Episodes of a week, on one of eight first days of the period.
+# Episodes of a week that begin on one of eight days of the period.
 envs = make_sb3_vec(
     None,
     arguments.envs,
@@ -60,7 +60,7 @@ model = PPO(
 
 
 class Curve(BaseCallback):
-    """A line for each rollout. Times what the environments take."""
+    """Prints a line per rollout, with the share of time spent in the environments."""
 
     def __init__(self):
         super().__init__()
@@ -74,7 +74,7 @@ class Curve(BaseCallback):
             return stepped
 
         envs.step_wait = timed
-        print("  steps  mean reward  value explained  steps/s  in the environments")
+        print("  steps  mean reward  explained variance  steps/s  time in environments")
 
     def _on_step(self):
         return True
@@ -83,8 +83,8 @@ class Curve(BaseCallback):
         buffer, spent = self.model.rollout_buffer, time.perf_counter() - self.start
         explained = 1 - np.var(buffer.returns - buffer.values) / np.var(buffer.returns)
         print(
-            f"{self.num_timesteps:7d}  {buffer.rewards.mean():11.3f}  {explained:15.2f}  "
-            f"{self.num_timesteps / spent:7.0f}  {self.stepping / spent:19.0%}",
+            f"{self.num_timesteps:7d}  {buffer.rewards.mean():11.3f}  {explained:18.2f}  "
+            f"{self.num_timesteps / spent:7.0f}  {self.stepping / spent:20.0%}",
             flush=True,
         )
 
@@ -94,24 +94,24 @@ def ppo(observation):
 
 
 def score(when):
-    """A whole period in one episode, without exploring."""
+    """Evaluates the deterministic policy on the whole period in one episode."""
     options = {"run_periods": arguments.period, "rescale_action": True, "normalize": True}
     (row,) = b2b.evaluate(ppo, arguments.building, "constant", **options).rows
     print(
-        f"{when}: return {row['return']:.0f}, the reactive controller's {row['baseline_return']:.0f}, "
+        f"{when}: return {row['return']:.0f}, reactive controller {row['baseline_return']:.0f}, "
         f"score {row['score']:.2f}, RMS deviation {row['rms_deviation_k']:.2f} K"
     )
 
 
-# Small networks are slower on several threads, and the engine needs the processors.
+# Small networks are slower with several threads, and the engine needs the processors.
 torch.set_num_threads(1)
 score("before training")
 curve = Curve()
 model.learn(arguments.steps, callback=curve)
 spent = time.perf_counter() - curve.start
 print(
-    f"{model.num_timesteps} steps in {spent:.0f} s: {model.num_timesteps / spent:.0f} a second, "
-    f"{curve.stepping / spent:.0%} of the time in the environments"
+    f"{model.num_timesteps} steps in {spent:.0f} s: {model.num_timesteps / spent:.0f} steps/s, "
+    f"{curve.stepping / spent:.0%} of the time in environments"
 )
 score("after training")
 if arguments.onnx:

@@ -1,6 +1,6 @@
-"""One policy for buildings of all types: it acts on nodes, not on buildings.
+"""One policy for all building types, which acts on the nodes of their graphs.
 
-Here the policy is a rule for each type of node; a network in its place sees the same arrays.
+Here the policy is one rule per quantity; a neural network would receive the same arrays.
 """
 
 import building2building as b2b
@@ -8,7 +8,7 @@ import numpy as np
 
 
 class NodePolicy:
-    """A rule for each quantity that a node drives, from the temperature and the target of the node."""
+    """One rule per actuated quantity, from the temperature and target of the node."""
 
     def __init__(self, env):
         self.graph = env.morphology
@@ -21,20 +21,20 @@ class NodePolicy:
         nodes = self.graph.split_observation(observation)
         actions = {}
         for node_type, low in self.low.items():
-            spaces, seen = self.graph.node_types[node_type], nodes.get(node_type)
-            at = [slot["quantity"] for slot in spaces["observation"]]
-            target = 21.0 if seen is None else seen[:, at.index("target_temperature")]
-            cold = 0.0 if seen is None else target - seen[:, at.index("air_temperature")]
+            spaces, observed = self.graph.node_types[node_type], nodes.get(node_type)
+            names = [slot.quantity for slot in spaces.observation]
+            target = 21.0 if observed is None else observed[:, names.index("target_temperature")]
+            error = 0.0 if observed is None else target - observed[:, names.index("air_temperature")]
             rules = {
-                "supply_air_flow": low[:, 0] + np.abs(cold) * (self.high[node_type] - low)[:, 0],
-                "supply_air_temperature": np.where(cold > 0, 40.0, 14.0),
+                "supply_air_flow": low[:, 0] + np.abs(error) * (self.high[node_type] - low)[:, 0],
+                "supply_air_temperature": np.where(error > 0, 40.0, 14.0),
                 "outdoor_air_flow": 0.3,
-                "damper_opening": 0.2 - cold / 2,
+                "damper_opening": 0.2 - error / 2,
                 "heating_setpoint": target,
             }
             if node_type == "air_loop":
                 rules["supply_air_temperature"] = 16.0
-            rows = [np.broadcast_to(rules[slot["quantity"]], len(low)) for slot in spaces["action"]]
+            rows = [np.broadcast_to(rules[slot.quantity], len(low)) for slot in spaces.action]
             actions[node_type] = np.clip(np.stack(rows, axis=1), low, self.high[node_type])
         return self.graph.join_actions(actions)
 
@@ -42,7 +42,7 @@ class NodePolicy:
 for building_type in b2b.list_building_types():
     env = b2b.make_env(building_type, run_period="01-09..01-10")
     for name, controller in {"nodes": NodePolicy(env), "reactive": b2b.ReactiveController(env)}.items():
-        ran = b2b.rollout(env, controller)
-        print(f"{building_type:<18} {name:<9} return {ran.episode_return:9.1f}", end="   ")
+        trajectory = b2b.rollout(env, controller)
+        print(f"{building_type:<18} {name:<9} return {trajectory.episode_return:9.1f}", end="   ")
     print()
     env.close()

@@ -1,23 +1,26 @@
-//! Numbers from and to numpy.
+//! Conversions between NumPy arrays and slices.
 
 use numpy::{Element, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 
-use crate::error::raise;
+use crate::error::Exception;
 
-/// Numbers of any array or sequence of one dimension.
+/// Returns the values of any one-dimensional array or sequence.
 pub fn numbers(given: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
-    // Whole arrays are copied at once; looking at one in place would be noted in a table of all arrays in use.
+    // Copied rather than borrowed: rust-numpy registers every borrow in a global table.
     if let Ok(Ok(values)) = given.cast::<PyArray1<f32>>().map(|array| array.to_vec()) {
         return Ok(values.into_iter().map(f64::from).collect());
     }
     if let Ok(Ok(values)) = given.cast::<PyArray1<f64>>().map(|array| array.to_vec()) {
         return Ok(values);
     }
-    given.extract().or_else(|_| converted(given)?.extract()).map_err(|_: PyErr| wrong(given, "a row"))
+    given
+        .extract()
+        .or_else(|_| converted(given)?.extract())
+        .map_err(|_: PyErr| wrong(given, "a one-dimensional array"))
 }
 
-/// Numbers of any array of two dimensions, row by row, with their shape.
+/// Returns the values of any two-dimensional array, row by row, with its shape.
 pub fn rows(given: &Bound<'_, PyAny>) -> PyResult<(Vec<f64>, [usize; 2])> {
     if let Ok(array) = given.cast::<PyArray2<f32>>() {
         let array = array.readonly();
@@ -25,34 +28,35 @@ pub fn rows(given: &Bound<'_, PyAny>) -> PyResult<(Vec<f64>, [usize; 2])> {
         return Ok((view.iter().map(|value| f64::from(*value)).collect(), [view.nrows(), view.ncols()]));
     }
     let given = converted(given)?;
-    let array = given.cast::<PyArray2<f64>>().map_err(|_| wrong(&given, "a table"))?.readonly();
+    let array =
+        given.cast::<PyArray2<f64>>().map_err(|_| wrong(&given, "a two-dimensional array"))?.readonly();
     let view = array.as_array();
     Ok((view.iter().copied().collect(), [view.nrows(), view.ncols()]))
 }
 
-/// As an array of f64.
+/// Converts to an array of f64.
 fn converted<'py>(given: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     given.py().import("numpy")?.call_method1("asarray", (given, "float64"))
 }
 
-fn wrong(given: &Bound<'_, PyAny>, what: &str) -> PyErr {
-    let given = given.repr().map_or_else(|_| "it".into(), |text| text.to_string());
+fn wrong(given: &Bound<'_, PyAny>, expected: &str) -> PyErr {
+    let given = given.repr().map_or_else(|_| "value".into(), |text| text.to_string());
     let given: String = given.chars().take(80).collect();
-    raise("ActionError", format!("{given} is not {what} of numbers"))
+    Exception::Action.new_err(format!("{given} is not {expected} of numbers"))
 }
 
-/// A new array.
+/// Creates an array.
 pub fn row<'py, T: Element>(py: Python<'py>, values: &[T]) -> Bound<'py, PyArray1<T>> {
     PyArray1::from_slice(py, values)
 }
 
-/// A new array of f32.
+/// Creates an array of f32.
 pub fn single<'py>(py: Python<'py>, values: &[f64]) -> Bound<'py, PyArray1<f32>> {
     let values: Vec<f32> = values.iter().map(|value| *value as f32).collect();
     PyArray1::from_slice(py, &values)
 }
 
-/// A new table.
+/// Creates a two-dimensional array.
 pub fn table<'py, T: Element>(
     py: Python<'py>,
     values: Vec<T>,

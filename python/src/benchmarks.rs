@@ -1,25 +1,25 @@
-//! The benchmark's problems, as the crates have them.
+//! The benchmark problems.
 
 use std::sync::Mutex;
 
 use b2b_benchmark::entry::measures_of;
 use b2b_benchmark::problem::{Restricted, Stage};
 use b2b_building::BuildingType;
-use b2b_building::dataset::BuildingId;
 use b2b_control::ReactiveParameters;
+use b2b_dataset::BuildingId;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
 use crate::arrays;
 use crate::catalog::locked;
-use crate::error::{of_building, raise};
+use crate::error::{Exception, of_building};
 use crate::spaces::Spaces;
 
 fn wrong(error: impl std::fmt::Display) -> PyErr {
-    raise("SettingError", error.to_string())
+    Exception::Setting.new_err(error.to_string())
 }
 
-/// A problem of the benchmark.
+/// A benchmark problem.
 #[pyclass(frozen, module = "building2building._core")]
 pub struct Problem {
     inner: b2b_benchmark::Problem,
@@ -27,13 +27,13 @@ pub struct Problem {
 
 #[pymethods]
 impl Problem {
-    /// A problem by its name, with changes (JSON).
+    /// Finds a problem by its name and applies changes (JSON text).
     #[new]
     fn new(name: &str, changes: &str) -> PyResult<Self> {
         Self::changed(b2b_benchmark::Problem::named(name).map_err(wrong)?, changes)
     }
 
-    /// From any types to any others, with changes (JSON).
+    /// Creates a problem from some building types to others and applies changes (JSON text).
     #[staticmethod]
     fn cross_domain(train: Vec<String>, test: Vec<String>, changes: &str) -> PyResult<Self> {
         let types = |names: Vec<String>| {
@@ -46,28 +46,28 @@ impl Problem {
         Self::changed(problem, changes)
     }
 
-    /// Names of the problems.
+    /// Returns the names of the problems.
     #[staticmethod]
     fn names() -> Vec<String> {
         b2b_benchmark::Problem::all().iter().map(|problem| problem.name.clone()).collect()
     }
 
-    /// All of it; JSON.
+    /// Returns the definition as JSON text.
     fn to_json(&self) -> String {
         serde_json::to_string(&self.inner).expect("it is plain data")
     }
 
-    /// SHA-256 of all that matters in it.
+    /// Returns the SHA-256 of its definition.
     fn hash(&self) -> String {
         self.inner.hash()
     }
 
-    /// In what it differs from the shipped one of its name; `None` when there is none.
+    /// Returns the fields that differ from the built-in problem of the same name; `None` if there is none.
     fn changes(&self) -> Option<Vec<String>> {
         self.inner.changes()
     }
 
-    /// Ids of the buildings of a side, `train` or `test`; so many of them, spread evenly.
+    /// Returns the building ids of a side, `train` or `test`; with `sample`, that many, evenly spaced.
     #[pyo3(signature = (side, sample = None))]
     fn building_ids(&self, side: &str, sample: Option<usize>) -> PyResult<Vec<String>> {
         let buildings = &self.side(side)?.buildings;
@@ -75,13 +75,13 @@ impl Problem {
         Ok(ids.iter().map(ToString::to_string).collect())
     }
 
-    /// Refuses a building that must not be trained on.
+    /// Errors if the building must not be used for training.
     fn check_training_building(&self, id: &str) -> PyResult<()> {
         let id: BuildingId = id.parse().map_err(of_building)?;
         self.inner.check_training_building(id).map_err(wrong)
     }
 
-    /// What is taken away from the action of a building on a side; `None` when nothing is.
+    /// Returns the restricted action space of a building on a side; `None` if it is unrestricted.
     fn restricted(&self, side: &str, spaces: &Spaces) -> PyResult<Option<Restriction>> {
         let Some(restriction) = self.side(side)?.restriction else { return Ok(None) };
         let inner = spaces.inner();
@@ -102,12 +102,12 @@ impl Problem {
         match side {
             "train" => Ok(self.inner.side(Stage::Train)),
             "test" => Ok(self.inner.side(Stage::Test)),
-            _ => Err(raise("SettingError", format!("there is no side `{side}`: give train or test"))),
+            _ => Err(Exception::Setting.new_err(format!("unknown side `{side}`; expected train or test"))),
         }
     }
 }
 
-/// An action space without some of its actuators.
+/// An action space with a subset of the actuators.
 #[pyclass(frozen, module = "building2building._core")]
 pub struct Restriction {
     restricted: Mutex<Restricted>,
@@ -116,17 +116,18 @@ pub struct Restriction {
 
 #[pymethods]
 impl Restriction {
-    /// Numbers of the actuators that are left.
+    /// Returns the indices of the remaining actuators.
     fn kept(&self) -> Vec<usize> {
         locked(&self.restricted).kept().to_vec()
     }
 
-    /// Forgets everything: a new episode begins.
+    /// Resets the state for a new episode.
     fn reset(&self) {
         locked(&self.restricted).reset();
     }
 
-    /// The action of all actuators for one of the kept, in their units. Once a step, with the observation before it.
+    /// Completes an action of the remaining actuators to one of all, in physical units. Call once per step, with the
+    /// observation before it.
     fn complete<'py>(
         &self,
         py: Python<'py>,
@@ -140,8 +141,8 @@ impl Restriction {
             ("action", chosen.len(), restricted.kept().len()),
         ] {
             if given != expected {
-                let message = format!("the {what} has {given} numbers, and this building's has {expected}");
-                return Err(raise("ActionError", message));
+                let message = format!("the {what} has {given} values; expected {expected}");
+                return Err(Exception::Action.new_err(message));
             }
         }
         let mut action = vec![0.0; self.widths.1];
@@ -150,15 +151,15 @@ impl Restriction {
     }
 }
 
-/// The score of a return; `None` where there is no ratio.
+/// Returns the score of a return; `None` if the ratio is undefined.
 #[pyfunction]
 pub fn normalized_score(episode_return: f64, baseline_return: f64) -> Option<f64> {
     b2b_benchmark::normalized_score(episode_return, baseline_return)
 }
 
-/// The measures of scores: strata of buildings, each with the scores of its seeds; JSON.
+/// Returns aggregate measures as JSON text; `strata` holds buildings, each with the scores of its seeds.
 #[pyfunction]
 pub fn measures(strata: Vec<Vec<Vec<f64>>>) -> PyResult<String> {
-    let measures = measures_of(&strata).ok_or_else(|| wrong("there is no score to measure"))?;
+    let measures = measures_of(&strata).ok_or_else(|| wrong("no score to aggregate"))?;
     Ok(measures.to_string())
 }

@@ -1,14 +1,13 @@
-//! Buildings: found by name, generated, or the user's own.
+//! Buildings: found by name, generated, or imported by the user.
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use b2b_benchmark::{Subject, Surroundings};
-use b2b_building::climate::{Place, WeatherFile};
-use b2b_building::dataset::{self, Places, manifest};
 use b2b_building::description::Origin;
-use b2b_building::{BuildingName, BuildingType, Catalog, Class, Placement};
+use b2b_building::{BuildingType, Class};
+use b2b_climate::{Place, WeatherFile};
+use b2b_dataset::{BuildingName, Catalog, Placement, Places, manifest};
 use b2b_energyplus::install::look_in;
 use b2b_env::vector::{AnyOf, Draw, Sampler, Source, Windows};
 use b2b_env::{EpisodeConfig, Task, vector};
@@ -16,15 +15,16 @@ use pyo3::prelude::*;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use crate::error::{of_building, of_env};
+use crate::error::{Exception, of_building, of_env};
 use crate::pools::Signals;
+use crate::table::{self, Row};
 
-/// A value that no panic spoils.
+/// Locks a mutex, also after a panic of another thread that held it.
 pub fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// The engine and what models are made from, loaded when first needed.
+/// Returns the engine and the models it comes with, loaded on first use.
 pub fn catalog() -> PyResult<Arc<Catalog>> {
     static CATALOG: Mutex<Option<Arc<Catalog>>> = Mutex::new(None);
     let mut known = locked(&CATALOG);
@@ -38,36 +38,36 @@ pub fn catalog() -> PyResult<Arc<Catalog>> {
     Ok(Arc::clone(known.insert(catalog)))
 }
 
-/// Where the package client put this package, and the engine beside it.
+/// Returns the folder that pip installed the engine to.
 fn site_packages() -> PyResult<Option<PathBuf>> {
     Python::attach(|py| py.import("building2building._engine")?.call_method0("folder")?.extract())
 }
 
-/// The engine's library.
+/// Returns the path of the engine's library.
 pub fn library() -> PyResult<PathBuf> {
     Ok(catalog()?.library().path().to_owned())
 }
 
-/// A building with its weather, before it is an environment.
+/// A building with its weather file.
 #[pyclass(frozen, module = "building2building._core")]
 pub struct Building {
-    /// For the crates.
+    /// The data that all environments of the building share.
     pub inner: Arc<Inner>,
 }
 
-/// What settings of the building share.
+/// The data of a building that all its environments share.
 pub struct Inner {
     name: String,
     class: Option<Class>,
     place: String,
     weather: PathBuf,
     pub origin: Origin,
-    parameters: BTreeMap<String, String>,
+    parameters: Row,
     source: Mutex<Arc<Source>>,
 }
 
 impl Inner {
-    /// A building of an evaluation, as it was prepared.
+    /// Creates a building of an evaluation from its prepared model.
     pub fn of_subject(subject: &Subject, surroundings: &Surroundings, spaces: &b2b_env::Spaces) -> Self {
         let source = Source::Prepared(Box::new((*spaces.building).clone()));
         let (place, weather) = (surroundings.place.clone(), spaces.episode.weather.clone());
@@ -75,26 +75,26 @@ impl Inner {
         Self::new(source, spaces.building.class, place, weather, origin).with_parameters(&subject.name)
     }
 
-    /// With its row of the dataset's table.
+    /// Adds its row of the dataset's table.
     fn with_parameters(mut self, name: &BuildingName) -> Self {
         if let BuildingName::Id(id) = name {
-            self.parameters = cells(manifest::manifest([dataset::row(*id)]));
+            self.parameters = first_row(manifest::manifest([b2b_dataset::row(*id)]));
         }
         self
     }
 
-    /// `class` is what it is of; `None` for a model of the user's own.
+    /// Creates a building; `class` is `None` for an imported model.
     fn new(source: Source, class: Option<Class>, place: String, weather: PathBuf, origin: Origin) -> Self {
         let name = source.name().to_owned();
         let source = Mutex::new(Arc::new(source));
-        Self { name, class, place, weather, origin, parameters: BTreeMap::new(), source }
+        Self { name, class, place, weather, origin, parameters: Row::new(), source }
     }
 
     fn source(&self) -> Arc<Source> {
         Arc::clone(&locked(&self.source))
     }
 
-    /// Keeps what was prepared of it, so that no other environment has to.
+    /// Keeps the prepared model, so that other environments need not prepare it again.
     pub fn keep(&self, spaces: &b2b_env::Spaces) {
         let mut source = locked(&self.source);
         if matches!(**source, Source::Model { .. }) {
@@ -111,7 +111,7 @@ impl Building {
         &self.inner.name
     }
 
-    /// Type; `None` for a model of the user's own.
+    /// Building type; `None` for an imported model.
     #[getter]
     fn building_type(&self) -> Option<&'static str> {
         self.inner.class.map(|class| class.building_type.name())
@@ -129,19 +129,19 @@ impl Building {
         self.inner.weather.clone()
     }
 
-    /// Climate zone of ASHRAE 169, where it is known.
+    /// ASHRAE 169 climate zone, if known.
     #[getter]
     fn climate_zone(&self) -> Option<String> {
         self.inner.origin.climate_zone.clone()
     }
 
-    /// What it was made of: the row of the dataset's table, as text; empty for a type or a model.
+    /// Its row of the dataset's table; empty for a prototype or an imported model.
     #[getter]
-    fn parameters(&self) -> BTreeMap<String, String> {
+    fn parameters(&self) -> Row {
         self.inner.parameters.clone()
     }
 
-    /// The model as the engine reads it (epJSON): sized and controllable once it was an environment.
+    /// Returns the model as epJSON text; sized and controllable once an environment of it was made.
     fn to_epjson(&self) -> String {
         match &*self.inner.source() {
             Source::Prepared(building) => building.model().to_epjson(),
@@ -154,11 +154,11 @@ impl Building {
     }
 }
 
-/// What an episode is of: building, days, steps and task.
+/// The building, run period, time step and task of an episode.
 #[pyclass(frozen, module = "building2building._core")]
 #[derive(Clone)]
 pub struct Setting {
-    /// For the crates.
+    /// The setting as the crates have it.
     pub setting: vector::Setting,
     /// The building.
     pub building: Arc<Inner>,
@@ -176,22 +176,24 @@ impl Setting {
         Ok(Self { setting, building: Arc::clone(&building.inner) })
     }
 
-    /// Steps of a whole episode.
+    /// Number of steps of a whole episode.
+    #[getter]
     fn episode_steps(&self) -> u32 {
         self.setting.episode.period.days() * 24 * self.setting.episode.steps_per_hour
     }
 
-    /// First day of the run period, counted from 1 on 1 January.
+    /// First day of the run period; 1 January is 1.
+    #[getter]
     fn first_day(&self) -> u32 {
         self.setting.episode.period.first().day_of_year()
     }
 
-    /// The task as JSON.
-    fn task(&self) -> String {
+    /// Returns the task's definition as JSON text.
+    fn task_json(&self) -> String {
         serde_json::to_string(&self.setting.episode.task).expect("a task is plain data")
     }
 
-    /// A random window of so many days, on one of a few first days; with how many steps it has.
+    /// Draws a window of `days` days that begins on one of `starts` days; returns it with its number of steps.
     fn window(&self, days: u32, starts: u32, seed: u64) -> PyResult<(Self, usize)> {
         let mut windows = Windows { of: AnyOf(vec![self.setting.clone()]), days: (days, days), starts };
         let Draw { setting, steps } =
@@ -200,17 +202,17 @@ impl Setting {
         Ok((Self { setting, building: Arc::clone(&self.building) }, steps))
     }
 
-    /// Cost (currency/m²) and emissions (g of CO₂/m²) of electricity and gas (Wh/m²) at an hour of the day.
+    /// Returns the cost (currency/m²) and emissions (g CO₂/m²) of electricity and gas (Wh/m²) at an hour of the day.
     fn cost_and_emissions(&self, electricity: f64, gas: f64, hour: f64) -> (f64, f64) {
         self.setting.episode.task.cost_and_emissions([electricity, gas], hour)
     }
 }
 
-/// A task by its spelling, from a file, or from JSON.
+/// Reads a task from its spelling, a JSON file or JSON text.
 pub fn read_task(text: &str) -> PyResult<Task> {
     if text.trim_start().starts_with('{') {
         let task: Task = serde_json::from_str(text)
-            .map_err(|error| crate::error::raise("TaskError", format!("the task is no task: {error}")))?;
+            .map_err(|error| Exception::Task.new_err(format!("invalid task: {error}")))?;
         task.check().map_err(of_env)?;
         return Ok(task);
     }
@@ -219,7 +221,7 @@ pub fn read_task(text: &str) -> PyResult<Task> {
     if is_file { Task::read(path) } else { text.parse() }.map_err(of_env)
 }
 
-/// A building by its name: a type, an id, or a model file. The same names give the same object's data.
+/// Finds a building by its name: a type, a dataset id or a model file. The same names share the same data.
 #[pyfunction]
 #[pyo3(signature = (name, place=None, weather=None))]
 pub fn find_building(
@@ -228,9 +230,9 @@ pub fn find_building(
     place: Option<&str>,
     weather: Option<PathBuf>,
 ) -> PyResult<Building> {
-    /// Buildings that were asked for last, by name and placement.
+    /// The buildings found last, by name and placement.
     static KNOWN: Mutex<Vec<(BuildingName, Placement, Arc<Inner>)>> = Mutex::new(Vec::new());
-    const MOST: usize = 64;
+    const MAX_KNOWN: usize = 64;
     let name: BuildingName = name.parse().map_err(of_building)?;
     let place = place.map(Place::find).transpose().map_err(of_building)?;
     let placement = Placement { place, weather };
@@ -247,21 +249,18 @@ pub fn find_building(
     let (class, place, weather) = (found.class, found.place.clone(), found.weather.clone());
     let inner = Arc::new(Inner::new(found.into(), class, place, weather, origin).with_parameters(&name));
     let mut known = locked(&KNOWN);
-    if known.len() == MOST {
+    if known.len() == MAX_KNOWN {
         known.remove(0);
     }
     known.push((name, placement, Arc::clone(&inner)));
     Ok(Building { inner })
 }
 
-/// The first row of a table, without its empty cells.
-fn cells(table: manifest::Manifest) -> BTreeMap<String, String> {
-    let names = table.columns.iter().map(|column| column.name.to_owned());
-    let row = table.rows.into_iter().next().unwrap_or_default();
-    names.zip(row).filter(|(_, cell)| !cell.is_empty()).collect()
+fn first_row(table: manifest::Manifest) -> Row {
+    table::rows(table).into_iter().next().unwrap_or_default()
 }
 
-/// Buildings of a type drawn by a seed, as `b2b generate` does.
+/// Draws buildings of a type by a seed, as `b2b generate` does.
 #[pyfunction]
 #[pyo3(signature = (building_type, count, seed, places, weather, settings))]
 pub fn generate(
@@ -286,13 +285,13 @@ pub fn generate(
             }
         };
         let buildings =
-            dataset::sample(building_type, count, seed, &places, &settings).map_err(of_building)?;
+            b2b_dataset::sample(building_type, count, seed, &places, &settings).map_err(of_building)?;
         let catalog = catalog()?;
-        let building = |(number, building): (usize, &dataset::Building)| {
+        let building = |(number, building): (usize, &b2b_dataset::Building)| {
             let (model, weather) = catalog.generate(building, &mut Signals).map_err(of_building)?;
             let name = format!("{building_type}-seed{seed}-{number:04}");
-            let parameters = cells(manifest::of_buildings([(name.as_str(), building)]));
-            let (place, origin) = (building.place().to_owned(), Origin::of(building));
+            let parameters = first_row(manifest::of_buildings([(name.as_str(), building)]));
+            let (place, origin) = (building.place().to_owned(), building.origin());
             let inner = Inner::new(
                 Source::generated(name, building.class(), model),
                 Some(building.class()),
@@ -308,22 +307,37 @@ pub fn generate(
     py.detach(make)
 }
 
-/// The types with their homes and a line for people.
-#[pyfunction]
-pub fn building_types() -> Vec<(&'static str, &'static str, &'static str)> {
-    BuildingType::ALL.map(|each| (each.name(), each.home(), each.description())).to_vec()
+/// A building type.
+#[pyclass(frozen, get_all, module = "building2building._core")]
+pub struct TypeInfo {
+    /// Name, for example `OfficeSmall`.
+    name: &'static str,
+    /// Name of its default place.
+    default_place: &'static str,
+    /// Description in one line.
+    description: &'static str,
 }
 
-/// The known places with their climate zones.
+/// Returns the building types.
+#[pyfunction]
+pub fn building_types() -> Vec<TypeInfo> {
+    let info = |each: BuildingType| TypeInfo {
+        name: each.name(),
+        default_place: each.home(),
+        description: each.description(),
+    };
+    BuildingType::ALL.map(info).into()
+}
+
+/// Returns the known places: name and ASHRAE 169 climate zone.
 #[pyfunction]
 pub fn places() -> Vec<(&'static str, &'static str)> {
-    b2b_building::climate::PLACES.iter().map(|place| (place.name, place.ashrae_zone)).collect()
+    b2b_climate::PLACES.iter().map(|place| (place.name, place.ashrae_zone)).collect()
 }
 
-/// The dataset's table of a type: names of the columns, and the rows as text.
+/// Returns the dataset's table of a type, a dictionary per building.
 #[pyfunction]
-pub fn dataset_table(building_type: &str) -> PyResult<(Vec<&'static str>, Vec<Vec<String>>)> {
+pub fn dataset_rows(building_type: &str) -> PyResult<Vec<Row>> {
     let building_type: BuildingType = building_type.parse().map_err(of_building)?;
-    let table = manifest::manifest(dataset::rows(building_type));
-    Ok((table.columns.iter().map(|column| column.name).collect(), table.rows))
+    Ok(table::rows(manifest::manifest(b2b_dataset::rows(building_type))))
 }

@@ -1,4 +1,4 @@
-//! The controllers that come with the crates, and what an episode came to.
+//! The built-in controllers, and the metrics of an episode.
 
 use std::sync::Mutex;
 
@@ -10,10 +10,10 @@ use pyo3::types::PyDict;
 
 use crate::arrays;
 use crate::catalog::locked;
-use crate::error::raise;
+use crate::error::Exception;
 use crate::spaces::Spaces;
 
-/// A controller of the crates: reactive, random or constant.
+/// A built-in controller: reactive, random or constant.
 #[pyclass(frozen, module = "building2building._core")]
 pub struct Controller {
     controller: Mutex<Kind>,
@@ -52,24 +52,24 @@ impl Controller {
             "random" => Kind::Random(Box::new(Random::new(&inner.action, seed))),
             "constant" => Kind::Constant(Constant::middle(&inner.action)),
             _ => {
-                let message = format!("there is no controller `{kind}`: give reactive, random or constant");
-                return Err(raise("SettingError", message));
+                let message = format!("unknown controller `{kind}`; expected reactive, random or constant");
+                return Err(Exception::Setting.new_err(message));
             }
         };
         Ok(Self { controller: Mutex::new(controller), widths: (inner.observation.len(), inner.action.len()) })
     }
 
-    /// Forgets everything: a new episode begins.
+    /// Resets the state for a new episode.
     fn reset(&self) {
         locked(&self.controller).controller().reset();
     }
 
-    /// Another that stands where this one does.
+    /// Returns a copy, with the state that this one has now.
     fn copy(&self) -> Self {
         Self { controller: Mutex::new(locked(&self.controller).clone()), widths: self.widths }
     }
 
-    /// The action for an observation, both in the units of the spaces.
+    /// Returns the action for an observation, both in physical units.
     fn act<'py>(
         &self,
         py: Python<'py>,
@@ -78,8 +78,8 @@ impl Controller {
         let observation = arrays::numbers(observation)?;
         if observation.len() != self.widths.0 {
             let (given, expected) = (observation.len(), self.widths.0);
-            let message = format!("the observation has {given} numbers, and the controller's has {expected}");
-            return Err(raise("ActionError", message));
+            let message = format!("the observation has {given} values; the controller expects {expected}");
+            return Err(Exception::Action.new_err(message));
         }
         let mut action = vec![0.0; self.widths.1];
         locked(&self.controller).controller().act(&observation, &mut action);
@@ -87,7 +87,7 @@ impl Controller {
     }
 }
 
-/// The hash that `b2b run` prints, of observations and actions, a row a step, and both penalties.
+/// Returns the trajectory hash that `b2b run` prints; observations, actions and penalties have one row per step.
 #[pyfunction]
 pub fn trajectory_hash(
     observations: &Bound<'_, PyAny>,
@@ -103,7 +103,7 @@ pub fn trajectory_hash(
     Ok(trajectory.hash())
 }
 
-/// The sums over an episode as a dictionary, with the names of `b2b run --json`.
+/// Returns the metrics of an episode as a dictionary, with the names of `b2b run --json`.
 pub fn metrics<'py>(py: Python<'py>, metrics: &Metrics) -> PyResult<Bound<'py, PyAny>> {
     let all = PyDict::new(py);
     all.set_item("steps", metrics.steps)?;

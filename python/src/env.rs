@@ -1,4 +1,4 @@
-//! One environment in a process of its own.
+//! An environment in its own process.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
@@ -9,12 +9,12 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 
 use crate::catalog::{Setting, locked};
-use crate::error::{of_env, raise};
+use crate::error::{Exception, of_env};
 use crate::pools::{self, Owner};
 use crate::spaces::Spaces;
 use crate::{arrays, control};
 
-/// An environment: a pool of processes with one episode in it, and snapshots of it.
+/// An environment: a pool of processes with one episode and its snapshots.
 #[pyclass(frozen, module = "building2building._core")]
 pub struct Env {
     owner: Owner,
@@ -23,7 +23,7 @@ pub struct Env {
 
 struct State {
     owner: Owner,
-    /// `None` once it is closed.
+    /// `None` once closed.
     pool: Option<Pool>,
     setting: Setting,
     template: TemplateId,
@@ -35,12 +35,12 @@ struct State {
 
 /// An observation as f32 and as f64.
 pub type Seen<'py> = (Bound<'py, PyArray1<f32>>, Bound<'py, PyArray1<f64>>);
-/// What a step gives: observation as f32 and as f64, both penalties, and whether the episode is over.
+/// The result of a step: observation as f32 and as f64, temperature and energy penalty, and whether it was the last.
 pub type Stepped<'py> = (Bound<'py, PyArray1<f32>>, Bound<'py, PyArray1<f64>>, f64, f64, bool);
 
 #[pymethods]
 impl Env {
-    /// An environment whose building is ready; the first may take seconds to size and warm up.
+    /// Prepares the building; the first time may take seconds for sizing and warm-up.
     #[new]
     fn new(py: Python<'_>, setting: &Setting) -> PyResult<Self> {
         let options = pools::options(py)?;
@@ -64,15 +64,15 @@ impl Env {
         Ok(Self { owner: Owner::this(), state: Mutex::new(state) })
     }
 
-    /// What is seen and driven.
+    /// Returns the spaces.
     fn spaces(&self, py: Python<'_>) -> PyResult<Spaces> {
         self.owner.with(py, &self.state, |state| {
             Ok(Spaces::new(Arc::clone(&state.spaces), Arc::clone(&state.setting.building)))
         })
     }
 
-    /// Makes this the setting of the episodes to come; what was in progress is over.
-    fn set(&self, py: Python<'_>, setting: &Setting) -> PyResult<()> {
+    /// Changes the setting of future episodes and ends the one in progress.
+    fn set_setting(&self, py: Python<'_>, setting: &Setting) -> PyResult<()> {
         let setting = setting.clone();
         self.owner.with(py, &self.state, |state| {
             let (pool, live) = state.parts()?;
@@ -87,14 +87,14 @@ impl Env {
         })
     }
 
-    /// Begins an episode of so many steps, or of the whole run period.
+    /// Begins an episode of `steps` steps, or of the whole run period.
     #[pyo3(signature = (steps=None))]
     fn reset<'py>(&self, py: Python<'py>, steps: Option<usize>) -> PyResult<Seen<'py>> {
         let observation = self.owner.with(py, &self.state, |state| state.reset(steps))?;
         Ok((arrays::single(py, &observation), arrays::row(py, &observation)))
     }
 
-    /// Carries out an action in physical units, or in shares from -1 to 1 of its bounds.
+    /// Applies an action, in physical units or rescaled to [-1, 1], and runs one step.
     fn step<'py>(
         &self,
         py: Python<'py>,
@@ -112,8 +112,8 @@ impl Env {
         Ok((single, arrays::row(py, &observation), temperature, energy, truncated))
     }
 
-    /// The last action as it was carried out.
-    fn carried_out<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    /// Returns the last action as applied: clamped, in physical units.
+    fn applied_action<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let action = self.owner.with(py, &self.state, |state| {
             let mut action = vec![0.0; state.spaces.action.len()];
             let (pool, live) = state.parts()?;
@@ -124,7 +124,7 @@ impl Env {
         Ok(arrays::row(py, &action))
     }
 
-    /// The sums over an episode that is over, as a dictionary; `None` before its end.
+    /// Returns the metrics of the episode, or `None` before its end.
     fn metrics<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         let metrics = self.owner.with(py, &self.state, |state| {
             let (pool, live) = state.parts()?;
@@ -133,28 +133,28 @@ impl Env {
         metrics.map(|metrics| control::metrics(py, &metrics)).transpose()
     }
 
-    /// Keeps the episode where it stands: the number of a snapshot.
+    /// Takes a snapshot of the episode and returns its number.
     fn snapshot(&self, py: Python<'_>) -> PyResult<u64> {
         self.owner.with(py, &self.state, |state| {
             let (pool, live) = state.parts()?;
             let live = live.as_ref().ok_or_else(not_reset)?;
             let copy = pool.snapshot(live).map_err(of_env)?;
-            let copy = standing(pool, copy)?;
+            let copy = ready(pool, copy)?;
             state.next_snapshot += 1;
             state.snapshots.insert(state.next_snapshot, copy);
             Ok(state.next_snapshot)
         })
     }
 
-    /// Goes back to where a snapshot was taken.
+    /// Restores a snapshot.
     fn restore(&self, py: Python<'_>, snapshot: u64) -> PyResult<()> {
         self.owner.with(py, &self.state, |state| {
             let pool = state.pool.as_mut().ok_or_else(closed)?;
             let kept = state.snapshots.get(&snapshot).ok_or_else(|| {
-                raise("EpisodeError", "this snapshot was released, or is of another environment".into())
+                Exception::Episode.new_err("this snapshot was released or belongs to another environment")
             })?;
             let copy = pool.snapshot(kept).map_err(of_env)?;
-            let copy = standing(pool, copy)?;
+            let copy = ready(pool, copy)?;
             if let Some(live) = state.live.replace(copy) {
                 pool.stop(live);
             }
@@ -175,7 +175,7 @@ impl Env {
         })
     }
 
-    /// The process of the episode in progress.
+    /// Id of the process that runs the episode.
     #[getter]
     fn process(&self, py: Python<'_>) -> PyResult<Option<u32>> {
         self.owner.with(py, &self.state, |state| {
@@ -183,7 +183,7 @@ impl Env {
         })
     }
 
-    /// Ends all its processes. Nothing of it can be used after.
+    /// Ends all its processes.
     fn close(&self, py: Python<'_>) {
         if self.owner.is_here() {
             py.detach(|| {
@@ -205,10 +205,10 @@ impl State {
         if let Some(live) = self.live.take() {
             pool.stop(live);
         }
-        // It is the same one unless it had to make room.
+        // The template is the same one unless it was evicted.
         self.template = pool.prepare(&self.setting.setting).map_err(of_env)?;
         let live = pool.begin(self.template, Start { steps, processor: None }).map_err(of_env)?;
-        let live = standing(pool, live)?;
+        let live = ready(pool, live)?;
         let mut observation = vec![0.0; self.spaces.observation.len()];
         pool.observation(&live, &mut observation);
         self.live = Some(live);
@@ -219,7 +219,7 @@ impl State {
         let pool = self.pool.as_mut().ok_or_else(closed)?;
         let live = self.live.as_mut().ok_or_else(not_reset)?;
         if live.is_busy() {
-            return Err(raise("EpisodeError", "its last step was interrupted: reset the environment".into()));
+            return Err(Exception::Episode.new_err("the last step was interrupted; call reset"));
         }
         pool.send(live, action).map_err(of_env)?;
         pool.wait(std::slice::from_mut(live), 1).map_err(of_env)?;
@@ -232,7 +232,7 @@ impl State {
 }
 
 impl Drop for State {
-    /// A fork of the process that it belongs to leaves the processes alone.
+    /// A fork of the owner process leaves the worker processes alone.
     fn drop(&mut self) {
         if !self.owner.is_here() {
             std::mem::forget((self.pool.take(), self.live.take(), std::mem::take(&mut self.snapshots)));
@@ -240,8 +240,8 @@ impl Drop for State {
     }
 }
 
-/// Waits for a copy to stand; one that does not is not left behind.
-fn standing(pool: &mut Pool, mut live: Live) -> PyResult<Live> {
+/// Waits until a copy is ready, and stops it if it fails.
+fn ready(pool: &mut Pool, mut live: Live) -> PyResult<Live> {
     let waited = pool.wait(std::slice::from_mut(&mut live), 1).map_err(of_env);
     match waited.and_then(|()| alive(&live)) {
         Ok(()) => Ok(live),
@@ -255,14 +255,14 @@ fn standing(pool: &mut Pool, mut live: Live) -> PyResult<Live> {
 fn alive(live: &Live) -> PyResult<()> {
     match live.lost() {
         None => Ok(()),
-        Some(why) => Err(raise("EpisodeError", format!("the episode is lost: {why}"))),
+        Some(why) => Err(Exception::Episode.new_err(format!("the episode was lost: {why}"))),
     }
 }
 
 fn closed() -> PyErr {
-    raise("EpisodeError", "the environment is closed".into())
+    Exception::Episode.new_err("the environment is closed")
 }
 
 fn not_reset() -> PyErr {
-    raise("EpisodeError", "no episode is in progress: call reset before step".into())
+    Exception::Episode.new_err("no episode is in progress; call reset first")
 }

@@ -1,48 +1,164 @@
-//! Errors of the crates as the package's exceptions, with the crates' own words.
+//! The package's exceptions, and the errors of the crates as such.
 
-use pyo3::PyErr;
+use pyo3::exceptions::{PyException, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::{PyDict, PyTuple, PyType};
+use pyo3::{PyErr, PyTypeInfo};
 
-/// An exception of `building2building.errors` by its name.
-pub fn raise(name: &str, message: String) -> PyErr {
-    Python::attach(|py| {
-        let exception = py.import("building2building.errors").and_then(|module| module.getattr(name));
-        match exception.and_then(|exception| exception.call1((message,))) {
-            Ok(instance) => PyErr::from_value(instance),
-            Err(error) => error,
+/// An exception of the package. The classes are made here; `building2building.errors` re-exports them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Exception {
+    Base,
+    Install,
+    Building,
+    Task,
+    Setting,
+    Action,
+    Episode,
+    Engine,
+    Evaluation,
+    Process,
+}
+
+/// The classes of [`Exception`], in its order.
+static CLASSES: PyOnceLock<Vec<Py<PyType>>> = PyOnceLock::new();
+
+impl Exception {
+    const ALL: [Self; 10] = [
+        Self::Base,
+        Self::Install,
+        Self::Building,
+        Self::Task,
+        Self::Setting,
+        Self::Action,
+        Self::Episode,
+        Self::Engine,
+        Self::Evaluation,
+        Self::Process,
+    ];
+
+    /// Returns the name of the class.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Base => "Error",
+            Self::Install => "InstallError",
+            Self::Building => "BuildingError",
+            Self::Task => "TaskError",
+            Self::Setting => "SettingError",
+            Self::Action => "ActionError",
+            Self::Episode => "EpisodeError",
+            Self::Engine => "EngineError",
+            Self::Evaluation => "EvaluationError",
+            Self::Process => "ProcessError",
         }
-    })
+    }
+
+    fn doc(self) -> &'static str {
+        match self {
+            Self::Base => "Base class of all errors of this package.",
+            Self::Install => "EnergyPlus or a weather file is missing and could not be downloaded.",
+            Self::Building => "An unknown building, or a model that cannot become an environment.",
+            Self::Task => "An invalid task.",
+            Self::Setting => "An invalid argument, such as a time step, a window or a mode.",
+            Self::Action => "An action of the wrong shape, or with a value that is not finite.",
+            Self::Episode => "No episode is in progress, or its process has died.",
+            Self::Engine => "EnergyPlus failed.",
+            Self::Evaluation => {
+                "An unknown policy, or an evaluation folder that is damaged or holds another evaluation."
+            }
+            Self::Process => {
+                "The system refused a resource that worker processes need, or an environment was used from a process \
+                 or thread that does not own it."
+            }
+        }
+    }
+
+    /// Returns the built-in class that it derives from beside `Error`.
+    fn builtin(self, py: Python<'_>) -> Option<Bound<'_, PyType>> {
+        match self {
+            Self::Base | Self::Install => None,
+            Self::Building | Self::Task | Self::Setting | Self::Action => Some(PyValueError::type_object(py)),
+            Self::Episode | Self::Engine | Self::Evaluation | Self::Process => {
+                Some(PyRuntimeError::type_object(py))
+            }
+        }
+    }
+
+    /// Returns the class.
+    ///
+    /// # Errors
+    /// What Python raises while the classes are made for the first time.
+    pub fn class(self, py: Python<'_>) -> PyResult<Bound<'_, PyType>> {
+        let classes = CLASSES.get_or_try_init(py, || make_classes(py))?;
+        Ok(classes[self as usize].bind(py).clone())
+    }
+
+    /// Returns an instance to raise.
+    pub fn new_err(self, message: impl Into<String>) -> PyErr {
+        let message = message.into();
+        Python::attach(|py| match self.class(py) {
+            Ok(class) => PyErr::from_type(class, message),
+            Err(error) => error,
+        })
+    }
 }
 
-/// What went wrong with a building.
-pub fn of_building(error: b2b_building::Error) -> PyErr {
-    use b2b_building::Error;
-    let name = match &error {
-        Error::Install(b2b_energyplus::install::Error::Cancelled { .. }) => return crate::pools::interrupt(),
-        Error::Install(_) => "InstallError",
-        Error::Engine(_) => "EngineError",
-        _ => "BuildingError",
+fn make_classes(py: Python<'_>) -> PyResult<Vec<Py<PyType>>> {
+    let mut classes: Vec<Py<PyType>> = Vec::with_capacity(Exception::ALL.len());
+    for exception in Exception::ALL {
+        let base = classes.first().map_or_else(|| PyException::type_object(py), |base| base.bind(py).clone());
+        let bases: Vec<_> = std::iter::once(base).chain(exception.builtin(py)).collect();
+        let bases = PyTuple::new(py, bases)?;
+        let attributes = PyDict::new(py);
+        attributes.set_item("__module__", "building2building.errors")?;
+        attributes.set_item("__doc__", exception.doc())?;
+        let class = py.get_type::<PyType>().call1((exception.name(), bases, attributes))?;
+        classes.push(class.cast_into::<PyType>()?.unbind());
+    }
+    Ok(classes)
+}
+
+/// Adds the classes to the module.
+pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    Exception::ALL.into_iter().try_for_each(|each| module.add(each.name(), each.class(module.py())?))
+}
+
+/// Returns an error of a building as an exception.
+pub fn of_building(error: impl Into<b2b_dataset::Error>) -> PyErr {
+    use b2b_dataset::Error;
+    let error = error.into();
+    let exception = match &error {
+        Error::Install(source) | Error::Climate(b2b_climate::Error::Install(source)) => match source {
+            b2b_energyplus::install::Error::Cancelled { .. } => return crate::pools::interrupt(),
+            _ => Exception::Install,
+        },
+        Error::Engine(_) => Exception::Engine,
+        Error::Building(source) if matches!(**source, b2b_building::Error::Engine(_)) => Exception::Engine,
+        _ => Exception::Building,
     };
-    raise(name, error.to_string())
+    exception.new_err(error.to_string())
 }
 
-/// What went wrong in an environment.
+/// Returns an error of an environment as an exception.
 pub fn of_env(error: b2b_env::Error) -> PyErr {
     use b2b_env::Error;
-    let name = match &error {
+    let exception = match &error {
         Error::Interrupted => return crate::pools::interrupt(),
-        Error::ActionNotFinite { .. } | Error::ActionLength { .. } => "ActionError",
-        Error::NotReset | Error::Gone { .. } => "EpisodeError",
-        Error::Template { .. } | Error::TooWide { .. } => "BuildingError",
-        Error::UnknownTask { .. } | Error::TaskFile { .. } | Error::TaskValue { .. } => "TaskError",
-        Error::StepsPerHour(_) | Error::Window { .. } | Error::NoEnvironment => "SettingError",
-        Error::Engine(_) | Error::EpisodeLength { .. } | Error::ObservationNotFinite { .. } => "EngineError",
-        _ => "ProcessError",
+        Error::ActionNotFinite { .. } | Error::ActionLength { .. } => Exception::Action,
+        Error::NotReset | Error::Gone { .. } => Exception::Episode,
+        Error::Template { .. } | Error::TooWide { .. } => Exception::Building,
+        Error::UnknownTask { .. } | Error::TaskFile { .. } | Error::TaskValue { .. } => Exception::Task,
+        Error::StepsPerHour(_) | Error::Window { .. } | Error::NoEnvironment => Exception::Setting,
+        Error::Engine(_) | Error::EpisodeLength { .. } | Error::ObservationNotFinite { .. } => {
+            Exception::Engine
+        }
+        _ => Exception::Process,
     };
-    raise(name, error.to_string())
+    exception.new_err(error.to_string())
 }
 
-/// What went wrong in an evaluation.
+/// Returns an error of an evaluation as an exception.
 pub fn of_benchmark(error: b2b_benchmark::Error) -> PyErr {
     use b2b_benchmark::Error;
     match error {
@@ -50,13 +166,13 @@ pub fn of_benchmark(error: b2b_benchmark::Error) -> PyErr {
         Error::Env(error) => of_env(error),
         Error::Interrupted => crate::pools::interrupt(),
         error => {
-            let name = match &error {
-                Error::Install(_) => "InstallError",
-                Error::ObservationShape { .. } | Error::ActionShape { .. } => "ActionError",
-                Error::NoEpisode => "SettingError",
-                _ => "EvaluationError",
+            let exception = match &error {
+                Error::Install(_) => Exception::Install,
+                Error::ObservationShape { .. } | Error::ActionShape { .. } => Exception::Action,
+                Error::NoEpisode => Exception::Setting,
+                _ => Exception::Evaluation,
             };
-            raise(name, error.to_string())
+            exception.new_err(error.to_string())
         }
     }
 }

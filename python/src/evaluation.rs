@@ -1,4 +1,4 @@
-//! A policy on many buildings: the crates' evaluation, under a policy of theirs or one in Python.
+//! Evaluation of a policy, built in or written in Python, on many buildings.
 
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -12,9 +12,9 @@ use b2b_benchmark::{
     ActionScale, Baselines, Beginning, Episode, Evaluation, Folder, Policy, Progress, Results, Subject,
     episode_table, normalized_score,
 };
-use b2b_building::Placement;
-use b2b_building::climate::Place;
+use b2b_climate::Place;
 use b2b_control::Controller;
+use b2b_dataset::Placement;
 use b2b_energyplus::install::Quiet;
 use b2b_env::ActionSpace;
 use pyo3::prelude::*;
@@ -22,34 +22,34 @@ use pyo3::types::{PyDict, PyList};
 
 use crate::arrays;
 use crate::catalog::{self, Building, Inner, locked};
-use crate::error::{of_benchmark, of_building, raise};
+use crate::error::{Exception, of_benchmark, of_building};
 use crate::pools;
 use crate::spaces::Spaces;
 
-/// How often whoever waits for an evaluation sees to signals.
+/// Interval at which signals are handled during an evaluation.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// Ends the evaluation that runs: Ctrl-C, or an exception of the policy.
+/// Set to end the running evaluation: on Ctrl-C, or on an exception of the policy.
 static STOP: AtomicBool = AtomicBool::new(false);
-/// Held by the evaluation that runs.
+/// Held by the running evaluation.
 static RUNNING: Mutex<()> = Mutex::new(());
 
 fn stopped() -> bool {
     STOP.load(Ordering::Relaxed)
 }
 
-/// An episode to run: name, place, weather, task, run period, seed, steps an hour.
+/// An episode to run: building, place, weather, task, run period, seed, steps per hour.
 type Asked = (String, Option<String>, Option<PathBuf>, String, String, u64, u32);
 
-/// Runs a policy on episodes, and gives the columns of their table and the summary as JSON. What the folder holds already
-/// is not run again.
+/// Runs a policy on episodes and returns the columns of their table and the summary as JSON text. Episodes that the
+/// folder already holds are not run again.
 ///
-/// `policy` is the name of one of the crates' or an ONNX file, whose numbers are from -1 to 1 if `rescale`; or it makes, for
-/// each episode, what acts in it: it is called with spaces, building and seed. `name` and `identity` are those of such a
-/// policy. `progress` is called now and then with what runs, and how many days are done of how many.
+/// `policy` is the name of a built-in policy, the path of an ONNX file (actions in [-1, 1] if `rescale`), or a callable
+/// that takes spaces, building and seed and returns the controller of an episode; `name` and `identity` describe the
+/// latter. `progress` is called from time to time with a label and the simulated days done and in total.
 #[pyfunction]
 #[pyo3(signature = (policy, episodes, folder, jobs, rescale, name, identity, progress=None))]
-#[allow(clippy::too_many_arguments, reason = "one call of one function of the package")]
+#[allow(clippy::too_many_arguments, reason = "called by one function of the package")]
 pub fn evaluate<'py>(
     py: Python<'py>,
     policy: Bound<'py, PyAny>,
@@ -85,7 +85,7 @@ pub fn evaluate<'py>(
             let baselines = Baselines::open()?;
             let results = Results::of(&evaluation, &folder, &episodes, policy, &baselines, &counter)?;
             if stopped() {
-                // The last episode may have been lost to an exception.
+                // The last episode may have ended in an exception.
                 return Err(b2b_benchmark::Error::Interrupted);
             }
             let summary = results.summary(policy);
@@ -97,12 +97,12 @@ pub fn evaluate<'py>(
     });
     let (results, summary) = outcome?;
     let table = episode_table(&results.rows, &summary.versions);
-    let table = table.map_err(|error| raise("EvaluationError", error.to_string()))?;
+    let table = table.map_err(|error| Exception::Evaluation.new_err(error.to_string()))?;
     let summary = serde_json::to_string(&summary).expect("a summary is plain data");
     Ok((columns(py, &table)?, summary))
 }
 
-/// An episode's return over that of the reactive controllers, which run now if theirs is not known.
+/// Returns a return over that of the reactive controllers, which are run if their return is unknown.
 #[pyfunction]
 pub fn compute_normalized_score(
     py: Python<'_>,
@@ -125,16 +125,16 @@ pub fn compute_normalized_score(
     })
 }
 
-/// Takes the one place of an evaluation in this process.
+/// Locks the process for one evaluation.
 fn running() -> PyResult<MutexGuard<'static, ()>> {
     let one_at_a_time =
-        || raise("ProcessError", "an evaluation runs in this process: wait for its end".into());
+        || Exception::Process.new_err("an evaluation is already running in this process; wait until it ends");
     let running = RUNNING.try_lock().map_err(|_| one_at_a_time())?;
     STOP.store(false, Ordering::Relaxed);
     Ok(running)
 }
 
-/// Runs on another thread, and sees to signals and progress on this one.
+/// Runs on another thread while this one handles signals and progress.
 fn wait_for<T: Send>(
     run: impl FnOnce() -> b2b_benchmark::Result<T> + Send,
     counter: &Counter,
@@ -149,7 +149,7 @@ fn wait_for<T: Send>(
         });
         while !running.is_finished() {
             std::thread::park_timeout(LOOK);
-            if pools::interrupted() || !counter.tell(progress) {
+            if pools::interrupted() || !counter.report(progress) {
                 STOP.store(true, Ordering::Relaxed);
             }
         }
@@ -169,7 +169,7 @@ fn episode((name, place, weather, task, period, seed, steps_per_hour): Asked) ->
     })
 }
 
-/// A policy in Python.
+/// A policy written in Python.
 struct InPython {
     name: String,
     identity: String,
@@ -203,7 +203,7 @@ impl Policy for InPython {
     }
 }
 
-/// A policy in Python in an episode.
+/// The controller of one episode of a policy written in Python.
 struct Acting {
     act: Py<PyAny>,
     space: ActionSpace,
@@ -227,25 +227,25 @@ impl Acting {
 }
 
 impl Controller for Acting {
-    /// There is one for each episode.
+    /// Does nothing: every episode has its own.
     fn reset(&mut self) {}
 
     fn act(&mut self, observation: &[f64], action: &mut [f64]) {
         if let Err(error) = self.ask(observation, action) {
-            // The environment refuses it, and the evaluation ends with the exception.
+            // The environment rejects NaN, and the evaluation ends with the exception.
             action.fill(f64::NAN);
             fail(&self.raised, error);
         }
     }
 }
 
-/// Keeps the first exception, and ends the evaluation.
+/// Keeps the first exception and ends the evaluation.
 fn fail(raised: &Mutex<Option<PyErr>>, error: PyErr) {
     locked(raised).get_or_insert(error);
     STOP.store(true, Ordering::Relaxed);
 }
 
-/// How far it is, in simulated days.
+/// Progress in simulated days.
 #[derive(Default)]
 struct Counter {
     what: Mutex<String>,
@@ -266,8 +266,8 @@ impl Progress for Counter {
 }
 
 impl Counter {
-    /// Tells somebody in Python; whether that raised nothing.
-    fn tell(&self, progress: Option<&Py<PyAny>>) -> bool {
+    /// Calls the progress function and returns whether it succeeded.
+    fn report(&self, progress: Option<&Py<PyAny>>) -> bool {
         let Some(progress) = progress else { return true };
         let what = locked(&self.what).clone();
         let (done, all) = (self.done.load(Ordering::Relaxed), self.all.load(Ordering::Relaxed));
@@ -275,7 +275,7 @@ impl Counter {
     }
 }
 
-/// The columns of a table as lists, by name.
+/// Returns the columns of a table as lists, by name.
 fn columns<'py>(py: Python<'py>, table: &RecordBatch) -> PyResult<Bound<'py, PyDict>> {
     let columns = PyDict::new(py);
     for (field, column) in table.schema().fields().iter().zip(table.columns()) {

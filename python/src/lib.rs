@@ -1,8 +1,9 @@
-//! `building2building._core`: what the Python package needs of the Rust crates, in Python's types.
+//! `building2building._core`: the Rust crates as Python classes.
 //!
-//! Nothing is decided here. [`catalog`] finds buildings, [`spaces`] tells what is seen and driven, [`env`] is one
-//! environment in a process of its own, [`vector`] many, [`local`] one in this process, [`control`] the controllers that
-//! come with the crates, [`evaluation`] runs a policy on many buildings, [`benchmarks`] knows the benchmark's problems.
+//! Only conversions live here. [`catalog`] finds buildings and [`table`] converts the dataset's rows; [`spaces`] and
+//! [`morphology`] describe observations and actions; [`env`] is an environment in its own process, [`vector`] a batch,
+//! [`local`] one in this process; [`control`] has the built-in controllers, [`evaluation`] evaluates a policy on many
+//! buildings, [`benchmarks`] has the benchmark problems; [`error`] defines the exceptions.
 
 mod arrays;
 mod benchmarks;
@@ -12,13 +13,16 @@ mod env;
 mod error;
 mod evaluation;
 mod local;
+mod morphology;
+mod owner;
 mod pools;
 mod spaces;
+mod table;
 mod vector;
 
 use pyo3::prelude::*;
 
-/// The names of the module.
+/// The extension module.
 #[pymodule]
 mod _core {
     use super::*;
@@ -26,7 +30,9 @@ mod _core {
     #[pymodule_export]
     use super::benchmarks::{Problem, Restriction, measures, normalized_score};
     #[pymodule_export]
-    use super::catalog::{Building, Setting, building_types, dataset_table, find_building, generate, places};
+    use super::catalog::{
+        Building, Setting, TypeInfo, building_types, dataset_rows, find_building, generate, places,
+    };
     #[pymodule_export]
     use super::control::{Controller, trajectory_hash};
     #[pymodule_export]
@@ -36,16 +42,21 @@ mod _core {
     #[pymodule_export]
     use super::local::LocalEnv;
     #[pymodule_export]
-    use super::spaces::{Morphology, Spaces};
+    use super::morphology::{Edge, Morphology, Node, NodeSlot, NodeType};
+    #[pymodule_export]
+    use super::owner::Owner;
+    #[pymodule_export]
+    use super::spaces::{Actuator, Slot, Spaces, Zone};
     #[pymodule_export]
     use super::vector::VecEnv;
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        super::error::register(module)?;
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
 
-    /// Runs this process as a worker if it was started as one, and then never returns.
+    /// Runs the worker loop and never returns, if this process was started as a worker.
     #[pyfunction]
     fn run_if_worker() {
         b2b_env::vector::run_if_worker();

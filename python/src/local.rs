@@ -1,4 +1,4 @@
-//! One environment in this process, for debuggers and profilers: no second at the same time.
+//! An environment in this process, for debuggers and profilers; only one at a time.
 
 use std::sync::Arc;
 
@@ -10,17 +10,17 @@ use pyo3::prelude::*;
 
 use crate::catalog::{self, Setting};
 use crate::env::{Seen, Stepped};
-use crate::error::{of_building, of_env, raise};
+use crate::error::{Exception, of_building, of_env};
 use crate::spaces::Spaces;
 use crate::{arrays, control};
 
-/// An environment in this process. The engine stands on a stack of this thread's making, so it stays with the thread.
+/// An environment in this process. The engine runs on a stack that this thread made, so it cannot move to another.
 #[pyclass(unsendable, module = "building2building._core")]
 pub struct LocalEnv {
     env: Option<b2b_env::Env>,
     setting: Setting,
     spaces: Arc<EnvSpaces>,
-    carried_out: Vec<f64>,
+    applied_action: Vec<f64>,
 }
 
 #[pymethods]
@@ -36,14 +36,14 @@ impl LocalEnv {
         let spaces = EnvSpaces::new(Arc::clone(&building), episode.clone());
         let env = b2b_env::Env::new(library, building, episode).map_err(of_env)?;
         Ok(Self {
-            carried_out: vec![0.0; env.action_space().len()],
+            applied_action: vec![0.0; env.action_space().len()],
             env: Some(env),
             setting: setting.clone(),
             spaces: Arc::new(spaces),
         })
     }
 
-    /// What is seen and driven.
+    /// Returns the spaces.
     fn spaces(&self) -> Spaces {
         Spaces::new(Arc::clone(&self.spaces), Arc::clone(&self.setting.building))
     }
@@ -54,7 +54,7 @@ impl LocalEnv {
         Ok((arrays::single(py, &observation), arrays::row(py, &observation)))
     }
 
-    /// As `Env.step`.
+    /// Runs a step, as `Env.step` does.
     fn step<'py>(
         &mut self,
         py: Python<'py>,
@@ -67,14 +67,14 @@ impl LocalEnv {
         }
         let env = self.env.as_mut().ok_or_else(closed)?;
         let step = env.step(&action).map_err(of_env)?;
-        self.carried_out.copy_from_slice(step.action);
+        self.applied_action.copy_from_slice(step.action);
         let (temperature, energy) = (step.reward.temperature_penalty, step.reward.energy_penalty);
         let observation = step.observation.to_vec();
         let single = arrays::single(py, &observation);
         Ok((single, arrays::row(py, &observation), temperature, energy, step.truncated))
     }
 
-    /// Holds an action for so many steps, without Python: what is left of a step then is the crates' own.
+    /// Repeats an action for `steps` steps without returning to Python: the cost of a step in Rust alone.
     fn hold(&mut self, py: Python<'_>, action: &Bound<'_, PyAny>, steps: usize) -> PyResult<()> {
         let action = arrays::numbers(action)?;
         let env = self.env()?;
@@ -84,12 +84,12 @@ impl LocalEnv {
         py.check_signals()
     }
 
-    /// The last action as it was carried out.
-    fn carried_out<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        arrays::row(py, &self.carried_out)
+    /// Returns the last action as applied: clamped, in physical units.
+    fn applied_action<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        arrays::row(py, &self.applied_action)
     }
 
-    /// The sums over the episode, as a dictionary.
+    /// Returns the metrics of the episode so far.
     fn metrics<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         control::metrics(py, self.env()?.metrics())
     }
@@ -107,5 +107,5 @@ impl LocalEnv {
 }
 
 fn closed() -> PyErr {
-    raise("EpisodeError", "the environment is closed".into())
+    Exception::Episode.new_err("the environment is closed")
 }

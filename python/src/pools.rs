@@ -1,4 +1,4 @@
-//! How processes are started from Python, and how waiting for them ends with Ctrl-C.
+//! Worker processes started from Python, and Ctrl-C while waiting for them.
 
 use std::cell::RefCell;
 use std::ops::ControlFlow;
@@ -10,13 +10,13 @@ use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 
 use crate::catalog::{self, locked};
-use crate::error::raise;
+use crate::error::Exception;
 
-/// Memory that templates of one environment's pool may hold when no episode descends from them, bytes.
+/// Memory limit for the idle templates of one environment, bytes.
 pub const TEMPLATES: u64 = 1 << 30;
 
-/// What the interpreter runs as a worker: this extension module from its file and nothing else, so that it starts in
-/// tens of milliseconds and has one thread.
+/// The code that the interpreter runs as a worker. It loads this extension module from its file and nothing else, so
+/// that the worker starts in tens of milliseconds and has one thread.
 const BOOTSTRAP: &str = "\
 import sys
 from importlib.machinery import ExtensionFileLoader, ModuleSpec
@@ -28,18 +28,18 @@ _imp.exec_dynamic(module)
 module.run_if_worker()";
 
 thread_local! {
-    /// What a signal handler raised while this thread waited.
+    /// The exception that a signal handler raised while this thread waited.
     static RAISED: RefCell<Option<PyErr>> = const { RefCell::new(None) };
 }
 
-/// Lets Python handle signals; whether a handler raised.
+/// Lets Python handle signals and returns whether a handler raised.
 pub fn interrupted() -> bool {
     let Err(error) = Python::attach(|py| py.check_signals()) else { return false };
     RAISED.set(Some(error));
     true
 }
 
-/// Says nothing, and ends a download with Ctrl-C.
+/// Progress that prints nothing and lets Ctrl-C end a download.
 pub struct Signals;
 
 impl Progress for Signals {
@@ -48,20 +48,18 @@ impl Progress for Signals {
     }
 }
 
-/// What the signal handler raised.
+/// Returns the exception that the signal handler raised.
 pub fn interrupt() -> PyErr {
     RAISED.take().unwrap_or_else(|| PyKeyboardInterrupt::new_err(()))
 }
 
-/// Options of a pool whose processes are this interpreter started once more.
+/// Returns the options of a pool whose processes run this interpreter.
 pub fn options(py: Python<'_>) -> PyResult<PoolOptions> {
     let text = |module: &str, name: &str| -> PyResult<String> {
         let value = py.import(module)?.getattr(name)?.extract::<Option<String>>()?;
         value.filter(|value| !value.is_empty()).ok_or_else(|| {
-            raise(
-                "ProcessError",
-                format!("`{module}.{name}` is empty: it must name what workers are started from"),
-            )
+            Exception::Process
+                .new_err(format!("`{module}.{name}` is empty, but worker processes are started from it"))
         })
     };
     let launcher = ["-I", "-S", "-c", BOOTSTRAP, &text("building2building._core", "__file__")?]
@@ -71,23 +69,23 @@ pub fn options(py: Python<'_>) -> PyResult<PoolOptions> {
     Ok(PoolOptions { interrupted, template_memory: TEMPLATES, ..PoolOptions::new(launcher, library) })
 }
 
-/// The process that something belongs to: a copy of it in a forked process must leave it alone.
+/// The process that owns a resource; a forked copy must leave it alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Owner(u32);
 
 impl Owner {
-    /// This process.
+    /// Returns this process.
     pub fn this() -> Self {
         Self(std::process::id())
     }
 
-    /// Whether it is this process.
+    /// Returns whether it is this process.
     pub fn is_here(self) -> bool {
         self == Self::this()
     }
 
-    /// Works on what belongs to this process without holding up other Python threads. Whoever waits for the state must
-    /// not hold the interpreter: who has the state asks for it now and then, to see to signals.
+    /// Runs `work` on the state with the interpreter released. It must be released before the state is locked, because
+    /// the thread that holds the state attaches to the interpreter from time to time to handle signals.
     pub fn with<S: Send, T: Send>(
         self,
         py: Python<'_>,
@@ -98,18 +96,15 @@ impl Owner {
         py.detach(|| work(&mut locked(state)))
     }
 
-    /// An exception that says so if it is not.
+    /// Errors if it is not this process.
     pub fn check(self) -> PyResult<()> {
         if self.is_here() {
             return Ok(());
         }
-        Err(raise(
-            "ProcessError",
-            format!(
-                "this environment belongs to process {}, and this is its fork {}: make one of its own here",
-                self.0,
-                std::process::id()
-            ),
-        ))
+        Err(Exception::Process.new_err(format!(
+            "this environment belongs to process {}; in its fork {}, make another",
+            self.0,
+            std::process::id()
+        )))
     }
 }

@@ -1,198 +1,263 @@
-//! What is seen and driven, and the building behind it.
+//! The observation and action spaces of an environment, and the building behind them.
 
-use std::path::PathBuf;
 use std::sync::Arc;
 
 use b2b_building::description::Description;
-use b2b_building::morphology::{NodeType, Universe};
+use b2b_building::description::shape::Face;
+use b2b_building::morphology::Owner as Part;
 use b2b_building::zone::SurfaceKind;
 use b2b_building::{Conditioning, Morphology as Graph};
 use b2b_env::{Decomposition, Target};
-use numpy::{PyArray1, PyArray2};
+use numpy::PyArray1;
 use pyo3::prelude::*;
-use serde_json::{Value, json};
 
 use crate::arrays;
 use crate::catalog::Inner;
-use crate::error::{of_building, of_env, raise};
+use crate::error::{of_building, of_env};
+use crate::morphology::Morphology;
+use crate::owner::{Owner, name_of};
 
-/// A face: number of its zone, whether it is a floor, corners (x, y, z), m.
-type Face = (usize, bool, Vec<[f64; 3]>);
-
-/// What an environment sees and drives, as data.
+/// The spaces of an environment of a building.
 #[pyclass(frozen, module = "building2building._core")]
 pub struct Spaces {
     spaces: Arc<b2b_env::Spaces>,
     building: Arc<Inner>,
 }
 
+/// A slot of the observation.
+#[pyclass(frozen, get_all, module = "building2building._core")]
+pub struct Slot {
+    /// Name, for example `Core_ZN air temperature`.
+    name: String,
+    /// SI unit.
+    unit: &'static str,
+    /// Lower bound.
+    low: f64,
+    /// Upper bound.
+    high: f64,
+    /// Quantity, for example `air_temperature`.
+    quantity: String,
+    /// The part of the building that it belongs to.
+    owner: Py<Owner>,
+    /// Where the value comes from.
+    source: &'static str,
+}
+
+/// A slot of the action.
+#[pyclass(frozen, get_all, module = "building2building._core")]
+pub struct Actuator {
+    /// Name, for example `Core_ZN supply air flow`.
+    name: String,
+    /// SI unit.
+    unit: &'static str,
+    /// Lower bound.
+    low: f64,
+    /// Upper bound.
+    high: f64,
+    /// Quantity, for example `supply_air_flow`.
+    quantity: String,
+    /// The part of the building that it belongs to.
+    owner: Py<Owner>,
+}
+
+/// A thermal zone.
+#[pyclass(frozen, get_all, module = "building2building._core")]
+pub struct Zone {
+    /// Name in the model.
+    name: String,
+    /// Slot of its air temperature.
+    temperature_slot: usize,
+    /// Whether it has a target and counts in the reward.
+    controlled: bool,
+    /// Whether its equipment can cool it.
+    cooling: bool,
+    /// Whether the model's own thermostat and schedules drive it.
+    own_controls: bool,
+    /// Floor area, m².
+    floor_area: f64,
+    /// Slot of its target; `None` if it has none or it is constant.
+    target_slot: Option<usize>,
+    /// Slot of its occupancy; `None` as for the target.
+    occupancy_slot: Option<usize>,
+}
+
 impl Spaces {
-    /// Of an environment of a building.
+    /// Creates the spaces of an environment of a building.
     pub fn new(spaces: Arc<b2b_env::Spaces>, building: Arc<Inner>) -> Self {
         building.keep(&spaces);
         Self { spaces, building }
     }
 
-    /// For the crates.
+    /// Returns the spaces as the crates have them.
     pub fn inner(&self) -> &b2b_env::Spaces {
         &self.spaces
     }
 
-    fn weather(&self) -> &PathBuf {
-        &self.spaces.episode.weather
-    }
-
     fn describe(&self) -> PyResult<Description> {
-        Description::of(&self.spaces.building, self.weather(), self.building.origin.clone())
-            .map_err(of_building)
+        let origin = self.building.origin.clone();
+        Description::of(&self.spaces.building, &self.spaces.episode.weather, origin).map_err(of_building)
     }
 }
 
 #[pymethods]
 impl Spaces {
-    /// Names, units and bounds, the zones, and where what is in the observation; JSON.
-    fn to_json(&self) -> String {
-        let b2b_env::Spaces { building, episode, observation, .. } = &*self.spaces;
-        let slots = observation.slots().iter().map(|slot| {
-            json!({"name": slot.name, "unit": slot.unit, "low": slot.low, "high": slot.high,
-                   "source": slot.source, "quantity": slot.quantity, "owner": slot.owner})
-        });
-        let actuators = building.owned_actuators().map(|(owner, actuator)| {
-            json!({"name": actuator.name, "unit": actuator.quantity.unit(), "low": actuator.low,
-                   "high": actuator.high, "quantity": actuator.quantity, "owner": owner})
-        });
-        let mut controlled = 0;
-        let zones = building.zones.iter().enumerate().map(|(slot, zone)| {
-            let judged = zone.conditioning != Conditioning::None;
-            let (target, occupancy) = match (judged, observation.target(controlled)) {
-                (false, _) => (Value::Null, Value::Null),
-                (true, Target::Always(_)) => (Value::Null, Value::Null),
-                (true, Target::Slot(slot)) => (json!(slot), json!(observation.occupancy(controlled))),
-            };
-            controlled += usize::from(judged);
-            json!({"name": zone.name, "temperature_slot": slot, "controlled": judged,
-                   "heating": judged, "cooling": zone.conditioning == Conditioning::HeatingAndCooling,
-                   "own_controls": zone.own_controls, "floor_area": zone.floor_area,
-                   "target_slot": target, "occupancy_slot": occupancy})
-        });
-        json!({
-            "name": building.name,
-            "conditioned_floor_area": building.conditioned_floor_area,
-            "observation": slots.collect::<Vec<_>>(),
-            "action": actuators.collect::<Vec<_>>(),
-            "zones": zones.collect::<Vec<_>>(),
-            "constant_target": observation.constant_target(),
-            "energy_scale": episode.task.scale_for(building.class, episode.steps_per_hour),
-            "outdoor_temperature": observation.outdoor_temperature(),
-            "electricity": observation.electricity(),
-            "gas": observation.gas(),
-            "first_day": episode.period.first().day_of_year(),
-            "steps_per_hour": episode.steps_per_hour,
-            "episode_steps": self.spaces.episode_steps(),
-        })
-        .to_string()
+    /// Name of the building.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.spaces.building.name
     }
 
-    /// What the building is, in numbers; JSON as in `b2b show --json`.
-    fn description(&self) -> PyResult<String> {
+    /// Conditioned floor area, m².
+    #[getter]
+    fn conditioned_floor_area(&self) -> f64 {
+        self.spaces.building.conditioned_floor_area
+    }
+
+    /// Slots of the observation, in order.
+    #[getter]
+    fn observation(&self, py: Python<'_>) -> PyResult<Vec<Slot>> {
+        let slot = |slot: &b2b_env::Slot| {
+            Ok(Slot {
+                name: slot.name.clone(),
+                unit: slot.unit,
+                low: slot.low,
+                high: slot.high,
+                quantity: name_of(slot.quantity),
+                owner: Py::new(py, Owner::from(slot.owner))?,
+                source: slot.source,
+            })
+        };
+        self.spaces.observation.slots().iter().map(slot).collect()
+    }
+
+    /// Lower bounds of the observation.
+    #[getter]
+    fn observation_low<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        let low: Vec<f64> = self.spaces.observation.slots().iter().map(|slot| slot.low).collect();
+        arrays::row(py, &low)
+    }
+
+    /// Upper bounds of the observation.
+    #[getter]
+    fn observation_high<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        let high: Vec<f64> = self.spaces.observation.slots().iter().map(|slot| slot.high).collect();
+        arrays::row(py, &high)
+    }
+
+    /// Slots of the action, in order.
+    #[getter]
+    fn action(&self, py: Python<'_>) -> PyResult<Vec<Actuator>> {
+        let actuator = |(owner, actuator): (Part, &b2b_building::hvac::Actuator)| {
+            Ok(Actuator {
+                name: actuator.name.clone(),
+                unit: actuator.quantity.unit(),
+                low: actuator.low,
+                high: actuator.high,
+                quantity: name_of(actuator.quantity),
+                owner: Py::new(py, Owner::from(owner))?,
+            })
+        };
+        self.spaces.building.owned_actuators().map(actuator).collect()
+    }
+
+    /// Lower bounds of the action, in physical units.
+    #[getter]
+    fn action_low<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        arrays::row(py, self.spaces.action.low())
+    }
+
+    /// Upper bounds of the action, in physical units.
+    #[getter]
+    fn action_high<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        arrays::row(py, self.spaces.action.high())
+    }
+
+    /// All zones, in model order.
+    #[getter]
+    fn zones(&self) -> Vec<Zone> {
+        let observation = &self.spaces.observation;
+        let mut controlled_zones = 0..;
+        let zone = |(temperature_slot, zone): (usize, &b2b_building::Zone)| {
+            let controlled = zone.conditioning != Conditioning::None;
+            let number = if controlled { controlled_zones.next() } else { None };
+            let target_slot = number.and_then(|number| match observation.target(number) {
+                Target::Slot(slot) => Some(slot),
+                Target::Always(_) => None,
+            });
+            Zone {
+                name: zone.name.clone(),
+                temperature_slot,
+                controlled,
+                cooling: zone.conditioning == Conditioning::HeatingAndCooling,
+                own_controls: zone.own_controls,
+                floor_area: zone.floor_area,
+                target_slot,
+                occupancy_slot: number.and_then(|number| observation.occupancy(number)),
+            }
+        };
+        self.spaces.building.zones.iter().enumerate().map(zone).collect()
+    }
+
+    /// Target of every controlled zone, °C; `None` if targets change over time.
+    #[getter]
+    fn constant_target(&self) -> Option<f64> {
+        self.spaces.observation.constant_target()
+    }
+
+    /// Scale of the energy penalty, the paper's τ_E.
+    #[getter]
+    fn energy_scale(&self) -> f64 {
+        let b2b_env::Spaces { building, episode, .. } = &*self.spaces;
+        episode.task.scale_for(building.class, episode.steps_per_hour)
+    }
+
+    /// Slot of the outdoor air temperature; humidity follows it.
+    #[getter]
+    fn outdoor_temperature_slot(&self) -> usize {
+        self.spaces.observation.outdoor_temperature()
+    }
+
+    /// Slot of the HVAC electricity of the step.
+    #[getter]
+    fn electricity_slot(&self) -> usize {
+        self.spaces.observation.electricity()
+    }
+
+    /// Slot of the HVAC gas of the step.
+    #[getter]
+    fn gas_slot(&self) -> usize {
+        self.spaces.observation.gas()
+    }
+
+    /// Zone time steps per hour.
+    #[getter]
+    fn steps_per_hour(&self) -> u32 {
+        self.spaces.episode.steps_per_hour
+    }
+
+    /// Steps of the whole run period.
+    #[getter]
+    fn episode_steps(&self) -> usize {
+        self.spaces.episode_steps()
+    }
+
+    /// Returns the description that `b2b show --json` prints, as JSON text.
+    fn description_json(&self) -> PyResult<String> {
         Ok(serde_json::to_string(&self.describe()?).expect("a description is plain data"))
     }
 
-    /// Every face: number of its zone, whether it is a floor, corners (x, y, z), m.
-    fn faces(&self) -> PyResult<Vec<Face>> {
+    /// Returns the floors of the zones: index of the zone, and corners (x, y, z) in m.
+    fn floors(&self) -> PyResult<Vec<(usize, Vec<[f64; 3]>)>> {
         let shape = self.spaces.building.shape().map_err(of_building)?;
-        let face = |face: b2b_building::description::shape::Face| {
-            (face.zone, face.kind == SurfaceKind::Floor, face.corners)
-        };
-        Ok(shape.faces.into_iter().map(face).collect())
+        let floors = shape.faces.into_iter().filter(|face| face.kind == SurfaceKind::Floor);
+        Ok(floors.map(|Face { zone, corners, .. }| (zone, corners)).collect())
     }
 
-    /// The building as a graph, with the translations of its spaces.
+    /// Returns the building as a graph, with the maps between its vectors and the arrays of its nodes.
     fn morphology(&self) -> PyResult<Morphology> {
         let graph = Graph::of(&self.spaces.building, &self.describe()?);
         let decomposition =
             Decomposition::new(&graph, &self.spaces.observation, &self.spaces.action).map_err(of_env)?;
-        Ok(Morphology { graph, decomposition })
+        Ok(Morphology::new(graph, decomposition))
     }
-}
-
-/// A building as a graph, with the translations between its vectors and the arrays of its nodes.
-#[pyclass(frozen, module = "building2building._core")]
-pub struct Morphology {
-    graph: Graph,
-    decomposition: Decomposition,
-}
-
-#[pymethods]
-impl Morphology {
-    /// Nodes, edges, the universe, and where the array of each node type is in the buffers; JSON.
-    fn to_json(&self) -> String {
-        let layout = |layout: &b2b_building::morphology::Layout| {
-            let block = |node_type: NodeType| {
-                let block = layout.block(node_type);
-                json!([block.offset, block.nodes, block.slots])
-            };
-            NodeType::ALL.map(block)
-        };
-        json!({
-            "graph": self.graph,
-            "universe": Universe::new(),
-            "observation": layout(self.decomposition.observation_layout()),
-            "action": layout(self.decomposition.action_layout()),
-            "observation_cells": self.decomposition.observation_cells(),
-            "action_cells": self.decomposition.action_cells(),
-        })
-        .to_string()
-    }
-
-    /// Observations, one a row, as rows of the nodes' buffer.
-    fn split<'py>(
-        &self,
-        py: Python<'py>,
-        observations: &Bound<'py, PyAny>,
-    ) -> PyResult<Bound<'py, PyArray2<f32>>> {
-        let (values, [count, width]) = arrays::rows(observations)?;
-        let expected = self.decomposition.observation_cells().len();
-        check_width("observation", width, expected)?;
-        let nodes = self.decomposition.observation_layout().len();
-        let (mut buffer, mut all) = (vec![0.0; nodes], Vec::with_capacity(count * nodes));
-        for row in values.chunks_exact(width) {
-            self.decomposition.split(row, &mut buffer);
-            all.extend(buffer.iter().map(|value| *value as f32));
-        }
-        arrays::table(py, all, [count, nodes])
-    }
-
-    /// Rows of the nodes' buffer of actions as actions, one a row.
-    fn join<'py>(&self, py: Python<'py>, nodes: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray2<f32>>> {
-        let (values, [count, width]) = arrays::rows(nodes)?;
-        check_width("array of node actions", width, self.decomposition.action_layout().len())?;
-        let actuators = self.decomposition.action_cells().len();
-        let (mut action, mut all) = (vec![0.0; actuators], Vec::with_capacity(count * actuators));
-        for row in values.chunks_exact(width) {
-            self.decomposition.join(row, &mut action);
-            all.extend(action.iter().map(|value| *value as f32));
-        }
-        arrays::table(py, all, [count, actuators])
-    }
-
-    /// An action, or its bounds, as the nodes' buffer of actions; what is not driven is 0.
-    fn split_action<'py>(
-        &self,
-        py: Python<'py>,
-        action: &Bound<'py, PyAny>,
-    ) -> PyResult<Bound<'py, PyArray1<f32>>> {
-        let action = arrays::numbers(action)?;
-        check_width("action", action.len(), self.decomposition.action_cells().len())?;
-        let mut buffer = vec![0.0; self.decomposition.action_layout().len()];
-        self.decomposition.split_action(&action, &mut buffer);
-        Ok(arrays::single(py, &buffer))
-    }
-}
-
-fn check_width(what: &str, given: usize, expected: usize) -> PyResult<()> {
-    if given == expected {
-        return Ok(());
-    }
-    Err(raise("ActionError", format!("the {what} has {given} numbers, and this building's has {expected}")))
 }

@@ -1,4 +1,4 @@
-//! Many environments at once.
+//! A batch of environments.
 
 use std::sync::{Arc, Mutex};
 
@@ -7,12 +7,12 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 
 use crate::catalog::{Inner, Setting, locked};
-use crate::error::{of_env, raise};
+use crate::error::{Exception, of_env};
 use crate::pools::{self, Owner};
 use crate::spaces::Spaces;
 use crate::{arrays, control};
 
-/// N environments, each in a process of its own.
+/// A batch of environments, each in its own process.
 #[pyclass(frozen, module = "building2building._core")]
 pub struct VecEnv {
     owner: Owner,
@@ -22,12 +22,12 @@ pub struct VecEnv {
 
 struct State {
     owner: Owner,
-    /// `None` once it is closed.
+    /// `None` once closed.
     envs: Option<Envs>,
     rescale: bool,
 }
 
-/// Observations and rewards of all; penalties; who is truncated.
+/// Observations, rewards, penalties and truncations of the batch.
 type Stepped<'py> = (
     Bound<'py, PyArray2<f32>>,
     Bound<'py, PyArray1<f64>>,
@@ -35,7 +35,7 @@ type Stepped<'py> = (
     Bound<'py, PyArray1<bool>>,
 );
 
-/// What [`Stepped`] is made of.
+/// The data of [`Stepped`].
 struct Batch {
     observations: Vec<f32>,
     rewards: Vec<f64>,
@@ -44,13 +44,13 @@ struct Batch {
     shape: [usize; 2],
 }
 
-/// The end of an episode: last observation, metrics, and why it was lost if it was.
+/// The end of an episode: last observation, metrics, and the reason if it was lost.
 type Ended<'py> = (Bound<'py, PyArray1<f64>>, Option<Bound<'py, PyAny>>, Option<String>);
 
 #[pymethods]
 impl VecEnv {
-    /// `any` draws every episode from all settings; else environment i has setting i, over and over. `window` cuts
-    /// episodes of so many days, on one of so many first days.
+    /// Prepares the buildings. With `any`, every episode is drawn from all settings; otherwise environment i repeats
+    /// setting i. `window` is the length of an episode in days and the number of first days to draw from.
     #[new]
     #[pyo3(signature = (settings, count, autoreset, rescale, any, window=None))]
     fn new(
@@ -66,7 +66,7 @@ impl VecEnv {
             "NextStep" => Autoreset::NextStep,
             "SameStep" => Autoreset::SameStep,
             "Disabled" => Autoreset::Disabled,
-            _ => return Err(raise("SettingError", format!("there is no autoreset mode `{autoreset}`"))),
+            _ => return Err(Exception::Setting.new_err(format!("unknown autoreset mode `{autoreset}`"))),
         };
         let mut pool = pools::options(py)?;
         pool.template_memory = 2 << 30;
@@ -86,7 +86,7 @@ impl VecEnv {
         })
     }
 
-    /// What is seen and driven, setting by setting.
+    /// Returns the spaces of each setting.
     fn spaces(&self) -> Vec<Spaces> {
         let spaces = self.spaces.iter();
         spaces.map(|(spaces, building)| Spaces::new(Arc::clone(spaces), Arc::clone(building))).collect()
@@ -102,7 +102,7 @@ impl VecEnv {
         arrays::table(py, batch.observations, batch.shape)
     }
 
-    /// Begins a new episode in some environments.
+    /// Begins an episode in the given environments.
     fn reset_some<'py>(&self, py: Python<'py>, which: Vec<usize>) -> PyResult<Bound<'py, PyArray2<f32>>> {
         let batch = self.owner.with(py, &self.state, |state| {
             let envs = state.envs()?;
@@ -112,14 +112,14 @@ impl VecEnv {
             envs.recv(which.len(), &mut Vec::new()).map_err(of_env)?;
             let lost = which.iter().find_map(|index| envs.lost(*index));
             match lost {
-                Some(why) => Err(raise("EpisodeError", format!("an episode is lost: {why}"))),
+                Some(why) => Err(Exception::Episode.new_err(format!("an episode was lost: {why}"))),
                 None => Ok(Batch::of(envs)),
             }
         })?;
         arrays::table(py, batch.observations, batch.shape)
     }
 
-    /// One step of every environment.
+    /// Runs one step of every environment.
     fn step<'py>(&self, py: Python<'py>, actions: &Bound<'py, PyAny>) -> PyResult<Stepped<'py>> {
         let (mut actions, shape) = arrays::rows(actions)?;
         let batch = self.owner.with(py, &self.state, |state| {
@@ -127,8 +127,8 @@ impl VecEnv {
             let envs = state.envs()?;
             let expected = [envs.len(), envs.widths().0];
             if shape != expected {
-                let message = format!("the actions are of shape {shape:?}, and must be of {expected:?}");
-                return Err(raise("ActionError", message));
+                let message = format!("the actions have shape {shape:?}; expected {expected:?}");
+                return Err(Exception::Action.new_err(message));
             }
             if rescale {
                 for (index, action) in actions.chunks_exact_mut(expected[1]).enumerate() {
@@ -148,7 +148,7 @@ impl VecEnv {
         ))
     }
 
-    /// Holds actions in physical units for so many steps, without Python: what is left of a step then is the crates' own.
+    /// Repeats actions in physical units for `steps` steps without returning to Python: the cost of a step in Rust alone.
     fn hold(&self, py: Python<'_>, actions: &Bound<'_, PyAny>, steps: usize) -> PyResult<()> {
         let (actions, _) = arrays::rows(actions)?;
         self.owner.with(py, &self.state, |state| {
@@ -157,7 +157,7 @@ impl VecEnv {
         })
     }
 
-    /// The end of the last episode of an environment.
+    /// Returns the end of the last episode of an environment.
     fn ended<'py>(&self, py: Python<'py>, environment: usize) -> PyResult<Ended<'py>> {
         let (observation, metrics, lost) = self.owner.with(py, &self.state, |state| {
             let envs = state.envs()?;
@@ -169,7 +169,7 @@ impl VecEnv {
         Ok((arrays::row(py, &observation), metrics, lost))
     }
 
-    /// Names of the buildings that the environments run now.
+    /// Returns the name of the building that each environment runs.
     fn buildings(&self, py: Python<'_>) -> PyResult<Vec<Option<String>>> {
         self.owner.with(py, &self.state, |state| {
             let envs = state.envs()?;
@@ -178,13 +178,13 @@ impl VecEnv {
         })
     }
 
-    /// Numbers in a row of actions and in a row of observations; 0 before the first reset.
+    /// Width of a row of actions and of a row of observations; 0 before the first reset.
     #[getter]
     fn widths(&self, py: Python<'_>) -> PyResult<(usize, usize)> {
         self.owner.with(py, &self.state, |state| Ok(state.envs()?.widths()))
     }
 
-    /// Ends all processes. Nothing of it can be used after.
+    /// Ends all processes.
     fn close(&self, py: Python<'_>) {
         if self.owner.is_here() {
             py.detach(|| locked(&self.state).envs = None);
@@ -194,7 +194,7 @@ impl VecEnv {
 
 impl State {
     fn envs(&mut self) -> PyResult<&mut Envs> {
-        let closed = || raise("EpisodeError", "the environments are closed".into());
+        let closed = || Exception::Episode.new_err("the environments are closed");
         self.envs.as_mut().ok_or_else(closed)
     }
 }

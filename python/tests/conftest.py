@@ -8,12 +8,12 @@ DAY = "01-01..01-01"
 
 
 def pytest_addoption(parser):
-    parser.addoption("--learners", action="store_true", help="train for a few hundred steps (needs torch)")
+    parser.addoption("--learners", action="store_true", help="also run the tests that train (needs torch)")
 
 
 def pytest_collection_modifyitems(config, items):
     if not config.getoption("--learners"):
-        skip = pytest.mark.skip(reason="give --learners")
+        skip = pytest.mark.skip(reason="needs --learners")
         for item in items:
             if "learners" in item.keywords:
                 item.add_marker(skip)
@@ -21,17 +21,17 @@ def pytest_collection_modifyitems(config, items):
 
 @pytest.fixture(scope="session")
 def b2b_command():
-    """The command ``b2b``, as the Rust tests built it."""
+    """The command ``b2b`` that the Rust tests built."""
     root = Path(__file__).parents[2]
     command = root / os.environ.get("CARGO_TARGET_DIR", "target") / "release/b2b"
     if not command.exists():
-        pytest.skip(f"{command} is not built: cargo build --release")
+        pytest.skip(f"{command} does not exist; run: cargo build --release")
     return command
 
 
 @pytest.fixture
 def make():
-    """``make_env`` for one day; what it made is closed in the end."""
+    """``make_env`` for one day; closes what it made."""
     made = []
 
     def make(building_type="OfficeSmall", **arguments):
@@ -45,7 +45,7 @@ def make():
 
 @pytest.fixture(scope="module")
 def office():
-    """One small office for tests that leave it as it is."""
+    """A small office that the tests of a module share."""
     env = b2b.make_env("OfficeSmall", run_period=DAY)
     yield env
     env.close()

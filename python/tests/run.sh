@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Builds the package from this clone, installs it into a virtual environment of its own, and tests it there. Needs Python
-# 3.10 or later and Rust; all that is made is in cargo's target folder. Arguments go to pytest; with --learners, what
-# trains comes too (torch and ray: some gigabytes).
+# Builds the package from this clone, installs it into a virtual environment in cargo's target folder, and runs its tests.
+# Needs Python 3.10 or later and Rust. Arguments are passed to pytest; --learners adds the tests that train (torch and ray,
+# several gigabytes).
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 
@@ -15,7 +15,7 @@ venv=$folder/$extras
   "${PYTHON:-python3}" -m venv --clear "$venv"
   "$venv/bin/python" -m pip install --quiet 'maturin>=1.9,<2'
 }
-# Not `pip install .`: it builds with another interpreter every time, and PyO3 would be compiled anew for each.
+# Not `pip install .`, which builds with a new interpreter every time, so that PyO3 would be compiled again.
 rm -rf "$folder/wheels"
 "$venv/bin/maturin" build --quiet --release --interpreter "$venv/bin/python" --out "$folder/wheels"
 wheel=("$folder"/wheels/*.whl)

@@ -19,7 +19,7 @@ DAY = {"windows": ["01-10..01-10"]}
 
 @pytest.fixture
 def closing():
-    """Keeps environments, and closes them in the end."""
+    """Closes the environments that a test made."""
     kept = []
 
     def keep(envs):
@@ -31,7 +31,7 @@ def closing():
         env.close()
 
 
-def test_every_problem_keeps_its_sides_apart():
+def test_train_and_test_sides_of_every_problem_are_disjoint():
     for name in list_problems():
         problem = Problem(name)
         train, test = problem.definition["train"], problem.definition["test"]
@@ -43,7 +43,7 @@ def test_every_problem_keeps_its_sides_apart():
         assert problem.changes == []
 
 
-def test_a_test_building_is_refused_to_train_on():
+def test_training_on_a_test_building_raises():
     problem = DynamicsAdaptation("house", **DAY)
     building = problem.test_building_ids()[0]
     for make in (problem.make_train_envs, problem.make_train_vec):
@@ -51,7 +51,7 @@ def test_a_test_building_is_refused_to_train_on():
             make(1, building_ids=[building])
 
 
-def test_names_that_are_none_are_refused():
+def test_unknown_names_raise():
     with pytest.raises(b2b.Error, match="office-small"):
         DynamicsAdaptation("hous")
     with pytest.raises(b2b.Error, match="leave-one-out"):
@@ -65,7 +65,7 @@ def test_names_that_are_none_are_refused():
     assert GoalAdaptation("leave-one-out", left_out="occupancy").definition["test"]["tasks"] == ["occupancy"]
 
 
-def test_both_sides_of_a_transfer_are_one_building_with_other_actuators(closing):
+def test_both_sides_of_a_transfer_are_one_building_with_different_actuators(closing):
     problem = ActionSpaceTransfer("unitary", "more", **DAY)
     (few,), (all_,) = closing(problem.make_train_envs(1)), closing(problem.make_test_envs())
     assert (few.action_space.shape, all_.action_space.shape) == ((5,), (10,))
@@ -73,9 +73,9 @@ def test_both_sides_of_a_transfer_are_one_building_with_other_actuators(closing)
     cores = [env.unwrapped.building._core.to_epjson() for env in (few, all_)]
     assert cores[0] == cores[1]
     reactive = b2b.rollout(all_, b2b.ReactiveController(all_))
-    # The flows of the reactive controllers, with the rest left to them, are the reactive controllers.
+    # Flows of the reactive controllers, with the other actuators left to them, are the reactive controllers.
     controller = b2b.ReactiveController(few)
-    kept = few._restriction.kept()
+    kept = few.kept
     seen, _ = few.reset()
     rewards = []
     for _ in range(len(reactive)):
@@ -111,7 +111,7 @@ def interquartile_mean(scores):
     return np.sort(scores)[cut : len(scores) - cut].mean()
 
 
-def test_measures_are_those_of_numpy():
+def test_measures_equal_those_computed_with_numpy():
     random = np.random.default_rng(7)
     strata = [
         [list(random.lognormal(0.1, 0.4, size=3)) for _ in range(17)],

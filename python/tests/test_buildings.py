@@ -1,4 +1,4 @@
-"""Buildings: the dataset, generated ones, one's own; graphs; the same numbers as the command's."""
+"""Buildings of the dataset, generated and imported; graphs; equality with the command."""
 
 import json
 import pickle
@@ -12,7 +12,7 @@ from building2building import _engine, errors
 DAY = "01-01..01-01"
 
 
-def test_the_dataset_is_listed_by_type_split_and_climate():
+def test_the_dataset_is_listed_by_type_split_and_climate_zone():
     assert len(b2b.list_building_types()) == 6
     train, test = b2b.list_buildings("OfficeSmall"), b2b.list_buildings("OfficeSmall", "test")
     assert (len(train), len(test), len(b2b.list_buildings("OfficeSmall", "test_small"))) == (900, 100, 8)
@@ -27,7 +27,7 @@ def test_the_dataset_is_listed_by_type_split_and_climate():
 
 
 @pytest.mark.parametrize("building_type", b2b.list_building_types())
-def test_an_episode_is_that_of_the_command(building_type, b2b_command, tmp_path):
+def test_an_episode_equals_that_of_the_command(building_type, b2b_command, tmp_path):
     command = [b2b_command, "run", building_type, "--period", DAY, "--controller", "random", "--seed", "5", "--json"]
     ran = subprocess.run([*command, "--out", tmp_path / "run"], capture_output=True, text=True, check=True)
     env = b2b.make_env(building_type, run_period=DAY)
@@ -36,13 +36,13 @@ def test_an_episode_is_that_of_the_command(building_type, b2b_command, tmp_path)
     assert trajectory.hash() == json.loads(ran.stdout)["trajectory_hash"]
 
 
-def test_a_building_is_chosen_by_index_or_id(make):
+def test_a_building_is_selected_by_index(make):
     env = make("SingleFamilyHouse", split="test", index=0)
     assert env.building.name == b2b.list_buildings("SingleFamilyHouse", "test")[0]
     assert env.metadata["building"] == env.building.name
 
 
-def test_generated_buildings_are_what_was_asked(make):
+def test_generated_buildings_have_the_given_parameters(make):
     one, other = b2b.generate("OfficeSmall", 2, seed=7, places="Miami", parameters={"window_to_wall": 0.3})
     assert one.name == "OfficeSmall-seed7-0001" and one.place == "Miami" and one.climate_zone == "1A"
     assert one.parameters["window_to_wall"] == 0.3 and one.parameters != other.parameters
@@ -55,7 +55,7 @@ def test_generated_buildings_are_what_was_asked(make):
         b2b.generate("OfficeSmall", parameters={"window_to_wal": 0.3})
 
 
-def test_a_model_of_ones_own_is_an_environment(make):
+def test_an_imported_model_is_an_environment(make):
     package = _engine.folder() / "pyenergyplus/data"
     building = b2b.import_building(
         package / "model/ASHRAE901_RestaurantFastFood_STD2019_Denver.idf", b2b.find_building("OfficeSmall").weather
@@ -67,7 +67,7 @@ def test_a_model_of_ones_own_is_an_environment(make):
         b2b.import_building("nowhere.idf", building.weather)
 
 
-def test_a_morphology_splits_and_joins(office):
+def test_a_morphology_splits_observations_and_joins_actions(office):
     graph = office.morphology
     observation, _ = office.reset()
     parts = graph.split_observation(observation)
@@ -81,7 +81,7 @@ def test_a_morphology_splits_and_joins(office):
         graph.join_actions({})
 
 
-def test_a_morphology_is_arrays_for_graph_libraries():
+def test_a_morphology_converts_to_arrays_of_pytorch_geometric():
     env = b2b.make_env("OfficeMedium", run_period=DAY)
     graph, arrays = env.morphology, env.morphology.to_pyg()
     env.close()
@@ -92,7 +92,7 @@ def test_a_morphology_is_arrays_for_graph_libraries():
     assert all(index.max() < 15 for index in arrays["edge_index"].values())
 
 
-def test_a_morphology_is_a_graph_of_networkx(office):
+def test_a_morphology_converts_to_networkx(office):
     import networkx
 
     graph = office.unwrapped.morphology.to_networkx()
@@ -103,7 +103,7 @@ def test_a_morphology_is_a_graph_of_networkx(office):
     assert networkx.is_weakly_connected(graph.subgraph({node for edge in adjacent for node in edge}))
 
 
-def test_trajectories_have_names(office, tmp_path):
+def test_trajectories_are_read_by_name(office, tmp_path):
     trajectory = b2b.rollout(office, b2b.ReactiveController(office))
     assert len(trajectory) == 288 and trajectory.truncated
     assert trajectory.metrics["return"] == pytest.approx(trajectory.episode_return)

@@ -1,4 +1,4 @@
-"""What Gymnasium asks of an environment."""
+"""The contract of a Gymnasium environment."""
 
 import copy
 import json
@@ -24,7 +24,7 @@ def test_every_id_passes_the_checker_without_a_warning(building_type):
     env.close()
 
 
-def test_an_environment_is_made_again_from_its_spec(make):
+def test_a_spec_makes_the_same_environment(make):
     env = make(task="occupancy+energy0.5", rescale_action=True)
     spec = pickle.loads(pickle.dumps(env.spec))
     assert json.loads(env.spec.to_json())["kwargs"]["task"] == "occupancy+energy0.5"
@@ -38,7 +38,7 @@ def test_an_environment_is_made_again_from_its_spec(make):
     again.close()
 
 
-def test_an_environment_pickles_as_how_it_was_made(make):
+def test_an_environment_pickles_as_its_arguments(make):
     env = make(task="occupancy", window_days=1)
     again = pickle.loads(pickle.dumps(env))
     np.testing.assert_array_equal(again.reset(seed=1)[0], env.reset(seed=1)[0])
@@ -46,7 +46,7 @@ def test_an_environment_pickles_as_how_it_was_made(make):
     again.close()
 
 
-def test_names_and_units_stand_beside_the_spaces(office):
+def test_metadata_has_names_and_units_of_all_slots(office):
     meta = office.metadata
     assert len(meta["observation_names"]) == len(meta["observation_units"]) == office.observation_space.shape[0]
     assert len(meta["action_names"]) == len(meta["action_units"]) == office.action_space.shape[0]
@@ -54,7 +54,7 @@ def test_names_and_units_stand_beside_the_spaces(office):
     assert set(meta["action_units"]) == {"kg/s", "°C"}
 
 
-def test_an_episode_ends_truncated_after_its_run_period(make):
+def test_an_episode_is_truncated_at_the_end_of_its_run_period(make):
     env = make(timesteps_per_hour=1)
     env.reset()
     for step in range(1, 25):
@@ -65,7 +65,7 @@ def test_an_episode_ends_truncated_after_its_run_period(make):
         env.step(env.action_space.sample())
 
 
-def test_rescaled_actions_are_the_same_actions(make):
+def test_rescaled_actions_are_equivalent(make):
     plain, rescaled = make(), make(rescale_action=True)
     plain.reset()
     rescaled.reset()
@@ -73,7 +73,7 @@ def test_rescaled_actions_are_the_same_actions(make):
     one = plain.step(rescaled.physical(share))
     other = rescaled.step(share)
     np.testing.assert_array_equal(one[0], other[0])
-    np.testing.assert_allclose(plain.carried_out(), rescaled.physical(share))
+    np.testing.assert_allclose(plain.applied_action(), rescaled.physical(share))
 
 
 def test_bounds_of_the_space_are_never_clamped(make):
@@ -84,7 +84,7 @@ def test_bounds_of_the_space_are_never_clamped(make):
     assert info["metrics"]["clamped_actions"] == 0
 
 
-def test_info_says_what_the_reward_is_made_of(make):
+def test_info_has_the_terms_of_the_reward(make):
     env = make(task="occupancy+energy0.5", run_period="01-02..01-02")
     env.reset()
     for _ in range(120):
@@ -97,7 +97,7 @@ def test_info_says_what_the_reward_is_made_of(make):
     assert info["zone_occupied"].any() and len(info["zone_temperature"]) == len(env.metadata["controlled_zones"])
 
 
-def test_info_is_a_dictionary_in_every_way(make):
+def test_info_behaves_as_a_dictionary(make):
     env = make()
     env.reset()
 
@@ -138,14 +138,14 @@ def test_a_seed_draws_the_days_and_the_targets(make):
     assert first[1].shape == other[1].shape and (first[1] != other[1]).any()
 
 
-def test_a_reward_of_ones_own_takes_the_place_of_the_task_s(make):
+def test_a_custom_reward_replaces_that_of_the_task(make):
     env = make(reward=lambda info: -float(np.abs(info["zone_deviation"]).max()))
     env.reset()
     _, reward, _, _, info = env.step(env.action_space.low)
     assert reward == -np.abs(info["zone_deviation"]).max() < 0
 
 
-def test_a_frame_shows_the_building(make):
+def test_a_rendered_frame_changes_with_the_state(make):
     pytest.importorskip("matplotlib")
     env = make(render_mode="rgb_array")
     env.reset()
@@ -169,13 +169,13 @@ def test_a_frame_shows_the_building(make):
         ({"building_type": "OfficeSmall", "window_days": 100}, errors.Error, "100 days"),
     ],
 )
-def test_what_cannot_be_is_an_error_that_says_what_can(arguments, error, words):
+def test_invalid_arguments_raise_and_name_the_valid_ones(arguments, error, words):
     with pytest.raises(error, match=words) as raised:
         b2b.make_env(**arguments)
     assert isinstance(raised.value, b2b.Error)
 
 
-def test_a_wrong_action_names_the_actuator_and_leaves_the_episode(make):
+def test_an_invalid_action_names_the_actuator_and_leaves_the_episode_intact(make):
     env = make()
     with pytest.raises(errors.EpisodeError, match="reset"):
         env.step(env.action_space.low)

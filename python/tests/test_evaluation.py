@@ -1,4 +1,4 @@
-"""A policy in Python on many buildings: what the command finds, kept episode by episode."""
+"""Evaluation of policies in Python: equality with the command, resuming, errors."""
 
 import json
 import signal
@@ -18,25 +18,25 @@ def table(folder) -> bytes:
     return (folder / "episodes.parquet").read_bytes()
 
 
-class Lazy:
-    """Follows the target with one number of state."""
+class Integral:
+    """An integral controller: a policy with state."""
 
-    def __init__(self, scene):
-        self.low, self.high = scene.layout.action_low, scene.layout.action_high
-        self.temperatures = scene.layout.temperatures
+    def __init__(self, context):
+        self.low, self.high = context.layout.action_low, context.layout.action_high
+        self.temperatures = context.layout.temperatures
         self.heat = 0.5
 
     def reset(self):
         self.heat = 0.5
 
     def __call__(self, observation):
-        cold = 21 - observation[self.temperatures].mean()
-        self.heat = float(np.clip(self.heat + 0.05 * cold, 0, 1))
+        error = 21 - observation[self.temperatures].mean()
+        self.heat = float(np.clip(self.heat + 0.05 * error, 0, 1))
         return self.low + self.heat * (self.high - self.low)
 
 
-def test_the_reactive_controller_from_python_gives_the_bytes_of_the_command(b2b_command, tmp_path):
-    """Every observation and action of it goes through Python here."""
+def test_the_reactive_controller_in_python_gives_the_bytes_of_the_command(b2b_command, tmp_path):
+    """Here, every observation and action passes through Python."""
     command = [b2b_command, "evaluate", *HOUSES, "--policy", "reactive", "--period", DAYS, "--json"]
     ran = subprocess.run([*command, "--out", tmp_path / "rust"], capture_output=True, text=True, check=True)
     folder = tmp_path / "python"
@@ -47,7 +47,7 @@ def test_the_reactive_controller_from_python_gives_the_bytes_of_the_command(b2b_
     assert (folder / "report.html").stat().st_size > 1000
 
 
-def test_a_function_s_episode_is_that_of_a_rollout():
+def test_evaluating_a_function_equals_its_rollout():
     env = b2b.make_env(building_id=HOUSES[0], run_period="01-10..01-10", task="occupancy", rescale_action=True)
     weights = np.random.default_rng(0).normal(0, 0.02, (env.action_space.shape[0], env.observation_space.shape[0]))
 
@@ -63,43 +63,45 @@ def test_a_function_s_episode_is_that_of_a_rollout():
     assert ours.rows[0]["score"] > 1 and ours.folder is None
 
 
-def test_what_was_interrupted_goes_on_and_gives_the_same_bytes(tmp_path):
-    whole = b2b.evaluate(Lazy, HOUSES, ["constant", "occupancy"], run_periods=DAYS, folder=tmp_path / "whole")
+def test_an_interrupted_evaluation_resumes_and_gives_the_same_bytes(tmp_path):
+    whole = b2b.evaluate(Integral, HOUSES, ["constant", "occupancy"], run_periods=DAYS, folder=tmp_path / "whole")
     assert len(whole) == 4 and not any(row["lost"] for row in whole.rows)
 
-    class Stumbling(Lazy):
+    class Failing(Integral):
         left = 700
 
         def __call__(self, observation):
-            Stumbling.left -= 1
-            if Stumbling.left < 0:
+            Failing.left -= 1
+            if Failing.left < 0:
                 raise KeyError("a mistake")
             return super().__call__(observation)
 
     def again():
         return b2b.evaluate(
-            Stumbling,
+            Failing,
             HOUSES,
             ["constant", "occupancy"],
             run_periods=DAYS,
             folder=tmp_path / "parts",
-            name="Lazy",
+            name="Integral",
             jobs=1,
         )
 
     with pytest.raises(KeyError, match="a mistake"):
         again()
     assert not (tmp_path / "parts/episodes.parquet").exists()
-    Stumbling.left = 2 * 576 + 576
+    Failing.left = 2 * 576 + 576
     again()
-    assert Stumbling.left == 0, "one of four was kept"
+    assert Failing.left == 0, "one of four episodes was kept"
     assert table(tmp_path / "parts") == table(tmp_path / "whole")
     with pytest.raises(errors.EvaluationError, match="identity"):
-        b2b.evaluate(Lazy, HOUSES, ["constant", "occupancy"], run_periods=DAYS, folder=tmp_path / "parts", version="2")
+        b2b.evaluate(
+            Integral, HOUSES, ["constant", "occupancy"], run_periods=DAYS, folder=tmp_path / "parts", version="2"
+        )
 
 
-def test_ctrl_c_stops_an_evaluation_and_keeps_what_is_done(tmp_path):
-    # A shell has what it runs in the background ignore the signal.
+def test_ctrl_c_stops_an_evaluation_and_keeps_finished_episodes(tmp_path):
+    # Shells make background processes ignore the signal.
     code = f"""
 import signal
 import building2building as b2b
@@ -124,18 +126,18 @@ except KeyboardInterrupt:
     assert {each.name for each in (tmp_path / "out").iterdir()} == {"evaluation.json", "episodes"}
 
 
-def test_a_return_is_scored_against_the_shipped_and_the_computed_reactive_return():
+def test_a_return_is_scored_by_the_shipped_and_the_computed_baseline():
     env = b2b.make_env(building_id=HOUSES[0], task="occupancy+energy0.5", run_period="01-10..01-10")
     episode_return = b2b.rollout(env, b2b.ReactiveController(env)).episode_return
     asked = HOUSES[0], "occupancy+energy0.5", "01-10..01-10"
     assert b2b.compute_normalized_score(episode_return, *asked) == pytest.approx(1.0, abs=1e-12)
     assert b2b.compute_normalized_score(2 * episode_return, *asked) == pytest.approx(2.0, abs=1e-12)
-    assert b2b.compute_normalized_score(-1.0, "SingleFamilyHouse-0018") < 1.0, "the winter's is shipped"
+    assert b2b.compute_normalized_score(-1.0, "SingleFamilyHouse-0018") < 1.0, "the baseline of a winter is shipped"
     with pytest.raises(b2b.Error, match="occupied"):
         b2b.compute_normalized_score(-1.0, HOUSES[0], "occupied")
 
 
-def test_what_is_no_policy_and_what_does_not_fit_is_refused():
+def test_invalid_policies_and_buildings_raise():
     day = {"run_periods": "01-10..01-10"}
     with pytest.raises(errors.EvaluationError, match="onnx"):
         b2b.evaluate("reactiv", HOUSES[0], **day)

@@ -1,4 +1,4 @@
-"""Examples run, and the README's snippet prints what the README shows."""
+"""The examples run, and the README's snippet prints what the README shows."""
 
 import re
 import subprocess
@@ -22,15 +22,15 @@ def run(*arguments) -> str:
     [
         ("first_steps", "reactive"),
         ("transfer", "OfficeMedium"),
-        ("own_building", "driven:"),
+        ("own_building", "actuators:"),
     ],
 )
 def test_an_example_runs(name, words):
     assert words in run(EXAMPLES / f"{name}.py")
 
 
-def test_the_notebook_runs_and_draws():
-    """In a kernel of its own, with an event loop around the cells, as in Jupyter."""
+def test_the_notebook_runs_and_plots():
+    """In its own kernel, with an event loop around the cells, as in Jupyter."""
     import nbformat
     from nbclient import NotebookClient
 
@@ -60,7 +60,7 @@ SHORT = ["--steps", 1, "--envs", 2, "--n-steps", 336, "--period", "01-01..01-14"
     [
         ("train_ppo", SHORT, "after training: return"),
         ("cleanrl_ppo", [1024], "mean reward"),
-        ("rllib_ppo", [1], "mean return of an episode -"),
+        ("rllib_ppo", [1], "mean episode return -"),
     ],
 )
 def test_an_example_learns(name, arguments, words):

@@ -1,4 +1,4 @@
-"""Learners, for a few hundred steps; give --learners."""
+"""Training for a few hundred steps; run with --learners."""
 
 import building2building as b2b
 import numpy as np
@@ -9,7 +9,7 @@ pytestmark = pytest.mark.learners
 
 @pytest.fixture(autouse=True)
 def one_thread():
-    """Small networks are slower on several threads, and the engine needs the other processors."""
+    """Small networks are slower with several threads, and the engine needs the other processors."""
     import torch
 
     torch.set_num_threads(1)
@@ -19,7 +19,7 @@ DAYS = {"run_period": "01-01..01-01", "timesteps_per_hour": 4}
 
 
 @pytest.mark.parametrize("algorithm", ["PPO", "SAC"])
-def test_sb3_learns_on_native_vector_environments(algorithm):
+def test_sb3_learns_on_vector_environments(algorithm):
     import stable_baselines3
     from building2building.sb3 import make_sb3_vec
 
@@ -61,7 +61,7 @@ def test_sb3_sees_the_last_observation_of_an_episode():
     envs.close()
 
 
-def test_episodes_are_a_minari_dataset_that_makes_its_environment_again(tmp_path, monkeypatch):
+def test_a_minari_dataset_recovers_its_environment(tmp_path, monkeypatch):
     import minari
 
     monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path))
@@ -76,7 +76,7 @@ def test_episodes_are_a_minari_dataset_that_makes_its_environment_again(tmp_path
     env.close()
 
 
-def test_a_trajectory_is_a_parquet_file(office, tmp_path):
+def test_a_trajectory_is_written_as_parquet(office, tmp_path):
     import pyarrow.parquet
 
     trajectory = b2b.rollout(office, b2b.ReactiveController(office), steps=10)
@@ -88,7 +88,7 @@ def test_a_trajectory_is_a_parquet_file(office, tmp_path):
 
 @pytest.mark.parametrize("algorithm", ["PPO", "SAC"])
 def test_a_policy_is_exported_and_evaluated_without_python(algorithm, b2b_command, tmp_path):
-    """The network in the file runs in Rust, with sums in another order: the returns agree but for f32's rounding."""
+    """In Rust, the network adds in another order, so the returns agree up to the rounding of f32."""
     import json
     import subprocess
 

@@ -1,4 +1,4 @@
-"""Threads, forks, signals, and what stays behind."""
+"""Threads, forks, signals, and processes that are left behind."""
 
 import multiprocessing
 import os
@@ -26,7 +26,7 @@ def episode_in_another_process(queue, env=None):
     queue.put(episode(env))
 
 
-def test_the_in_process_environment_is_the_same_to_the_bit(make, office):
+def test_the_in_process_environment_is_identical_bit_for_bit(make, office):
     env = make(in_process=True)
     assert episode(env) == episode(office)
     refused = []
@@ -62,7 +62,7 @@ def test_several_threads_step_several_environments(make, office):
 
 
 @pytest.mark.parametrize("method", ["fork", "spawn"])
-def test_other_processes_have_environments_of_their_own(method, office):
+def test_other_processes_can_make_environments(method, office):
     context = multiprocessing.get_context(method)
     queue = context.Queue()
     process = context.Process(target=episode_in_another_process, args=(queue,))
@@ -72,7 +72,7 @@ def test_other_processes_have_environments_of_their_own(method, office):
     assert process.exitcode == 0
 
 
-def test_a_fork_leaves_the_environments_of_its_parent_alone(make):
+def test_a_fork_does_not_touch_the_environments_of_its_parent(make):
     env = make()
     env.reset()
     expected = episode(env)
@@ -101,7 +101,7 @@ def test_a_fork_leaves_the_environments_of_its_parent_alone(make):
 
 
 def workers_of(pid: int) -> list[int]:
-    """Workers that a process started, and their copies: they have its number in their arguments."""
+    """The workers that a process started, and their copies, which have its id in their arguments."""
     found = []
     for entry in os.listdir("/proc"):
         if entry.isdigit():
@@ -132,7 +132,7 @@ def script(text: str, tmp_path) -> subprocess.Popen:
         stderr=subprocess.PIPE,
         text=True,
         env=environment,
-        # A shell has what it runs in the background ignore Ctrl-C.
+        # Shells make background processes ignore Ctrl-C.
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
 
@@ -149,14 +149,14 @@ def interrupted(text: str, tmp_path) -> subprocess.Popen:
 ENV = "import building2building as b2b; env = b2b.make_env('OfficeSmall', run_period='winter'); env.reset()\n"
 
 
-def test_leaving_without_close_leaves_nothing(tmp_path):
+def test_exiting_without_close_leaves_no_process(tmp_path):
     process = script(ENV + "env.step(env.action_space.low); keep = env.snapshot()", tmp_path)
     _, err = process.communicate(timeout=120)
     assert process.returncode == 0 and err == ""
     assert gone_within(5, process.pid) and os.listdir(tmp_path) == []
 
 
-def test_a_killed_program_leaves_nothing(tmp_path):
+def test_a_killed_program_leaves_no_process(tmp_path):
     process = script(ENV + "print('ready', flush=True); import time; time.sleep(100)", tmp_path)
     assert process.stdout.readline() == "ready\n"
     assert workers_of(process.pid)
@@ -169,7 +169,7 @@ def test_a_killed_program_leaves_nothing(tmp_path):
     assert os.listdir(tmp_path) == []
 
 
-def test_ctrl_c_stops_a_rollout_and_the_environment_goes_on(tmp_path):
+def test_ctrl_c_stops_a_rollout_and_the_environment_remains_usable(tmp_path):
     process = interrupted(
         ENV
         + """
@@ -181,15 +181,15 @@ try:
 except KeyboardInterrupt:
     env.reset()
     env.step(env.action_space.low)
-    print('went on', flush=True)
+    print('resumed', flush=True)
 """,
         tmp_path,
     )
     out, err = process.communicate(timeout=30)
-    assert (out, err, process.returncode) == ("went on\n", "", 0)
+    assert (out, err, process.returncode) == ("resumed\n", "", 0)
 
 
-def test_ctrl_c_stops_a_building_in_the_making(tmp_path):
+def test_ctrl_c_stops_the_preparation_of_a_building(tmp_path):
     process = interrupted(
         """
 import time
@@ -203,7 +203,7 @@ try:
     b2b.make_env('OfficeMedium', place='Miami')
 except KeyboardInterrupt:
     at_once = time.monotonic() - begun < 0.5 + whole / 2
-    print('stopped' if at_once else 'at its end', flush=True)
+    print('stopped' if at_once else 'finished', flush=True)
 """,
         tmp_path,
     )
@@ -212,8 +212,8 @@ except KeyboardInterrupt:
     assert gone_within(5, process.pid)
 
 
-def test_ctrl_c_in_a_reset_stops_it_and_the_next_one_works(tmp_path):
-    # Every episode is another building, so that a reset is the making of one, its sizing and its warm-up.
+def test_ctrl_c_stops_a_reset_and_the_next_one_works(tmp_path):
+    # Every episode has another building, so that a reset includes its sizing and warm-up.
     process = interrupted(
         """
 import building2building as b2b
@@ -229,17 +229,17 @@ except KeyboardInterrupt:
     print('stopped', flush=True)
 env.reset()
 env.step(env.action_space.low)
-print('went on', flush=True)
+print('resumed', flush=True)
 """,
         tmp_path,
     )
     assert process.stdout.readline() == "stopped\n"
     out, err = process.communicate(timeout=60)
-    assert (out, err, process.returncode) == ("went on\n", "", 0)
+    assert (out, err, process.returncode) == ("resumed\n", "", 0)
     assert gone_within(5, process.pid)
 
 
-def test_an_episode_whose_process_dies_says_so_and_the_next_begins(make):
+def test_a_dead_process_raises_and_the_next_episode_begins(make):
     env = make()
     env.reset()
     os.kill(env._core.process, signal.SIGKILL)
@@ -264,7 +264,7 @@ def test_the_package_is_imported_quickly_and_without_torch():
     assert out.stdout == "False\n"
 
 
-def test_snapshots_branch_the_true_simulation(make):
+def test_snapshots_branch_the_simulation(make):
     env = make()
     env.reset()
     rng = np.random.default_rng(0)

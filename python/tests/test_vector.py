@@ -1,4 +1,4 @@
-"""What Gymnasium asks of a vector environment."""
+"""The contract of a Gymnasium vector environment."""
 
 import warnings
 
@@ -25,7 +25,7 @@ def make_vec():
         envs.close()
 
 
-def test_make_vec_gives_the_native_one():
+def test_make_vec_returns_a_building_vector_environment():
     envs = gymnasium.make_vec("b2b/OfficeSmall-v0", num_envs=2, **DAY)
     assert isinstance(envs, b2b.BuildingVectorEnv)
     assert envs.metadata["autoreset_mode"] == AutoresetMode.NEXT_STEP
@@ -55,7 +55,7 @@ def test_every_id_is_a_vector_environment_without_a_warning(building_type):
 
 
 @pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
-def test_it_does_what_gymnasium_s_own_does(mode, make_vec):
+def test_it_equals_gymnasium_s_sync_vector_environment(mode, make_vec):
     def single():
         return b2b.make_env("OfficeSmall", rescale_action=True, **DAY)
 
@@ -81,7 +81,7 @@ def test_it_does_what_gymnasium_s_own_does(mode, make_vec):
     theirs.close()
 
 
-def test_without_autoreset_a_mask_says_who_begins_again(make_vec):
+def test_without_autoreset_a_mask_selects_the_environments_to_reset(make_vec):
     envs = make_vec("OfficeSmall", 2, autoreset_mode="Disabled")
     envs.reset(seed=0)
     for _ in range(24):
@@ -100,7 +100,7 @@ def test_buildings_of_different_types_are_padded(make_vec):
     assert envs.single_observation_space.shape == (13,) and envs.single_action_space.shape == (10,)
     observations, info = envs.reset(seed=0)
     assert list(info["building"]) == ["SingleFamilyHouse", "OfficeSmall"]
-    width = len(envs.layout_of(0).data["observation"])
+    width = len(envs.layout_of(0).observation)
     assert width < 13 and not observations[0, width:].any()
     envs.step(envs.action_space.sample())
     with pytest.raises(errors.SettingError, match="rescale_action"):
@@ -119,23 +119,23 @@ def test_a_seed_draws_the_buildings_and_the_days(make_vec):
         window_starts=2,
     )
 
-    def drawn(seed):
+    def sampled(seed):
         observations, info = envs.reset(seed=seed)
         return list(info["building"]), observations[:, -3].tolist()
 
-    seen = [drawn(seed) for seed in range(4)]
-    assert seen == [drawn(seed) for seed in range(4)]
-    assert len({str(each) for each in seen}) > 1
+    episodes = [sampled(seed) for seed in range(4)]
+    assert episodes == [sampled(seed) for seed in range(4)]
+    assert len({str(each) for each in episodes}) > 1
 
 
-def test_a_reward_of_ones_own_is_of_all_at_once(make_vec):
+def test_a_custom_reward_is_computed_for_the_batch(make_vec):
     envs = make_vec("OfficeSmall", 2, reward=lambda info: -np.abs(info["zone_deviation"]).max(axis=1))
     envs.reset(seed=0)
     _, rewards, *_, info = envs.step(envs.action_space.sample())
     np.testing.assert_array_equal(rewards, -np.abs(info["zone_deviation"]).max(axis=1))
 
 
-def test_wrong_actions_are_refused_before_anything_moves(make_vec):
+def test_invalid_actions_raise_before_any_environment_steps(make_vec):
     envs = make_vec("OfficeSmall", 2)
     envs.reset(seed=0)
     with pytest.raises(errors.ActionError, match=r"\[2, 10\]"):

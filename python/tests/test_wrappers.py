@@ -22,7 +22,7 @@ def test_padding_is_zeros(make):
         wrappers.PadObservation(make(), 5)
 
 
-def test_normalised_observations_fill_their_range(make):
+def test_normalized_observations_map_bounds_to_minus_one_and_one(make):
     env = wrappers.NormalizeObservation(make())
     observation = stepped(env)
     assert np.abs(observation).max() <= 1
@@ -34,14 +34,14 @@ def test_normalised_observations_fill_their_range(make):
     assert observation[outdoors] == pytest.approx(2 * (plain[outdoors] + 40) / 90 - 1, abs=1e-6)
 
 
-def test_the_building_is_told(make):
+def test_building_parameters_are_appended(make):
     observation = stepped(wrappers.AugmentObservationWithBuildingParams(make()))
     assert len(observation) > 15 and np.isfinite(observation).all() and observation[13:].any()
     with pytest.raises(errors.SettingError, match="a building has no"):
-        wrappers.AugmentObservationWithBuildingParams(make(), ["colour"])
+        wrappers.AugmentObservationWithBuildingParams(make(), ["color"])
 
 
-def test_another_building_every_episode(make):
+def test_buildings_are_resampled_on_reset(make):
     env = wrappers.ResampleBuildingOnResetWrapper(
         make("SingleFamilyHouse", rescale_action=True),
         ["SingleFamilyHouse", "SingleFamilyHouse-0001"],
@@ -58,18 +58,18 @@ def test_another_building_every_episode(make):
     assert env.reset(options={"building": "SingleFamilyHouse-0001"})[1]["building"] == "SingleFamilyHouse-0001"
 
 
-def test_the_forecast_is_the_weather_to_come(make):
+def test_the_forecast_is_the_future_weather(make):
     env = wrappers.WeatherForecast(make(), hours=3, quantities=("temperature", "wind_speed"))
     assert stepped(env).shape == (19,)
     observation, _ = env.reset()
     for _ in range(12):
         later, *_ = env.step(env.action_space.low)
-    # What was forecast for an hour ahead, against what the engine has then: the mean of that hour's steps moves on.
+    # The engine interpolates within the hour, so the forecast and its later value differ slightly.
     assert observation[13] == pytest.approx(later[6], abs=0.6)
     assert later[13] == pytest.approx(observation[14], abs=1e-4)
 
 
-def test_a_price_is_seen_and_charged(make):
+def test_a_price_is_observed_and_charged(make):
     series = np.arange(24) / 100 + 0.1
     env = wrappers.PriceSignal(make(), series, ahead=2, weight=1000.0)
     observation, _ = env.reset()
@@ -82,33 +82,33 @@ def test_a_price_is_seen_and_charged(make):
         wrappers.PriceSignal(make(), [1.0])
 
 
-def test_parts_are_chosen_by_name(make):
+def test_slots_and_actuators_are_selected_by_name(make):
     env = wrappers.SubsetObservation(make(), ["outdoor air temperature", "Core_ZN air temperature"])
     assert stepped(env).shape == (2,)
     env = wrappers.SubsetAction(make(), ["Core_ZN supply air flow"])
     env.reset()
     env.step(np.array([0.1], dtype=np.float32))
-    carried_out = env.unwrapped.carried_out()
-    assert carried_out[env.unwrapped.metadata["action_names"].index("Core_ZN supply air flow")] == np.float32(0.1)
-    assert carried_out[1] > 10
+    applied = env.unwrapped.applied_action()
+    assert applied[env.unwrapped.metadata["action_names"].index("Core_ZN supply air flow")] == np.float32(0.1)
+    assert applied[1] > 10
     with pytest.raises(errors.SettingError, match="Core_ZN"):
         wrappers.SubsetAction(make(), ["no such"])
 
 
-def test_wrapped_environments_are_made_again_from_their_spec(make):
+def test_a_spec_makes_the_same_wrapped_environment(make):
     env = wrappers.PadObservation(wrappers.NormalizeObservation(make()), 20)
     again = gymnasium.make(env.spec)
     np.testing.assert_array_equal(again.reset(seed=0)[0], env.reset(seed=0)[0])
     again.close()
 
 
-def test_learners_get_bounded_boxes(make):
+def test_wrap_env_for_rl_bounds_both_spaces(make):
     env = b2b.wrap_env_for_rl(make(), width=20)
     assert env.observation_space.shape == (20,) and env.action_space.low.tolist() == [-1.0] * 10
     stepped(env)
 
 
-def test_zones_are_agents_of_a_parallel_environment(make):
+def test_zones_are_agents(make):
     from building2building.multiagent import ZonesParallelEnv
     from pettingzoo.test import parallel_api_test
 

@@ -8,8 +8,8 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use b2b_building::Class;
-use b2b_building::dataset::GENERATOR_VERSION;
 use b2b_control::ReactiveParameters;
+use b2b_dataset::GENERATOR_VERSION;
 use b2b_energyplus::install::{ENGINE_VERSION, cache_dir};
 use b2b_env::{Metrics, Resource, Task};
 use serde::{Deserialize, Serialize};
@@ -46,7 +46,7 @@ pub(crate) fn controllers_hash() -> String {
 }
 
 fn hash(parameters: &ReactiveParameters) -> String {
-    short(&hex(format!("{parameters:?}").as_bytes()))
+    short(&hex(parameters.fingerprint().as_bytes()))
 }
 
 fn short(hash: &str) -> String {

@@ -168,7 +168,7 @@ pub enum Error {
     Interrupted,
     /// A building could not be found or prepared.
     #[error(transparent)]
-    Building(Box<b2b_building::Error>),
+    Building(Box<b2b_dataset::Error>),
     /// An environment failed.
     #[error(transparent)]
     Env(#[from] b2b_env::Error),
@@ -185,9 +185,21 @@ pub enum Error {
     },
 }
 
+impl From<b2b_dataset::Error> for Error {
+    fn from(error: b2b_dataset::Error) -> Self {
+        Self::Building(Box::new(error))
+    }
+}
+
 impl From<b2b_building::Error> for Error {
     fn from(error: b2b_building::Error) -> Self {
-        Self::Building(Box::new(error))
+        b2b_dataset::Error::from(error).into()
+    }
+}
+
+impl From<b2b_climate::Error> for Error {
+    fn from(error: b2b_climate::Error) -> Self {
+        b2b_dataset::Error::from(error).into()
     }
 }
 

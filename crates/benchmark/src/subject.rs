@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
-use b2b_building::climate::{ClimateYear, Place};
-use b2b_building::{BuildingName, Catalog, Class, Found, Placement, dataset};
+use b2b_building::Class;
+use b2b_climate::{ClimateYear, Place};
+use b2b_dataset::{BuildingName, Catalog, Found, Placement};
 use b2b_energyplus::install::Progress;
 use sha2::{Digest, Sha256};
 
@@ -37,7 +38,7 @@ impl Subject {
     /// `train` or `test`; nothing for what is not of the dataset.
     pub fn split(&self) -> String {
         match self.name {
-            BuildingName::Id(id) => dataset::row(id).split.to_string(),
+            BuildingName::Id(id) => b2b_dataset::row(id).split.to_string(),
             BuildingName::Type(_) | BuildingName::Model(_) => String::new(),
         }
     }
@@ -81,7 +82,7 @@ impl Subject {
     /// The place of a building that was found.
     pub(crate) fn surroundings(&self, found: &Found) -> Result<Surroundings> {
         let listed = match &self.name {
-            BuildingName::Id(id) => dataset::row(*id).building.location().ashrae_zone(),
+            BuildingName::Id(id) => b2b_dataset::row(*id).building.location().ashrae_zone(),
             _ if self.placement.weather.is_some() => None,
             _ => Place::find(&found.place).ok().map(|place| place.ashrae_zone),
         };

@@ -9,9 +9,9 @@ pub const WALL_FILMS: f64 = 0.15;
 /// Air films on both sides of a roof, m²K/W: 0.03 outside, 0.11 inside (heat flowing up).
 pub const ROOF_FILMS: f64 = 0.14;
 /// The class of insulation in the prototypes: a resistance without mass.
-pub(crate) const INSULATION: &str = "Material:NoMass";
+pub const INSULATION: &str = "Material:NoMass";
 /// The class of glazing that is given by its U and its solar heat gain coefficient alone.
-pub(crate) const SIMPLE_GLAZING: &str = "WindowMaterial:SimpleGlazingSystem";
+pub const SIMPLE_GLAZING: &str = "WindowMaterial:SimpleGlazingSystem";
 /// Layers of a construction, outermost first.
 const LAYERS: [&str; 10] = [
     "outside_layer",
@@ -36,7 +36,7 @@ pub struct Glazing {
 }
 
 /// The layers of a construction, outermost first.
-pub(crate) fn layers(construction: &Fields) -> impl Iterator<Item = &str> {
+pub fn layers(construction: &Fields) -> impl Iterator<Item = &str> {
     LAYERS.iter().map_while(|layer| text(construction, layer))
 }
 
@@ -44,14 +44,14 @@ pub(crate) fn layers(construction: &Fields) -> impl Iterator<Item = &str> {
 ///
 /// # Errors
 /// [`crate::Error::MissingObject`] when the model has no such construction.
-pub(crate) fn insulation_of(model: &Model, construction: &str) -> Result<Option<String>> {
+pub fn insulation_of(model: &Model, construction: &str) -> Result<Option<String>> {
     let fields = model.require("Construction", construction)?;
     let insulation = layers(fields).find(|layer| model.contains(INSULATION, layer));
     Ok(insulation.map(str::to_lowercase))
 }
 
 /// Resistance of a material, m²K/W; `None` when its class has none.
-pub(crate) fn resistance(model: &Model, material: &str) -> Option<f64> {
+pub fn resistance(model: &Model, material: &str) -> Option<f64> {
     for class in [INSULATION, "Material:AirGap"] {
         if let Some(fields) = model.get(class, material) {
             return number(fields, "thermal_resistance");

@@ -44,32 +44,6 @@ pub enum Error {
         /// Every type.
         known: String,
     },
-    /// Text that is no id of a building of the dataset.
-    #[error("`{text}` is no building of the dataset: give a type and a number, for example OfficeSmall-0042")]
-    BuildingId {
-        /// The text.
-        text: String,
-    },
-    /// A number that no building of the dataset has.
-    #[error(
-        "there is no {building_type} number `{number}`: the dataset has {building_type}-0001 to \
-         {building_type}-{}",
-        crate::dataset::BUILDINGS_PER_TYPE
-    )]
-    BuildingNumber {
-        /// The type.
-        building_type: crate::BuildingType,
-        /// The number, as it was given.
-        number: String,
-    },
-    /// The engine has no stock models beside it.
-    #[error(
-        "this EnergyPlus has no {file} beside it: unset B2B_ENERGYPLUS so that the packaged engine is used"
-    )]
-    NoStockModels {
-        /// The file looked for.
-        file: String,
-    },
     /// Text that is no day of the year.
     #[error("`{text}` is no date of the year: give MM-DD, for example 02-28 (there is no 29 February)")]
     Date {
@@ -85,100 +59,6 @@ pub enum Error {
         /// The text.
         text: String,
     },
-    /// A parameter of a generated building that is out of its bounds.
-    #[error("`{name}` is {value}, and must be a number from {low} to {high}")]
-    Parameter {
-        /// The parameter.
-        name: &'static str,
-        /// Its value.
-        value: f64,
-        /// Lowest value.
-        low: f64,
-        /// Highest value.
-        high: f64,
-    },
-    /// What was asked of a parameter cannot be.
-    #[error("`{name}` is `{text}`: {remedy}")]
-    Setting {
-        /// The parameter.
-        name: String,
-        /// What was asked.
-        text: String,
-        /// What would do.
-        remedy: String,
-    },
-    /// A name that is no parameter of a type.
-    #[error(
-        "{building_type} has no parameter `{name}`{}; its parameters are {known}",
-        near.map(|near| format!(": did you mean {near}?")).unwrap_or_default()
-    )]
-    UnknownParameter {
-        /// The name.
-        name: String,
-        /// The type.
-        building_type: crate::BuildingType,
-        /// The parameter it resembles.
-        near: Option<&'static str>,
-        /// Every parameter.
-        known: String,
-    },
-    /// A parameter that cannot be at a place, whose climate bounds it.
-    #[error("{source} in {place} (climate zone {zone}): narrow it, or choose other places")]
-    AtPlace {
-        /// The place.
-        place: String,
-        /// Its climate zone.
-        zone: String,
-        /// What is wrong.
-        source: Box<Error>,
-    },
-    /// Text that is no climate zone of ASHRAE 169 with a row in the code's tables.
-    #[error("there is no climate zone `{zone}`: give 1 to 8 with the letter of its humidity, for example 5B")]
-    ClimateZone {
-        /// The text.
-        zone: String,
-    },
-    /// A building type that the commercial generator does not make.
-    #[error("{building_type} is no commercial building: it has a generator of its own")]
-    NotCommercial {
-        /// The type.
-        building_type: crate::BuildingType,
-    },
-    /// A place that no known weather file is of.
-    #[error(
-        "there is no weather for `{name}`{}; the places are {}, or give the path of an EPW file",
-        near.map(|near| format!(": did you mean {near}?")).unwrap_or_default(),
-        known.join(", ")
-    )]
-    UnknownPlace {
-        /// What was asked for.
-        name: String,
-        /// The known place it resembles.
-        near: Option<&'static str>,
-        /// Every known place.
-        known: Vec<&'static str>,
-    },
-    /// A building of the dataset under the weather of another place.
-    #[error(
-        "{building} stands in {place}: give a weather file (--weather FILE.epw) to put it under other weather, or a type for another place"
-    )]
-    HasPlace {
-        /// The building.
-        building: String,
-        /// Its place.
-        place: String,
-    },
-    /// A user's model without weather.
-    #[error(
-        "{path} has no weather: give a weather file (--weather FILE.epw), or a place (--place NAME; `b2b list places`)"
-    )]
-    NoWeather {
-        /// The model.
-        path: PathBuf,
-    },
-    /// The engine or a weather package could not be had.
-    #[error(transparent)]
-    Install(#[from] b2b_energyplus::install::Error),
     /// A file could not be read or written.
     #[error("{path}: {source}")]
     Io {
@@ -223,6 +103,16 @@ pub enum Error {
         /// Each field as class, object and field.
         fields: Vec<String>,
     },
+    /// A place or its weather file cannot be used.
+    #[error(transparent)]
+    Climate(#[from] b2b_climate::Error),
+}
+
+impl Error {
+    /// An [`Error::Unsupported`] for an object.
+    pub fn unsupported(class: &str, name: &str, why: &str) -> Self {
+        Self::Unsupported { class: class.to_owned(), name: name.to_owned(), why: why.to_owned() }
+    }
 }
 
 /// A result of this crate.

@@ -6,6 +6,7 @@
 use std::fmt;
 use std::path::Path;
 
+use b2b_energyplus::Library;
 use serde::Serialize;
 use serde::de::{Deserialize, DeserializeSeed, Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
 use serde_json::{Map, Value};
@@ -25,6 +26,20 @@ pub struct Model {
 }
 
 impl Model {
+    /// Reads a model file: epJSON, or IDF through the engine's own converter.
+    ///
+    /// # Errors
+    /// [`Error::Malformed`] and [`Error::Io`] naming the file; [`Error::Engine`] with the engine's messages when it
+    /// cannot read an IDF.
+    pub fn read(path: &Path, library: &Library) -> Result<Self> {
+        if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("idf")) {
+            return Self::from_epjson(&library.convert_idf(path)?, path);
+        }
+        let text =
+            std::fs::read_to_string(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
+        Self::from_epjson(&text, path)
+    }
+
     /// Parses an epJSON text.
     ///
     /// # Errors
@@ -107,6 +122,24 @@ impl Model {
     /// [`Error::MissingObject`] naming the class and the object.
     pub fn require_mut(&mut self, class: &str, name: &str) -> Result<&mut Fields> {
         self.get_mut(class, name).ok_or_else(|| missing(class, name))
+    }
+
+    /// A size that an object must carry.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] when the field is not a number; [`Error::MissingObject`] naming the class and the object.
+    pub fn require_size(&self, class: &str, name: &str, field: &str) -> Result<f64> {
+        let unsized_field =
+            || Error::unsupported(class, name, &format!("`{field}` must be a number: size the model first"));
+        number(self.require(class, name)?, field).ok_or_else(unsized_field)
+    }
+
+    /// Takes out an object that must be there and returns its fields.
+    ///
+    /// # Errors
+    /// [`Error::MissingObject`] naming the class and the object.
+    pub fn take(&mut self, class: &str, name: &str) -> Result<Fields> {
+        self.remove(class, name).ok_or_else(|| missing(class, name))
     }
 
     /// Puts an object in, replacing one of the same name.
@@ -253,6 +286,11 @@ pub fn text<'a>(fields: &'a Fields, field: &str) -> Option<&'a str> {
 /// A numeric field, if it is there and is a number.
 pub fn number(fields: &Fields, field: &str) -> Option<f64> {
     fields.get(field)?.as_f64()
+}
+
+/// The objects in an array field.
+pub fn items<'a>(fields: &'a Fields, array: &str) -> impl Iterator<Item = &'a Fields> {
+    fields.get(array).and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_object)
 }
 
 fn order(fields: &Fields) -> u64 {

@@ -4,7 +4,7 @@ use crate::model::{Fields, Model, number, text};
 use crate::zone::{Surface, polygon_area};
 
 /// The class of windows and doors that are given by their corners.
-pub(crate) const FENESTRATION: &str = "FenestrationSurface:Detailed";
+pub const FENESTRATION: &str = "FenestrationSurface:Detailed";
 
 /// A window or a door in a surface.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,18 +47,18 @@ pub fn openings(model: &Model) -> Vec<Opening> {
 }
 
 /// Whether a fenestration surface is glass.
-pub(crate) fn is_glass(fenestration: &Fields) -> bool {
+pub fn is_glass(fenestration: &Fields) -> bool {
     matches!(text(fenestration, "surface_type"), Some("Window" | "GlassDoor"))
 }
 
 /// The corners of a detailed fenestration surface.
-pub(crate) fn corners(fields: &Fields) -> Vec<[f64; 3]> {
+pub fn corners(fields: &Fields) -> Vec<[f64; 3]> {
     let axis = |corner: usize, axis| number(fields, &format!("vertex_{corner}_{axis}_coordinate"));
     (1..=4).map_while(|i| Some([axis(i, "x")?, axis(i, "y")?, axis(i, "z")?])).collect()
 }
 
 /// The surface that a fenestration surface is in.
-pub(crate) fn parent<'a>(surfaces: &'a [Surface], fenestration: &Fields) -> Option<&'a Surface> {
+pub fn parent<'a>(surfaces: &'a [Surface], fenestration: &Fields) -> Option<&'a Surface> {
     let name = text(fenestration, "building_surface_name")?;
     surfaces.iter().find(|surface| surface.name.eq_ignore_ascii_case(name))
 }

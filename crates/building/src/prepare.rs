@@ -2,17 +2,19 @@
 
 use std::path::Path;
 
+use b2b_climate::Site;
 use b2b_energyplus::Library;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
+use crate::hvac::energy_management;
 use crate::hvac::{self, Actuator, Discovery, LeftAlone, System};
 use crate::model::Model;
 use crate::outputs;
 use crate::run_period::RunPeriod;
 use crate::sizing::{self, Sizes};
 use crate::zone;
-use crate::{Class, Error, Result, climate::Site};
+use crate::{Class, Error, Result};
 
 /// A building ready for control: hard-sized, every actuator bites, nothing is written.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -70,7 +72,7 @@ impl PreparedBuilding {
     /// the engine refuses the model.
     pub fn new(name: &str, mut model: Model, weather: &Path, library: &Library) -> Result<Self> {
         let air_density = size(&mut model, weather, library)?;
-        hvac::common::remove_ems_programs(&mut model, hvac::common::sets_a_schedule);
+        energy_management::remove_ems_programs(&mut model, energy_management::sets_a_schedule);
         let systems = hvac::make_controllable(&mut model, air_density)?;
         Self::with(name, model, Discovery { systems, left: Vec::new() })
     }

@@ -26,13 +26,13 @@ mod exceptions;
 use std::path::Path;
 
 use b2b_energyplus::{Library, Run};
+use exceptions::{ALIASES, OPTIONAL, POSITIVE, UNUSED};
 use rusqlite::{Connection, OpenFlags};
 use serde_json::{Value, json};
 
 use crate::model::Fields;
 use crate::outputs;
 use crate::{Error, Model, Result};
-use exceptions::{ALIASES, OPTIONAL, POSITIVE, UNUSED};
 
 /// One size as the engine reports it.
 #[derive(Clone, Debug, PartialEq)]

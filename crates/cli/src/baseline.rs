@@ -1,60 +1,56 @@
-//! `b2b baseline`: what the reactive controllers get, as a table.
+//! `b2b baseline`: the returns of the reactive controllers, as a table.
 
+use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::{Result, bail};
 use b2b_benchmark::{Baselines, Episode, Key, Subject, Surroundings, Terms, baseline_table};
-use b2b_building::{BuildingName, BuildingType, Catalog, RunPeriod};
+use b2b_building::RunPeriod;
+use b2b_dataset::Catalog;
 use b2b_env::Task;
 
-use crate::evaluate::{Bars, evaluation, names};
-use crate::generate::Part;
+use crate::arguments::buildings::Buildings;
+use crate::arguments::jobs::Jobs;
+use crate::arguments::task;
+use crate::evaluation::{Bars, evaluation};
 use crate::output_folder::OutputFolder;
 use crate::progress::Download;
-use crate::{interrupt, run, shipped, stdout};
+use crate::{interrupt, shipped, stdout};
 
-/// Compute the returns that scores are relative to
+/// Compute the baseline returns that scores are normalized by
 ///
-/// One episode of the reactive controllers gives them for every weight of energy. They are kept in the cache as they
-/// end, so that the same command goes on where it was interrupted; --fresh computes them again. --check compares with
-/// those that are shipped, and ends with exit code 1 where they differ by more than 1e-6.
+/// One episode of the reactive controllers gives the baseline for every energy weight. Finished episodes are cached:
+/// the same command resumes an interrupted run; --fresh ignores the cache. With --check, compares the results with the
+/// shipped baselines and exits with code 1 if any differs by more than 1e-6 (relative).
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
-  b2b baseline --out crates/benchmark/data/baselines.csv     as shipped
+  b2b baseline --out crates/benchmark/data/baselines.csv     the shipped table
   b2b baseline --check --fresh SingleFamilyHouse-0014 --task constant --period winter")]
 pub struct Arguments {
-    /// Buildings [default: those of --split]
-    #[arg(value_name = "BUILDING")]
-    buildings: Vec<BuildingName>,
-    /// Part of the dataset
-    #[arg(long, value_enum, default_value = "test_small", conflicts_with = "buildings")]
-    split: Part,
-    /// Only buildings of these types
-    #[arg(long = "type", value_name = "TYPE", num_args = 1.., conflicts_with = "buildings")]
-    types: Vec<BuildingType>,
-    /// What is asked; the weight of energy does not matter
-    #[arg(long = "task", value_name = "TASK", num_args = 1.., value_parser = run::task,
+    #[command(flatten)]
+    buildings: Buildings,
+    /// Tasks; the energy weight does not matter
+    #[arg(long = "task", value_name = "TASK", num_args = 1.., value_parser = task::parse,
           default_values = ["constant", "occupancy", "random"])]
     tasks: Vec<Task>,
-    /// Days
-    #[arg(long = "period", value_name = "DAYS", num_args = 1..,
+    /// Run periods: winter, summer, full_year or MM-DD..MM-DD
+    #[arg(long = "period", value_name = "PERIOD", num_args = 1..,
           default_values_t = [RunPeriod::WINTER, RunPeriod::SUMMER, RunPeriod::FULL_YEAR])]
     periods: Vec<RunPeriod>,
-    /// Zone time steps an hour
+    /// Zone time steps per hour
     #[arg(long, default_value_t = 12, value_name = "N")]
     steps_per_hour: u32,
-    /// Episodes at a time [default: one for each core]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
-    jobs: Option<u32>,
-    /// Do not take what the cache holds
+    #[command(flatten)]
+    jobs: Jobs,
+    /// Ignore cached baselines
     #[arg(long)]
     fresh: bool,
-    /// File to write
+    /// CSV file to write
     #[arg(long, value_name = "FILE.csv", required_unless_present = "check")]
     out: Option<PathBuf>,
-    /// Compare with those shipped
+    /// Compare with the shipped baselines instead of writing a file
     #[arg(long, conflicts_with = "out")]
     check: bool,
 }
@@ -62,32 +58,30 @@ pub struct Arguments {
 /// Runs the command.
 pub fn baseline(arguments: &Arguments) -> Result<ExitCode> {
     let catalog = Catalog::open(&mut Download::new(false))?;
-    let wanted = arguments.wanted(&catalog)?;
+    let episodes = arguments.episodes(&catalog)?;
     let fresh = tempfile::tempdir()?;
     let cache = b2b_energyplus::install::cache_dir()?.join("baselines");
     let baselines = Baselines::without_shipped(if arguments.fresh { fresh.path() } else { cache.as_path() });
-    let missing = baselines.missing(wanted.clone());
+    let missing = baselines.missing(episodes.clone());
     let bars = Bars::new(false);
-    let lost = baselines.compute(&evaluation(&catalog, arguments.jobs)?, &missing, &bars)?;
+    let lost = baselines.compute(&evaluation(&catalog, arguments.jobs.count()?)?, &missing, &bars)?;
     drop(bars);
     if let Some((key, why)) = lost.iter().min() {
-        bail!("{} episodes were lost; {}, {}, {}: {why}", lost.len(), key.building, key.task, key.period);
+        bail!("{} episodes failed; first: {}, {}, {}: {why}", lost.len(), key.building, key.task, key.period);
     }
     let rows: Vec<_> =
-        wanted.into_iter().filter_map(|(key, _)| Some((key.clone(), baselines.get(&key)?))).collect();
-    match &arguments.out {
-        Some(path) => write(path, &baseline_table::text(&rows)).map(|()| ExitCode::SUCCESS),
-        None => check(&rows),
-    }
+        episodes.into_iter().filter_map(|(key, _)| Some((key.clone(), baselines.get(&key)?))).collect();
+    let Some(path) = &arguments.out else { return check(&rows) };
+    let table = baseline_table::text(&rows);
+    OutputFolder::write_file(path, |file| Ok(file.write_all(table.as_bytes())?))?;
+    Ok(ExitCode::SUCCESS)
 }
 
 impl Arguments {
-    /// The episodes, with their keys.
-    fn wanted(&self, catalog: &Catalog) -> Result<Vec<(Key, Episode)>> {
-        let names =
-            if self.buildings.is_empty() { names(self.split, &self.types) } else { self.buildings.clone() };
-        let mut wanted = Vec::new();
-        for name in names {
+    /// Returns the episodes with their keys.
+    fn episodes(&self, catalog: &Catalog) -> Result<Vec<(Key, Episode)>> {
+        let mut episodes = Vec::new();
+        for name in self.buildings.names()? {
             interrupt::check()?;
             let subject = Subject::at_home(name);
             let surroundings: Surroundings = subject.locate(catalog, &mut Download::new(false))?;
@@ -100,40 +94,34 @@ impl Arguments {
                         seed: 0,
                         steps_per_hour: self.steps_per_hour,
                     };
-                    wanted.push((Key::of(&episode, &surroundings)?, episode));
+                    episodes.push((Key::of(&episode, &surroundings)?, episode));
                 }
             }
         }
-        Ok(wanted)
+        Ok(episodes)
     }
 }
 
-fn write(path: &std::path::Path, text: &str) -> Result<()> {
-    let Some(name) = path.file_name().filter(|_| !path.is_dir()) else {
-        bail!("{} is a folder: give --out a file", path.display());
-    };
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-    let folder = OutputFolder::stage(folder.unwrap_or(std::path::Path::new(".")))?;
-    folder.write(&name.to_string_lossy(), |file| Ok(std::io::Write::write_all(file, text.as_bytes())?))?;
-    folder.keep()
-}
-
-/// Compares with what is shipped.
+/// Compares with the shipped baselines.
 fn check(rows: &[(Key, Terms)]) -> Result<ExitCode> {
     let known = Baselines::open()?;
     let mut wrong = Vec::new();
     for (key, terms) in rows {
-        let Some((_, theirs)) = known.shipped().find(|(other, _)| *other == key) else {
-            wrong.push(format!("{}, {}, {}: none is shipped", key.building, key.task, key.period));
+        let Some((_, shipped)) = known.shipped().find(|(other, _)| *other == key) else {
+            wrong.push(format!("{}, {}, {}: no shipped baseline", key.building, key.task, key.period));
             continue;
         };
-        let difference = shipped::difference(terms.values(), theirs.values());
+        let difference = shipped::difference(terms.values(), shipped.values());
         if difference > shipped::TOLERANCE {
             wrong
                 .push(format!("{}, {}, {}: differs by {difference:.1e}", key.building, key.task, key.period));
         }
     }
-    stdout::print(&format!("{} baselines, {} of them not as shipped", rows.len(), wrong.len()))?;
+    stdout::print(&format!(
+        "{} baselines checked, {} differ from the shipped values",
+        rows.len(),
+        wrong.len()
+    ))?;
     wrong.iter().try_for_each(|line| stdout::print(&format!("  {line}")))?;
     Ok(if wrong.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }

@@ -1,93 +1,92 @@
-//! `b2b check`: whether buildings of the dataset can be sized, run and held.
+//! `b2b check`: sizing and simulation of dataset buildings.
 
 use std::process::ExitCode;
 
 use anyhow::{Context, Result};
-use b2b_building::dataset::{self, BuildingId};
-use b2b_building::{BuildingName, Conditioning, PreparedBuilding, RunPeriod};
+use b2b_building::{Conditioning, PreparedBuilding, RunPeriod};
+use b2b_dataset::BuildingId;
+use b2b_dataset::BuildingName;
 use b2b_energyplus::Level;
 use b2b_env::{Env, Task, Trajectory};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::controller::{Parameters, reactive};
-use crate::generate::Part;
-use crate::prepare::{Location, Prepared};
+use crate::arguments::buildings::Buildings;
+use crate::arguments::controller::{Parameters, reactive};
+use crate::arguments::jobs::Jobs;
+use crate::arguments::location::Location;
+use crate::prepare::Prepared;
 use crate::progress::counter;
-use crate::run::roll_out;
+use crate::rollout::roll_out;
 use crate::table::Table;
 use crate::{child, interrupt, stdout};
 
-/// Size and run buildings of the dataset, and tell which fail
+/// Size and simulate dataset buildings and report failures
 ///
-/// Each is sized and runs, by default, a winter week and a summer week under the reactive controller with its
-/// default parameters. It fails when EnergyPlus stops or has a severe message, when a zone with heating is
-/// under 12 °C, or when a zone with cooling is over 32 °C. Exit code 1 when one fails.
+/// Runs each building under the reactive controller with its default parameters, by default for a winter week and a
+/// summer week. A building fails if EnergyPlus stops or reports a severe error, if a heated zone falls below 12 °C, or
+/// if a cooled zone rises above 32 °C. Exits with code 1 if any building fails.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
-  b2b check                            the 48 buildings of the small test
+  b2b check                                      the 48 buildings of test_small
   b2b check --split test --jobs 8
-  b2b check --split all --period 01-15..01-15    one day of all 6,000: hours
+  b2b check --split all --period 01-15..01-15    one day in all 6,000 buildings; takes hours
   b2b check OfficeSmall-0042 Warehouse-0007 --json")]
 pub struct Arguments {
-    /// Buildings [default: those of --split]
-    #[arg(value_name = "ID")]
-    ids: Vec<BuildingId>,
-    /// Part of the dataset
-    #[arg(long, value_enum, default_value = "test_small", conflicts_with = "ids")]
-    split: Part,
-    /// Days that each runs: can be given more than once
-    #[arg(long = "period", value_name = "DAYS", default_values = WEEKS)]
+    #[command(flatten)]
+    buildings: Buildings,
+    /// Run period; repeat the option for several
+    #[arg(long = "period", value_name = "PERIOD", default_values = WEEKS)]
     periods: Vec<RunPeriod>,
-    /// Buildings at a time, each in a process of its own [default: one for each core]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
-    jobs: Option<u32>,
+    #[command(flatten)]
+    jobs: Jobs,
     /// Print JSON
     #[arg(long)]
     json: bool,
     /// Check one building in this process, and print its episodes as JSON
-    #[arg(long, hide = true, value_name = "ID", conflicts_with_all = ["ids", "split", "jobs"])]
+    #[arg(long, hide = true, value_name = "ID", conflicts_with_all = ["names", "split", "jobs"])]
     one: Option<BuildingId>,
 }
 
-/// What is run by default: a winter week and a summer week.
+/// The default run periods: a winter week and a summer week.
 const WEEKS: [&str; 2] = ["01-08..01-14", "07-08..07-14"];
 const STEPS_PER_HOUR: u32 = 12;
-/// No zone with heating is colder, °C.
-const COLDEST: f64 = 12.0;
-/// No zone with cooling is warmer, °C.
-const WARMEST: f64 = 32.0;
+/// Lowest temperature allowed in a heated zone, °C.
+const MIN_TEMPERATURE: f64 = 12.0;
+/// Highest temperature allowed in a cooled zone, °C.
+const MAX_TEMPERATURE: f64 = 32.0;
 
-/// What became of a building.
+/// The result of a building.
 #[derive(Serialize)]
 struct Report {
     id: String,
     place: String,
-    /// Why it could not be run.
+    /// Why it could not be simulated.
     error: Option<String>,
     episodes: Vec<Outcome>,
     passed: bool,
 }
 
-/// What became of an episode.
+/// The result of an episode.
 #[derive(Serialize, Deserialize)]
 struct Outcome {
     period: String,
     severes: usize,
-    /// First severe message.
+    /// The first severe message.
     severe_message: Option<String>,
     rms_deviation_k: f64,
-    /// HVAC electricity over the period.
+    /// HVAC electricity over the run period.
     electricity_kwh_per_m2: f64,
-    /// HVAC gas over the period.
+    /// HVAC gas over the run period.
     gas_kwh_per_m2: f64,
+    /// Minimum over the heated zones.
     coldest: Extreme,
-    /// Of the zones with cooling.
+    /// Maximum over the cooled zones.
     warmest: Extreme,
 }
 
-/// The coldest or the warmest of some zones.
+/// An extreme temperature and the zone where it occurred.
 #[derive(Serialize, Deserialize)]
 struct Extreme {
     zone: String,
@@ -101,22 +100,17 @@ pub fn check(arguments: &Arguments) -> Result<ExitCode> {
         return Ok(ExitCode::SUCCESS);
     }
     let reports = arguments.reports()?;
-    if arguments.json {
-        stdout::print_json(&reports)?
-    } else {
-        stdout::print(&text(&reports))?
-    }
+    stdout::print_result(arguments.json, &reports, || text(&reports))?;
     let passed = reports.iter().all(|report| report.passed);
     Ok(if passed { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
 impl Arguments {
-    /// One process a building: the engine runs once at a time in a process.
+    /// Checks the buildings, each in its own process: the engine runs once at a time in a process.
     fn reports(&self) -> Result<Vec<Report>> {
-        let ids = self.ids();
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(self.jobs.unwrap_or(0) as usize).build()?;
+        let ids = self.buildings.ids()?;
         let bar = counter(ids.len(), "buildings", self.json);
-        let reports = pool.install(|| {
+        let reports = self.jobs.thread_pool()?.install(|| {
             ids.par_iter()
                 .map(|id| {
                     let report = Report::of(*id, &self.periods);
@@ -128,21 +122,14 @@ impl Arguments {
         bar.finish_and_clear();
         reports
     }
-
-    fn ids(&self) -> Vec<BuildingId> {
-        if !self.ids.is_empty() {
-            return self.ids.clone();
-        }
-        dataset::all().filter(|row| self.split.has(row)).map(|row| row.id).collect()
-    }
 }
 
 impl Report {
-    /// An error only when the user interrupts, or when no process can be started.
+    /// Checks a building. Errors only if the user interrupts, or if no process can be started.
     fn of(id: BuildingId, periods: &[RunPeriod]) -> Result<Self> {
         interrupt::check()?;
         let outcome = run_in_process(id, periods)?;
-        let place = dataset::row(id).building.place().to_owned();
+        let place = b2b_dataset::row(id).building.place().to_owned();
         let (episodes, error) = match outcome {
             Ok(episodes) => (episodes, None),
             Err(error) => (Vec::new(), Some(error)),
@@ -173,12 +160,13 @@ impl Outcome {
     }
 
     fn passed(&self) -> bool {
-        let held = self.coldest.temperature_c >= COLDEST && self.warmest.temperature_c <= WARMEST;
+        let held =
+            self.coldest.temperature_c >= MIN_TEMPERATURE && self.warmest.temperature_c <= MAX_TEMPERATURE;
         self.severes == 0 && held
     }
 }
 
-/// The first in order among the temperatures of some zones. Observations begin with the zones.
+/// Returns the first of the temperatures of some zones by `order`. Observations begin with the zones.
 fn extreme(
     building: &PreparedBuilding,
     trajectory: &Trajectory,
@@ -189,11 +177,11 @@ fn extreme(
     let extremes =
         zones.filter_map(|(slot, zone)| Some((trajectory.observed(slot).min_by(&order)?, zone.name.clone())));
     let (temperature_c, zone) =
-        extremes.min_by(|a, b| order(&a.0, &b.0)).context("no zone has such equipment")?;
+        extremes.min_by(|a, b| order(&a.0, &b.0)).context("no zone has this equipment")?;
     Ok(Extreme { zone, temperature_c })
 }
 
-/// Sizes a building and runs its episodes here.
+/// Sizes a building and runs its episodes in this process.
 fn episodes(id: BuildingId, periods: &[RunPeriod]) -> Result<Vec<Outcome>> {
     let prepared = Prepared::new(&BuildingName::Id(id), &Location::default(), true)?;
     periods.iter().map(|period| run_episode(&prepared, *period)).collect()
@@ -206,13 +194,13 @@ fn run_episode(prepared: &Prepared, period: RunPeriod) -> Result<Outcome> {
     Outcome::of(&env, &rollout.trajectory)
 }
 
-/// The episodes of a building in a process of its own, or what that process said when it failed.
+/// Runs the episodes of a building in its own process. Returns the error message of that process if it fails.
 fn run_in_process(id: BuildingId, periods: &[RunPeriod]) -> Result<Result<Vec<Outcome>, String>> {
     let arguments = ["check".to_owned(), "--one".to_owned(), id.to_string()];
     let periods = periods.iter().map(|period| format!("--period={period}"));
     match child::run(arguments.into_iter().chain(periods))? {
         Ok(text) => Ok(Ok(serde_json::from_str(&text)?)),
-        Err(complaint) => Ok(Err(complaint)),
+        Err(error) => Ok(Err(error)),
     }
 }
 
@@ -220,14 +208,14 @@ fn text(reports: &[Report]) -> String {
     let mut table = Table::new([
         "building",
         "place",
-        "days",
-        "coldest, °C",
-        "warmest, °C",
-        "RMS, K",
-        "electricity, kWh/m²",
-        "gas, kWh/m²",
-        "severe",
-        "",
+        "period",
+        "coldest zone (°C)",
+        "warmest zone (°C)",
+        "RMS deviation (K)",
+        "HVAC electricity (kWh/m²)",
+        "HVAC gas (kWh/m²)",
+        "severe messages",
+        "result",
     ]);
     for report in reports {
         for episode in &report.episodes {
@@ -241,25 +229,25 @@ fn text(reports: &[Report]) -> String {
                 format!("{:.2}", episode.electricity_kwh_per_m2),
                 format!("{:.2}", episode.gas_kwh_per_m2),
                 episode.severes.to_string(),
-                if episode.passed() { "" } else { "failed" }.into(),
+                if episode.passed() { "passed" } else { "FAILED" }.into(),
             ]);
         }
     }
     let failed: Vec<_> = reports.iter().filter(|report| !report.passed).collect();
-    let why: String = failed.iter().map(|report| format!("\n{}", why(report))).collect();
-    format!("{}\n\n{} buildings, {} failed{why}", table.text(), reports.len(), failed.len())
+    let reasons: String = failed.iter().map(|report| format!("\n{}", failure(report))).collect();
+    format!("{}\n\n{} buildings checked, {} failed{reasons}", table.text(), reports.len(), failed.len())
 }
 
-/// One line on a building that failed.
-fn why(report: &Report) -> String {
+/// Returns a line on why a building failed.
+fn failure(report: &Report) -> String {
     let mut reasons: Vec<String> = report.error.iter().cloned().collect();
     for episode in report.episodes.iter().filter(|episode| !episode.passed()) {
         let Outcome { period, coldest, warmest, severe_message, .. } = episode;
-        if coldest.temperature_c < COLDEST {
-            reasons.push(format!("{period}: {} is at {:.1} °C", coldest.zone, coldest.temperature_c));
+        if coldest.temperature_c < MIN_TEMPERATURE {
+            reasons.push(format!("{period}: {} falls to {:.1} °C", coldest.zone, coldest.temperature_c));
         }
-        if warmest.temperature_c > WARMEST {
-            reasons.push(format!("{period}: {} is at {:.1} °C", warmest.zone, warmest.temperature_c));
+        if warmest.temperature_c > MAX_TEMPERATURE {
+            reasons.push(format!("{period}: {} rises to {:.1} °C", warmest.zone, warmest.temperature_c));
         }
         reasons.extend(severe_message.iter().map(|message| format!("{period}: {message}")));
     }

@@ -1,4 +1,4 @@
-//! This program again, in a process of its own: the engine runs once at a time in a process, and a crash ends it.
+//! Child processes of this program: the engine can run only once at a time in a process, and a crash ends the process.
 
 use std::io::{Read, Seek};
 use std::process::{Child, Command, Stdio};
@@ -8,17 +8,18 @@ use anyhow::{Context, Result, bail};
 
 use crate::interrupt;
 
-/// What a run of this program with these arguments prints, or what it says when it fails. An interrupt ends it.
+/// Runs this program with these arguments and returns its standard output, or its standard error if it fails. Errors if
+/// it is interrupted.
 pub fn run<I: AsRef<std::ffi::OsStr>>(
     arguments: impl IntoIterator<Item = I>,
 ) -> Result<Result<String, String>> {
     let program = std::env::current_exe()?;
     let mut command = Command::new(program);
-    // Files, because a pipe that nobody reads yet holds little.
-    let (mut said, mut complaint) = (tempfile::tempfile()?, tempfile::tempfile()?);
-    command.args(arguments).stdin(Stdio::null()).stdout(said.try_clone()?).stderr(complaint.try_clone()?);
+    // Files, because a pipe that is not read yet fills up.
+    let (mut output, mut errors) = (tempfile::tempfile()?, tempfile::tempfile()?);
+    command.args(arguments).stdin(Stdio::null()).stdout(output.try_clone()?).stderr(errors.try_clone()?);
     let success = wait(&mut command.spawn().context("cannot start a process")?)?;
-    let file = if success { &mut said } else { &mut complaint };
+    let file = if success { &mut output } else { &mut errors };
     let mut text = String::new();
     file.rewind()?;
     file.read_to_string(&mut text)?;

@@ -1,38 +1,39 @@
-//! `b2b doctor`: what is installed and whether it is whole.
+//! `b2b doctor`: the state of the installation, and the actuator response check.
 
 use std::process::ExitCode;
 
 use anyhow::Result;
-use b2b_building::climate::weather::PACKAGES;
-use b2b_building::{BuildingName, BuildingType, RunPeriod};
+use b2b_building::{BuildingType, RunPeriod};
+use b2b_climate::weather::PACKAGES;
+use b2b_control::{Constant, Controller};
+use b2b_dataset::BuildingName;
 use b2b_energyplus::Level;
 use b2b_energyplus::install::doctor::{Finding, Health, report};
 use b2b_energyplus::install::{Cache, Engine};
 use b2b_env::{Task, authority};
 use serde_json::json;
 
-use crate::prepare::{Location, Prepared};
+use crate::arguments::location::Location;
+use crate::prepare::Prepared;
 use crate::stdout;
-use b2b_control::{Constant, Controller};
 
-/// Tell what is installed and whether it is whole
+/// Check the installation, or the actuator response of a building
 ///
-/// Every cached file is read and compared with its SHA-256. Exits with 1 when something has to be
-/// put right.
+/// Verifies the SHA-256 of every cached file. Exits with code 1 if something needs repair.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
-  b2b doctor                 the cache, the engine, the weather, the package client
-  b2b doctor OfficeSmall     and one simulated day of that building
-  b2b doctor --authority OfficeSmall     what each of its actuators is told, and what it then does
+  b2b doctor                             check cache, engine, weather files and package client
+  b2b doctor OfficeSmall                 also simulate one day of a building
+  b2b doctor --authority OfficeSmall     actuator response check: command against response
   b2b doctor --authority my.idf --weather my.epw")]
 pub struct Arguments {
-    /// Building type to try out: prepare it and run one day
+    /// Building type to prepare and simulate for one day
     #[arg(value_name = "TYPE")]
     building_type: Option<BuildingType>,
-    /// Drive every actuator of this building (a type, an id, a model file) low, middle and high in a winter
-    /// and a summer day, and compare the physical quantity with the command; exits with 1 when one does
-    /// not obey
+    /// Actuator response check: command every actuator of this building (type, dataset id or model file) to the
+    /// bottom, middle and top of its range on a winter and a summer day, and compare the simulated quantity with the
+    /// command; exits with code 1 if one does not respond
     #[arg(long, value_name = "BUILDING", conflicts_with = "building_type")]
     authority: Option<BuildingName>,
     #[command(flatten)]
@@ -42,7 +43,7 @@ pub struct Arguments {
     json: bool,
 }
 
-/// Runs the command; exit code 1 when a finding is bad.
+/// Runs the command. Exit code 1 if a finding is bad.
 pub fn doctor(arguments: &Arguments) -> Result<ExitCode> {
     if let Some(building) = &arguments.authority {
         return authority(building, &arguments.location, arguments.json);
@@ -55,19 +56,15 @@ pub fn doctor(arguments: &Arguments) -> Result<ExitCode> {
     Ok(if bad { ExitCode::FAILURE } else { ExitCode::SUCCESS })
 }
 
-/// Measures what the actuators of a building do; exit code 1 when one does not obey.
+/// Checks the actuator response of a building. Exit code 1 if an actuator does not respond.
 fn authority(building: &BuildingName, location: &Location, json: bool) -> Result<ExitCode> {
     let prepared = Prepared::new(building, location, json)?;
     let report = authority::measure(&prepared.library, &prepared.building, &prepared.weather)?;
-    if json {
-        stdout::print_json(&report)?;
-    } else {
-        stdout::print(&report.to_string())?;
-    }
+    stdout::print_result(json, &report, || report.to_string())?;
     Ok(if report.failures().next().is_none() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-/// Tries a building out.
+/// Simulates one day of a building.
 fn building(building_type: BuildingType, quiet: bool) -> Finding {
     let (health, detail) = match one_day(building_type, quiet) {
         Ok(detail) => (Health::Good, detail),
@@ -84,7 +81,7 @@ fn one_day(building_type: BuildingType, quiet: bool) -> Result<String> {
     controller.act(env.reset()?, &mut action);
     while !env.step(&action)?.truncated {}
     let [warnings, severes] = [Level::Warning, Level::Severe].map(|level| env.message_count(level));
-    Ok(format!("one day in {} ran, {warnings} warnings, {severes} severe", prepared.place))
+    Ok(format!("simulated one day in {}: {warnings} warnings, {severes} severe messages", prepared.place))
 }
 
 fn print(findings: &[Finding], json: bool) -> Result<()> {

@@ -2,134 +2,96 @@
 
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::sync::Mutex;
 
 use anyhow::Result;
-use b2b_benchmark::{
-    ActionScale, Baselines, Episode, Evaluation, Folder, Group, Policy, Progress, Results, Subject, Summary,
-};
-use b2b_building::{BuildingName, BuildingType, Catalog, RunPeriod, dataset};
+use b2b_benchmark::statistics::Aggregate;
+use b2b_benchmark::{Baselines, Episode, Folder, Group, Results, Subject, Summary, Window};
+use b2b_building::RunPeriod;
+use b2b_dataset::Catalog;
 use b2b_env::Task;
-use b2b_env::vector::Launcher;
-use indicatif::ProgressBar;
 
-use crate::generate::{self, Part};
-use crate::prepare::Location;
-use crate::progress::{Download, counter};
+use crate::arguments::buildings::Buildings;
+use crate::arguments::jobs::Jobs;
+use crate::arguments::location::Location;
+use crate::arguments::policy::PolicyArguments;
+use crate::arguments::task;
+use crate::evaluation::{Bars, evaluation, fetch_weather, interval_text};
+use crate::progress::Download;
+use crate::stdout;
 use crate::table::Table;
-use crate::{interrupt, run, stdout};
 
-/// Evaluate a policy on many buildings, against the reactive controllers
+/// Evaluate a policy on many buildings and score it against the reactive controllers
 ///
-/// Runs every building under every task, run period and seed, each episode in a process of its own, and writes
-/// episodes.parquet (one row an episode), summary.json (what --json prints) and report.html (opens in any browser,
-/// needs no network). Every episode is kept as it ends: the same command goes on where it was interrupted. A score is
-/// the return over that of the reactive controllers for the same episode: lower is better, below 1 beats them. Exit
-/// code 1 when an episode is lost.
+/// Runs every combination of building, task, run period and seed, each episode in its own process, and writes
+/// episodes.parquet (one row per episode), summary.json (what --json prints) and report.html (opens in any browser,
+/// no network needed). The score is the return divided by that of the reactive controllers in the same episode: lower
+/// is better, below 1 beats the baseline. Finished episodes are kept: the same command resumes an interrupted
+/// evaluation. Exits with code 1 if an episode fails.
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// Buildings: ids, types or model files [default: those of --split]
-    #[arg(value_name = "BUILDING")]
-    buildings: Vec<BuildingName>,
-    /// Who acts: reactive, random, constant, planner, or an ONNX file
-    #[arg(long, value_name = "POLICY")]
-    policy: String,
-    /// What the numbers of an ONNX policy mean
-    #[arg(long, value_enum, default_value_t = Actions::Rescaled)]
-    actions: Actions,
-    /// Part of the dataset
-    #[arg(long, value_enum, default_value = "test_small", conflicts_with = "buildings")]
-    split: Part,
-    /// Only buildings of these types
-    #[arg(long = "type", value_name = "TYPE", num_args = 1.., conflicts_with = "buildings")]
-    types: Vec<BuildingType>,
+    #[command(flatten)]
+    policy: PolicyArguments,
+    #[command(flatten)]
+    buildings: Buildings,
     #[command(flatten)]
     location: Location,
-    /// What is asked: see `b2b run --help`
-    #[arg(long = "task", value_name = "TASK", num_args = 1.., default_values = ["constant"], value_parser = run::task)]
+    /// Tasks (see `b2b run --help`)
+    #[arg(long = "task", value_name = "TASK", num_args = 1.., default_values = ["constant"], value_parser = task::parse)]
     tasks: Vec<Task>,
-    /// Days: winter, summer, full_year or MM-DD..MM-DD
-    #[arg(long = "period", value_name = "DAYS", num_args = 1.., default_values_t = [RunPeriod::WINTER])]
+    /// Run periods: winter, summer, full_year or MM-DD..MM-DD
+    #[arg(long = "period", value_name = "PERIOD", num_args = 1.., default_values_t = [RunPeriod::WINTER])]
     periods: Vec<RunPeriod>,
-    /// Seeds of the policy, an episode each
+    /// Random seeds of the policy, one episode each
     #[arg(long = "seed", value_name = "N", num_args = 1.., default_values_t = [0])]
     seeds: Vec<u64>,
-    /// Zone time steps an hour
+    /// Zone time steps per hour
     #[arg(long, default_value_t = 12, value_name = "N")]
     steps_per_hour: u32,
-    /// Episodes at a time [default: one for each core]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
-    jobs: Option<u32>,
-    /// Folder of the results
+    #[command(flatten)]
+    jobs: Jobs,
+    /// Output folder
     #[arg(long, value_name = "FOLDER")]
     out: PathBuf,
-    /// Print one JSON object instead of a summary for people
+    /// Print one JSON object instead of the text report
     #[arg(long)]
     json: bool,
 }
 
 const EXAMPLES: &str = "\
 Examples:
-  b2b evaluate --policy reactive --out b2b-out/reactive          the 48 buildings of the small test, winter
+  b2b evaluate --policy reactive --out b2b-out/reactive    one winter in each of the 48 buildings of test_small
   b2b evaluate --policy ppo.onnx --type OfficeSmall --task constant occupancy --period winter summer --out ppo
   b2b evaluate --policy random --seed 0 1 2 --split test --out random
   b2b evaluate --policy planner OfficeSmall-0042 --period 01-01..01-01 --out planner
 
-An ONNX policy takes one float32 array [1, observation], the numbers as `b2b show BUILDING --observations` lists them
-and without any scaling, and gives one [1, action]: -1 is the lowest and 1 the highest value of an actuator, or physical
-units with --actions physical.";
-
-/// What the numbers of an ONNX policy mean.
-#[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
-pub enum Actions {
-    /// From -1 to 1, for the lowest and the highest value of an actuator
-    Rescaled,
-    /// Physical units
-    Physical,
-}
-
-impl Actions {
-    /// For the crate that reads the file.
-    pub fn scale(self) -> ActionScale {
-        match self {
-            Self::Rescaled => ActionScale::Rescaled,
-            Self::Physical => ActionScale::Physical,
-        }
-    }
-}
+An ONNX policy maps a float32 array [1, observation], unscaled and ordered as `b2b show BUILDING --observations`
+lists it, to an array [1, action]. Actions range from -1 to 1 between the bounds of each actuator; use
+--actions physical for policies that output physical units.";
 
 /// Runs the command.
 pub fn evaluate(arguments: &Arguments) -> Result<ExitCode> {
-    let policy = arguments.policy()?;
-    let episodes = arguments.episodes();
+    let policy = arguments.policy.policy()?;
+    let episodes = arguments.episodes()?;
     let folder = Folder::open(&arguments.out, policy.as_ref(), &episodes)?;
     let catalog = Catalog::open(&mut Download::new(arguments.json))?;
     fetch_weather(&episodes, arguments.json)?;
-    let evaluation = evaluation(&catalog, arguments.jobs)?;
+    let evaluation = evaluation(&catalog, arguments.jobs.count()?)?;
     let baselines = Baselines::open()?;
     let bars = Bars::new(arguments.json);
     let results = Results::of(&evaluation, &folder, &episodes, policy.as_ref(), &baselines, &bars)?;
     drop(bars);
     let summary = results.summary(policy.as_ref());
     let files = results.write(&folder, &summary)?;
-    if arguments.json {
-        stdout::print_json(&summary)?
-    } else {
-        stdout::print(&text(&summary, &files))?
-    }
+    stdout::print_result(arguments.json, &summary, || text(&summary, &files))?;
     Ok(if summary.lost.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
 impl Arguments {
-    fn policy(&self) -> Result<Box<dyn Policy>> {
-        Ok(<dyn Policy>::named(&self.policy, self.actions.scale())?)
-    }
-
-    /// Building by building: what one was prepared for serves all its episodes.
-    fn episodes(&self) -> Vec<Episode> {
+    /// Returns the episodes, building by building, so that a prepared building serves all its episodes.
+    fn episodes(&self) -> Result<Vec<Episode>> {
         let mut episodes = Vec::new();
-        for name in self.names() {
+        for name in self.buildings.names()? {
             let subject = Subject { name, placement: self.location.placement() };
             for period in &self.periods {
                 for task in &self.tasks {
@@ -142,108 +104,42 @@ impl Arguments {
                 }
             }
         }
-        episodes
-    }
-
-    fn names(&self) -> Vec<BuildingName> {
-        if !self.buildings.is_empty() {
-            return self.buildings.clone();
-        }
-        names(self.split, &self.types)
+        Ok(episodes)
     }
 }
 
-/// Buildings of a part of the dataset: all types, or these.
-pub fn names(split: Part, types: &[BuildingType]) -> Vec<BuildingName> {
-    let wanted =
-        |row: &&dataset::Row| split.has(row) && (types.is_empty() || types.contains(&row.id.building_type()));
-    dataset::all().filter(wanted).map(|row| BuildingName::Id(row.id)).collect()
-}
-
-/// Downloads first, so that they are seen and can be interrupted. A building of no dataset fetches its own later.
-pub fn fetch_weather(episodes: &[Episode], quiet: bool) -> Result<()> {
-    let of_dataset = |episode: &Episode| match episode.subject.name {
-        BuildingName::Id(id) => Some(&dataset::row(id).building),
-        BuildingName::Type(_) | BuildingName::Model(_) => None,
-    };
-    generate::fetch_weather(episodes.iter().filter_map(of_dataset), quiet)
-}
-
-/// How episodes are run by this program.
-pub fn evaluation(catalog: &Catalog, jobs: Option<u32>) -> Result<Evaluation<'_>> {
-    let jobs = match jobs {
-        Some(jobs) => jobs as usize,
-        None => std::thread::available_parallelism()?.get(),
-    };
-    let launcher = Launcher::this_program()?;
-    Ok(Evaluation { catalog, launcher, jobs, interrupted: interrupt::requested })
-}
-
-/// A bar of simulated days for each stage.
-pub struct Bars {
-    quiet: bool,
-    bar: Mutex<ProgressBar>,
-}
-
-impl Bars {
-    /// Shows nothing when `quiet`.
-    pub fn new(quiet: bool) -> Self {
-        Self { quiet, bar: Mutex::new(ProgressBar::hidden()) }
-    }
-
-    fn with(&self, what: impl FnOnce(&mut ProgressBar)) {
-        what(&mut self.bar.lock().unwrap_or_else(std::sync::PoisonError::into_inner));
-    }
-}
-
-impl Progress for Bars {
-    fn begin(&self, what: &str, episodes: usize, days: u64) {
-        self.with(|bar| {
-            bar.finish_and_clear();
-            if episodes > 0 {
-                *bar = counter(days as usize, &format!("simulated days of {episodes} {what}"), self.quiet);
-            }
-        });
-    }
-
-    fn day(&self) {
-        self.with(|bar| bar.inc(1));
-    }
-}
-
-impl Drop for Bars {
-    fn drop(&mut self) {
-        self.with(|bar| bar.finish_and_clear());
-    }
-}
-
-/// For people.
+/// Returns the text report.
 fn text(summary: &Summary, files: &[PathBuf]) -> String {
-    let mut text = String::new();
-    for window in &summary.windows {
-        let groups = || window.types.iter().chain((window.types.len() > 1).then_some(&window.all));
-        let episodes: usize = groups().take(window.types.len()).map(episodes_of).sum();
-        text += &format!(
-            "{} on {episodes} episodes, {}, task {}: normalised scores, lower is better, 1 is the reactive controllers\n\n",
-            summary.policy, window.period, window.task
-        );
-        text += &table(groups());
-        text += "\n\n  in brackets: 95 % intervals of a bootstrap over episodes, stratified by type\n\n";
-    }
+    let mut text: String =
+        summary.windows.iter().map(|window| window_text(&summary.policy, window)).collect();
     for lost in &summary.lost {
         text += &format!(
-            "lost: {}, {}, {}, seed {}: {}\n",
+            "failed: {}, {}, {}, seed {}: {}\n",
             lost.building, lost.task, lost.period, lost.seed, lost.why
         );
     }
     if !summary.lost.is_empty() {
-        text += "  the same command runs them once more\n\n";
+        text += "  run the same command again to retry the failed episodes\n\n";
     }
     let files: Vec<_> = files.iter().map(|file| format!("  {}", file.display())).collect();
     text + &files.join("\n")
 }
 
-fn episodes_of(group: &Group) -> usize {
+/// Returns the scores of one run period and task.
+fn window_text(policy: &str, window: &Window) -> String {
+    let several = window.types.len() > 1;
+    let groups = || window.types.iter().chain(several.then_some(&window.all));
+    let episodes: usize = window.types.iter().map(episode_count).sum();
+    format!(
+        "{policy}, {episodes} episodes, {}, task {}\nnormalized score (lower is better, reactive controllers = 1)\n\n\
+         {}\n\n  [95 % confidence intervals: bootstrap over episodes, stratified by type]\n\n",
+        window.period,
+        window.task,
+        table(groups())
+    )
+}
+
+fn episode_count(group: &Group) -> usize {
     group.scores.as_ref().map_or(0, |scores| scores.episodes)
 }
 
@@ -254,27 +150,20 @@ fn table<'a>(groups: impl Iterator<Item = &'a Group>) -> String {
         "interquartile mean",
         "median",
         "mean",
-        "beat 1",
-        "RMS, K",
-        "kWh/m²",
-        "travel/d",
+        "beats baseline (%)",
+        "RMS deviation (K)",
+        "HVAC energy (kWh/m²)",
+        "actuator travel (strokes/day)",
     ]);
     for group in groups {
-        let interval =
-            |of: fn(&b2b_benchmark::statistics::Aggregate) -> b2b_benchmark::statistics::Interval| {
-                let value = group.scores.as_ref().map(of);
-                value.map_or("–".into(), |each| {
-                    format!("{:.3} [{:.3}, {:.3}]", each.value, each.low, each.high)
-                })
-            };
-        let beats = group.scores.as_ref().map(|scores| 100.0 * scores.beats_baseline.value);
+        let cell = |of: fn(&Aggregate) -> String| group.scores.as_ref().map_or("–".to_owned(), of);
         table.row([
             group.name.clone(),
-            episodes_of(group).to_string(),
-            interval(|scores| scores.interquartile_mean),
-            interval(|scores| scores.median),
-            interval(|scores| scores.mean),
-            beats.map_or("–".into(), |share| format!("{share:.0} %")),
+            episode_count(group).to_string(),
+            cell(|scores| interval_text(scores.interquartile_mean)),
+            cell(|scores| interval_text(scores.median)),
+            cell(|scores| interval_text(scores.mean)),
+            cell(|scores| format!("{:.0}", 100.0 * scores.beats_baseline.value)),
             format!("{:.2}", group.rms_deviation_k),
             format!("{:.2}", group.energy_wh_m2 / 1000.0),
             format!("{:.1}", group.daily_travel),

@@ -1,46 +1,51 @@
-//! What a building is, for people: the same facts on a screen and on a page.
+//! The description of a building, shared by `b2b show` and `b2b view`.
 
 use anyhow::Result;
-use b2b_building::dataset::{self, manifest};
 use b2b_building::description::{Description, SystemDescription, leakage};
 use b2b_building::morphology::Owner;
-use b2b_building::{BuildingName, Conditioning, Morphology};
+use b2b_building::{Conditioning, Morphology};
+use b2b_dataset::{BuildingName, manifest};
 use b2b_env::Env;
 use serde_json::{Map, Value};
 
-use crate::prepare::{Location, Prepared};
+use crate::arguments::location::Location;
+use crate::prepare::Prepared;
 use crate::table::Table;
 
 /// A building, described.
 pub struct Facts {
-    /// What it is.
+    /// Geometry, envelope and systems.
     pub description: Description,
-    /// Its graph.
+    /// Graph of zones and systems.
     pub morphology: Morphology,
-    /// Name of its place.
+    /// Name of the place.
     pub place: String,
-    /// Its row in the dataset, if it has one.
+    /// Parameters of the dataset; empty for other buildings.
     pub parameters: Vec<Parameter>,
-    /// One line for people.
-    what: &'static str,
+    /// One-line description.
+    summary: &'static str,
 }
 
-/// A cell of the dataset's table that is not empty.
+/// A parameter of a building of the dataset.
 pub struct Parameter {
-    /// Name of the column.
+    /// Name of the parameter.
     pub name: &'static str,
-    /// The value.
+    /// Value.
     pub value: String,
-    /// Its unit; empty for words and plain numbers.
+    /// Unit; empty for words and dimensionless numbers.
     pub unit: &'static str,
 }
+
+/// Columns of the table of systems.
+pub const SYSTEM_COLUMNS: [&str; 7] =
+    ["system", "type", "zones", "air flow (kg/s)", "heating (kW)", "cooling (kW)", "reheat (kW)"];
 
 impl Facts {
     /// Describes a prepared building.
     pub fn of(prepared: &Prepared, name: &BuildingName, location: &Location) -> Result<Self> {
         let description =
             Description::of(&prepared.building, &prepared.weather, location.placement().origin(name))?;
-        let what = match name {
+        let summary = match name {
             BuildingName::Type(building_type) => building_type.description(),
             BuildingName::Id(id) => id.building_type().description(),
             BuildingName::Model(_) => "imported model",
@@ -50,44 +55,44 @@ impl Facts {
             description,
             place: prepared.place.clone(),
             parameters: parameters(name),
-            what,
+            summary,
         })
     }
 
-    /// Its name and its place.
+    /// Returns the name and the place.
     pub fn title(&self) -> String {
         format!("{} in {}", self.description.name, self.place)
     }
 
-    /// Named facts, a line each.
+    /// Returns labeled lines.
     pub fn lines(&self) -> Vec<(&'static str, String)> {
         let Description { location, envelope, origin, .. } = &self.description;
-        let u = |u: Option<f64>| u.map_or("U not given".to_owned(), |u| format!("U {u:.2} W/m²K"));
+        let u = |u: Option<f64>| u.map_or("U unknown".to_owned(), |u| format!("U {u:.2} W/(m²·K)"));
         let mut windows = vec![u(envelope.window_u)];
         windows.extend(envelope.window_shgc.map(|shgc| format!("SHGC {shgc:.2}")));
-        windows.push(format!("{} of the outer walls", percent(envelope.window_to_wall)));
+        windows.push(format!("{} of the exterior walls", percent(envelope.window_to_wall)));
         if envelope.skylight_to_roof > 0.0 {
             windows.push(format!("skylights {} of the roof", percent(envelope.skylight_to_roof)));
         }
         let leak = format!(
-            "{:.2} air changes an hour at {} K and {} m/s",
+            "{:.2} air changes/h at a temperature difference of {} K and a wind speed of {} m/s",
             envelope.infiltration,
             leakage::TEMPERATURE_DIFFERENCE,
             leakage::WIND,
         );
         let climate = format!(
-            "{:.0} heating K·d below 18 °C, {:.0} cooling K·d above 10 °C",
+            "{:.0} heating degree days (18 °C), {:.0} cooling degree days (10 °C)",
             location.heating_degree_days, location.cooling_degree_days
         );
         let climate = match &origin.climate_zone {
-            Some(zone) => format!("zone {zone}, {climate}"),
+            Some(zone) => format!("ASHRAE zone {zone}, {climate}"),
             None => climate,
         };
         let mut lines =
-            vec![("type", self.what.to_owned()), ("place", self.place_line()), ("climate", climate)];
+            vec![("type", self.summary.to_owned()), ("place", self.place_line()), ("climate", climate)];
         match (origin.year, &origin.vintage) {
-            (Some(year), Some(vintage)) => lines.push(("built", format!("{year} ({vintage})"))),
-            (Some(year), None) => lines.push(("built", format!("after ASHRAE 90.1-{year}"))),
+            (Some(year), Some(vintage)) => lines.push(("vintage", format!("{year} ({vintage})"))),
+            (Some(year), None) => lines.push(("vintage", format!("ASHRAE 90.1-{year}"))),
             _ => {}
         }
         lines.extend([
@@ -107,7 +112,7 @@ impl Facts {
             format!("{:.1}° {}", degrees.abs(), if degrees < 0.0 { negative } else { positive })
         };
         format!(
-            "{}, {} {}, {:.0} m above the sea",
+            "{}, {} {}, elevation {:.0} m",
             self.place,
             side(location.latitude, ["N", "S"]),
             side(location.longitude, ["E", "W"]),
@@ -125,7 +130,7 @@ impl Facts {
             if levels == 1 { "" } else { "s" },
         );
         if description.north_axis != 0.0 {
-            text += &format!(", turned {:.0}° from north", description.north_axis);
+            text += &format!(", rotated {:.0}° from north", description.north_axis);
         }
         text
     }
@@ -135,14 +140,13 @@ impl Facts {
         let other = zones.iter().filter(|zone| zone.conditioning == Conditioning::None).count();
         match other {
             0 => format!("{} conditioned", zones.len()),
-            _ => format!("{} conditioned, {other} without equipment", zones.len() - other),
+            _ => format!("{} conditioned, {other} unconditioned", zones.len() - other),
         }
     }
 
-    /// The systems, a row each.
+    /// Returns a table with a row per system.
     pub fn systems_text(&self) -> String {
-        let mut table =
-            Table::new(["system", "kind", "zones", "flow, kg/s", "heating, kW", "cooling, kW", "reheat, kW"]);
+        let mut table = Table::new(SYSTEM_COLUMNS);
         for system in &self.description.systems {
             let kw = |watts: f64| if watts > 0.0 { format!("{:.1}", watts / 1000.0) } else { "–".into() };
             let flow = system.design_flow;
@@ -159,7 +163,7 @@ impl Facts {
         table.text()
     }
 
-    /// The zone that a system serves, or how many.
+    /// Returns the name of the zone that a system serves, or the number of zones.
     fn served(&self, system: &SystemDescription) -> String {
         match system.zones[..] {
             [zone] => self.description.zones[zone].name.clone(),
@@ -167,7 +171,7 @@ impl Facts {
         }
     }
 
-    /// What is seen and driven, in short: how many values of which kind.
+    /// Returns the sizes of observation and action by kind of owner.
     pub fn spaces(&self, env: &Env) -> [(&'static str, String); 2] {
         let kind = |owner: Owner| match owner {
             Owner::Zone(_) => "zones",
@@ -176,12 +180,12 @@ impl Facts {
             Owner::Calendar => "calendar",
             Owner::Energy => "energy",
         };
-        let seen = env.observation_space().slots().iter().map(|slot| kind(slot.owner));
-        let driven = env.action_space().owners().iter().map(|owner| kind(*owner));
-        [("observation", counted(seen)), ("action", counted(driven))]
+        let observation = env.observation_space().slots().iter().map(|slot| kind(slot.owner));
+        let action = env.action_space().owners().iter().map(|owner| kind(*owner));
+        [("observation", counted(observation)), ("action", counted(action))]
     }
 
-    /// The parameters as a JSON object: numbers where they are numbers.
+    /// Returns the parameters as a JSON object, with numbers as numbers.
     pub fn parameters_json(&self) -> Value {
         let value = |parameter: &Parameter| {
             let number = parameter.value.parse::<f64>().ok().map(Value::from);
@@ -192,7 +196,7 @@ impl Facts {
 }
 
 impl Parameter {
-    /// Name, value and unit.
+    /// Returns name, value and unit.
     pub fn text(&self) -> String {
         format!("{} {} {}", self.name.replace('_', " "), self.value, self.unit).trim_end().to_owned()
     }
@@ -200,13 +204,14 @@ impl Parameter {
 
 fn parameters(name: &BuildingName) -> Vec<Parameter> {
     let BuildingName::Id(id) = name else { return Vec::new() };
-    let mut table = manifest([dataset::row(*id)]);
+    let mut table = manifest([b2b_dataset::row(*id)]);
     let cells = table.rows.pop().unwrap_or_default();
     let columns = table.columns.iter().zip(cells).filter(|(_, cell)| !cell.is_empty());
-    // What the other facts tell already.
-    let told = |name: &str| matches!(name, "id" | "type" | "place" | "climate_zone" | "heating_degree_days");
+    // Already in the other lines.
+    let redundant =
+        |name: &str| matches!(name, "id" | "type" | "place" | "climate_zone" | "heating_degree_days");
     columns
-        .filter(|(column, _)| !told(column.name))
+        .filter(|(column, _)| !redundant(column.name))
         .map(|(column, value)| Parameter {
             name: column.name,
             value,
@@ -215,7 +220,7 @@ fn parameters(name: &BuildingName) -> Vec<Parameter> {
         .collect()
 }
 
-/// `13 values: 6 zones, 2 weather`.
+/// Returns counts by kind, such as `8 values (6 zones, 2 weather)`.
 fn counted<'a>(kinds: impl Iterator<Item = &'a str>) -> String {
     let mut counts: Vec<(&str, usize)> = Vec::new();
     let mut total = 0;
@@ -226,13 +231,13 @@ fn counted<'a>(kinds: impl Iterator<Item = &'a str>) -> String {
             None => counts.push((kind, 1)),
         }
     }
-    let counts: Vec<_> = counts.into_iter().map(|(kind, count)| format!("{count} of {kind}")).collect();
-    format!("{total} values: {}", counts.join(", "))
+    let counts: Vec<_> = counts.into_iter().map(|(kind, count)| format!("{count} {kind}")).collect();
+    format!("{total} values ({})", counts.join(", "))
 }
 
-/// A share for people.
-pub fn percent(share: f64) -> String {
-    let percent = 100.0 * share;
+/// Returns a fraction as a percentage.
+pub fn percent(fraction: f64) -> String {
+    let percent = 100.0 * fraction;
     if percent < 9.95 { format!("{percent:.1} %") } else { format!("{percent:.0} %") }
 }
 
@@ -241,7 +246,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn values_are_counted_by_kind_in_the_order_they_come() {
-        assert_eq!(counted(["zones", "weather", "zones"].into_iter()), "3 values: 2 of zones, 1 of weather");
+    fn values_are_counted_by_kind_in_order_of_appearance() {
+        assert_eq!(counted(["zones", "weather", "zones"].into_iter()), "3 values (2 zones, 1 weather)");
     }
 }

@@ -1,25 +1,26 @@
-//! Ctrl-C and termination: a flag that long work looks at, so that it can stop cleanly.
+//! Ctrl-C and termination: a flag that long-running work polls to stop cleanly.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::{Context, Result, bail};
 
-/// Exit code of a command that was interrupted, as shells have it.
+/// Exit code of an interrupted command, by the convention of shells.
 pub const EXIT_CODE: u8 = 130;
 
 static REQUESTED: AtomicBool = AtomicBool::new(false);
 
-/// From now on an interrupt or a request to terminate sets the flag and does nothing else.
+/// Installs the handler: from now on an interrupt or a request to terminate only sets the flag.
 pub fn listen() -> Result<()> {
-    ctrlc::set_handler(|| REQUESTED.store(true, Ordering::Relaxed)).context("cannot listen to Ctrl-C")
+    ctrlc::set_handler(|| REQUESTED.store(true, Ordering::Relaxed))
+        .context("cannot install the Ctrl-C handler")
 }
 
-/// Whether the user wants to stop.
+/// Returns whether the user asked to stop.
 pub fn requested() -> bool {
     REQUESTED.load(Ordering::Relaxed)
 }
 
-/// An error when the user wants to stop.
+/// Errors if the user asked to stop.
 pub fn check() -> Result<()> {
     if requested() {
         bail!("interrupted");

@@ -1,12 +1,14 @@
-//! `b2b list`: what there is to run.
+//! `b2b list`: building types and places.
 
 use anyhow::Result;
-use b2b_building::climate::PLACES;
-use b2b_building::{BuildingName, BuildingType, RunPeriod};
+use b2b_building::{BuildingType, RunPeriod};
+use b2b_climate::PLACES;
+use b2b_dataset::BuildingName;
 use b2b_env::Task;
 use serde_json::{Value, json};
 
-use crate::prepare::{Location, Prepared};
+use crate::arguments::location::Location;
+use crate::prepare::Prepared;
 use crate::stdout;
 use crate::table::Table;
 
@@ -15,13 +17,13 @@ use crate::table::Table;
 #[command(after_help = "\
 Examples:
   b2b list
-  b2b list --sizes         prepares each type, to tell zones, observation and action sizes
+  b2b list --sizes         with the sizes of observation and action
   b2b list places --json")]
 pub struct Arguments {
     /// What to list
-    #[arg(value_enum, default_value_t = What::Types)]
-    what: What,
-    /// Prepare each type to count its zones, observation and action (about a second each)
+    #[arg(value_enum, default_value_t = Subject::Types)]
+    subject: Subject,
+    /// Include the number of zones and the sizes of observation and action (takes about a second per type)
     #[arg(long)]
     sizes: bool,
     /// Print JSON
@@ -29,16 +31,16 @@ pub struct Arguments {
     json: bool,
 }
 
-/// What can be listed.
+/// What to list.
 #[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
-enum What {
+enum Subject {
     /// Building types
     Types,
-    /// Places with weather
+    /// Places with weather files
     Places,
 }
 
-/// Sizes of a prepared type.
+/// The size of the environment of a type.
 struct Sizes {
     zones: usize,
     observation: usize,
@@ -47,10 +49,10 @@ struct Sizes {
 
 /// Runs the command.
 pub fn list(arguments: &Arguments) -> Result<()> {
-    match (arguments.what, arguments.json) {
-        (What::Places, true) => stdout::print_json(&places_json()),
-        (What::Places, false) => stdout::print(&places_text()),
-        (What::Types, _) => types(arguments),
+    match (arguments.subject, arguments.json) {
+        (Subject::Places, true) => stdout::print_json(&places_json()),
+        (Subject::Places, false) => stdout::print(&places_text()),
+        (Subject::Types, _) => types(arguments),
     }
 }
 
@@ -79,15 +81,15 @@ fn sizes(building_type: BuildingType, quiet: bool) -> Result<Sizes> {
 }
 
 fn types_text(types: &[(BuildingType, Option<Sizes>)], with_sizes: bool) -> String {
-    let mut plain = Table::new(["type", "home", "what it is"]);
-    let mut sized = Table::new(["type", "home", "zones", "observation", "action", "what it is"]);
+    let mut plain = Table::new(["type", "default place", "description"]);
+    let mut sized = Table::new(["type", "default place", "zones", "observation", "action", "description"]);
     for (each, sizes) in types {
-        let [name, home, what] = [each.name(), each.home(), each.description()].map(str::to_owned);
+        let [name, place, description] = [each.name(), each.home(), each.description()].map(str::to_owned);
         match sizes {
-            None => plain.row([name, home, what]),
+            None => plain.row([name, place, description]),
             Some(Sizes { zones, observation, action }) => {
                 let [zones, observation, action] = [zones, observation, action].map(usize::to_string);
-                sized.row([name, home, zones, observation, action, what]);
+                sized.row([name, place, zones, observation, action, description]);
             }
         }
     }
@@ -98,7 +100,7 @@ fn type_json(building_type: BuildingType, sizes: &Option<Sizes>) -> Value {
     let mut object = json!({
         "type": building_type.name(),
         "description": building_type.description(),
-        "home": building_type.home(),
+        "default_place": building_type.home(),
     });
     if let Some(Sizes { zones, observation, action }) = sizes {
         object["controlled_zones"] = json!(zones);
@@ -109,7 +111,7 @@ fn type_json(building_type: BuildingType, sizes: &Option<Sizes>) -> Value {
 }
 
 fn places_text() -> String {
-    let mut table = Table::new(["place", "climate", "weather file", "comes with"]);
+    let mut table = Table::new(["place", "climate zone", "weather file", "package"]);
     for place in &PLACES {
         let cells = [place.name, place.ashrae_zone, place.file_name, place.package.name];
         table.row(cells.map(str::to_owned));
@@ -118,7 +120,7 @@ fn places_text() -> String {
 }
 
 fn places_json() -> Value {
-    let place = |place: &b2b_building::climate::Place| {
+    let place = |place: &b2b_climate::Place| {
         json!({
             "place": place.name,
             "ashrae_climate_zone": place.ashrae_zone,

@@ -1,5 +1,6 @@
 //! The `b2b` command: buildings as reinforcement-learning environments, from a terminal.
 
+mod arguments;
 #[cfg(target_os = "linux")]
 mod baseline;
 mod bench;
@@ -7,23 +8,22 @@ mod bench;
 mod benchmark;
 mod check;
 mod child;
-mod controller;
 mod dataset;
 mod doctor;
 #[cfg(target_os = "linux")]
 mod evaluate;
+#[cfg(target_os = "linux")]
+mod evaluation;
 mod facts;
+mod front_page;
 mod generate;
 mod import;
 mod interrupt;
 mod list;
-mod manifest_file;
-mod model_folder;
 mod output_folder;
-mod picture;
 mod prepare;
 mod progress;
-mod ranges;
+mod rollout;
 mod run;
 #[cfg(target_os = "linux")]
 mod score;
@@ -32,52 +32,26 @@ mod setup;
 mod shipped;
 mod show;
 mod stdout;
-mod summary;
 mod table;
-mod trajectory_file;
 #[cfg(target_os = "linux")]
 mod tune;
 mod view;
+mod weather;
 #[cfg(target_os = "linux")]
 mod workers;
 
 use std::process::ExitCode;
 
 use anyhow::Result;
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
-/// EnergyPlus buildings as reinforcement-learning environments.
+/// Building simulations as reinforcement-learning environments, powered by EnergyPlus
 #[derive(Parser)]
-#[command(name = "b2b", version, after_help = EXAMPLES)]
+#[command(name = "b2b", version)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
 }
-
-const EXAMPLES: &str = "\
-Examples:
-  b2b run OfficeSmall                      a winter in Denver under a reactive controller
-  b2b run Warehouse --place Miami --period 07-01..07-14 --controller random
-  b2b run OfficeSmall-0042                 a building of the dataset, at its own place
-  b2b run OfficeSmall --task occupancy+energy0.5
-  b2b list                                 the building types
-  b2b show RetailStandalone                what one of them is, what can be seen and driven in it
-  b2b view RetailStandalone                the same in 3D, as a page for the browser
-  b2b generate Warehouse --count 100 --out warehouses
-  b2b import my.idf --weather my.epw       what can be driven in a building of yours
-  b2b evaluate --policy my.onnx --type OfficeSmall --out results
-  b2b benchmark list                       the benchmark's problems
-  b2b doctor                               what is installed and whether it is whole
-
-EnergyPlus and weather files are fetched by themselves when first needed, with the Python
-package client of this machine, into a cache folder.
-
-Environment:
-  B2B_ENERGYPLUS   an installed EnergyPlus (its folder or its library) to use instead
-  B2B_CACHE        the cache folder
-  B2B_OFFLINE=1    refuse downloads
-
-Exit codes: 0 done, 1 failed, 130 interrupted.";
 
 #[derive(Subcommand)]
 enum Command {
@@ -107,12 +81,12 @@ enum Command {
 fn main() -> ExitCode {
     #[cfg(target_os = "linux")]
     b2b_env::vector::run_if_worker();
-    let command = match Cli::try_parse() {
-        Ok(cli) => cli.command,
+    let command = match parse() {
+        Ok(command) => command,
         Err(usage) => {
-            // Nothing is left to do when the terminal is gone.
+            // Nothing can be done when the terminal is gone.
             let _ = usage.print();
-            return if usage.use_stderr() { ExitCode::FAILURE } else { ExitCode::SUCCESS };
+            return if usage.exit_code() == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE };
         }
     };
     match interrupt::listen().and_then(|()| execute(command)) {
@@ -127,6 +101,16 @@ fn main() -> ExitCode {
             ExitCode::FAILURE
         }
     }
+}
+
+/// Parses the command line. Without arguments, the error is the help text.
+fn parse() -> clap::error::Result<Command> {
+    let mut parser = front_page::add(Cli::command());
+    if std::env::args_os().len() <= 1 {
+        let help = parser.render_help().ansi().to_string();
+        return Err(parser.error(clap::error::ErrorKind::DisplayHelp, help));
+    }
+    Ok(Cli::from_arg_matches(&parser.try_get_matches()?)?.command)
 }
 
 fn execute(command: Command) -> Result<ExitCode> {
@@ -156,7 +140,7 @@ fn execute(command: Command) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// An error with the causes that it does not name itself.
+/// Returns an error with the causes that it does not mention itself.
 fn with_causes(error: &anyhow::Error) -> String {
     let mut text = error.to_string();
     for cause in error.chain().skip(1).map(ToString::to_string) {
@@ -173,25 +157,35 @@ mod tests {
 
     #[test]
     fn the_arguments_are_well_formed() {
-        use clap::CommandFactory;
-        let mut command = Cli::command();
+        let mut command = front_page::add(Cli::command());
         command.clone().debug_assert();
         // What clap checks for itself, it does not check in a release build.
         command.build();
-        assert_no_argument_is_there_twice(&command);
+        assert_no_duplicate_argument(&command);
     }
 
-    fn assert_no_argument_is_there_twice(command: &clap::Command) {
+    fn assert_no_duplicate_argument(command: &clap::Command) {
         let mut ids: Vec<_> = command.get_arguments().map(|argument| argument.get_id().to_string()).collect();
         ids.sort();
         let count = ids.len();
         ids.dedup();
         assert_eq!(ids.len(), count, "{}: {ids:?}", command.get_name());
-        command.get_subcommands().for_each(assert_no_argument_is_there_twice);
+        command.get_subcommands().for_each(assert_no_duplicate_argument);
     }
 
     #[test]
-    fn a_cause_that_is_named_already_is_not_named_twice() {
+    fn the_front_page_lists_every_command_once() {
+        let command = Cli::command();
+        let listed: Vec<_> = front_page::listed().collect();
+        for subcommand in command.get_subcommands() {
+            let name = subcommand.get_name();
+            assert_eq!(listed.iter().filter(|each| **each == name).count(), 1, "{name}");
+        }
+        assert_eq!(listed.len(), command.get_subcommands().count());
+    }
+
+    #[test]
+    fn a_cause_that_is_already_mentioned_is_not_repeated() {
         let error = anyhow::anyhow!("disk full").context("a.txt: disk full").context("cannot write");
         assert_eq!(with_causes(&error), "cannot write\n  because: a.txt: disk full");
     }

@@ -1,32 +1,32 @@
-//! A folder of results that appears whole or not at all.
+//! Output folders that appear complete or not at all.
 
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use tempfile::TempDir;
 
-/// Files are written into a folder beside the destination and moved there in the end. Dropped before that,
-/// it leaves nothing behind.
+/// A folder of output files. They are written next to the destination and moved there at the end; if dropped before
+/// that, nothing is left behind.
 pub struct OutputFolder {
     staging: Option<TempDir>,
     destination: PathBuf,
-    /// Folders above the destination that were made for it, the deepest first.
-    made: Vec<PathBuf>,
+    /// Parent folders that were created for the destination, deepest first.
+    created: Vec<PathBuf>,
 }
 
 impl OutputFolder {
-    /// Makes sure that the destination can be written, and changes nothing there yet.
+    /// Checks that the destination can be written, without changing anything there yet.
     pub fn stage(destination: &Path) -> Result<Self> {
-        let cannot = || format!("the folder {} cannot be written", destination.display());
+        let cannot = || format!("cannot write the folder {}", destination.display());
         let destination_path = std::path::absolute(destination).with_context(cannot)?;
         if destination.exists() && !destination.is_dir() {
-            anyhow::bail!("{} is a file: give --out a folder", destination.display());
+            bail!("--out expects a folder, but {} is a file", destination.display());
         }
         let parent = destination_path.parent().unwrap_or(&destination_path);
-        let made = parent.ancestors().take_while(|folder| !folder.exists()).map(Path::to_owned).collect();
-        let mut folder = Self { staging: None, destination: destination.to_owned(), made };
+        let created = parent.ancestors().take_while(|folder| !folder.exists()).map(Path::to_owned).collect();
+        let mut folder = Self { staging: None, destination: destination.to_owned(), created };
         std::fs::create_dir_all(parent).with_context(cannot)?;
         let staging = tempfile::Builder::new().prefix(".b2b-unfinished-").tempdir_in(parent);
         folder.staging = Some(staging.with_context(cannot)?);
@@ -42,24 +42,35 @@ impl OutputFolder {
             Ok(file.get_ref().sync_all()?)
         };
         let path = self.destination.join(name);
-        write().map_err(|error: anyhow::Error| error.context(format!("{} cannot be written", path.display())))
+        write().map_err(|error: anyhow::Error| error.context(format!("cannot write {}", path.display())))
     }
 
-    /// Where files of these names will be.
+    /// Returns the final paths of files of these names.
     pub fn destinations(&self, names: &[&str]) -> Vec<PathBuf> {
         names.iter().map(|name| self.destination.join(name)).collect()
     }
 
-    /// Moves the files to the destination; files of the same names there are replaced.
+    /// Moves the files to the destination, replacing files of the same names.
     pub fn keep(mut self) -> Result<()> {
-        let cannot = || format!("the folder {} cannot be written", self.destination.display());
+        let cannot = || format!("cannot write the folder {}", self.destination.display());
         std::fs::create_dir_all(&self.destination).with_context(cannot)?;
         for file in std::fs::read_dir(self.staging()).with_context(cannot)? {
             let file = file.with_context(cannot)?;
             std::fs::rename(file.path(), self.destination.join(file.file_name())).with_context(cannot)?;
         }
-        self.made.clear();
+        self.created.clear();
         Ok(())
+    }
+
+    /// Writes a single file, which appears complete or not at all.
+    pub fn write_file(path: &Path, content: impl FnOnce(&mut BufWriter<File>) -> Result<()>) -> Result<()> {
+        let Some(name) = path.file_name().filter(|_| !path.is_dir()) else {
+            bail!("--out expects a file, but {} is a folder", path.display());
+        };
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+        let folder = Self::stage(folder.unwrap_or(Path::new(".")))?;
+        folder.write(&name.to_string_lossy(), content)?;
+        folder.keep()
     }
 
     fn staging(&self) -> &Path {
@@ -70,8 +81,8 @@ impl OutputFolder {
 impl Drop for OutputFolder {
     fn drop(&mut self) {
         self.staging = None;
-        for folder in &self.made {
-            // Not empty: somebody else uses it by now.
+        for folder in &self.created {
+            // Fails if the folder is not empty, because something else uses it by now.
             let _ = std::fs::remove_dir(folder);
         }
     }
@@ -87,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_kept_leaves_nothing() {
+    fn an_abandoned_folder_leaves_nothing_behind() {
         let root = tempfile::tempdir().unwrap();
         let folder = OutputFolder::stage(&root.path().join("a/b/c")).unwrap();
         folder.write("x.txt", |file| Ok(file.write_all(b"x")?)).unwrap();
@@ -96,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_kept_is_there_alone() {
+    fn a_kept_folder_contains_only_its_files() {
         let root = tempfile::tempdir().unwrap();
         let path = root.path().join("a/b");
         for text in ["first", "second"] {

@@ -1,4 +1,4 @@
-//! Progress bars on standard error: downloads and simulated days. They are silent where nobody looks.
+//! Progress bars on standard error. They are hidden when standard error is not a terminal.
 
 use std::ops::ControlFlow;
 
@@ -11,19 +11,19 @@ use crate::interrupt;
 const MONTHS: [&str; 12] =
     ["Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"];
 
-/// A date for people, for example `14 Jan`.
+/// Returns a date such as `14 Jan`.
 pub fn date_text(date: Date) -> String {
     format!("{} {}", date.day(), MONTHS[date.month() as usize - 1])
 }
 
-/// Downloads, shown; an interrupt cancels them.
+/// The progress of downloads. An interrupt cancels them.
 pub struct Download {
     quiet: bool,
     bar: ProgressBar,
 }
 
 impl Download {
-    /// Shows nothing when `quiet`.
+    /// Hides the bar if `quiet`.
     pub fn new(quiet: bool) -> Self {
         Self { quiet, bar: ProgressBar::hidden() }
     }
@@ -48,7 +48,7 @@ impl install::Progress for Download {
     }
 }
 
-/// The simulated days of an episode, shown once a day.
+/// The progress of an episode in simulated days.
 pub struct Days {
     bar: ProgressBar,
     period: RunPeriod,
@@ -56,19 +56,19 @@ pub struct Days {
 }
 
 impl Days {
-    /// Shows nothing when `quiet`.
+    /// Hides the bar if `quiet`.
     pub fn new(period: RunPeriod, steps_per_hour: u32, quiet: bool) -> Self {
         let days = u64::from(period.days());
         let bar = bar(days, "{msg:>6}  {wide_bar} {pos}/{len} days, {days_per_second}", quiet);
         Self { bar, period, steps_per_day: 24 * steps_per_hour as usize }
     }
 
-    /// The first step begins: what was before does not count for the speed.
+    /// Starts the clock by which speed is measured.
     pub fn start(&self) {
         self.bar.reset_elapsed();
     }
 
-    /// So many steps are done. Costs nothing within a day.
+    /// Reports the number of completed steps. Does nothing within a day.
     pub fn step(&self, steps: usize) {
         if steps.is_multiple_of(self.steps_per_day) {
             self.bar.set_message(date_text(self.date(steps)));
@@ -76,7 +76,7 @@ impl Days {
         }
     }
 
-    /// The date on which so many steps are done.
+    /// Returns the date after a number of steps.
     pub fn date(&self, steps: usize) -> Date {
         let day = (steps / self.steps_per_day) as u32;
         Date::of_day((self.period.first().day_of_year() + day).min(self.period.last().day_of_year()))
@@ -89,12 +89,12 @@ impl Drop for Days {
     }
 }
 
-/// Things that are done one after another.
-pub fn counter(things: usize, name: &str, quiet: bool) -> ProgressBar {
-    bar(things as u64, &format!("{{wide_bar}} {{pos}}/{{len}} {name}, {{eta}} left"), quiet)
+/// Returns a bar that counts up to `length`.
+pub fn counter(length: usize, name: &str, quiet: bool) -> ProgressBar {
+    bar(length as u64, &format!("{{wide_bar}} {{pos}}/{{len}} {name}, {{eta}} left"), quiet)
 }
 
-/// A message while something of unknown length is done.
+/// Returns a spinner with a message, for work of unknown length.
 pub fn spinner(message: String, quiet: bool) -> ProgressBar {
     let bar = bar(0, "{spinner} {msg}", quiet);
     bar.set_message(message);
@@ -106,7 +106,7 @@ fn bar(length: u64, template: &str, quiet: bool) -> ProgressBar {
     let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
     let days_per_second = |state: &ProgressState, out: &mut dyn std::fmt::Write| {
         let speed = state.pos() as f64 / state.elapsed().as_secs_f64().max(1e-3);
-        // A bar that cannot be written is no reason to stop.
+        // A progress bar that cannot be written must not stop the work.
         let _ = write!(out, "{speed:.0} simulated days/s");
     };
     let style = ProgressStyle::with_template(template).expect("the templates are constants that parse");

@@ -1,4 +1,4 @@
-//! `b2b score`: the normalised score of a trajectory.
+//! `b2b score`: the normalized score of a trajectory.
 
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -7,32 +7,34 @@ use anyhow::{Context, Result, bail};
 use arrow_array::types::Float64Type;
 use arrow_array::{Array, PrimitiveArray};
 use b2b_benchmark::{Baselines, Episode, Subject, Surroundings, normalized_score};
-use b2b_building::climate::Place;
-use b2b_building::{BuildingName, Catalog, RunPeriod};
+use b2b_building::RunPeriod;
+use b2b_climate::Place;
+use b2b_dataset::{BuildingName, Catalog};
 use b2b_env::Task;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use serde::Serialize;
 
-use crate::evaluate::{Bars, evaluation};
-use crate::prepare::Location;
+use crate::arguments::location::Location;
+use crate::evaluation::{Bars, evaluation};
 use crate::progress::Download;
+use crate::run::summary::Versions;
 use crate::stdout;
-use crate::summary::Versions;
 
-/// Score an episode against the reactive controllers
+/// Score a trajectory against the reactive controllers
 ///
-/// Takes a trajectory.parquet of `b2b run`: its return over that of the reactive controllers for the same building, task
-/// and days. Lower is better, below 1 beats them. A baseline that is not known is run first, and kept in the cache.
+/// Reads a trajectory.parquet written by `b2b run`. The score is its return divided by that of the reactive controllers
+/// for the same building, task and run period: lower is better, below 1 beats the baseline. A baseline that is not yet
+/// known is simulated first and cached.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
   b2b score b2b-out/OfficeSmall-Denver-winter-random/trajectory.parquet
   b2b score trajectory.parquet --building my.idf --weather my.epw")]
 pub struct Arguments {
-    /// File that `b2b run` wrote
+    /// File written by `b2b run`
     #[arg(value_name = "TRAJECTORY.parquet")]
     trajectory: PathBuf,
-    /// Its building, where the file does not tell: a model file of one's own
+    /// Building of the trajectory, where the file does not identify it: your own model file
     #[arg(long, value_name = "BUILDING")]
     building: Option<BuildingName>,
     #[command(flatten)]
@@ -42,7 +44,7 @@ pub struct Arguments {
     json: bool,
 }
 
-/// A trajectory file in short.
+/// The content of a trajectory file that a score needs.
 struct Trajectory {
     subject: Subject,
     place: String,
@@ -81,7 +83,7 @@ pub fn score(arguments: &Arguments) -> Result<()> {
         Episode { subject: subject.clone(), task: task.clone(), period: *period, seed: 0, steps_per_hour };
     let baselines = Baselines::open()?;
     let bars = Bars::new(arguments.json);
-    let evaluation = evaluation(&catalog, Some(1))?;
+    let evaluation = evaluation(&catalog, 1)?;
     let baseline_return = baselines.episode_return(&evaluation, &episode, &surroundings, &bars)?;
     drop(bars);
     let episode_return = -trajectory.temperature_penalty - trajectory.energy_penalty;
@@ -96,20 +98,20 @@ pub fn score(arguments: &Arguments) -> Result<()> {
         baseline_return,
         score: normalized_score(episode_return, baseline_return),
     };
-    if arguments.json { stdout::print_json(&score) } else { stdout::print(&score.text()) }
+    stdout::print_result(arguments.json, &score, || score.text())
 }
 
 fn surroundings(catalog: &Catalog, subject: &Subject, quiet: bool) -> Result<Surroundings> {
     let located = subject.locate(catalog, &mut Download::new(quiet));
-    located.with_context(|| format!("{} cannot be prepared", subject.name))
+    located.with_context(|| format!("cannot prepare {}", subject.name))
 }
 
-/// An episode of other buildings, or of another engine, is no match for the reactive controllers of these.
+/// Errors if the trajectory is from another version of the buildings or of the engine: its score would be meaningless.
 fn check_versions(path: &Path, theirs: &Versions) -> Result<()> {
     let ours = Versions::current();
     if (&theirs.generator, &theirs.engine) != (&ours.generator, &ours.engine) {
         bail!(
-            "{} is of buildings {} on EnergyPlus {}, and this program has {} on {}: run the episode again",
+            "{} was simulated with buildings {} on EnergyPlus {}, but this program has {} on {}; run the episode again",
             path.display(),
             theirs.generator,
             theirs.engine,
@@ -122,12 +124,12 @@ fn check_versions(path: &Path, theirs: &Versions) -> Result<()> {
 
 impl Score {
     fn text(&self) -> String {
-        let score = self.score.map_or("none".to_owned(), |score| format!("{score:.4}"));
+        let score = self.score.map_or("undefined".to_owned(), |score| format!("{score:.4}"));
         let Self { building, place, period, task, controller, .. } = self;
         format!(
             "{building} in {place}, {period}, task {task}, {controller} controller\n\n  {:<18}{:.1}\n  {:<18}{:.1}\n  \
              {:<18}{score}",
-            "return", self.episode_return, "reactive return", self.baseline_return, "score"
+            "return", self.episode_return, "baseline return", self.baseline_return, "score"
         )
     }
 }
@@ -135,11 +137,11 @@ impl Score {
 impl Trajectory {
     fn read(arguments: &Arguments) -> Result<Self> {
         let path = &arguments.trajectory;
-        let not_ours = || format!("{} is no trajectory of b2b run", path.display());
-        let file = File::open(path).with_context(|| format!("{} cannot be read", path.display()))?;
+        let not_ours = || format!("{} is not a trajectory written by b2b run", path.display());
+        let file = File::open(path).with_context(|| format!("cannot read {}", path.display()))?;
         let reader = ParquetRecordBatchReaderBuilder::try_new(file).with_context(not_ours)?;
-        let about = reader.schema().metadata().clone();
-        let word = |key: &str| about.get(key).cloned().with_context(not_ours);
+        let metadata = reader.schema().metadata().clone();
+        let word = |key: &str| metadata.get(key).cloned().with_context(not_ours);
         let (building, place) = (word("building")?, word("place")?);
         let period: RunPeriod = word("period")?.parse()?;
         let controller = word("controller")?;
@@ -164,12 +166,12 @@ impl Trajectory {
         Ok(Self { subject, place, period, task, controller, steps, temperature_penalty, energy_penalty })
     }
 
-    /// A whole episode has as many steps every hour.
+    /// Returns the steps per hour. Errors if the episode is not complete.
     fn steps_per_hour(&self, path: &Path) -> Result<u32> {
         let hours = self.period.days() as usize * 24;
         if self.steps == 0 || !self.steps.is_multiple_of(hours) {
             bail!(
-                "{} has {} steps, which is no whole episode of {}",
+                "{} has {} steps, which is not a complete episode of {}",
                 path.display(),
                 self.steps,
                 self.period
@@ -180,22 +182,22 @@ impl Trajectory {
 }
 
 impl Arguments {
-    /// The building that a file names, or the one given.
+    /// Returns the building that the file names, or the one given.
     fn subject(&self, building: &str, place: &str) -> Result<Subject> {
         let mut placement = self.location.placement();
-        let hint = "give --building and --weather";
+        let hint = "specify it with --building and --weather";
         let name = match &self.building {
             Some(name) => name.clone(),
             None => match building.parse() {
                 Ok(name) => name,
-                Err(_) => bail!("`{building}` is no building of the library: {hint}"),
+                Err(_) => bail!("unknown building `{building}`; {hint}"),
             },
         };
-        // A type stands where the file says; a building of the dataset at its own place.
+        // A type is at the place that the file names; a building of the dataset is at its own.
         let is_type = matches!(name, BuildingName::Type(_));
         if is_type && placement.weather.is_none() && placement.place.is_none() {
             let Ok(found) = Place::find(place) else {
-                bail!("`{place}` is no known place: {hint}");
+                bail!("unknown place `{place}`; {hint}");
             };
             placement.place = Some(found);
         }
@@ -208,7 +210,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_episode_of_other_buildings_or_another_engine_is_refused() {
+    fn a_trajectory_of_another_version_is_rejected() {
         let path = Path::new("trajectory.parquet");
         check_versions(path, &Versions::current()).unwrap();
         check_versions(path, &Versions { package: "0".into(), ..Versions::current() }).unwrap();

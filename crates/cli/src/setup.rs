@@ -1,23 +1,23 @@
-//! `b2b setup`: fetches and repairs what runs need.
+//! `b2b setup`: download and repair of the engine and the weather files.
 
 use anyhow::Result;
-use b2b_building::climate::weather::PACKAGES;
+use b2b_climate::weather::PACKAGES;
 use b2b_energyplus::install::{Cache, ENGINE, Engine, Package};
 
 use crate::progress::Download;
 use crate::stdout;
 
-/// Fetch EnergyPlus and weather, and repair what is damaged
+/// Download EnergyPlus and weather files, and repair damaged ones
 ///
-/// Runs fetch what they need by themselves; this is for machines that will be offline, and for a
-/// cache that `b2b doctor` finds damaged.
+/// Other commands download automatically what they need. Use this to prepare a machine for offline work, or to repair a
+/// cache that `b2b doctor` reports as damaged.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
-  b2b setup          EnergyPlus with its models and the weather that comes with it
-  b2b setup --all    the weather of every place too")]
+  b2b setup          EnergyPlus with its models and weather files
+  b2b setup --all    also the weather of every place")]
 pub struct Arguments {
-    /// Weather of every place too
+    /// Also download the weather of every place
     #[arg(long)]
     all: bool,
 }
@@ -31,12 +31,13 @@ pub fn setup(arguments: &Arguments) -> Result<()> {
         lines.push(format!("✓ {package} in {}", installed.root.display()));
     }
     if Engine::installed_by_user().is_some() {
-        lines.push(format!("✓ B2B_ENERGYPLUS is set: {}", Engine::find()?.library.display()));
+        lines.push(format!("✓ B2B_ENERGYPLUS: using {}", Engine::find()?.library.display()));
     }
     stdout::print(&lines.join("\n"))
 }
 
-/// The engine's package is needed even when the user has an engine: it carries models and weather.
+/// Returns the packages to install. The engine's package is needed even with a user's own engine, for its models and
+/// weather files.
 fn packages(all: bool) -> Vec<&'static Package> {
     let weather = PACKAGES.into_iter().filter(|_| all);
     std::iter::once(&ENGINE).chain(weather).collect()

@@ -1,9 +1,9 @@
-//! Whether a number that ships with the program comes out again.
+//! Comparison of recomputed numbers with those that are shipped.
 
-/// By how much it may differ, relatively: machines round the mathematics of the engine differently.
+/// Largest relative difference that is tolerated: math libraries of machines round differently.
 pub const TOLERANCE: f64 = 1e-6;
 
-/// The largest relative difference between numbers and those that are shipped: infinite where one is not a number.
+/// Returns the largest relative difference between numbers and the shipped ones; infinite if one is NaN.
 pub fn difference<const N: usize>(ours: [f64; N], shipped: [f64; N]) -> f64 {
     let relative = |(a, b): (f64, f64)| if a == b { 0.0 } else { (a - b).abs() / a.abs().max(b.abs()) };
     let known = |difference: f64| if difference.is_nan() { f64::INFINITY } else { difference };
@@ -15,7 +15,7 @@ mod tests {
     use super::difference;
 
     #[test]
-    fn what_is_not_a_number_does_not_come_out_again() {
+    fn nan_differs_from_every_number() {
         assert_eq!(difference([1.0, 0.0], [1.0, 0.0]), 0.0);
         assert_eq!(difference([1.0, 4.0], [1.0, -2.0]), 1.5);
         assert_eq!(difference([f64::NAN, 1.0], [2.0, 1.0]), f64::INFINITY);

@@ -1,50 +1,52 @@
-//! `b2b show`: what a building is, and what can be seen and driven in it.
+//! `b2b show`: a description of a building and of its observation and action spaces.
 
 use anyhow::Result;
 use b2b_building::description::ZoneDescription;
 use b2b_building::hvac::Actuator;
 use b2b_building::morphology::{Owner, Universe};
-use b2b_building::{BuildingName, Conditioning, RunPeriod, Zone};
+use b2b_building::{Conditioning, RunPeriod, Zone};
+use b2b_dataset::BuildingName;
 use b2b_env::{Env, Slot, Task};
 use serde_json::{Value, json};
 
+use crate::arguments::location::Location;
 use crate::facts::{Facts, percent};
-use crate::prepare::{Location, Prepared};
+use crate::prepare::Prepared;
 use crate::stdout;
 use crate::table::Table;
 
-/// Show what a building is, on one screen
+/// Describe a building: envelope, systems, observation and action spaces
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
   b2b show OfficeSmall
   b2b show SingleFamilyHouse-0007 --zones
-  b2b show OfficeSmall --actions           what can be driven, between which bounds
-  b2b show Warehouse --place Fairbanks     equipment is sized for the place, and bounds with it")]
+  b2b show OfficeSmall --actions           every actuator with its bounds
+  b2b show Warehouse --place Fairbanks     sized for another climate, with other bounds")]
 pub struct Arguments {
-    /// Building type (`b2b list`), building of the dataset such as OfficeSmall-0042, or model file (.idf, .epJSON)
+    /// Building type (`b2b list`), dataset building such as OfficeSmall-0042, or model file (.idf, .epJSON)
     #[arg(value_name = "BUILDING")]
     building: BuildingName,
     #[command(flatten)]
     location: Location,
-    /// Show the zones
+    /// List the zones
     #[arg(long)]
     zones: bool,
-    /// Show every slot of the action
+    /// List the actuators: the slots of the action
     #[arg(long)]
     actions: bool,
-    /// Show every slot of the observation
+    /// List the slots of the observation
     #[arg(long)]
     observations: bool,
-    /// Show all of this
+    /// List zones, actuators and observation
     #[arg(long)]
     all: bool,
-    /// Print JSON: all of this, with the morphology
+    /// Print everything as JSON, including the morphology graph
     #[arg(long)]
     json: bool,
 }
 
-/// Width that a line of parameters may have.
+/// Maximum width of a line of parameters.
 const WIDTH: usize = 96;
 
 /// Runs the command.
@@ -53,10 +55,9 @@ pub fn show(arguments: &Arguments) -> Result<()> {
     let env = prepared.env(RunPeriod::WINTER, 12, Task::default())?;
     let facts = Facts::of(&prepared, &arguments.building, &arguments.location)?;
     if arguments.json {
-        stdout::print_json(&json_of(&prepared, &env, &facts))
-    } else {
-        stdout::print(&text_of(arguments, &prepared, &env, &facts))
+        return stdout::print_json(&json_of(&prepared, &env, &facts));
     }
+    stdout::print(&text_of(arguments, &prepared, &env, &facts))
 }
 
 fn text_of(arguments: &Arguments, prepared: &Prepared, env: &Env, facts: &Facts) -> String {
@@ -74,8 +75,8 @@ fn text_of(arguments: &Arguments, prepared: &Prepared, env: &Env, facts: &Facts)
         (arguments.actions, "Action", actions),
         (arguments.observations, "Observation", observations),
     ];
-    let wanted = details.into_iter().filter(|(wanted, ..)| *wanted || arguments.all);
-    parts.extend(wanted.map(|(_, title, text)| format!("{title}\n{text}")));
+    let requested = details.into_iter().filter(|(requested, ..)| *requested || arguments.all);
+    parts.extend(requested.map(|(_, title, text)| format!("{title}\n{text}")));
     parts.join("\n\n")
 }
 
@@ -84,7 +85,7 @@ fn lines_text(lines: &[(&str, String)]) -> String {
     lines.iter().map(line).collect::<Vec<_>>().join("\n")
 }
 
-/// Items with dots between them, in lines of at most [`WIDTH`].
+/// Returns items separated by dots, in lines of at most [`WIDTH`].
 fn wrapped(items: &[String]) -> String {
     let mut lines = vec![String::from(" ")];
     for item in items {
@@ -104,12 +105,12 @@ fn wrapped(items: &[String]) -> String {
 fn zones_text(zones: &[Zone], described: &[ZoneDescription]) -> String {
     let mut table = Table::new([
         "zone",
-        "floor, m²",
-        "volume, m³",
-        "outer walls",
-        "windows",
-        "ground",
-        "infiltration, 1/h",
+        "floor area (m²)",
+        "volume (m³)",
+        "exterior walls",
+        "window/wall",
+        "ground contact",
+        "infiltration (1/h)",
         "equipment",
     ]);
     for (zone, described) in zones.iter().zip(described) {
@@ -129,7 +130,7 @@ fn zones_text(zones: &[Zone], described: &[ZoneDescription]) -> String {
 
 fn equipment(zone: &Zone) -> &'static str {
     match zone.conditioning {
-        Conditioning::None if zone.own_controls => "under its own controls",
+        Conditioning::None if zone.own_controls => "not controlled by the agent",
         Conditioning::None => "none",
         Conditioning::Heating => "heating",
         Conditioning::HeatingAndCooling => "heating and cooling",
@@ -137,7 +138,7 @@ fn equipment(zone: &Zone) -> &'static str {
 }
 
 fn actuators_text<'a>(actuators: impl Iterator<Item = &'a Actuator>) -> String {
-    let mut table = Table::new(["", "actuator", "low", "high", "unit", "engine actuator"]);
+    let mut table = Table::new(["index", "actuator", "low", "high", "unit", "EnergyPlus actuator"]);
     for (index, actuator) in actuators.enumerate() {
         table.row([
             index.to_string(),
@@ -156,7 +157,7 @@ fn engine_actuator(actuator: &Actuator) -> String {
 }
 
 fn slots_text(slots: &[Slot]) -> String {
-    let mut table = Table::new(["", "slot", "low", "high", "unit", "source"]);
+    let mut table = Table::new(["index", "slot", "low", "high", "unit", "source"]);
     for (index, slot) in slots.iter().enumerate() {
         table.row([
             index.to_string(),
@@ -170,7 +171,7 @@ fn slots_text(slots: &[Slot]) -> String {
     table.text()
 }
 
-/// Three decimals at most.
+/// Returns a bound with at most three decimals.
 fn bound(value: f64) -> String {
     format!("{}", (value * 1000.0).round() / 1000.0)
 }
@@ -228,7 +229,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn items_are_wrapped_between_them() {
+    fn lines_break_only_between_items() {
         let items = vec!["x".repeat(60), "y".repeat(40), "z".into()];
         let text = wrapped(&items);
         assert_eq!(text, format!("  {}\n  {} · z", "x".repeat(60), "y".repeat(40)));

@@ -1,4 +1,4 @@
-//! Standard output: results only, in one piece.
+//! Standard output: only the result, in one piece.
 
 use std::io::{ErrorKind, Write};
 
@@ -15,7 +15,12 @@ pub fn print_json(value: &impl Serialize) -> Result<()> {
     print(&serde_json::to_string_pretty(value)?)
 }
 
-/// Whether an error only says that nobody reads any more (`b2b list | head -1`).
+/// Prints a result: as JSON, or as the text that `text` returns.
+pub fn print_result(json: bool, value: &impl Serialize, text: impl FnOnce() -> String) -> Result<()> {
+    if json { print_json(value) } else { print(&text()) }
+}
+
+/// Returns whether an error only means that the reader closed the pipe (`b2b list | head -1`).
 pub fn is_closed(error: &anyhow::Error) -> bool {
     let io = error.downcast_ref::<std::io::Error>();
     io.is_some_and(|io| io.kind() == ErrorKind::BrokenPipe)

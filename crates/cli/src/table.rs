@@ -1,12 +1,12 @@
-//! A table of text in aligned columns.
+//! A text table with aligned columns.
 
-/// Rows under a header; columns of numbers are aligned right.
+/// Rows under a header. Columns of numbers are right-aligned.
 pub struct Table {
     rows: Vec<Vec<String>>,
 }
 
 impl Table {
-    /// A table with these column names.
+    /// Returns an empty table with these column names.
     pub fn new<const N: usize>(header: [&str; N]) -> Self {
         Self { rows: vec![header.map(str::to_owned).to_vec()] }
     }
@@ -16,7 +16,7 @@ impl Table {
         self.rows.push(cells.to_vec());
     }
 
-    /// The table, a line a row, each line indented by two spaces.
+    /// Returns one line per row, indented by two spaces.
     pub fn text(&self) -> String {
         let columns: Vec<_> = (0..self.rows[0].len()).map(|column| self.column(column)).collect();
         let line = |row: &Vec<String>| {
@@ -56,7 +56,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_are_right_and_words_left() {
+    fn numbers_are_right_aligned_and_words_left_aligned() {
         let mut table = Table::new(["zone", "K"]);
         table.row(["Core".into(), "0.5".into()]);
         table.row(["Büro".into(), "12.5".into()]);

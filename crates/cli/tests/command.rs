@@ -1,7 +1,7 @@
-//! The `b2b` command seen from outside, on the real engine.
+//! The `b2b` command from the outside, on the real engine.
 #![cfg(unix)]
 
-mod common;
+mod program;
 
 use std::collections::HashMap;
 use std::fs::File;
@@ -11,11 +11,11 @@ use std::process::{Command, Output, Stdio};
 use std::time::Duration;
 
 use b2b_building::BuildingType;
-use b2b_building::climate::Place;
+use b2b_climate::Place;
 use b2b_energyplus::Library;
 use b2b_energyplus::install::{Engine, Quiet};
-use common::stderr;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use program::stderr;
 use rustix::process::{Pid, Signal, kill_process, test_kill_process_group};
 use serde_json::Value;
 use tempfile::TempDir;
@@ -44,20 +44,20 @@ impl Sandbox {
         self.command(B2B, arguments).output().unwrap()
     }
 
-    /// The object that a run with `--json` prints.
+    /// Returns the object that a run with `--json` prints.
     fn json(&self, arguments: &str) -> Value {
         let output = self.b2b(&format!("{arguments} --json"));
         assert!(output.status.success(), "{}", stderr(&output));
         serde_json::from_slice(&output.stdout).expect("standard output holds one JSON value alone")
     }
 
-    /// Names of everything in the two folders.
+    /// Returns everything in the two folders.
     fn left_behind(&self) -> Vec<PathBuf> {
         let entries = |folder: &Path| std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
         entries(self.work.path()).chain(entries(self.temporary.path())).collect()
     }
 
-    /// A command that fails with code 1, says `words` on standard error and leaves nothing behind.
+    /// Asserts that a command fails with code 1, prints `words` on standard error and leaves nothing behind.
     fn assert_refused(&self, command: &mut Command, words: &[&str]) {
         let before = self.left_behind();
         let output = command.output().unwrap();
@@ -74,6 +74,26 @@ impl Sandbox {
 
 /// The fastest building, for two days.
 const SHORT: &str = "run RestaurantFastFood --period 01-01..01-02";
+
+#[test]
+fn the_front_page_teaches_without_arguments_and_on_help() {
+    let sandbox = Sandbox::new();
+    let text = |arguments: &str| {
+        let output = sandbox.b2b(arguments);
+        assert!(output.status.success() && output.stderr.is_empty(), "{}", stderr(&output));
+        String::from_utf8(output.stdout).unwrap()
+    };
+    for page in [text(""), text("--help")] {
+        for words in [
+            "Start here:\n  b2b run OfficeSmall",
+            "Evaluate policies:\n  evaluate ",
+            "downloaded automatically",
+        ] {
+            assert!(page.contains(words), "`{words}` is not in: {page}");
+        }
+        assert!(page.lines().all(|line| line.chars().count() <= 120), "{page}");
+    }
+}
 
 #[test]
 fn run_prints_one_json_object_with_every_promised_key() {
@@ -140,18 +160,20 @@ fn the_same_run_twice_in_two_processes_has_the_same_hash() {
 }
 
 #[test]
-fn a_run_for_people_shows_the_zones_and_where_the_files_are() {
+fn the_text_report_shows_metrics_zones_and_files() {
     let sandbox = Sandbox::new();
     let output = sandbox.b2b(&format!("{SHORT} --controller constant"));
     let text = String::from_utf8(output.stdout).unwrap();
-    for word in ["RestaurantFastFood in Denver", "mean absolute deviation", "Kitchen", "picture.html"] {
+    for word in
+        ["RestaurantFastFood in Denver", "peak electric demand", "actuator travel", "Kitchen", "picture.html"]
+    {
         assert!(text.contains(word), "{text}");
     }
     assert_eq!(std::fs::read_dir(sandbox.temporary.path()).unwrap().count(), 0);
 }
 
 #[test]
-fn the_trajectory_file_has_a_row_a_step_and_a_named_column_for_everything() {
+fn the_trajectory_file_has_a_row_per_step_and_a_named_column_per_value() {
     let sandbox = Sandbox::new();
     sandbox.json(&format!("{SHORT} --out here"));
     let file = File::open(sandbox.work.path().join("here/trajectory.parquet")).unwrap();
@@ -178,7 +200,7 @@ fn the_trajectory_file_has_a_row_a_step_and_a_named_column_for_everything() {
 }
 
 #[test]
-fn a_wrong_name_is_answered_with_the_right_one() {
+fn a_misspelled_argument_is_answered_with_the_valid_ones() {
     for (arguments, words) in [
         ("run OficeSmall", ["OficeSmall", "OfficeSmall"]),
         ("show Warehose", ["Warehose", "Warehouse"]),
@@ -199,7 +221,7 @@ fn a_wrong_name_is_answered_with_the_right_one() {
 }
 
 #[test]
-fn a_truncated_weather_file_is_refused_by_name() {
+fn a_truncated_weather_file_is_rejected_by_name() {
     let sandbox = Sandbox::new();
     let whole = std::fs::read(Place::find("Denver").unwrap().epw(&mut Quiet).unwrap()).unwrap();
     std::fs::write(sandbox.work.path().join("half.epw"), &whole[..whole.len() / 2]).unwrap();
@@ -208,7 +230,7 @@ fn a_truncated_weather_file_is_refused_by_name() {
 }
 
 #[test]
-fn a_missing_engine_is_answered_with_what_to_do() {
+fn a_missing_engine_is_reported_with_a_remedy() {
     let sandbox = Sandbox::new();
     let empty = tempfile::tempdir().unwrap();
     let mut command = sandbox.command(B2B, SHORT);
@@ -220,7 +242,7 @@ fn a_missing_engine_is_answered_with_what_to_do() {
 }
 
 #[test]
-fn doctor_fails_when_something_is_bad_and_says_what() {
+fn doctor_fails_and_names_a_problem() {
     let sandbox = Sandbox::new();
     let mut command = sandbox.command(B2B, "doctor");
     let output = command.env("B2B_ENERGYPLUS", "/nowhere").output().unwrap();
@@ -230,7 +252,7 @@ fn doctor_fails_when_something_is_bad_and_says_what() {
 }
 
 #[test]
-fn a_full_disk_is_named_with_the_file_and_nothing_half_written_stays() {
+fn a_full_disk_is_reported_with_the_file_and_leaves_nothing_behind() {
     let sandbox = Sandbox::new();
     // Files may have 400 KiB at most: enough for the engine, too little for a month of random actions.
     let run = "run RestaurantFastFood --period 01-01..01-31 --controller random --json";
@@ -240,7 +262,7 @@ fn a_full_disk_is_named_with_the_file_and_nothing_half_written_stays() {
 }
 
 #[test]
-fn an_output_folder_that_cannot_be_is_refused_before_the_run() {
+fn an_impossible_output_folder_is_rejected_before_the_run() {
     let sandbox = Sandbox::new();
     std::fs::write(sandbox.work.path().join("taken"), "").unwrap();
     for out in ["taken", "taken/below"] {
@@ -250,7 +272,7 @@ fn an_output_folder_that_cannot_be_is_refused_before_the_run() {
 }
 
 #[test]
-fn an_interrupted_run_stops_between_steps_and_leaves_nothing() {
+fn an_interrupted_run_stops_between_steps_and_leaves_nothing_behind() {
     for signal in [Signal::INT, Signal::TERM] {
         let sandbox = Sandbox::new();
         let mut command = sandbox.command(B2B, "run OfficeSmall --period full_year");
@@ -279,7 +301,7 @@ fn wait_until(done: impl Fn() -> bool) {
 }
 
 #[test]
-fn show_tells_bounds_and_units_of_what_is_driven_and_seen() {
+fn show_lists_bounds_and_units_of_observation_and_action() {
     let object = Sandbox::new().json("show RestaurantFastFood");
     let (action, observation) =
         (object["action"].as_array().unwrap(), object["observation"].as_array().unwrap());
@@ -291,16 +313,16 @@ fn show_tells_bounds_and_units_of_what_is_driven_and_seen() {
 }
 
 #[test]
-fn show_fits_a_screen_and_tells_more_when_asked() {
+fn show_fits_a_screen_and_has_details_on_request() {
     let sandbox = Sandbox::new();
     let text = |arguments: &str| String::from_utf8(sandbox.b2b(arguments).stdout).unwrap();
     let short = text("show RestaurantFastFood-0042");
     for word in [
         "kitchen",
-        "heating K·d",
+        "heating degree days",
         "U ",
         "SHGC",
-        "of the outer walls",
+        "of the exterior walls",
         "Dining",
         "x scale",
         "10 values",
@@ -313,7 +335,7 @@ fn show_fits_a_screen_and_tells_more_when_asked() {
     assert!(!short.contains("Schedule:Constant") && !short.contains("engine:"), "{short}");
     assert!(text("show RestaurantFastFood --actions").contains("Schedule:Constant"));
     let all = text("show RestaurantFastFood --all");
-    for word in ["infiltration, 1/h", "Schedule:Constant", "engine: Zone Mean Air Temperature"] {
+    for word in ["infiltration (1/h)", "Schedule:Constant", "engine: Zone Mean Air Temperature"] {
         assert!(all.contains(word), "no {word} in {all}");
     }
 }
@@ -334,7 +356,7 @@ fn show_as_json_has_the_description_and_the_morphology() {
 
 /// The warehouse has floors with a corner turned in.
 #[test]
-fn the_page_of_a_building_has_every_surface_at_its_size_and_needs_no_network() {
+fn the_page_of_a_building_draws_every_surface_at_its_size_and_needs_no_network() {
     let sandbox = Sandbox::new();
     let output = sandbox.b2b("view Warehouse --out here/page.html");
     assert!(output.status.success(), "{}", stderr(&output));
@@ -346,7 +368,7 @@ fn the_page_of_a_building_has_every_surface_at_its_size_and_needs_no_network() {
 
     let engine = Engine::ensure(&mut Quiet).unwrap();
     let library = Library::load(&engine.library).unwrap();
-    let model = BuildingType::Warehouse.prototype(&engine, &library).unwrap();
+    let model = b2b_dataset::archetype::prototype(BuildingType::Warehouse, &engine, &library).unwrap();
     let surfaces = b2b_building::zone::surfaces(&model).unwrap();
     assert!(surfaces.iter().any(|surface| surface.corners.len() == 6));
     for surface in &surfaces {
@@ -394,7 +416,7 @@ fn list_names_every_type_and_every_place() {
 }
 
 #[test]
-fn bench_tells_the_three_costs_of_a_step() {
+fn bench_speed_measures_the_three_costs_of_a_step() {
     let speeds = Sandbox::new().json("bench speed --type RestaurantFastFood --days 4");
     let speed = &speeds.as_array().unwrap()[0];
     assert_eq!((&speed["type"], &speed["steps"]), (&"RestaurantFastFood".into(), &(3 * 2 * 288).into()));

@@ -1,7 +1,7 @@
-//! The dataset from the command line: manifest, generated files, and buildings by id.
+//! The dataset on the command line: manifest, generated files, and buildings by id.
 #![cfg(unix)]
 
-mod common;
+mod program;
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -13,11 +13,11 @@ use std::time::Duration;
 use arrow_array::Array;
 use arrow_array::cast::AsArray;
 use arrow_array::types::Float64Type;
-use b2b_building::climate::Place;
-use b2b_building::dataset::{self, Building};
+use b2b_climate::Place;
+use b2b_dataset::Building;
 use b2b_energyplus::install::Quiet;
-use common::{b2b, command, json, stderr};
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use program::{assert_rejected, b2b, command, json, stderr};
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
 
@@ -30,7 +30,7 @@ fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
 }
 
 #[test]
-fn the_manifest_command_writes_what_is_checked_in_and_parquet_says_the_same() {
+fn the_manifest_command_writes_the_checked_in_files_and_parquet_equals_csv() {
     let folder = tempfile::tempdir().unwrap();
     assert!(b2b(folder.path(), "dataset manifest --out here").status.success());
     let written = files(&folder.path().join("here"));
@@ -38,11 +38,11 @@ fn the_manifest_command_writes_what_is_checked_in_and_parquet_says_the_same() {
     let checked_in = Path::new(env!("CARGO_MANIFEST_DIR")).join("../building/data/dataset");
     assert!(written["v1.csv"] == files(&checked_in)["v1.csv"]);
     for folder in [folder.path().join("here"), checked_in] {
-        parquet_says_what_csv_says(&folder);
+        parquet_equals_csv(&folder);
     }
 }
 
-fn parquet_says_what_csv_says(folder: &Path) {
+fn parquet_equals_csv(folder: &Path) {
     let file = File::open(folder.join("v1.parquet")).unwrap();
     let reader = ParquetRecordBatchReaderBuilder::try_new(file).unwrap().with_batch_size(10_000);
     let table = reader.build().unwrap().next().unwrap().unwrap();
@@ -79,7 +79,7 @@ fn the_same_arguments_generate_the_same_bytes_in_two_processes() {
 }
 
 #[test]
-fn files_of_the_same_buildings_are_kept_and_others_are_replaced() {
+fn files_of_unchanged_buildings_are_kept_and_others_are_replaced() {
     let folder = tempfile::tempdir().unwrap();
     let generate = |count: u32| {
         let said = json(folder.path(), &format!("generate Warehouse --count {count} --place Denver --out w"));
@@ -96,7 +96,7 @@ fn files_of_the_same_buildings_are_kept_and_others_are_replaced() {
 }
 
 #[test]
-fn an_interrupted_generation_leaves_whole_files_and_goes_on() {
+fn an_interrupted_generation_leaves_complete_files_and_resumes() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
     let arguments = "generate Warehouse --count 60 --place Denver --jobs 1 --out out";
@@ -148,7 +148,7 @@ fn manifest(folder: &Path) -> Vec<BTreeMap<String, String>> {
 }
 
 #[test]
-fn buildings_of_any_weather_file_say_what_they_were_made_from() {
+fn the_manifest_records_the_weather_file_and_the_parameters() {
     let folder = tempfile::tempdir().unwrap();
     let weather = undesigned(folder.path());
     let out = folder.path().join("o");
@@ -182,7 +182,7 @@ fn buildings_of_any_weather_file_say_what_they_were_made_from() {
 }
 
 #[test]
-fn buildings_of_the_dataset_and_others_share_a_folder() {
+fn dataset_buildings_and_new_ones_share_a_folder() {
     let folder = tempfile::tempdir().unwrap();
     let dataset = "generate RestaurantFastFood --dataset v1 --split test_small --out o";
     assert_eq!(json(folder.path(), dataset)["written"], 8);
@@ -193,7 +193,7 @@ fn buildings_of_the_dataset_and_others_share_a_folder() {
 }
 
 #[test]
-fn houses_stand_under_any_weather_file_and_have_no_zone() {
+fn houses_accept_any_weather_file_and_have_no_climate_zone() {
     let folder = tempfile::tempdir().unwrap();
     undesigned(folder.path());
     let arguments =
@@ -210,7 +210,7 @@ fn houses_stand_under_any_weather_file_and_have_no_zone() {
 }
 
 #[test]
-fn a_run_under_a_file_without_design_conditions_says_so() {
+fn a_weather_file_without_design_conditions_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     undesigned(folder.path());
     let output = b2b(folder.path(), "show Warehouse --weather somewhere.epw --json");
@@ -231,7 +231,7 @@ fn the_ranges_in_the_documentation_are_those_of_the_dataset() {
 }
 
 #[test]
-fn what_cannot_be_is_refused_with_what_can() {
+fn invalid_arguments_are_rejected_with_the_valid_ones() {
     for (arguments, words) in [
         ("run OfficeSmall-1001", ["1001", "OfficeSmall-1000"]),
         ("run OficeSmall-0042", ["OficeSmall", "OfficeSmall"]),
@@ -258,10 +258,7 @@ fn what_cannot_be_is_refused_with_what_can() {
         ("generate Warehouse --zone 5A --out o", ["--weather", "required"]),
     ] {
         let folder = tempfile::tempdir().unwrap();
-        let output = b2b(folder.path(), arguments);
-        let said = stderr(&output);
-        assert_eq!(output.status.code(), Some(1), "{said}");
-        assert!(words.iter().all(|word| said.contains(word)), "{arguments}: {said}");
+        assert_rejected(folder.path(), arguments, &words);
         assert!(files(folder.path()).is_empty());
     }
 }
@@ -272,20 +269,20 @@ fn a_building_of_the_dataset_runs_at_its_own_place() {
     for id in ["RestaurantFastFood-0042", "SingleFamilyHouse-0042"] {
         let said = json(folder.path(), &format!("run {id} --period 01-01..01-01"));
         assert_eq!(said["building"], id);
-        assert_eq!(said["place"], dataset::row(id.parse().unwrap()).building.place());
+        assert_eq!(said["place"], b2b_dataset::row(id.parse().unwrap()).building.place());
         assert_eq!(said["engine_severes"], 0);
     }
 }
 
 /// The floor that is conditioned follows the parameters.
 #[test]
-fn show_tells_of_the_building_of_the_id() {
+fn show_describes_the_building_of_the_id() {
     let folder = tempfile::tempdir().unwrap();
     let area = |name: &str| {
         json(folder.path(), &format!("show {name}"))["conditioned_floor_area_m2"].as_f64().unwrap()
     };
     let Building::Commercial { parameters, .. } =
-        &dataset::row("RestaurantFastFood-0042".parse().unwrap()).building
+        &b2b_dataset::row("RestaurantFastFood-0042".parse().unwrap()).building
     else {
         unreachable!()
     };
@@ -308,7 +305,7 @@ fn the_equipment_of_a_type_is_sized_for_the_place() {
 }
 
 #[test]
-fn check_passes_a_building_that_is_held() {
+fn check_passes_a_building_within_its_temperature_limits() {
     let folder = tempfile::tempdir().unwrap();
     let reports = json(folder.path(), "check RestaurantFastFood-0042");
     let report = &reports.as_array().unwrap()[0];

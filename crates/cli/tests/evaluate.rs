@@ -1,29 +1,18 @@
 //! `b2b evaluate`, `b2b score` and `b2b baseline` seen from outside, on the real engine.
 #![cfg(target_os = "linux")]
 
-mod common;
+mod program;
 
-use std::path::Path;
 use std::process::Stdio;
 use std::time::{Duration, Instant};
 
-use common::{b2b, command, json, stderr};
+use program::{assert_rejected, b2b, command, json};
 use serde_json::Value;
-
-fn assert_refused(folder: &Path, arguments: &str, words: &[&str]) {
-    let output = b2b(folder, arguments);
-    let said = stderr(&output);
-    assert_eq!(output.status.code(), Some(1), "{said}");
-    assert!(!said.contains("panicked"), "{said}");
-    for word in words {
-        assert!(said.contains(word), "`{word}` is not in: {said}");
-    }
-}
 
 const HOUSES: &str = "SingleFamilyHouse-0014 SingleFamilyHouse-0042";
 
 #[test]
-fn a_killed_evaluation_goes_on_and_ends_with_the_same_bytes() {
+fn a_killed_evaluation_resumes_and_ends_with_the_same_bytes() {
     let folder = tempfile::tempdir().unwrap();
     let evaluate = |out: &str| {
         format!("evaluate {HOUSES} --policy random --period 01-10..01-12 07-10..07-12 --jobs 1 --out {out}")
@@ -60,9 +49,9 @@ fn a_killed_evaluation_goes_on_and_ends_with_the_same_bytes() {
 }
 
 #[test]
-fn what_cannot_be_evaluated_is_refused_with_a_remedy() {
+fn invalid_arguments_are_rejected_with_a_remedy() {
     let folder = tempfile::tempdir().unwrap();
-    let refused = |arguments: &str, words: &[&str]| assert_refused(folder.path(), arguments, words);
+    let refused = |arguments: &str, words: &[&str]| assert_rejected(folder.path(), arguments, words);
     std::fs::write(folder.path().join("no.onnx"), "this is no model").unwrap();
     refused("evaluate --policy no.onnx --out x", &["no.onnx is no ONNX model"]);
     refused("evaluate --policy none.onnx --out x", &["none.onnx"]);
@@ -73,15 +62,20 @@ fn what_cannot_be_evaluated_is_refused_with_a_remedy() {
     refused("evaluate OfficeSmal-1 --policy random --out x", &["OfficeSmal"]);
     refused("evaluate --policy random --split test_big --out x", &["test_big", "test_small"]);
     refused("evaluate --policy random", &["--out"]);
+    refused(
+        "evaluate OfficeSmall-0001 --type Warehouse --policy random --out x",
+        &["--type", "cannot be used with"],
+    );
+    refused("evaluate --type Warehouse --zone 9 --policy random --out x", &["9", "1..=8"]);
     assert!(!folder.path().join("x").exists());
     std::fs::write(folder.path().join("thesis.tex"), "").unwrap();
     refused("evaluate --policy random --out .", &["holds no evaluation"]);
-    refused("score no.onnx", &["no.onnx is no trajectory"]);
-    refused("score none.parquet", &["none.parquet cannot be read"]);
+    refused("score no.onnx", &["no.onnx is not a trajectory"]);
+    refused("score none.parquet", &["cannot read none.parquet"]);
 }
 
 #[test]
-fn a_trajectory_is_scored_and_the_reactive_controllers_get_one() {
+fn a_trajectory_is_scored_and_the_reactive_controllers_score_one() {
     let folder = tempfile::tempdir().unwrap();
     let run = |controller: &str| {
         let day = "run SingleFamilyHouse-0014 --period 01-10..01-10 --task occupancy+energy0.5";

@@ -10,8 +10,8 @@ use b2b_benchmark::{
     ActionScale, Baselines, Beginning, BuiltIn, Episode, Evaluation, Folder, OnnxPolicy, Policy, Progress,
     Results, Subject, Versions, write_episodes,
 };
-use b2b_building::Catalog;
 use b2b_control::{Controller, Reactive, ReactiveParameters};
+use b2b_dataset::Catalog;
 use b2b_energyplus::install::Quiet;
 use b2b_env::vector::Launcher;
 use b2b_env::{Env, Trajectory};
@@ -153,7 +153,7 @@ fn the_reactive_controllers_score_one_and_are_those_of_an_environment_alone() {
 /// The hash and the return of an episode in this process.
 fn alone(catalog: &Catalog, episode: &Episode) -> (String, f64) {
     let found = catalog.find(&episode.subject.name, &episode.subject.placement, &mut Quiet).unwrap();
-    let setting = b2b_env::Episode {
+    let setting = b2b_env::EpisodeConfig {
         weather: found.weather.clone(),
         period: episode.period,
         steps_per_hour: episode.steps_per_hour,

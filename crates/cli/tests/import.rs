@@ -1,4 +1,4 @@
-//! `b2b import`, and what goes on from it, seen from outside.
+//! `b2b import`, and runs of imported models.
 #![cfg(unix)]
 
 use std::path::PathBuf;
@@ -31,16 +31,16 @@ fn json(arguments: &[&str]) -> Value {
 }
 
 #[test]
-fn import_tells_what_is_driven_and_how_to_go_on() {
+fn import_reports_what_is_controlled_and_the_next_steps() {
     let output = b2b(&["import", &warehouse(), "--weather", &weather()]);
     let text = String::from_utf8_lossy(&output.stdout);
-    for words in ["3 of 3 zones are driven", "unitary", "heater", "Zones", "b2b run ", "--weather"] {
+    for words in ["the agent controls 3 of 3 zones", "unitary", "heater", "Zones", "b2b run ", "--weather"] {
         assert!(text.contains(words), "`{words}` is not in: {text}");
     }
 }
 
 #[test]
-fn an_imported_building_runs_the_same_twice() {
+fn an_imported_model_runs_the_same_twice() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().to_string_lossy();
     let run = || {
@@ -54,7 +54,7 @@ fn an_imported_building_runs_the_same_twice() {
 }
 
 #[test]
-fn a_folder_of_models_is_a_line_each_and_fails_with_those_that_fail() {
+fn a_folder_of_models_prints_a_line_each_and_fails_if_one_fails() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::copy(warehouse(), folder.path().join("good.idf")).unwrap();
     std::fs::write(folder.path().join("bad.idf"), "Version,25.2;\nZone,\n").unwrap();
@@ -62,13 +62,13 @@ fn a_folder_of_models_is_a_line_each_and_fails_with_those_that_fail() {
     let output = b2b(&["import", &path, "--weather", &weather(), "--run", "01-08..01-08"]);
     let text = String::from_utf8_lossy(&output.stdout);
     assert_eq!(output.status.code(), Some(1), "{text}");
-    for words in ["good", "bad", "1 of 2 models are environments", "cut off"] {
+    for words in ["good", "bad", "1 of 2 models can be used as environments", "cut off"] {
         assert!(text.contains(words), "`{words}` is not in: {text}");
     }
 }
 
 #[test]
-fn what_is_missing_or_wrong_is_told_with_the_remedy() {
+fn missing_or_invalid_files_are_reported_with_a_remedy() {
     let folder = tempfile::tempdir().unwrap();
     let noise = folder.path().join("noise.epw");
     std::fs::write(&noise, "no weather\n").unwrap();

@@ -1,23 +1,23 @@
-//! The README shows what the program prints.
+//! The documentation shows the output of the program.
 
-mod common;
+mod program;
 
-use common::{b2b, stderr};
+use program::{b2b, stderr};
 
-/// Lines that are of the machine and the moment.
-const PASSING: [&str; 3] = ["  speed ", "  CPU time ", "  energy against the engine's meters "];
+/// Lines that vary from run to run.
+const VARIABLE: [&str; 3] = ["  speed ", "  CPU time ", "  energy mismatch vs. EnergyPlus meters "];
 
-/// The block of text that follows a sentence of the README.
+/// Returns the block of text that follows a sentence of the documentation.
 fn shown(sentence: &str) -> Vec<String> {
-    let readme = include_str!("../../../README.md");
-    let (_, rest) = readme.split_once(sentence).expect("the sentence is there");
+    let page = include_str!("../../../docs/cli.md");
+    let (_, rest) = page.split_once(sentence).expect("the sentence is there");
     let (_, block) = rest.split_once("```text\n").unwrap();
     lines(block.split_once("```").unwrap().0)
 }
 
 fn lines(text: &str) -> Vec<String> {
-    let of_the_moment = |line: &&str| PASSING.iter().any(|passing| line.starts_with(passing));
-    text.lines().filter(|line| !of_the_moment(line)).map(str::to_owned).collect()
+    let varies = |line: &&str| VARIABLE.iter().any(|prefix| line.starts_with(prefix));
+    text.lines().filter(|line| !varies(line)).map(str::to_owned).collect()
 }
 
 fn printed(arguments: &str) -> Vec<String> {
@@ -28,19 +28,17 @@ fn printed(arguments: &str) -> Vec<String> {
 }
 
 #[test]
-fn the_types() {
-    assert_eq!(printed("list --sizes"), shown("`cargo run --release -- list --sizes` prints:"));
+fn the_list_of_types_is_shown() {
+    assert_eq!(printed("list --sizes"), shown("`b2b list --sizes` prints:"));
 }
 
 #[test]
-fn a_building() {
+fn the_description_of_a_building_is_shown() {
     assert_eq!(printed("show OfficeMedium"), shown("`b2b show OfficeMedium` prints:"));
 }
 
 #[test]
-fn the_main_run() {
-    assert_eq!(
-        printed("run OfficeSmall"),
-        shown("What you see (the first run fetches EnergyPlus before it):")
-    );
+fn the_report_of_a_run_is_shown() {
+    let sentence = "`b2b run OfficeSmall` simulates a winter under the reactive controllers and prints:";
+    assert_eq!(printed("run OfficeSmall"), shown(sentence));
 }

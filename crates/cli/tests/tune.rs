@@ -1,23 +1,15 @@
-//! Tuning from the command line, on the real engine, and what becomes of its result.
+//! `b2b tune` on the real engine, and the use of its results.
 #![cfg(target_os = "linux")]
 
-mod common;
+mod program;
 
-use std::path::Path;
-
-use common::{b2b, json, stderr};
+use program::{assert_rejected, json};
 use serde_json::Value;
-
-fn refused(folder: &Path, arguments: &str) -> String {
-    let output = b2b(folder, arguments);
-    assert_eq!(output.status.code(), Some(1), "{arguments}");
-    stderr(&output)
-}
 
 const TINY: &str = "tune --type SingleFamilyHouse --buildings 1 --period 01-08..01-08";
 
 #[test]
-fn a_tuning_goes_on_where_it_stood_and_its_result_is_what_an_uninterrupted_one_has() {
+fn a_resumed_tuning_gives_the_result_of_an_uninterrupted_one() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     let read = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
@@ -36,12 +28,12 @@ fn a_tuning_goes_on_where_it_stood_and_its_result_is_what_an_uninterrupted_one_h
     let scale: Value = serde_json::from_str(&read("parts/energy_scale.json")).unwrap();
     assert_eq!(scale[0]["energy_scale"], whole[0]["measured"]["energy"]);
 
-    let said = refused(folder, &format!("{TINY} --evaluations 3 --seed 1 --out parts"));
-    assert!(said.contains("another tuning") && said.contains("SingleFamilyHouse.jsonl"), "{said}");
+    let other = format!("{TINY} --evaluations 3 --seed 1 --out parts");
+    assert_rejected(folder, &other, &["another tuning run", "SingleFamilyHouse.jsonl"]);
 }
 
 #[test]
-fn a_building_of_the_dataset_runs_with_the_parameters_of_its_class_unless_told_otherwise() {
+fn a_dataset_building_uses_the_tuned_parameters_of_its_class_by_default() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     let shipped: Value = serde_json::from_str(include_str!("../../control/data/tuned.json")).unwrap();
@@ -57,9 +49,8 @@ fn a_building_of_the_dataset_runs_with_the_parameters_of_its_class_unless_told_o
     assert_eq!(hash("--parameters same.json"), tuned);
     assert_ne!(hash("--parameters default"), tuned);
 
-    std::fs::write(folder.join("wrong.json"), r#"{"unitary": {"least_flow": 1.5}}"#).unwrap();
-    let said = refused(folder, "run SingleFamilyHouse-0042 --parameters wrong.json");
-    assert!(said.contains("unitary.least_flow") && said.contains("1.5"), "{said}");
-    let said = refused(folder, "run SingleFamilyHouse-0042 --parameters best");
-    assert!(said.contains("default, tuned or a JSON file"), "{said}");
+    std::fs::write(folder.join("wrong.json"), r#"{"unitary": {"min_flow": 1.5}}"#).unwrap();
+    let run = "run SingleFamilyHouse-0042 --parameters";
+    assert_rejected(folder, &format!("{run} wrong.json"), &["unitary.min_flow", "1.5"]);
+    assert_rejected(folder, &format!("{run} best"), &["default, tuned or a JSON file"]);
 }

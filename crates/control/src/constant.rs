@@ -1,22 +1,22 @@
-//! The same action at every step.
+//! A constant action.
 
 use b2b_env::ActionSpace;
 
 use crate::Controller;
 
-/// The same action at every step.
+/// Applies the same action at every step.
 #[derive(Clone, Debug)]
 pub struct Constant {
     action: Vec<f64>,
 }
 
 impl Constant {
-    /// Repeats this action.
+    /// Creates a controller that repeats this action.
     pub fn new(action: Vec<f64>) -> Self {
         Self { action }
     }
 
-    /// Repeats the middle of every bound.
+    /// Creates a controller that repeats the middle of the bounds.
     pub fn middle(space: &ActionSpace) -> Self {
         Self::new(space.low().iter().zip(space.high()).map(|(low, high)| (low + high) / 2.0).collect())
     }

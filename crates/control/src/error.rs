@@ -1,80 +1,86 @@
-//! What can go wrong with controllers.
+//! Errors of controllers and their tuning.
 
 use std::path::PathBuf;
 
 /// An error of this crate.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// A parameter of the reactive controllers that cannot be.
-    #[error("`{name}` is {value}, and must be a number from {low} to {high} {unit}")]
+    /// A parameter of the reactive controllers outside its bounds.
+    #[error("parameter `{name}` is {value}; expected a number from {low} to {high} {unit}")]
     Parameter {
-        /// Its name.
+        /// Name of the parameter.
         name: &'static str,
         /// Its value.
         value: f64,
-        /// Lowest value.
+        /// Lower bound.
         low: f64,
-        /// Highest value.
+        /// Upper bound.
         high: f64,
-        /// Unit of all three.
+        /// Unit of value and bounds.
         unit: &'static str,
     },
-    /// A file that holds no parameters.
-    #[error("{path} has no parameters of reactive controllers: {why}")]
+    /// A file that does not hold parameters.
+    #[error("{path} does not hold parameters of the reactive controllers: {why}")]
     ParameterFile {
         /// The file.
         path: PathBuf,
-        /// What is wrong in it.
+        /// Reason.
         why: String,
     },
-    /// A file of evaluations that belongs to another tuning, or was changed.
-    #[error("{path} is of another tuning: {why}; remove it, or give another folder")]
+    /// A file of evaluations of another tuning run, or one that was edited.
+    #[error("{path} belongs to another tuning run: {why}; remove it or choose another folder")]
     OtherTuning {
         /// The file.
         path: PathBuf,
-        /// What is different.
+        /// The difference.
         why: String,
     },
-    /// Too few buildings.
-    #[error("{class} has {there} training buildings: {asked} were asked for")]
+    /// More training buildings requested than there are.
+    #[error("cannot draw {requested} training buildings: {class} has {available}; expected 1 to {available}")]
     TooFewBuildings {
         /// The class.
         class: String,
-        /// How many there are.
-        there: usize,
-        /// How many were asked for.
-        asked: usize,
+        /// Available buildings.
+        available: usize,
+        /// Requested buildings.
+        requested: usize,
     },
     /// An episode that was lost.
     #[error("an episode of {building} was lost: {why}")]
     Lost {
         /// Name of the building.
         building: String,
-        /// Why.
+        /// Reason.
         why: String,
     },
-    /// The search failed.
+    /// A failure of the optimizer.
     #[error("the search for parameters failed: {0}")]
     Search(String),
-    /// A building could not be made.
+    /// A building that cannot be generated or prepared.
     #[error(transparent)]
-    Building(Box<b2b_building::Error>),
-    /// An environment failed.
+    Building(Box<b2b_dataset::Error>),
+    /// An error of an environment.
     #[error(transparent)]
     Env(#[from] b2b_env::Error),
-    /// A file could not be read or written.
+    /// A file that cannot be read or written.
     #[error("{path}: {source}")]
     Io {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: std::io::Error,
     },
 }
 
+impl From<b2b_dataset::Error> for Error {
+    fn from(error: b2b_dataset::Error) -> Self {
+        Self::Building(Box::new(error))
+    }
+}
+
 impl From<b2b_building::Error> for Error {
     fn from(error: b2b_building::Error) -> Self {
-        Self::Building(Box::new(error))
+        b2b_dataset::Error::from(error).into()
     }
 }
 

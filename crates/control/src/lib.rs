@@ -1,7 +1,5 @@
-//! Controllers that need no learning: reactive after ASHRAE Guideline 36, constant, random, a
-//! planner on copies of the simulation, and what was done before.
-//!
-//! Each implements [`Controller`] of `b2b_env`.
+//! Controllers without learning: reactive control after ASHRAE Guideline 36, constant and random actions, replay of recorded
+//! actions, and a planner on copies of the simulation. Each implements [`Controller`] of `b2b_env`.
 
 mod constant;
 mod error;
@@ -26,7 +24,7 @@ pub use reactive::{
 pub use replay::Replay;
 pub use tuned::{Measured, Tuned};
 
-/// The README's example, which runs as a test.
+/// The example in the documentation, which runs as a test.
 #[cfg(doctest)]
-#[doc = include_str!("../../../README.md")]
-struct Readme;
+#[doc = include_str!("../../../docs/rust.md")]
+struct Documentation;

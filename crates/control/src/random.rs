@@ -1,4 +1,4 @@
-//! A fresh uniform action at every step.
+//! Random actions.
 
 use b2b_env::ActionSpace;
 use rand::{RngExt, SeedableRng};
@@ -6,8 +6,8 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::Controller;
 
-/// Uniform in the bounds of every actuator, independent from step to step; the same seed gives the same
-/// actions on every machine.
+/// Draws actions uniformly within the bounds, independently at every step. Equal seeds give equal actions on every
+/// machine.
 #[derive(Clone, Debug)]
 pub struct Random {
     low: Vec<f64>,
@@ -17,7 +17,7 @@ pub struct Random {
 }
 
 impl Random {
-    /// Random actions in the bounds of a space.
+    /// Creates a controller that draws actions within the bounds of a space.
     pub fn new(space: &ActionSpace, seed: u64) -> Self {
         Self {
             low: space.low().to_vec(),

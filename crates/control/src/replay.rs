@@ -1,8 +1,8 @@
-//! The actions of before, again.
+//! Replay of recorded actions.
 
 use crate::Controller;
 
-/// Carries out a sequence of actions; after its end, the last.
+/// Replays a sequence of actions; after its end, the last one is held.
 #[derive(Clone, Debug)]
 pub struct Replay {
     actions: Vec<f64>,
@@ -11,7 +11,7 @@ pub struct Replay {
 }
 
 impl Replay {
-    /// Actions, one row of `width` a step. There must be one at least.
+    /// Creates a replay of actions, one row of `width` values per step. At least one row is required.
     pub fn new(actions: Vec<f64>, width: usize) -> Self {
         Self { actions, width, step: 0 }
     }

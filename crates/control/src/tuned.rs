@@ -1,4 +1,4 @@
-//! What tuning found, shipped as data: `b2b tune` makes it.
+//! Tuned parameters of the reactive controllers, shipped as data; `b2b tune` reproduces them.
 
 use std::sync::LazyLock;
 
@@ -7,55 +7,55 @@ use serde::{Deserialize, Serialize};
 
 use crate::ReactiveParameters;
 
-/// The parameters that tuning found for a class, and what made them.
+/// Tuned parameters of a class, with their provenance.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Tuned {
-    /// For whom.
+    /// Class of buildings.
     pub class: Class,
     /// The parameters.
     pub parameters: ReactiveParameters,
-    /// What they come to on the training buildings.
+    /// Measurements on the training buildings.
     pub measured: Measured,
-    /// How many sets of parameters were tried.
+    /// Number of evaluated sets of parameters.
     pub evaluations: usize,
-    /// Seed of buildings and search.
+    /// Seed of the buildings and the search.
     pub seed: u64,
     /// Version of the dataset.
     pub dataset: String,
-    /// The training buildings that it was tuned on.
+    /// Ids of the training buildings.
     pub buildings: Vec<String>,
-    /// The days that each ran.
+    /// Run periods of each building.
     pub periods: Vec<RunPeriod>,
-    /// The task, by its spelling.
+    /// Task, in its short text form.
     pub task: String,
-    /// The command that made it.
+    /// Command that reproduces the entry.
     pub command: String,
 }
 
-/// What parameters come to on training buildings, beside the defaults.
+/// Measurements of tuned and default parameters on training buildings.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Measured {
-    /// Score of the default parameters: −1, or −1 and a little where a percentile is interpolated.
+    /// Score of the default parameters: −1, up to rounding where the percentile is interpolated.
     pub default_score: f64,
-    /// Score of these: the 25th percentile over the buildings of the return in times what the defaults lost. 0 is
-    /// perfect.
+    /// Score of the tuned parameters: the 25th percentile over the buildings of the return relative to the loss of the
+    /// defaults. 0 is perfect.
     pub score: f64,
-    /// Penalty of a step under the default parameters, mean over the buildings, K².
+    /// Mean penalty per step under the default parameters, averaged over the buildings, K².
     pub default_penalty: f64,
-    /// Penalty of a step under these, mean over the buildings, K².
+    /// Mean penalty per step under the tuned parameters, averaged over the buildings, K².
     pub penalty: f64,
-    /// Way of an actuator in times its range a day under the default parameters, mean over the buildings.
+    /// Actuator travel under the default parameters, averaged over the buildings, full strokes/day.
     pub default_daily_travel: f64,
-    /// The same under these.
+    /// Actuator travel under the tuned parameters, averaged over the buildings, full strokes/day.
     pub daily_travel: f64,
-    /// HVAC energy of a step under these, mean over the buildings, Wh/m²: τ_E of the class.
+    /// Mean HVAC energy per step under the tuned parameters, averaged over the buildings, Wh/m²: τ_E of the class.
     pub energy: f64,
 }
 
 impl Measured {
-    /// All of them, in order.
+    /// All values, in order.
     pub fn values(&self) -> [f64; 7] {
         [
             self.default_score,
@@ -74,26 +74,26 @@ static SHIPPED: LazyLock<Vec<Tuned>> = LazyLock::new(|| {
 });
 
 impl Tuned {
-    /// Every class that was tuned.
+    /// Returns the entries of all tuned classes.
     pub fn shipped() -> &'static [Self] {
         &SHIPPED
     }
 
-    /// What was found for a class.
+    /// Returns the entry of a class.
     pub fn of(class: Class) -> Option<&'static Self> {
         SHIPPED.iter().find(|tuned| tuned.class == class)
     }
 }
 
 impl ReactiveParameters {
-    /// What tuning found for the class of a building: see [`ReactiveParameters::tuned`].
+    /// Returns the parameters tuned for the class of a building: see [`ReactiveParameters::tuned`].
     pub fn tuned_for(building: &PreparedBuilding) -> Self {
         Self::tuned(building.class, building.prototype)
     }
 
-    /// What tuning found for a class; the defaults where there is none, and for prototypes, whose
-    /// dynamics are others: the kitchen of the prototype has no mass but its air's, and swings under gains that those of the
-    /// dataset take well.
+    /// Returns the parameters tuned for a class, or the defaults for a class without an entry and for prototypes, whose
+    /// dynamics differ: the kitchen of the restaurant prototype has no thermal mass but its air, and oscillates under gains
+    /// that suit the buildings of the dataset.
     pub fn tuned(class: Option<Class>, prototype: bool) -> Self {
         let tuned = class.filter(|_| !prototype).and_then(Tuned::of);
         tuned.map(|tuned| tuned.parameters.clone()).unwrap_or_default()
@@ -104,22 +104,22 @@ impl ReactiveParameters {
 mod tests {
     use std::collections::BTreeSet;
 
-    use b2b_building::dataset::{self, Split};
+    use b2b_dataset::Split;
 
     use super::*;
 
     #[test]
-    fn shipped_parameters_are_sound_and_no_worse_than_the_defaults_and_saw_no_test_building() {
+    fn shipped_parameters_are_valid_and_no_worse_than_the_defaults_on_training_buildings() {
         for tuned in Tuned::shipped() {
             tuned.parameters.check().unwrap();
             assert!(tuned.measured.score >= tuned.measured.default_score, "{}", tuned.class);
-            assert_eq!(tuned.dataset, dataset::GENERATOR_VERSION);
+            assert_eq!(tuned.dataset, b2b_dataset::GENERATOR_VERSION);
             for id in &tuned.buildings {
-                let row = dataset::row(id.parse().unwrap());
+                let row = b2b_dataset::row(id.parse().unwrap());
                 assert_eq!((row.split, row.building.class()), (Split::Train, tuned.class), "{id}");
             }
         }
         let classes: BTreeSet<_> = Tuned::shipped().iter().map(|tuned| tuned.class).collect();
-        assert_eq!(classes.len(), Tuned::shipped().len(), "one entry a class");
+        assert_eq!(classes.len(), Tuned::shipped().len(), "one entry per class");
     }
 }

@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
-use b2b_building::climate::{Place, Site};
-use b2b_building::commercial::{CommercialParameters, generate};
 use b2b_building::{BuildingType, Conditioning, Model, PreparedBuilding, RunPeriod};
+use b2b_climate::{Place, Site};
 use b2b_control::{Controller, Reactive, ReactiveParameters};
+use b2b_dataset::archetype;
+use b2b_dataset::commercial::{CommercialParameters, generate};
 use b2b_energyplus::install::{Engine, Quiet};
 use b2b_energyplus::{Level, Library};
 use b2b_env::{Env, EpisodeConfig, Task};
@@ -29,7 +30,7 @@ fn every_climate_is_held(building_type: BuildingType) {
     let engine = Engine::ensure(&mut Quiet).unwrap();
     let library = Library::load(&engine.library).unwrap();
     let home = site(Place::find("Denver").unwrap());
-    let base = building_type.base_model(&engine, &library, &home).unwrap();
+    let base = archetype::base_model(building_type, &engine, &library, &home).unwrap();
     for (place, corner) in CASES {
         let place = Place::find(place).unwrap();
         let building = building(&base, building_type, place, corner, &library);

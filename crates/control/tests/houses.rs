@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use b2b_building::climate::{Location, Region, Site};
-use b2b_building::house::{DIMENSIONS, Foundation, Heater, Heating, HouseSample, house};
 use b2b_building::{PreparedBuilding, RunPeriod};
+use b2b_climate::{Location, Region, Site};
 use b2b_control::{Controller, Reactive, ReactiveParameters};
+use b2b_dataset::house::{DIMENSIONS, Foundation, Heater, Heating, HouseSample, house};
 use b2b_energyplus::install::{Cache, Engine, Quiet};
 use b2b_energyplus::{Level, Library};
 use b2b_env::{Env, EpisodeConfig, Task};

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use b2b_building::climate::{Place, Site};
 use b2b_building::{BuildingType, PreparedBuilding};
+use b2b_climate::{Place, Site};
 use b2b_control::{Controller, Reactive, ReactiveParameters};
 use b2b_energyplus::install::{Engine, Quiet};
 use b2b_energyplus::{Level, Library};
@@ -13,7 +13,9 @@ fn env(building_type: BuildingType, task: &str, period: &str) -> Env {
     let engine = Engine::ensure(&mut Quiet).unwrap();
     let library = Library::load(&engine.library).unwrap();
     let weather = Place::find(building_type.home()).unwrap().epw(&mut Quiet).unwrap();
-    let model = building_type.base_model(&engine, &library, &Site::read(&weather).unwrap()).unwrap();
+    let model =
+        b2b_dataset::archetype::base_model(building_type, &engine, &library, &Site::read(&weather).unwrap())
+            .unwrap();
     let building = PreparedBuilding::new(building_type.name(), model, &weather, &library).unwrap();
     let task: Task = task.parse().unwrap();
     let episode = EpisodeConfig { weather, period: period.parse().unwrap(), steps_per_hour: 12, task };

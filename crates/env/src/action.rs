@@ -1,4 +1,4 @@
-//! The action: one value per actuator, in physical units.
+//! The action space: one value per actuator, in physical units.
 
 use b2b_building::PreparedBuilding;
 use b2b_building::hvac::Quantity;
@@ -6,7 +6,7 @@ use b2b_building::morphology::Owner;
 
 use crate::{Error, Result};
 
-/// Names, units and bounds of the action, in its order.
+/// Names, units and bounds of the action, one entry per actuator.
 #[derive(Clone, Debug)]
 pub struct ActionSpace {
     names: Vec<String>,
@@ -28,19 +28,19 @@ impl ActionSpace {
         }
     }
 
-    /// These actuators alone, by their numbers and in this order.
+    /// Returns the space of the actuators at these indices, in this order.
     pub fn select(&self, actuators: &[usize]) -> Self {
-        let numbers = |values: &[f64]| actuators.iter().map(|&number| values[number]).collect();
+        let bounds = |values: &[f64]| actuators.iter().map(|&index| values[index]).collect();
         Self {
-            names: actuators.iter().map(|&number| self.names[number].clone()).collect(),
-            owners: actuators.iter().map(|&number| self.owners[number]).collect(),
-            quantities: actuators.iter().map(|&number| self.quantities[number]).collect(),
-            low: numbers(&self.low),
-            high: numbers(&self.high),
+            names: actuators.iter().map(|&index| self.names[index].clone()).collect(),
+            owners: actuators.iter().map(|&index| self.owners[index]).collect(),
+            quantities: actuators.iter().map(|&index| self.quantities[index]).collect(),
+            low: bounds(&self.low),
+            high: bounds(&self.high),
         }
     }
 
-    /// A space without actuators.
+    /// Returns a space without actuators.
     #[cfg(test)]
     pub(crate) fn empty() -> Self {
         Self { names: vec![], owners: vec![], quantities: vec![], low: vec![], high: vec![] }
@@ -51,40 +51,40 @@ impl ActionSpace {
         self.names.len()
     }
 
-    /// Whether there is nothing to drive.
+    /// Whether there are no actuators.
     pub fn is_empty(&self) -> bool {
         self.names.is_empty()
     }
 
-    /// Names, for example `Core_ZN supply air flow`.
+    /// Names of the actuators, for example `Core_ZN supply air flow`.
     pub fn names(&self) -> &[String] {
         &self.names
     }
 
-    /// The part of the building that each actuator belongs to.
+    /// Part of the building to which each actuator belongs.
     pub fn owners(&self) -> &[Owner] {
         &self.owners
     }
 
-    /// What each actuator drives; gives its unit.
+    /// Quantity that each actuator controls; gives its unit.
     pub fn quantities(&self) -> &[Quantity] {
         &self.quantities
     }
 
-    /// Lowest values.
+    /// Lower bounds.
     pub fn low(&self) -> &[f64] {
         &self.low
     }
 
-    /// Highest values.
+    /// Upper bounds.
     pub fn high(&self) -> &[f64] {
         &self.high
     }
 
-    /// Whether an action can be carried out.
+    /// Checks the length of an action and that all values are finite.
     ///
     /// # Errors
-    /// [`Error::ActionLength`]; [`Error::ActionNotFinite`] naming the actuator.
+    /// [`Error::ActionLength`]; [`Error::ActionNotFinite`] with the name of the actuator.
     pub fn check(&self, given: &[f64]) -> Result<()> {
         if given.len() != self.len() {
             return Err(Error::ActionLength { given: given.len(), expected: self.len() });
@@ -101,30 +101,32 @@ impl ActionSpace {
         Ok(())
     }
 
-    /// Makes shares of the bounds, -1 for the lowest and 1 for the highest value, an action in physical units. What is
-    /// beyond is clamped later, as any action is; a value without an actuator stays as it is.
+    /// Converts an action from [-1, 1] to physical units in place: see [`rescale`].
     pub fn rescale(&self, action: &mut [f64]) {
         for ((value, low), high) in action.iter_mut().zip(&self.low).zip(&self.high) {
-            let share = (*value + 1.0) / 2.0;
-            // Exact at both ends.
-            *value = low * (1.0 - share) + high * share;
+            *value = rescale(*value, *low, *high);
         }
     }
 
-    /// Writes the action that is carried out for the one given: every value within its bounds. Returns how
-    /// many values were out of bounds.
+    /// Writes the given action, clamped to the bounds, to `applied`. Returns the number of clamped values.
     ///
     /// # Errors
-    /// As [`ActionSpace::check`], before anything is written to the engine.
-    pub fn clamp_into(&self, given: &[f64], carried_out: &mut [f64]) -> Result<usize> {
+    /// Those of [`ActionSpace::check`], before anything is written.
+    pub fn clamp_into(&self, given: &[f64], applied: &mut [f64]) -> Result<usize> {
         self.check(given)?;
-        let mut outside = 0;
+        let mut clamped = 0;
         for (i, value) in given.iter().enumerate() {
-            carried_out[i] = value.clamp(self.low[i], self.high[i]);
-            outside += usize::from(carried_out[i] != *value);
+            applied[i] = value.clamp(self.low[i], self.high[i]);
+            clamped += usize::from(applied[i] != *value);
         }
-        Ok(outside)
+        Ok(clamped)
     }
+}
+
+/// Maps a value from [-1, 1] to [`low`, `high`], exactly at both ends. Values outside are extrapolated.
+pub fn rescale(value: f64, low: f64, high: f64) -> f64 {
+    let share = (value + 1.0) / 2.0;
+    low * (1.0 - share) + high * share
 }
 
 #[cfg(test)]
@@ -142,16 +144,16 @@ mod tests {
     }
 
     #[test]
-    fn an_action_out_of_bounds_is_clamped_and_counted() {
-        let mut done = [0.0; 2];
-        assert_eq!(space().clamp_into(&[0.7, 20.0], &mut done).unwrap(), 1);
-        assert_eq!(done, [0.5, 20.0]);
+    fn values_out_of_bounds_are_clamped_and_counted() {
+        let mut applied = [0.0; 2];
+        assert_eq!(space().clamp_into(&[0.7, 20.0], &mut applied).unwrap(), 1);
+        assert_eq!(applied, [0.5, 20.0]);
     }
 
     #[test]
-    fn shares_of_the_bounds_reach_them_and_not_beyond() {
-        for (share, expected) in [(-1.0, [0.0, 10.0]), (0.0, [0.25, 27.5]), (1.0, [0.5, 45.0])] {
-            let mut action = [share; 2];
+    fn rescaling_maps_minus_one_and_one_to_the_bounds_exactly() {
+        for (value, expected) in [(-1.0, [0.0, 10.0]), (0.0, [0.25, 27.5]), (1.0, [0.5, 45.0])] {
+            let mut action = [value; 2];
             space().rescale(&mut action);
             assert_eq!(action, expected);
             assert_eq!(space().clamp_into(&action, &mut [0.0; 2]).unwrap(), 0);
@@ -169,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn a_nan_is_refused_by_name() {
+    fn a_value_that_is_not_finite_is_refused_by_name() {
         let error = space().clamp_into(&[0.1, f64::NAN], &mut [0.0; 2]).unwrap_err().to_string();
         assert!(error.contains("`supply`") && error.contains("NaN") && error.contains("°C"), "{error}");
         assert!(space().clamp_into(&[f64::INFINITY, 20.0], &mut [0.0; 2]).is_err());

@@ -1,41 +1,41 @@
-//! How comfort is judged: by squared deviation as in the paper, outside a deadband, or by the predicted mean vote.
+//! Comfort penalties: squared deviation as in the paper, squared deviation outside a deadband, or predicted mean vote.
 
 use serde::{Deserialize, Serialize};
 
 use crate::Result;
+use crate::calendar::Season;
+use crate::limits::within;
 use crate::reward::ZoneStep;
-use crate::setpoints::Season;
-use crate::task::within;
 
-/// The comfort term of a reward: a mean over the controlled zones.
+/// The comfort penalty of a reward, averaged over the controlled zones.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Comfort {
     /// (T − target)², K² (paper, eq. 1).
     #[default]
     Squared,
-    /// The square of what exceeds the half width, K².
+    /// Squared deviation outside a deadband, K².
     Deadband {
-        /// Deviation from target that costs nothing, K.
+        /// Half width of the deadband, K.
         half_width: f64,
     },
-    /// PMV² while anyone is there, whatever the target.
+    /// PMV² while the zone is occupied; the target is not used.
     Pmv(Pmv),
 }
 
-/// The predicted mean vote of ISO 7730 under assumptions: surfaces are as warm as the air, and what is here.
+/// Assumptions of the predicted mean vote (ISO 7730). Mean radiant temperature is taken as air temperature.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Pmv {
-    /// Metabolic rate, met; 1.2 is office work.
+    /// Metabolic rate, met; 1.2 for office work.
     pub metabolic_rate: f64,
     /// Air speed, m/s.
     pub air_speed: f64,
-    /// Relative humidity indoors, %.
+    /// Indoor relative humidity, %.
     pub humidity: f64,
-    /// Clothing December to February, clo.
+    /// Clothing insulation, December to February, clo.
     pub winter_clothing: f64,
-    /// Clothing June to August, clo; between the seasons the mean of both is worn.
+    /// Clothing insulation, June to August, clo; in other months the mean of both.
     pub summer_clothing: f64,
 }
 
@@ -56,7 +56,7 @@ impl Comfort {
         match self {
             Self::Squared => Ok(()),
             Self::Deadband { half_width } => within("half_width", *half_width, 0.0, 50.0),
-            // The ranges that ISO 7730 gives for the index.
+            // Ranges in which ISO 7730 recommends the index.
             Self::Pmv(pmv) => {
                 within("metabolic_rate", pmv.metabolic_rate, 0.8, 4.0)?;
                 within("air_speed", pmv.air_speed, 0.0, 1.0)?;
@@ -67,7 +67,7 @@ impl Comfort {
         }
     }
 
-    /// The penalty of a zone.
+    /// Returns the penalty of a zone.
     pub(crate) fn penalty(&self, zone: &ZoneStep, season: Season) -> f64 {
         match self {
             Self::Squared => zone.deviation().powi(2),
@@ -75,7 +75,7 @@ impl Comfort {
             Self::Pmv(_) if !zone.occupied => 0.0,
             Self::Pmv(pmv) => {
                 let vote = pmv.vote(zone.temperature, season);
-                if zone.warm_counts { vote.powi(2) } else { vote.min(0.0).powi(2) }
+                if zone.penalize_above_target { vote.powi(2) } else { vote.min(0.0).powi(2) }
             }
         }
     }
@@ -93,48 +93,48 @@ impl Pmv {
     }
 }
 
-/// What the air of a room does to a person.
+/// Thermal environment of a person.
 struct Air {
-    /// °C.
+    /// Air temperature, °C.
     temperature: f64,
     /// Mean radiant temperature, °C.
     radiant: f64,
-    /// m/s.
+    /// Air speed, m/s.
     speed: f64,
-    /// %.
+    /// Relative humidity, %.
     humidity: f64,
 }
 
-/// W/m² in one met, m²K/W in one clo, K at 0 °C as the standard rounds it.
+/// One met, W/m²; one clo, m²K/W; 0 °C in K as the standard rounds it.
 const MET: f64 = 58.15;
 const CLO: f64 = 0.155;
 const KELVIN: f64 = 273.0;
 
-/// The predicted mean vote (ISO 7730:2005, equations 1 to 4), without external work. −3 is cold, 0 neutral, 3 hot.
+/// Returns the predicted mean vote (ISO 7730:2005, equations 1 to 4) without external work: −3 cold, 0 neutral, 3 hot.
 fn vote(air: &Air, met: f64, clo: f64) -> f64 {
     let metabolism = met * MET;
-    let vapour_pressure = air.humidity * 10.0 * libm::exp(16.6536 - 4030.183 / (air.temperature + 235.0));
+    let vapor_pressure = air.humidity * 10.0 * libm::exp(16.6536 - 4030.183 / (air.temperature + 235.0));
     let clothing = Clothing::in_balance(air, metabolism, clo * CLO);
     let dry = clothing.radiation(air.radiant) + clothing.convection(air.temperature);
-    let diffusion = 3.05e-3 * (5733.0 - 6.99 * metabolism - vapour_pressure);
+    let diffusion = 3.05e-3 * (5733.0 - 6.99 * metabolism - vapor_pressure);
     let sweat = 0.42 * (metabolism - MET).max(0.0);
-    let breath =
-        1.7e-5 * metabolism * (5867.0 - vapour_pressure) + 0.0014 * metabolism * (34.0 - air.temperature);
-    (0.303 * libm::exp(-0.036 * metabolism) + 0.028) * (metabolism - diffusion - sweat - breath - dry)
+    let respiration =
+        1.7e-5 * metabolism * (5867.0 - vapor_pressure) + 0.0014 * metabolism * (34.0 - air.temperature);
+    (0.303 * libm::exp(-0.036 * metabolism) + 0.028) * (metabolism - diffusion - sweat - respiration - dry)
 }
 
-/// The outside of a dressed person.
+/// Outer surface of a clothed person.
 struct Clothing {
     /// Surface temperature, °C.
     temperature: f64,
-    /// Dressed over nude surface.
+    /// Clothing area factor: clothed over nude surface area.
     area: f64,
-    /// Convective coefficient, W/m²K.
+    /// Convective heat transfer coefficient, W/m²K.
     convective: f64,
 }
 
 impl Clothing {
-    /// The temperature at which what the clothing passes is what its surface loses: halved until it stands.
+    /// Solves by bisection for the surface temperature at which conduction through the clothing equals surface losses.
     fn in_balance(air: &Air, metabolism: f64, insulation: f64) -> Self {
         const STEPS: usize = 60;
         let area = if insulation <= 0.078 { 1.0 + 1.29 * insulation } else { 1.05 + 0.645 * insulation };
@@ -171,7 +171,7 @@ mod tests {
 
     /// Rows of table D.1 of ISO 7730:2005.
     #[test]
-    fn the_vote_is_that_of_the_standard_s_examples() {
+    fn votes_match_the_examples_of_the_standard() {
         for (temperature, radiant, speed, humidity, met, clo, expected) in [
             (22.0, 22.0, 0.10, 60.0, 1.2, 0.5, -0.75),
             (27.0, 27.0, 0.10, 60.0, 1.2, 0.5, 0.77),
@@ -185,7 +185,7 @@ mod tests {
             let found = vote(&air, met, clo);
             assert!(
                 (found - expected).abs() < 0.02,
-                "{temperature} °C, {clo} clo: {found:.3} is not {expected}"
+                "{temperature} °C, {clo} clo: {found:.3}, expected {expected}"
             );
         }
     }
@@ -200,9 +200,9 @@ mod tests {
     }
 
     #[test]
-    fn comfort_is_judged_as_it_says() {
-        let zone = ZoneStep { temperature: 24.0, target: 21.0, occupied: false, warm_counts: true };
-        let heated = ZoneStep { warm_counts: false, ..zone };
+    fn each_comfort_model_penalizes_as_documented() {
+        let zone = ZoneStep { temperature: 24.0, target: 21.0, occupied: false, penalize_above_target: true };
+        let heated = ZoneStep { penalize_above_target: false, ..zone };
         let penalty = |comfort: &Comfort, zone: &ZoneStep| comfort.penalty(zone, Season::Summer);
         assert_eq!(penalty(&Comfort::Squared, &zone), 9.0);
         assert_eq!(penalty(&Comfort::Squared, &heated), 0.0);

@@ -1,23 +1,23 @@
-//! τ_E: the energy that a reward is measured by, shipped as data for every class of buildings.
+//! The energy scale τ_E of rewards, shipped as data for every class of buildings.
 
 use std::sync::LazyLock;
 
 use b2b_building::Class;
 use serde::Deserialize;
 
-/// Steps an hour that the shipped scales are of.
+/// Steps per hour of the shipped scales.
 const STEPS_PER_HOUR: u32 = 12;
 
-/// The energy scale of a class, as `b2b tune` makes it: what its tuned reactive controllers use on training buildings over
-/// a winter and a summer week.
+/// The energy scale of a class, as measured by `b2b tune`: mean HVAC energy of its tuned reactive controllers on training
+/// buildings over a winter and a summer week.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct EnergyScale {
-    /// For whom.
+    /// Class of buildings.
     pub class: Class,
-    /// Mean HVAC energy of a step of 5 minutes, Wh/m².
+    /// Mean HVAC energy of a 5-minute step, Wh/m².
     pub energy_scale: f64,
-    /// The command that made it.
+    /// Command that reproduces the value.
     pub command: String,
 }
 
@@ -26,12 +26,12 @@ static SHIPPED: LazyLock<Vec<EnergyScale>> = LazyLock::new(|| {
 });
 
 impl EnergyScale {
-    /// Every class that was measured.
+    /// Returns the scales of all measured classes.
     pub fn shipped() -> &'static [Self] {
         &SHIPPED
     }
 
-    /// τ_E of a class for steps of which an hour has so many, Wh/m². `None` where it was not measured.
+    /// Returns τ_E of a class at `steps_per_hour`, Wh/m². `None` if the class has not been measured.
     pub fn of(class: Class, steps_per_hour: u32) -> Option<f64> {
         let shipped = SHIPPED.iter().find(|shipped| shipped.class == class)?;
         Some(shipped.energy_scale * f64::from(STEPS_PER_HOUR) / f64::from(steps_per_hour))
@@ -45,7 +45,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn shipped_scales_are_energies_of_a_step() {
+    fn shipped_scales_are_plausible_step_energies() {
         for shipped in EnergyScale::shipped() {
             // 0.1 to 1,200 W/m².
             assert!((0.01..100.0).contains(&shipped.energy_scale), "{shipped:?}");
@@ -54,6 +54,6 @@ mod tests {
             assert!((half_an_hour / shipped.energy_scale - 6.0).abs() < 1e-12);
         }
         let classes: BTreeSet<_> = EnergyScale::shipped().iter().map(|shipped| shipped.class).collect();
-        assert_eq!(classes.len(), EnergyScale::shipped().len(), "one entry a class");
+        assert_eq!(classes.len(), EnergyScale::shipped().len(), "one entry per class");
     }
 }

@@ -1,68 +1,68 @@
-//! What can go wrong in an environment.
+//! Errors of environments.
 
 /// An error of this crate.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// An action is not a number.
-    #[error("the action for `{actuator}` is {value}: give a finite number between {low} and {high} {unit}")]
+    /// An action value that is not finite.
+    #[error("action for `{actuator}` is {value}; expected a finite number from {low} to {high} {unit}")]
     ActionNotFinite {
         /// Name of the actuator.
         actuator: String,
-        /// What was given.
+        /// The given value.
         value: f64,
-        /// Lowest value accepted.
+        /// Lower bound.
         low: f64,
-        /// Highest value accepted.
+        /// Upper bound.
         high: f64,
-        /// Unit of the bounds.
+        /// Unit of the value and the bounds.
         unit: &'static str,
     },
     /// An action of the wrong length.
-    #[error("the action has {given} values, but the building has {expected} actuators")]
+    #[error("action has {given} values; expected {expected}, one per actuator")]
     ActionLength {
-        /// How many values were given.
+        /// Number of given values.
         given: usize,
-        /// How many there must be.
+        /// Number of actuators.
         expected: usize,
     },
     /// A step without an episode in progress.
     #[error("no episode is in progress: call reset before step")]
     NotReset,
-    /// A number of steps per hour that the engine does not take.
-    #[error("{0} steps per hour is not possible: give 1, 2, 3, 4, 5, 6, 10, 12, 15, 20, 30 or 60")]
+    /// A number of steps per hour that EnergyPlus does not support.
+    #[error("unsupported number of steps per hour {0}; expected 1, 2, 3, 4, 5, 6, 10, 12, 15, 20, 30 or 60")]
     StepsPerHour(u32),
-    /// The engine took another number of steps than the run period has.
-    #[error("the engine ended the episode after {done} steps instead of {expected}")]
+    /// A run that ended before or after its run period.
+    #[error("EnergyPlus ended the episode after {done} steps; expected {expected}")]
     EpisodeLength {
-        /// Steps done.
+        /// Completed steps.
         done: usize,
         /// Steps of the run period.
         expected: usize,
     },
-    /// A value that is not a number came out of the engine.
-    #[error("the engine gave {value} for `{slot}` at step {step}")]
+    /// An observed value that is not finite.
+    #[error("EnergyPlus returned {value} for `{slot}` at step {step}; expected a finite number")]
     ObservationNotFinite {
         /// Name of the observation slot.
         slot: String,
-        /// What it was.
+        /// The value.
         value: f64,
         /// The step, from 1.
         step: usize,
     },
-    /// The system refused what worker processes need.
-    #[error("cannot get {what}: {source}")]
+    /// A system resource that a pool of environments could not get.
+    #[error("cannot create {what}: {source}")]
     Pool {
-        /// What was asked for.
+        /// The resource.
         what: String,
-        /// What the system said.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// A building that cannot be made an environment.
-    #[error("{name} cannot be made an environment: {why}")]
+    /// A building whose environment cannot be prepared.
+    #[error("cannot prepare an environment of {name}: {why}")]
     Template {
         /// Name of the building.
         name: String,
-        /// Why.
+        /// Reason.
         why: String,
     },
     /// An episode or a template whose process died, hung or failed.
@@ -70,27 +70,27 @@ pub enum Error {
     Lost {
         /// What was lost.
         what: String,
-        /// Why.
+        /// Reason.
         why: String,
     },
     /// An episode that is asked for a step while it is busy with another.
     #[error("the episode is busy with another step: receive that first, or reset")]
     Busy,
     /// A building with more actuators or observation slots than there is room for.
-    #[error("{name} has {width} {what}, and there is room for {most}")]
+    #[error("{name} has {width} {what}; there is room for {most}")]
     TooWide {
         /// Name of the building.
         name: String,
-        /// What it has too many of.
+        /// Kind of value, plural.
         what: &'static str,
-        /// How many.
+        /// Number of values.
         width: usize,
-        /// How many there may be.
+        /// Largest number.
         most: usize,
     },
     /// A snapshot of another building or episode.
     #[error(
-        "the snapshot is of another episode ({taken}) than this one ({here}): building, weather, period and task must be the same"
+        "snapshot of {taken} does not match this environment of {here}: building, run period, weather and task must be equal"
     )]
     OtherSnapshot {
         /// Building of the snapshot.
@@ -99,73 +99,73 @@ pub enum Error {
         here: String,
     },
     /// A population without buildings.
-    #[error("there is no building to draw from")]
+    #[error("no buildings to sample from: give at least one")]
     NoBuilding,
-    /// A vector environment of none.
-    #[error("a vector environment needs at least one environment, not 0")]
+    /// A vector environment of size 0.
+    #[error("a vector environment needs at least one environment")]
     NoEnvironment,
     /// Windows that do not fit their run period.
-    #[error("windows of {least} to {most} days cannot be cut from {whole} days")]
+    #[error("windows of {least} to {most} days do not fit a run period of {whole} days")]
     Window {
-        /// Least days.
+        /// Shortest window, days.
         least: u32,
-        /// Most days.
+        /// Longest window, days.
         most: u32,
-        /// Days of the run period.
+        /// Length of the run period, days.
         whole: u32,
     },
-    /// Waiting was interrupted.
+    /// An interrupt while waiting.
     #[error("interrupted")]
     Interrupted,
-    /// A slot of the observation or the action that has no place in the morphology.
-    #[error("`{slot}` belongs to no node of the morphology of {building}: its node type has no such slot")]
+    /// A slot of the observation or the action that no node of the morphology has.
+    #[error("no node in the morphology of {building} has a slot for `{slot}`")]
     SlotWithoutNode {
         /// Name of the slot.
         slot: String,
-        /// Name of the building of the morphology.
+        /// Name of the building.
         building: String,
     },
-    /// Text that is no task.
+    /// Text that does not name a task.
     #[error(
-        "there is no task `{text}`: give constant, occupancy or random, with +energyW for a weight W, for example \
-         occupancy+energy0.5, or the path of a JSON file"
+        "unknown task `{text}`; expected constant, occupancy or random, optionally followed by +deadband or +pmv and by \
+         +energyW, +costW, +carbonW or +peakW with a weight W, for example occupancy+energy0.5; or the path of a JSON file"
     )]
     UnknownTask {
         /// The text.
         text: String,
     },
-    /// A file that holds no task.
-    #[error("{path} is no task: {why}")]
+    /// A file that does not hold a task.
+    #[error("{path} is not a valid task: {why}")]
     TaskFile {
         /// The file.
         path: std::path::PathBuf,
-        /// What is wrong in it.
+        /// Reason.
         why: String,
     },
-    /// A value of a task that cannot be.
-    #[error("`{name}` of the task is {value}, and must be a number from {low} to {high}")]
+    /// A value of a task outside its limits.
+    #[error("task field `{name}` is {value}; expected a number from {low} to {high}")]
     TaskValue {
-        /// The field.
+        /// Name of the field.
         name: &'static str,
         /// Its value.
         value: f64,
-        /// Lowest value.
+        /// Lowest valid value.
         low: f64,
-        /// Highest value.
+        /// Highest valid value.
         high: f64,
     },
-    /// The engine failed, or refused a handle.
+    /// An error of EnergyPlus.
     #[error(transparent)]
     Engine(#[from] b2b_energyplus::Error),
-    /// A building that cannot be made.
+    /// A building that cannot be generated or prepared.
     #[error(transparent)]
-    Building(Box<b2b_building::Error>),
-    /// A file could not be read or written.
+    Building(Box<b2b_dataset::Error>),
+    /// A file that cannot be read or written.
     #[error("{path}: {source}")]
     Io {
         /// The file.
         path: std::path::PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: std::io::Error,
     },
 }
@@ -173,8 +173,14 @@ pub enum Error {
 /// A result of this crate.
 pub type Result<T> = std::result::Result<T, Error>;
 
+impl From<b2b_dataset::Error> for Error {
+    fn from(error: b2b_dataset::Error) -> Self {
+        Self::Building(Box::new(error))
+    }
+}
+
 impl From<b2b_building::Error> for Error {
     fn from(error: b2b_building::Error) -> Self {
-        Self::Building(Box::new(error))
+        b2b_dataset::Error::from(error).into()
     }
 }

@@ -1,14 +1,15 @@
 //! Buildings as reinforcement-learning environments on EnergyPlus.
 //!
-//! An [`Environment`] is composed of a prepared building, a weather file, a [`Task`] and a run period. One step is
-//! one zone time step of the engine: the action is set, the engine computes, the observation is the state at the
-//! end of the step, and energy is that step's meter reading, counted once.
+//! An [`Environment`] consists of a prepared building, a weather file, a [`Task`] and a run period. One step is one zone
+//! time step of EnergyPlus: the action is applied, the engine advances, the observation is the state at the end of the
+//! step, and energy is the meter reading of that step.
 //!
-//! [`Env`] has the engine in this process; a [`vector::Episode`] has it in a worker process, and a
-//! [`vector::VecEnv`] is a batch of those. A [`Controller`] acts, and [`rollout`] runs a whole episode under it.
+//! [`Env`] runs EnergyPlus in this process, a [`vector::Episode`] in a worker process, and a [`vector::VecEnv`] is a batch
+//! of those. A [`Controller`] chooses the actions, and [`rollout`] runs a whole episode under it.
 
 mod action;
 pub mod authority;
+mod calendar;
 mod comfort;
 mod controller;
 mod energy_scale;
@@ -17,6 +18,7 @@ mod engine_report;
 mod env;
 mod environment;
 mod error;
+mod limits;
 mod metrics;
 mod morphology;
 mod observation;
@@ -29,8 +31,9 @@ mod trajectory;
 #[cfg(target_os = "linux")]
 pub mod vector;
 mod warmup;
+mod zones;
 
-pub use action::ActionSpace;
+pub use action::{ActionSpace, rescale};
 pub use comfort::{Comfort, Pmv};
 pub use controller::Controller;
 pub use energy_scale::EnergyScale;

@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::reward::{JudgedZone, Reward, StepView};
+use crate::reward::{Reward, StepView};
+use crate::zones::ControlledZone;
 
 /// Deviation of one zone from its target over an episode.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -66,7 +67,7 @@ impl ZoneMetrics {
 
 impl Metrics {
     pub(crate) fn new(
-        zones: &[JudgedZone],
+        zones: &[ControlledZone],
         actuators: usize,
         steps_per_hour: u32,
         comfort_band: f64,

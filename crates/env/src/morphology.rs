@@ -1,4 +1,4 @@
-//! The structured form of an environment: its vectors as arrays of the nodes of a morphology, and back.
+//! Translations between the flat vectors of an environment and the per-node arrays of a morphology.
 
 use b2b_building::Morphology;
 use b2b_building::morphology::{Layout, NodeType, Observed, Owner};
@@ -7,14 +7,14 @@ use crate::action::ActionSpace;
 use crate::observation::ObservationSpace;
 use crate::{Error, Result};
 
-/// The paper's pair of translations: `split` of an observation into the observations of the nodes, and `join` of the
-/// actions of the nodes into an action.
+/// The two translations of the paper: `split` an observation into node observations, and `join` node actions into an
+/// action.
 ///
-/// Tables are made once; a translation copies numbers between buffers of the caller and allocates nothing. Each slot of
-/// the observation and of the action has one cell of its own in the arrays of the nodes.
+/// The tables are built once; a translation copies values between buffers of the caller and does not allocate. Each slot
+/// of the observation and of the action has one cell in the node arrays.
 ///
-/// Target and occupancy have cells on every controlled zone. Where the observation has no such slots, because targets
-/// never move, `split` fills in that target, occupied.
+/// Every controlled zone has cells for target and occupancy. With constant targets the observation has no such slots, and
+/// `split` writes the constant target and an occupancy of 1.
 ///
 /// ```text
 /// decomposition.split(observation, &mut nodes);            // nodes[block.range()]: [nodes of a type, its slots]
@@ -25,21 +25,21 @@ use crate::{Error, Result};
 pub struct Decomposition {
     observation: Layout,
     action: Layout,
-    /// The cell of each slot of the observation.
+    /// Cell of each slot of the observation.
     observed: Vec<usize>,
-    /// Cells that no slot of the observation fills, with their values.
+    /// Cells without a slot in the observation, with their values.
     constant: Vec<(usize, f64)>,
-    /// The cell of each slot of the action.
+    /// Cell of each slot of the action.
     acted: Vec<usize>,
-    /// Nodes of each type.
+    /// Number of nodes of each type.
     nodes: [usize; NodeType::ALL.len()],
 }
 
 impl Decomposition {
-    /// The translations between the spaces of an environment and the morphology of its building.
+    /// Creates the translations between the spaces of an environment and the morphology of its building.
     ///
     /// # Errors
-    /// [`Error::SlotWithoutNode`] naming the slot that the morphology has no place for.
+    /// [`Error::SlotWithoutNode`] for a slot that no node has.
     pub fn new(
         morphology: &Morphology,
         observation_space: &ObservationSpace,
@@ -72,12 +72,12 @@ impl Decomposition {
         Ok(Self { observation, action, observed, constant, acted, nodes })
     }
 
-    /// The same translations to and from larger arrays, so that those of different buildings stack: to layouts that
-    /// [cover](Layout::covering) those of each. Rows beyond [`Decomposition::nodes`] are padding: [`Decomposition::split`]
-    /// leaves them as they are, [`Decomposition::join`] does not read them.
+    /// Returns the same translations for larger arrays, so that arrays of several buildings can be stacked: for layouts that
+    /// [cover](Layout::covering) those of all of them. Rows beyond [`Decomposition::nodes`] are padding:
+    /// [`Decomposition::split`] leaves them unchanged, [`Decomposition::join`] does not read them.
     ///
     /// # Panics
-    /// When a layout does not cover that of this building.
+    /// If a layout does not cover that of this building.
     #[must_use]
     pub fn padded(&self, observation: &Layout, action: &Layout) -> Self {
         let moved = |to: &Layout, from: &Layout, cell: &usize| {
@@ -94,73 +94,73 @@ impl Decomposition {
         }
     }
 
-    /// How many nodes of a type the building has: the first rows of the type's array.
+    /// Number of nodes of a type in the building: the first rows of the type's array.
     pub fn nodes(&self, node_type: NodeType) -> usize {
         self.nodes[node_type as usize]
     }
 
-    /// Where the observations of the nodes are in their buffer.
+    /// Layout of the node observations in their buffer.
     pub fn observation_layout(&self) -> &Layout {
         &self.observation
     }
 
-    /// Where the actions of the nodes are in their buffer.
+    /// Layout of the node actions in their buffer.
     pub fn action_layout(&self) -> &Layout {
         &self.action
     }
 
-    /// The cell of each slot of the observation, in its order.
+    /// Cell of each slot of the observation, in order.
     pub fn observation_cells(&self) -> &[usize] {
         &self.observed
     }
 
-    /// The cell of each slot of the action, in its order.
+    /// Cell of each slot of the action, in order.
     pub fn action_cells(&self) -> &[usize] {
         &self.acted
     }
 
-    /// Splits an observation into the observations of the nodes.
+    /// Splits an observation into node observations.
     ///
     /// # Panics
-    /// When a buffer is not as long as the observation, or as its layout.
+    /// If a buffer does not have the length of the observation or of its layout.
     pub fn split(&self, observation: &[f64], nodes: &mut [f64]) {
-        assert_eq!(nodes.len(), self.observation.len(), "length of the observations of the nodes");
+        assert_eq!(nodes.len(), self.observation.len(), "length of the node observations");
         scatter(observation, &self.observed, nodes);
         for (cell, value) in &self.constant {
             nodes[*cell] = *value;
         }
     }
 
-    /// Joins the actions of the nodes to an action. Cells that the building does not drive are passed over.
+    /// Joins node actions to an action. Cells without an actuator in the building are skipped.
     ///
     /// # Panics
-    /// When a buffer is not as long as the action, or as its layout.
+    /// If a buffer does not have the length of the action or of its layout.
     pub fn join(&self, nodes: &[f64], action: &mut [f64]) {
-        assert_eq!(nodes.len(), self.action.len(), "length of the actions of the nodes");
+        assert_eq!(nodes.len(), self.action.len(), "length of the node actions");
         gather(nodes, &self.acted, action);
     }
 
-    /// Joins the observations of the nodes to an observation: undoes [`Decomposition::split`].
+    /// Joins node observations to an observation: the inverse of [`Decomposition::split`].
     ///
     /// # Panics
-    /// As [`Decomposition::split`].
+    /// See [`Decomposition::split`].
     pub fn join_observation(&self, nodes: &[f64], observation: &mut [f64]) {
-        assert_eq!(nodes.len(), self.observation.len(), "length of the observations of the nodes");
+        assert_eq!(nodes.len(), self.observation.len(), "length of the node observations");
         gather(nodes, &self.observed, observation);
     }
 
-    /// Splits an action, or its bounds, into the actions of the nodes: [`Decomposition::join`] undoes it. Cells that the
-    /// building does not drive stay as they are.
+    /// Splits an action, or its bounds, into node actions: the inverse of [`Decomposition::join`]. Cells without an actuator
+    /// in the building are left unchanged.
     ///
     /// # Panics
-    /// As [`Decomposition::join`].
+    /// See [`Decomposition::join`].
     pub fn split_action(&self, action: &[f64], nodes: &mut [f64]) {
-        assert_eq!(nodes.len(), self.action.len(), "length of the actions of the nodes");
+        assert_eq!(nodes.len(), self.action.len(), "length of the node actions");
         scatter(action, &self.acted, nodes);
     }
 }
 
-/// Puts the value of each slot into its cell.
+/// Copies the value of each slot to its cell.
 fn scatter(slots: &[f64], cells: &[usize], nodes: &mut [f64]) {
     assert_eq!(slots.len(), cells.len(), "length of the vector");
     for (cell, value) in cells.iter().zip(slots) {
@@ -168,7 +168,7 @@ fn scatter(slots: &[f64], cells: &[usize], nodes: &mut [f64]) {
     }
 }
 
-/// Takes the value of each slot from its cell.
+/// Copies the value of each slot from its cell.
 fn gather(nodes: &[f64], cells: &[usize], slots: &mut [f64]) {
     assert_eq!(slots.len(), cells.len(), "length of the vector");
     for (cell, value) in cells.iter().zip(slots) {
@@ -176,7 +176,7 @@ fn gather(nodes: &[f64], cells: &[usize], slots: &mut [f64]) {
     }
 }
 
-/// The type and the row of the node of each owner.
+/// Type and row of the node of each owner.
 struct Rows(Vec<(Owner, NodeType, usize)>);
 
 impl Rows {
@@ -190,7 +190,7 @@ impl Rows {
     }
 }
 
-/// What is in cells that the observation does not have.
+/// Returns the cells without a slot in the observation, with their values.
 fn constants(
     morphology: &Morphology,
     layout: &Layout,
@@ -221,7 +221,7 @@ mod tests {
     use super::*;
     use crate::observation::Slot;
 
-    /// Two zones with units.
+    /// Two zones with unitary systems.
     fn morphology() -> Morphology {
         let zone = |number: usize| Node {
             node_type: NodeType::UnitaryZone,
@@ -243,7 +243,7 @@ mod tests {
     }
 
     #[test]
-    fn a_target_that_is_observed_is_taken_and_one_that_is_not_is_the_constant_one() {
+    fn an_observed_target_is_copied_and_a_missing_one_is_the_constant() {
         let slots = vec![
             slot(1, Observed::TargetTemperature),
             slot(0, Observed::AirTemperature),
@@ -257,7 +257,7 @@ mod tests {
     }
 
     #[test]
-    fn a_slot_without_a_node_or_a_place_on_it_is_named() {
+    fn a_slot_without_a_cell_is_reported_by_name() {
         for slot in [slot(2, Observed::AirTemperature), slot(0, Observed::Gas)] {
             let name = slot.name.clone();
             let error = decomposition(vec![slot]).unwrap_err().to_string();

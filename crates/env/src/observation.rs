@@ -1,4 +1,4 @@
-//! The observation: what an agent sees, slot by slot.
+//! The observation space, slot by slot.
 
 use std::ops::Range;
 
@@ -12,25 +12,25 @@ use crate::setpoints::Setpoints;
 pub struct Slot {
     /// Name, for example `Core_ZN air temperature`.
     pub name: String,
-    /// The part of the building that it belongs to.
+    /// Part of the building to which the slot belongs.
     pub owner: Owner,
-    /// What it holds of it.
+    /// Quantity in the slot.
     pub quantity: Observed,
     /// SI unit.
     pub unit: &'static str,
-    /// Lower bound that no sane run crosses.
+    /// Lower bound in any plausible run.
     pub low: f64,
-    /// Upper bound that no sane run crosses.
+    /// Upper bound in any plausible run.
     pub high: f64,
-    /// Where the value comes from.
+    /// Source of the value.
     pub source: &'static str,
 }
 
-/// Names, units and bounds of the observation, in its order: air temperature of every zone in model order, then
-/// outdoor temperature and humidity, the clock, and the energy of the step. Where targets move, occupancy and target of
-/// every controlled zone follow, in model order.
+/// Names, units and bounds of the observation, in order: air temperature of every zone in model order, outdoor air
+/// temperature and humidity, time, and the HVAC energy of the step. With setpoints that vary, occupancy and target of every
+/// controlled zone follow, in model order.
 ///
-/// Occupancy and target are those of the step to come: its reward is judged by them.
+/// Occupancy and target are those of the next step, whose reward uses them.
 #[derive(Clone, Debug)]
 pub struct ObservationSpace {
     slots: Vec<Slot>,
@@ -38,17 +38,17 @@ pub struct ObservationSpace {
     constant_target: Option<f64>,
 }
 
-/// Where the target of a zone is to be had.
+/// Where the target of a zone is found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Target {
-    /// In this slot of the observation, °C.
+    /// In this slot of the observation.
     Slot(usize),
-    /// It is always this, °C.
+    /// Constant, °C.
     Always(f64),
 }
 
 impl Target {
-    /// The target for the step after an observation, °C.
+    /// Returns the target for the step after an observation, °C.
     pub fn of(self, observation: &[f64]) -> f64 {
         match self {
             Self::Slot(slot) => observation[slot],
@@ -57,7 +57,7 @@ impl Target {
     }
 }
 
-/// Slots after those of the zones, in their order.
+/// Slots shared by all zones, in order; they follow the zone air temperatures.
 #[derive(Clone, Copy)]
 pub(crate) enum Shared {
     OutdoorTemperature,
@@ -69,15 +69,15 @@ pub(crate) enum Shared {
     Gas,
 }
 
-/// How many there are.
+/// Number of shared slots.
 const SHARED: usize = Shared::Gas as usize + 1;
 
-/// No building takes more power than this, W/m².
-const MAXIMUM_POWER: f64 = 1000.0;
+/// Upper bound of HVAC power, W/m².
+const MAX_POWER: f64 = 1000.0;
 
 impl ObservationSpace {
     pub(crate) fn of(building: &PreparedBuilding, steps_per_hour: u32, setpoints: &Setpoints) -> Self {
-        let energy = MAXIMUM_POWER / f64::from(steps_per_hour);
+        let energy = MAX_POWER / f64::from(steps_per_hour);
         let slot = |name: &str, (owner, quantity), unit, (low, high), source| Slot {
             name: name.into(),
             owner,
@@ -148,9 +148,9 @@ impl ObservationSpace {
             Setpoints::Constant { target } => Some(*target),
             Setpoints::Occupancy { .. } | Setpoints::Random { .. } => None,
         };
-        let told =
+        let has_target =
             |zone: &b2b_building::Zone| constant_target.is_none() && zone.conditioning != Conditioning::None;
-        let controlled = building.zones.iter().enumerate().filter(|(_, zone)| told(zone));
+        let controlled = building.zones.iter().enumerate().filter(|(_, zone)| has_target(zone));
         for (number, zone) in controlled {
             slots.push(slot(
                 &format!("{} occupancy", zone.name),
@@ -170,7 +170,7 @@ impl ObservationSpace {
         Self { slots, zones: building.zones.len(), constant_target }
     }
 
-    /// A space of any slots.
+    /// Returns a space of arbitrary slots.
     #[cfg(test)]
     pub(crate) fn of_slots(slots: Vec<Slot>) -> Self {
         Self { slots, zones: 0, constant_target: Some(21.0) }
@@ -186,7 +186,7 @@ impl ObservationSpace {
         self.slots.len()
     }
 
-    /// Whether there are no slots: never.
+    /// Whether there are no slots. Always `false`.
     pub fn is_empty(&self) -> bool {
         self.slots.is_empty()
     }
@@ -211,18 +211,18 @@ impl ObservationSpace {
         self.shared(Shared::Gas)
     }
 
-    /// The target of every controlled zone, °C, if it never moves.
+    /// The target of every controlled zone, °C, if it is constant.
     pub fn constant_target(&self) -> Option<f64> {
         self.constant_target
     }
 
-    /// Slot of the occupancy of a controlled zone, counted in model order among the controlled ones. `None` where
-    /// targets never move.
+    /// Slot of the occupancy of a controlled zone, given its index among the controlled zones. `None` if targets are
+    /// constant.
     pub fn occupancy(&self, controlled_zone: usize) -> Option<usize> {
         self.constant_target.is_none().then_some(self.zones + SHARED + 2 * controlled_zone)
     }
 
-    /// Target of a controlled zone, counted as in [`ObservationSpace::occupancy`].
+    /// Target of a controlled zone, given its index among the controlled zones.
     pub fn target(&self, controlled_zone: usize) -> Target {
         match self.constant_target {
             Some(target) => Target::Always(target),

@@ -1,67 +1,69 @@
-//! Where the target temperatures come from: constant, by occupancy, or drawn at random for every zone and day.
+//! Target temperatures: constant, by occupancy, or drawn at random for every zone and day.
 
 use std::str::FromStr;
 
 use b2b_building::{BuildingType, Class};
+use b2b_dataset::random::{standard_normal, uniform};
 use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
+use rand_chacha::rand_core::SeedableRng;
 use serde::{Deserialize, Serialize};
 
 use crate::Result;
-use crate::task::within;
+use crate::calendar::{Moment, Season};
+use crate::limits::within;
 
 /// Target temperatures, °C (paper, section on tasks).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "mode", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Setpoints {
-    /// The same everywhere and always.
+    /// One target for all zones at all times.
     Constant {
-        /// The target.
+        /// Target.
         #[serde(default = "comfortable")]
         target: f64,
     },
-    /// By whether anyone is in the zone, in the simulation.
+    /// Target by simulated occupancy of the zone.
     Occupancy {
-        /// With people.
+        /// Target when occupied.
         #[serde(default = "comfortable")]
         occupied: f64,
-        /// Without, December to February.
+        /// Target when unoccupied, December to February.
         #[serde(default = "winter")]
         winter: f64,
-        /// Without, June to August.
+        /// Target when unoccupied, June to August.
         #[serde(default = "summer")]
         summer: f64,
-        /// Without, in the other months.
+        /// Target when unoccupied, other months.
         #[serde(default = "comfortable")]
         otherwise: f64,
     },
-    /// Drawn for every zone and day: who draws the same seed has the same targets.
+    /// Drawn for every zone and day; equal seeds give equal targets.
     Random {
-        /// The seed.
+        /// Random seed.
         #[serde(default)]
         seed: u64,
-        /// What is drawn from; that of the building's type by default, and that of offices for a building of no type.
+        /// Distributions to draw from. Default: those of the building type, or of offices for a building without a type.
         #[serde(default)]
         day: Option<RandomDay>,
     },
 }
 
-/// What the targets of a day are drawn from.
+/// Distributions of the targets of a day.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RandomDay {
-    /// When people come.
+    /// Arrival of the occupants.
     pub arrival: RandomHour,
-    /// When they go.
+    /// Departure of the occupants.
     pub departure: RandomHour,
-    /// Lowest and highest target with people, °C; drawn evenly.
+    /// Range of the target when occupied, °C; uniform.
     pub occupied: [f64; 2],
-    /// Largest difference without people, K; drawn evenly to both sides, but only downward from December to February and
-    /// only upward from June to August.
+    /// Largest offset of the target when unoccupied, K; uniform, downward from December to February, upward from June to
+    /// August, to both sides in other months.
     pub offset: f64,
 }
 
-/// A normal distribution of hours, cut off.
+/// A normal distribution of hours of the day, clamped to a range.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RandomHour {
@@ -75,7 +77,7 @@ pub struct RandomHour {
     pub latest: f64,
 }
 
-/// No target without people is drawn outside, °C.
+/// Range of targets when unoccupied, °C.
 const RANDOM_LIMITS: [f64; 2] = [14.0, 30.0];
 
 fn comfortable() -> f64 {
@@ -95,7 +97,7 @@ const fn hour(mean: f64, deviation: f64, earliest: f64, latest: f64) -> RandomHo
 }
 
 impl RandomDay {
-    /// Distributions of the paper's implementation.
+    /// Returns the distributions of the paper's implementation for a building type.
     pub fn of(building_type: BuildingType) -> Self {
         let shop = hour(9.0, 0.5, 7.0, 11.0);
         let (arrival, departure, occupied, offset) = match building_type {
@@ -114,7 +116,7 @@ impl RandomDay {
         Self { arrival, departure, occupied, offset }
     }
 
-    /// That of the type of a class; that of offices where there is none.
+    /// Returns the distributions for the type of a class; those of offices for `None`.
     pub(crate) fn of_class(class: Option<Class>) -> Self {
         Self::of(class.map_or(BuildingType::OfficeSmall, |class| class.building_type))
     }
@@ -176,44 +178,16 @@ impl Setpoints {
     }
 }
 
-/// A time of the run: day of the year from 1, and hour of the day from 0.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Moment {
-    pub(crate) day_of_year: u32,
-    pub(crate) hour: f64,
-}
-
-/// A season of the setpoints.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Season {
-    /// December to February.
-    Winter,
-    /// June to August.
-    Summer,
-    /// The other months.
-    Between,
-}
-
-impl Season {
-    pub(crate) fn of(day_of_year: u32) -> Self {
-        match day_of_year {
-            ..60 | 335.. => Self::Winter,
-            152..244 => Self::Summer,
-            _ => Self::Between,
-        }
-    }
-}
-
-/// The targets of an episode: a function of zone and moment, but for who is there in the simulation.
+/// The targets of an episode: a function of zone, moment and, by occupancy, the people in the simulation.
 #[derive(Clone, Debug)]
 pub(crate) struct Targets {
     setpoints: Setpoints,
     day: RandomDay,
-    /// What was drawn for each zone, and for which day.
+    /// The plan drawn for each zone, with its day.
     drawn: Vec<(u32, Plan)>,
 }
 
-/// The targets of a zone on a day.
+/// Occupancy and targets of a zone on a day.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Plan {
     arrival: f64,
@@ -223,7 +197,7 @@ struct Plan {
 }
 
 impl Targets {
-    /// For so many controlled zones of a building of a class.
+    /// Creates the targets of the controlled `zones` of a building of a class.
     pub(crate) fn new(setpoints: &Setpoints, class: Option<Class>, zones: usize) -> Self {
         let own = match setpoints {
             Setpoints::Random { day, .. } => *day,
@@ -236,8 +210,8 @@ impl Targets {
         }
     }
 
-    /// Whether a zone counts as occupied from a moment on, and its target, °C. `people` says whether anyone is there in
-    /// the simulation; at random setpoints it is drawn who is.
+    /// Returns whether a zone counts as occupied at a moment, and its target, °C. `people`: whether anyone is in the zone
+    /// in the simulation; random setpoints ignore it, as they draw occupancy.
     pub(crate) fn at(&mut self, zone: usize, moment: Moment, people: bool) -> (bool, f64) {
         match self.setpoints {
             Setpoints::Constant { target } => (people, target),
@@ -255,26 +229,26 @@ impl Targets {
                 if *day != moment.day_of_year {
                     (*day, *plan) = (moment.day_of_year, self.day.draw(seed, zone, moment.day_of_year));
                 }
-                let there = (plan.arrival..plan.departure).contains(&moment.hour);
-                (there, if there { plan.occupied } else { plan.unoccupied })
+                let occupied = (plan.arrival..plan.departure).contains(&moment.hour);
+                (occupied, if occupied { plan.occupied } else { plan.unoccupied })
             }
         }
     }
 }
 
 impl RandomDay {
-    /// A stream of its own for each seed, zone and day.
+    /// Draws the plan of a zone and day from a random stream of its own.
     fn draw(&self, seed: u64, zone: usize, day_of_year: u32) -> Plan {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         random.set_stream(zone as u64 * 1000 + u64::from(day_of_year));
         let arrival = self.arrival.draw(&mut random);
         let departure = self.departure.draw(&mut random);
         let [low, high] = self.occupied;
-        let occupied = low + (high - low) * share(&mut random);
+        let occupied = low + (high - low) * uniform(&mut random);
         let offset = match Season::of(day_of_year) {
-            Season::Winter => -self.offset * share(&mut random),
-            Season::Summer => self.offset * share(&mut random),
-            Season::Between => self.offset * (2.0 * share(&mut random) - 1.0),
+            Season::Winter => -self.offset * uniform(&mut random),
+            Season::Summer => self.offset * uniform(&mut random),
+            Season::Between => self.offset * (2.0 * uniform(&mut random) - 1.0),
         };
         let unoccupied = (occupied + offset).clamp(RANDOM_LIMITS[0], RANDOM_LIMITS[1]);
         Plan { arrival, departure, occupied, unoccupied }
@@ -282,17 +256,9 @@ impl RandomDay {
 }
 
 impl RandomHour {
-    /// By Box and Muller's transform.
     fn draw(&self, random: &mut ChaCha8Rng) -> f64 {
-        let (radius, angle) = (1.0 - share(random), share(random));
-        let normal = (-2.0 * libm::log(radius)).sqrt() * libm::cos(std::f64::consts::TAU * angle);
-        (self.mean + self.deviation * normal).clamp(self.earliest, self.latest)
+        (self.mean + self.deviation * standard_normal(random)).clamp(self.earliest, self.latest)
     }
-}
-
-/// From 0 to just under 1, on 53 bits.
-fn share(random: &mut ChaCha8Rng) -> f64 {
-    (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64
 }
 
 #[cfg(test)]
@@ -304,24 +270,7 @@ mod tests {
     }
 
     #[test]
-    fn seasons_are_whole_months() {
-        for (day, season) in [
-            (1, Season::Winter),
-            (59, Season::Winter),
-            (60, Season::Between),
-            (151, Season::Between),
-            (152, Season::Summer),
-            (243, Season::Summer),
-            (244, Season::Between),
-            (334, Season::Between),
-            (335, Season::Winter),
-        ] {
-            assert_eq!(Season::of(day), season, "{day}");
-        }
-    }
-
-    #[test]
-    fn an_empty_zone_is_let_go_by_season() {
+    fn an_unoccupied_zone_is_set_back_by_season() {
         let mut targets = Targets::new(&"occupancy".parse().unwrap(), None, 1);
         assert_eq!(targets.at(0, moment(10, 3.0), true), (true, 21.0));
         for (day, target) in [(10, 18.0), (100, 21.0), (200, 26.0), (300, 21.0)] {
@@ -329,7 +278,7 @@ mod tests {
         }
     }
 
-    /// Limits and means of a season's plans, and that zones and days are drawn on their own.
+    /// Checks limits and means of a season's plans, and that zones and days are drawn independently.
     #[test]
     fn random_days_follow_their_distributions() {
         let of = RandomDay::of(BuildingType::Warehouse);
@@ -369,13 +318,13 @@ mod tests {
         let there: Vec<_> = moments.iter().map(|at| forward.at(2, *at, false)).collect();
         let back: Vec<_> = moments.iter().rev().map(|at| backward.at(2, *at, true)).collect();
         assert!(there.iter().eq(back.iter().rev()));
-        assert!(there.chunks(3).all(|day| !day[0].0 && day[1].0 && !day[2].0), "at work at noon alone");
+        assert!(there.chunks(3).all(|day| !day[0].0 && day[1].0 && !day[2].0), "occupied at noon only");
         let mut other = random(4);
         assert!(moments.iter().zip(&there).any(|(at, target)| other.at(2, *at, false) != *target));
     }
 
     #[test]
-    fn a_building_has_the_hours_of_its_type_and_one_of_no_type_those_of_offices() {
+    fn a_building_without_a_type_has_the_hours_of_offices() {
         let warehouse = Class::new(BuildingType::Warehouse, Some("5B"));
         assert_eq!(RandomDay::of_class(Some(warehouse)), RandomDay::of(BuildingType::Warehouse));
         assert_eq!(RandomDay::of_class(None), RandomDay::of(BuildingType::OfficeSmall));

@@ -9,8 +9,8 @@ use std::process::{Command, Stdio};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use b2b_building::dataset::{Places, Split};
-use b2b_building::{BuildingType, Catalog, Model, PreparedBuilding};
+use b2b_building::{BuildingType, Model, PreparedBuilding};
+use b2b_dataset::{Catalog, Places, Split};
 use b2b_env::vector::{
     AnyOf, Autoreset, Buildings, Fixed, Launcher, Live, Pool, PoolOptions, Population, Setting, Source,
     Start, VecEnv, VecEnvOptions, Windows,
@@ -553,7 +553,7 @@ fn buildings_are_drawn_anew_from_a_split_or_from_the_generator() {
     let names: std::collections::BTreeSet<_> = test.iter().map(|(name, _)| name).collect();
     assert!(names.len() >= 3, "{names:?}");
     for name in names {
-        let row = b2b_building::dataset::row(name.parse().unwrap());
+        let row = b2b_dataset::row(name.parse().unwrap());
         assert_eq!(row.split, Split::Test, "{name}");
     }
     let generated = || Population::Generated {

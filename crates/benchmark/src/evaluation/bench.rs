@@ -4,7 +4,8 @@ use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
-use b2b_building::{Catalog, PreparedBuilding};
+use b2b_building::PreparedBuilding;
+use b2b_dataset::Catalog;
 use b2b_energyplus::install::Quiet;
 use b2b_env::vector::{Pool, PoolOptions, Setting, Source};
 

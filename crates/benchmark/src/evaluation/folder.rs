@@ -5,7 +5,7 @@ use std::fs::File;
 use std::io::{BufReader, Write};
 use std::path::{Path, PathBuf};
 
-use b2b_building::dataset::GENERATOR_VERSION;
+use b2b_dataset::GENERATOR_VERSION;
 use b2b_energyplus::install::ENGINE_VERSION;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;

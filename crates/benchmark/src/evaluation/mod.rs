@@ -12,7 +12,8 @@ mod table;
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use b2b_building::{Catalog, RunPeriod};
+use b2b_building::RunPeriod;
+use b2b_dataset::Catalog;
 use b2b_env::Task;
 use b2b_env::vector::Launcher;
 

@@ -182,11 +182,7 @@ impl ActionScale {
     fn value(self, given: f64, low: f64, high: f64) -> f64 {
         match self {
             Self::Physical => given,
-            Self::Rescaled => {
-                // As [`ActionSpace::rescale`]: exact at both ends.
-                let share = (given.clamp(-1.0, 1.0) + 1.0) / 2.0;
-                low * (1.0 - share) + high * share
-            }
+            Self::Rescaled => b2b_env::rescale(given.clamp(-1.0, 1.0), low, high),
         }
     }
 }

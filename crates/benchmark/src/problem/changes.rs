@@ -1,7 +1,7 @@
 //! Another problem made from one: other days, other buildings.
 
 use b2b_building::RunPeriod;
-use b2b_building::dataset::BuildingId;
+use b2b_dataset::BuildingId;
 use b2b_env::Task;
 use serde::Deserialize;
 use serde_json::Value;

@@ -20,7 +20,7 @@ use std::str::FromStr;
 use std::sync::OnceLock;
 
 use b2b_building::BuildingType;
-use b2b_building::dataset::{self, BuildingId, Split};
+use b2b_dataset::{BuildingId, Split};
 use b2b_env::Task;
 use serde::{Deserialize, Serialize};
 
@@ -218,7 +218,7 @@ impl Problem {
         }
         let why = if self.test.buildings.ids().contains(&id) {
             "it is tested on"
-        } else if dataset::row(id).split == Split::Test {
+        } else if b2b_dataset::row(id).split == Split::Test {
             "it is of the dataset's test split"
         } else {
             "it is not on the problem's training side"
@@ -246,7 +246,7 @@ impl Problem {
 
     /// Whoever trains on test buildings of the dataset cannot be compared with anybody on any problem.
     fn split_fault(&self) -> Option<String> {
-        let for_tests = |id: &BuildingId| dataset::row(*id).split == Split::Test;
+        let for_tests = |id: &BuildingId| b2b_dataset::row(*id).split == Split::Test;
         let ids: Vec<_> = self.train.buildings.ids().into_iter().filter(for_tests).collect();
         (!ids.is_empty()).then(|| {
             format!(

@@ -3,10 +3,9 @@
 use std::fmt;
 use std::str::FromStr;
 
-use b2b_building::dataset::{self, BuildingId, Row};
-use b2b_building::{BuildingName, BuildingType, RunPeriod};
-use b2b_env::Spaces;
-use b2b_env::Task;
+use b2b_building::{BuildingType, RunPeriod};
+use b2b_dataset::{BuildingId, BuildingName, Row};
+use b2b_env::{Spaces, Task};
 use serde::{Deserialize, Serialize};
 
 use super::restriction::Restriction;
@@ -109,7 +108,7 @@ impl Buildings {
         match self {
             Self::Listed { ids } => ids.clone(),
             Self::Part { types, split } => {
-                let of_type = types.iter().flat_map(|building_type| dataset::rows(*building_type));
+                let of_type = types.iter().flat_map(|building_type| b2b_dataset::rows(*building_type));
                 of_type.filter(|row| split.has(row)).map(|row| row.id).collect()
             }
         }
@@ -146,8 +145,8 @@ impl Buildings {
 impl Part {
     fn has(self, row: &Row) -> bool {
         match self {
-            Self::Train => row.split == dataset::Split::Train,
-            Self::Test => row.split == dataset::Split::Test,
+            Self::Train => row.split == b2b_dataset::Split::Train,
+            Self::Test => row.split == b2b_dataset::Split::Test,
             Self::TestSmall => row.test_small,
         }
     }

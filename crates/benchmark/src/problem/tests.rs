@@ -28,7 +28,7 @@ fn no_environment_is_both_to_train_and_to_test_on() {
         let (train, test) = (environments(&problem.train), environments(&problem.test));
         assert!(train.is_disjoint(&test), "{}", problem.name);
         for id in problem.train.buildings.ids() {
-            assert_eq!(dataset::row(id).split, Split::Train, "{}", problem.name);
+            assert_eq!(b2b_dataset::row(id).split, Split::Train, "{}", problem.name);
         }
     }
 }

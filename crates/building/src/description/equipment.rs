@@ -4,8 +4,10 @@ use std::collections::HashSet;
 
 use serde::Serialize;
 
-use crate::hvac::common::{self, Reference};
+use crate::hvac::air_loop_graph::supply_components;
 use crate::hvac::distribution::served_zones;
+use crate::hvac::references::Reference;
+use crate::hvac::zone_equipment::zone_equipment;
 use crate::hvac::{AirLoop, Quantity, System};
 use crate::model::{Fields, number, text};
 use crate::{Model, Result};
@@ -157,12 +159,12 @@ fn of_air_loop(model: &Model, air_loop: &str) -> Result<Capacity> {
     if !model.contains("AirLoopHVAC", air_loop) {
         return Ok(Capacity::default());
     }
-    Ok(of_components(model, common::supply_components(model, air_loop)?))
+    Ok(of_components(model, supply_components(model, air_loop)?))
 }
 
 /// Of the terminal's coil, or of the heater.
 fn of_zone_equipment(model: &Model, zone: &str) -> Result<Capacity> {
-    Ok(of_components(model, common::zone_equipment(model, zone)?))
+    Ok(of_components(model, zone_equipment(model, zone)?))
 }
 
 /// Of every coil among some objects and what they refer to, each once.

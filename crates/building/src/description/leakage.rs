@@ -5,7 +5,6 @@
 //! comes in when people open doors is left out, as the prototypes name it.
 
 use crate::Model;
-use crate::commercial::infiltration::is_door;
 use crate::model::{Fields, number, text};
 
 /// Difference between zone and outdoors that leakage is told for, K.
@@ -41,6 +40,11 @@ pub(super) fn flow(model: &Model, zone: &str, measures: &Measures) -> f64 {
         leaks.map(|(_, fields)| flow(fields, measures)).sum()
     };
     FORMS.into_iter().map(of_form).sum()
+}
+
+/// Whether an infiltration object stands for people opening doors, by its name.
+pub fn is_door(name: &str) -> bool {
+    name.to_ascii_lowercase().contains("door")
 }
 
 fn design_flow(fields: &Fields, measures: &Measures) -> f64 {

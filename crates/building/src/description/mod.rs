@@ -10,15 +10,14 @@ pub mod shape;
 
 use std::path::Path;
 
+use b2b_climate::{DegreeDays, Site};
 use serde::Serialize;
 
 pub use equipment::{Equipment, SystemDescription, SystemKind};
 use leakage::Measures;
 use shape::{Beyond, Bound, Point, Shape};
 
-use crate::climate::{DegreeDays, Site};
 use crate::construction::{ROOF_FILMS, WALL_FILMS, assembly_resistance, glazing};
-use crate::dataset::Building;
 use crate::hvac::System;
 use crate::zone::SurfaceKind;
 use crate::{Conditioning, Model, PreparedBuilding, Result};
@@ -169,18 +168,6 @@ impl PreparedBuilding {
 }
 
 impl Origin {
-    /// What is known of a generated building.
-    pub fn of(building: &Building) -> Self {
-        match building {
-            Building::Commercial { location, .. } => Self::commercial(location.ashrae_zone()),
-            Building::House(sample) => Self {
-                year: Some(sample.year),
-                vintage: Some(sample.vintage.name().to_owned()),
-                climate_zone: None,
-            },
-        }
-    }
-
     /// What is known of one of the commercial types, at a place whose climate zone may be known.
     pub fn commercial(climate_zone: Option<&str>) -> Self {
         Self { climate_zone: climate_zone.map(str::to_owned), year: Some(CODE_YEAR), vintage: None }

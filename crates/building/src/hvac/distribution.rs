@@ -2,9 +2,9 @@
 
 use std::collections::HashSet;
 
-use super::common::{self, Reference, items, unsupported};
-use crate::Result;
-use crate::model::{Fields, Model, text};
+use super::references::{Reference, nodes_of};
+use crate::model::{Fields, Model, items, text};
+use crate::{Error, Result};
 
 /// A terminal on the demand side of an air loop.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -37,7 +37,7 @@ pub(crate) fn served_zones(model: &Model, air_loop: &str) -> Result<Vec<ServedZo
     let zones = model.names("Zone");
     served.sort_by_key(|s| zones.iter().position(|z| z.eq_ignore_ascii_case(&s.zone)));
     if served.is_empty() {
-        return Err(unsupported("AirLoopHVAC", air_loop, "no terminal is on its supply path"));
+        return Err(Error::unsupported("AirLoopHVAC", air_loop, "no terminal is on its supply path"));
     }
     Ok(served)
 }
@@ -52,7 +52,7 @@ fn inlet(terminal: &Fields) -> Option<&str> {
 fn terminal_nodes(model: &Model, air_loop: &str) -> Result<HashSet<String>> {
     let fields = model.require("AirLoopHVAC", air_loop)?;
     let inlet = text(fields, "demand_side_inlet_node_names").unwrap_or_default();
-    let inlets = common::nodes_of(model, inlet);
+    let inlets = nodes_of(model, inlet);
     let mut nodes = HashSet::new();
     for (_, path) in model.objects("AirLoopHVAC:SupplyPath") {
         let start = text(path, "supply_air_path_inlet_node_name").unwrap_or_default();
@@ -84,5 +84,5 @@ fn zone_of(model: &Model, unit: &str) -> Result<String> {
         })
         .find_map(|(_, zone)| text(zone, "zone_name"))
         .map(str::to_owned)
-        .ok_or_else(|| unsupported("ZoneHVAC:AirDistributionUnit", unit, "no zone has it"))
+        .ok_or_else(|| Error::unsupported("ZoneHVAC:AirDistributionUnit", unit, "no zone has it"))
 }

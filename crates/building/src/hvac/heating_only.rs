@@ -1,9 +1,12 @@
 //! Zones with a heater and no cooling, driven by the heating setpoint of their thermostat.
 
-use super::common::{self, Reference};
-use super::{Actuator, EngineVariable, HeatingOnly, Quantity};
-use crate::Result;
+use super::actuator::{Actuator, EngineVariable, Quantity};
+use super::availability::switch_on;
+use super::references::{Reference, is_one_of, parts};
+use super::system::HeatingOnly;
+use super::thermostat::{OUT_OF_REACH, own_thermostat};
 use crate::model::{Model, number, text};
+use crate::{Error, Result};
 
 /// Heating setpoints an agent may ask for, °C. The lowest is under any temperature that a heated zone should
 /// reach and means "off".
@@ -19,7 +22,7 @@ const HEATERS: [&str; 5] = [
 
 /// Whether an object class is a zone heater that follows a thermostat.
 pub(super) fn is_heater(class: &str) -> bool {
-    common::is_one_of(class, &HEATERS)
+    is_one_of(class, &HEATERS)
 }
 
 /// Makes the heater of a zone controllable: always available, under a thermostat of the zone's own.
@@ -29,29 +32,19 @@ pub(super) fn is_heater(class: &str) -> bool {
 /// [`crate::Error::MissingObject`] when the heater's parts are not in the model.
 pub fn make_controllable(model: &mut Model, zone: &str, heater: &Reference) -> Result<HeatingOnly> {
     refuse_powerless(model, heater)?;
-    common::switch_on(model, heater)?;
-    let setpoints = common::own_thermostat(model, zone, SETPOINT.0, common::OUT_OF_REACH)?;
-    Ok(HeatingOnly {
-        zone: zone.to_owned(),
-        setpoint: Actuator {
-            name: format!("{zone} heating setpoint"),
-            quantity: Quantity::HeatingSetpoint,
-            low: SETPOINT.0,
-            high: SETPOINT.1,
-            component: "Schedule:Constant".into(),
-            control: "Schedule Value".into(),
-            key: setpoints.heating,
-            scale: 1.0,
-            effect: EngineVariable::new("Zone Thermostat Heating Setpoint Temperature", zone),
-            effect_scale: 1.0,
-            heat: Some(heat(model, heater)?),
-        },
-    })
+    switch_on(model, heater)?;
+    let setpoints = own_thermostat(model, zone, SETPOINT.0, OUT_OF_REACH)?;
+    let heat = heat(model, heater)?;
+    let effect = EngineVariable::new("Zone Thermostat Heating Setpoint Temperature", zone);
+    let label = format!("{zone} heating setpoint");
+    let bounds = [SETPOINT.0, SETPOINT.1];
+    let setpoint = Actuator::of_schedule(setpoints.heating, label, Quantity::HeatingSetpoint, bounds, effect);
+    Ok(HeatingOnly { zone: zone.to_owned(), setpoint: Actuator { heat: Some(heat), ..setpoint } })
 }
 
 /// A heater in a zone that needs no heat is sized to nothing: its setpoint would do nothing.
 fn refuse_powerless(model: &Model, heater: &Reference) -> Result<()> {
-    let parts = common::parts(model.require(&heater.class, &heater.name)?);
+    let parts = parts(model.require(&heater.class, &heater.name)?);
     let has_none = |part: &Reference| {
         let capacity = model.get(&part.class, &part.name).and_then(|f| number(f, "nominal_capacity"));
         capacity.is_some_and(|capacity| capacity <= 0.0)
@@ -59,7 +52,7 @@ fn refuse_powerless(model: &Model, heater: &Reference) -> Result<()> {
     match parts.iter().any(has_none) {
         true => {
             let why = "it was sized to no power: the zone needs no heat on the design days";
-            Err(common::unsupported(&heater.class, &heater.name, why))
+            Err(Error::unsupported(&heater.class, &heater.name, why))
         }
         false => Ok(()),
     }

@@ -1,15 +1,17 @@
 //! `b2b bench soak`: many episodes of everything, to find what leaks or breaks.
 
 use anyhow::{Context, Result};
-use b2b_building::{BuildingName, BuildingType, RunPeriod};
+use b2b_building::{BuildingType, RunPeriod};
 use b2b_control::{Controller, Random};
+use b2b_dataset::BuildingName;
 use b2b_env::Task;
 use b2b_env::vector::{AnyOf, VecEnv, VecEnvOptions, Windows};
 use serde_json::json;
 use sha2::{Digest, Sha256};
 
 use super::process::{open_files, resident_mb};
-use crate::prepare::{Location, Prepared};
+use crate::arguments::location::Location;
+use crate::prepare::Prepared;
 use crate::progress::counter;
 use crate::{interrupt, stdout};
 

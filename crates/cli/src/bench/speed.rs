@@ -2,7 +2,8 @@
 
 use anyhow::{Result, bail};
 use b2b_building::hvac::{Actuator, Quantity};
-use b2b_building::{BuildingName, BuildingType, Date, RunPeriod};
+use b2b_building::{BuildingType, Date, RunPeriod};
+use b2b_dataset::BuildingName;
 use b2b_energyplus::{Event, Run, Simulation};
 use b2b_env::{Env, Task};
 use cpu_time::ProcessTime;
@@ -10,7 +11,8 @@ use serde::Serialize;
 use tempfile::TempDir;
 
 use super::{median, middle};
-use crate::prepare::{Location, Prepared};
+use crate::arguments::location::Location;
+use crate::prepare::Prepared;
 use crate::table::Table;
 use crate::{interrupt, stdout};
 

@@ -5,7 +5,8 @@ use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::time::Instant;
 
 use anyhow::{Context, Result};
-use b2b_building::{BuildingName, BuildingType, Date, RunPeriod};
+use b2b_building::{BuildingType, Date, RunPeriod};
+use b2b_dataset::BuildingName;
 use b2b_env::vector::{Fixed, Pool, Setting, Start, VecEnv};
 use b2b_env::{Env, Task};
 use cpu_time::ProcessTime;
@@ -13,7 +14,8 @@ use serde::Serialize;
 
 use super::process::{cpu_seconds, private_mb, proportional_mb};
 use super::{median, middle, percentile};
-use crate::prepare::{Location, Prepared};
+use crate::arguments::location::Location;
+use crate::prepare::Prepared;
 use crate::progress::spinner;
 use crate::table::Table;
 use crate::{interrupt, stdout};

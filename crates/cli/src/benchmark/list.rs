@@ -1,4 +1,4 @@
-//! `b2b benchmark list` and `show`.
+//! `b2b benchmark list` and `b2b benchmark show`.
 
 use anyhow::Result;
 use b2b_benchmark::Problem;
@@ -9,7 +9,7 @@ use super::selection::Selection;
 use crate::stdout;
 use crate::table::Table;
 
-/// List the problems
+/// List the benchmark problems
 #[derive(clap::Args)]
 pub struct ListArguments {
     /// Print JSON
@@ -17,12 +17,12 @@ pub struct ListArguments {
     json: bool,
 }
 
-/// Explain a problem
+/// Describe a problem: training and test environments, budget, seeds and rules
 #[derive(clap::Args)]
 pub struct ShowArguments {
     #[command(flatten)]
     selection: Selection,
-    /// Print the problem as it is read from a file, with every building, its changes and its hash
+    /// Print the problem definition as JSON, with all building ids, changes and its hash
     #[arg(long)]
     json: bool,
 }
@@ -40,7 +40,7 @@ pub fn list(arguments: &ListArguments) -> Result<()> {
             side.tasks == other.tasks,
         ) {
             (true, true) => side.buildings.to_string(),
-            (true, false) => format!("{}, {} of the tasks", side.buildings, side.tasks.len()),
+            (true, false) => format!("{}, {} tasks", side.buildings, side.tasks.len()),
             _ => format!("{} {}", side.buildings.ids().len(), types(side)),
         };
         table.row([
@@ -51,7 +51,7 @@ pub fn list(arguments: &ListArguments) -> Result<()> {
             actuators(train, test),
         ]);
     }
-    stdout::print(&format!("{}\n\n  `b2b benchmark show NAME` explains one", table.text()))
+    stdout::print(&format!("{}\n\n  `b2b benchmark show NAME` describes a problem", table.text()))
 }
 
 /// Runs `show`.
@@ -72,14 +72,14 @@ fn text(problem: &Problem) -> String {
     let list = |values: &[u64]| values.iter().map(u64::to_string).collect::<Vec<_>>().join(", ");
     let windows: Vec<_> = protocol.windows.iter().map(ToString::to_string).collect();
     let width = protocol.observation_width;
-    let padded = width.map_or(String::new(), |width| format!(", zeros behind it up to {width}"));
+    let padded = width.map_or(String::new(), |width| format!(", zero-padded to {width}"));
     let rows = [
         ("trains on", side(&problem.train)),
         ("tests on", side(&problem.test)),
         (
             "training",
             format!(
-                "up to {} steps with each seed, days: {}",
+                "up to {} steps per seed; run periods: {}",
                 thousands(protocol.training_steps),
                 protocol.training_period
             ),
@@ -87,7 +87,7 @@ fn text(problem: &Problem) -> String {
         (
             "test",
             format!(
-                "an episode of {} in each, {} steps an hour",
+                "one episode of {} in each environment, {} steps per hour",
                 windows.join(" and of "),
                 protocol.steps_per_hour
             ),
@@ -95,14 +95,17 @@ fn text(problem: &Problem) -> String {
         ("seeds", list(&protocol.seeds)),
         (
             "adaptation",
-            format!("scored again after {} steps on each test environment", list(&protocol.adaptation)),
+            format!(
+                "scored again after {} training steps in each test environment",
+                list(&protocol.adaptation)
+            ),
         ),
-        ("gap", format!("told with {} of the training buildings", protocol.train_sample)),
+        ("gap", format!("generalization gap measured on {} training buildings", protocol.train_sample)),
         ("attributes", format!("{}{padded}", protocol.attributes)),
         (
             "changes",
             match problem.changes() {
-                None => "a problem of your own".to_owned(),
+                None => "custom problem".to_owned(),
                 Some(changes) if changes.is_empty() => "none".to_owned(),
                 Some(changes) => changes.join(", "),
             },
@@ -125,7 +128,7 @@ fn side(side: &Side) -> String {
     for size in &side.sizes {
         let [low, high] = size.observation;
         let slots = if low == high { low.to_string() } else { format!("{low} to {high}") };
-        text += &format!("; {slots} observations, {} actions", size.action);
+        text += &format!("; {slots} observation slots, {} actions", size.action);
     }
     if let Some(restriction) = &side.restriction {
         text += &format!("; {restriction}");
@@ -172,7 +175,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_problem_is_explained_on_a_screen() {
+    fn every_problem_description_fits_a_screen() {
         for problem in Problem::all() {
             let text = text(problem);
             assert!(text.contains(&problem.question) && text.lines().count() < 16, "{text}");

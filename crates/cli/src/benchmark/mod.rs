@@ -1,4 +1,4 @@
-//! `b2b benchmark`: the four problems, and results that strangers can compare.
+//! `b2b benchmark`: generalization problems, and results that can be compared and verified.
 
 mod list;
 mod report;
@@ -10,15 +10,15 @@ use std::process::ExitCode;
 
 use anyhow::Result;
 
-/// Run a policy on the benchmark problems, check results and compare them
+/// Run policies on the benchmark problems, and verify and compare results
 ///
-/// A problem says what a policy may be trained on, what it is tested on, and by which rules. A result is a folder with
-/// result.json, episodes.parquet and the networks that were run; two runs leave the same bytes.
+/// A problem defines what a policy may be trained on, what it is tested on, and the rules of both. A result is a folder
+/// with result.json, episodes.parquet and the ONNX files of the policy; running it again reproduces the same bytes.
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
     #[command(subcommand)]
-    what: What,
+    command: Command,
 }
 
 const EXAMPLES: &str = "\
@@ -31,7 +31,7 @@ Examples:
   b2b benchmark report results/* --out leaderboard.html";
 
 #[derive(clap::Subcommand)]
-enum What {
+enum Command {
     List(list::ListArguments),
     Show(Box<list::ShowArguments>),
     Run(Box<run::Arguments>),
@@ -41,12 +41,12 @@ enum What {
 
 /// Runs the command.
 pub fn benchmark(arguments: &Arguments) -> Result<ExitCode> {
-    match &arguments.what {
-        What::List(arguments) => list::list(arguments)?,
-        What::Show(arguments) => list::show(arguments)?,
-        What::Run(arguments) => return run::run(arguments),
-        What::Verify(arguments) => return verify::verify(arguments),
-        What::Report(arguments) => report::report(arguments)?,
+    match &arguments.command {
+        Command::List(arguments) => list::list(arguments)?,
+        Command::Show(arguments) => list::show(arguments)?,
+        Command::Run(arguments) => return run::run(arguments),
+        Command::Verify(arguments) => return verify::verify(arguments),
+        Command::Report(arguments) => report::report(arguments)?,
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -1,6 +1,6 @@
-//! `b2b benchmark report`.
+//! `b2b benchmark report`: the leaderboard.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::{Result, bail};
 use b2b_benchmark::entry::{RunResult, read_result};
@@ -9,19 +9,20 @@ use b2b_benchmark::report::leaderboard;
 use crate::output_folder::OutputFolder;
 use crate::stdout;
 
-/// Make a leaderboard of results
+/// Write a leaderboard of results
 ///
-/// Writes one page that needs no network: for every problem a table of its entries with intervals, performance profiles,
-/// scores by type, deviations from target, and what adaptation brings. Results of changed problems stand apart.
+/// Writes one HTML page that needs no network. For every problem it shows a table of the entries with confidence
+/// intervals, performance profiles, scores by building type, deviations from the target temperature, and the effect of
+/// adaptation. Results of modified problems are listed separately.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
   b2b benchmark report results/* --out leaderboard.html")]
 pub struct Arguments {
-    /// Folders of results
+    /// Result folders
     #[arg(value_name = "FOLDER", required = true)]
     folders: Vec<PathBuf>,
-    /// The page
+    /// HTML file to write
     #[arg(long, value_name = "FILE", default_value = "leaderboard.html")]
     out: PathBuf,
 }
@@ -31,24 +32,18 @@ pub fn report(arguments: &Arguments) -> Result<()> {
     let mut results: Vec<(RunResult, _)> = Vec::new();
     for folder in &arguments.folders {
         let (result, stages) = read_result(folder)?;
-        let twin = results
+        let duplicate = results
             .iter()
             .any(|(other, _)| other.name == result.name && other.problem_hash == result.problem_hash);
-        if twin {
+        if duplicate {
             bail!(
-                "two results on {} are called {}: run one with another --entry",
+                "two results on {} are named {}; run one of them with another --entry",
                 result.problem.name,
                 result.name
             );
         }
         results.push((result, stages));
     }
-    let folder = arguments.out.parent().filter(|parent| !parent.as_os_str().is_empty());
-    let Some(name) = arguments.out.file_name().and_then(|name| name.to_str()) else {
-        bail!("{} is no file: give --out a name", arguments.out.display());
-    };
-    let folder = OutputFolder::stage(folder.unwrap_or(Path::new(".")))?;
-    folder.write(name, |file| Ok(leaderboard::write(file, &results)?))?;
-    folder.keep()?;
+    OutputFolder::write_file(&arguments.out, |file| Ok(leaderboard::write(file, &results)?))?;
     stdout::print(&arguments.out.display().to_string())
 }

@@ -1,61 +1,57 @@
-//! `b2b benchmark run`.
+//! `b2b benchmark run`: a policy on a problem.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::{Context, Result, bail};
-use b2b_benchmark::entry::{Ended, Entrant, Entry, RunResult};
+use b2b_benchmark::entry::{Ended, Entrant, Entry, Measures, RunResult};
 use b2b_benchmark::problem::{Problem, Stage};
-use b2b_benchmark::statistics::{Aggregate, Interval};
+use b2b_benchmark::statistics::Aggregate;
 use b2b_benchmark::{Baselines, Row};
-use b2b_building::Catalog;
+use b2b_dataset::Catalog;
 
 use super::selection::Selection;
-use crate::evaluate::{Actions, Bars, evaluation, fetch_weather};
+use crate::arguments::jobs::Jobs;
+use crate::arguments::policy::PolicyArguments;
+use crate::evaluation::{Bars, evaluation, fetch_weather, interval_text};
 use crate::progress::Download;
 use crate::stdout;
 use crate::table::Table;
 
-/// Run a policy on a problem
+/// Run a policy on a benchmark problem
 ///
-/// Runs the test environments of a problem, and a sample of its training environments, and leaves the result in a
-/// folder: result.json, episodes.parquet, and the networks that were run. Every episode is kept as it ends: the same
-/// command goes on where it was interrupted, and leaves the same bytes. Exit code 1 when an episode is lost.
+/// Runs the policy in the test environments of a problem and in a sample of its training environments, and writes a
+/// result folder: result.json, episodes.parquet, and the ONNX files of the policy. Finished episodes are kept: the same
+/// command resumes an interrupted run and produces the same bytes. Exits with code 1 if an episode fails.
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
     #[command(flatten)]
     selection: Selection,
-    /// Who acts: reactive, random, constant, planner, or an ONNX file; {seed}, {building} and {task} in its name stand
-    /// for those of the episode
-    #[arg(long, value_name = "POLICY")]
-    policy: String,
-    /// Who acts on training buildings, where these have other shapes
+    #[command(flatten)]
+    policy: PolicyArguments,
+    /// Policy for the training environments, if their spaces have other sizes
     #[arg(long, value_name = "POLICY")]
     train_policy: Option<String>,
-    /// Who acts after so many steps of training on each test environment
+    /// Policy after STEPS of training in each test environment
     #[arg(long, value_name = "STEPS=POLICY", num_args = 1.., value_parser = adapted)]
     adapted: Vec<(u64, String)>,
-    /// What the numbers of an ONNX policy mean
-    #[arg(long, value_enum, default_value_t = Actions::Rescaled)]
-    actions: Actions,
-    /// Steps that it was trained for
+    /// Number of training steps of the policy
     #[arg(long, value_name = "N")]
     trained_steps: Option<u64>,
-    /// Name on the leaderboard [default: that of the policy]
+    /// Name on the leaderboard [default: name of the policy]
     #[arg(long, value_name = "NAME")]
     entry: Option<String>,
-    /// How it came about, in a line
+    /// One-line description of how the policy was trained
     #[arg(long, value_name = "TEXT")]
     description: Option<String>,
-    /// Episodes at a time [default: one for each core]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
-    jobs: Option<u32>,
-    /// Folder of the result
+    #[command(flatten)]
+    jobs: Jobs,
+    /// Result folder
     #[arg(long, value_name = "FOLDER")]
     out: PathBuf,
-    /// Print result.json instead of a summary for people
+    /// Print result.json instead of the text report
     #[arg(long)]
     json: bool,
 }
@@ -66,12 +62,14 @@ Examples:
   b2b benchmark run dynamics-house --policy ppo-{seed}.onnx --trained-steps 4000000 --out results/ppo
   b2b benchmark run dynamics-house --policy ppo.onnx --adapted 2016=week/{building}.onnx --out results/tuned
   b2b benchmark run cross-domain --train-type Warehouse RetailStandalone --test-type OfficeSmall --policy my.onnx --out x
-  b2b benchmark run dynamics-house --period 01-10..01-11 --policy random --out try        (says what is changed)";
+  b2b benchmark run dynamics-house --period 01-10..01-11 --policy random --out try        a modified problem
+
+In the path of an ONNX policy, {seed}, {building} and {task} are replaced by those of the episode.";
 
 fn adapted(text: &str) -> std::result::Result<(u64, String), String> {
     let pair =
         text.split_once('=').and_then(|(steps, policy)| Some((steps.parse().ok()?, policy.to_owned())));
-    pair.ok_or_else(|| format!("`{text}`: give STEPS=POLICY, such as 2016=week/{{building}}.onnx"))
+    pair.ok_or_else(|| format!("`{text}`: expected STEPS=POLICY, such as 2016=week/{{building}}.onnx"))
 }
 
 /// Runs the command.
@@ -81,7 +79,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     let catalog = Catalog::open(&mut Download::new(arguments.json))?;
     let episodes: Vec<_> = entry.stages().into_iter().flat_map(|stage| entry.episodes(stage)).collect();
     fetch_weather(&episodes, arguments.json)?;
-    let evaluation = evaluation(&catalog, arguments.jobs)?;
+    let evaluation = evaluation(&catalog, arguments.jobs.count()?)?;
     let bars = Bars::new(arguments.json);
     let ended = entry.run(&arguments.out, &evaluation, &Baselines::open()?, &bars)?;
     drop(bars);
@@ -99,14 +97,14 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
 impl Arguments {
     fn entry(&self) -> Result<Entry> {
         let problem = self.selection.problem()?;
-        let policy = self.entrant(&problem, &self.policy, Stage::Test)?;
+        let policy = self.entrant(&problem, &self.policy.name, Stage::Test)?;
         let train_policy = self.train_policy.as_ref();
         let train_policy = train_policy.map(|text| self.entrant(&problem, text, Stage::Train)).transpose()?;
         let mut adapted = BTreeMap::new();
         for (steps, text) in &self.adapted {
             let entrant = self.entrant(&problem, text, Stage::Adapted(*steps))?;
             if adapted.insert(*steps, entrant).is_some() {
-                bail!("two policies are given after {steps} steps");
+                bail!("--adapted is given twice for {steps} steps");
             }
         }
         Ok(Entry {
@@ -123,44 +121,58 @@ impl Arguments {
     fn entrant(&self, problem: &Problem, text: &str, stage: Stage) -> Result<Entrant> {
         let seeds = &problem.protocol.seeds;
         let episodes = problem.episodes(stage, &seeds[..1]);
-        let entrant = Entrant::read(text, self.actions.scale(), seeds, &episodes);
-        entrant.with_context(|| format!("nobody acts in stage {stage}"))
+        let entrant = Entrant::read(text, self.policy.scale(), seeds, &episodes);
+        entrant.with_context(|| format!("no policy for stage {stage}"))
     }
 }
 
 fn lost(rows: &[Row]) -> String {
     let line = |row: &Row| {
         let record = &row.record;
-        let why = row.lost.as_deref().unwrap_or("it has no score");
-        format!("lost: {}, {}, {}, seed {}: {why}", record.building, record.task, record.period, record.seed)
+        let why = row.lost.as_deref().unwrap_or("undefined score");
+        format!(
+            "failed: {}, {}, {}, seed {}: {why}",
+            record.building, record.task, record.period, record.seed
+        )
     };
     let lines: Vec<_> = rows.iter().map(line).collect();
-    format!("{}\nthere is no result without them; the same command runs them once more", lines.join("\n"))
+    format!(
+        "{}\na result needs all episodes; run the same command again to retry those that failed",
+        lines.join("\n")
+    )
 }
 
+/// Returns the text report.
 fn text(result: &RunResult, arguments: &Arguments) -> String {
-    let measures = &result.measures;
-    let changed = match result.problem_changes.as_deref() {
+    let modified = match result.problem_changes.as_deref() {
         Some([]) => String::new(),
-        Some(changes) => format!(", changed: {}", changes.join(", ")),
-        None => ", a problem of your own".to_owned(),
+        Some(changes) => format!(", modified: {}", changes.join(", ")),
+        None => ", custom problem".to_owned(),
     };
-    let mut text = format!(
-        "{} on {}{changed}\nnormalised scores: lower is better, 1 is the reactive controllers\n\n",
-        result.name, result.problem.name
-    );
-    let mut scores = Table::new(["building", "task", "days", "score"]);
+    format!(
+        "{} on {}{modified}\nnormalized score (lower is better, reactive controllers = 1)\n\n{}\n\n{}\n\n{}  \
+         [95 % confidence intervals: bootstrap over buildings, stratified by type and task]\n\n  {}",
+        result.name,
+        result.problem.name,
+        score_table(&result.measures),
+        aggregate_table(&result.measures),
+        generalization_text(&result.measures),
+        arguments.out.display()
+    )
+}
+
+fn score_table(measures: &Measures) -> String {
+    let mut table = Table::new(["building", "task", "period", "score"]);
     for each in &measures.scores {
-        scores.row([
-            each.building.clone(),
-            each.task.clone(),
-            each.period.clone(),
-            format!("{:.3}", each.score),
-        ]);
+        let score = format!("{:.3}", each.score);
+        table.row([each.building.clone(), each.task.clone(), each.period.clone(), score]);
     }
-    text += &scores.text();
-    text += "\n\n";
-    let mut table = Table::new(["", "scores", "interquartile mean", "median", "mean", "beat 1"]);
+    table.text()
+}
+
+fn aggregate_table(measures: &Measures) -> String {
+    let mut table =
+        Table::new(["environments", "scores", "interquartile mean", "median", "mean", "beats baseline (%)"]);
     for stratum in &measures.strata {
         let name = format!("{}, {}, {}", stratum.building_type, stratum.task, stratum.period);
         row(&mut table, name, &stratum.scores);
@@ -169,40 +181,35 @@ fn text(result: &RunResult, arguments: &Arguments) -> String {
     if let Some(train) = &measures.train {
         row(&mut table, "train".into(), train);
     }
-    if let Some(adaptation) = &measures.adaptation {
-        for point in adaptation.curve.iter().skip(1) {
-            row(&mut table, format!("test, after {} steps", point.steps), &point.scores);
-        }
+    for point in measures.adaptation.iter().flat_map(|adaptation| adaptation.curve.iter().skip(1)) {
+        row(&mut table, format!("test, after {} steps", point.steps), &point.scores);
     }
-    text += &table.text();
+    table.text()
+}
+
+fn generalization_text(measures: &Measures) -> String {
+    let mut text = String::new();
     if let Some(gap) = measures.generalisation_gap {
-        text += &format!("\n\n  generalisation gap {}", interval(gap));
+        text += &format!("  generalization gap {}\n", interval_text(gap));
     }
     if let Some(adaptation) = &measures.adaptation {
         let steps = match adaptation.median_steps_to_baseline {
-            Some(steps) => format!("{steps:.0} steps"),
+            Some(steps) => format!("{steps:.0}"),
             None => "never".to_owned(),
         };
-        text += &format!(
-            "\n  jump-start {}; half of the buildings at the level of the baseline: {steps}",
-            interval(adaptation.jump_start)
-        );
+        let jump_start = interval_text(adaptation.jump_start);
+        text += &format!("  jump-start {jump_start}; median steps to reach the baseline: {steps}\n");
     }
-    text += "\n  in brackets: 95 % intervals of a bootstrap over buildings, stratified by type and task\n\n";
-    text + &format!("  {}", arguments.out.display())
+    text
 }
 
 fn row(table: &mut Table, name: String, scores: &Aggregate) {
     table.row([
         name,
         scores.episodes.to_string(),
-        interval(scores.interquartile_mean),
-        interval(scores.median),
-        interval(scores.mean),
-        format!("{:.0} %", 100.0 * scores.beats_baseline.value),
+        interval_text(scores.interquartile_mean),
+        interval_text(scores.median),
+        interval_text(scores.mean),
+        format!("{:.0}", 100.0 * scores.beats_baseline.value),
     ]);
-}
-
-fn interval(Interval { value, low, high }: Interval) -> String {
-    if low == high { format!("{value:.3}") } else { format!("{value:.3} [{low:.3}, {high:.3}]") }
 }

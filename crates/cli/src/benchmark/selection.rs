@@ -1,37 +1,37 @@
-//! Which problem: a name, a file, or any types against any others; and what is to be otherwise in it.
+//! The problem of a command: by name, from a file, or of chosen building types, with modifications.
 
 use std::path::Path;
 
 use anyhow::{Result, bail};
 use b2b_benchmark::Problem;
 use b2b_benchmark::problem::{Attributes, Changes, LeftTo};
-use b2b_building::dataset::BuildingId;
 use b2b_building::{BuildingType, RunPeriod};
+use b2b_dataset::BuildingId;
 use b2b_env::Task;
 
-use crate::run;
+use crate::arguments::task;
 
-/// The problem of a command.
+/// The choice of a problem.
 #[derive(clap::Args)]
 pub struct Selection {
-    /// Problem: a name of `b2b benchmark list`, a file (.json), or cross-domain with --train-type and --test-type
-    #[arg(value_name = "NAME")]
+    /// Problem: a name from `b2b benchmark list`, a JSON file, or cross-domain with --train-type and --test-type
+    #[arg(value_name = "PROBLEM")]
     name: String,
-    /// Types to train on, for cross-domain
+    /// Building types to train on (cross-domain)
     #[arg(long = "train-type", value_name = "TYPE", num_args = 1.., requires = "test_types")]
     train_types: Vec<BuildingType>,
-    /// Types to test on, for cross-domain
+    /// Building types to test on (cross-domain)
     #[arg(long = "test-type", value_name = "TYPE", num_args = 1.., requires = "train_types")]
     test_types: Vec<BuildingType>,
     #[command(flatten)]
     changes: ChangeArguments,
 }
 
-/// What is to be otherwise. The result says so, and is not compared with those of the problem as it is.
+/// Modifications of the problem. The result records them and is not compared with results of the original problem.
 #[derive(clap::Args)]
-#[command(next_help_heading = "Changes (another problem: the result says so)")]
+#[command(next_help_heading = "Modifications (recorded in the result, which is then ranked separately)")]
 struct ChangeArguments {
-    /// Buildings of both sides, where these have the same
+    /// Buildings to train and test on, for problems that use the same buildings for both
     #[arg(long = "building", value_name = "ID", num_args = 1.., conflicts_with_all = ["train", "test"])]
     buildings: Vec<BuildingId>,
     /// Buildings to train on
@@ -41,30 +41,30 @@ struct ChangeArguments {
     #[arg(long, value_name = "ID", num_args = 1..)]
     test: Vec<BuildingId>,
     /// Tasks to train on
-    #[arg(long = "train-task", value_name = "TASK", num_args = 1.., value_parser = run::task)]
+    #[arg(long = "train-task", value_name = "TASK", num_args = 1.., value_parser = task::parse)]
     train_tasks: Vec<Task>,
     /// Tasks to test on
-    #[arg(long = "test-task", value_name = "TASK", num_args = 1.., value_parser = run::task)]
+    #[arg(long = "test-task", value_name = "TASK", num_args = 1.., value_parser = task::parse)]
     test_tasks: Vec<Task>,
-    /// The one of the six tasks to test on; the five others are to train on
+    /// Task to test on; training uses the other five of the six tasks
     #[arg(long, value_name = "TASK", conflicts_with_all = ["train_tasks", "test_tasks"])]
     left_out: Option<String>,
-    /// Days of each test: winter, summer, full_year or MM-DD..MM-DD
-    #[arg(long = "period", value_name = "DAYS", num_args = 1..)]
+    /// Run periods of the test episodes: winter, summer, full_year or MM-DD..MM-DD
+    #[arg(long = "period", value_name = "PERIOD", num_args = 1..)]
     windows: Vec<RunPeriod>,
-    /// Seeds
+    /// Random seeds
     #[arg(long = "seed", value_name = "N", num_args = 1..)]
     seeds: Vec<u64>,
-    /// Zone time steps an hour
+    /// Zone time steps per hour
     #[arg(long, value_name = "N")]
     steps_per_hour: Option<u32>,
-    /// Whether the policy sees what building it is in
+    /// Whether the observation includes the attributes of the building
     #[arg(long, value_name = "given|withheld", value_parser = attributes)]
     attributes: Option<Attributes>,
-    /// Who drives the actuators that are taken away
+    /// What controls the actuators that are withheld from the policy: the reactive controllers, or a constant
     #[arg(long, value_name = "reactive|pin", value_parser = left_to)]
     left_to: Option<LeftTo>,
-    /// Where they are pinned, in their unit
+    /// Constant value of the withheld actuators, in their unit
     #[arg(long, value_name = "VALUE")]
     pin: Option<f64>,
 }
@@ -73,7 +73,7 @@ fn attributes(text: &str) -> std::result::Result<Attributes, String> {
     match text {
         "given" => Ok(Attributes::Given),
         "withheld" => Ok(Attributes::Withheld),
-        _ => Err("give given or withheld".into()),
+        _ => Err("expected given or withheld".into()),
     }
 }
 
@@ -81,17 +81,19 @@ fn left_to(text: &str) -> std::result::Result<LeftTo, String> {
     match text {
         "reactive" => Ok(LeftTo::Reactive),
         "pin" => Ok(LeftTo::Pin),
-        _ => Err("give reactive or pin".into()),
+        _ => Err("expected reactive or pin".into()),
     }
 }
 
 impl Selection {
-    /// The problem.
+    /// Returns the problem with its modifications.
     pub fn problem(&self) -> Result<Problem> {
         let problem = match (self.name.as_str(), self.train_types.is_empty()) {
             ("cross-domain", false) => Problem::cross_domain(&self.train_types, &self.test_types)?,
-            ("cross-domain", true) => bail!("cross-domain needs --train-type and --test-type"),
-            (_, false) => bail!("--train-type and --test-type are for cross-domain, not for {}", self.name),
+            ("cross-domain", true) => bail!("cross-domain requires --train-type and --test-type"),
+            (_, false) => {
+                bail!("--train-type and --test-type apply only to cross-domain, not to {}", self.name)
+            }
             (name, true) if name.to_ascii_lowercase().ends_with(".json") => Problem::read(Path::new(name))?,
             (name, true) => Problem::named(name)?,
         };

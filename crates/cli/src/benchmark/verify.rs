@@ -1,39 +1,40 @@
-//! `b2b benchmark verify`.
+//! `b2b benchmark verify`: the check of a result.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::Result;
 use b2b_benchmark::entry::{self, Check, Rerun};
-use b2b_building::Catalog;
+use b2b_dataset::Catalog;
 use serde_json::json;
 
-use crate::evaluate::{Bars, evaluation};
+use crate::arguments::jobs::Jobs;
+use crate::evaluation::{Bars, evaluation};
 use crate::progress::Download;
 use crate::stdout;
 
-/// Check whether a result is what it says
+/// Verify a result
 ///
-/// Recomputes the list of episodes, the scores and the measures, and runs a sample of the episodes and of their baselines
-/// once more, to compare them to the bit. Needs the same version of b2b. Exit code 1 when anything differs.
+/// Recomputes the list of episodes, the scores and the aggregate measures, simulates a sample of the episodes and of
+/// their baselines again, and compares them bit for bit. Requires the version of b2b that wrote the result. Exits with
+/// code 1 if anything differs.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
   b2b benchmark verify results/ppo
   b2b benchmark verify results/ppo --episodes 20 --sample-seed 7")]
 pub struct Arguments {
-    /// Folder of a result
+    /// Result folder
     #[arg(value_name = "FOLDER")]
     folder: PathBuf,
-    /// Episodes to run once more
+    /// Number of episodes to simulate again
     #[arg(long, value_name = "N", default_value_t = 3)]
     episodes: usize,
-    /// Decides which
+    /// Random seed of the choice of episodes
     #[arg(long, value_name = "N", default_value_t = 0)]
     sample_seed: u64,
-    /// Episodes at a time [default: one for each core]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
-    jobs: Option<u32>,
+    #[command(flatten)]
+    jobs: Jobs,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -42,24 +43,26 @@ pub struct Arguments {
 /// Runs the command.
 pub fn verify(arguments: &Arguments) -> Result<ExitCode> {
     let catalog = Catalog::open(&mut Download::new(arguments.json))?;
-    let evaluation = evaluation(&catalog, arguments.jobs)?;
+    let evaluation = evaluation(&catalog, arguments.jobs.count()?)?;
     let rerun = Rerun { episodes: arguments.episodes, seed: arguments.sample_seed };
     let bars = Bars::new(arguments.json);
     let checks = entry::verify(&arguments.folder, &evaluation, rerun, &bars)?;
     drop(bars);
-    let good = checks.iter().all(|check| check.found.is_ok());
+    let passed = checks.iter().all(|check| check.found.is_ok());
     if arguments.json {
         let check = |check: &Check| {
-            let (Ok(said) | Err(said)) = &check.found;
-            json!({"what": check.what, "good": check.found.is_ok(), "found": said})
+            let (Ok(message) | Err(message)) = &check.found;
+            json!({"check": check.what, "passed": check.found.is_ok(), "message": message})
         };
-        stdout::print_json(&json!({"good": good, "checks": checks.iter().map(check).collect::<Vec<_>>()}))?;
+        stdout::print_json(
+            &json!({"passed": passed, "checks": checks.iter().map(check).collect::<Vec<_>>()}),
+        )?;
     } else {
         let line = |check: &Check| match &check.found {
-            Ok(said) => format!("  good   {:<20}{said}", check.what),
-            Err(said) => format!("  WRONG  {:<20}{said}", check.what),
+            Ok(message) => format!("  passed  {:<20}{message}", check.what),
+            Err(message) => format!("  FAILED  {:<20}{message}", check.what),
         };
         stdout::print(&checks.iter().map(line).collect::<Vec<_>>().join("\n"))?;
     }
-    Ok(if good { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+    Ok(if passed { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }

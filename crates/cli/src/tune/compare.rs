@@ -1,59 +1,62 @@
-//! `b2b tune compare`: how the reactive controllers hold the targets before and after tuning.
+//! `b2b tune compare`: the reactive controllers under default and tuned parameters.
 
 use anyhow::{Context, Result};
 use b2b_benchmark::statistics;
-use b2b_building::dataset::{self, BuildingId};
-use b2b_building::{BuildingType, Catalog, Class, RunPeriod};
+use b2b_building::{BuildingType, Class, RunPeriod};
 use b2b_control::{ReactiveParameters, Tuned};
+use b2b_dataset::BuildingId;
+use b2b_dataset::Catalog;
 use b2b_env::{Metrics, Task};
 use serde::Serialize;
 
-use super::{Groups, WEEKS, rollouts};
+use super::rollouts::{WEEKS, rollouts};
+use crate::arguments::buildings::Buildings;
+use crate::arguments::task;
 use crate::progress::{Download, counter};
 use crate::table::Table;
 use crate::{interrupt, stdout};
 
-/// Compare default and tuned parameters on the small test
+/// Compare default and tuned parameters on test buildings
 ///
-/// For every building: root mean square deviation from target over the zones with heating and cooling, way of the
-/// actuators in times their ranges a day, and HVAC energy, under the default and the tuned parameters.
+/// Reports for every building the RMS deviation from the target temperature over the zones with heating and cooling,
+/// actuator travel in full strokes per day, and HVAC energy, under the default and the tuned parameters.
 #[derive(clap::Args)]
 pub struct Arguments {
     #[command(flatten)]
-    groups: Groups,
-    /// Tasks
-    #[arg(long = "task", value_name = "TASK", num_args = 1.., default_values = ["constant", "occupancy"])]
+    buildings: Buildings,
+    /// Tasks (see `b2b run --help`)
+    #[arg(long = "task", value_name = "TASK", num_args = 1.., default_values = ["constant", "occupancy"], value_parser = task::parse)]
     tasks: Vec<Task>,
-    /// Days that each building runs: can be given more than once
-    #[arg(long = "period", value_name = "DAYS", default_values = WEEKS)]
+    /// Run period; repeat the option for several
+    #[arg(long = "period", value_name = "PERIOD", default_values = WEEKS)]
     periods: Vec<RunPeriod>,
     /// Print JSON
     #[arg(long)]
     json: bool,
 }
 
-/// An episode of a building under both.
+/// An episode of a building under both parameter sets.
 #[derive(Serialize)]
 struct Pair {
     building: String,
     class: Class,
-    /// Whether its class was tuned: otherwise both are the defaults.
-    tuned: bool,
+    /// Whether its class has tuned parameters. If not, both are the defaults.
+    is_tuned: bool,
     task: String,
     period: String,
-    default: Held,
-    after: Held,
+    default: Performance,
+    tuned: Performance,
 }
 
-/// How an episode was held.
+/// The metrics that are compared.
 #[derive(Clone, Copy, Serialize)]
-struct Held {
+struct Performance {
     rms_deviation_k: f64,
     daily_travel: f64,
     energy_wh_m2: f64,
 }
 
-impl Held {
+impl Performance {
     fn of(metrics: &Metrics) -> Self {
         Self {
             rms_deviation_k: metrics.rms_deviation(),
@@ -65,28 +68,24 @@ impl Held {
 
 /// Runs the command.
 pub fn compare(arguments: &Arguments) -> Result<()> {
-    let mut buildings: Vec<(Class, Vec<BuildingId>)> = Vec::new();
-    for class in arguments.groups.classes()? {
-        let rows = dataset::rows(class.building_type).iter();
-        let ids = rows.filter(|row| row.test_small && row.building.class() == class).map(|row| row.id);
-        buildings.extend(ids.map(|id| (class, vec![id])));
-    }
+    let buildings = arguments.buildings.ids()?;
     let catalog = Catalog::open(&mut Download::new(arguments.json))?;
     let bar = counter(buildings.len(), "buildings", arguments.json);
     let mut pairs = Vec::new();
-    for (class, ids) in &buildings {
-        let pairs_now = arguments.pairs(&catalog, *class, ids);
+    for id in buildings {
+        let of_building = arguments.pairs(&catalog, id);
         interrupt::check()?;
-        pairs.extend(pairs_now.with_context(|| format!("{} cannot be compared", ids[0]))?);
+        pairs.extend(of_building.with_context(|| format!("cannot compare {id}"))?);
         bar.inc(1);
     }
     bar.finish_and_clear();
-    if arguments.json { stdout::print_json(&pairs) } else { stdout::print(&arguments.text(&pairs)) }
+    stdout::print_result(arguments.json, &pairs, || arguments.text(&pairs))
 }
 
 impl Arguments {
-    fn pairs(&self, catalog: &Catalog, class: Class, ids: &[BuildingId]) -> Result<Vec<Pair>> {
-        let mut rollouts = rollouts(catalog, ids, &self.periods, &self.tasks)?;
+    fn pairs(&self, catalog: &Catalog, id: BuildingId) -> Result<Vec<Pair>> {
+        let class = b2b_dataset::row(id).building.class();
+        let mut rollouts = rollouts(catalog, &[id], &self.periods, &self.tasks)?;
         let tuned = Tuned::of(class);
         let before = rollouts.run(&ReactiveParameters::default())?.concat();
         let after = match tuned {
@@ -96,25 +95,30 @@ impl Arguments {
         let episodes =
             self.tasks.iter().flat_map(|task| self.periods.iter().map(move |period| (task, period)));
         let pair = |((task, period), (before, after)): ((&Task, &RunPeriod), (&Metrics, &Metrics))| Pair {
-            building: ids[0].to_string(),
+            building: id.to_string(),
             class,
-            tuned: tuned.is_some(),
+            is_tuned: tuned.is_some(),
             task: task.to_string(),
             period: period.to_string(),
-            default: Held::of(before),
-            after: Held::of(after),
+            default: Performance::of(before),
+            tuned: Performance::of(after),
         };
         Ok(episodes.zip(before.iter().zip(&after)).map(pair).collect())
     }
 
-    /// A row for every building, then the medians of every type.
+    /// Returns a row for every building, then the medians of every type.
     fn text(&self, pairs: &[Pair]) -> String {
         let mut table = table();
         for pair in pairs {
             let zone = pair.class.climate_zone.map_or_else(String::new, |zone| zone.to_string());
             table.row(row(&pair.building, zone, pair));
         }
-        let mut medians = self::table();
+        format!("{}\n\n  medians by type\n{}", table.text(), self.medians(pairs).text())
+    }
+
+    /// Returns a row for every type, task and run period.
+    fn medians(&self, pairs: &[Pair]) -> Table {
+        let mut medians = table();
         for building_type in BuildingType::ALL {
             for (task, period) in self.tasks.iter().flat_map(|t| self.periods.iter().map(move |p| (t, p))) {
                 let (task, period) = (task.to_string(), period.to_string());
@@ -122,30 +126,38 @@ impl Arguments {
                     pair.class.building_type == building_type && pair.task == task && pair.period == period
                 };
                 let group: Vec<_> = pairs.iter().filter(of_type).collect();
-                let Some(first) = group.first() else { continue };
-                let median_of = |held: fn(&Pair) -> Held| {
-                    let median_of = |value: fn(&Held) -> f64| {
-                        median(group.iter().map(|pair| value(&held(pair))).collect())
-                    };
-                    Held {
-                        rms_deviation_k: median_of(|held| held.rms_deviation_k),
-                        daily_travel: median_of(|held| held.daily_travel),
-                        energy_wh_m2: median_of(|held| held.energy_wh_m2),
-                    }
-                };
-                let pair = Pair {
-                    building: building_type.to_string(),
-                    class: first.class,
-                    tuned: group.iter().all(|pair| pair.tuned),
-                    task,
-                    period,
-                    default: median_of(|pair| pair.default),
-                    after: median_of(|pair| pair.after),
-                };
-                medians.row(row(building_type.name(), format!("{} buildings", group.len()), &pair));
+                if let Some(pair) = Pair::median(&group) {
+                    medians.row(row(building_type.name(), format!("{} buildings", group.len()), &pair));
+                }
             }
         }
-        format!("{}\n\n  medians\n{}", table.text(), medians.text())
+        medians
+    }
+}
+
+impl Pair {
+    /// Returns the medians of a group, if it has members.
+    fn median(group: &[&Self]) -> Option<Self> {
+        let first = group.first()?;
+        let median_of = |performance: fn(&Self) -> Performance| {
+            let median_of = |value: fn(&Performance) -> f64| {
+                median(group.iter().map(|pair| value(&performance(pair))).collect())
+            };
+            Performance {
+                rms_deviation_k: median_of(|each| each.rms_deviation_k),
+                daily_travel: median_of(|each| each.daily_travel),
+                energy_wh_m2: median_of(|each| each.energy_wh_m2),
+            }
+        };
+        Some(Self {
+            building: first.class.building_type.to_string(),
+            class: first.class,
+            is_tuned: group.iter().all(|pair| pair.is_tuned),
+            task: first.task.clone(),
+            period: first.period.clone(),
+            default: median_of(|pair| pair.default),
+            tuned: median_of(|pair| pair.tuned),
+        })
     }
 }
 
@@ -154,13 +166,13 @@ fn table() -> Table {
         "building",
         "zone",
         "task",
-        "days",
-        "RMS before, K",
-        "after, K",
-        "travel before, 1/d",
-        "after, 1/d",
-        "energy before, Wh/m²",
-        "after, Wh/m²",
+        "period",
+        "default RMS (K)",
+        "tuned RMS (K)",
+        "default travel (strokes/day)",
+        "tuned travel (strokes/day)",
+        "default energy (Wh/m²)",
+        "tuned energy (Wh/m²)",
         "",
     ])
 }
@@ -172,12 +184,12 @@ fn row(building: &str, zone: String, pair: &Pair) -> [String; 11] {
         pair.task.clone(),
         pair.period.clone(),
         format!("{:.2}", pair.default.rms_deviation_k),
-        format!("{:.2}", pair.after.rms_deviation_k),
+        format!("{:.2}", pair.tuned.rms_deviation_k),
         format!("{:.2}", pair.default.daily_travel),
-        format!("{:.2}", pair.after.daily_travel),
+        format!("{:.2}", pair.tuned.daily_travel),
         format!("{:.0}", pair.default.energy_wh_m2),
-        format!("{:.0}", pair.after.energy_wh_m2),
-        if pair.tuned { "" } else { "not tuned" }.to_owned(),
+        format!("{:.0}", pair.tuned.energy_wh_m2),
+        if pair.is_tuned { "" } else { "not tuned" }.to_owned(),
     ]
 }
 

@@ -1,4 +1,4 @@
-//! The morphology as nodes and links: what concerns the whole building on top, zones where they are in plan, level over
+//! The morphology as nodes and links: weather, calendar and energy on top, zones at their position in plan, level above
 //! level, and air loops beside the zones they serve.
 
 use b2b_building::Morphology;
@@ -9,15 +9,17 @@ use plotly::common::{HoverInfo, Label, Line, Marker, MarkerSymbol, Mode, Positio
 use plotly::layout::{Axis, HoverMode, Legend, Margin};
 use plotly::{Layout, Plot, Scatter};
 
-/// Zones whose floors differ by less are on one level, as a share of the building's height.
+use super::style::page_layout;
+
+/// Largest difference of floor height within a level, as a fraction of the building's height.
 const LEVEL: f64 = 0.04;
-/// How far a level is above the one below, and how deep a plan is drawn.
+/// Distance between levels, and depth of a plan.
 const RISE: f64 = 1.0;
 const DEPTH: f64 = 0.62;
-/// How far a plan leans to the right with its depth.
+/// Slant of a plan to the right.
 const LEAN: f64 = 0.35;
 
-/// The drawing.
+/// Returns the plot.
 pub fn plot(morphology: &Morphology, description: &Description) -> Plot {
     let positions = positions(morphology, description);
     let mut plot = Plot::new();
@@ -33,7 +35,7 @@ pub fn plot(morphology: &Morphology, description: &Description) -> Plot {
 
 type Place = [f64; 2];
 
-/// Where each node is drawn.
+/// Returns the position of each node.
 fn positions(morphology: &Morphology, description: &Description) -> Vec<Place> {
     let levels = levels(description);
     let of_zone = |zone: usize| -> Place {
@@ -57,12 +59,12 @@ fn positions(morphology: &Morphology, description: &Description) -> Vec<Place> {
         .collect()
 }
 
-/// On how many levels zones are drawn.
+/// Returns the number of levels.
 pub fn level_count(description: &Description) -> usize {
     levels(description).into_iter().max().map_or(0, |highest| highest + 1)
 }
 
-/// The level of each zone, from below, by the height of its floor.
+/// Returns the level of each zone, counted from below, by the height of its floor.
 fn levels(description: &Description) -> Vec<usize> {
     let floor = |zone: usize| description.zones[zone].centre[2] - description.zones[zone].extent[2] / 2.0;
     let mut floors: Vec<f64> = (0..description.zones.len()).map(floor).collect();
@@ -151,7 +153,7 @@ fn style(node_type: NodeType) -> (MarkerSymbol, Rgb) {
     }
 }
 
-/// What a node is, has, sees and drives.
+/// Returns the hover text of a node: type, attributes, observation and action.
 fn text(morphology: &Morphology, node: usize) -> String {
     let node = &morphology.nodes[node];
     let mut lines = vec![format!("<b>{}</b>, {}", node.name, node.node_type.name())];
@@ -159,9 +161,9 @@ fn text(morphology: &Morphology, node: usize) -> String {
         let unit = if slot.unit == "1" { "" } else { slot.unit };
         lines.push(format!("{} {} {unit}", words(&slot.quantity), rounded(*value)));
     }
-    let seen: Vec<_> = node.node_type.observation().iter().map(|slot| words(&slot.quantity)).collect();
-    let driven: Vec<_> = node.node_type.action().iter().map(|slot| words(&slot.quantity)).collect();
-    for (what, slots) in [("sees", seen), ("drives", driven)] {
+    let observation: Vec<_> = node.node_type.observation().iter().map(|slot| words(&slot.quantity)).collect();
+    let action: Vec<_> = node.node_type.action().iter().map(|slot| words(&slot.quantity)).collect();
+    for (what, slots) in [("observation:", observation), ("action:", action)] {
         if !slots.is_empty() {
             lines.push(format!("<i>{what}</i> {}", slots.join(", ")));
         }
@@ -169,13 +171,13 @@ fn text(morphology: &Morphology, node: usize) -> String {
     lines.join("<br>")
 }
 
-/// The name of a quantity, as JSON has it, in words.
+/// Returns the JSON name of a quantity in words.
 fn words(quantity: &impl serde::Serialize) -> String {
     let name = serde_json::json!(quantity);
     name.as_str().unwrap_or_default().replace('_', " ")
 }
 
-/// Three digits that matter, more for great numbers.
+/// Returns a number with three significant digits, or more for large numbers.
 fn rounded(value: f64) -> String {
     match value.abs() {
         size if size >= 100.0 || value == 0.0 => format!("{value:.0}"),
@@ -192,7 +194,7 @@ fn layout(positions: &[Place]) -> Layout {
         vec![low - margin, high + margin]
     };
     let axis = |range| Axis::new().visible(false).range(range);
-    super::page_layout(Layout::new())
+    page_layout(Layout::new())
         .x_axis(axis(range(0, 0.2)))
         .y_axis(axis(range(1, 0.3)))
         .hover_mode(HoverMode::Closest)

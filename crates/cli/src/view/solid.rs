@@ -1,4 +1,4 @@
-//! The building in 3D: a mesh a zone, its glass and its doors with it, along the building's own axes.
+//! The building in 3D: a mesh per zone with its windows and doors, along the building's own axes.
 
 use anyhow::Result;
 use b2b_building::description::Description;
@@ -14,20 +14,20 @@ use plotly::layout::{
 use plotly::traces::mesh3d::{Lighting, Mesh3D};
 use plotly::{Layout, Plot, Scatter3D};
 
-use super::color;
+use super::style::{color, page_layout};
 use super::triangle::triangles;
 
-/// How far windows and doors are drawn in front of their wall, as a share of the plan.
+/// Offset of windows and doors from their wall, as a fraction of the plan size.
 const IN_FRONT: f64 = 0.002;
 const GLASS: &str = "#7dc4f0";
-/// How far the ground is drawn around the building, and how far the picture reaches, as shares of the plan.
+/// Margins of the ground and of the picture around the building, as fractions of the plan size.
 const GROUND: f64 = 0.12;
 const MARGIN: f64 = 0.24;
-/// Diagonal of the picture, in the units of its camera.
+/// Diagonal of the picture, in camera units.
 const DIAGONAL: f64 = 2.2;
 const DOOR: &str = "#78553c";
 
-/// Triangles with a text at each corner.
+/// Triangles with a hover text at each corner.
 #[derive(Default)]
 struct Mesh {
     points: Vec<Point>,
@@ -57,7 +57,7 @@ impl Mesh {
     }
 }
 
-/// The drawing.
+/// Returns the plot.
 pub fn plot(building: &PreparedBuilding, description: &Description) -> Result<Plot> {
     let shape = building.shape()?;
     let mut plot = Plot::new();
@@ -87,7 +87,7 @@ fn draw_zone(
         for opening in &face.openings {
             let mesh = if opening.is_glass { &mut glass } else { &mut doors };
             let text = opening_text(building, face, opening);
-            // Both sides: which one is outside is not always what the model says.
+            // Both sides: the model does not always say which one is outside.
             for side in [front, -front] {
                 mesh.add(&moved(&opening.corners, &face.corners, side), &text);
             }
@@ -104,7 +104,7 @@ fn draw_zone(
     plot.add_trace(edges.trace(name).legend_group(name));
 }
 
-/// Outlines of polygons, with a gap after each.
+/// Outlines of polygons, separated by gaps.
 #[derive(Default)]
 struct Edges([Vec<Option<f64>>; 3]);
 
@@ -127,7 +127,7 @@ impl Edges {
     }
 }
 
-/// A polygon moved along the normal of another.
+/// Returns a polygon shifted along the normal of another.
 fn moved(corners: &[Point], along: &[Point], distance: f64) -> Vec<Point> {
     let normal = area_vector(along);
     let length = normal.iter().map(|n| n * n).sum::<f64>().sqrt().max(f64::MIN_POSITIVE);
@@ -138,12 +138,12 @@ fn moved(corners: &[Point], along: &[Point], distance: f64) -> Vec<Point> {
 fn face_text(building: &PreparedBuilding, shape: &Shape, face: &Face) -> String {
     let beyond = match face.beyond {
         Beyond::Outdoors => "outdoors".to_owned(),
-        Beyond::Ground => "soil".to_owned(),
+        Beyond::Ground => "ground".to_owned(),
         Beyond::Zone(zone) => shape.zones[zone].clone(),
-        Beyond::Other => "no heat flow".to_owned(),
+        Beyond::Other => "adiabatic".to_owned(),
     };
     format!(
-        "<b>{}</b><br>{}, {:.1} m²<br>behind it: {beyond}<br>{}",
+        "<b>{}</b><br>{}, {:.1} m²<br>adjacent to: {beyond}<br>{}",
         face.name,
         shape.zones[face.zone],
         face.area(),
@@ -164,12 +164,12 @@ fn opening_text(building: &PreparedBuilding, face: &Face, opening: &Opening) -> 
 
 fn construction_text(building: &PreparedBuilding, construction: &str) -> String {
     match building.construction_u(construction) {
-        Some(u) => format!("{construction}, U {u:.2} W/m²K"),
+        Some(u) => format!("{construction}, U {u:.2} W/(m²·K)"),
         None => construction.to_owned(),
     }
 }
 
-/// The ground around a building that reaches under it.
+/// Draws the ground plane, if the building reaches below it.
 fn draw_ground(plot: &mut Plot, shape: &Shape) {
     let [low, high] = shape.extent();
     if low[2] > -0.1 || high[2] < 0.1 {
@@ -184,13 +184,13 @@ fn draw_ground(plot: &mut Plot, shape: &Shape) {
     plot.add_trace(ground.trace("ground", "#8a9a6b", 0.35).show_legend(true));
 }
 
-/// An arrow to true north beside the building, on the ground.
+/// Draws an arrow to true north on the ground beside the building.
 fn draw_north(plot: &mut Plot, shape: &Shape) {
     let [low, high] = shape.extent();
     let size = plan_size(&[low, high]);
     let ground = low[2].max(0.0).min(high[2]);
     let (sin, cos) = shape.north_axis.to_radians().sin_cos();
-    // Across and along the arrow, from its middle, to the building's axes.
+    // From coordinates across and along the arrow to the axes of the building.
     let middle = [low[0] - 0.5 * MARGIN * size, low[1] - 0.3 * MARGIN * size];
     let at = |across: f64, along: f64| {
         let (across, along) = (across * size, along * size);
@@ -217,21 +217,21 @@ fn draw_north(plot: &mut Plot, shape: &Shape) {
     );
 }
 
-/// How far windows and doors are drawn in front of their wall, m.
+/// Returns the offset of windows and doors from their wall, m.
 fn front(extent: &[Point; 2]) -> f64 {
     IN_FRONT * plan_size(extent)
 }
 
-/// The longer side of the plan.
+/// Returns the longer side of the plan, m.
 fn plan_size([low, high]: &[Point; 2]) -> f64 {
     (high[0] - low[0]).max(high[1] - low[1])
 }
 
-/// One scale along all axes: the sides of the picture are as its ranges.
+/// Returns a layout with equal scales along all axes.
 fn layout(extent: [Point; 2]) -> Layout {
     let margin = MARGIN * plan_size(&extent);
     let [low, high] = extent;
-    // What lies on the edge of a range is half cut off.
+    // Objects on the edge of a range would be cut in half.
     let edge = 2.0 * front(&extent);
     let ranges: [[f64; 2]; 3] = [
         [low[0] - margin, high[0] + margin],
@@ -255,7 +255,7 @@ fn layout(extent: [Point; 2]) -> Layout {
                 .up(Up::from((0.0, 0.0, 1.0)))
                 .center(CameraCenter::from((0.0, 0.0, 0.0))),
         );
-    super::page_layout(Layout::new())
+    page_layout(Layout::new())
         .scene(scene)
         .margin(Margin::new().left(0).right(0).top(0).bottom(0))
         .hover_label(Label::new().align("left"))
@@ -266,7 +266,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_window_stands_in_front_of_its_wall() {
+    fn a_window_is_drawn_in_front_of_its_wall() {
         let wall = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.0, 0.0, 3.0], [0.0, 0.0, 3.0]];
         assert_eq!(moved(&[[1.0, 0.0, 1.0]], &wall, 0.5), [[1.0, -0.5, 1.0]]);
     }

@@ -1,10 +1,10 @@
-//! Plane polygons in space as triangles.
+//! Triangulation of plane polygons in space.
 
 use b2b_building::description::shape::Point;
 use b2b_building::zone::area_vector;
 
-/// Cuts a plane polygon without holes into triangles of its corners, by clipping ears; its corners may go round either
-/// way. A degenerate polygon gives what can be cut off it.
+/// Triangulates a plane polygon without holes by ear clipping, and returns the corners of the triangles. The corners of the
+/// polygon may be in either orientation. A degenerate polygon gives degenerate triangles.
 pub fn triangles(corners: &[Point]) -> Vec<[usize; 3]> {
     let plane = project(corners);
     let cross = |a: usize, b: usize, c: usize| {
@@ -22,7 +22,7 @@ pub fn triangles(corners: &[Point]) -> Vec<[usize; 3]> {
             let inside = |p: usize| cross(a, b, p) > 0.0 && cross(b, c, p) > 0.0 && cross(c, a, p) > 0.0;
             cross(a, b, c) > 0.0 && !others.any(|other| inside(*other))
         };
-        // What is left without an ear is on a line: any corner will do.
+        // A rest without ears is a line: any corner will do.
         let ear = (0..count).find(is_ear).unwrap_or(0);
         cut.push([at(ear + count - 1), at(ear), at(ear + 1)]);
         left.remove(ear);
@@ -33,7 +33,7 @@ pub fn triangles(corners: &[Point]) -> Vec<[usize; 3]> {
     cut
 }
 
-/// The polygon in the plane of the two axes it extends along most, counter-clockwise.
+/// Projects the polygon onto the coordinate plane where it is largest, counter-clockwise.
 fn project(corners: &[Point]) -> Vec<[f64; 2]> {
     let normal = area_vector(corners);
     let axis = (0..3).max_by(|a, b| normal[*a].abs().total_cmp(&normal[*b].abs())).unwrap_or(2);
@@ -52,7 +52,7 @@ mod tests {
         triangles(corners).into_iter().map(|triangle| polygon_area(&triangle.map(|c| corners[c]))).sum()
     }
 
-    /// An L standing on x, leaning over y.
+    /// An L-shaped polygon on the x axis, tilted over y.
     const L: [Point; 6] = [
         [0.0, 0.0, 0.0],
         [4.0, 0.0, 0.0],
@@ -63,7 +63,7 @@ mod tests {
     ];
 
     #[test]
-    fn triangles_cover_a_polygon_with_a_corner_turned_in() {
+    fn triangles_cover_a_concave_polygon() {
         for turn in 0..6 {
             let mut corners = L;
             corners.rotate_left(turn);
@@ -75,7 +75,7 @@ mod tests {
     }
 
     #[test]
-    fn corners_on_a_line_do_not_stop_it() {
+    fn collinear_corners_are_triangulated() {
         let corners = [[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 2.0, 0.0], [0.0, 2.0, 0.0]];
         assert_eq!(triangles(&corners).len(), 3);
         assert!((area(&corners) - 4.0).abs() < 1e-12);

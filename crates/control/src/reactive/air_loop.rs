@@ -1,37 +1,38 @@
-//! A central air loop: dampers cool, reheat heats, and the supply temperature follows the warmest zones.
+//! Control of a central air loop: dampers cool, reheat heats, trim-and-respond resets the supply air temperature, and an
+//! economizer mixes outdoor air.
 
 use b2b_building::hvac;
 use serde::{Deserialize, Serialize};
 
-use super::ZoneSlots;
 use super::pi::{Gains, Pi};
 use super::trim_respond::{Request, TrimRespond};
+use super::zone::ZoneSlots;
 
 /// Parameters of the controller of a central air loop.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct AirLoopParameters {
-    /// Damper opening per K of error.
+    /// Gains from temperature error to damper opening.
     pub gains: Gains,
-    /// Change of a zone's target within a step that makes its loop start anew, K; 0.1 to 50.
+    /// Change of a zone's target within a step that resets the integral term of its loop, K; 0.1 to 50.
     pub restart_jump: f64,
-    /// Least opening of a damper; 0.01 to 1.
-    pub least_opening: f64,
-    /// Warmest supply temperature, °C; 10 to 30.
-    pub warmest_supply: f64,
-    /// Coldest supply temperature, °C; 5 to 20, and no warmer than the warmest.
-    pub coldest_supply: f64,
-    /// How the supply temperature is pushed from warmest to coldest by the requests of all zones for cooling.
+    /// Minimum damper opening; 0.01 to 1.
+    pub min_opening: f64,
+    /// Maximum supply air temperature, °C; 10 to 30.
+    pub max_supply_temperature: f64,
+    /// Minimum supply air temperature, °C; 5 to 20, and at most the maximum.
+    pub min_supply_temperature: f64,
+    /// Reset of the supply air temperature from maximum towards minimum by the cooling requests of the zones.
     pub trim_respond: TrimRespond,
-    /// Least outdoor air, as a share of the supply; 0 to 1.
-    pub least_outdoor_air: f64,
-    /// How much the fan warms the air, K: the mixer aims that much under the supply temperature; 0 to 5.
+    /// Minimum outdoor air fraction of the supply air; 0 to 1.
+    pub min_outdoor_air: f64,
+    /// Temperature rise across the fan, K, by which the mixed air is kept below the supply air; 0 to 5.
     pub fan_rise: f64,
-    /// Reheat starts this far under target, K: without it reheat holds the target exactly, the dampers' loops see
-    /// no error, and a zone may be cooled and reheated for ever; 0 to 2.
+    /// Distance of the reheat setpoint below target, K; 0 to 2. Without it reheat holds the target exactly, the damper loops
+    /// see no error, and a zone may be cooled and reheated at once indefinitely.
     pub deadband: f64,
-    /// Opening added per K under target, 1/K: heating needs air to carry it; 0 to 10.
-    pub heating_opening: f64,
+    /// Damper opening added in heating, per K below target: the reheat coil needs air flow; 1/K; 0 to 10.
+    pub heating_gain: f64,
 }
 
 impl Default for AirLoopParameters {
@@ -39,25 +40,26 @@ impl Default for AirLoopParameters {
         Self {
             gains: Gains { proportional: 0.6, integral: 2.4 },
             restart_jump: 0.5,
-            least_opening: 0.1,
-            warmest_supply: 18.0,
-            coldest_supply: 10.0,
+            min_opening: 0.1,
+            max_supply_temperature: 18.0,
+            min_supply_temperature: 10.0,
             trim_respond: TrimRespond {
                 respond: 6.0,
-                most_requests: 3.0,
+                max_requests: 3.0,
                 trim: 4.0,
                 threshold: 0.7,
-                release: 0.1,
-                ignored: 0.0,
+                hysteresis: 0.1,
+                ignored_requests: 0.0,
             },
-            least_outdoor_air: 0.15,
+            min_outdoor_air: 0.15,
             fan_rise: 1.5,
             deadband: 0.05,
-            heating_opening: 0.5,
+            heating_gain: 0.5,
         }
     }
 }
 
+/// The controller of a central air loop.
 #[derive(Clone, Debug)]
 pub(super) struct AirLoop {
     parameters: AirLoopParameters,
@@ -66,14 +68,16 @@ pub(super) struct AirLoop {
     hours: f64,
     fan_flow: f64,
     terminals: Vec<Terminal>,
-    push: f64,
+    /// Reset of the supply air temperature below its maximum, K.
+    reset: f64,
 }
 
+/// The controller of a terminal.
 #[derive(Clone, Debug)]
 struct Terminal {
     slots: ZoneSlots,
     design_flow: f64,
-    /// Opening up to which more air brings more heat.
+    /// Largest useful opening in heating.
     heating_opening: f64,
     cooling: Pi,
     request: Request,
@@ -100,7 +104,7 @@ impl AirLoop {
             hours,
             fan_flow: air_loop.fan_flow,
             terminals: terminals.collect(),
-            push: 0.0,
+            reset: 0.0,
         }
     }
 
@@ -110,7 +114,7 @@ impl AirLoop {
     }
 
     pub(super) fn reset(&mut self) {
-        self.push = 0.0;
+        self.reset = 0.0;
         for terminal in &mut self.terminals {
             terminal.cooling.reset();
             terminal.request = Request::default();
@@ -129,21 +133,21 @@ impl AirLoop {
             let error = temperature - target;
             let demand = terminal.cooling.step(error, target);
             requests += terminal.request.count(rule, demand, error);
-            let least = self.parameters.least_opening;
-            let heating = (self.parameters.heating_opening * -error).clamp(0.0, terminal.heating_opening);
-            action[0] = least + (1.0 - least) * demand.max(heating);
+            let min_opening = self.parameters.min_opening;
+            let heating = (self.parameters.heating_gain * -error).clamp(0.0, terminal.heating_opening);
+            action[0] = min_opening + (1.0 - min_opening) * demand.max(heating);
             action[1] = target - self.parameters.deadband;
             flow += action[0] * terminal.design_flow;
             heat += action[0] * terminal.design_flow * temperature;
         }
-        let range = self.parameters.warmest_supply - self.parameters.coldest_supply;
-        self.push = rule.step(self.push, requests, self.hours, range);
-        central[0] = self.parameters.warmest_supply - self.push;
+        let range = self.parameters.max_supply_temperature - self.parameters.min_supply_temperature;
+        self.reset = rule.step(self.reset, requests, self.hours, range);
+        central[0] = self.parameters.max_supply_temperature - self.reset;
         central[1] = self.outdoor_air(flow.min(self.fan_flow), heat / flow, observation, central[0]);
     }
 
-    /// Outdoor air flow, kg/s: as much as mixes with return air (°C) to the supply temperature where outdoor
-    /// air helps, and the least elsewhere.
+    /// Returns the outdoor air flow of the economizer, kg/s: the flow that mixes with return air (°C) to the supply air
+    /// temperature if outdoor air is colder than return air, otherwise the minimum.
     fn outdoor_air(&self, flow: f64, return_air: f64, observation: &[f64], supply: f64) -> f64 {
         let outdoor = observation[self.outdoor];
         let mixed = supply - self.parameters.fan_rise;
@@ -152,6 +156,6 @@ impl AirLoop {
             () if outdoor >= mixed => 1.0,
             () => (return_air - mixed) / (return_air - outdoor),
         };
-        flow * share.clamp(self.parameters.least_outdoor_air, 1.0)
+        flow * share.clamp(self.parameters.min_outdoor_air, 1.0)
     }
 }

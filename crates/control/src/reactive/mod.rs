@@ -1,4 +1,4 @@
-//! The paper's reactive controllers, after ASHRAE Guideline 36: PI on air flow, trim-and-respond on supply air
+//! The paper's reactive controllers, after ASHRAE Guideline 36: PI loops on air flow, trim-and-respond on supply air
 //! temperature, and thermostats for heaters.
 
 mod air_loop;
@@ -6,6 +6,7 @@ mod parameters;
 mod pi;
 mod trim_respond;
 mod unitary;
+mod zone;
 
 use b2b_building::hvac::System;
 use b2b_building::{Conditioning, PreparedBuilding};
@@ -18,18 +19,12 @@ pub use trim_respond::TrimRespond;
 pub use unitary::UnitaryParameters;
 
 use crate::Controller;
+use zone::ZoneSlots;
 
-/// The paper's reactive controllers, one for each system of a building.
+/// The paper's reactive controllers, one per system of a building.
 #[derive(Clone, Debug)]
 pub struct Reactive {
     systems: Vec<Loop>,
-}
-
-/// Where the observation has what a loop needs of a zone.
-#[derive(Clone, Copy, Debug)]
-struct ZoneSlots {
-    temperature: usize,
-    target: Target,
 }
 
 /// The controller of one system.
@@ -37,13 +32,12 @@ struct ZoneSlots {
 enum Loop {
     Unitary(unitary::Unitary),
     AirLoop(air_loop::AirLoop),
-    /// A heater under its own thermostat: the setpoint is the target.
+    /// A heater under its own thermostat, whose setpoint is the target.
     Heater(Target),
 }
 
 impl Reactive {
-    /// Controllers that hold every controlled zone of a building at the target that a space has for it, with
-    /// this many steps an hour.
+    /// Creates controllers that hold every controlled zone of a building at its target in the observation space.
     pub fn new(
         building: &PreparedBuilding,
         space: &ObservationSpace,

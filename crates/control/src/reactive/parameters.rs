@@ -1,33 +1,34 @@
-//! The parameters of the reactive controllers, each with its bounds.
+//! Parameters of the reactive controllers, with bounds and units.
 
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::{AirLoopParameters, UnitaryParameters};
+use super::air_loop::AirLoopParameters;
+use super::unitary::UnitaryParameters;
 use crate::{Error, Result};
 
-/// Parameters of the reactive controllers. The defaults hold 21 °C in every base building; they are not tuned to
-/// any one. [`ReactiveParameters::tuned_for`] has what tuning found for a class of buildings.
+/// Parameters of the reactive controllers. The defaults hold 21 °C in every prototype building and are not tuned to any of
+/// them. [`ReactiveParameters::tuned_for`] returns parameters tuned for a class of buildings.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ReactiveParameters {
-    /// For unitary systems.
+    /// Parameters of unitary systems.
     pub unitary: UnitaryParameters,
-    /// For central air loops.
+    /// Parameters of central air loops.
     pub air_loop: AirLoopParameters,
 }
 
-/// One of them.
+/// A single parameter of [`ReactiveParameters`].
 #[derive(Clone, Copy, Debug)]
 pub struct Parameter {
-    /// Its name, as in JSON with dots between the levels.
+    /// Name: the JSON keys joined by dots.
     pub name: &'static str,
     /// Unit.
     pub unit: &'static str,
-    /// Lowest value.
+    /// Lower bound.
     pub low: f64,
-    /// Highest value.
+    /// Upper bound.
     pub high: f64,
     place: fn(&mut ReactiveParameters) -> &mut f64,
 }
@@ -49,61 +50,81 @@ macro_rules! concat_names {
 }
 
 impl Parameter {
-    /// Every parameter.
+    /// All parameters.
     pub const ALL: [Self; 30] = [
         parameter!(unitary.gains.proportional, "1/K", 0.0, 10.0),
         parameter!(unitary.gains.integral, "1/(K h)", 0.0, 100.0),
         parameter!(unitary.deadband, "K", 0.0, 2.0),
         parameter!(unitary.restart_jump, "K", 0.1, 50.0),
         parameter!(unitary.temperature_share, "1", 0.05, 0.95),
-        parameter!(unitary.least_flow, "1", 0.0, 1.0),
+        parameter!(unitary.min_flow, "1", 0.0, 1.0),
         parameter!(unitary.heating_lift, "K", 0.0, 30.0),
         parameter!(unitary.cooling_drop, "K", 0.0, 15.0),
         parameter!(unitary.trim_respond.respond, "K/h", 0.0, 100.0),
-        parameter!(unitary.trim_respond.most_requests, "1", 1.0, 100.0),
+        parameter!(unitary.trim_respond.max_requests, "1", 1.0, 100.0),
         parameter!(unitary.trim_respond.trim, "K/h", 0.0, 100.0),
         parameter!(unitary.trim_respond.threshold, "1", 0.0, 1.0),
-        parameter!(unitary.trim_respond.release, "1", 0.0, 1.0),
-        parameter!(unitary.trim_respond.ignored, "1", 0.0, 100.0),
+        parameter!(unitary.trim_respond.hysteresis, "1", 0.0, 1.0),
+        parameter!(unitary.trim_respond.ignored_requests, "1", 0.0, 100.0),
         parameter!(air_loop.gains.proportional, "1/K", 0.0, 10.0),
         parameter!(air_loop.gains.integral, "1/(K h)", 0.0, 100.0),
         parameter!(air_loop.restart_jump, "K", 0.1, 50.0),
-        parameter!(air_loop.least_opening, "1", 0.01, 1.0),
-        parameter!(air_loop.warmest_supply, "°C", 10.0, 30.0),
-        parameter!(air_loop.coldest_supply, "°C", 5.0, 20.0),
+        parameter!(air_loop.min_opening, "1", 0.01, 1.0),
+        parameter!(air_loop.max_supply_temperature, "°C", 10.0, 30.0),
+        parameter!(air_loop.min_supply_temperature, "°C", 5.0, 20.0),
         parameter!(air_loop.trim_respond.respond, "K/h", 0.0, 100.0),
-        parameter!(air_loop.trim_respond.most_requests, "1", 1.0, 100.0),
+        parameter!(air_loop.trim_respond.max_requests, "1", 1.0, 100.0),
         parameter!(air_loop.trim_respond.trim, "K/h", 0.0, 100.0),
         parameter!(air_loop.trim_respond.threshold, "1", 0.0, 1.0),
-        parameter!(air_loop.trim_respond.release, "1", 0.0, 1.0),
-        parameter!(air_loop.trim_respond.ignored, "1", 0.0, 100.0),
-        parameter!(air_loop.least_outdoor_air, "1", 0.0, 1.0),
+        parameter!(air_loop.trim_respond.hysteresis, "1", 0.0, 1.0),
+        parameter!(air_loop.trim_respond.ignored_requests, "1", 0.0, 100.0),
+        parameter!(air_loop.min_outdoor_air, "1", 0.0, 1.0),
         parameter!(air_loop.fan_rise, "K", 0.0, 5.0),
         parameter!(air_loop.deadband, "K", 0.0, 2.0),
-        parameter!(air_loop.heating_opening, "1/K", 0.0, 10.0),
+        parameter!(air_loop.heating_gain, "1/K", 0.0, 10.0),
     ];
 
-    /// The parameter of a name.
+    /// Returns the parameter with this name.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|parameter| parameter.name == name)
     }
 
-    /// Its value.
+    /// Returns the value of the parameter.
     pub fn of(&self, parameters: &ReactiveParameters) -> f64 {
         *(self.place)(&mut parameters.clone())
     }
 
-    /// Gives it a value, without a check.
+    /// Sets the parameter without a bounds check.
     pub fn set(&self, parameters: &mut ReactiveParameters, value: f64) {
         *(self.place)(parameters) = value;
     }
 }
 
+/// Renamed fields, with the names that [`ReactiveParameters::fingerprint`] keeps.
+const RENAMED: [(&str, &str); 9] = [
+    ("min_flow: ", "least_flow: "),
+    ("min_opening: ", "least_opening: "),
+    ("min_outdoor_air: ", "least_outdoor_air: "),
+    ("max_requests: ", "most_requests: "),
+    ("hysteresis: ", "release: "),
+    ("ignored_requests: ", "ignored: "),
+    ("max_supply_temperature: ", "warmest_supply: "),
+    ("min_supply_temperature: ", "coldest_supply: "),
+    ("heating_gain: ", "heating_opening: "),
+];
+
 impl ReactiveParameters {
-    /// Parameters from a JSON file; what it leaves out has its default.
+    /// Returns a text that identifies the parameters. Results store hashes of it, so that it does not change when a field
+    /// is renamed.
+    pub fn fingerprint(&self) -> String {
+        let text = format!("{self:?}");
+        RENAMED.iter().fold(text, |text, (name, kept)| text.replace(name, kept))
+    }
+
+    /// Reads parameters from a JSON file; omitted fields keep their defaults.
     ///
     /// # Errors
-    /// [`Error::Io`]; [`Error::ParameterFile`] with what is wrong in it; those of [`ReactiveParameters::check`].
+    /// [`Error::Io`]; [`Error::ParameterFile`] with the reason; those of [`ReactiveParameters::check`].
     pub fn read(path: &Path) -> Result<Self> {
         let text =
             std::fs::read_to_string(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
@@ -113,16 +134,16 @@ impl ReactiveParameters {
         Ok(parameters)
     }
 
-    /// Whether every value is a number within the bounds of its parameter.
+    /// Checks that every value is within the bounds of its parameter.
     ///
     /// # Errors
-    /// [`Error::Parameter`] naming the first that is not.
+    /// [`Error::Parameter`] for the first that is not.
     pub fn check(&self) -> Result<()> {
         for parameter in Parameter::ALL {
             within(parameter.name, parameter.unit, parameter.of(self), parameter.low, parameter.high)?;
         }
-        let AirLoopParameters { coldest_supply, warmest_supply, .. } = self.air_loop;
-        within("air_loop.coldest_supply", "°C", coldest_supply, 5.0, warmest_supply)
+        let AirLoopParameters { min_supply_temperature, max_supply_temperature, .. } = self.air_loop;
+        within("air_loop.min_supply_temperature", "°C", min_supply_temperature, 5.0, max_supply_temperature)
     }
 }
 
@@ -137,7 +158,7 @@ fn within(name: &'static str, unit: &'static str, value: f64, low: f64, high: f6
 mod tests {
     use super::*;
 
-    /// Names of all numbers in a JSON object, with dots between the levels.
+    /// Names of all numbers in a JSON object, keys joined by dots.
     fn names(value: &serde_json::Value, level: &str, found: &mut Vec<String>) {
         match value.as_object() {
             Some(object) => object.iter().for_each(|(key, value)| {
@@ -159,7 +180,22 @@ mod tests {
     }
 
     #[test]
-    fn a_value_out_of_bounds_is_refused_by_name_value_and_bounds() {
+    fn the_fingerprint_keeps_the_names_of_the_first_release() {
+        assert_eq!(
+            ReactiveParameters::default().fingerprint(),
+            "ReactiveParameters { unitary: UnitaryParameters { gains: Gains { proportional: 0.2, integral: 1.0 }, \
+             deadband: 0.02, restart_jump: 0.5, temperature_share: 0.5, least_flow: 0.5, heating_lift: 10.0, \
+             cooling_drop: 6.0, trim_respond: TrimRespond { respond: 10.0, most_requests: 1.0, trim: 10.0, \
+             threshold: 0.7, release: 0.0, ignored: 0.0 } }, air_loop: AirLoopParameters { gains: Gains { \
+             proportional: 0.6, integral: 2.4 }, restart_jump: 0.5, least_opening: 0.1, warmest_supply: 18.0, \
+             coldest_supply: 10.0, trim_respond: TrimRespond { respond: 6.0, most_requests: 3.0, trim: 4.0, \
+             threshold: 0.7, release: 0.1, ignored: 0.0 }, least_outdoor_air: 0.15, fan_rise: 1.5, deadband: 0.05, \
+             heating_opening: 0.5 } }"
+        );
+    }
+
+    #[test]
+    fn a_value_out_of_bounds_is_refused_with_name_value_and_bounds() {
         for parameter in Parameter::ALL {
             for value in [parameter.low - 0.1, parameter.high + 0.1, f64::NAN] {
                 let mut parameters = ReactiveParameters::default();
@@ -170,12 +206,12 @@ mod tests {
             }
         }
         let mut crossed = ReactiveParameters::default();
-        crossed.air_loop.coldest_supply = 19.0;
-        assert!(crossed.check().unwrap_err().to_string().contains("coldest_supply"));
+        crossed.air_loop.min_supply_temperature = 19.0;
+        assert!(crossed.check().unwrap_err().to_string().contains("min_supply_temperature"));
     }
 
     #[test]
-    fn a_file_may_leave_out_what_it_does_not_change_and_no_name_may_be_wrong() {
+    fn a_file_may_omit_fields_but_not_misspell_them() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("parameters.json");
         let read = |text: &str| {
@@ -189,7 +225,7 @@ mod tests {
         assert_eq!(read_back.air_loop, AirLoopParameters::default());
         for (text, word) in [
             (r#"{"unitary": {"heating_lif": 12}}"#, "heating_lif"),
-            (r#"{"unitary": {"least_flow": 2}}"#, "unitary.least_flow"),
+            (r#"{"unitary": {"min_flow": 2}}"#, "unitary.min_flow"),
         ] {
             let said = read(text).unwrap_err().to_string();
             assert!(said.contains(word), "{said}");

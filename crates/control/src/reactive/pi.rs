@@ -6,22 +6,21 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Gains {
-    /// Proportional, 1/K; 0 to 10.
+    /// Proportional gain, 1/K; 0 to 10.
     pub proportional: f64,
-    /// Integral, 1/(K h); 0 to 100.
+    /// Integral gain, 1/(K h); 0 to 100.
     pub integral: f64,
 }
 
-/// A PI loop whose output stays in bounds, whose integral does not wind up beyond them, and which starts anew when its
-/// target jumps.
+/// A PI loop with bounded output and anti-windup, whose integral term is reset when the target jumps.
 #[derive(Clone, Debug)]
 pub(super) struct Pi {
     gains: Gains,
     low: f64,
     high: f64,
-    /// Length of a step, h.
+    /// Time step, h.
     hours: f64,
-    /// Change of the target within a step that makes it start anew, K.
+    /// Change of the target within a step that resets the integral term, K.
     jump: f64,
     integral: f64,
     target: Option<f64>,
@@ -37,7 +36,8 @@ impl Pi {
         self.target = None;
     }
 
-    /// The output for an error from a target, K. What was learnt of the load at one target is of no use at another.
+    /// Returns the output for an error from a target, K. A jump of the target resets the integral term: it reflects the load
+    /// at the previous target.
     pub(super) fn step(&mut self, error: f64, target: f64) -> f64 {
         let before = self.target.replace(target);
         if before.is_some_and(|before| (target - before).abs() >= self.jump) {
@@ -46,7 +46,7 @@ impl Pi {
         let proportional = self.gains.proportional * error;
         let integral = self.integral + self.gains.integral * error * self.hours;
         let output = proportional + integral;
-        // Integrate only where it moves the output, or moves it back into bounds.
+        // Integrates only while the output is within bounds or returns to them.
         let winds_up = (output > self.high && error > 0.0) || (output < self.low && error < 0.0);
         if !winds_up {
             self.integral = integral.clamp(self.low, self.high);
@@ -54,7 +54,7 @@ impl Pi {
         (proportional + self.integral).clamp(self.low, self.high)
     }
 
-    /// Takes an output that was held back for what the loop has learnt, at an error of 0.
+    /// Sets the integral term to an output imposed from outside.
     pub(super) fn hold(&mut self, output: f64) {
         self.integral = output;
     }
@@ -67,7 +67,7 @@ mod tests {
     const GAINS: Gains = Gains { proportional: 0.2, integral: 1.0 };
 
     #[test]
-    fn a_loop_held_at_its_bound_comes_back_as_soon_as_the_error_turns() {
+    fn a_saturated_loop_recovers_as_soon_as_the_error_changes_sign() {
         let mut pi = Pi::new(GAINS, [-1.0, 1.0], 1.0 / 12.0, 0.5);
         for _ in 0..1000 {
             assert!(pi.step(10.0, 21.0) <= 1.0);
@@ -77,7 +77,7 @@ mod tests {
     }
 
     #[test]
-    fn a_loop_starts_anew_when_its_target_jumps_and_not_when_it_drifts() {
+    fn a_jump_of_the_target_resets_the_integral_and_a_drift_does_not() {
         let mut pi = Pi::new(GAINS, [-1.0, 1.0], 1.0 / 12.0, 0.5);
         for _ in 0..100 {
             pi.step(0.5, 21.0);

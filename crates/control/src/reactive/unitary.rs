@@ -1,32 +1,33 @@
-//! A unitary system: the zone's error drives the flow, and lasting demand the supply temperature.
+//! Control of a unitary system: a PI loop stages supply air temperature and air flow, and trim-and-respond resets the supply
+//! air temperature.
 
 use b2b_building::hvac;
 use serde::{Deserialize, Serialize};
 
-use super::ZoneSlots;
 use super::pi::{Gains, Pi};
 use super::trim_respond::{Request, TrimRespond};
+use super::zone::ZoneSlots;
 
 /// Parameters of the controller of a unitary system.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct UnitaryParameters {
-    /// Demand per K of error: −1 is full cooling, 1 full heating.
+    /// Gains from temperature error to demand: −1 is full cooling, 1 full heating.
     pub gains: Gains,
-    /// Between heating and cooling the error has to pass the target by this much, K; 0 to 2.
+    /// Error beyond target required to change between heating and cooling, K; 0 to 2.
     pub deadband: f64,
-    /// Change of the target within a step that makes the loop start anew, K; 0.1 to 50.
+    /// Change of the target within a step that resets the integral term, K; 0.1 to 50.
     pub restart_jump: f64,
-    /// Share of the demand that the supply temperature meets at least flow before the flow rises; 0.05 to 0.95.
-    /// Without it the supply would jump between heating and cooling whenever the demand crosses zero.
+    /// Share of the demand met by the supply air temperature at minimum flow, before the flow increases; 0.05 to 0.95.
+    /// Without it the supply air temperature would jump whenever the demand changes sign.
     pub temperature_share: f64,
-    /// Least flow, as a share of the design flow; 0 to 1.
-    pub least_flow: f64,
-    /// Supply temperature in heating without push, K above target; 0 to 30.
+    /// Minimum air flow, as a fraction of the design flow; 0 to 1.
+    pub min_flow: f64,
+    /// Supply air temperature in heating without reset, K above target; 0 to 30.
     pub heating_lift: f64,
-    /// Supply temperature in cooling without push, K below target; 0 to 15.
+    /// Supply air temperature in cooling without reset, K below target; 0 to 15.
     pub cooling_drop: f64,
-    /// How the supply temperature is pushed away from there.
+    /// Reset of the supply air temperature away from there.
     pub trim_respond: TrimRespond,
 }
 
@@ -37,28 +38,29 @@ impl Default for UnitaryParameters {
             deadband: 0.02,
             restart_jump: 0.5,
             temperature_share: 0.5,
-            least_flow: 0.5,
+            min_flow: 0.5,
             heating_lift: 10.0,
             cooling_drop: 6.0,
             trim_respond: TrimRespond {
                 respond: 10.0,
-                most_requests: 1.0,
+                max_requests: 1.0,
                 trim: 10.0,
                 threshold: 0.7,
-                release: 0.0,
-                ignored: 0.0,
+                hysteresis: 0.0,
+                ignored_requests: 0.0,
             },
         }
     }
 }
 
-/// What a system does for its zone.
+/// Operating mode of the system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Regime {
+enum Mode {
     Heating,
     Cooling,
 }
 
+/// The controller of a unitary system.
 #[derive(Clone, Debug)]
 pub(super) struct Unitary {
     parameters: UnitaryParameters,
@@ -67,10 +69,10 @@ pub(super) struct Unitary {
     flow: f64,
     supply: (f64, f64),
     demand: Pi,
-    regime: Option<Regime>,
-    /// Push of the supply temperature in heating and in cooling, K.
-    push: [f64; 2],
-    /// What the zone asks for, in heating and in cooling.
+    mode: Option<Mode>,
+    /// Reset of the supply air temperature in heating and in cooling, K.
+    reset: [f64; 2],
+    /// Requests of the zone in heating and in cooling.
     requests: [Request; 2],
 }
 
@@ -87,8 +89,8 @@ impl Unitary {
             flow: unit.flow.high,
             supply: (unit.supply_temperature.low, unit.supply_temperature.high),
             demand: Pi::new(parameters.gains, [-1.0, 1.0], hours, parameters.restart_jump),
-            regime: None,
-            push: [0.0; 2],
+            mode: None,
+            reset: [0.0; 2],
             requests: [Request::default(); 2],
             parameters: parameters.clone(),
         }
@@ -96,8 +98,8 @@ impl Unitary {
 
     pub(super) fn reset(&mut self) {
         self.demand.reset();
-        self.regime = None;
-        self.push = [0.0; 2];
+        self.mode = None;
+        self.reset = [0.0; 2];
         self.requests = [Request::default(); 2];
     }
 
@@ -107,33 +109,33 @@ impl Unitary {
         let demand = self.demand(error, target);
         let parameters = &self.parameters;
         let (low, high) = self.supply;
-        // Far targets leave the supply no room to be pushed.
-        let warmest = (high - target - parameters.heating_lift).max(0.0);
-        let coldest = (target - parameters.cooling_drop - low).max(0.0);
+        // With extreme targets there is no room left for a reset.
+        let max_heating_reset = (high - target - parameters.heating_lift).max(0.0);
+        let max_cooling_reset = (target - parameters.cooling_drop - low).max(0.0);
         let rule = &parameters.trim_respond;
-        for (side, sign, room) in [(0, 1.0, warmest), (1, -1.0, coldest)] {
+        for (side, sign, max_reset) in [(0, 1.0, max_heating_reset), (1, -1.0, max_cooling_reset)] {
             let requests = self.requests[side].count(rule, sign * demand, sign * error);
-            self.push[side] = rule.step(self.push[side], requests, self.hours, room);
+            self.reset[side] = rule.step(self.reset[side], requests, self.hours, max_reset);
         }
         let offset = match demand >= 0.0 {
-            true => parameters.heating_lift + self.push[0],
-            false => -parameters.cooling_drop - self.push[1],
+            true => parameters.heating_lift + self.reset[0],
+            false => -parameters.cooling_drop - self.reset[1],
         };
         let split = parameters.temperature_share;
         let by_temperature = (demand.abs() / split).min(1.0);
         let by_flow = ((demand.abs() - split) / (1.0 - split)).max(0.0);
-        action[0] = self.flow * (parameters.least_flow + (1.0 - parameters.least_flow) * by_flow);
+        action[0] = self.flow * (parameters.min_flow + (1.0 - parameters.min_flow) * by_flow);
         action[1] = (target + offset * by_temperature).clamp(low, high);
     }
 
-    /// From full cooling, −1, to full heating, 1. Within the deadband what is done ends, and the contrary does not
-    /// begin.
+    /// Returns the demand, from −1 for full cooling to 1 for full heating. Within the deadband the current mode ends and the
+    /// other does not start.
     fn demand(&mut self, error: f64, target: f64) -> f64 {
         let demand = self.demand.step(error, target);
-        let wanted = if demand >= 0.0 { Regime::Heating } else { Regime::Cooling };
-        let stays = self.regime.is_none_or(|regime| regime == wanted);
-        if stays || error.abs() >= self.parameters.deadband {
-            self.regime = Some(wanted);
+        let wanted = if demand >= 0.0 { Mode::Heating } else { Mode::Cooling };
+        let unchanged = self.mode.is_none_or(|mode| mode == wanted);
+        if unchanged || error.abs() >= self.parameters.deadband {
+            self.mode = Some(wanted);
             return demand;
         }
         self.demand.hold(0.0);

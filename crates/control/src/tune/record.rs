@@ -1,4 +1,4 @@
-//! The file of evaluations: a line each, so that an interrupted tuning goes on where it stood.
+//! The file of evaluations, one line each, from which an interrupted tuning run resumes.
 
 use std::fs::{File, OpenOptions};
 use std::io::Write;
@@ -6,19 +6,20 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::{Outcome, Plan};
+use super::outcome::Outcome;
+use super::plan::Plan;
 use crate::{Error, Result};
 
-/// One set of parameters, and what it came to.
+/// A set of parameters and its outcomes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Evaluation {
-    /// Values on the axes.
+    /// Values of the searched parameters.
     pub(super) values: Vec<f64>,
-    /// Of each building.
+    /// Outcome of each building.
     pub(super) outcomes: Vec<Outcome>,
 }
 
-/// The evaluations of a plan, in a file that grows.
+/// The evaluations of a plan, appended to a file.
 pub(super) struct Record {
     path: PathBuf,
     file: File,
@@ -26,7 +27,7 @@ pub(super) struct Record {
 }
 
 impl Record {
-    /// Opens the file of a plan, or begins it. A last line that was not written to its end is dropped.
+    /// Opens the file of a plan, or creates it. An incomplete last line is dropped.
     pub(super) fn open(path: &Path, plan: &Plan) -> Result<Self> {
         let io = |source| Error::Io { path: path.to_owned(), source };
         let head = serde_json::to_string(plan).expect("a plan is plain data") + "\n";
@@ -39,7 +40,7 @@ impl Record {
             Some(lines) => lines.lines().map(|line| read(path, plan, line)).collect::<Result<_>>()?,
             None if whole.is_empty() => Vec::new(),
             None => {
-                let why = format!("it begins with {}", whole.lines().next().unwrap_or_default());
+                let why = format!("it starts with {}", whole.lines().next().unwrap_or_default());
                 return Err(Error::OtherTuning { path: path.to_owned(), why });
             }
         };
@@ -64,7 +65,8 @@ fn read(path: &Path, plan: &Plan, line: &str) -> Result<Evaluation> {
     let other = |why: String| Error::OtherTuning { path: path.to_owned(), why };
     let evaluation: Evaluation = serde_json::from_str(line).map_err(|error| other(error.to_string()))?;
     if evaluation.outcomes.len() != plan.buildings.len() {
-        return Err(other(format!("an evaluation has {} buildings", evaluation.outcomes.len())));
+        let (found, expected) = (evaluation.outcomes.len(), plan.buildings.len());
+        return Err(other(format!("an evaluation has {found} buildings; expected {expected}")));
     }
     Ok(evaluation)
 }

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use b2b_building::dataset::{self, BuildingId};
-use b2b_building::{Catalog, RunPeriod};
+use b2b_building::RunPeriod;
+use b2b_dataset::{BuildingId, Catalog};
 use b2b_energyplus::install::Progress;
 use b2b_env::vector::{Live, Pool, PoolOptions, Setting, Source, Start};
 use b2b_env::{EpisodeConfig, Metrics, Task};
@@ -44,7 +44,7 @@ impl Rollouts {
     ) -> Result<Self> {
         let mut settings = Vec::new();
         for id in buildings {
-            let building = &dataset::row(*id).building;
+            let building = &b2b_dataset::row(*id).building;
             let (model, weather) = catalog.generate(building, progress)?;
             let source = Arc::new(Source::generated(id.to_string(), building.class(), model));
             let setting = |task: &Task, period: RunPeriod| {

@@ -1,4 +1,4 @@
-//! Bayesian optimisation by a tree-structured Parzen estimator (Bergstra et al. 2011), one for each axis.
+//! Bayesian optimization by tree-structured Parzen estimators (Bergstra et al. 2011), one per parameter.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -7,16 +7,17 @@ use tpe::{TpeOptimizer, TpeOptimizerBuilder, parzen_estimator};
 use super::space::Axis;
 use crate::{Error, Result};
 
-/// Proposals that are drawn evenly, before the estimator has seen enough to tell good from bad.
-const EVEN: usize = 6;
-/// Share of what was tried that counts as good.
+/// Number of first proposals drawn uniformly, before the estimators have enough data.
+const UNIFORM: usize = 6;
+/// Fraction of the evaluations that counts as good.
 const GOOD: f64 = 0.2;
 
+/// A search over a few parameters.
 pub(super) struct Search {
     axes: &'static [Axis],
     optimizers: Vec<TpeOptimizer>,
     seed: u64,
-    /// How many were told.
+    /// Number of scores told.
     told: usize,
 }
 
@@ -31,14 +32,14 @@ impl Search {
         Ok(Self { axes, optimizers, seed, told: 0 })
     }
 
-    /// The values to try next: a function of the seed and of what was told.
+    /// Returns the values to evaluate next: a function of the seed and the scores told.
     pub(super) fn propose(&mut self) -> Result<Vec<f64>> {
         let mut random = ChaCha8Rng::seed_from_u64(self.seed);
         random.set_stream(self.told as u64);
         let mut values = Vec::with_capacity(self.axes.len());
         for (axis, optimizer) in self.axes.iter().zip(&mut self.optimizers) {
             let [low, high] = axis.range();
-            let searched = if self.told < EVEN {
+            let searched = if self.told < UNIFORM {
                 random.random_range(low..high)
             } else {
                 optimizer.ask(&mut random).map_err(failed)?
@@ -48,11 +49,11 @@ impl Search {
         Ok(values)
     }
 
-    /// What values came to; more is better.
+    /// Tells the score of values; higher is better.
     pub(super) fn tell(&mut self, values: &[f64], score: f64) -> Result<()> {
         for ((axis, optimizer), value) in self.axes.iter().zip(&mut self.optimizers).zip(values) {
             let [low, high] = axis.range();
-            // The range of the optimizer has no upper end.
+            // The upper end of the range is exclusive.
             let inside = axis.to_search(*value).clamp(low, high.next_down());
             optimizer.tell(inside, -score).map_err(failed)?;
         }

@@ -1,20 +1,20 @@
-//! What tuning searches: a few parameters of the controllers that a class of buildings has, each within a range.
+//! The search space of a class of buildings: some parameters of its controllers, each with a range.
 
 use b2b_building::{BuildingType, Class};
 
 use crate::{Parameter, ReactiveParameters};
 
-/// One of the parameters that are searched.
+/// A searched parameter.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Axis {
     name: &'static str,
     low: f64,
     high: f64,
-    /// Whether it is searched by its logarithm, as gains and rates are.
+    /// Whether the search is over its logarithm, as for gains and rates.
     logarithmic: bool,
 }
 
-const fn even(name: &'static str, low: f64, high: f64) -> Axis {
+const fn linear(name: &'static str, low: f64, high: f64) -> Axis {
     Axis { name, low, high, logarithmic: false }
 }
 
@@ -22,70 +22,71 @@ const fn logarithmic(name: &'static str, low: f64, high: f64) -> Axis {
     Axis { name, low, high, logarithmic: true }
 }
 
-/// Of unitary systems.
+/// Parameters of unitary systems.
 const UNITARY: [Axis; 8] = [
     logarithmic("unitary.gains.proportional", 0.05, 2.0),
     logarithmic("unitary.gains.integral", 0.1, 10.0),
-    even("unitary.temperature_share", 0.1, 0.9),
-    even("unitary.least_flow", 0.2, 0.8),
-    even("unitary.heating_lift", 4.0, 20.0),
-    even("unitary.cooling_drop", 3.0, 12.0),
+    linear("unitary.temperature_share", 0.1, 0.9),
+    linear("unitary.min_flow", 0.2, 0.8),
+    linear("unitary.heating_lift", 4.0, 20.0),
+    linear("unitary.cooling_drop", 3.0, 12.0),
     logarithmic("unitary.trim_respond.respond", 2.0, 50.0),
-    even("unitary.trim_respond.threshold", 0.3, 0.95),
+    linear("unitary.trim_respond.threshold", 0.3, 0.95),
 ];
 
-/// Of central air loops. The deadband stays as it is: where energy counts for nothing, the search would take it away and
-/// have zones cooled and reheated at once.
+/// Parameters of central air loops. The deadband is not searched: with an energy weight of 0 the search would remove it,
+/// and zones would be cooled and reheated at once.
 const AIR_LOOP: [Axis; 8] = [
     logarithmic("air_loop.gains.proportional", 0.1, 4.0),
     logarithmic("air_loop.gains.integral", 0.2, 20.0),
-    even("air_loop.least_opening", 0.03, 0.4),
-    even("air_loop.warmest_supply", 15.0, 21.0),
+    linear("air_loop.min_opening", 0.03, 0.4),
+    linear("air_loop.max_supply_temperature", 15.0, 21.0),
     logarithmic("air_loop.trim_respond.respond", 1.0, 40.0),
     logarithmic("air_loop.trim_respond.trim", 1.0, 20.0),
-    even("air_loop.trim_respond.threshold", 0.3, 0.95),
-    logarithmic("air_loop.heating_opening", 0.1, 4.0),
+    linear("air_loop.trim_respond.threshold", 0.3, 0.95),
+    logarithmic("air_loop.heating_gain", 0.1, 4.0),
 ];
 
-/// The axes for a class: every type but the medium office has unitary systems.
+/// Returns the axes of a class. All types but the medium office have unitary systems.
 pub(super) fn axes(class: Class) -> &'static [Axis] {
     if class.building_type == BuildingType::OfficeMedium { &AIR_LOOP } else { &UNITARY }
 }
 
 impl Axis {
+    /// Name of the parameter.
     pub(super) fn name(&self) -> &'static str {
         self.name
     }
 
-    /// Ends of what is searched, as the search sees it.
+    /// Returns the range in search coordinates.
     pub(super) fn range(&self) -> [f64; 2] {
         [self.to_search(self.low), self.to_search(self.high)]
     }
 
-    /// A value as the search sees it.
+    /// Converts a value to search coordinates.
     pub(super) fn to_search(self, value: f64) -> f64 {
         let value = value.clamp(self.low, self.high);
         if self.logarithmic { value.ln() } else { value }
     }
 
-    /// The value of what the search proposes, in three digits.
+    /// Converts a proposal of the search to a value, rounded to three digits.
     pub(super) fn to_value(self, searched: f64) -> f64 {
         let value = if self.logarithmic { searched.exp() } else { searched };
-        // A number of three digits reads back as it prints.
+        // A number of three digits round-trips through its text.
         format!("{value:.2e}").parse().unwrap_or(value).clamp(self.low, self.high)
     }
 
-    /// Its value among parameters.
+    /// Returns the value of the parameter.
     pub(super) fn of(&self, parameters: &ReactiveParameters) -> f64 {
         self.parameter().of(parameters)
     }
 
     fn parameter(&self) -> Parameter {
-        Parameter::named(self.name).expect("a test holds the axes to the parameters")
+        Parameter::named(self.name).expect("a test checks that every axis is a parameter")
     }
 }
 
-/// The default parameters with these values on the axes.
+/// Returns the default parameters with these values on the axes.
 pub(super) fn parameters(axes: &[Axis], values: &[f64]) -> ReactiveParameters {
     let mut parameters = ReactiveParameters::default();
     for (axis, value) in axes.iter().zip(values) {
@@ -99,7 +100,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_axis_is_a_parameter_and_what_it_gives_is_within_bounds() {
+    fn every_axis_is_a_parameter_whose_range_is_within_its_bounds() {
         for class in Class::all() {
             let axes = axes(class);
             for end in [0, 1] {

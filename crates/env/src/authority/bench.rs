@@ -1,4 +1,4 @@
-//! A building in a season, under test.
+//! The response check of a building in one season.
 
 use b2b_building::PreparedBuilding;
 use b2b_building::hvac::{Actuator, Quantity, System};
@@ -10,14 +10,14 @@ use super::report::{Level, Limit, Row, Season};
 use crate::Result;
 use crate::env::Env;
 
-/// Steps of a hold; the first is for settling.
-const HELD: usize = 9;
-/// Steps that a probe of a miss at the end of a hold may add.
-const PROBED: usize = 2;
-/// Steps of a heating setpoint.
-const HEATED: usize = 24;
+/// Steps of a hold; the first lets the system settle.
+const HOLD_STEPS: usize = 9;
+/// Steps that probing a miss at the end of a hold may add.
+const PROBE_STEPS: usize = 2;
+/// Steps of a heating setpoint hold.
+const HEAT_STEPS: usize = 24;
 
-/// A building in a season, under test.
+/// A building under test in one season.
 pub(super) struct Bench<'a> {
     pub(super) env: Env,
     pub(super) building: &'a PreparedBuilding,
@@ -28,37 +28,37 @@ pub(super) struct Bench<'a> {
 impl Bench<'_> {
     pub(super) fn hold(&mut self, hold: &Hold) -> Result<()> {
         let actuators: Vec<_> = self.building.actuators().collect();
-        let judged =
+        let tested =
             |(i, level): &(usize, Level)| Reading::new(actuators[*i], self.season, hold.condition, *level);
-        let mut readings: Vec<_> = hold.judged.iter().map(judged).collect();
+        let mut readings: Vec<_> = hold.tested.iter().map(tested).collect();
         let mut action = hold.action.clone();
-        for step in 0..HELD + PROBED {
-            if step >= HELD && readings.iter().all(Reading::is_settled) {
+        for step in 0..HOLD_STEPS + PROBE_STEPS {
+            if step >= HOLD_STEPS && readings.iter().all(Reading::is_settled) {
                 break;
             }
-            for ((i, _), reading) in hold.judged.iter().zip(&readings) {
+            for ((i, _), reading) in hold.tested.iter().zip(&readings) {
                 action[*i] = reading.nearer.unwrap_or(reading.row.command);
             }
             self.env.step(&action)?;
-            for ((i, _), reading) in hold.judged.iter().zip(&mut readings) {
-                if (1..HELD).contains(&step) || !reading.is_settled() {
+            for ((i, _), reading) in hold.tested.iter().zip(&mut readings) {
+                if (1..HOLD_STEPS).contains(&step) || !reading.is_settled() {
                     reading.see(actuators[*i], self.effect(*i, actuators[*i]));
                 }
             }
         }
-        for ((i, _), reading) in hold.judged.iter().zip(&mut readings) {
+        for ((i, _), reading) in hold.tested.iter().zip(&mut readings) {
             reading.limit = reading.coil_limit().or(self.flow_limit(*i, &reading.row));
         }
         self.readings.append(&mut readings);
         Ok(())
     }
 
-    /// What an actuator drives, in the unit of its command.
+    /// Returns the controlled quantity of an actuator, in the unit of its command.
     fn effect(&self, i: usize, actuator: &Actuator) -> f64 {
         self.env.effect(i).unwrap_or(f64::NAN) / actuator.effect_scale
     }
 
-    /// The limit that an air loop's flows are at.
+    /// Returns the limit that the air loop of an actuator has reached, if any.
     fn flow_limit(&self, i: usize, row: &Row) -> Option<Limit> {
         let mut first = 0;
         for system in &self.building.systems {
@@ -86,7 +86,7 @@ impl Bench<'_> {
         None
     }
 
-    /// Raises and lowers the heating setpoints, and judges them by heat and zone temperature.
+    /// Raises and lowers the heating setpoints, and evaluates heat and zone temperature.
     pub(super) fn heat(&mut self) -> Result<Vec<Row>> {
         const LEVELS: [Level; 5] = [Level::Low, Level::Middle, Level::Low, Level::High, Level::Low];
         let zones = heated_zones(self.building);
@@ -97,7 +97,7 @@ impl Bench<'_> {
             let read =
                 |&(i, _): &(usize, usize)| Reading::new(actuators[i], self.season, hold.condition, level);
             let mut readings: Vec<_> = zones.iter().map(read).collect();
-            for _ in 0..HEATED {
+            for _ in 0..HEAT_STEPS {
                 let step = self.env.step(&hold.action)?;
                 for (&(i, slot), reading) in zones.iter().zip(&mut readings) {
                     reading.add(actuators[i], step.observation[slot]);

@@ -1,17 +1,18 @@
-//! Heating setpoints, judged by the heat they bring and the zone's temperature.
+//! Response to heating setpoints: heat delivered and zone temperature.
 
 use b2b_building::PreparedBuilding;
 use b2b_building::hvac::System;
 
 use super::report::{Limit, Row, Verdict};
 
-/// A zone is at its heating setpoint within this, K.
+/// Tolerance within which a zone is at its heating setpoint, K.
 const AT_SETPOINT: f64 = 0.5;
-/// Least rise of the zone by a raised setpoint, K, and least heat that counts, W.
+/// Smallest significant rise of the zone temperature, K.
 const RISE: f64 = 0.05;
+/// Smallest significant heat, W.
 const SOME_HEAT: f64 = 1.0;
 
-/// The actuators that are heating setpoints, each with the slot of its zone's temperature.
+/// Returns the indices of the heating setpoints, each with the slot of its zone temperature.
 pub(super) fn heated_zones(building: &PreparedBuilding) -> Vec<(usize, usize)> {
     let slot = |zone: &str| building.zones.iter().position(|z| z.name.eq_ignore_ascii_case(zone));
     let zone_of = |name: &str| {
@@ -27,7 +28,7 @@ pub(super) fn heated_zones(building: &PreparedBuilding) -> Vec<(usize, usize)> {
     building.actuators().enumerate().filter_map(|(i, a)| Some((i, zone_of(&a.name)?))).collect()
 }
 
-/// Rows of the holds low, middle, low, high, low: every raise is judged against its neighbours.
+/// Evaluates the holds low, middle, low, high, low: every raise is compared with the holds before and after.
 pub(super) fn judge_heat(holds: [&Row; 5]) -> [Row; 3] {
     let [before, middle, between, high, after] = holds;
     let raised = |row: &Row, low: [&Row; 2]| Row { verdict: judge_raise(row, low), ..row.clone() };
@@ -35,7 +36,7 @@ pub(super) fn judge_heat(holds: [&Row; 5]) -> [Row; 3] {
     [low, raised(middle, [before, between]), raised(high, [between, after])]
 }
 
-/// A raised setpoint raises heat and temperature, unless the zone is above it and gets no heat.
+/// A raised setpoint must increase heat and temperature, unless the zone is above it and gets no heat.
 fn judge_raise(row: &Row, low: [&Row; 2]) -> Verdict {
     let base = |value: fn(&Row) -> f64| 0.5 * (value(low[0]) + value(low[1]));
     let heat = |row: &Row| row.heat.unwrap_or(0.0);
@@ -50,7 +51,7 @@ fn judge_raise(row: &Row, low: [&Row; 2]) -> Verdict {
     }
 }
 
-/// Above its setpoint a zone gets no heat; below it gets some.
+/// A zone must get no heat above its setpoint, and some below.
 fn judge_idle(row: &Row) -> Verdict {
     let heated = row.heat.unwrap_or(0.0) > SOME_HEAT;
     match row.mean - row.command {

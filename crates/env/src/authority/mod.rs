@@ -1,33 +1,33 @@
-//! Whether every actuator bites: what each is told, against what the engine then does.
+//! Actuator response check: whether the simulated equipment follows the command of every actuator.
 //!
-//! In a winter and in a summer day every actuator is taken up and down its range (low, middle, high, middle,
-//! low, and zero for a flow), each value held for most of an hour, all systems at once:
+//! On a winter day and a summer day every actuator is stepped through its range (low, middle, high, middle, low, and zero
+//! for a flow), each value held for most of an hour, all systems at once:
 //!
 //! 1. air flows, with supply air at 20 °C;
 //! 2. supply temperatures, at middle and at full flow;
-//! 3. outdoor air of central air loops, and all dampers of a loop open;
+//! 3. outdoor air of central air loops, then all dampers of a loop open;
 //! 4. heating setpoints, into the next day: low, middle, low, high, low, two hours each.
 //!
-//! What is judged is the state at the end of every held step but the first, against these limits:
+//! The state at the end of every held step but the first is compared with the command:
 //!
-//! - air flow: 1 % of the command; nothing at zero;
-//! - supply air temperature: 0.2 K;
-//! - outdoor air flow: 2 % of the command; nothing at zero;
-//! - heating setpoint: raised, it raises the heat over what it is before and after at the low setpoint, and
-//!   raises the zone's temperature too or holds it at the setpoint; a zone above its setpoint gets no heat, and one
+//! - air flow: within 1 % of the command; none at zero;
+//! - supply air temperature: within 0.2 K;
+//! - outdoor air flow: within 2 % of the command; none at zero;
+//! - heating setpoint: a raised setpoint increases the heat delivered over that before and after, at the low setpoint, and
+//!   either raises the zone temperature or holds it at the setpoint; a zone above its setpoint gets no heat, a zone
 //!   below it gets some.
 //!
-//! A miss counts as [`Verdict::AtCapacity`] only where the equipment shows that it has no more to give:
+//! A miss counts as [`Verdict::AtCapacity`] only if the equipment shows that it is at its limit:
 //!
-//! - **supply temperature**: after each missed step the command is brought halfway to what was reached, for one
-//!   step, and the outlet moves by less than a fifth of the change from the mean of the steps before and after
-//!   (and a quarter of what it drifts between these): a coil with something left would follow. Where the nearer
-//!   command is met at once, the coil is catching up as its inlet air comes closer (control that lags would not
-//!   meet it), and must meet the command itself by the end of the hold. An outlet that never moves fails: some
-//!   other command at the same flow and in the same season must be followed.
-//! - **damper**: the terminals of the loop together are at the fan's design flow, and were asked for more.
-//! - **outdoor air**: it is all of the supply air, and more was asked for; or it makes up for exhaust fans in the
-//!   loop's zones, within their design flow, and less was asked for.
+//! - **supply temperature**: after each missed step the command moves halfway to the reached value for one step, and the
+//!   outlet changes by less than a fifth of the command change, relative to the mean of the steps before and after (plus a
+//!   quarter of its drift between these): a coil with capacity left would follow. If the nearer command is met at once, the
+//!   coil is catching up as its inlet air approaches (a lagging control would not meet it), and it must meet the original
+//!   command by the end of the hold. An outlet that never moves fails: some other command at the same flow and in the same
+//!   season must be followed.
+//! - **damper**: the total flow of the loop's terminals equals the fan's design flow, and more was commanded.
+//! - **outdoor air**: all supply air is outdoor air, and more was commanded; or outdoor air makes up for exhaust fans in the
+//!   zones of the loop, within their design flow, and less was commanded.
 //! - **heating setpoint**: the zone is above it without any heat.
 
 mod bench;
@@ -54,10 +54,10 @@ use hold::follow_holds;
 
 const STEPS_PER_HOUR: u32 = 12;
 
-/// Measures every actuator of a building.
+/// Checks the response of every actuator of a building.
 ///
 /// # Errors
-/// As [`Env::reset`] and [`Env::step`].
+/// Those of [`Env::reset`] and [`Env::step`].
 pub fn measure(library: &Library, building: &Arc<PreparedBuilding>, weather: &Path) -> Result<Report> {
     let mut rows = Vec::new();
     for season in [Season::Winter, Season::Summer] {

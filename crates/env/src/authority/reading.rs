@@ -1,14 +1,14 @@
-//! What one actuator did while it was held, and whether its equipment had more to give.
+//! Response of one actuator during a hold, and whether its equipment was at capacity.
 
 use b2b_building::hvac::{Actuator, Quantity};
 
 use super::report::{Condition, Level, Limit, Row, Season, Verdict, is_flow};
 
-/// Outlet movement over command movement under which a coil has nothing left to give, and the movement that
-/// inlet air may cause, K.
+/// Ratio of outlet change to command change below which a coil is at capacity.
 const SATURATED: f64 = 0.2;
+/// Outlet change that inlet air may cause, K.
 const DRIFT: f64 = 0.05;
-/// How far halfway between two steps a decaying outlet may be off their mean, as a share of its decay.
+/// Largest deviation of a decaying outlet from the mean of its neighboring steps, as a share of the decay.
 const CURVATURE: f64 = 0.25;
 
 fn tolerance(quantity: Quantity) -> f64 {
@@ -20,7 +20,7 @@ fn tolerance(quantity: Quantity) -> f64 {
     }
 }
 
-/// Deviation of what came of a command: see [`Row::error`].
+/// Returns the deviation of a response from its command: see [`Row::error`].
 fn deviation(actuator: &Actuator, command: f64, effect: f64) -> f64 {
     let scale = match is_flow(actuator.quantity) {
         true if command > 0.0 => command,
@@ -30,19 +30,21 @@ fn deviation(actuator: &Actuator, command: f64, effect: f64) -> f64 {
     (effect - command).abs() / scale
 }
 
-/// What one actuator did in one hold.
+/// Response of one actuator in one hold.
 #[derive(Clone)]
 pub(super) struct Reading {
     pub(super) row: Row,
     steps: usize,
     pub(super) last: f64,
-    /// The command of the next step where it is not the row's: halfway to what was reached.
+    /// Command of the next step while a miss is probed: halfway to the reached value.
     pub(super) nearer: Option<f64>,
-    /// That command and what came of it.
+    /// The last probe: its command and the response.
     probed: Option<(f64, f64)>,
-    /// Whether a nearer command has ever been met, has ever left the outlet in place, has ever moved it.
+    /// Whether a probe was ever met.
     caught_up: bool,
+    /// Whether a probe was ever missed.
     held: bool,
+    /// Whether a missed probe ever moved the outlet.
     moves: bool,
     pub(super) limit: Option<Limit>,
 }
@@ -77,7 +79,7 @@ impl Reading {
         }
     }
 
-    /// Takes in what came of a step, and has a missed supply temperature followed by a nearer command.
+    /// Records the response of a step; a missed supply temperature is probed with a nearer command.
     pub(super) fn see(&mut self, actuator: &Actuator, effect: f64) {
         if let Some(nearer) = self.nearer.take() {
             self.probed = Some((nearer, effect));
@@ -109,12 +111,12 @@ impl Reading {
         self.last = effect;
     }
 
-    /// Whether every miss has been followed up.
+    /// Whether every miss has been probed.
     pub(super) fn is_settled(&self) -> bool {
         self.nearer.is_none() && self.probed.is_none()
     }
 
-    /// Whether the coil has shown that it is, or at first was, at its limit.
+    /// Returns [`Limit::Coil`] if the coil was shown to be at capacity, throughout or at first.
     pub(super) fn coil_limit(&self) -> Option<Limit> {
         let ended_well = (self.last - self.row.command).abs() <= self.row.tolerance;
         (!self.moves && (self.held || self.caught_up && ended_well)).then_some(Limit::Coil)
@@ -124,7 +126,7 @@ impl Reading {
         self.row.error > self.row.tolerance
     }
 
-    /// Takes another hold of the same row in. A miss that is explained does not explain another.
+    /// Merges another hold of the same row. A limit found for one miss does not excuse another.
     fn merge(&mut self, other: &Self) {
         let (misses, steps) = (self.misses() || other.misses(), self.steps + other.steps);
         self.limit = match (self.misses(), other.misses()) {
@@ -151,8 +153,8 @@ impl Reading {
     }
 }
 
-/// One row for all holds of an actuator at a level under a condition. A coil is at capacity only if it follows
-/// something else.
+/// Returns one row per actuator, level and condition, over all holds. A coil is at capacity only if it follows some other
+/// command.
 pub(super) fn rows(readings: &[Reading]) -> Vec<Row> {
     let mut merged: Vec<Reading> = Vec::new();
     for reading in readings {

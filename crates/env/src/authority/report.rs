@@ -1,75 +1,75 @@
-//! What a measurement says.
+//! The report of a response check.
 
 use std::fmt;
 
 use b2b_building::hvac::Quantity;
 use serde::{Deserialize, Serialize};
 
-/// What was measured on a building.
+/// Response of all actuators of a building.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Report {
     /// Name of the building.
     pub building: String,
-    /// One row an actuator, season, condition and level, in the order of the action.
+    /// One row per actuator, season, condition and level, in the order of the action.
     pub rows: Vec<Row>,
 }
 
-/// An actuator at one level.
+/// Response of an actuator at one level.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     /// Name of the actuator.
     pub actuator: String,
-    /// What it drives.
+    /// Controlled quantity.
     pub quantity: Quantity,
-    /// Which day.
+    /// Season.
     pub season: Season,
-    /// What the rest of its system did.
+    /// State of the rest of the system.
     pub condition: Condition,
-    /// Where in its range.
+    /// Level in the range of the actuator.
     pub level: Level,
-    /// Value given, in the unit of the quantity.
+    /// Command, in the unit of the quantity.
     pub command: f64,
-    /// What came of it over the held steps, in the same unit; for a heating setpoint the zone's temperature, °C.
+    /// Lowest response over the held steps, in the same unit; for a heating setpoint the zone temperature, °C.
     pub lowest: f64,
-    /// Mean of it.
+    /// Mean response.
     pub mean: f64,
-    /// Highest.
+    /// Highest response.
     pub highest: f64,
-    /// Greatest deviation: a share of the command for flows (of the highest command at zero), otherwise K.
+    /// Largest deviation from the command: relative for flows (to the highest command at zero), otherwise K.
     pub error: f64,
-    /// What the error may be; infinite where heat is judged.
+    /// Tolerance of the error; infinite for heating setpoints, which are evaluated by heat.
     pub tolerance: f64,
-    /// Heat, W, where a heating setpoint is the command.
+    /// Heat delivered, W; heating setpoints only.
     pub heat: Option<f64>,
-    /// The judgement.
+    /// Verdict.
     pub verdict: Verdict,
 }
 
-/// A day of the measurement.
+/// Season of the check.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Season {
-    /// From Monday 16 January.
+    /// From Monday, January 16.
     Winter,
-    /// From Monday 17 July.
+    /// From Monday, July 17.
     Summer,
 }
 
-/// A place in the range of an actuator.
+/// A level in the range of an actuator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Level {
     /// No flow.
     Zero,
-    /// A fifth of the highest flow; otherwise the lowest value.
+    /// 20 % of the highest flow; otherwise the lowest value.
     Low,
-    /// Three fifths of the highest flow; otherwise halfway.
+    /// 60 % of the highest flow; otherwise the middle of the range.
     Middle,
     /// The highest value.
     High,
 }
 
-/// What the rest of the system does.
+/// State of the rest of the system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Condition {
@@ -85,13 +85,13 @@ pub enum Condition {
     CoolSupply,
 }
 
-/// The judgement on a row.
+/// Verdict on a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// Within the tolerance.
     Follows,
-    /// Out of tolerance, with the equipment shown to be at its limit.
+    /// Out of tolerance with the equipment at its limit.
     AtCapacity(Limit),
     /// Out of tolerance.
     Fails,
@@ -101,31 +101,31 @@ pub enum Verdict {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Limit {
-    /// A nearer command left the outlet where it was.
+    /// Coil at capacity: a nearer command did not change the outlet.
     Coil,
-    /// The terminals take all that the fan gives.
+    /// Fan at its design flow.
     Fan,
     /// All of the supply air is outdoor air.
     SupplyFlow,
     /// Outdoor air makes up for exhaust fans.
     Exhaust,
-    /// The zone is above the setpoint without heat.
+    /// Zone above the setpoint without heat.
     WarmZone,
 }
 
-/// Whether a quantity is a flow, which can be none.
+/// Whether a quantity is a flow, which can be zero.
 pub(super) fn is_flow(quantity: Quantity) -> bool {
     !matches!(quantity, Quantity::SupplyAirTemperature | Quantity::HeatingSetpoint)
 }
 
 impl Report {
-    /// The rows with a verdict of this kind.
+    /// Rows that fail.
     pub fn failures(&self) -> impl Iterator<Item = &Row> {
         self.rows.iter().filter(|row| row.verdict == Verdict::Fails)
     }
 }
 
-/// A table, one line a row.
+/// A table with one line per row.
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let width = self.rows.iter().map(|row| row.actuator.chars().count()).max().unwrap_or(8);
@@ -149,7 +149,7 @@ impl fmt::Display for Report {
     }
 }
 
-/// The cells after the actuator's name.
+/// The columns after the name of the actuator.
 impl fmt::Display for Row {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{:6} {:12} {:6} ", word(&self.season), word(&self.condition), word(&self.level))?;
@@ -175,7 +175,7 @@ impl fmt::Display for Row {
     }
 }
 
-/// The name of an enum's value as it is serialised, with spaces.
+/// Returns the serialized name of an enum variant, with spaces.
 fn word(value: &impl Serialize) -> String {
     let name = serde_json::to_value(value).ok();
     name.as_ref().and_then(|n| n.as_str()).unwrap_or("?").replace('_', " ")

@@ -8,7 +8,7 @@ use b2b_energyplus::{Actuator, Library, Meter, Run, Simulation, Variable};
 
 use super::meters::{JOULES_PER_WATT_HOUR, METERS};
 use crate::Result;
-use crate::reward::JudgedZone;
+use crate::zones::ControlledZone;
 
 const ZONE_TEMPERATURE: &str = "Zone Mean Air Temperature";
 const OUTDOOR: [&str; 2] = ["Site Outdoor Air Drybulb Temperature", "Site Outdoor Air Relative Humidity"];
@@ -35,7 +35,7 @@ impl Engine {
     pub(super) fn start(
         library: &Library,
         building: &PreparedBuilding,
-        zones: &[JudgedZone],
+        zones: &[ControlledZone],
         model: &Path,
         weather: &Path,
         observe_effects: bool,

@@ -20,10 +20,11 @@ use crate::engine_report::EngineReport;
 use crate::environment::Step;
 use crate::metrics::Metrics;
 use crate::observation::ObservationSpace;
-use crate::reward::{JudgedZone, RewardFunction, ZoneStep, judged_zones};
+use crate::reward::{RewardFunction, ZoneStep};
 use crate::setpoints::Targets;
 use crate::spaces::{EpisodeConfig, Spaces};
 use crate::task::Task;
+use crate::zones::{ControlledZone, controlled_zones};
 use crate::{Error, Result};
 
 /// Zone time steps per hour that the engine accepts.
@@ -46,7 +47,7 @@ const SEVERES_KEPT: usize = 5;
 pub struct Env {
     library: Library,
     spaces: Arc<Spaces>,
-    zones: Vec<JudgedZone>,
+    zones: Vec<ControlledZone>,
     targets: Targets,
     reward: Box<dyn RewardFunction>,
     /// Of each controlled zone, whether it is occupied, and its target for the step to come, °C.
@@ -93,7 +94,7 @@ impl Env {
         std::fs::write(&path, model.to_epjson()).map_err(|source| Error::Io { path, source })?;
         let spaces = Spaces::new(building, episode);
         let task = &spaces.episode.task;
-        let zones = judged_zones(&spaces.building, task);
+        let zones = controlled_zones(&spaces.building, task);
         let reward = Task { energy_scale: Some(spaces.energy_scale()), ..task.clone() };
         Ok(Self {
             library,
@@ -363,7 +364,7 @@ impl Env {
     }
 }
 
-fn new_metrics(zones: &[JudgedZone], spaces: &Spaces) -> Metrics {
+fn new_metrics(zones: &[ControlledZone], spaces: &Spaces) -> Metrics {
     let episode = &spaces.episode;
     Metrics::new(zones, spaces.action.len(), episode.steps_per_hour, episode.task.comfort_band)
 }

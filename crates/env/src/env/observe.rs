@@ -2,9 +2,9 @@
 
 use super::Env;
 use super::engine::Engine;
+use crate::calendar::Moment;
 use crate::observation::{Shared, Target};
 use crate::reward::{Reward, StepView, ZoneStep};
-use crate::setpoints::Moment;
 use crate::{Error, Result};
 
 impl Env {
@@ -26,7 +26,7 @@ impl Env {
             temperature: f64::NAN,
             target: self.asked[index].1,
             occupied: self.asked[index].0,
-            warm_counts: zone.warm_counts,
+            penalize_above_target: zone.penalize_above_target,
         }));
     }
 

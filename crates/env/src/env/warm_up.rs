@@ -5,9 +5,10 @@ use b2b_energyplus::Event;
 use super::Env;
 use super::engine::Engine;
 use crate::Result;
-use crate::reward::{JudgedZone, ZoneStep};
-use crate::setpoints::Moment;
+use crate::calendar::Moment;
+use crate::reward::ZoneStep;
 use crate::warmup;
+use crate::zones::ControlledZone;
 
 impl Env {
     /// Simulates the first day over and over, until the engine says that it has converged.
@@ -27,13 +28,18 @@ impl Env {
                     for (index, zone) in self.zones.iter().enumerate() {
                         let (occupied, target) = self.targets.at(index, moment, engine.occupied(index));
                         let temperature = engine.simulation.read(engine.temperatures[zone.slot]);
-                        let warm_counts = zone.warm_counts;
-                        self.zone_steps.push(ZoneStep { temperature, target, occupied, warm_counts });
+                        let penalize_above_target = zone.penalize_above_target;
+                        self.zone_steps.push(ZoneStep {
+                            temperature,
+                            target,
+                            occupied,
+                            penalize_above_target,
+                        });
                     }
                     let (zones, steps) = (&self.zones, &self.zone_steps);
                     let zone = |name: &str| {
                         // The zones of a system are controlled ones: preparation took them from there.
-                        let named = |(zone, _): &(&JudgedZone, &ZoneStep)| {
+                        let named = |(zone, _): &(&ControlledZone, &ZoneStep)| {
                             spaces.building.zones[zone.slot].name.eq_ignore_ascii_case(name)
                         };
                         let step = zones.iter().zip(steps).find(named).map(|(_, step)| step);

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use b2b_building::dataset::{self, BuildingId, Places, Split};
-use b2b_building::{BuildingType, Catalog, Date, RunPeriod};
+use b2b_building::{BuildingType, Date, RunPeriod};
+use b2b_dataset::{BuildingId, Catalog, Places, Split};
 use b2b_energyplus::install::Quiet;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -86,27 +86,27 @@ pub enum Population {
         /// Where they stand.
         places: Places,
         /// Parameters that are fixed or drawn from a narrower range.
-        settings: Vec<dataset::Setting>,
+        settings: Vec<b2b_dataset::Setting>,
     },
 }
 
 impl Population {
     /// The buildings of a type that are to train or to test on.
     pub fn of_split(building_type: BuildingType, split: Split) -> Self {
-        let rows = dataset::rows(building_type).iter().filter(|row| row.split == split);
+        let rows = b2b_dataset::rows(building_type).iter().filter(|row| row.split == split);
         Self::Ids(rows.map(|row| row.id).collect())
     }
 
-    fn draw(&self, random: &mut ChaCha8Rng) -> Result<(String, dataset::Building)> {
+    fn draw(&self, random: &mut ChaCha8Rng) -> Result<(String, b2b_dataset::Building)> {
         match self {
             Self::Ids(ids) if ids.is_empty() => Err(Error::NoBuilding),
             Self::Ids(ids) => {
                 let id = ids[random.random_range(0..ids.len())];
-                Ok((id.to_string(), dataset::row(id).building.clone()))
+                Ok((id.to_string(), b2b_dataset::row(id).building.clone()))
             }
             Self::Generated { building_type, places, settings } => {
                 let seed = random.random();
-                let mut drawn = dataset::sample(*building_type, 1, seed, places, settings)?;
+                let mut drawn = b2b_dataset::sample(*building_type, 1, seed, places, settings)?;
                 let building = drawn.pop().ok_or(Error::NoBuilding)?;
                 Ok((format!("{building_type}-seed{seed}-0001"), building))
             }

@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use b2b_building::{BuildingName, Class, Found, Model, PreparedBuilding};
+use b2b_building::{Class, Model, PreparedBuilding};
+use b2b_dataset::{BuildingName, Found};
 use b2b_energyplus::Library;
 use serde::{Deserialize, Serialize};
 
@@ -53,7 +54,7 @@ impl Source {
     ///
     /// # Errors
     /// Those of [`PreparedBuilding::new`].
-    pub fn prepare(self, weather: &Path, library: &Library) -> b2b_building::Result<PreparedBuilding> {
+    pub fn prepare(self, weather: &Path, library: &Library) -> b2b_dataset::Result<PreparedBuilding> {
         match self {
             Self::Prepared(building) => Ok(*building),
             Self::Model { name, class, prototype, own, model } => {

@@ -4,8 +4,8 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use b2b_building::climate::{Place, Site};
 use b2b_building::{BuildingType, PreparedBuilding, import};
+use b2b_climate::{Place, Site};
 use b2b_energyplus::Library;
 use b2b_energyplus::install::{Engine, Quiet};
 use b2b_env::{ActionSpace, Env, EpisodeConfig, Task, Trajectory};
@@ -29,7 +29,7 @@ impl Case {
         let library = Library::load(&engine.library).unwrap();
         let weather = Place::find(place).unwrap().epw(&mut Quiet).unwrap();
         let site = Site::read(&weather).unwrap();
-        let model = building_type.base_model(&engine, &library, &site).unwrap();
+        let model = b2b_dataset::archetype::base_model(building_type, &engine, &library, &site).unwrap();
         let building = PreparedBuilding::new(building_type.name(), model, &weather, &library).unwrap();
         Self { library, building: Arc::new(building), weather }
     }

@@ -1,9 +1,14 @@
 use std::path::Path;
 
-use serde_json::json;
+use serde_json::{Value, json};
 
+use super::components::{AIR_SPECIFIC_HEAT, DX_COOLING, OUTDOOR_AIR_SYSTEM, WATER_HEATING};
+use super::supply_temperature::{HEATING_COIL_RISE, NEUTRAL_SUPPLY_TEMPERATURE};
+use super::terminal::TERMINAL;
 use super::*;
-use crate::model::number;
+use crate::hvac::schedules::ALWAYS_ON;
+use crate::hvac::thermostat::OUT_OF_REACH;
+use crate::model::{items, number, text};
 
 const DENSITY: f64 = 1.2;
 
@@ -134,7 +139,7 @@ fn a_terminal_stands_at_its_schedule_and_only_heats() {
     assert_eq!(value("A Damper Opening"), Some(0.0));
     assert_eq!(value("A Cooling Setpoint"), Some(OUT_OF_REACH));
     let coil = field(&model, "Coil:Heating:Electric", "A Coil", "availability_schedule_name");
-    assert_eq!(coil, common::ALWAYS_ON);
+    assert_eq!(coil, ALWAYS_ON);
 }
 
 #[test]

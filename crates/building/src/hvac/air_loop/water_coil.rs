@@ -1,9 +1,9 @@
 //! Water coils of an air handler: their valve follows the setpoint behind the coil, through the controller that the
 //! model has for it.
 
-use super::super::common::{Reference, size, unsupported};
-use crate::Result;
+use crate::hvac::references::Reference;
 use crate::model::{Model, number, text};
+use crate::{Error, Result};
 
 const CONTROLLER: &str = "Controller:WaterCoil";
 /// Heat that a m³/s of water gives off in a coil designed for a drop of 11 K, W.
@@ -20,19 +20,19 @@ pub(super) fn follow_outlet(model: &mut Model, coil: &Reference, outlet: &str) -
     }
     let fields = model.require(&coil.class, &coil.name)?;
     let Some(valve) = text(fields, "water_inlet_node_name").map(str::to_owned) else {
-        return Err(unsupported(&coil.class, &coil.name, "it has no water inlet node"));
+        return Err(Error::unsupported(&coil.class, &coil.name, "it has no water inlet node"));
     };
     let controls = |fields: &crate::model::Fields| {
         text(fields, "actuator_node_name").is_some_and(|node| node.eq_ignore_ascii_case(&valve))
     };
     let controllers = model.objects(CONTROLLER);
     let Some((controller, fields)) = controllers.into_iter().find(|(_, fields)| controls(fields)) else {
-        return Err(unsupported(&coil.class, &coil.name, &format!("it has no {CONTROLLER}")));
+        return Err(Error::unsupported(&coil.class, &coil.name, &format!("it has no {CONTROLLER}")));
     };
     let variable = text(fields, "control_variable").unwrap_or("Temperature");
     if !variable.eq_ignore_ascii_case("Temperature") {
         let why = format!("it controls {variable}, which a supply temperature cannot command");
-        return Err(unsupported(CONTROLLER, controller, &why));
+        return Err(Error::unsupported(CONTROLLER, controller, &why));
     }
     let controller = controller.to_owned();
     model.require_mut(CONTROLLER, &controller)?.insert("sensor_node_name".into(), outlet.into());
@@ -43,6 +43,6 @@ pub(super) fn follow_outlet(model: &mut Model, coil: &Reference, outlet: &str) -
 pub(super) fn capacity(model: &Model, coil: &Reference) -> Result<f64> {
     match number(model.require(&coil.class, &coil.name)?, "rated_capacity") {
         Some(capacity) => Ok(capacity),
-        None => Ok(HEAT_PER_FLOW * size(model, &coil.class, &coil.name, "maximum_water_flow_rate")?),
+        None => Ok(HEAT_PER_FLOW * model.require_size(&coil.class, &coil.name, "maximum_water_flow_rate")?),
     }
 }

@@ -1,13 +1,15 @@
 //! A unit that the model has in parts: cooling coil, heating coil and fan, one after the other on the branch of an
 //! air loop.
 
-use serde_json::{Value, json};
+use serde_json::json;
 
-use super::super::common::{self, Reference, is_one_of, unsupported};
-use super::super::distribution::served_zones;
-use super::{HEATERS, TERMINALS, UNITARY_SYSTEM, component};
-use crate::Result;
-use crate::model::{Model, text};
+use super::commands::TERMINALS;
+use super::unit::{HEATERS, UNITARY_SYSTEM, coil};
+use crate::hvac::air_loop_graph::{Component, components, only_branch, set_components, supply_components};
+use crate::hvac::distribution::served_zones;
+use crate::hvac::references::{Reference, is_one_of};
+use crate::model::Model;
+use crate::{Error, Result};
 
 const OUTDOOR_AIR_SYSTEM: &str = "AirLoopHVAC:OutdoorAirSystem";
 const COOLING_SYSTEM: &str = "CoilSystem:Cooling:DX";
@@ -28,13 +30,13 @@ pub(super) fn has_parts(model: &Model, air_loop: &str) -> Result<bool> {
         let served = served_zones(model, air_loop);
         served.is_ok_and(|served| served.iter().all(|s| is_one_of(&s.terminal.class, &TERMINALS)))
     };
-    Ok(parts(&common::supply_components(model, air_loop)?).is_some() && feeds_terminals())
+    Ok(parts(&supply_components(model, air_loop)?).is_some() && feeds_terminals())
 }
 
 /// Puts a unitary system in the place of its parts on the branch. It has no nodes and no control yet: all of that is
 /// rewritten with the rest of a unit. Nothing changes where there are no parts.
 pub(super) fn assemble(model: &mut Model, air_loop: &str) -> Result<()> {
-    let Some(parts) = parts(&common::supply_components(model, air_loop)?) else { return Ok(()) };
+    let Some(parts) = parts(&supply_components(model, air_loop)?) else { return Ok(()) };
     let name = format!("{air_loop} Unit");
     put_on_branch(model, air_loop, &name)?;
     let cooling = cooling_coil(model, parts.cooling)?;
@@ -67,25 +69,18 @@ fn cooling_coil(model: &mut Model, cooling: Reference) -> Result<Reference> {
     if !cooling.class.eq_ignore_ascii_case(COOLING_SYSTEM) {
         return Ok(cooling);
     }
-    let system = super::take(model, &cooling.class, &cooling.name)?;
-    let coil = super::coil(&system, "cooling_coil");
-    let (class, name) = coil.ok_or_else(|| unsupported(&cooling.class, &cooling.name, "it has no coil"))?;
-    Ok(Reference { class, name })
+    let system = model.take(&cooling.class, &cooling.name)?;
+    coil(&system, "cooling_coil")
+        .ok_or_else(|| Error::unsupported(&cooling.class, &cooling.name, "it has no coil"))
 }
 
 /// The branch goes from outdoor air, if there is any, through the unit.
 fn put_on_branch(model: &mut Model, air_loop: &str, unit: &str) -> Result<()> {
-    let name = common::only_branch(model, air_loop)?;
-    let branch = model.require_mut("Branch", &name)?;
-    let parts: Vec<_> = common::items(branch, "components").cloned().collect();
-    let is_part = |c: &crate::model::Fields| !text(c, "component_object_type").is_some_and(is_outdoor_air);
-    let node = |part: Option<&crate::model::Fields>, end: &str| {
-        part.and_then(|part| text(part, end)).unwrap_or_default().to_owned()
-    };
-    let inlet = node(parts.iter().find(|c| is_part(c)), "component_inlet_node_name");
-    let outlet = node(parts.iter().rfind(|c| is_part(c)), "component_outlet_node_name");
-    let mut components: Vec<Value> = parts.into_iter().filter(|c| !is_part(c)).map(Value::Object).collect();
-    components.push(component(UNITARY_SYSTEM, unit, &inlet, &outlet));
-    branch.insert("components".into(), components.into());
-    Ok(())
+    let branch = only_branch(model, air_loop)?;
+    let (mut outside, parts): (Vec<_>, Vec<_>) =
+        components(model, &branch)?.into_iter().partition(|c| is_outdoor_air(&c.object.class));
+    let inlet = parts.first().map_or("", |part| &part.inlet);
+    let outlet = parts.last().map_or("", |part| &part.outlet);
+    outside.push(Component::new(UNITARY_SYSTEM, unit, inlet, outlet));
+    set_components(model, &branch, &outside)
 }

@@ -3,79 +3,74 @@
 //! Inside the unit the engine would look for the compressor's other coil at every call, and never find a two-speed one:
 //! a sixth of a year's time. Each coil has the setpoint that it would have inside.
 
-use serde_json::{Value, json};
+use serde_json::json;
 
-use super::{Coil, HEATERS, Nodes, UNITARY_SYSTEM, Unit, component, unit_component};
+use super::unit::{HEATERS, Nodes, UNITARY_SYSTEM, Unit, coil, unit_component};
 use crate::Result;
-use crate::hvac::common::{self, Reference};
-use crate::model::{Model, text};
+use crate::hvac::air_loop_graph::{Component, components, set_components};
+use crate::hvac::references::{Reference, is_one_of};
+use crate::hvac::schedules::ALWAYS_ON;
+use crate::model::Model;
 
 pub(super) const HEATING_COIL: &str = "Coil:Heating:DX:SingleSpeed";
 const SYSTEM: &str = "CoilSystem:Heating:DX";
 
 /// Puts the heating coil and its backup behind the cooling coil, and returns their components of the branch.
-pub(super) fn stand_apart(
+pub(super) fn move_coils_out(
     model: &mut Model,
     unit: &Unit,
     nodes: &Nodes,
-    heating: &Coil,
-    backup: Option<&Coil>,
-) -> Result<Vec<Value>> {
-    let (class, name) = heating;
-    let system = format!("{name} System");
+    heating: &Reference,
+    backup: Option<&Reference>,
+) -> Result<Vec<Component>> {
+    let system = format!("{} System", heating.name);
     model.insert(
         SYSTEM,
         &system,
         json!({
-            "availability_schedule_name": common::ALWAYS_ON,
-            "heating_coil_object_type": class,
-            "heating_coil_name": name,
+            "availability_schedule_name": ALWAYS_ON,
+            "heating_coil_object_type": heating.class,
+            "heating_coil_name": heating.name,
         }),
     );
-    let mut components = vec![component(SYSTEM, &system, &nodes.cooling, &nodes.heating)];
-    if let Some((class, name)) = backup {
+    let mut behind = vec![Component::new(SYSTEM, &system, &nodes.cooling, &nodes.heating)];
+    if let Some(Reference { class, name }) = backup {
         let fields = model.require_mut(class, name)?;
-        fields.insert("temperature_setpoint_node_name".into(), json!(unit.outlet));
-        components.push(component(class, name, &nodes.heating, &unit.outlet));
+        fields.insert("temperature_setpoint_node_name".into(), json!(unit.outlet()));
+        behind.push(Component::new(class, name, &nodes.heating, unit.outlet()));
     }
-    Ok(components)
+    Ok(behind)
 }
 
-/// Takes heating coils that stand behind a unit back into it. Nothing changes where there are none.
-pub(super) fn rejoin(model: &mut Model, air_loop: &str) -> Result<()> {
+/// Takes heating coils that were moved behind a unit back into it. Changes nothing where there are none.
+pub(super) fn move_coils_in(model: &mut Model, air_loop: &str) -> Result<()> {
     let Some((branch, _)) = unit_component(model, air_loop)? else { return Ok(()) };
-    let components: Vec<_> =
-        common::items(model.require("Branch", &branch)?, "components").cloned().collect();
-    let part = |at: usize| common::reference(components.get(at)?, "component_object_type", "component_name");
-    let is = |part: &Reference, classes: &[&str]| common::is_one_of(&part.class, classes);
-    let Some(at) = (1..components.len()).find(|at| part(*at).is_some_and(|part| is(&part, &[SYSTEM]))) else {
-        return Ok(());
-    };
-    let (Some(unit), Some(system)) = (part(at - 1).filter(|part| is(part, &[UNITARY_SYSTEM])), part(at))
-    else {
-        return Ok(());
-    };
-    let backup = part(at + 1).filter(|part| is(part, &HEATERS));
-    let last = at + usize::from(backup.is_some());
-    let Some(heating) = super::coil(model.require(&system.class, &system.name)?, "heating_coil") else {
+    let mut on_branch = components(model, &branch)?;
+    let Some((at, last)) = unit_and_coils(&on_branch) else { return Ok(()) };
+    let (unit, system) = (on_branch[at].object.clone(), on_branch[at + 1].object.clone());
+    let backup = (last > at + 1).then(|| on_branch[last].object.clone());
+    let Some(heating) = coil(model.require(&system.class, &system.name)?, "heating_coil") else {
         return Ok(());
     };
     let fields = model.require_mut(&unit.class, &unit.name)?;
-    for (which, coil) in
-        [("heating", Some(heating)), ("supplemental_heating", backup.map(|b| (b.class, b.name)))]
-    {
-        if let Some((class, name)) = coil {
+    for (which, coil) in [("heating", Some(heating)), ("supplemental_heating", backup)] {
+        if let Some(Reference { class, name }) = coil {
             fields.insert(format!("{which}_coil_object_type"), json!(class));
             fields.insert(format!("{which}_coil_name"), json!(name));
         }
     }
     model.remove(&system.class, &system.name);
-    let end = |at: usize, end: &str| text(&components[at], end).unwrap_or_default();
-    let (inlet, outlet) = ("component_inlet_node_name", "component_outlet_node_name");
-    let whole = component(&unit.class, &unit.name, end(at - 1, inlet), end(last, outlet));
-    let branch = model.require_mut("Branch", &branch)?;
-    if let Some(components) = branch.get_mut("components").and_then(Value::as_array_mut) {
-        components.splice(at - 1..=last, [whole]);
-    }
-    Ok(())
+    let whole = Component::new(&unit.class, &unit.name, &on_branch[at].inlet, &on_branch[last].outlet);
+    on_branch.splice(at..=last, [whole]);
+    set_components(model, &branch, &on_branch)
+}
+
+/// Positions of a unit with a heating coil behind it, and of the last of its coils.
+fn unit_and_coils(components: &[Component]) -> Option<(usize, usize)> {
+    let is = |at: usize, classes: &[&str]| {
+        components.get(at).is_some_and(|component| is_one_of(&component.object.class, classes))
+    };
+    let system = (1..components.len()).find(|at| is(*at, &[SYSTEM]))?;
+    let last = system + usize::from(is(system + 1, &HEATERS));
+    is(system - 1, &[UNITARY_SYSTEM]).then_some((system - 1, last))
 }

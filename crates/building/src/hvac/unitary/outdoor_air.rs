@@ -2,7 +2,6 @@
 
 use serde_json::json;
 
-use super::{Nodes, Unit};
 use crate::Result;
 use crate::model::{Model, text};
 
@@ -11,7 +10,7 @@ const CONTROLLER: &str = "Controller:OutdoorAir";
 /// The mixing of outdoor air ahead of a unit.
 pub(super) struct OutdoorAir {
     controller: String,
-    pub(super) has_economiser: bool,
+    pub(super) has_economizer: bool,
 }
 
 impl OutdoorAir {
@@ -24,16 +23,23 @@ impl OutdoorAir {
         let control = text(fields, "economizer_control_type");
         Some(Self {
             controller: (*name).to_owned(),
-            has_economiser: control.is_some_and(|control| !control.eq_ignore_ascii_case("NoEconomizer")),
+            has_economizer: control.is_some_and(|control| !control.eq_ignore_ascii_case("NoEconomizer")),
         })
     }
 
-    /// Makes it follow the supply temperature, and no limit but its own flows.
-    pub(super) fn follow(&self, model: &mut Model, unit: &Unit, nodes: &Nodes) -> Result<()> {
-        // Only for an economiser: the heat of the fan is known a pass late, so that the engine computes the air side
+    /// Makes it follow the supply temperature at `outlet`, and no limit but its own flows. `fan` is the inlet and the
+    /// outlet node of the fan.
+    pub(super) fn follow(
+        &self,
+        model: &mut Model,
+        air_loop: &str,
+        fan: [&str; 2],
+        outlet: &str,
+    ) -> Result<()> {
+        // Only for an economizer: the heat of the fan is known a pass late, so that the engine computes the air side
         // about three times.
-        if self.has_economiser {
-            mix_for_supply_temperature(model, unit, nodes);
+        if self.has_economizer {
+            mix_for_supply_temperature(model, air_loop, fan, outlet);
         }
         // A limit on its share makes the supply flow collapse where there is an exhaust fan.
         let controller = model.require_mut(CONTROLLER, &self.controller)?;
@@ -42,17 +48,22 @@ impl OutdoorAir {
     }
 }
 
-/// The mixer aims at the unit's setpoint less the heat of the fan: this is what the economiser follows.
-fn mix_for_supply_temperature(model: &mut Model, unit: &Unit, nodes: &Nodes) {
+/// The mixer aims at the unit's setpoint less the heat of the fan: this is what the economizer follows.
+fn mix_for_supply_temperature(
+    model: &mut Model,
+    air_loop: &str,
+    [inlet, fan_outlet]: [&str; 2],
+    outlet: &str,
+) {
     model.insert(
         "SetpointManager:MixedAir",
-        &format!("{} Mixed Air Setpoint", unit.air_loop),
+        &format!("{} Mixed Air Setpoint", air_loop),
         json!({
             "control_variable": "Temperature",
-            "reference_setpoint_node_name": unit.outlet,
-            "fan_inlet_node_name": unit.inlet,
-            "fan_outlet_node_name": nodes.fan,
-            "setpoint_node_or_nodelist_name": unit.inlet,
+            "reference_setpoint_node_name": outlet,
+            "fan_inlet_node_name": inlet,
+            "fan_outlet_node_name": fan_outlet,
+            "setpoint_node_or_nodelist_name": inlet,
         }),
     );
 }

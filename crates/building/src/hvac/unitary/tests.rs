@@ -2,8 +2,12 @@
 
 use std::path::Path;
 
+use serde_json::{Value, json};
+
 use super::cooling_coil::{CURVES, PART_LOAD_CURVE};
 use super::*;
+use crate::hvac::schedules::ALWAYS_ON;
+use crate::model::{items, text};
 
 /// A rooftop unit with a multi-speed coil, draw-through, on a zone with a constant-volume terminal.
 fn rooftop() -> Model {
@@ -101,7 +105,7 @@ fn without_economiser(model: &mut Model) {
 /// Class, inlet and outlet of what is on the branch.
 fn on_branch(model: &Model) -> Vec<[&str; 3]> {
     let ends = ["component_object_type", "component_inlet_node_name", "component_outlet_node_name"];
-    let items = common::items(model.require("Branch", "Main").unwrap(), "components");
+    let items = items(model.require("Branch", "Main").unwrap(), "components");
     items.map(|item| ends.map(|end| text(item, end).unwrap())).collect()
 }
 
@@ -136,7 +140,7 @@ fn the_unit_follows_a_setpoint_and_blows_through() {
         let part = model.require(class, name).unwrap();
         assert_eq!(part["air_inlet_node_name"], inlet, "{class}");
         assert_eq!(part["air_outlet_node_name"], outlet, "{class}");
-        assert_eq!(part["availability_schedule_name"], common::ALWAYS_ON, "{class}");
+        assert_eq!(part["availability_schedule_name"], ALWAYS_ON, "{class}");
     }
 }
 

@@ -1,0 +1,58 @@
+//! The supply temperature of a central air loop: one schedule for both coils.
+
+use serde_json::json;
+
+use super::branch::MainBranch;
+use super::components::{AIR_SPECIFIC_HEAT, WATER_HEATING};
+use super::water_coil;
+use crate::hvac::actuator::{Actuator, EngineVariable, Quantity};
+use crate::hvac::references::Reference;
+use crate::hvac::schedules::constant_schedule;
+use crate::{Model, Result};
+
+/// Lowest supply temperature an agent may ask for, °C: what the cooling coils reach in summer.
+pub const LOWEST_SUPPLY_TEMPERATURE: f64 = 10.0;
+/// Highest supply temperature an agent may ask for, °C: what the heating coil reaches in winter.
+pub const HIGHEST_SUPPLY_TEMPERATURE: f64 = 55.0;
+/// Supply temperature before the first action, °C.
+pub(super) const NEUTRAL_SUPPLY_TEMPERATURE: f64 = 20.0;
+/// By how much the main heating coil can warm the fan's design flow, K: room air to the highest supply
+/// temperature with a quarter of outdoor air at -17 °C. The shipped coils (about 4 K) only temper outdoor air
+/// and leave all heating to reheat: over 25 °C is out of their reach in winter.
+pub(super) const HEATING_COIL_RISE: f64 = 45.0;
+
+/// The highest supply temperature an agent may ask for, °C. A coil that burns gas or runs on electricity is made to
+/// warm the fan's design flow (kg/s) by [`HEATING_COIL_RISE`]. A water coil stays as it is, because its plant is sized
+/// for it: it reaches what it adds to [`NEUTRAL_SUPPLY_TEMPERATURE`].
+pub(super) fn heating_reach(model: &mut Model, coil: &Reference, fan_flow: f64) -> Result<f64> {
+    if coil.class.eq_ignore_ascii_case(WATER_HEATING) {
+        let rise = water_coil::capacity(model, coil)? / (AIR_SPECIFIC_HEAT * fan_flow);
+        return Ok((NEUTRAL_SUPPLY_TEMPERATURE + rise).min(HIGHEST_SUPPLY_TEMPERATURE));
+    }
+    let enough = HEATING_COIL_RISE * AIR_SPECIFIC_HEAT * fan_flow;
+    let shipped = model.require_size(&coil.class, &coil.name, "nominal_capacity")?;
+    let fields = model.require_mut(&coil.class, &coil.name)?;
+    fields.insert("nominal_capacity".into(), shipped.max(enough).into());
+    Ok(HIGHEST_SUPPLY_TEMPERATURE)
+}
+
+/// One scheduled temperature for both coils: behind the cooling coil and behind the heating coil.
+pub(super) fn schedule(model: &mut Model, air_loop: &str, branch: &MainBranch, highest: f64) -> Actuator {
+    let name = format!("{air_loop} Supply Air Temperature");
+    constant_schedule(model, &name, NEUTRAL_SUPPLY_TEMPERATURE);
+    follow_schedule(model, air_loop, "Cooling", &branch.cooling_outlet(), &name);
+    follow_schedule(model, air_loop, "Heating", branch.outlet(), &name);
+    let effect = EngineVariable::new("System Node Temperature", branch.outlet());
+    let bounds = [LOWEST_SUPPLY_TEMPERATURE, highest];
+    let label = format!("{air_loop} supply air temperature");
+    Actuator::of_schedule(name, label, Quantity::SupplyAirTemperature, bounds, effect)
+}
+
+pub(super) fn follow_schedule(model: &mut Model, air_loop: &str, place: &str, node: &str, schedule: &str) {
+    let fields = json!({
+        "control_variable": "Temperature",
+        "schedule_name": schedule,
+        "setpoint_node_or_nodelist_name": node,
+    });
+    model.insert("SetpointManager:Scheduled", &format!("{air_loop} {place} Setpoint"), fields);
+}

@@ -1,0 +1,99 @@
+//! A model whose HVAC must be controllable in full.
+
+use super::references::{Reference, is_one_of};
+use super::system::System;
+use super::zone_equipment::zone_equipment;
+use super::{air_loop, heating_only, unitary};
+use crate::model::Model;
+use crate::{Error, Result};
+
+/// Makes every HVAC system of a hard-sized model controllable: unitary systems and air loops in model order,
+/// then heaters in the order of their zones. `air_density`, kg/m³, turns design volume flows into mass flows.
+///
+/// # Errors
+/// [`crate::Error::Unsupported`] naming the object that cannot be driven.
+pub fn make_controllable(model: &mut Model, air_density: f64) -> Result<Vec<System>> {
+    let mut systems = Vec::new();
+    for air_loop in model.names("AirLoopHVAC") {
+        systems.push(drive_air_loop(model, &air_loop, air_density)?);
+    }
+    for zone in model.names("Zone") {
+        let equipment = zone_equipment(model, &zone)?;
+        refuse_unknown(&equipment, &zone)?;
+        if let Some(heater) = equipment.iter().find(|e| heating_only::is_heater(&e.class)) {
+            refuse_second_system(&systems, &zone, heater)?;
+            systems.push(System::HeatingOnly(heating_only::make_controllable(model, &zone, heater)?));
+        }
+    }
+    Ok(systems)
+}
+
+pub(super) fn drive_air_loop(model: &mut Model, air_loop: &str, air_density: f64) -> Result<System> {
+    if unitary::has_unit(model, air_loop)? {
+        Ok(System::Unitary(unitary::make_controllable(model, air_loop, air_density)?))
+    } else {
+        Ok(System::AirLoop(air_loop::make_controllable(model, air_loop, air_density)?))
+    }
+}
+
+/// Zone equipment that is left as it is: exhaust fans follow their schedules, and the warehouse's radiant heater
+/// is switched off in the prototype.
+pub(super) const LEFT_ALONE: [&str; 2] = ["Fan:ZoneExhaust", "ZoneHVAC:HighTemperatureRadiant"];
+
+/// Equipment that no kind of system covers would heat or cool behind the agent's back.
+fn refuse_unknown(equipment: &[Reference], zone: &str) -> Result<()> {
+    let known = |class: &str| {
+        class.eq_ignore_ascii_case("ZoneHVAC:AirDistributionUnit")
+            || heating_only::is_heater(class)
+            || is_one_of(class, &LEFT_ALONE)
+    };
+    match equipment.iter().find(|e| !known(&e.class)) {
+        None => Ok(()),
+        Some(unknown) => {
+            let why = format!("zone `{zone}` is conditioned by it, and no way to drive it is known");
+            Err(Error::unsupported(&unknown.class, &unknown.name, &why))
+        }
+    }
+}
+
+/// Two systems in one zone would need one thermostat each.
+fn refuse_second_system(systems: &[System], zone: &str, heater: &Reference) -> Result<()> {
+    if systems.iter().any(|s| s.zones().iter().any(|z| z.eq_ignore_ascii_case(zone))) {
+        let why = format!("zone `{zone}` has an air system too, and one thermostat cannot drive both");
+        return Err(Error::unsupported(&heater.class, &heater.name, &why));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    fn zone_with(class: &str) -> Model {
+        let model = serde_json::json!({
+            "Zone": {"Z": {}},
+            "ZoneHVAC:EquipmentConnections": {"C": {
+                "zone_name": "Z", "zone_conditioning_equipment_list_name": "L"}},
+            "ZoneHVAC:EquipmentList": {"L": {"equipment": [
+                {"zone_equipment_object_type": class, "zone_equipment_name": "The unit"}]}},
+        });
+        Model::from_epjson(&model.to_string(), Path::new("zone.epJSON")).unwrap()
+    }
+
+    #[test]
+    fn equipment_that_no_system_covers_is_refused_by_name() {
+        let mut model = zone_with("ZoneHVAC:PackagedTerminalHeatPump");
+        let error = make_controllable(&mut model, 1.2).unwrap_err().to_string();
+        for word in ["ZoneHVAC:PackagedTerminalHeatPump", "`The unit`", "`Z`"] {
+            assert!(error.contains(word), "{error}");
+        }
+    }
+
+    #[test]
+    fn an_exhaust_fan_is_left_alone() {
+        let mut model = zone_with("Fan:ZoneExhaust");
+        assert_eq!(make_controllable(&mut model, 1.2).unwrap(), []);
+    }
+}

@@ -1,0 +1,217 @@
+//! What of a building's HVAC can be driven, and what is left as it is, and why.
+//!
+//! [`super::make_controllable`] refuses a model for the first system that it cannot drive. A user's own model is
+//! driven as far as it can be: each system is tried on its own, and one that cannot be driven stays as its author
+//! made it, with its thermostats, schedules and availability.
+
+use std::collections::HashSet;
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::air_loop_graph::supply_components;
+use super::controllable::{LEFT_ALONE, drive_air_loop};
+use super::distribution::served_zones;
+use super::energy_management::{remove_ems_programs, sets_a_schedule};
+use super::heating_only;
+use super::references::{Reference, is_one_of, parts};
+use super::system::System;
+use super::thermostat::{split_thermostats, thermostat};
+use super::zone_equipment::zone_equipment;
+use crate::model::{Fields, Model, text};
+use crate::{Error, Result};
+
+/// What was found in a model.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Discovery {
+    /// The systems that are driven, in the order of the action.
+    pub systems: Vec<System>,
+    /// The systems and the equipment that are not.
+    pub left: Vec<LeftAlone>,
+}
+
+/// A system or a piece of zone equipment that keeps its own controls.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LeftAlone {
+    /// The air loop or the equipment.
+    pub what: Reference,
+    /// The zones it serves.
+    pub zones: Vec<String>,
+    /// Why it is not driven, or how it works beside what is.
+    pub why: String,
+}
+
+const DISTRIBUTION: &str = "ZoneHVAC:AirDistributionUnit";
+/// Zone equipment that moves air and holds no temperature.
+const VENTILATION: [&str; 2] = ["Fan:ZoneExhaust", "ZoneHVAC:EnergyRecoveryVentilator"];
+
+/// Drives every system of a hard-sized model that can be driven: air loops in model order, then heaters in the order of
+/// their zones.
+///
+/// # Errors
+/// [`Error::MissingObject`] for a dangling reference.
+pub(crate) fn discover(model: &mut Model, air_density: f64) -> Result<Discovery> {
+    split_thermostats(model);
+    let mut found = Discovery::default();
+    for air_loop in model.names("AirLoopHVAC") {
+        let own = belongings(model, &air_loop)?;
+        let driven = attempt(model, |model| {
+            refuse_second_system(model, &air_loop)?;
+            drive_air_loop(model, &air_loop, air_density)
+        });
+        match driven {
+            Ok(system) => {
+                remove_ems_programs(model, |actuator| acts_on(actuator, &own));
+                found.systems.push(system);
+            }
+            Err(error) => found.left.push(left_air_loop(model, air_loop, error)?),
+        }
+    }
+    for zone in model.names("Zone") {
+        discover_equipment(model, &zone, &mut found)?;
+    }
+    Ok(found)
+}
+
+impl Discovery {
+    fn drives(&self, zone: &str) -> Option<&System> {
+        self.systems.iter().find(|s| s.zones().iter().any(|z| z.eq_ignore_ascii_case(zone)))
+    }
+}
+
+/// Whether a zone that is not driven has a thermostat and equipment that heats or cools it.
+pub(crate) fn has_own_controls(model: &Model, zone: &str) -> Result<bool> {
+    let conditions = |e: &Reference| !is_one_of(&e.class, &VENTILATION);
+    Ok(thermostat(model, zone).is_some() && zone_equipment(model, zone)?.iter().any(conditions))
+}
+
+/// Edits that fail leave the model as it was.
+fn attempt(model: &mut Model, edit: impl FnOnce(&mut Model) -> Result<System>) -> Result<System> {
+    let mut edited = model.clone();
+    let system = edit(&mut edited)?;
+    *model = edited;
+    Ok(system)
+}
+
+/// An air loop that another system works against cannot be driven: a packaged unit or a second air loop in one of its
+/// zones would answer the same thermostat.
+fn refuse_second_system(model: &Model, air_loop: &str) -> Result<()> {
+    let mut units = HashSet::new();
+    let served = served_zones(model, air_loop)?;
+    for zone in &served {
+        if !units.insert(zone.zone.to_lowercase()) {
+            let why = format!("two of its terminals are in zone `{}`", zone.zone);
+            return Err(Error::unsupported("AirLoopHVAC", air_loop, &why));
+        }
+        for equipment in zone_equipment(model, &zone.zone)? {
+            let own = equipment.name.eq_ignore_ascii_case(&zone.unit);
+            if !own && !is_beside(&equipment.class) {
+                let why =
+                    format!("a {} works in one of its zones too, under the same thermostat", equipment.class);
+                return Err(Error::unsupported("AirLoopHVAC", air_loop, &why));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Equipment that may work in a zone beside a driven system.
+fn is_beside(class: &str) -> bool {
+    is_one_of(class, &VENTILATION) || is_one_of(class, &LEFT_ALONE) || heating_only::is_heater(class)
+}
+
+fn left_air_loop(model: &Model, air_loop: String, error: Error) -> Result<LeftAlone> {
+    let why = why(error, &air_loop)?;
+    let zones = served_zones(model, &air_loop).map(|served| served.into_iter().map(|s| s.zone).collect());
+    let what = Reference { class: "AirLoopHVAC".into(), name: air_loop };
+    Ok(LeftAlone { what, zones: zones.unwrap_or_default(), why })
+}
+
+/// The reason in an error, with the class of the object that gives it where that is not the system itself.
+fn why(error: Error, system: &str) -> Result<String> {
+    match error {
+        Error::Unsupported { name, why, .. } if name.eq_ignore_ascii_case(system) => Ok(why),
+        Error::Unsupported { class, why, .. } => Ok(format!("its {class}: {why}")),
+        other => Err(other),
+    }
+}
+
+/// Drives the heater of a zone where nothing else conditions it, and says why the rest is left.
+fn discover_equipment(model: &mut Model, zone: &str, found: &mut Discovery) -> Result<()> {
+    let equipment = zone_equipment(model, zone)?;
+    let air = found.drives(zone).cloned();
+    let rival = |e: &&Reference| !is_beside(&e.class);
+    let mut driven = false;
+    for item in &equipment {
+        let why = match &air {
+            _ if item.class.eq_ignore_ascii_case(DISTRIBUTION) => continue,
+            _ if is_one_of(&item.class, &VENTILATION) => "it ventilates on its own schedule".to_owned(),
+            Some(System::AirLoop(_)) if heating_only::is_heater(&item.class) => {
+                "it helps the zone's terminal to hold the heating setpoint".to_owned()
+            }
+            Some(_) if heating_only::is_heater(&item.class) => {
+                "it stays off: the zone's air system heats, and its thermostat calls for nothing".to_owned()
+            }
+            Some(_) => "no way to drive it is known: it follows the thermostat that the agent has".to_owned(),
+            None if !heating_only::is_heater(&item.class) => "no way to drive it is known".to_owned(),
+            None if driven => {
+                "it holds the heating setpoint together with the zone's first heater".to_owned()
+            }
+            None => match equipment.iter().find(rival) {
+                Some(rival) => format!("a {} of the zone answers the same thermostat", rival.class),
+                None => {
+                    let made = attempt(model, |model| {
+                        Ok(System::HeatingOnly(heating_only::make_controllable(model, zone, item)?))
+                    });
+                    match made {
+                        Ok(system) => {
+                            driven = true;
+                            found.systems.push(system);
+                            continue;
+                        }
+                        Err(error) => why(error, &item.name)?,
+                    }
+                }
+            },
+        };
+        found.left.push(LeftAlone { what: item.clone(), zones: vec![zone.to_owned()], why });
+    }
+    Ok(())
+}
+
+/// Every name in the objects of an air loop, in lower case: its components and their parts, nodes, terminals, zones.
+fn belongings(model: &Model, air_loop: &str) -> Result<HashSet<String>> {
+    let mut names = HashSet::from([air_loop.to_lowercase()]);
+    for component in supply_components(model, air_loop)? {
+        collect(model, &component, &mut names);
+    }
+    for served in served_zones(model, air_loop).unwrap_or_default() {
+        collect(model, &served.terminal, &mut names);
+        names.insert(served.zone.to_lowercase());
+    }
+    for (controller, fields) in model.objects("Controller:OutdoorAir") {
+        if text(fields, "mixed_air_node_name").is_some_and(|node| names.contains(&node.to_lowercase())) {
+            names.insert(controller.to_lowercase());
+        }
+    }
+    Ok(names)
+}
+
+fn collect(model: &Model, object: &Reference, names: &mut HashSet<String>) {
+    names.insert(object.name.to_lowercase());
+    let Some(fields) = model.get(&object.class, &object.name) else { return };
+    names.extend(fields.values().filter_map(Value::as_str).map(str::to_lowercase));
+    for part in parts(fields) {
+        collect(model, &part, names);
+    }
+}
+
+/// Whether an EMS actuator works on something of a driven system. Schedules do not count: what is driven has left the
+/// author's schedules.
+fn acts_on(actuator: &Fields, names: &HashSet<String>) -> bool {
+    !sets_a_schedule(actuator)
+        && text(actuator, "actuated_component_unique_name").is_some_and(|n| names.contains(&n.to_lowercase()))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,94 @@
+//! The controllable systems of a building.
+
+use serde::{Deserialize, Serialize};
+
+use super::actuator::Actuator;
+
+/// A group of actuators that act together on their zones.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum System {
+    /// One unit, one zone: flow and supply temperature.
+    Unitary(Unitary),
+    /// One air handler, many zones.
+    AirLoop(AirLoop),
+    /// A heater under a thermostat.
+    HeatingOnly(HeatingOnly),
+}
+
+impl System {
+    /// Its actuators, in the order of the action.
+    pub fn actuators(&self) -> Vec<&Actuator> {
+        match self {
+            System::Unitary(unit) => vec![&unit.flow, &unit.supply_temperature],
+            System::AirLoop(air_loop) => {
+                let terminals = air_loop.terminals.iter().flat_map(|t| [&t.damper, &t.reheat]);
+                [&air_loop.supply_temperature, &air_loop.outdoor_air].into_iter().chain(terminals).collect()
+            }
+            System::HeatingOnly(heater) => vec![&heater.setpoint],
+        }
+    }
+
+    /// The zones it serves.
+    pub fn zones(&self) -> Vec<&str> {
+        match self {
+            System::Unitary(unit) => vec![&unit.zone],
+            System::AirLoop(air_loop) => air_loop.terminals.iter().map(|t| t.zone.as_str()).collect(),
+            System::HeatingOnly(heater) => vec![&heater.zone],
+        }
+    }
+}
+
+/// A unitary system.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Unitary {
+    /// Zone it serves.
+    pub zone: String,
+    /// [`Quantity::SupplyAirFlow`].
+    pub flow: Actuator,
+    /// [`Quantity::SupplyAirTemperature`].
+    pub supply_temperature: Actuator,
+}
+
+/// A central air loop.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct AirLoop {
+    /// Name of the `AirLoopHVAC`.
+    pub name: String,
+    /// [`Quantity::SupplyAirTemperature`], of the air handler.
+    pub supply_temperature: Actuator,
+    /// [`Quantity::OutdoorAirFlow`].
+    pub outdoor_air: Actuator,
+    /// Design flow of the supply fan, kg/s. All dampers open may ask for more: the fan limits.
+    pub fan_flow: f64,
+    /// Design flow of the exhaust fans in its zones, kg/s. Outdoor air makes up for what they take, whatever is
+    /// commanded.
+    pub exhaust_flow: f64,
+    /// The terminals, in model order of their zones.
+    pub terminals: Vec<Terminal>,
+}
+
+/// The terminal of one zone on a central air loop.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Terminal {
+    /// Zone it serves.
+    pub zone: String,
+    /// [`Quantity::DamperOpening`].
+    pub damper: Actuator,
+    /// [`Quantity::HeatingSetpoint`], of the reheat coil.
+    pub reheat: Actuator,
+    /// Design flow, kg/s.
+    pub design_flow: f64,
+    /// Opening up to which more air brings more heat, 0 to 1: beyond it a hot-water coil has too little for the air.
+    /// 1 for other coils.
+    pub heating_opening: f64,
+}
+
+/// A zone heater without cooling.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct HeatingOnly {
+    /// Zone it serves.
+    pub zone: String,
+    /// [`Quantity::HeatingSetpoint`].
+    pub setpoint: Actuator,
+}

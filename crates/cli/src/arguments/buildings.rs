@@ -1,0 +1,101 @@
+//! Groups of buildings: by name, or by split, type and climate zone of the dataset.
+
+use anyhow::{Result, bail};
+use b2b_building::{BuildingType, Class};
+use b2b_dataset::BuildingName;
+use b2b_dataset::{BuildingId, Row};
+
+/// A subset of the dataset.
+#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Split {
+    /// All 6,000 buildings
+    All,
+    /// Training split: 90 % of the buildings of each location
+    Train,
+    /// Test split: the other 10 %
+    Test,
+    /// Eight test buildings of each type, one per climate zone (houses: eight of the test split)
+    #[value(name = "test_small")]
+    TestSmall,
+}
+
+impl Split {
+    /// Returns whether a building belongs to it.
+    pub fn contains(self, row: &Row) -> bool {
+        match self {
+            Self::All => true,
+            Self::Train => row.split == b2b_dataset::Split::Train,
+            Self::Test => row.split == b2b_dataset::Split::Test,
+            Self::TestSmall => row.test_small,
+        }
+    }
+}
+
+/// A group of buildings. The one way in which commands select more than one.
+#[derive(clap::Args)]
+pub struct Buildings {
+    /// Buildings to use instead of a dataset split: ids such as OfficeSmall-0042, building types or model files
+    #[arg(value_name = "BUILDING", conflicts_with_all = ["split", "types", "zones"])]
+    names: Vec<BuildingName>,
+    /// Subset of the dataset
+    #[arg(long, value_enum, default_value = "test_small")]
+    split: Split,
+    #[command(flatten)]
+    classes: Classes,
+}
+
+impl Buildings {
+    /// Returns the names of the buildings.
+    pub fn names(&self) -> Result<Vec<BuildingName>> {
+        if !self.names.is_empty() {
+            return Ok(self.names.clone());
+        }
+        Ok(self.rows()?.map(|row| BuildingName::Id(row.id)).collect())
+    }
+
+    /// Returns the ids of the buildings. Errors if one is not in the dataset.
+    pub fn ids(&self) -> Result<Vec<BuildingId>> {
+        let id = |name: BuildingName| match name {
+            BuildingName::Id(id) => Ok(id),
+            other => bail!("`{other}` is not an id of the dataset; ids look like OfficeSmall-0042"),
+        };
+        self.names()?.into_iter().map(id).collect()
+    }
+
+    /// Returns the buildings of the split. Errors if there are none of these types and zones.
+    fn rows(&self) -> Result<impl Iterator<Item = &'static Row>> {
+        let selected = |row: &&Row| self.split.contains(row) && self.classes.contains(row.building.class());
+        let mut rows = b2b_dataset::all().filter(selected).peekable();
+        match rows.peek() {
+            Some(_) => Ok(rows),
+            None => bail!("the dataset has no building of these types and climate zones in this split"),
+        }
+    }
+}
+
+/// Building types and climate zones.
+#[derive(clap::Args)]
+pub struct Classes {
+    /// Building types [default: all six]
+    #[arg(long = "type", value_name = "TYPE", num_args = 1..)]
+    types: Vec<BuildingType>,
+    /// ASHRAE 169 thermal climate zones, 1 to 8 [default: all]; does not apply to houses, which are all in Québec
+    #[arg(long = "zone", value_name = "ZONE", num_args = 1.., value_parser = clap::value_parser!(u8).range(1..=8))]
+    zones: Vec<u8>,
+}
+
+impl Classes {
+    /// Returns the classes of the dataset that are selected. Errors if there are none.
+    pub fn list(&self) -> Result<Vec<Class>> {
+        let classes: Vec<_> = Class::all().filter(|class| self.contains(*class)).collect();
+        if classes.is_empty() {
+            bail!("the dataset has no building of these types and climate zones");
+        }
+        Ok(classes)
+    }
+
+    fn contains(&self, class: Class) -> bool {
+        (self.types.is_empty() || self.types.contains(&class.building_type))
+            && class.climate_zone.is_none_or(|zone| self.zones.is_empty() || self.zones.contains(&zone))
+    }
+}

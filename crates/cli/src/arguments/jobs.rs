@@ -1,0 +1,26 @@
+//! The number of parallel processes.
+
+use anyhow::Result;
+
+/// How many processes work at a time.
+#[derive(clap::Args)]
+pub struct Jobs {
+    /// Number of buildings or episodes to process in parallel [default: number of CPU cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    jobs: Option<u32>,
+}
+
+impl Jobs {
+    /// Returns the number given, or the number of cores.
+    pub fn count(&self) -> Result<usize> {
+        Ok(match self.jobs {
+            Some(jobs) => jobs as usize,
+            None => std::thread::available_parallelism()?.get(),
+        })
+    }
+
+    /// Returns a pool of that many threads.
+    pub fn thread_pool(&self) -> Result<rayon::ThreadPool> {
+        Ok(rayon::ThreadPoolBuilder::new().num_threads(self.count()?).build()?)
+    }
+}

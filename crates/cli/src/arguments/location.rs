@@ -1,0 +1,32 @@
+//! Where a building stands.
+
+use std::ffi::OsString;
+use std::path::PathBuf;
+
+use b2b_climate::Place;
+use b2b_dataset::Placement;
+
+/// The location of a building: a known place, or a weather file.
+#[derive(clap::Args, Default)]
+pub struct Location {
+    /// Place that supplies weather and climate (`b2b list places`) [default: the building's own]
+    #[arg(long, value_name = "NAME", value_parser = Place::find, conflicts_with = "weather")]
+    place: Option<&'static Place>,
+    /// EPW weather file to use instead of a known place
+    #[arg(long, value_name = "FILE.epw")]
+    weather: Option<PathBuf>,
+}
+
+impl Location {
+    /// Returns the same as command-line arguments.
+    pub fn arguments(&self) -> Vec<OsString> {
+        let place = self.place.map(|place| ["--place".into(), place.name.into()]);
+        let weather = self.weather.as_ref().map(|path| ["--weather".into(), path.clone().into_os_string()]);
+        place.into_iter().chain(weather).flatten().collect()
+    }
+
+    /// Returns the same for the catalog.
+    pub fn placement(&self) -> Placement {
+        Placement { place: self.place, weather: self.weather.clone() }
+    }
+}

@@ -1,0 +1,38 @@
+//! The policy of an evaluation.
+
+use b2b_benchmark::{ActionScale, Policy};
+
+/// A policy and the meaning of its actions.
+#[derive(clap::Args)]
+pub struct PolicyArguments {
+    /// Policy: reactive, random, constant, planner, or an ONNX file
+    #[arg(long = "policy", value_name = "POLICY")]
+    pub name: String,
+    /// Scale of the actions of an ONNX policy
+    #[arg(long, value_enum, default_value_t = Actions::Rescaled)]
+    actions: Actions,
+}
+
+/// The scale of the actions of an ONNX policy.
+#[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
+enum Actions {
+    /// -1 for the lower and 1 for the upper bound of an actuator
+    Rescaled,
+    /// Physical units
+    Physical,
+}
+
+impl PolicyArguments {
+    /// Returns the scale of the actions.
+    pub fn scale(&self) -> ActionScale {
+        match self.actions {
+            Actions::Rescaled => ActionScale::Rescaled,
+            Actions::Physical => ActionScale::Physical,
+        }
+    }
+
+    /// Returns the policy. Errors if it is unknown or cannot be read.
+    pub fn policy(&self) -> b2b_benchmark::Result<Box<dyn Policy>> {
+        <dyn Policy>::named(&self.name, self.scale())
+    }
+}

@@ -1,0 +1,71 @@
+//! Running lists of episodes in parallel, with progress bars and interrupts.
+
+use std::sync::Mutex;
+
+use anyhow::Result;
+use b2b_benchmark::statistics::Interval;
+use b2b_benchmark::{Episode, Evaluation, Progress};
+use b2b_dataset::{BuildingName, Catalog};
+use b2b_env::vector::Launcher;
+use indicatif::ProgressBar;
+
+use crate::progress::counter;
+use crate::{interrupt, weather};
+
+/// Returns an evaluation whose episodes run in worker processes of this program.
+pub fn evaluation(catalog: &Catalog, jobs: usize) -> Result<Evaluation<'_>> {
+    let launcher = Launcher::this_program()?;
+    Ok(Evaluation { catalog, launcher, jobs, interrupted: interrupt::requested })
+}
+
+/// Downloads weather ahead, where progress is shown and can be interrupted. Types and model files fetch theirs later.
+pub fn fetch_weather(episodes: &[Episode], quiet: bool) -> Result<()> {
+    let of_dataset = |episode: &Episode| match episode.subject.name {
+        BuildingName::Id(id) => Some(&b2b_dataset::row(id).building),
+        BuildingName::Type(_) | BuildingName::Model(_) => None,
+    };
+    weather::fetch(episodes.iter().filter_map(of_dataset), quiet)
+}
+
+/// Returns a value with its confidence interval.
+pub fn interval_text(Interval { value, low, high }: Interval) -> String {
+    if low == high { format!("{value:.3}") } else { format!("{value:.3} [{low:.3}, {high:.3}]") }
+}
+
+/// A progress bar of simulated days, one for each stage of an evaluation.
+pub struct Bars {
+    quiet: bool,
+    bar: Mutex<ProgressBar>,
+}
+
+impl Bars {
+    /// Hides the bars if `quiet`.
+    pub fn new(quiet: bool) -> Self {
+        Self { quiet, bar: Mutex::new(ProgressBar::hidden()) }
+    }
+
+    fn with(&self, change: impl FnOnce(&mut ProgressBar)) {
+        change(&mut self.bar.lock().unwrap_or_else(std::sync::PoisonError::into_inner));
+    }
+}
+
+impl Progress for Bars {
+    fn begin(&self, what: &str, episodes: usize, days: u64) {
+        self.with(|bar| {
+            bar.finish_and_clear();
+            if episodes > 0 {
+                *bar = counter(days as usize, &format!("simulated days of {episodes} {what}"), self.quiet);
+            }
+        });
+    }
+
+    fn day(&self) {
+        self.with(|bar| bar.inc(1));
+    }
+}
+
+impl Drop for Bars {
+    fn drop(&mut self) {
+        self.with(|bar| bar.finish_and_clear());
+    }
+}

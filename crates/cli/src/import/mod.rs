@@ -1,0 +1,127 @@
+//! `b2b import`: what an agent can control in a user's own model.
+
+mod overview;
+mod report;
+mod text;
+mod trial;
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use anyhow::{Context, Result, bail};
+use b2b_building::{RunPeriod, import};
+use b2b_dataset::BuildingName;
+
+use crate::arguments::location::Location;
+use crate::prepare::Prepared;
+use crate::progress::counter;
+use crate::{child, interrupt, stdout};
+use overview::Imported;
+use report::Report;
+use trial::Trial;
+
+/// Import your own model and report what an agent can control in it
+///
+/// Sizes the model as it is, then makes every supported system controllable: unitary and rooftop units that serve one
+/// zone, central air loops with reheat boxes, and zone heaters. All other systems keep their thermostats and schedules.
+/// The agent observes all zones; the reward counts those that it controls; energy use is that of all HVAC.
+///
+/// Nothing is written: `b2b run`, `b2b show` and `b2b doctor --authority` accept the model file itself and prepare it in
+/// the same way. Given several models, prints one line for each and exits with code 1 if any cannot be imported or
+/// produces severe messages.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  b2b import office.idf --weather boston.epw
+  b2b import office.idf --weather boston.epw --run 01-08..01-14     also simulate a week
+  b2b import models/ --place Denver --run 01-08..01-14              one line per model of a folder
+  b2b run office.idf --weather boston.epw                           then run an episode")]
+pub struct Arguments {
+    /// Model files (.idf or .epJSON, EnergyPlus 25.2), or folders of them
+    #[arg(value_name = "MODEL", required = true)]
+    models: Vec<PathBuf>,
+    #[command(flatten)]
+    location: Location,
+    /// Simulate this run period under the reactive controller and report temperature deviations
+    #[arg(long, value_name = "PERIOD")]
+    run: Option<RunPeriod>,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs the command.
+pub fn import(arguments: &Arguments) -> Result<ExitCode> {
+    match &arguments.models[..] {
+        [model] if !model.is_dir() => import_one(arguments, model),
+        _ => import_all(arguments),
+    }
+}
+
+fn import_one(arguments: &Arguments, model: &Path) -> Result<ExitCode> {
+    let report = arguments.report(model)?;
+    stdout::print_result(arguments.json, &report, || text::text(&report, model, &arguments.location))?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn import_all(arguments: &Arguments) -> Result<ExitCode> {
+    let models = model_files(&arguments.models)?;
+    let bar = counter(models.len(), "models", arguments.json);
+    let mut imported = Vec::new();
+    for model in models {
+        imported.push(Imported { name: name(&model), report: arguments.report_in_process(&model)? });
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    let values = imported.iter().map(Imported::json).collect::<Result<Vec<_>>>()?;
+    stdout::print_result(arguments.json, &values, || overview::text(&imported))?;
+    let all_passed = imported.iter().all(Imported::passed);
+    Ok(if all_passed { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// Returns the models among files and folders, ordered by name within a folder.
+fn model_files(paths: &[PathBuf]) -> Result<Vec<PathBuf>> {
+    let mut models = Vec::new();
+    for path in paths {
+        if !path.is_dir() {
+            models.push(path.clone());
+            continue;
+        }
+        let cannot = || format!("cannot read {}", path.display());
+        let entries = std::fs::read_dir(path).with_context(cannot)?;
+        let mut files = entries.map(|e| Ok(e?.path())).collect::<Result<Vec<_>>>().with_context(cannot)?;
+        files.retain(|file| import::is_model_file(file));
+        if files.is_empty() {
+            bail!("no model in {}; model files end in .idf or .epJSON", path.display());
+        }
+        files.sort();
+        models.append(&mut files);
+    }
+    Ok(models)
+}
+
+fn name(model: &Path) -> String {
+    BuildingName::Model(model.to_owned()).to_string()
+}
+
+impl Arguments {
+    /// Imports a model in this process.
+    fn report(&self, model: &Path) -> Result<Report> {
+        let name = BuildingName::Model(model.to_owned());
+        let prepared = Prepared::new(&name, &self.location, self.json)?;
+        let trial = self.run.map(|period| Trial::run(&prepared, period, self.json)).transpose()?;
+        Ok(Report::new(&name, &prepared, trial))
+    }
+
+    /// Imports a model in its own process. Returns the error message of that process if it fails.
+    fn report_in_process(&self, model: &Path) -> Result<Result<Report, String>> {
+        interrupt::check()?;
+        let mut arguments = vec!["import".into(), model.as_os_str().to_owned(), "--json".into()];
+        arguments.extend(self.location.arguments());
+        arguments.extend(self.run.map(|period| format!("--run={period}").into()));
+        match child::run(arguments)? {
+            Ok(text) => Ok(Ok(serde_json::from_str(&text)?)),
+            Err(error) => Ok(Err(error)),
+        }
+    }
+}

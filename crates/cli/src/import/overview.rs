@@ -1,0 +1,103 @@
+//! The overview of several models.
+
+use anyhow::Result;
+use serde_json::{Value, json};
+
+use super::report::{Report, SystemKind};
+use super::trial::Trial;
+use crate::table::Table;
+
+/// Trials with a zone of at least this RMS deviation name the zone, K.
+const LARGE_DEVIATION: f64 = 1.0;
+
+const COLUMNS: [&str; 11] = [
+    "model",
+    "zones",
+    "controlled",
+    "unitary",
+    "air loops",
+    "heaters",
+    "actuators",
+    "not controlled",
+    "RMS (K)",
+    "worst zone (K)",
+    "severe",
+];
+
+/// The report on one of several models, or why it cannot be imported.
+pub struct Imported {
+    pub name: String,
+    pub report: Result<Report, String>,
+}
+
+impl Imported {
+    /// Returns whether the model was imported and, if simulated, had no severe messages.
+    pub fn passed(&self) -> bool {
+        let quiet = |report: &Report| report.trial.as_ref().is_none_or(|trial| trial.severes == 0);
+        self.report.as_ref().is_ok_and(quiet)
+    }
+
+    /// Returns the report, or the error, as JSON.
+    pub fn json(&self) -> Result<Value> {
+        Ok(match &self.report {
+            Ok(report) => serde_json::to_value(report)?,
+            Err(error) => json!({"model": self.name, "error": error}),
+        })
+    }
+}
+
+/// Returns a table with a row per model, then notes.
+pub fn text(imported: &[Imported]) -> String {
+    let mut table = Table::new(COLUMNS);
+    let mut notes = String::new();
+    for each in imported {
+        match &each.report {
+            Ok(report) => {
+                table.row(row(&each.name, report));
+                notes += &note(&each.name, report);
+            }
+            Err(error) => {
+                table.row(
+                    COLUMNS.map(|column| if column == "model" { each.name.clone() } else { "–".into() }),
+                );
+                let error = error.trim_start_matches("error: ").replace('\n', "\n  ");
+                notes += &format!("\n  {}: {error}", each.name);
+            }
+        }
+    }
+    let usable = imported.iter().filter(|each| each.report.is_ok()).count();
+    format!("{}\n\n{usable} of {} models can be used as environments{notes}", table.text(), imported.len())
+}
+
+fn row(name: &str, report: &Report) -> [String; 11] {
+    let of_trial = |value: fn(&Trial) -> String| report.trial.as_ref().map_or_else(|| "–".to_owned(), value);
+    [
+        name.to_owned(),
+        report.zones.len().to_string(),
+        report.controlled_zones().to_string(),
+        report.count(SystemKind::Unitary).to_string(),
+        report.count(SystemKind::AirLoop).to_string(),
+        report.count(SystemKind::Heater).to_string(),
+        report.actuators().to_string(),
+        report.not_controlled.len().to_string(),
+        of_trial(|trial| format!("{:.2}", trial.rms_deviation_k)),
+        of_trial(|trial| format!("{:.2}", trial.worst_zone_rms_k)),
+        of_trial(|trial| trial.severes.to_string()),
+    ]
+}
+
+/// Returns the components of a model that are not controlled, with the reason, and what stood out in its trial.
+fn note(name: &str, report: &Report) -> String {
+    let mut lines: Vec<String> = report
+        .not_controlled_groups()
+        .iter()
+        .map(|group| format!("{} × {}: {}", group.members.len(), group.class, group.reason))
+        .collect();
+    if let Some(trial) = &report.trial {
+        lines.extend(trial.severe_message.clone());
+        if trial.worst_zone_rms_k >= LARGE_DEVIATION {
+            lines.push(format!("worst zone: {}", trial.worst_zone));
+        }
+    }
+    if lines.is_empty() { String::new() } else { format!("\n  {name}\n    {}", lines.join("\n    ")) }
+}

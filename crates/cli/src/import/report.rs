@@ -1,0 +1,147 @@
+//! What was found in an imported model.
+
+use b2b_building::Conditioning;
+use b2b_building::hvac::{self, LeftAlone};
+use b2b_dataset::BuildingName;
+use serde::{Deserialize, Serialize};
+
+use super::trial::Trial;
+use crate::prepare::Prepared;
+
+/// The zones and systems of a model, and whether the agent controls them.
+#[derive(Serialize, Deserialize)]
+pub struct Report {
+    pub model: String,
+    pub place: String,
+    pub conditioned_floor_area_m2: f64,
+    pub zones: Vec<Zone>,
+    /// The systems that the agent controls.
+    pub systems: Vec<System>,
+    /// The components that it does not control, with the reason.
+    pub not_controlled: Vec<LeftAlone>,
+    pub trial: Option<Trial>,
+}
+
+#[derive(Serialize, Deserialize)]
+pub struct Zone {
+    pub name: String,
+    pub floor_area_m2: f64,
+    /// Whether the agent controls it.
+    pub controlled: bool,
+    /// Whether it keeps the thermostat and schedules of the model.
+    pub own_controls: bool,
+    pub equipment: String,
+}
+
+#[derive(Serialize, Deserialize)]
+pub struct System {
+    pub kind: SystemKind,
+    pub name: String,
+    pub zones: Vec<String>,
+    pub actuators: Vec<String>,
+}
+
+#[derive(Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SystemKind {
+    Unitary,
+    AirLoop,
+    Heater,
+}
+
+impl Report {
+    /// Collects what was found in a prepared model.
+    pub fn new(name: &BuildingName, prepared: &Prepared, trial: Option<Trial>) -> Self {
+        let building = &prepared.building;
+        Self {
+            model: name.to_string(),
+            place: prepared.place.clone(),
+            conditioned_floor_area_m2: building.conditioned_floor_area,
+            zones: building.zones.iter().map(Zone::of).collect(),
+            systems: building.systems.iter().map(System::of).collect(),
+            not_controlled: building.left.clone(),
+            trial,
+        }
+    }
+
+    /// Returns the number of zones that the agent controls.
+    pub fn controlled_zones(&self) -> usize {
+        self.zones.iter().filter(|zone| zone.controlled).count()
+    }
+
+    /// Returns the number of actuators.
+    pub fn actuators(&self) -> usize {
+        self.systems.iter().map(|system| system.actuators.len()).sum()
+    }
+
+    /// Returns the number of controlled systems of a kind.
+    pub fn count(&self, kind: SystemKind) -> usize {
+        self.systems.iter().filter(|system| system.kind == kind).count()
+    }
+
+    /// Returns the components that are not controlled, grouped by class and reason.
+    pub fn not_controlled_groups(&self) -> Vec<Group<'_>> {
+        let mut groups: Vec<Group> = Vec::new();
+        for item in &self.not_controlled {
+            match groups.iter_mut().find(|g| g.class == item.what.class && g.reason == item.why) {
+                Some(group) => group.members.push(item),
+                None => {
+                    groups.push(Group { class: &item.what.class, reason: &item.why, members: vec![item] })
+                }
+            }
+        }
+        groups
+    }
+}
+
+impl Zone {
+    fn of(zone: &b2b_building::Zone) -> Self {
+        let equipment = match zone.conditioning {
+            Conditioning::HeatingAndCooling => "heating and cooling, controlled",
+            Conditioning::Heating => "heating, controlled",
+            Conditioning::None if zone.own_controls => "not controlled",
+            Conditioning::None => "none",
+        };
+        Self {
+            name: zone.name.clone(),
+            floor_area_m2: zone.floor_area,
+            controlled: zone.conditioning != Conditioning::None,
+            own_controls: zone.own_controls,
+            equipment: equipment.to_owned(),
+        }
+    }
+}
+
+impl System {
+    fn of(system: &hvac::System) -> Self {
+        let (kind, name) = match system {
+            hvac::System::Unitary(unit) => (SystemKind::Unitary, &unit.zone),
+            hvac::System::AirLoop(air_loop) => (SystemKind::AirLoop, &air_loop.name),
+            hvac::System::HeatingOnly(heater) => (SystemKind::Heater, &heater.zone),
+        };
+        Self {
+            kind,
+            name: name.clone(),
+            zones: system.zones().into_iter().map(str::to_owned).collect(),
+            actuators: system.actuators().into_iter().map(|actuator| actuator.name.clone()).collect(),
+        }
+    }
+}
+
+impl SystemKind {
+    /// Returns the name for a table.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Unitary => "unitary system",
+            Self::AirLoop => "central air loop",
+            Self::Heater => "zone heater",
+        }
+    }
+}
+
+/// Components of one class that are not controlled for the same reason.
+pub struct Group<'a> {
+    pub class: &'a str,
+    pub reason: &'a str,
+    pub members: Vec<&'a LeftAlone>,
+}

@@ -1,0 +1,100 @@
+//! The text report on one model.
+
+use std::path::Path;
+
+use super::report::Report;
+use super::trial::Trial;
+use crate::arguments::location::Location;
+use crate::table::Table;
+
+/// Returns the text report.
+pub fn text(report: &Report, model: &Path, location: &Location) -> String {
+    let summary = format!(
+        "{} in {}: the agent controls {} of {} zones through {} actuators; conditioned floor area {:.0} m²",
+        report.model,
+        report.place,
+        report.controlled_zones(),
+        report.zones.len(),
+        report.actuators(),
+        report.conditioned_floor_area_m2
+    );
+    let mut parts = vec![summary, format!("Controlled systems\n{}", systems_text(report))];
+    if !report.not_controlled.is_empty() {
+        parts.push(format!("Not controlled\n{}", not_controlled_text(report)));
+    }
+    parts.push(format!("Zones\n{}", zones_text(report)));
+    parts.extend(report.trial.as_ref().map(trial_text));
+    parts.push(next_steps(model, location));
+    parts.join("\n\n")
+}
+
+fn systems_text(report: &Report) -> String {
+    let mut table = Table::new(["system", "type", "zones", "actuators"]);
+    for system in &report.systems {
+        table.row([
+            system.name.clone(),
+            system.kind.name().to_owned(),
+            system.zones.len().to_string(),
+            system.actuators.len().to_string(),
+        ]);
+    }
+    table.text()
+}
+
+fn not_controlled_text(report: &Report) -> String {
+    let mut table = Table::new(["count", "component", "zones", "reason"]);
+    for group in report.not_controlled_groups() {
+        table.row([
+            group.members.len().to_string(),
+            match &group.members[..] {
+                [one] => format!("{} `{}`", group.class, one.what.name),
+                _ => group.class.to_owned(),
+            },
+            group.members.iter().map(|member| member.zones.len()).sum::<usize>().to_string(),
+            group.reason.to_owned(),
+        ]);
+    }
+    table.text()
+}
+
+fn zones_text(report: &Report) -> String {
+    let mut table = Table::new(["zone", "floor area (m²)", "equipment"]);
+    for zone in &report.zones {
+        table.row([zone.name.clone(), format!("{:.1}", zone.floor_area_m2), zone.equipment.clone()]);
+    }
+    table.text()
+}
+
+fn trial_text(trial: &Trial) -> String {
+    let severe: String =
+        trial.severe_message.iter().map(|m| format!("\n  severe: {}", m.replace('\n', " "))).collect();
+    format!(
+        "Simulated {} under the reactive controller, target 21 °C\n  RMS deviation {:.2} K over the zones with heating \
+         and cooling; worst zone {}, {:.2} K\n  engine messages: {} warnings, {} severe{severe}",
+        trial.period,
+        trial.rms_deviation_k,
+        trial.worst_zone,
+        trial.worst_zone_rms_k,
+        trial.warnings,
+        trial.severes,
+    )
+}
+
+/// Returns the commands to continue with.
+fn next_steps(model: &Path, location: &Location) -> String {
+    let arguments = location.arguments().into_iter().map(|a| quoted(&a.to_string_lossy()));
+    let words: Vec<_> = [quoted(&model.to_string_lossy())].into_iter().chain(arguments).collect();
+    let words = words.join(" ");
+    let commands = [
+        (format!("b2b run {words}"), "run an episode"),
+        (format!("b2b show {words} --actions"), "list the actuators with their bounds"),
+        (format!("b2b doctor --authority {words}"), "actuator response check"),
+    ];
+    let width = commands.iter().map(|(command, _)| command.chars().count()).max().unwrap_or(0);
+    let lines = commands.map(|(command, purpose)| format!("  {command:<width$}  {purpose}"));
+    format!("Next steps\n{}", lines.join("\n"))
+}
+
+fn quoted(word: &str) -> String {
+    if word.contains([' ', '(', ')', '\'', '&', ';']) { format!("{word:?}") } else { word.to_owned() }
+}

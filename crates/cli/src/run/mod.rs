@@ -1,0 +1,131 @@
+//! `b2b run`: one episode, its metrics, its trajectory and its plot.
+
+mod picture;
+pub mod summary;
+mod trajectory_file;
+
+use std::path::PathBuf;
+
+use anyhow::{Result, bail};
+use b2b_building::{Date, RunPeriod};
+use b2b_dataset::BuildingName;
+use b2b_env::Task;
+
+use crate::arguments::controller::ControllerArguments;
+use crate::arguments::location::Location;
+use crate::arguments::task;
+use crate::output_folder::OutputFolder;
+use crate::prepare::Prepared;
+use crate::rollout::roll_out;
+use crate::{interrupt, stdout};
+use summary::{RunInfo, Summary};
+
+/// Run an episode, print its metrics, and write its trajectory and a plot
+///
+/// Writes three files: trajectory.parquet (one row per step), summary.json (what --json prints) and
+/// picture.html (interactive time series; opens in any browser, no network needed).
+#[derive(clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Arguments {
+    /// Building type (`b2b list`), dataset building such as OfficeSmall-0042, or model file (.idf, .epJSON)
+    #[arg(value_name = "BUILDING")]
+    building: BuildingName,
+    #[command(flatten)]
+    location: Location,
+    /// Run period: winter, summer, full_year or MM-DD..MM-DD (both days included)
+    #[arg(long, default_value_t = RunPeriod::WINTER, value_name = "PERIOD")]
+    period: RunPeriod,
+    /// Run only the first N hours of the run period (a multiple of 24)
+    #[arg(long, value_name = "N")]
+    hours: Option<u32>,
+    #[command(flatten)]
+    controller: ControllerArguments,
+    /// Zone time steps per hour; one time step is one environment step
+    #[arg(long, default_value_t = 12, value_name = "N")]
+    steps_per_hour: u32,
+    /// Task: constant, occupancy or random setpoints, +energyW for an energy weight W; or a JSON file (see below)
+    #[arg(long, default_value = "constant", value_name = "TASK", value_parser = task::parse)]
+    task: Task,
+    /// Output folder [default: b2b-out/BUILDING-PLACE-PERIOD-CONTROLLER[-TASK]]
+    #[arg(long, value_name = "FOLDER")]
+    out: Option<PathBuf>,
+    /// Print one JSON object instead of the text report
+    #[arg(long)]
+    json: bool,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  b2b run OfficeSmall
+  b2b run OfficeSmall-0042 --period summer
+  b2b run Warehouse --place Miami --period summer --task constant:23
+  b2b run OfficeSmall --task occupancy+energy0.5
+  b2b run OfficeSmall --task random:7             setpoints drawn per zone and day with seed 7
+  b2b run OfficeSmall --task occupancy+pmv+cost2  thermal sensation (PMV) plus 2 x energy cost
+  b2b run OfficeSmall --task mine.json            any parameters; --json prints the task of a run
+  b2b run RestaurantFastFood --period 01-01..01-07 --controller random --seed 7
+  b2b run OfficeSmall --controller planner --hours 24
+  b2b run RetailStandalone --weather my.epw --json > result.json
+  b2b run my.idf --weather my.epw                 your own building; see `b2b import --help`
+
+Tasks are written SETPOINTS[+COMFORT][+OBJECTIVE]. The six tasks of the paper are constant, occupancy and
+random, each with and without +energy0.5.
+  SETPOINTS  constant (21 °C), constant:C, occupancy (21 °C while occupied; unoccupied 18 °C from December
+             to February and 26 °C from June to August), random, random:SEED
+  COMFORT    squared deviation from the setpoint (default); +deadband or +deadbandK: deviation beyond 1 K
+             or K; +pmv: predicted mean vote (ISO 7730)
+  OBJECTIVE  +energyW, +costW, +carbonW, +peakW: W times the energy, cost, emissions or increase in peak
+             demand of each step
+
+Equal arguments give bit-identical episodes on the same machine: compare trajectory_hash.";
+
+/// Runs the command.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let prepared = Prepared::new(&arguments.building, &arguments.location, arguments.json)?;
+    let period = arguments.run_period()?;
+    let mut env = prepared.env(period, arguments.steps_per_hour, arguments.task.clone())?;
+    let folder = OutputFolder::stage(&arguments.folder(&prepared.place, period))?;
+    let mut controller = arguments.controller.build(&prepared, &env, arguments.json)?;
+    let rollout = roll_out(&mut env, controller.as_mut(), arguments.json)?;
+
+    let info = RunInfo {
+        place: prepared.place,
+        controller: arguments.controller.name(),
+        seed: arguments.controller.seed(),
+        files: folder.destinations(&[trajectory_file::NAME, Summary::NAME, picture::NAME]),
+    };
+    let summary = Summary::of(&env, &rollout, info)?;
+    folder.write(trajectory_file::NAME, |file| {
+        trajectory_file::write(file, &env, &rollout.trajectory, &summary)
+    })?;
+    folder.write(picture::NAME, |file| picture::write(file, &env, &rollout.trajectory, &summary))?;
+    folder.write(Summary::NAME, |file| Ok(serde_json::to_writer_pretty(file, &summary)?))?;
+    interrupt::check()?;
+    folder.keep()?;
+    stdout::print_result(arguments.json, &summary, || summary.text())
+}
+
+impl Arguments {
+    /// Returns the run period, shortened to `--hours`.
+    fn run_period(&self) -> Result<RunPeriod> {
+        let Some(hours) = self.hours else { return Ok(self.period) };
+        let (days, whole) = (hours / 24, self.period.days());
+        if hours % 24 != 0 || days == 0 || days > whole {
+            bail!("--hours {hours}: expected a multiple of 24, at most {} for {}", whole * 24, self.period);
+        }
+        let first = self.period.first();
+        Ok(RunPeriod::new(first, Date::of_day(first.day_of_year() + days - 1))?)
+    }
+
+    /// Returns the output folder.
+    fn folder(&self, place: &str, period: RunPeriod) -> PathBuf {
+        self.out.clone().unwrap_or_else(|| {
+            let place = place.replace(' ', "_");
+            let mut name = format!("{}-{place}-{period}-{}", self.building, self.controller.name());
+            if self.task != Task::default() {
+                name += &format!("-{}", self.task).replace([':', '#'], "_");
+            }
+            PathBuf::from("b2b-out").join(name)
+        })
+    }
+}

@@ -1,0 +1,224 @@
+//! `picture.html`: the time series of an episode, in one file that needs no network.
+//!
+//! Every series is stored as the mean, minimum and maximum of each of at most [`MAX_POINTS`] spans of equal length,
+//! quantized to 16 bits between the minimum and maximum of the whole series. That keeps a year of the largest building
+//! below 5 MB. The page draws with its own script.
+
+use std::io::Write;
+
+use anyhow::Result;
+use b2b_building::hvac::Quantity;
+use b2b_building::morphology::Owner;
+use b2b_building::{Conditioning, PreparedBuilding};
+use b2b_env::{Env, Target, Trajectory};
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
+use serde::Serialize;
+use serde_json::json;
+
+use super::summary::Summary;
+
+/// Name of the file.
+pub const NAME: &str = "picture.html";
+
+const PAGE: &str = include_str!("picture.html");
+/// Maximum number of points of a series: the hours of a year, with the rounding of the last day.
+const MAX_POINTS: usize = 8784;
+
+/// Series of one unit over the time axis.
+#[derive(Serialize)]
+struct Panel {
+    title: String,
+    unit: &'static str,
+    series: Vec<Series>,
+    /// The comfort band around a constant target, to be shaded.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    band: Option<[f64; 2]>,
+}
+
+/// One time series.
+#[derive(Serialize)]
+struct Series {
+    name: String,
+    /// Index of the color. Series of the same color belong to the same zone.
+    color: usize,
+    low: f64,
+    high: f64,
+    /// Means of the spans: base64 of little-endian 16-bit numbers, 0 for `low` and 65535 for `high`.
+    mean: String,
+    /// Minima and maxima of the spans, where a span is more than one step.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    extremes: Option<[String; 2]>,
+}
+
+/// Writes the page.
+pub fn write(file: &mut impl Write, env: &Env, trajectory: &Trajectory, summary: &Summary) -> Result<()> {
+    let picture = Picture { env, trajectory, span: trajectory.len().div_ceil(MAX_POINTS).max(1) };
+    let data = json!({
+        "title": summary.title(),
+        "summary": summary,
+        "first_day": env.episode().period.first().day_of_year(),
+        "steps_per_hour": env.episode().steps_per_hour,
+        "span": picture.span,
+        "points": trajectory.len().div_ceil(picture.span),
+        "panels": picture.panels(),
+    });
+    // `<` would let a name end the script element.
+    let data = data.to_string().replace('<', "\\u003c");
+    Ok(file.write_all(PAGE.replace("{{DATA}}", &data).as_bytes())?)
+}
+
+struct Picture<'a> {
+    env: &'a Env,
+    trajectory: &'a Trajectory,
+    /// Steps per point.
+    span: usize,
+}
+
+impl Picture<'_> {
+    fn panels(&self) -> Vec<Panel> {
+        let mut panels = vec![self.temperatures(), self.targets(), self.outdoor(), self.power()];
+        const GROUPS: [(Quantity, &str); 5] = [
+            (Quantity::SupplyAirFlow, "supply air flow"),
+            (Quantity::SupplyAirTemperature, "supply air temperature"),
+            (Quantity::OutdoorAirFlow, "outdoor air flow"),
+            (Quantity::DamperOpening, "damper opening"),
+            (Quantity::HeatingSetpoint, "heating setpoint"),
+        ];
+        panels.extend(GROUPS.map(|(quantity, what)| self.actions(quantity, what)));
+        panels.retain(|panel| !panel.series.is_empty());
+        panels
+    }
+
+    fn temperatures(&self) -> Panel {
+        let band = self.env.episode().task.comfort_band;
+        let series = self.zones(|conditioning| conditioning != Conditioning::None).collect();
+        let target = self.env.observation_space().constant_target();
+        let band = target.map(|target| [target - band, target + band]);
+        Panel { title: "Zone air temperature".into(), unit: "°C", series, band }
+    }
+
+    /// Returns the targets that vary over time.
+    fn targets(&self) -> Panel {
+        let zones = self.env.building().zones.iter().enumerate();
+        let controlled = zones.filter(|(_, zone)| zone.conditioning != Conditioning::None);
+        let series = controlled.enumerate().filter_map(|(index, (number, zone))| {
+            match self.env.observation_space().target(index) {
+                Target::Slot(slot) => Some(self.slot(zone.name.clone(), number, slot, 1.0)),
+                Target::Always(_) => None,
+            }
+        });
+        Panel { title: "Target temperature".into(), unit: "°C", series: series.collect(), band: None }
+    }
+
+    /// Returns the outdoor air with attics and plenums, which follow it more than any target.
+    fn outdoor(&self) -> Panel {
+        let outdoor = self.env.observation_space().outdoor_temperature();
+        let mut series = vec![self.slot("outdoor air".into(), self.env.building().zones.len(), outdoor, 1.0)];
+        series.extend(self.zones(|conditioning| conditioning == Conditioning::None));
+        Panel { title: "Outdoor air and unconditioned zones".into(), unit: "°C", series, band: None }
+    }
+
+    /// Returns the temperatures of the zones whose equipment matches.
+    fn zones(&self, matches: impl Fn(Conditioning) -> bool) -> impl Iterator<Item = Series> {
+        let zones = self.env.building().zones.iter().enumerate();
+        let slots = self.env.observation_space().zone_temperatures();
+        zones
+            .zip(slots)
+            .filter(move |((_, zone), _)| matches(zone.conditioning))
+            .map(|((number, zone), slot)| self.slot(zone.name.clone(), number, slot, 1.0))
+    }
+
+    fn power(&self) -> Panel {
+        let space = self.env.observation_space();
+        let per_hour = f64::from(self.env.episode().steps_per_hour);
+        let series = vec![
+            self.slot("electricity".into(), 0, space.electricity(), per_hour),
+            self.slot("gas".into(), 1, space.gas(), per_hour),
+        ];
+        Panel { title: "HVAC power".into(), unit: "W/m²", series, band: None }
+    }
+
+    fn actions(&self, quantity: Quantity, what: &str) -> Panel {
+        let building = self.env.building();
+        let actuators = building.owned_actuators().enumerate();
+        let series = actuators.filter(|(_, (_, actuator))| actuator.quantity == quantity).map(
+            |(k, (owner, actuator))| {
+                let name = actuator.name.trim_end_matches(what).trim_end().to_owned();
+                self.series(name, zone_of(building, owner), self.trajectory.acted(k).collect())
+            },
+        );
+        Panel {
+            title: format!("Action: {what}"),
+            unit: quantity.unit(),
+            series: series.collect(),
+            band: None,
+        }
+    }
+
+    /// Returns a slot of the observation, multiplied by a scale.
+    fn slot(&self, name: String, color: usize, slot: usize, scale: f64) -> Series {
+        self.series(name, color, self.trajectory.observed(slot).map(|value| value * scale).collect())
+    }
+
+    fn series(&self, name: String, color: usize, values: Vec<f64>) -> Series {
+        let (low, high) = (minimum(&values), maximum(&values));
+        let points = |of: fn(&[f64]) -> f64| encode(values.chunks(self.span).map(of), low, high);
+        Series {
+            name,
+            color,
+            low,
+            high,
+            mean: points(|span| span.iter().sum::<f64>() / span.len() as f64),
+            extremes: (self.span > 1).then(|| [points(minimum), points(maximum)]),
+        }
+    }
+}
+
+fn minimum(values: &[f64]) -> f64 {
+    values.iter().copied().fold(f64::INFINITY, f64::min)
+}
+
+fn maximum(values: &[f64]) -> f64 {
+    values.iter().copied().fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// Returns the index of the zone that an actuator belongs to; for an air loop, its first zone.
+fn zone_of(building: &PreparedBuilding, owner: Owner) -> usize {
+    let number = |zone: &str| building.zones.iter().position(|z| z.name.eq_ignore_ascii_case(zone));
+    match owner {
+        Owner::Zone(zone) => zone,
+        Owner::AirLoop(system) => {
+            building.systems[system].zones().first().and_then(|zone| number(zone)).unwrap_or(0)
+        }
+        Owner::Weather | Owner::Calendar | Owner::Energy => 0,
+    }
+}
+
+/// Returns base64 of 16-bit numbers, 0 for `low` and 65535 for `high`.
+fn encode(values: impl Iterator<Item = f64>, low: f64, high: f64) -> String {
+    let range = if high > low { high - low } else { 1.0 };
+    let bytes: Vec<u8> = values
+        .flat_map(|value| (((value - low) / range * f64::from(u16::MAX)).round() as u16).to_le_bytes())
+        .collect();
+    BASE64_STANDARD.encode(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_are_quantized_between_minimum_and_maximum() {
+        let bytes = BASE64_STANDARD.decode(encode([1.0, 2.0, 3.0].into_iter(), 1.0, 3.0)).unwrap();
+        assert_eq!(bytes, [0, 0, 0, 128, 255, 255]);
+    }
+
+    #[test]
+    fn the_page_needs_no_network() {
+        assert_eq!(PAGE.matches("{{DATA}}").count(), 1);
+        for word in ["http://", "https://", "src=", "@import", "<link"] {
+            assert!(!PAGE.contains(word), "{word}");
+        }
+    }
+}

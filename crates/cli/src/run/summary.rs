@@ -1,0 +1,327 @@
+//! The metrics of an episode, as text and as JSON.
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+use b2b_dataset::GENERATOR_VERSION;
+use b2b_energyplus::Level;
+use b2b_energyplus::install::ENGINE_VERSION;
+use b2b_env::{Env, Setpoints, Task};
+use cpu_time::ProcessTime;
+use serde::{Deserialize, Serialize};
+
+use crate::rollout::Rollout;
+use crate::table::Table;
+
+/// The content of `summary.json`, which `--json` prints too. Means over zones are over those with both heating and
+/// cooling.
+#[derive(Serialize)]
+pub struct Summary {
+    /// Building type, dataset id, or name of the model.
+    pub building: String,
+    /// Place, controller, seed and files.
+    #[serde(flatten)]
+    pub info: RunInfo,
+    /// Versions that the episode depends on.
+    pub versions: Versions,
+    /// Run period, as on the command line.
+    pub period: String,
+    /// Zone time steps per hour.
+    pub steps_per_hour: u32,
+    /// Short form of the task.
+    pub task: String,
+    /// SHA-256 of the task: equal hashes mean equal tasks.
+    pub task_hash: String,
+    /// The task in full. A file with this object is valid for `--task`.
+    pub task_definition: Task,
+    /// Scale τ_E that normalizes the reward's energy term.
+    pub energy_scale: f64,
+    /// Number of steps.
+    pub steps: usize,
+    /// Sum of the rewards.
+    #[serde(rename = "return")]
+    pub episode_return: f64,
+    /// Sum of the temperature penalties, K².
+    pub temperature_penalty: f64,
+    /// Sum of the energy penalties.
+    pub energy_penalty: f64,
+    /// RMS deviation from the target temperature, K.
+    pub rms_deviation_k: f64,
+    /// Mean absolute deviation from the target temperature, K.
+    pub mean_abs_deviation_k: f64,
+    /// Hours outside the task's comfort band.
+    pub hours_outside_band: f64,
+    /// Discomfort outside the band, mean over the controlled zones, K·h.
+    pub discomfort_k_h: f64,
+    /// Controlled zones that are never occupied.
+    pub never_occupied: Vec<String>,
+    /// HVAC electricity, Wh/m².
+    pub electricity_wh_m2: f64,
+    /// HVAC gas, Wh/m².
+    pub gas_wh_m2: f64,
+    /// Energy cost at the task's prices, currency/m².
+    pub cost_m2: f64,
+    /// Emissions at the task's emission factors, kg CO₂/m².
+    pub emissions_kg_m2: f64,
+    /// Peak electric HVAC demand, averaged over a step, W/m².
+    pub peak_electricity_w_m2: f64,
+    /// Peak gas demand, averaged over a step, W/m².
+    pub peak_gas_w_m2: f64,
+    /// Actuator travel, mean over the actuators, full strokes/day.
+    pub daily_travel: f64,
+    /// Travel of each actuator over the episode, full strokes, in action order.
+    pub travel: Vec<f64>,
+    /// Largest relative mismatch between the energy of the steps and EnergyPlus's meters.
+    pub meter_relative_error: f64,
+    /// Number of engine warnings.
+    pub engine_warnings: usize,
+    /// Number of severe engine messages.
+    pub engine_severes: usize,
+    /// The first severe messages.
+    pub severe_messages: Vec<String>,
+    /// Number of action values that were clamped to their bounds.
+    pub clamped_actions: usize,
+    /// SHA-256 of all observations, actions and penalties: equal hashes mean equal episodes.
+    pub trajectory_hash: String,
+    /// CPU time of the process up to the end of the episode, s.
+    pub cpu_s: f64,
+    /// CPU time within `Env::reset` and `Env::step`, s.
+    pub engine_cpu_s: f64,
+    /// Steps per second of wall-clock time.
+    pub steps_per_s: f64,
+    /// The controlled zones.
+    pub zones: Vec<ZoneSummary>,
+}
+
+/// Versions that determine an episode: equal versions give equal episodes.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Versions {
+    /// Version of this program.
+    pub package: String,
+    /// Version of the building generator.
+    pub generator: String,
+    /// Version of EnergyPlus.
+    pub engine: String,
+}
+
+impl Versions {
+    /// Returns the versions in use.
+    pub fn current() -> Self {
+        let [package, generator, engine] =
+            [env!("CARGO_PKG_VERSION"), GENERATOR_VERSION, ENGINE_VERSION].map(str::to_owned);
+        Self { package, generator, engine }
+    }
+}
+
+/// Properties of a run that the environment does not know.
+#[derive(Serialize)]
+pub struct RunInfo {
+    /// Name of the place, or of the weather file.
+    pub place: String,
+    /// Name of the controller.
+    pub controller: &'static str,
+    /// Random seed of the controller.
+    pub seed: u64,
+    /// Output files.
+    pub files: Vec<PathBuf>,
+}
+
+/// Comfort metrics of one zone.
+#[derive(Serialize)]
+pub struct ZoneSummary {
+    /// Name of the zone.
+    pub name: String,
+    /// Root mean square deviation, K.
+    pub rms_deviation_k: f64,
+    /// Mean absolute deviation, K.
+    pub mean_abs_deviation_k: f64,
+    /// Hours outside the task's comfort band.
+    pub hours_outside_band: f64,
+    /// Discomfort outside the band, K·h.
+    pub discomfort_k_h: f64,
+    /// Whether it has both heating and cooling.
+    pub heating_and_cooling: bool,
+}
+
+/// Number of severe messages that are kept.
+const SEVERES_KEPT: usize = 5;
+
+impl Summary {
+    /// Name of the file.
+    pub const NAME: &str = "summary.json";
+
+    /// Summarizes a finished episode.
+    pub fn of(env: &Env, rollout: &Rollout, info: RunInfo) -> Result<Self> {
+        let (metrics, episode) = (env.metrics(), env.episode());
+        let severes = env.messages();
+        let severes = severes.at_least(Level::Severe).take(SEVERES_KEPT);
+        Ok(Self {
+            building: env.building().name.clone(),
+            info,
+            versions: Versions::current(),
+            period: episode.period.to_string(),
+            steps_per_hour: episode.steps_per_hour,
+            task: episode.task.to_string(),
+            task_hash: episode.task.hash(),
+            task_definition: episode.task.clone(),
+            energy_scale: env.energy_scale(),
+            steps: metrics.steps,
+            episode_return: metrics.episode_return,
+            temperature_penalty: metrics.temperature_penalty,
+            energy_penalty: metrics.energy_penalty,
+            rms_deviation_k: metrics.rms_deviation(),
+            mean_abs_deviation_k: metrics.mean_abs_deviation(),
+            hours_outside_band: metrics.hours_outside_band(),
+            discomfort_k_h: metrics.discomfort(),
+            never_occupied: rollout.never_occupied.clone(),
+            electricity_wh_m2: metrics.electricity,
+            gas_wh_m2: metrics.gas,
+            cost_m2: metrics.cost,
+            emissions_kg_m2: metrics.emissions / 1000.0,
+            peak_electricity_w_m2: metrics.peak_electricity,
+            peak_gas_w_m2: metrics.peak_gas,
+            daily_travel: metrics.daily_travel(),
+            travel: metrics.travel.clone(),
+            meter_relative_error: meter_relative_error(env)?,
+            engine_warnings: env.message_count(Level::Warning),
+            engine_severes: env.message_count(Level::Severe),
+            severe_messages: severes.map(|message| message.text.clone()).collect(),
+            clamped_actions: metrics.clamped_actions,
+            trajectory_hash: rollout.trajectory.hash(),
+            cpu_s: ProcessTime::now().as_duration().as_secs_f64(),
+            engine_cpu_s: rollout.env_cpu.as_secs_f64(),
+            steps_per_s: metrics.steps as f64 / rollout.wall.as_secs_f64(),
+            zones: zones(env),
+        })
+    }
+
+    /// Returns the text report.
+    pub fn text(&self) -> String {
+        let severes: String =
+            self.severe_messages.iter().map(|m| format!("    severe: {}\n", m.replace('\n', " "))).collect();
+        let files: Vec<_> = self.info.files.iter().map(|file| format!("  {}", file.display())).collect();
+        format!(
+            "{}\n\n{}\n{severes}\n{}{}\n\n{}",
+            self.title(),
+            self.metrics_text(),
+            self.zone_table(),
+            self.never_occupied_note(),
+            files.join("\n")
+        )
+    }
+
+    /// Returns a line that identifies the episode.
+    pub fn title(&self) -> String {
+        let Self { building, period, steps, task, info: RunInfo { place, controller, .. }, .. } = self;
+        let minutes = 60 / self.steps_per_hour;
+        format!(
+            "{building} in {place}, {period}, task {task}, {controller} controller: {steps} steps of {minutes} min"
+        )
+    }
+
+    fn metrics_text(&self) -> String {
+        let metrics = [self.outcome_metrics(), self.run_diagnostics()].concat();
+        let lines: Vec<_> = metrics.iter().map(|(name, value)| format!("  {name:<39}{value}")).collect();
+        lines.join("\n")
+    }
+
+    /// Returns how well the episode went: reward, comfort, energy and wear.
+    fn outcome_metrics(&self) -> Vec<(&'static str, String)> {
+        let hours = self.steps as f64 / f64::from(self.steps_per_hour);
+        let band = self.task_definition.comfort_band;
+        let [temperature, energy] = [self.temperature_penalty, self.energy_penalty].map(|p| 0.0 - p);
+        vec![
+            (
+                "return",
+                format!("{:.1}  (temperature {temperature:.1}, energy {energy:.1})", self.episode_return),
+            ),
+            ("mean absolute deviation", format!("{:.2} K", self.mean_abs_deviation_k)),
+            ("RMS deviation", format!("{:.2} K", self.rms_deviation_k)),
+            ("outside comfort band", format!("{:.1} h of {hours:.0} h (±{band} K)", self.hours_outside_band)),
+            ("discomfort outside the band", format!("{:.1} K·h", self.discomfort_k_h)),
+            ("HVAC electricity", format!("{:.2} kWh/m²", self.electricity_wh_m2 / 1000.0)),
+            ("HVAC gas", format!("{:.2} kWh/m²", self.gas_wh_m2 / 1000.0)),
+            (
+                "cost, emissions",
+                format!("{:.2} currency/m², {:.2} kg CO₂/m²", self.cost_m2, self.emissions_kg_m2),
+            ),
+            ("peak electric demand", format!("{:.1} W/m²", self.peak_electricity_w_m2)),
+            ("actuator travel", format!("{:.1} full strokes/day", self.daily_travel)),
+        ]
+    }
+
+    /// Returns whether the run can be trusted, and what it cost to compute.
+    fn run_diagnostics(&self) -> Vec<(&'static str, String)> {
+        let other_cpu = self.cpu_s - self.engine_cpu_s;
+        vec![
+            ("clamped action values", self.clamped_actions.to_string()),
+            ("engine messages", format!("{} warnings, {} severe", self.engine_warnings, self.engine_severes)),
+            (
+                "energy mismatch vs. EnergyPlus meters",
+                format!("{:.1e} (relative)", self.meter_relative_error),
+            ),
+            ("speed", format!("{:.0} steps/s", self.steps_per_s)),
+            (
+                "CPU time",
+                format!(
+                    "{:.2} s environment, {other_cpu:.2} s other (preparation, controller)",
+                    self.engine_cpu_s
+                ),
+            ),
+        ]
+    }
+
+    fn zone_table(&self) -> String {
+        let mut table = Table::new([
+            "zone",
+            "equipment",
+            "mean abs. deviation (K)",
+            "RMS deviation (K)",
+            "outside band (h)",
+            "discomfort (K·h)",
+        ]);
+        for zone in &self.zones {
+            table.row([
+                zone.name.clone(),
+                if zone.heating_and_cooling { "heating and cooling" } else { "heating only" }.into(),
+                format!("{:.2}", zone.mean_abs_deviation_k),
+                format!("{:.2}", zone.rms_deviation_k),
+                format!("{:.1}", zone.hours_outside_band),
+                format!("{:.1}", zone.discomfort_k_h),
+            ]);
+        }
+        table.text()
+    }
+
+    /// Returns a note on zones whose setpoint is always the unoccupied one.
+    fn never_occupied_note(&self) -> String {
+        let by_occupancy = matches!(self.task_definition.setpoints, Setpoints::Occupancy { .. });
+        if !by_occupancy || self.never_occupied.is_empty() {
+            return String::new();
+        }
+        let zones = self.never_occupied.join(", ");
+        format!("\n\n  never occupied, always at the unoccupied setpoint: {zones}")
+    }
+}
+
+fn zones(env: &Env) -> Vec<ZoneSummary> {
+    let metrics = env.metrics();
+    let zone = |zone: &b2b_env::ZoneMetrics| ZoneSummary {
+        name: env.building().zones[zone.slot].name.clone(),
+        rms_deviation_k: zone.rms_deviation(metrics.steps),
+        mean_abs_deviation_k: zone.mean_abs_deviation(metrics.steps),
+        hours_outside_band: metrics.zone_hours_outside_band(zone),
+        discomfort_k_h: zone.discomfort,
+        heating_and_cooling: zone.fully_conditioned,
+    };
+    metrics.zones.iter().map(zone).collect()
+}
+
+/// Returns the largest relative mismatch of a fuel. A fuel that the building does not use has none.
+fn meter_relative_error(env: &Env) -> Result<f64> {
+    const TINY: f64 = 1e-9;
+    let ours = [env.metrics().electricity, env.metrics().gas];
+    let errors =
+        ours.iter().zip(env.engine_meters()?).map(|(ours, engine)| (ours - engine).abs() / engine.max(TINY));
+    Ok(errors.fold(0.0, f64::max))
+}

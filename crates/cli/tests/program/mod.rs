@@ -1,0 +1,47 @@
+//! The `b2b` program, run in a folder.
+#![allow(dead_code, reason = "every test file uses some of it")]
+
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+
+use serde_json::Value;
+
+/// Returns the program with arguments that are separated by spaces.
+pub fn command(folder: &Path, arguments: &str) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_b2b"));
+    command.args(arguments.split_whitespace()).current_dir(folder).stdin(Stdio::null());
+    command
+}
+
+/// Runs the program to its end.
+pub fn b2b(folder: &Path, arguments: &str) -> Output {
+    command(folder, arguments).output().unwrap()
+}
+
+/// Returns what it wrote to standard error.
+pub fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// Returns what it wrote to both outputs.
+pub fn both_outputs(output: &Output) -> String {
+    format!("{}{}", String::from_utf8_lossy(&output.stdout), stderr(output))
+}
+
+/// Returns the object that it prints with `--json`.
+pub fn json(folder: &Path, arguments: &str) -> Value {
+    let output = b2b(folder, &format!("{arguments} --json"));
+    assert!(output.status.success(), "{}", stderr(&output));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+/// Asserts that a command fails with code 1 and a message that contains all words.
+pub fn assert_rejected(folder: &Path, arguments: &str, words: &[&str]) {
+    let output = b2b(folder, arguments);
+    let message = both_outputs(&output);
+    assert_eq!(output.status.code(), Some(1), "{arguments}: {message}");
+    assert!(!message.contains("panicked"), "{arguments}: {message}");
+    for word in words {
+        assert!(message.contains(word), "{arguments}: `{word}` is not in: {message}");
+    }
+}

@@ -1,0 +1,44 @@
+//! Errors of places and weather files.
+
+use std::path::PathBuf;
+
+/// An error of this crate.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// A file that is not a valid weather file.
+    #[error("{path}: {why}")]
+    Malformed {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong in it.
+        why: String,
+    },
+    /// A place without a known weather file.
+    #[error(
+        "there is no weather for `{name}`{}; the places are {}, or give the path of an EPW file",
+        near.map(|near| format!(": did you mean {near}?")).unwrap_or_default(),
+        known.join(", ")
+    )]
+    UnknownPlace {
+        /// The name that was asked for.
+        name: String,
+        /// The known place it resembles.
+        near: Option<&'static str>,
+        /// Every known place.
+        known: Vec<&'static str>,
+    },
+    /// A weather package could not be installed.
+    #[error(transparent)]
+    Install(#[from] b2b_energyplus::install::Error),
+    /// A file could not be read or written.
+    #[error("{path}: {source}")]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// The error of the operating system.
+        source: std::io::Error,
+    },
+}
+
+/// A result of this crate.
+pub type Result<T> = std::result::Result<T, Error>;

@@ -1,0 +1,24 @@
+//! Places, their weather files, climate zones and design days.
+
+mod clear_sky;
+mod degree_days;
+pub mod epw;
+mod error;
+mod location;
+mod morph;
+mod region;
+pub mod site;
+mod station;
+mod sun;
+pub mod weather;
+mod zone;
+
+pub use degree_days::DegreeDays;
+pub use error::{Error, Result};
+pub use location::{Location, WeatherFile};
+pub use morph::{MORPH_VERSION, morph};
+pub use region::Region;
+pub use site::{DesignDay, Site};
+pub use station::{DesignConditions, MonthNormals, Station};
+pub use weather::{PLACES, Place};
+pub use zone::ClimateYear;

@@ -1,0 +1,137 @@
+//! The ASHRAE 169 climate zone of a weather file.
+
+use std::fmt;
+
+use super::DegreeDays;
+
+/// Mean relative humidity under which a climate is called dry, %.
+const DRY: f64 = 60.0;
+
+/// A year of weather as its climate zone sees it.
+///
+/// The thermal digit is that of ANSI/ASHRAE Standard 169, by degree-days. Its letters are by yearly precipitation,
+/// which weather files rarely have: here a climate is dry (B) where the mean relative humidity is under 60 %, marine (C)
+/// where the standard's three conditions on monthly means hold, and humid (A) otherwise. So told, the 19 places with
+/// weather of their own have the zones of the standard. A typical year can fall beside the standard's own table, which
+/// is by county: Las Vegas is 3B there, and 2B by its TMY3 file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClimateYear {
+    /// Degree-days under 18 °C, K·d.
+    pub heating_degree_days: f64,
+    /// Degree-days over 10 °C, K·d.
+    pub cooling_degree_days: f64,
+    /// Mean dry bulb of each month, °C.
+    pub monthly_dry_bulbs: [f64; 12],
+    /// Mean relative humidity, %.
+    pub relative_humidity: f64,
+}
+
+/// Month, dry bulb (°C) and relative humidity (%) of an hour.
+type Hour = (usize, f64, f64);
+
+impl ClimateYear {
+    /// The year of an EPW text; `None` when a month has no hour.
+    pub fn from_epw(text: &str) -> Option<Self> {
+        let hours: Vec<Hour> = text.lines().skip(8).filter_map(hour).collect();
+        let monthly_dry_bulbs =
+            std::array::from_fn(|month| mean(hours.iter().filter(|hour| hour.0 == month).map(|hour| hour.1)));
+        let dry_bulbs: Vec<f64> = hours.iter().map(|hour| hour.1).collect();
+        let days = DegreeDays::of_hours(&dry_bulbs);
+        let complete = monthly_dry_bulbs.iter().all(|mean: &f64| mean.is_finite());
+        complete.then(|| Self {
+            heating_degree_days: days.heating,
+            cooling_degree_days: days.cooling,
+            monthly_dry_bulbs,
+            relative_humidity: mean(hours.iter().map(|hour| hour.2)),
+        })
+    }
+
+    /// The zone, such as `5B` or `7`.
+    pub fn zone(&self) -> String {
+        match self.thermal_zone() {
+            cold @ 7.. => cold.to_string(),
+            zone => format!("{zone}{}", self.moisture(zone)),
+        }
+    }
+
+    /// 0 to 8 (ASHRAE 169-2020, table A-3).
+    fn thermal_zone(&self) -> u32 {
+        let (heat, cool) = (self.heating_degree_days, self.cooling_degree_days);
+        match () {
+            () if cool > 6000.0 => 0,
+            () if cool > 5000.0 => 1,
+            () if cool > 3500.0 => 2,
+            () if heat <= 2000.0 => 3,
+            () if heat <= 3000.0 => 4,
+            () if heat <= 4000.0 => 5,
+            () if heat <= 5000.0 => 6,
+            () if heat <= 7000.0 => 7,
+            () => 8,
+        }
+    }
+
+    fn moisture(&self, thermal_zone: u32) -> char {
+        if self.relative_humidity < DRY {
+            'B'
+        } else if (3..=5).contains(&thermal_zone) && self.marine() {
+            'C'
+        } else {
+            'A'
+        }
+    }
+
+    /// A coldest month of -3 to 18 °C, a warmest under 22 °C, and four over 10 °C.
+    fn marine(&self) -> bool {
+        let months = self.monthly_dry_bulbs;
+        let coldest = months.iter().copied().fold(f64::INFINITY, f64::min);
+        let warmest = months.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let mild = months.iter().filter(|month| **month > 10.0).count();
+        (-3.0..=18.0).contains(&coldest) && warmest < 22.0 && mild >= 4
+    }
+}
+
+impl fmt::Display for ClimateYear {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{:.0} K·d under 18 °C, {:.0} K·d over 10 °C, mean relative humidity {:.0} %",
+            self.heating_degree_days, self.cooling_degree_days, self.relative_humidity
+        )
+    }
+}
+
+fn hour(line: &str) -> Option<Hour> {
+    let mut fields = line.split(',').map(str::trim);
+    let month = fields.nth(1)?.parse::<usize>().ok()?.checked_sub(1).filter(|month| *month < 12)?;
+    let mut number = |skip| fields.nth(skip)?.parse().ok().filter(|value: &f64| value.is_finite());
+    Some((month, number(4)?, number(1)?))
+}
+
+fn mean(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
+    sum / count
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::PLACES;
+    use b2b_energyplus::install::Quiet;
+
+    /// Uses the user's own cache, and fills it when it is empty.
+    #[test]
+    fn the_zone_of_every_place_follows_from_its_weather_file() {
+        for place in &PLACES {
+            let bytes = std::fs::read(place.epw(&mut Quiet).unwrap()).unwrap();
+            let year = ClimateYear::from_epw(&String::from_utf8_lossy(&bytes)).unwrap();
+            assert_eq!(year.zone(), place.ashrae_zone, "{}: {year}", place.name);
+        }
+    }
+
+    #[test]
+    fn a_year_with_a_month_missing_has_no_zone() {
+        assert_eq!(ClimateYear::from_epw(""), None);
+        let january = "1999,1,1,1,60,flags,20.0,10.0,50\n".repeat(8760);
+        assert_eq!(ClimateYear::from_epw(&("header\n".repeat(8) + &january)), None);
+    }
+}

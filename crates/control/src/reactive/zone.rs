@@ -1,0 +1,11 @@
+//! The slots of a zone in the observation.
+
+use b2b_env::Target;
+
+/// Where the observation holds what the control loop of a zone needs.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ZoneSlots {
+    /// Slot of the air temperature.
+    pub(super) temperature: usize,
+    pub(super) target: Target,
+}

@@ -1,0 +1,336 @@
+//! From what a user calls a building to its model and its weather.
+
+use std::collections::HashMap;
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use b2b_building::description::Origin;
+use b2b_building::{BuildingType, Class, Model, PreparedBuilding, import};
+use b2b_climate::{ClimateYear, Place, Site, epw};
+use b2b_energyplus::Library;
+use b2b_energyplus::install::{Cache, Engine, Progress};
+
+use crate::{Building, BuildingId};
+use crate::{Error, Result, archetype, commercial};
+
+/// What a user calls a building: `OfficeSmall`, `OfficeSmall-0042` or `my.idf`.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub enum BuildingName {
+    /// A type: its base model.
+    Type(BuildingType),
+    /// A building of the dataset.
+    Id(BuildingId),
+    /// A model of the user's own.
+    Model(PathBuf),
+}
+
+/// Where a building stands when it is not at home.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Placement {
+    /// A known place.
+    pub place: Option<&'static Place>,
+    /// A weather file of the user (EPW). It goes before a place.
+    pub weather: Option<PathBuf>,
+}
+
+/// The engine, and what models are made from: read once, then kept.
+#[derive(Debug)]
+pub struct Catalog {
+    library: Library,
+    engine: Engine,
+    cache: Cache,
+    prototypes: Mutex<HashMap<BuildingType, Arc<Model>>>,
+    sites: Mutex<HashMap<PathBuf, Arc<Site>>>,
+}
+
+/// A building by its name: its model before sizing, and its weather.
+#[derive(Clone, Debug)]
+pub struct Found {
+    /// What it was called.
+    pub name: BuildingName,
+    /// What it is of; `None` for a model of the user's own.
+    pub class: Option<Class>,
+    /// Whether its model is a prototype as it comes with the engine.
+    pub prototype: bool,
+    /// Name of the place, or of the weather file.
+    pub place: String,
+    /// The weather file.
+    pub weather: PathBuf,
+    /// What the weather file says of the place.
+    pub site: Arc<Site>,
+    /// The model before sizing.
+    pub model: Model,
+}
+
+impl Catalog {
+    /// Loads the engine; it is fetched when it is not in the cache.
+    ///
+    /// # Errors
+    /// [`Error::Install`] and [`Error::Engine`].
+    pub fn open(progress: &mut dyn Progress) -> Result<Self> {
+        let engine = Engine::ensure(progress)?;
+        Ok(Self {
+            library: Library::load(&engine.library)?,
+            engine,
+            cache: Cache::from_env()?,
+            prototypes: Mutex::default(),
+            sites: Mutex::default(),
+        })
+    }
+
+    /// The engine.
+    pub fn library(&self) -> &Library {
+        &self.library
+    }
+
+    /// Finds a building. Its weather is fetched or made when it is not in the cache.
+    ///
+    /// # Errors
+    /// [`Error::HasPlace`] and [`Error::NoWeather`] when the placement does not suit the name; what is wrong with the
+    /// weather file or the model.
+    pub fn find(
+        &self,
+        name: &BuildingName,
+        placement: &Placement,
+        progress: &mut dyn Progress,
+    ) -> Result<Found> {
+        let (place, weather) = self.weather(name, placement, progress)?;
+        let site = self.site(&weather)?;
+        let model = self.model(name, placement, &site)?;
+        let class = placement.class(name, &weather)?;
+        let prototype = placement.leaves_prototype(name);
+        Ok(Found { name: name.clone(), class, prototype, place, weather, site, model })
+    }
+
+    /// The model of a generated building, before sizing, and its weather file.
+    ///
+    /// # Errors
+    /// Those of [`Building::weather`] and [`Building::model`].
+    pub fn generate(&self, building: &Building, progress: &mut dyn Progress) -> Result<(Model, PathBuf)> {
+        let weather = building.weather(&self.cache, progress)?;
+        let model = building.model(&*self.prototype(building.building_type())?, &*self.site(&weather)?)?;
+        Ok((model, weather))
+    }
+
+    fn weather(
+        &self,
+        name: &BuildingName,
+        placement: &Placement,
+        progress: &mut dyn Progress,
+    ) -> Result<(String, PathBuf)> {
+        if let Some(path) = &placement.weather {
+            check_weather(path)?;
+            let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            return Ok((name, path.clone()));
+        }
+        let place = match (name, placement.place) {
+            (BuildingName::Id(id), None) => {
+                let building = &crate::row(*id).building;
+                return Ok((building.place().to_owned(), building.weather(&self.cache, progress)?));
+            }
+            (BuildingName::Id(id), Some(_)) => {
+                let place = crate::row(*id).building.place().to_owned();
+                return Err(Error::HasPlace { building: id.to_string(), place });
+            }
+            (BuildingName::Type(building_type), None) => Place::find(building_type.home())?,
+            (BuildingName::Model(path), None) => return Err(Error::NoWeather { path: path.clone() }),
+            (_, Some(place)) => place,
+        };
+        Ok((place.name.to_owned(), place.epw(progress)?))
+    }
+
+    /// A base model at home stays as it is; elsewhere it is one for that climate.
+    fn model(&self, name: &BuildingName, placement: &Placement, site: &Site) -> Result<Model> {
+        let building_type = match name {
+            BuildingName::Type(building_type) => *building_type,
+            BuildingName::Id(id) => {
+                return crate::row(*id).building.model(&*self.prototype(id.building_type())?, site);
+            }
+            BuildingName::Model(path) => return Ok(import::read(path, &self.library)?),
+        };
+        let base = archetype::base_model(building_type, &self.engine, &self.library, site)?;
+        match placement.place {
+            _ if building_type == BuildingType::SingleFamilyHouse => Ok(base),
+            _ if placement.weather.is_some() => commercial::relocated(&base, site),
+            Some(place) if place.name != building_type.home() => {
+                commercial::as_the_code_asks(&base, building_type, place, site)
+            }
+            _ => Ok(base),
+        }
+    }
+
+    fn prototype(&self, building_type: BuildingType) -> Result<Arc<Model>> {
+        remembered(&self.prototypes, &building_type, || {
+            archetype::prototype(building_type, &self.engine, &self.library)
+        })
+    }
+
+    fn site(&self, weather: &PathBuf) -> Result<Arc<Site>> {
+        remembered(&self.sites, weather, || Ok(Site::read(weather)?))
+    }
+}
+
+/// A value by its key, made when it is first asked for.
+fn remembered<K: Clone + Eq + std::hash::Hash, V>(
+    known: &Mutex<HashMap<K, Arc<V>>>,
+    key: &K,
+    make: impl FnOnce() -> Result<V>,
+) -> Result<Arc<V>> {
+    let mut known = known.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(value) = known.get(key) {
+        return Ok(Arc::clone(value));
+    }
+    let value = Arc::new(make()?);
+    known.insert(key.clone(), Arc::clone(&value));
+    Ok(value)
+}
+
+impl Found {
+    /// Sizes it and makes it controllable: all of it, or as far as possible for a user's own model.
+    ///
+    /// # Errors
+    /// Those of [`PreparedBuilding::new`].
+    pub fn prepare(self, library: &Library) -> Result<PreparedBuilding> {
+        let make = match self.name {
+            BuildingName::Model(_) => PreparedBuilding::as_far_as_possible,
+            BuildingName::Type(_) | BuildingName::Id(_) => PreparedBuilding::new,
+        };
+        let mut building =
+            make(&self.name.to_string(), self.model, &self.weather, library)?.of_class(self.class);
+        building.prototype = self.prototype;
+        Ok(building)
+    }
+}
+
+impl Placement {
+    /// Whether a building is a prototype as it comes with the engine, but for its weather: a base model at home or under a
+    /// weather file. The generator writes houses, and gives the others elsewhere what the code asks there.
+    pub fn leaves_prototype(&self, name: &BuildingName) -> bool {
+        match name {
+            BuildingName::Type(BuildingType::SingleFamilyHouse) => false,
+            BuildingName::Type(building_type) => {
+                self.weather.is_some() || self.place.is_none_or(|place| place.name == building_type.home())
+            }
+            BuildingName::Id(_) | BuildingName::Model(_) => false,
+        }
+    }
+
+    /// What a building is of. Under a weather file of the user, its climate zone follows from the file's hours.
+    fn class(&self, name: &BuildingName, weather: &Path) -> Result<Option<Class>> {
+        let building_type = match name {
+            BuildingName::Model(_) => return Ok(None),
+            BuildingName::Id(id) if self.weather.is_none() => {
+                return Ok(Some(crate::row(*id).building.class()));
+            }
+            BuildingName::Id(id) => id.building_type(),
+            BuildingName::Type(building_type) => *building_type,
+        };
+        let zone = match &self.weather {
+            Some(_) => {
+                let bytes = std::fs::read(weather)
+                    .map_err(|source| Error::Io { path: weather.to_owned(), source })?;
+                ClimateYear::from_epw(&String::from_utf8_lossy(&bytes)).map(|year| year.zone())
+            }
+            None => {
+                let home = || Place::find(building_type.home());
+                Some(self.place.map_or_else(home, Ok)?.ashrae_zone.to_owned())
+            }
+        };
+        Ok(Some(Class::new(building_type, zone.as_deref())))
+    }
+
+    /// What is known of a building beside its model.
+    pub fn origin(&self, name: &BuildingName) -> Origin {
+        match name {
+            BuildingName::Id(id) => crate::row(*id).building.origin(),
+            BuildingName::Model(_) | BuildingName::Type(BuildingType::SingleFamilyHouse) => Origin::default(),
+            BuildingName::Type(_) if self.weather.is_some() => Origin::commercial(None),
+            BuildingName::Type(building_type) => {
+                let home = || Place::find(building_type.home()).ok();
+                Origin::commercial(self.place.or_else(home).map(|place| place.ashrae_zone))
+            }
+        }
+    }
+}
+
+impl BuildingName {
+    /// The type; `None` for a model of the user's own.
+    pub fn building_type(&self) -> Option<BuildingType> {
+        match self {
+            Self::Type(building_type) => Some(*building_type),
+            Self::Id(id) => Some(id.building_type()),
+            Self::Model(_) => None,
+        }
+    }
+}
+
+impl fmt::Display for BuildingName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Type(building_type) => building_type.fmt(f),
+            Self::Id(id) => id.fmt(f),
+            Self::Model(path) => f.write_str(&path.file_stem().unwrap_or_default().to_string_lossy()),
+        }
+    }
+}
+
+impl FromStr for BuildingName {
+    type Err = Error;
+
+    /// Model files have their ending or a folder, ids have a dash, and types have none.
+    fn from_str(text: &str) -> Result<Self> {
+        let path = Path::new(text);
+        if import::is_model_file(path) || text.contains(std::path::is_separator) {
+            return Ok(Self::Model(path.to_owned()));
+        }
+        if text.contains('-') { text.parse().map(Self::Id) } else { Ok(Self::Type(text.parse()?)) }
+    }
+}
+
+/// Names what is wrong with a weather file before the engine stumbles over it.
+fn check_weather(path: &Path) -> Result<()> {
+    let bytes = std::fs::read(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
+    epw::check(&String::from_utf8_lossy(&bytes), path)?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_building_is_of_follows_from_its_name_and_where_it_stands() {
+        let class = |text: &str, place: Option<&str>| {
+            let placement = Placement { place: place.map(|name| Place::find(name).unwrap()), weather: None };
+            placement.class(&text.parse().unwrap(), Path::new("")).unwrap().map(|class| class.to_string())
+        };
+        assert_eq!(class("Warehouse", None).unwrap(), "Warehouse in zone 5");
+        assert_eq!(class("Warehouse", Some("Miami")).unwrap(), "Warehouse in zone 1");
+        assert_eq!(class("SingleFamilyHouse-0003", None).unwrap(), "SingleFamilyHouse");
+        assert_eq!(class("my.idf", Some("Miami")), None);
+        let prototype = |text: &str, place: Option<&str>| {
+            let placement = Placement { place: place.map(|name| Place::find(name).unwrap()), weather: None };
+            placement.leaves_prototype(&text.parse().unwrap())
+        };
+        assert!(prototype("Warehouse", None) && prototype("Warehouse", Some("Denver")));
+        assert!(!prototype("Warehouse", Some("Miami")) && !prototype("SingleFamilyHouse", None));
+        assert!(!prototype("Warehouse-0007", None));
+        let id = BuildingId::new(BuildingType::OfficeSmall, 42).unwrap();
+        let zone = crate::row(id).building.location().ashrae_zone().unwrap();
+        let digit = zone.chars().next().unwrap();
+        assert_eq!(class("OfficeSmall-0042", None).unwrap(), format!("OfficeSmall in zone {digit}"));
+    }
+
+    #[test]
+    fn a_building_is_named_by_its_type_its_id_or_its_file() {
+        let name = |text: &str| text.parse::<BuildingName>();
+        assert_eq!(name("Warehouse").unwrap(), BuildingName::Type(BuildingType::Warehouse));
+        assert_eq!(name("warehouse-7").unwrap().to_string(), "Warehouse-0007");
+        assert_eq!(name("my-office.IDF").unwrap(), BuildingName::Model("my-office.IDF".into()));
+        assert_eq!(name("models/office").unwrap(), BuildingName::Model("models/office".into()));
+        assert!(name("Warehouse-1001").unwrap_err().to_string().contains("Warehouse-1000"));
+        assert!(name("Warehose").unwrap_err().to_string().contains("Warehouse"));
+    }
+}

@@ -1,0 +1,174 @@
+//! Size and orientation of the whole building.
+
+use std::collections::HashMap;
+
+use b2b_building::model::{Fields, number};
+use b2b_building::zone::{self, Surface};
+use b2b_building::{Model, Result};
+use serde_json::{Value, json};
+
+/// Turns the building: degrees from true north to its y axis.
+pub(super) fn turn(model: &mut Model, north_axis: f64) {
+    for name in model.names("Building") {
+        if let Some(building) = model.get_mut("Building", &name) {
+            building.insert("north_axis".into(), json!(north_axis));
+        }
+    }
+}
+
+/// Stretches every corner of the building along x and y, away from the origin. Heights stay, so that storeys, doors and
+/// ceilings keep theirs; volumes and slab edges that the model gives as numbers follow.
+pub(super) fn stretch(model: &mut Model, x: f64, y: f64) -> Result<()> {
+    let before = exposed_perimeters(model)?;
+    for class in model.classes().map(str::to_owned).collect::<Vec<_>>() {
+        for name in model.names(&class) {
+            if let Some(fields) = model.get_mut(&class, &name) {
+                stretch_object(&class, fields, x, y);
+            }
+        }
+    }
+    let after = exposed_perimeters(model)?;
+    stretch_slabs(model, x * y, &before, &after)
+}
+
+fn stretch_object(class: &str, fields: &mut Fields, x: f64, y: f64) {
+    match class {
+        "FenestrationSurface:Detailed" => {
+            for corner in 1..=4 {
+                stretch_fields(fields, &format!("vertex_{corner}_#_coordinate"), x, y);
+            }
+        }
+        "Zone" => {
+            stretch_fields(fields, "#_origin", x, y);
+            multiply(fields, "volume", x * y);
+            multiply(fields, "floor_area", x * y);
+        }
+        "Daylighting:ReferencePoint" => {
+            stretch_fields(fields, "#_coordinate_of_reference_point", x, y);
+        }
+        _ => {
+            let corners = fields.get_mut("vertices").and_then(Value::as_array_mut).into_iter().flatten();
+            for corner in corners.filter_map(Value::as_object_mut) {
+                stretch_fields(corner, "vertex_#_coordinate", x, y);
+            }
+        }
+    }
+}
+
+/// Multiplies the x and the y field of a name with `#` in place of the axis.
+fn stretch_fields(fields: &mut Fields, name: &str, x: f64, y: f64) {
+    multiply(fields, &name.replace('#', "x"), x);
+    multiply(fields, &name.replace('#', "y"), y);
+}
+
+/// Multiplies a field that is a positive or zero number; the engine's -9999 and `Autocalculate` stay.
+pub(super) fn multiply(fields: &mut Fields, field: &str, factor: f64) {
+    let is_length = field.starts_with("vertex") || field.contains("origin") || field.contains("coordinate");
+    if let Some(value) = number(fields, field).filter(|value| is_length || *value >= 0.0) {
+        fields.insert(field.to_owned(), json!(value * factor));
+    }
+}
+
+/// Areas and exposed edges of the slabs on grade. The edges follow the exterior walls of their zone.
+fn stretch_slabs(
+    model: &mut Model,
+    area: f64,
+    before: &HashMap<String, f64>,
+    after: &HashMap<String, f64>,
+) -> Result<()> {
+    const CLASS: &str = "Construction:FfactorGroundFloor";
+    let floors = zone::surfaces(model)?;
+    for slab in model.names(CLASS) {
+        let floor = floors.iter().find(|floor| floor.construction.eq_ignore_ascii_case(&slab));
+        let zone = floor.map(|floor| floor.zone.to_lowercase()).unwrap_or_default();
+        let perimeter = match (before.get(&zone), after.get(&zone)) {
+            (Some(before), Some(after)) if *before > 0.0 => after / before,
+            _ => 1.0,
+        };
+        let fields = model.require_mut(CLASS, &slab)?;
+        multiply(fields, "area", area);
+        multiply(fields, "perimeterexposed", perimeter);
+    }
+    Ok(())
+}
+
+/// Length of the exterior walls of each zone, m, by zone in lower case.
+fn exposed_perimeters(model: &Model) -> Result<HashMap<String, f64>> {
+    let mut lengths = HashMap::new();
+    for wall in zone::surfaces(model)?.iter().filter(|s| s.is_exterior_wall()) {
+        *lengths.entry(wall.zone.to_lowercase()).or_insert(0.0) += length(wall);
+    }
+    Ok(lengths)
+}
+
+/// Extent of a vertical wall in plan, m.
+fn length(wall: &Surface) -> f64 {
+    let extent = |axis: usize| {
+        let values = wall.corners.iter().map(|corner| corner[axis]);
+        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+        high - low
+    };
+    let (dx, dy) = (extent(0), extent(1));
+    (dx * dx + dy * dy).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    fn wall(zone: &str, corners: [[f64; 3]; 4]) -> Value {
+        let vertices: Vec<_> = corners
+            .iter()
+            .map(|[x, y, z]| {
+                json!({"vertex_x_coordinate": x, "vertex_y_coordinate": y, "vertex_z_coordinate": z})
+            })
+            .collect();
+        json!({"surface_type": "Wall", "zone_name": zone, "construction_name": "W",
+            "outside_boundary_condition": "Outdoors", "vertices": vertices})
+    }
+
+    fn model() -> Model {
+        let south = [[0.0, 0.0, 3.0], [0.0, 0.0, 0.0], [10.0, 0.0, 0.0], [10.0, 0.0, 3.0]];
+        let west = [[0.0, 4.0, 3.0], [0.0, 4.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 3.0]];
+        let mut floor = wall("Z", [[0.0; 3], [0.0, 4.0, 0.0], [10.0, 4.0, 0.0], [10.0, 0.0, 0.0]]);
+        floor["surface_type"] = json!("Floor");
+        floor["construction_name"] = json!("Slab");
+        floor["outside_boundary_condition"] = json!("GroundFCfactorMethod");
+        let text = json!({
+            "Building": {"B": {"north_axis": 90}},
+            "Zone": {"Z": {"x_origin": 2, "y_origin": 3, "volume": 120, "ceiling_height": -9999.0}},
+            "BuildingSurface:Detailed": {"S": wall("Z", south), "W": wall("Z", west), "F": floor},
+            "Construction:FfactorGroundFloor": {"Slab": {"area": 40, "perimeterexposed": 14}},
+        });
+        Model::from_epjson(&text.to_string(), Path::new("test.epJSON")).unwrap()
+    }
+
+    #[test]
+    fn a_stretched_building_keeps_its_height_and_scales_the_rest() {
+        let mut model = model();
+        stretch(&mut model, 2.0, 0.5).unwrap();
+        let surfaces = zone::surfaces(&model).unwrap();
+        let area = |name| surfaces.iter().find(|s| s.name == name).unwrap().area();
+        assert_eq!((area("S"), area("W"), area("F")), (60.0, 6.0, 40.0));
+        let zone = model.require("Zone", "Z").unwrap();
+        assert_eq!((number(zone, "x_origin"), number(zone, "y_origin")), (Some(4.0), Some(1.5)));
+        assert_eq!((number(zone, "volume"), number(zone, "ceiling_height")), (Some(120.0), Some(-9999.0)));
+    }
+
+    #[test]
+    fn slab_edges_follow_the_walls_on_them() {
+        let mut model = model();
+        stretch(&mut model, 2.0, 0.5).unwrap();
+        let slab = model.require("Construction:FfactorGroundFloor", "Slab").unwrap();
+        assert_eq!((number(slab, "area"), number(slab, "perimeterexposed")), (Some(40.0), Some(22.0)));
+    }
+
+    #[test]
+    fn the_north_axis_is_the_parameter_whatever_the_prototype_has() {
+        let mut model = model();
+        turn(&mut model, 30.0);
+        assert_eq!(number(model.require("Building", "B").unwrap(), "north_axis"), Some(30.0));
+    }
+}

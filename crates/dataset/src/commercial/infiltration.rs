@@ -1,0 +1,58 @@
+//! Leakage through the envelope.
+
+use b2b_building::Model;
+use b2b_building::description::leakage::is_door;
+
+use super::geometry::multiply;
+
+/// Every form in which the engine takes infiltration.
+const LEAKAGE: &[(&str, &[&str])] = &[
+    (
+        "ZoneInfiltration:DesignFlowRate",
+        &[
+            "design_flow_rate",
+            "flow_rate_per_floor_area",
+            "flow_rate_per_exterior_surface_area",
+            "air_changes_per_hour",
+        ],
+    ),
+    ("ZoneInfiltration:EffectiveLeakageArea", &["effective_air_leakage_area"]),
+    ("ZoneInfiltration:FlowCoefficient", &["flow_coefficient"]),
+];
+
+/// Multiplies all leakage, attics included. What comes in when people open doors is traffic, not leakage, and stays;
+/// the prototypes say `Door` in the names of these objects. So does ventilation.
+pub(super) fn scale(model: &mut Model, multiplier: f64) {
+    for (class, fields_of_form) in LEAKAGE {
+        for name in model.names(class).into_iter().filter(|name| !is_door(name)) {
+            if let Some(fields) = model.get_mut(class, &name) {
+                fields_of_form.iter().for_each(|field| multiply(fields, field, multiplier));
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn every_form_scales_and_doors_do_not() {
+        let mut model = Model::default();
+        for (class, fields) in LEAKAGE {
+            for field in *fields {
+                model.insert(class, field, json!({*field: 2.0}));
+                model.insert(class, &format!("{field} Door"), json!({*field: 2.0}));
+            }
+        }
+        scale(&mut model, 1.5);
+        for (class, fields) in LEAKAGE {
+            for field in *fields {
+                assert_eq!(model.get(class, field).unwrap()[*field], 3.0);
+                assert_eq!(model.get(class, &format!("{field} Door")).unwrap()[*field], 2.0);
+            }
+        }
+    }
+}

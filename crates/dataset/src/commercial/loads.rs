@@ -1,0 +1,72 @@
+//! What the prototype gives for a whole zone or building, although more floor takes more of it.
+
+use b2b_building::Model;
+
+use super::geometry::multiply;
+
+/// Fields that grow with floor area. Per-area forms (W/m², m²/person, m³/s·m²) need nothing; equipment on `Autosize`
+/// follows its loads.
+///
+/// A bigger shop has more doors and visitors: flows through doors grow too. A restaurant's refrigerated cases stay: a
+/// bigger one has the same cold room.
+const ABSOLUTE: &[(&str, &str)] = &[
+    ("People", "number_of_people"),
+    ("Lights", "lighting_level"),
+    ("ElectricEquipment", "design_level"),
+    ("GasEquipment", "design_level"),
+    ("HotWaterEquipment", "design_level"),
+    ("OtherEquipment", "design_level"),
+    ("InternalMass", "surface_area"),
+    // Parking, façade and entrance lighting.
+    ("Exterior:Lights", "design_level"),
+    ("ElectricLoadCenter:Transformer", "rated_capacity"),
+    // Kitchen hoods, dining exhaust and the make-up air that goes with them.
+    ("Fan:ZoneExhaust", "maximum_flow_rate"),
+    ("ZoneMixing", "design_flow_rate"),
+    ("DesignSpecification:OutdoorAir", "outdoor_air_flow_per_zone"),
+    ("Sizing:Zone", "cooling_design_air_flow_rate"),
+    ("Sizing:Zone", "cooling_minimum_air_flow"),
+    ("Sizing:Zone", "heating_design_air_flow_rate"),
+    ("Sizing:Zone", "heating_maximum_air_flow"),
+    ("Sizing:System", "design_outdoor_air_flow_rate"),
+    ("ZoneVentilation:DesignFlowRate", "design_flow_rate"),
+    ("ZoneInfiltration:DesignFlowRate", "design_flow_rate"),
+    ("ZoneInfiltration:EffectiveLeakageArea", "effective_air_leakage_area"),
+    ("ZoneInfiltration:FlowCoefficient", "flow_coefficient"),
+    ("WaterUse:Equipment", "peak_flow_rate"),
+    ("WaterHeater:Mixed", "peak_use_flow_rate"),
+    ("WaterHeater:Mixed", "heater_maximum_capacity"),
+    ("WaterHeater:Mixed", "tank_volume"),
+];
+
+/// Multiplies what is given for a whole zone or building by the ratio of floor areas.
+pub(super) fn scale(model: &mut Model, floor_area_ratio: f64) {
+    for (class, field) in ABSOLUTE {
+        for name in model.names(class) {
+            if let Some(fields) = model.get_mut(class, &name) {
+                multiply(fields, field, floor_area_ratio);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn watts_grow_with_the_floor_and_watts_per_area_do_not() {
+        let mut model = Model::default();
+        model.insert("ElectricEquipment", "E", json!({"design_level": 100, "watts_per_floor_area": 5}));
+        model.insert("Sizing:System", "S", json!({"design_outdoor_air_flow_rate": "Autosize"}));
+        scale(&mut model, 1.5);
+        let equipment = model.get("ElectricEquipment", "E").unwrap();
+        assert_eq!(
+            (&equipment["design_level"], &equipment["watts_per_floor_area"]),
+            (&json!(150.0), &json!(5))
+        );
+        assert_eq!(model.get("Sizing:System", "S").unwrap()["design_outdoor_air_flow_rate"], "Autosize");
+    }
+}

@@ -1,0 +1,136 @@
+//! Exhaust-air energy recovery, where the code asks for it.
+
+use b2b_building::model::text;
+use b2b_building::{BuildingType, Error, Model, Result};
+use serde_json::{Value, json};
+
+/// Enthalpy recovery ratio that the code asks for at design conditions (ASHRAE 90.1-2019, 6.5.6.1).
+const RATIO: f64 = 0.5;
+/// A wheel freezes when the air outdoors is colder, °C; then less is exhausted through it.
+const FROST: f64 = -23.3;
+
+const SYSTEM: &str = "AirLoopHVAC:OutdoorAirSystem";
+const LIST: &str = "AirLoopHVAC:OutdoorAirSystem:EquipmentList";
+const WHEEL: &str = "HeatExchanger:AirToAir:SensibleAndLatent";
+const MIXER: &str = "OutdoorAir:Mixer";
+
+/// Whether the code asks a system of a type for recovery.
+///
+/// ASHRAE 90.1-2019, table 6.5.6.1.2-1 (less than 8,000 h a year), by the sizes of the prototypes: in zones 7 and 8 it asks
+/// from 2,120 L/s of supply air with 10 to 20 % of outdoor air on (each floor of the medium office: 4 m³/s and 19 %) and
+/// from 1,890 L/s with 20 to 30 % on (the core of the shop: 6 m³/s and 29 %). In the humid zones it asks from 12,270 and
+/// 7,550 L/s on, and in the dry ones from more or not at all, which no system here has. Kitchens and their make-up air are
+/// exempt, the other systems smaller.
+fn is_asked(building_type: BuildingType, ashrae_zone: &str, system: &str) -> bool {
+    let cold = ashrae_zone.starts_with(['7', '8']);
+    cold && match building_type {
+        BuildingType::OfficeMedium => true,
+        BuildingType::RetailStandalone => system.starts_with("PSZ-AC:2"),
+        _ => false,
+    }
+}
+
+/// Puts a wheel between the outdoor air and the mixer of every system that the code asks for it.
+///
+/// On a central air loop it aims at the mixed air's own setpoint; on a unit, which has none there, it recovers what it can.
+/// What its motor and its pressure drop take of fan energy is left out.
+///
+/// # Errors
+/// [`Error::MissingObject`] and [`Error::Unsupported`] when a system is not that of a prototype.
+pub(super) fn add(model: &mut Model, building_type: BuildingType, ashrae_zone: &str) -> Result<()> {
+    let systems = model.names(SYSTEM);
+    for system in systems.iter().filter(|system| is_asked(building_type, ashrae_zone, system)) {
+        put_wheel(model, system)?;
+    }
+    Ok(())
+}
+
+fn put_wheel(model: &mut Model, system: &str) -> Result<()> {
+    let field = |fields: &serde_json::Map<String, Value>, name: &str, class: &str| {
+        text(fields, name).map(str::to_owned).ok_or_else(|| Error::Unsupported {
+            class: class.to_owned(),
+            name: system.to_owned(),
+            why: format!("`{name}` is not given"),
+        })
+    };
+    let list = field(model.require(SYSTEM, system)?, "outdoor_air_equipment_list_name", SYSTEM)?;
+    let mixer = field(model.require(LIST, &list)?, "component_1_name", LIST)?;
+    let fields = model.require(MIXER, &mixer)?;
+    let [outdoor, relief, back, mixed] = [
+        "outdoor_air_stream_node_name",
+        "relief_air_stream_node_name",
+        "return_air_stream_node_name",
+        "mixed_air_node_name",
+    ]
+    .map(|name| field(fields, name, MIXER));
+    let (outdoor, relief, back, mixed) = (outdoor?, relief?, back?, mixed?);
+
+    let [wheel, recovered, exhaust] =
+        ["Energy Recovery", "Recovered Air Node", "Exhaust Node"].map(|what| format!("{system} {what}"));
+    // Under an agent the mixed air of a central air loop has a setpoint, and that of a unit has none.
+    let has_setpoint = !model.names("AirTerminal:SingleDuct:VAV:Reheat").is_empty();
+    model.insert(
+        WHEEL,
+        &wheel,
+        json!({
+            "nominal_supply_air_flow_rate": "Autosize",
+            "sensible_effectiveness_at_100_heating_air_flow": RATIO,
+            "latent_effectiveness_at_100_heating_air_flow": RATIO,
+            "sensible_effectiveness_at_100_cooling_air_flow": RATIO,
+            "latent_effectiveness_at_100_cooling_air_flow": RATIO,
+            "supply_air_inlet_node_name": outdoor,
+            "supply_air_outlet_node_name": recovered,
+            "exhaust_air_inlet_node_name": relief,
+            "exhaust_air_outlet_node_name": exhaust,
+            "nominal_electric_power": 0.0,
+            "supply_air_outlet_temperature_control": if has_setpoint { "Yes" } else { "No" },
+            "heat_exchanger_type": "Rotary",
+            "frost_control_type": "ExhaustOnly",
+            "threshold_temperature": FROST,
+            "initial_defrost_time_fraction": 0.167,
+            "rate_of_defrost_time_fraction_increase": 1.44,
+            "economizer_lockout": "Yes",
+        }),
+    );
+    if has_setpoint {
+        model.insert(
+            "SetpointManager:OutdoorAirPretreat",
+            &wheel,
+            json!({
+                "control_variable": "Temperature",
+                "minimum_setpoint_temperature": -99.0,
+                "maximum_setpoint_temperature": 99.0,
+                "reference_setpoint_node_name": mixed,
+                "mixed_air_stream_node_name": mixed,
+                "outdoor_air_stream_node_name": outdoor,
+                "return_air_stream_node_name": back,
+                "setpoint_node_or_nodelist_name": recovered,
+            }),
+        );
+    }
+    model.require_mut(MIXER, &mixer)?.insert("outdoor_air_stream_node_name".into(), recovered.into());
+    model.insert(
+        LIST,
+        &list,
+        json!({
+            "component_1_object_type": WHEEL, "component_1_name": wheel,
+            "component_2_object_type": MIXER, "component_2_name": mixer,
+        }),
+    );
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_cold_zones_ask_for_it_of_what_is_large() {
+        let (office, shop) = (BuildingType::OfficeMedium, BuildingType::RetailStandalone);
+        assert!(is_asked(office, "7", "PACU_VAV_top_OA") && is_asked(office, "8", "PACU_VAV_bot_OA"));
+        assert!(is_asked(shop, "8", "PSZ-AC:2_OA") && !is_asked(shop, "8", "PSZ-AC:1_OA"));
+        assert!(
+            !is_asked(office, "6A", "PACU_VAV_top_OA") && !is_asked(BuildingType::Warehouse, "8", "HVAC")
+        );
+    }
+}

@@ -1,0 +1,184 @@
+//! Another place: site, design days, ground, mains water.
+
+use b2b_building::Model;
+use b2b_climate::{DesignDay, Site};
+use serde_json::{Value, json};
+
+use crate::ground_temperatures;
+
+/// Puts the model where a weather file is of. The engine takes latitude, longitude and elevation from the weather file
+/// itself; the model says the same for readers.
+pub(super) fn relocate(model: &mut Model, site: &Site) {
+    replace(
+        model,
+        "Site:Location",
+        &[(
+            &site.name,
+            json!({
+                "latitude": site.latitude,
+                "longitude": site.longitude,
+                "time_zone": site.time_zone,
+                "elevation": site.elevation,
+            }),
+        )],
+    );
+    replace(
+        model,
+        "SizingPeriod:DesignDay",
+        &[("Heating 99.6 %", heating_day(site)), ("Cooling 0.4 %", cooling_day(site))],
+    );
+    ground(model, site);
+    replace(model, "Site:WaterMainsTemperature", &[("Mains Water", mains_water(site))]);
+}
+
+/// The only objects of a class.
+fn replace(model: &mut Model, class: &str, objects: &[(&str, Value)]) {
+    model.remove_class(class);
+    for (name, fields) in objects {
+        model.insert(class, name, fields.clone());
+    }
+}
+
+/// What both design days share.
+fn design_day(site: &Site, day: &DesignDay, day_type: &str, wet_bulb: f64) -> Value {
+    json!({
+        "month": day.month,
+        "day_of_month": 21,
+        "day_type": day_type,
+        "maximum_dry_bulb_temperature": day.dry_bulb,
+        "daily_dry_bulb_temperature_range": day.daily_range,
+        "dry_bulb_temperature_range_modifier_type": "DefaultMultipliers",
+        "humidity_condition_type": "WetBulb",
+        "wetbulb_or_dewpoint_at_maximum_dry_bulb": wet_bulb,
+        "barometric_pressure": site.pressure(),
+        "wind_speed": day.wind_speed.unwrap_or(0.0),
+        "wind_direction": day.wind_direction.unwrap_or(0.0),
+        "rain_indicator": "No",
+        "snow_indicator": "No",
+        "daylight_saving_time_indicator": "No",
+    })
+}
+
+/// A saturated night without sun, as the engine's models have it.
+fn heating_day(site: &Site) -> Value {
+    let mut day = design_day(site, &site.heating, "WinterDesignDay", site.heating.dry_bulb);
+    day["solar_model_indicator"] = json!("ASHRAEClearSky");
+    day["sky_clearness"] = json!(0.0);
+    day
+}
+
+/// A clear day, by the sky's optical depths where they are known.
+fn cooling_day(site: &Site) -> Value {
+    let cooling = &site.cooling;
+    // Without a record: the dew point is near the night's lowest dry bulb, and the wet bulb about a third of the way
+    // down to it.
+    let wet_bulb = cooling.wet_bulb.unwrap_or(cooling.dry_bulb - cooling.daily_range / 3.0);
+    let mut day = design_day(site, cooling, "SummerDesignDay", wet_bulb);
+    match cooling.optical_depths {
+        Some([beam, diffuse]) => {
+            day["solar_model_indicator"] = json!("ASHRAETau");
+            day["ashrae_clear_sky_optical_depth_for_beam_irradiance_taub_"] = json!(beam);
+            day["ashrae_clear_sky_optical_depth_for_diffuse_irradiance_taud_"] = json!(diffuse);
+        }
+        None => {
+            day["solar_model_indicator"] = json!("ASHRAEClearSky");
+            day["sky_clearness"] = json!(1.0);
+        }
+    }
+    day
+}
+
+/// Ground temperatures at 2 m, for slabs on grade and for what touches the ground otherwise.
+fn ground(model: &mut Model, site: &Site) {
+    for kind in ["FCfactorMethod", "BuildingSurface"] {
+        let class = format!("Site:GroundTemperature:{kind}");
+        if model.objects(&class).is_empty() {
+            continue;
+        }
+        replace(model, &class, &[("Ground", ground_temperatures::monthly_fields(site))]);
+    }
+}
+
+/// Mains water follows the air's yearly mean and swing (Christensen and Burch's correlation, in the engine). A file
+/// without hours has the ground's in their place.
+fn mains_water(site: &Site) -> Value {
+    let months = site.monthly_dry_bulbs.unwrap_or(site.ground_temperatures);
+    let (low, high) =
+        months.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), t| (l.min(*t), h.max(*t)));
+    json!({
+        "calculation_method": "Correlation",
+        "annual_average_outdoor_air_temperature": months.iter().sum::<f64>() / 12.0,
+        "maximum_difference_in_monthly_average_outdoor_air_temperatures": high - low,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use b2b_building::model::{number, text};
+
+    fn site() -> Site {
+        let day = DesignDay {
+            month: 7,
+            dry_bulb: 33.2,
+            daily_range: 6.6,
+            wind_speed: Some(4.5),
+            wind_direction: Some(140.0),
+            wet_bulb: Some(25.3),
+            optical_depths: Some([0.528, 1.905]),
+        };
+        let heating = DesignDay { month: 1, dry_bulb: 8.7, daily_range: 0.0, ..day };
+        Site {
+            name: "Miami Intl Ap".into(),
+            latitude: 25.82,
+            longitude: -80.3,
+            time_zone: -5.0,
+            elevation: 11.0,
+            ground_temperatures: [24.0; 12],
+            monthly_dry_bulbs: None,
+            heating,
+            cooling: day,
+            sized_by_hours: false,
+        }
+    }
+
+    fn relocated(site: &Site) -> Model {
+        let mut model = Model::default();
+        model.insert("Site:Location", "Denver", json!({}));
+        model.insert("SizingPeriod:DesignDay", "Denver Clg", json!({}));
+        model.insert("Site:GroundTemperature:FCfactorMethod", "G", json!({}));
+        relocate(&mut model, site);
+        model
+    }
+
+    #[test]
+    fn nothing_of_the_old_place_is_left() {
+        let model = relocated(&site());
+        assert_eq!(model.names("Site:Location"), ["Miami Intl Ap"]);
+        assert_eq!(model.names("SizingPeriod:DesignDay"), ["Cooling 0.4 %", "Heating 99.6 %"]);
+        let ground = model.get("Site:GroundTemperature:FCfactorMethod", "Ground").unwrap();
+        assert_eq!(number(ground, "july_ground_temperature"), Some(24.0));
+        assert!(model.names("Site:GroundTemperature:BuildingSurface").is_empty());
+    }
+
+    #[test]
+    fn design_days_have_the_humidity_and_the_sky_of_the_station() {
+        let model = relocated(&site());
+        let day = model.get("SizingPeriod:DesignDay", "Cooling 0.4 %").unwrap();
+        assert_eq!(number(day, "wetbulb_or_dewpoint_at_maximum_dry_bulb"), Some(25.3));
+        assert_eq!(text(day, "solar_model_indicator"), Some("ASHRAETau"));
+        assert!((number(day, "barometric_pressure").unwrap() - 101_193.0).abs() < 2.0);
+        let night = model.get("SizingPeriod:DesignDay", "Heating 99.6 %").unwrap();
+        assert_eq!(number(night, "sky_clearness"), Some(0.0));
+    }
+
+    #[test]
+    fn a_station_without_records_has_a_clear_sky_and_a_likely_humidity() {
+        let mut site = site();
+        site.cooling = DesignDay { wet_bulb: None, optical_depths: None, ..site.cooling };
+        let model = relocated(&site);
+        let day = model.get("SizingPeriod:DesignDay", "Cooling 0.4 %").unwrap();
+        assert_eq!(number(day, "sky_clearness"), Some(1.0));
+        assert!((number(day, "wetbulb_or_dewpoint_at_maximum_dry_bulb").unwrap() - 31.0).abs() < 1e-9);
+    }
+}

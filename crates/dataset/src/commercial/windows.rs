@@ -1,0 +1,180 @@
+//! How much of the walls is window.
+
+use b2b_building::Model;
+use b2b_building::model::text;
+use b2b_building::opening::{FENESTRATION, corners, is_glass, parent};
+use b2b_building::zone::{self, Surface};
+use serde_json::json;
+
+use crate::{Error, Result};
+
+/// Wall left above and below a window, m.
+const MARGIN: f64 = 0.05;
+
+/// A window in a wall.
+struct Window {
+    name: String,
+    width: f64,
+    height: f64,
+    /// Greatest height that its wall has room for.
+    greatest: f64,
+}
+
+/// Makes windows and glass doors this share of the gross exterior walls.
+///
+/// Windows change in height and keep their width and place along the wall, so that no window meets another or a door.
+/// They stay at the height of their middle where the wall has room, and move up or down where it has not. All scale
+/// alike; when one fills its wall the others take the rest. Glass doors stay as they are.
+///
+/// # Errors
+/// [`Error::Parameter`] when the walls with windows have no room for so much.
+pub(super) fn resize(model: &mut Model, ratio: f64) -> Result<()> {
+    let surfaces = zone::surfaces(model)?;
+    let walls: f64 = surfaces.iter().filter(|s| s.is_exterior_wall()).map(Surface::area).sum();
+    let (windows, doors) = glass_in_walls(model, &surfaces);
+    let most: f64 = windows.iter().map(|w| w.width * w.greatest).sum();
+    let refused = || Error::Parameter {
+        name: "window_to_wall",
+        value: ratio,
+        low: doors / walls,
+        high: (most + doors) / walls,
+    };
+    let factor = height_factor(&windows, ratio * walls - doors).ok_or_else(refused)?;
+    for window in &windows {
+        set_height(model, &surfaces, window, (window.height * factor).min(window.greatest));
+    }
+    Ok(())
+}
+
+/// The windows in exterior walls, in model order, and the area of the glass doors in them, m².
+fn glass_in_walls(model: &Model, surfaces: &[Surface]) -> (Vec<Window>, f64) {
+    let (mut windows, mut doors) = (Vec::new(), 0.0);
+    for (name, fields) in model.objects(FENESTRATION).into_iter().filter(|(_, fields)| is_glass(fields)) {
+        let Some(wall) = parent(surfaces, fields).filter(|wall| wall.is_exterior_wall()) else { continue };
+        let corners = corners(fields);
+        let (low, high) = heights(&corners);
+        let (width, height) = (width(&corners), high - low);
+        if text(fields, "surface_type") == Some("GlassDoor") {
+            doors += width * height;
+            continue;
+        }
+        let (floor, ceiling) = heights(&wall.corners);
+        let greatest = (ceiling - floor - 2.0 * MARGIN).max(height);
+        windows.push(Window { name: name.to_owned(), width, height, greatest });
+    }
+    (windows, doors)
+}
+
+/// The factor of all heights with which the windows have an area, m²; `None` when there is none. Windows that would
+/// outgrow their walls count with their greatest height, and the others take the rest.
+fn height_factor(windows: &[Window], area: f64) -> Option<f64> {
+    let mut free: Vec<&Window> = windows.iter().collect();
+    let mut left = area;
+    loop {
+        let factor = left / free.iter().map(|w| w.width * w.height).sum::<f64>();
+        if !factor.is_finite() || factor <= 0.0 {
+            return None;
+        }
+        let (full, rest): (Vec<&Window>, _) = free.into_iter().partition(|w| w.height * factor > w.greatest);
+        if full.is_empty() {
+            return Some(factor);
+        }
+        left -= full.iter().map(|w| w.width * w.greatest).sum::<f64>();
+        free = rest;
+    }
+}
+
+fn set_height(model: &mut Model, surfaces: &[Surface], window: &Window, height: f64) {
+    let Some(fields) = model.get_mut(FENESTRATION, &window.name) else { return };
+    let Some(wall) = parent(surfaces, fields) else { return };
+    let (floor, ceiling) = heights(&wall.corners);
+    let corners = corners(fields);
+    let (low, high) = heights(&corners);
+    let (lowest, highest) = (floor + MARGIN.min(low - floor), ceiling - MARGIN.min(ceiling - high));
+    let bottom = ((low + high - height) / 2.0).min(highest - height).max(lowest);
+    for (index, corner) in corners.iter().enumerate() {
+        let z = bottom + (corner[2] - low) / (high - low) * height;
+        fields.insert(format!("vertex_{}_z_coordinate", index + 1), json!(z));
+    }
+}
+
+/// Lowest and highest z of some corners.
+fn heights(corners: &[[f64; 3]]) -> (f64, f64) {
+    corners.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), c| (l.min(c[2]), h.max(c[2])))
+}
+
+/// Extent in plan of a vertical rectangle, m.
+fn width(corners: &[[f64; 3]]) -> f64 {
+    let distance = |a: &[f64; 3], b: &[f64; 3]| {
+        let (dx, dy) = (a[0] - b[0], a[1] - b[1]);
+        (dx * dx + dy * dy).sqrt()
+    };
+    corners.iter().map(|corner| distance(corner, &corners[0])).fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use serde_json::Value;
+
+    use super::*;
+
+    fn glass(kind: &str, x: [f64; 2], z: [f64; 2]) -> Value {
+        let mut fields = json!({"surface_type": kind, "building_surface_name": "Wall"});
+        let corners = [(x[0], z[1]), (x[0], z[0]), (x[1], z[0]), (x[1], z[1])];
+        for (i, (x, z)) in corners.into_iter().enumerate() {
+            fields[format!("vertex_{}_x_coordinate", i + 1)] = json!(x);
+            fields[format!("vertex_{}_y_coordinate", i + 1)] = json!(0.0);
+            fields[format!("vertex_{}_z_coordinate", i + 1)] = json!(z);
+        }
+        fields
+    }
+
+    /// A wall of 10 m by 3 m with two windows and a glass door.
+    fn model() -> Model {
+        let corner =
+            |x, z| json!({"vertex_x_coordinate": x, "vertex_y_coordinate": 0, "vertex_z_coordinate": z});
+        let text = json!({
+            "BuildingSurface:Detailed": {"Wall": {"surface_type": "Wall", "outside_boundary_condition": "Outdoors",
+                "vertices": [corner(0, 3), corner(0, 0), corner(10, 0), corner(10, 3)]}},
+            FENESTRATION: {
+                "Low": glass("Window", [1.0, 3.0], [0.1, 1.1]),
+                "High": glass("Window", [4.0, 6.0], [0.5, 2.5]),
+                "Door": glass("GlassDoor", [7.0, 8.0], [0.0, 2.0])},
+        });
+        Model::from_epjson(&text.to_string(), Path::new("test.epJSON")).unwrap()
+    }
+
+    fn z(model: &Model, window: &str) -> (f64, f64) {
+        heights(&corners(model.get(FENESTRATION, window).unwrap()))
+    }
+
+    #[test]
+    fn the_ratio_is_met_and_doors_stay() {
+        for ratio in [0.1, 0.2, 8.0 / 30.0, 0.40] {
+            let mut model = model();
+            resize(&mut model, ratio).unwrap();
+            let (low, high) = (z(&model, "Low"), z(&model, "High"));
+            let area = 2.0 * (low.1 - low.0) + 2.0 * (high.1 - high.0) + 2.0;
+            assert!((area / 30.0 - ratio).abs() < 1e-12, "{ratio}: {}", area / 30.0);
+            assert_eq!(z(&model, "Door"), (0.0, 2.0));
+            assert!(low.0 >= MARGIN - 1e-12 && high.1 <= 3.0 - MARGIN + 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_window_without_room_moves_and_one_that_fills_its_wall_leaves_the_rest_to_others() {
+        let mut model = model();
+        resize(&mut model, 0.40).unwrap();
+        let (low, high) = (z(&model, "Low"), z(&model, "High"));
+        assert!((high.1 - high.0 - 2.9).abs() < 1e-12, "{high:?}");
+        assert!((low.1 - low.0 - 2.1).abs() < 1e-12 && (low.0 - MARGIN).abs() < 1e-12, "{low:?}");
+    }
+
+    #[test]
+    fn more_window_than_wall_is_refused_with_what_there_is_room_for() {
+        let error = resize(&mut model(), 0.6).unwrap_err().to_string();
+        assert!(error.contains("window_to_wall") && error.contains("0.45"), "{error}");
+    }
+}

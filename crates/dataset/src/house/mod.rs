@@ -1,0 +1,90 @@
+//! A detached Québec house, generated from its parameters.
+//!
+//! 1. [`House`] holds the parameters; [`Geometry`] follows from them.
+//! 2. [`Capacities`] follow from the heat loss and gain on the site's design days, unless the parameters give them.
+//! 3. [`house`] writes the model: a heated zone [`LIVING`] over every storey and the basement, a vented [`ATTIC`],
+//!    a vented [`CRAWLSPACE`] and an unheated [`GARAGE`] where the house has them, and one ducted unit, heat pump or
+//!    furnace with cooling, whose air flow and supply temperature follow two schedules.
+//! 4. [`HouseSample`] draws parameters as the detached houses of Québec have them.
+//!
+//! # Control
+//! | `Schedule:Constant` | meaning | range |
+//! |---|---|---|
+//! | `Living Supply Air Flow Fraction` | flow over design flow (`AirTerminal:SingleDuct:VAV:NoReheat`, `maximum_air_flow_rate`) | 0, or 0.2 to 1 |
+//! | `Living Supply Air Temperature` | supply air, °C | 10 to 45 |
+//! | `Living Heating Setpoint`, `Living Cooling Setpoint` | thermostat, °C; held apart so that it never moves the damper | leave |
+//!
+//! The flow is exact, and so is the supply temperature wherever the coils have the capacity (measured).
+//!
+//! # What the engine says
+//! It notes that the heating coil's flow per capacity is out of range under half of the design flow: a heat pump of
+//! usual size has a narrower range than a variable flow, and the supply temperature stays exact. At 0.1 and less of the
+//! design flow its psychrometrics leave their range: keep to 0, or 0.2 and more.
+//!
+//! # What it stands for
+//! The ducted houses of Québec. They are about a quarter of its detached stock; half of that stock heats with
+//! baseboards and has no air system to control.
+
+mod air_loop;
+mod buffers;
+mod coils;
+mod envelope;
+mod gains;
+mod geometry;
+mod ground;
+mod infiltration;
+mod loads;
+mod numbers;
+mod parameters;
+mod sample;
+mod schedules;
+mod simulation;
+mod stock;
+mod zones;
+
+pub use geometry::Geometry;
+pub use loads::Capacities;
+pub use numbers::{NUMBERS, Number};
+pub use parameters::{Foundation, Heater, Heating, House};
+pub use sample::{DIMENSIONS, Given, HouseSample, Vintage};
+
+use b2b_building::Model;
+use b2b_climate::Site;
+
+use crate::Result;
+
+/// The heated zone.
+pub const LIVING: &str = "Living";
+/// The vented zone under the roof.
+pub const ATTIC: &str = "Attic";
+/// The vented zone under the floor of a house on a crawlspace.
+pub const CRAWLSPACE: &str = "Crawlspace";
+/// The zone of an unheated garage.
+pub const GARAGE: &str = "Garage";
+
+/// The model of a house at a place, hard-sized and ready to run.
+///
+/// The same parameters give the same bytes, on every machine.
+///
+/// # Errors
+/// Those of [`House::check`].
+pub fn house(parameters: &House, site: &Site) -> Result<Model> {
+    parameters.check()?;
+    let geometry = Geometry::new(parameters);
+    let capacities = parameters.capacities.unwrap_or_else(|| Capacities::for_design_days(parameters, site));
+    let mut model = Model::default();
+    simulation::add(&mut model, parameters, site);
+    schedules::add(&mut model);
+    zones::add(&mut model, &geometry);
+    envelope::add(&mut model, parameters, &geometry);
+    buffers::add(&mut model, parameters, &geometry);
+    ground::add(&mut model, parameters, &geometry, site);
+    infiltration::add(&mut model, parameters, &geometry);
+    gains::add(&mut model, parameters);
+    air_loop::add(&mut model, parameters, &capacities);
+    coils::add(&mut model, parameters, &capacities);
+    Ok(model)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,94 @@
+//! Ids of the dataset's buildings.
+
+use std::fmt;
+use std::str::FromStr;
+
+use b2b_building::BuildingType;
+
+use crate::{Error, Result};
+
+/// Buildings of each type in the dataset.
+pub const BUILDINGS_PER_TYPE: u32 = 1000;
+
+/// A building of the dataset, such as `OfficeSmall-0042`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct BuildingId {
+    building_type: BuildingType,
+    number: u32,
+}
+
+impl BuildingId {
+    /// The id of a type and a number from 1 to [`BUILDINGS_PER_TYPE`].
+    ///
+    /// # Errors
+    /// [`Error::BuildingNumber`] when the number is another.
+    pub fn new(building_type: BuildingType, number: u32) -> Result<Self> {
+        if (1..=BUILDINGS_PER_TYPE).contains(&number) {
+            return Ok(Self { building_type, number });
+        }
+        Err(Error::BuildingNumber { building_type, number: number.to_string() })
+    }
+
+    /// The type.
+    pub fn building_type(self) -> BuildingType {
+        self.building_type
+    }
+
+    /// From 1 to [`BUILDINGS_PER_TYPE`].
+    pub fn number(self) -> u32 {
+        self.number
+    }
+}
+
+impl fmt::Display for BuildingId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}-{:04}", self.building_type, self.number)
+    }
+}
+
+impl FromStr for BuildingId {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        let (building_type, number) =
+            text.split_once('-').ok_or_else(|| Error::BuildingId { text: text.to_owned() })?;
+        let building_type: BuildingType = building_type.parse()?;
+        let digits = |text: &&str| text.bytes().all(|byte| byte.is_ascii_digit());
+        let parsed = Some(number).filter(digits).and_then(|number| number.parse().ok());
+        parsed
+            .and_then(|number| Self::new(building_type, number).ok())
+            .ok_or_else(|| Error::BuildingNumber { building_type, number: number.to_owned() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_id_reads_back_as_it_prints() {
+        for building_type in BuildingType::ALL {
+            for number in [1, 42, 1000] {
+                let id = BuildingId::new(building_type, number).unwrap();
+                assert_eq!(id.to_string().parse::<BuildingId>().unwrap(), id);
+            }
+        }
+        assert_eq!("officesmall-42".parse::<BuildingId>().unwrap().to_string(), "OfficeSmall-0042");
+    }
+
+    #[test]
+    fn what_is_no_id_is_refused_with_what_would_be() {
+        for (text, words) in [
+            ("OfficeSmall", ["`OfficeSmall`", "OfficeSmall-0042"]),
+            ("OficeSmall-0042", ["OficeSmall", "OfficeSmall"]),
+            ("OfficeSmall-0000", ["0000", "1000"]),
+            ("OfficeSmall-1001", ["1001", "1000"]),
+            ("Warehouse-99999999999", ["99999999999", "1000"]),
+            ("Warehouse-+7", ["+7", "Warehouse-0001"]),
+            ("Warehouse-", ["``", "Warehouse-0001"]),
+        ] {
+            let said = text.parse::<BuildingId>().unwrap_err().to_string();
+            assert!(words.iter().all(|word| said.contains(word)), "{said}");
+        }
+    }
+}

@@ -1,0 +1,309 @@
+//! Buildings drawn by Latin hypercube, with parameters of as many decimals as the manifest gives.
+
+use std::sync::Arc;
+
+use b2b_building::BuildingType;
+use b2b_climate::{Location, Place, Region, WeatherFile};
+
+use super::hypercube::latin_hypercube;
+use super::setting::{self, FOUNDATIONS, rounded, rounded_within};
+use super::{Building, Setting};
+use crate::commercial::{self, Bound, CommercialParameters};
+use crate::house::{DIMENSIONS, Given, Heater, Heating, House, HouseSample, NUMBERS, Vintage};
+use crate::{Error, Result};
+
+/// Decimals of the commercial parameters, in their order. The window-to-wall ratio of a warehouse is less than 1 %.
+const DECIMALS: [i32; 8] = [4, 4, 4, 5, 4, 4, 4, 1];
+
+/// Places and regions that a sample may be restricted to.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Places {
+    /// As in the dataset: the 16 places in the United States, or every region by its share of the stock.
+    All,
+    /// These, in equal numbers.
+    Named(Vec<String>),
+    /// The places that these weather files are of, in equal numbers.
+    Files(Vec<Arc<WeatherFile>>),
+}
+
+/// `count` buildings of a type, by a Latin hypercube of their own for each seed.
+///
+/// # Errors
+/// [`Error::UnknownPlace`] for a name that is no place, or no region where the type is the house;
+/// [`Error::UnknownParameter`], [`Error::Setting`] and [`Error::Parameter`] (within [`Error::AtPlace`] where the
+/// climate bounds it) for a setting that cannot be; [`Error::ClimateZone`] for a weather file of a zone that the code
+/// has no row for.
+pub fn sample(
+    building_type: BuildingType,
+    count: usize,
+    seed: u64,
+    places: &Places,
+    settings: &[Setting],
+) -> Result<Vec<Building>> {
+    draw(building_type, building_type.name(), count, seed, places, settings)
+}
+
+/// [`sample`] by the stream of a name.
+pub(super) fn draw(
+    building_type: BuildingType,
+    stream: &str,
+    count: usize,
+    seed: u64,
+    places: &Places,
+    settings: &[Setting],
+) -> Result<Vec<Building>> {
+    setting::check(settings, building_type)?;
+    let locations = locations(building_type, places)?;
+    if building_type == BuildingType::SingleFamilyHouse {
+        let points = latin_hypercube::<DIMENSIONS>(stream, seed, count);
+        return points.iter().map(|point| house(point, &locations, settings)).collect();
+    }
+    let points = latin_hypercube::<9>(stream, seed, count);
+    points.iter().map(|point| commercial(building_type, point, &locations, settings)).collect()
+}
+
+/// None for houses all over Québec.
+fn locations(building_type: BuildingType, places: &Places) -> Result<Vec<Location>> {
+    let house = building_type == BuildingType::SingleFamilyHouse;
+    match places {
+        Places::All if house => Ok(Vec::new()),
+        Places::All => Ok(Place::benchmark().iter().map(Location::Place).collect()),
+        Places::Named(names) if house => {
+            names.iter().map(|name| Ok(Location::Region(Region::find(name)?))).collect()
+        }
+        Places::Named(names) => names.iter().map(|name| Ok(Location::Place(Place::find(name)?))).collect(),
+        Places::Files(files) => Ok(files.iter().cloned().map(Location::File).collect()),
+    }
+}
+
+/// The first coordinate is the place: as an axis of the hypercube, it gives every place the same number.
+fn commercial(
+    building_type: BuildingType,
+    point: &[f64; 9],
+    locations: &[Location],
+    settings: &[Setting],
+) -> Result<Building> {
+    let [place, unit @ ..] = *point;
+    let location = nth(locations, place);
+    let zone = location.ashrae_zone().unwrap_or_default();
+    let drawn = CommercialParameters::from_unit(unit, building_type, zone)?;
+    let bounds = commercial::bounds(building_type, zone)?;
+    let mut values = drawn.values();
+    for (index, value) in values.iter_mut().enumerate() {
+        let (bound, decimals) = (bounds[index], DECIMALS[index]);
+        *value = match setting::of(settings, bound.name) {
+            Some(setting) => {
+                setting.number(unit[index], decimals, bound).map_err(|source| at(location, source))?
+            }
+            None => rounded_within(*value, decimals, bound.low, bound.high),
+        };
+    }
+    let parameters = CommercialParameters::from_values(values);
+    Ok(Building::Commercial { building_type, location: location.clone(), parameters })
+}
+
+fn at(location: &Location, source: Error) -> Error {
+    let zone = location.ashrae_zone().unwrap_or_default().to_owned();
+    Error::AtPlace { place: location.name().to_owned(), zone, source: Box::new(source) }
+}
+
+fn house(point: &[f64; DIMENSIONS], locations: &[Location], settings: &[Setting]) -> Result<Building> {
+    let bound = |name, low, high| Bound { name, low, high };
+    let [first, last] = Vintage::YEARS.map(f64::from);
+    let year = |setting: &Setting| setting.whole(point[1], bound("year", first, last));
+    let given = Given {
+        year: setting::of(settings, "year").map(year).transpose()?,
+        foundation: setting::of(settings, "foundation").map(|each| each.word(&FOUNDATIONS)).transpose()?,
+    };
+    let mut sample = HouseSample::from_unit_given(point, &given)?;
+    if !locations.is_empty() {
+        sample.location = nth(locations, point[0]).clone();
+    }
+    let house = &mut sample.house;
+    round(house);
+    if let Some(setting) = setting::of(settings, "storeys") {
+        house.storeys = setting.whole(point[3], bound("storeys", 1.0, 2.0))?;
+    }
+    if let Some(setting) = setting::of(settings, "garage") {
+        house.garage = setting.word(&[("true", true), ("false", false)])?;
+    }
+    for number in &NUMBERS {
+        if let Some(setting) = setting::of(settings, number.name) {
+            let [low, high] = number.bounds();
+            *number.of(house) =
+                setting.number(point[number.coordinate], number.decimals, bound(number.name, low, high))?;
+        }
+    }
+    Ok(Building::House(sample))
+}
+
+/// The element at a share of the way through a list.
+fn nth<T>(list: &[T], share: f64) -> &T {
+    &list[((share * list.len() as f64) as usize).min(list.len() - 1)]
+}
+
+/// The bounds of a house are far from what is drawn.
+fn round(house: &mut House) {
+    for number in &NUMBERS {
+        let value = number.of(house);
+        *value = rounded(*value, number.decimals);
+    }
+    match &mut house.heating {
+        Heating::HeatPump { cop, cutoff, backup } => {
+            (*cop, *cutoff) = (rounded(*cop, 3), rounded(*cutoff, 1));
+            round_heater(backup);
+        }
+        Heating::Furnace(heater) => round_heater(heater),
+    }
+}
+
+fn round_heater(heater: &mut Heater) {
+    if let Heater::Fuel { efficiency } = heater {
+        *efficiency = rounded(*efficiency, 3);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::house::Foundation;
+    use b2b_energyplus::install::Quiet;
+
+    #[test]
+    fn every_sampled_building_is_within_the_bounds_of_its_type() {
+        for building_type in BuildingType::ALL {
+            for building in sample(building_type, 400, 3, &Places::All, &[]).unwrap() {
+                match building {
+                    Building::Commercial { location, parameters, .. } => {
+                        parameters.check(building_type, location.ashrae_zone().unwrap()).unwrap();
+                    }
+                    Building::House(sample) => sample.house.check().unwrap(),
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn named_places_share_the_buildings_equally() {
+        let named = |names: [&str; 2]| Places::Named(names.map(str::to_owned).to_vec());
+        for (building_type, names) in [
+            (BuildingType::Warehouse, ["Miami", "Montréal"]),
+            (BuildingType::SingleFamilyHouse, ["Estrie", "Laval"]),
+        ] {
+            let buildings = sample(building_type, 10, 0, &named(names), &[]).unwrap();
+            for name in names {
+                assert_eq!(buildings.iter().filter(|each| each.place() == name).count(), 5);
+            }
+        }
+        let error =
+            sample(BuildingType::SingleFamilyHouse, 1, 0, &named(["Miami", "Laval"]), &[]).unwrap_err();
+        assert!(error.to_string().contains("Estrie"), "{error}");
+        let error = sample(BuildingType::Warehouse, 1, 0, &named(["Dever", "Miami"]), &[]).unwrap_err();
+        assert!(error.to_string().contains("Denver"), "{error}");
+    }
+
+    #[test]
+    fn a_custom_parameter_out_of_bounds_is_named_when_the_model_is_made() {
+        let mut building =
+            sample(BuildingType::SingleFamilyHouse, 1, 0, &Places::All, &[]).unwrap().remove(0);
+        if let Building::House(sample) = &mut building {
+            sample.house.window_u = f64::NAN;
+        }
+        let header = crate::tests::MONTREAL;
+        let site = b2b_climate::Site::from_epw(header, std::path::Path::new("a.epw")).unwrap();
+        let error = building.model(&b2b_building::Model::default(), &site).unwrap_err();
+        assert!(error.to_string().contains("window_u"), "{error}");
+    }
+
+    #[test]
+    fn an_empty_sample_is_empty() {
+        assert_eq!(sample(BuildingType::Warehouse, 0, 0, &Places::All, &[]).unwrap(), Vec::new());
+    }
+
+    fn set(text: &[&str]) -> Vec<Setting> {
+        text.iter().map(|text| text.parse().unwrap()).collect()
+    }
+
+    fn houses(settings: &[&str]) -> Vec<HouseSample> {
+        let houses = sample(BuildingType::SingleFamilyHouse, 40, 0, &Places::All, &set(settings)).unwrap();
+        let house = |building| match building {
+            Building::House(sample) => sample,
+            Building::Commercial { .. } => unreachable!(),
+        };
+        houses.into_iter().map(house).collect()
+    }
+
+    #[test]
+    fn a_set_parameter_is_exact_a_narrowed_one_fills_its_range_and_the_others_stay() {
+        let drawn = |settings: &[&str]| -> Vec<CommercialParameters> {
+            let buildings = sample(BuildingType::OfficeMedium, 40, 5, &Places::All, &set(settings)).unwrap();
+            let parameters = |building: &Building| match building {
+                Building::Commercial { parameters, .. } => *parameters,
+                Building::House(_) => unreachable!(),
+            };
+            buildings.iter().map(parameters).collect()
+        };
+        let (all, some) = (drawn(&[]), drawn(&["window_to_wall=0.40", "infiltration=0.5..1.2"]));
+        let mut infiltration: Vec<f64> = some.iter().map(|each| each.infiltration).collect();
+        infiltration.sort_by(f64::total_cmp);
+        for (rank, value) in infiltration.iter().enumerate() {
+            let slice = 0.7 / 40.0;
+            assert!(
+                (value - 0.5 - slice * (rank as f64 + 0.5)).abs() <= slice / 2.0 + 1e-4,
+                "{rank}: {value}"
+            );
+        }
+        for (all, some) in all.iter().zip(&some) {
+            assert_eq!(some.window_to_wall, 0.40);
+            let infiltration = some.infiltration;
+            assert_eq!(*some, CommercialParameters { window_to_wall: 0.40, infiltration, ..*all });
+        }
+    }
+
+    #[test]
+    fn a_parameter_that_one_climate_does_not_allow_names_that_place() {
+        let ask = |text: &str| sample(BuildingType::Warehouse, 50, 0, &Places::All, &set(&[text]));
+        let said = ask("envelope=0.5..0.7").unwrap_err().to_string();
+        for word in ["`envelope`", "0.7", "0.597", "Fairbanks", "zone 8"] {
+            assert!(said.contains(word), "{said}");
+        }
+        assert!(ask("envelope=0.5..0.59").is_ok());
+    }
+
+    #[test]
+    fn what_depends_on_a_set_parameter_of_a_house_follows_it() {
+        for sample in houses(&["year=2015..2020", "foundation=slab", "floor_area=123.45"]) {
+            assert!((2015..=2020).contains(&sample.year) && sample.vintage == Vintage::From2013);
+            assert_eq!((sample.house.foundation, sample.house.floor_area), (Foundation::Slab, 123.45));
+            // New houses are insulated as new houses are.
+            assert!(sample.house.attic_resistance > 7.0, "{}", sample.house.attic_resistance);
+            sample.house.check().unwrap();
+        }
+        let garages = houses(&["garage=true", "storeys=2", "occupants=1..3"]);
+        assert!(garages.iter().all(|sample| sample.house.garage && sample.house.storeys == 2));
+        assert!(garages.iter().all(|sample| [1.0, 2.0, 3.0].contains(&sample.house.occupants)));
+    }
+
+    #[test]
+    fn settings_that_cannot_be_are_refused_before_anything_is_drawn() {
+        let ask = |of, text: &str| sample(of, 0, 0, &Places::All, &set(&[text])).is_err();
+        assert!(ask(BuildingType::SingleFamilyHouse, "envelope=1"));
+        assert!(ask(BuildingType::Warehouse, "windows=1"));
+    }
+
+    #[test]
+    fn buildings_stand_where_their_weather_file_is_of() {
+        let path = Place::find("Buffalo").unwrap().epw(&mut Quiet).unwrap();
+        let file = |zone| Arc::new(WeatherFile::read(&path, zone).unwrap());
+        for building_type in [BuildingType::RetailStandalone, BuildingType::SingleFamilyHouse] {
+            for building in sample(building_type, 5, 0, &Places::Files(vec![file(None)]), &[]).unwrap() {
+                assert_eq!(building.location().ashrae_zone(), Some("5A"));
+                assert!(building.place().contains("Buffalo"));
+            }
+        }
+        let hot = Places::Files(vec![file(Some("0A"))]);
+        let error = sample(BuildingType::Warehouse, 1, 0, &hot, &[]).unwrap_err().to_string();
+        assert!(error.contains("`0A`"), "{error}");
+        assert!(sample(BuildingType::SingleFamilyHouse, 1, 0, &hot, &[]).is_ok());
+    }
+}

@@ -1,0 +1,235 @@
+//! What a user asks of the parameters of a sample: fixed, or drawn from a range.
+
+use std::str::FromStr;
+
+use b2b_building::BuildingType;
+
+use crate::commercial::Bound;
+use crate::house::{Foundation, NUMBERS};
+use crate::{Error, Result};
+
+/// Parameters of a house that are no plain numbers.
+const HOUSE_CHOICES: [&str; 4] = ["year", "storeys", "foundation", "garage"];
+
+/// One parameter, by its name in the manifest, and what it may be: `infiltration=0.5..1.2`, `storeys=2` or
+/// `foundation=slab`.
+///
+/// A range is drawn from evenly. Of a house, this is in place of the stock's own distribution.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Setting {
+    name: String,
+    /// As it was given.
+    text: String,
+    /// Both ends, which are the same for a fixed number; `None` for a word.
+    range: Option<[f64; 2]>,
+}
+
+impl Setting {
+    /// A parameter that is drawn from a range, or fixed where both ends are the same.
+    pub fn range(name: &str, low: f64, high: f64) -> Self {
+        let text = if low == high { low.to_string() } else { format!("{low}..{high}") };
+        Self { name: name.to_owned(), text, range: Some([low, high]) }
+    }
+
+    /// The names that there are of a type.
+    pub fn names(building_type: BuildingType) -> Vec<&'static str> {
+        if building_type == BuildingType::SingleFamilyHouse {
+            return HOUSE_CHOICES.into_iter().chain(NUMBERS.map(|number| number.name)).collect();
+        }
+        Bound::NAMES.to_vec()
+    }
+
+    /// A number at a share of the way through the range; with so many decimals when it is not fixed.
+    pub(super) fn number(&self, share: f64, decimals: i32, bound: Bound) -> Result<f64> {
+        let [low, high] = self.within(bound)?;
+        if low == high {
+            return Ok(low);
+        }
+        let value = low + share * (high - low);
+        let near = rounded_within(value, decimals, low, high);
+        Ok(if (low..=high).contains(&near) { near } else { value })
+    }
+
+    /// A whole number at a share of the way through the range, both ends included.
+    pub(super) fn whole(&self, share: f64, bound: Bound) -> Result<u32> {
+        let [low, high] = self.within(bound)?;
+        if low.fract() != 0.0 || high.fract() != 0.0 {
+            return Err(self.wrong(format!("give whole numbers from {} to {}", bound.low, bound.high)));
+        }
+        Ok((low + share * (high - low + 1.0)).min(high) as u32)
+    }
+
+    /// What a word stands for.
+    pub(super) fn word<T: Copy>(&self, words: &[(&str, T)]) -> Result<T> {
+        words
+            .iter()
+            .find(|(word, _)| word.eq_ignore_ascii_case(&self.text))
+            .map(|(_, value)| *value)
+            .ok_or_else(|| {
+                let words: Vec<_> = words.iter().map(|(word, _)| *word).collect();
+                self.wrong(format!("give {}", words.join(" or ")))
+            })
+    }
+
+    fn within(&self, bound: Bound) -> Result<[f64; 2]> {
+        let Bound { low, high, .. } = bound;
+        let range = self.range.ok_or_else(|| {
+            self.wrong(format!("give a number from {low} to {high}, or a range such as {low}..{high}"))
+        })?;
+        range.iter().try_for_each(|end| bound.check(*end))?;
+        if range[0] > range[1] {
+            return Err(self.wrong("give the lower end first".to_owned()));
+        }
+        Ok(range)
+    }
+
+    fn wrong(&self, remedy: String) -> Error {
+        Error::Setting { name: self.name.clone(), text: self.text.clone(), remedy }
+    }
+}
+
+impl FromStr for Setting {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        let (name, value) = text
+            .split_once('=')
+            .map(|(name, value)| (name.trim(), value.trim()))
+            .ok_or_else(|| Error::Setting {
+                name: text.to_owned(),
+                text: String::new(),
+                remedy: "give NAME=VALUE or NAME=LOW..HIGH".to_owned(),
+            })?;
+        let (low, high) = value.split_once("..").unwrap_or((value, value));
+        let range = low.parse().ok().zip(high.parse().ok()).map(|(low, high)| [low, high]);
+        Ok(Self { name: name.to_owned(), text: value.to_owned(), range })
+    }
+}
+
+/// Checks that every setting is of a parameter of the type, and none is given twice.
+pub(super) fn check(settings: &[Setting], building_type: BuildingType) -> Result<()> {
+    let known = Setting::names(building_type);
+    for (index, setting) in settings.iter().enumerate() {
+        if !known.contains(&setting.name.as_str()) {
+            return Err(unknown(&setting.name, building_type, &known));
+        }
+        if settings[..index].iter().any(|other| other.name == setting.name) {
+            return Err(setting.wrong("it is given twice".to_owned()));
+        }
+    }
+    Ok(())
+}
+
+fn unknown(name: &str, building_type: BuildingType, known: &[&'static str]) -> Error {
+    let likeness = |known: &&'static str| strsim::jaro_winkler(known, name);
+    let near = known.iter().copied().max_by(|a, b| likeness(a).total_cmp(&likeness(b)));
+    Error::UnknownParameter {
+        name: name.to_owned(),
+        building_type,
+        near: near.filter(|near| likeness(near) > 0.8),
+        known: known.join(", "),
+    }
+}
+
+/// The setting of a parameter.
+pub(super) fn of<'a>(settings: &'a [Setting], name: &str) -> Option<&'a Setting> {
+    settings.iter().find(|setting| setting.name == name)
+}
+
+/// The words of a foundation.
+pub(super) const FOUNDATIONS: [(&str, Foundation); 3] =
+    [("basement", Foundation::Basement), ("slab", Foundation::Slab), ("crawlspace", Foundation::Crawlspace)];
+
+/// The nearest number of so many decimals: the one that its decimal text reads back as, since whole numbers and powers
+/// of ten are exact and division rounds correctly.
+pub(super) fn rounded(value: f64, decimals: i32) -> f64 {
+    let scale = power_of_ten(decimals);
+    (value * scale).round() / scale
+}
+
+/// [`rounded`], or the neighbour that is within the bounds.
+pub(super) fn rounded_within(value: f64, decimals: i32, low: f64, high: f64) -> f64 {
+    let (near, scale) = (rounded(value, decimals), power_of_ten(decimals));
+    if near < low {
+        (value * scale).ceil() / scale
+    } else if near > high {
+        (value * scale).floor() / scale
+    } else {
+        near
+    }
+}
+
+fn power_of_ten(decimals: i32) -> f64 {
+    (0..decimals).fold(1.0, |power, _| power * 10.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BOUND: Bound = Bound { name: "infiltration", low: 0.5, high: 1.5 };
+
+    fn setting(text: &str) -> Setting {
+        text.parse().unwrap()
+    }
+
+    #[test]
+    fn a_number_a_range_and_a_word_are_read_and_drawn() {
+        assert_eq!(setting("infiltration=0.71234567").number(0.9, 2, BOUND).unwrap(), 0.71234567);
+        let range = setting("infiltration = 0.6..0.8");
+        assert_eq!(range, Setting { text: "0.6..0.8".into(), ..Setting::range("infiltration", 0.6, 0.8) });
+        assert_eq!([0.0, 0.5, 1.0].map(|share| range.number(share, 4, BOUND).unwrap()), [0.6, 0.7, 0.8]);
+        // Narrower than the decimals it is drawn with.
+        let narrow = setting("infiltration=0.60001..0.60002");
+        assert_eq!(narrow.number(0.0, 4, BOUND).unwrap(), 0.60001);
+        let storeys = Bound { name: "storeys", low: 1.0, high: 2.0 };
+        assert_eq!(
+            [0.0, 0.49, 0.51, 1.0].map(|u| setting("storeys=1..2").whole(u, storeys).unwrap()),
+            [1, 1, 2, 2]
+        );
+        assert_eq!(setting("foundation=Slab").word(&FOUNDATIONS).unwrap(), Foundation::Slab);
+    }
+
+    #[test]
+    fn what_is_out_of_bounds_or_no_number_is_refused_by_name_value_and_bounds() {
+        for (text, words) in [
+            ("infiltration=1.6", ["`infiltration`", "1.6", "1.5"]),
+            ("infiltration=0.4..1", ["`infiltration`", "0.4", "0.5"]),
+            ("infiltration=0.6..inf", ["`infiltration`", "inf", "1.5"]),
+            ("infiltration=nan", ["`infiltration`", "NaN", "1.5"]),
+            ("infiltration=1..0.6", ["`infiltration`", "1..0.6", "lower end first"]),
+            ("infiltration=low", ["`infiltration`", "`low`", "0.5..1.5"]),
+            ("infiltration=", ["`infiltration`", "``", "0.5..1.5"]),
+        ] {
+            let said = setting(text).number(0.5, 4, BOUND).unwrap_err().to_string();
+            assert!(words.iter().all(|word| said.contains(word)), "{text}: {said}");
+        }
+        let said = "infiltration".parse::<Setting>().unwrap_err().to_string();
+        assert!(said.contains("NAME=VALUE"), "{said}");
+        let said = setting("foundation=rock").word(&FOUNDATIONS).unwrap_err().to_string();
+        assert!(said.contains("basement or slab or crawlspace"), "{said}");
+        let storeys = Bound { name: "storeys", low: 1.0, high: 2.0 };
+        let said = setting("storeys=1.5").whole(0.5, storeys).unwrap_err().to_string();
+        assert!(said.contains("whole numbers from 1 to 2"), "{said}");
+    }
+
+    #[test]
+    fn an_unknown_name_is_told_the_one_that_was_meant() {
+        let said = |text: &str, of| check(&[setting(text)], of).unwrap_err().to_string();
+        let text = said("window_to_wall_ratio=0.4", BuildingType::Warehouse);
+        assert!(text.contains("did you mean window_to_wall?") && text.contains("infiltration"), "{text}");
+        let text = said("floor_area=100", BuildingType::Warehouse);
+        assert!(text.contains("Warehouse") && !text.contains("did you mean"), "{text}");
+        let text = said("envelope=1", BuildingType::SingleFamilyHouse);
+        assert!(text.contains("wall_resistance"), "{text}");
+        let twice = ["storeys=1", "storeys=2"].map(setting);
+        assert!(check(&twice, BuildingType::SingleFamilyHouse).unwrap_err().to_string().contains("twice"));
+    }
+
+    #[test]
+    fn rounding_stays_within_bounds() {
+        assert_eq!(rounded_within(1.635264, 3, 1.635264, 2.0), 1.636);
+        assert_eq!(rounded_within(1.9999, 3, 1.0, 1.9999), 1.999);
+        assert_eq!(rounded_within(1.2344, 3, 1.0, 2.0), 1.234);
+    }
+}

@@ -1,0 +1,76 @@
+//! What the buildings of the dataset are for.
+
+use std::fmt;
+
+use b2b_climate::{Location, Place, Region};
+
+use super::Building;
+use super::hypercube::permutation;
+
+/// One in this many buildings is for tests.
+const TEST_SHARE: usize = 10;
+/// Buildings of the small test.
+const SMALL: usize = 8;
+
+/// What a building is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Split {
+    /// To learn on.
+    Train,
+    /// To test on.
+    Test,
+}
+
+impl fmt::Display for Split {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Train => "train",
+            Self::Test => "test",
+        })
+    }
+}
+
+/// Which buildings are in the test and in the small test.
+pub(super) struct Selection {
+    pub(super) test: Vec<bool>,
+    pub(super) small: Vec<bool>,
+}
+
+/// Sorted by place, and at random within one, every tenth building is for tests: each place gives a tenth of its
+/// buildings, or one more or less.
+pub(super) fn split(buildings: &[Building], stream: &str) -> Selection {
+    let mut order = permutation(stream, 0, buildings.len());
+    order.sort_by_key(|&index| rank(&buildings[index]));
+    let test: Vec<usize> = order.into_iter().skip(TEST_SHARE / 2).step_by(TEST_SHARE).collect();
+    let small = match buildings.first() {
+        Some(Building::Commercial { .. }) => one_of_each_zone(buildings, &test),
+        _ => evenly(&test),
+    };
+    Selection { test: flags(buildings.len(), &test), small: flags(buildings.len(), &small) }
+}
+
+/// The number of the place or region in its list.
+fn rank(building: &Building) -> Option<usize> {
+    match building.location() {
+        Location::Place(place) => Place::benchmark().iter().position(|each| each == *place),
+        Location::Region(region) => Region::all().iter().position(|each| each == *region),
+        Location::File(_) => None,
+    }
+}
+
+/// The first test building of each climate zone from 1 to 8.
+fn one_of_each_zone(buildings: &[Building], test: &[usize]) -> Vec<usize> {
+    let zone = |index: usize| buildings[index].location().ashrae_zone().and_then(|zone| zone.chars().next());
+    ('1'..='8').filter_map(|digit| test.iter().copied().find(|&index| zone(index) == Some(digit))).collect()
+}
+
+/// Spread over the regions: the middle one of each eighth.
+fn evenly(test: &[usize]) -> Vec<usize> {
+    (0..SMALL).filter_map(|k| test.get((2 * k + 1) * test.len() / (2 * SMALL)).copied()).collect()
+}
+
+fn flags(count: usize, chosen: &[usize]) -> Vec<bool> {
+    let mut flags = vec![false; count];
+    chosen.iter().for_each(|&index| flags[index] = true);
+    flags
+}

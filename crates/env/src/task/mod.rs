@@ -1,0 +1,230 @@
+//! Tasks: what the reward of an environment asks of an agent, as plain data that is stored with every result.
+
+mod fuels;
+mod reward;
+mod spelling;
+
+use std::path::Path;
+
+use b2b_building::Class;
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+use crate::comfort::Comfort;
+use crate::energy_scale::EnergyScale;
+use crate::limits::within;
+use crate::setpoints::Setpoints;
+use crate::{Error, Result};
+use fuels::{EMISSIONS, PRICES};
+pub use fuels::{Fuels, Hourly};
+
+/// A comfort-energy task: target temperatures, comfort penalty and the weight of energy.
+///
+/// Its short text form is `SETPOINTS[+COMFORT][+RESOURCE WEIGHT]`, such as `constant`, `occupancy+energy0.5` or
+/// `random:7+pmv+cost2`:
+///
+/// | part | values |
+/// |---|---|
+/// | setpoints | `constant`, `constant:23` (°C), `occupancy`, `random`, `random:7` (seed) |
+/// | comfort | none (squared deviation, as in the paper), `deadband`, `deadband0.5` (K), `pmv` |
+/// | resource and its weight | none, `energy0.5`, `cost1`, `carbon1`, `peak1` |
+///
+/// Anything beyond that is written as JSON: see [`Task::read`]. Fields left out of a file keep their defaults.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Task {
+    /// Target temperatures of the controlled zones.
+    pub setpoints: Setpoints,
+    /// Comfort penalty.
+    pub comfort: Comfort,
+    /// Resource that the energy penalty counts.
+    pub resource: Resource,
+    /// Weight w_E of the energy penalty (paper, eq. 1).
+    pub energy_weight: f64,
+    /// Scale τ_E that divides the resource used in a step; in the unit of the resource, Wh/m² for energy. `None`: see
+    /// [`Task::scale_for`].
+    pub energy_scale: Option<f64>,
+    /// Treatment of zones without cooling.
+    pub heating_only_zones: HeatingOnlyZones,
+    /// Half width of the comfort band around the target, K. Used by metrics only.
+    pub comfort_band: f64,
+    /// Energy prices, currency/kWh.
+    pub prices: Fuels,
+    /// Emission factors, kg CO₂/kWh.
+    pub emissions: Fuels,
+}
+
+/// The resource that the energy penalty of the reward counts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Resource {
+    /// HVAC energy of the step, all fuels, Wh/m² (as in the paper).
+    #[default]
+    Energy,
+    /// Energy cost at the task's prices, currency/m².
+    Cost,
+    /// Emissions by the task's factors, g CO₂/m².
+    Carbon,
+    /// Increase of the episode's peak electric HVAC demand, W/m².
+    Peak,
+}
+
+/// Treatment of zones with heating and no cooling in the reward.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum HeatingOnlyZones {
+    /// Only temperatures below target are penalized: a warehouse at 35 °C in summer has no cooling to blame.
+    #[default]
+    BelowTarget,
+    /// Deviations on both sides are penalized, as in the paper.
+    BothSides,
+}
+
+impl Default for Task {
+    /// 21 °C, energy weight 0.
+    fn default() -> Self {
+        Self {
+            setpoints: Setpoints::default(),
+            comfort: Comfort::Squared,
+            resource: Resource::Energy,
+            energy_weight: 0.0,
+            energy_scale: None,
+            heating_only_zones: HeatingOnlyZones::BelowTarget,
+            comfort_band: 1.0,
+            prices: PRICES,
+            emissions: EMISSIONS,
+        }
+    }
+}
+
+impl Task {
+    /// The six tasks of the paper: three modes of setpoints, without and with energy.
+    pub const NAMED: [&str; 6] =
+        ["constant", "occupancy", "random", "constant+energy0.5", "occupancy+energy0.5", "random+energy0.5"];
+
+    /// Reads a task from a JSON file.
+    ///
+    /// # Errors
+    /// [`Error::Io`]; [`Error::TaskFile`] with the reason; those of [`Task::check`].
+    pub fn read(path: &Path) -> Result<Self> {
+        let text =
+            std::fs::read_to_string(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
+        let task: Self = serde_json::from_str(&text)
+            .map_err(|error| Error::TaskFile { path: path.to_owned(), why: error.to_string() })?;
+        task.check()?;
+        Ok(task)
+    }
+
+    /// Checks that every number is finite and within its limits.
+    ///
+    /// # Errors
+    /// [`Error::TaskValue`] for the first that is not.
+    pub fn check(&self) -> Result<()> {
+        within("energy_weight", self.energy_weight, 0.0, f64::MAX)?;
+        within("energy_scale", self.energy_scale.unwrap_or(1.0), f64::MIN_POSITIVE, f64::MAX)?;
+        within("comfort_band", self.comfort_band, 0.0, 50.0)?;
+        for (name, fuels, low) in [("prices", &self.prices, f64::MIN), ("emissions", &self.emissions, 0.0)] {
+            for value in fuels.values() {
+                within(name, value, low, f64::MAX)?;
+            }
+        }
+        self.setpoints.check()?;
+        self.comfort.check()
+    }
+
+    /// Returns the scale τ_E for a building of a class: the task's own; otherwise, for energy, the shipped
+    /// [`EnergyScale`] of the class at `steps_per_hour`; otherwise 1.
+    pub fn scale_for(&self, class: Option<Class>, steps_per_hour: u32) -> f64 {
+        let shipped = || match self.resource {
+            Resource::Energy => EnergyScale::of(class?, steps_per_hour),
+            _ => None,
+        };
+        self.energy_scale.or_else(shipped).unwrap_or(1.0)
+    }
+
+    /// Returns the SHA-256 of the task's JSON form, in hexadecimal. Tasks with equal hashes are equal.
+    pub fn hash(&self) -> String {
+        // A task is plain data: serialization cannot fail.
+        let json = serde_json::to_vec(self).unwrap_or_default();
+        Sha256::digest(json).iter().map(|byte| format!("{byte:02x}")).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn task(text: &str) -> Task {
+        text.parse().unwrap()
+    }
+
+    #[test]
+    fn a_value_that_is_not_finite_is_refused() {
+        let not_finite = Task { energy_weight: f64::NAN, ..Task::default() };
+        assert!(not_finite.check().unwrap_err().to_string().contains("NaN"));
+    }
+
+    #[test]
+    fn a_task_round_trips_through_json_and_its_hash_is_unique() {
+        for text in Task::NAMED {
+            let json = serde_json::to_string(&task(text)).unwrap();
+            assert_eq!(serde_json::from_str::<Task>(&json).unwrap(), task(text), "{json}");
+        }
+        let hashes: std::collections::BTreeSet<_> =
+            Task::NAMED.iter().map(|text| task(text).hash()).collect();
+        assert_eq!(hashes.len(), 6);
+    }
+
+    #[test]
+    fn the_scale_is_the_tasks_own_else_for_energy_that_of_the_class() {
+        let [energy, cost] = ["constant+energy0.5", "constant+cost1"].map(task);
+        let class = EnergyScale::shipped()[0].class;
+        let shipped = EnergyScale::of(class, 12).unwrap();
+        assert_eq!(energy.scale_for(Some(class), 12), shipped);
+        assert_eq!(energy.scale_for(None, 12), 1.0);
+        assert_eq!(cost.scale_for(Some(class), 12), 1.0);
+        let own = Task { energy_scale: Some(3.0), ..energy };
+        assert_eq!(own.scale_for(Some(class), 12), 3.0);
+        assert_ne!(own.hash(), task("constant+energy0.5").hash());
+        assert!(
+            Task { energy_scale: Some(0.0), ..own }.check().unwrap_err().to_string().contains("energy_scale")
+        );
+    }
+
+    #[test]
+    fn the_example_in_the_documentation_is_a_valid_task() {
+        let text = include_str!("../../../../docs/tasks.md");
+        let json = text.split("```json").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
+        let task: Task = serde_json::from_str(json).unwrap();
+        task.check().unwrap();
+        assert_eq!((task.resource, task.comfort), (Resource::Cost, Comfort::Deadband { half_width: 0.5 }));
+        assert!(Task::NAMED.iter().all(|name| text.contains(name.split('+').next().unwrap())));
+    }
+
+    #[test]
+    fn a_file_may_omit_fields_but_not_misspell_them() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("task.json");
+        let read = |text: &str| {
+            std::fs::write(&path, text).unwrap();
+            Task::read(&path)
+        };
+        let hours: Vec<String> =
+            (0..24).map(|hour| if hour < 7 { "0.1" } else { "0.2" }.to_owned()).collect();
+        let text = format!(
+            r#"{{"setpoints": {{"mode": "occupancy", "summer": 27}}, "resource": "cost", "energy_weight": 2,
+                "prices": {{"electricity": [{}], "gas": 0.05}}}}"#,
+            hours.join(",")
+        );
+        let task = read(&text).unwrap();
+        assert_eq!((task.prices.electricity.at(6.99), task.prices.electricity.at(7.0)), (0.1, 0.2));
+        assert_eq!(
+            task.setpoints,
+            Setpoints::Occupancy { occupied: 21.0, winter: 18.0, summer: 27.0, otherwise: 21.0 }
+        );
+        let said = read(r#"{"energy_wieght": 1}"#).unwrap_err().to_string();
+        assert!(said.contains("energy_wieght") && said.contains("energy_weight"), "{said}");
+        let said = read(r#"{"comfort_band": -1}"#).unwrap_err().to_string();
+        assert!(said.contains("comfort_band"), "{said}");
+    }
+}

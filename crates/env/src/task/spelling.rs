@@ -1,0 +1,153 @@
+//! The short text form of a task: see [`Task`].
+
+use std::fmt;
+use std::str::FromStr;
+
+use super::{Resource, Task};
+use crate::comfort::{Comfort, Pmv};
+use crate::setpoints::Setpoints;
+use crate::{Error, Result};
+
+impl Task {
+    /// The text of the nearest task that has one.
+    fn spelling(&self) -> String {
+        let setpoints = match &self.setpoints {
+            Setpoints::Constant { target } if *target == 21.0 => "constant".to_owned(),
+            Setpoints::Constant { target } => format!("constant:{target}"),
+            Setpoints::Occupancy { .. } => "occupancy".to_owned(),
+            Setpoints::Random { seed: 0, .. } => "random".to_owned(),
+            Setpoints::Random { seed, .. } => format!("random:{seed}"),
+        };
+        let comfort = match &self.comfort {
+            Comfort::Squared => String::new(),
+            Comfort::Deadband { half_width: 1.0 } => "+deadband".to_owned(),
+            Comfort::Deadband { half_width } => format!("+deadband{half_width}"),
+            Comfort::Pmv(_) => "+pmv".to_owned(),
+        };
+        let resource = match self.resource {
+            Resource::Energy if self.energy_weight == 0.0 => return setpoints + &comfort,
+            Resource::Energy => "energy",
+            Resource::Cost => "cost",
+            Resource::Carbon => "carbon",
+            Resource::Peak => "peak",
+        };
+        format!("{setpoints}{comfort}+{resource}{}", self.energy_weight)
+    }
+}
+
+impl fmt::Display for Task {
+    /// Writes the short text form. A task without one gets that of the nearest task and the head of its own hash, such
+    /// as `occupancy#1a2b3c4d`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let spelling = self.spelling();
+        match spelling.parse::<Self>() {
+            Ok(task) if task == *self => f.write_str(&spelling),
+            _ => write!(f, "{spelling}#{}", &self.hash()[..8]),
+        }
+    }
+}
+
+impl FromStr for Task {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        let unknown = || Error::UnknownTask { text: text.to_owned() };
+        let mut parts = text.split('+');
+        let setpoints = parts.next().unwrap_or_default();
+        let mut task = Self { setpoints: setpoints.parse().map_err(|()| unknown())?, ..Self::default() };
+        let (mut comfort, mut resource) = (false, false);
+        for part in parts {
+            let (word, number) = word_and_number(part).ok_or_else(unknown)?;
+            let seen = if let Some(chosen) = comfort_of(word, number) {
+                task.comfort = chosen;
+                &mut comfort
+            } else {
+                task.resource = resource_of(word).ok_or_else(unknown)?;
+                task.energy_weight = number.ok_or_else(unknown)?;
+                &mut resource
+            };
+            if std::mem::replace(seen, true) {
+                return Err(unknown());
+            }
+        }
+        task.check()?;
+        Ok(task)
+    }
+}
+
+/// Splits `deadband0.5` into word and number. `None` where what follows the word is not a number.
+fn word_and_number(part: &str) -> Option<(&str, Option<f64>)> {
+    let word = part.trim_end_matches(|c: char| c.is_ascii_digit() || ".-".contains(c));
+    match &part[word.len()..] {
+        "" => Some((word, None)),
+        number => Some((word, Some(number.parse().ok()?))),
+    }
+}
+
+fn comfort_of(word: &str, number: Option<f64>) -> Option<Comfort> {
+    match (word, number) {
+        ("deadband", half_width) => Some(Comfort::Deadband { half_width: half_width.unwrap_or(1.0) }),
+        ("pmv", None) => Some(Comfort::Pmv(Pmv::default())),
+        _ => None,
+    }
+}
+
+fn resource_of(word: &str) -> Option<Resource> {
+    match word {
+        "energy" => Some(Resource::Energy),
+        "cost" => Some(Resource::Cost),
+        "carbon" => Some(Resource::Carbon),
+        "peak" => Some(Resource::Peak),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn task(text: &str) -> Task {
+        text.parse().unwrap()
+    }
+
+    #[test]
+    fn a_spelling_reads_back_as_it_prints() {
+        for text in Task::NAMED.iter().copied().chain([
+            "constant:23.5",
+            "random:7",
+            "occupancy+deadband",
+            "occupancy+deadband0.5+cost2",
+            "random:3+pmv+carbon0.1",
+            "constant+peak1",
+        ]) {
+            assert_eq!(task(text).to_string(), text);
+        }
+        assert_eq!(task("constant"), Task::default());
+        assert_eq!(task("occupancy+energy0.5").energy_weight, 0.5);
+    }
+
+    #[test]
+    fn an_unknown_task_is_refused_with_what_is_expected() {
+        for text in
+            ["", "occupied", "constant+energy", "constant+energy0.5+cost1", "constant+pmv2", "random:x"]
+        {
+            let said = text.parse::<Task>().unwrap_err().to_string();
+            assert!(said.contains(&format!("unknown task `{text}`")), "{said}");
+            assert!(said.contains("expected") && said.contains("occupancy+energy0.5"), "{said}");
+        }
+        for (text, words) in [
+            ("constant:99", ["target", "99"]),
+            ("constant+energy-1", ["energy_weight", "-1"]),
+            ("constant+deadband-1", ["half_width", "-1"]),
+        ] {
+            let said = text.parse::<Task>().unwrap_err().to_string();
+            assert!(words.iter().all(|word| said.contains(word)), "{said}");
+        }
+    }
+
+    #[test]
+    fn a_task_without_a_spelling_prints_the_head_of_its_hash() {
+        let own = Task { comfort_band: 0.5, ..Task::default() };
+        assert!(own.to_string().starts_with("constant#"), "{own}");
+    }
+}

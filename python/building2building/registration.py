@@ -1,0 +1,78 @@
+"""Makers of environments, and their registration with Gymnasium."""
+
+from __future__ import annotations
+
+from typing import Any, cast
+
+import gymnasium
+
+from .buildings import find_building, list_building_types
+from .env import BuildingEnv
+from .errors import SettingError
+from .vector import BuildingVectorEnv
+
+
+def make_env(building_type: str | None = None, **arguments: Any) -> BuildingEnv:
+    """Makes an environment, for example ``make_env("OfficeSmall")``.
+
+    The building is the type's prototype at its home unless selected otherwise:
+
+    - ``place`` (such as ``"Miami"``) or ``weather`` (an EPW file): the prototype at another place;
+    - ``split`` and ``index``, or ``building_id`` (``"OfficeSmall-0042"``): a building of the dataset;
+    - ``building``: the result of :func:`generate` or :func:`import_building`.
+
+    Further arguments:
+
+    - ``task``: ``constant``, ``occupancy+energy0.5``, ``random:7+cost2``..., a JSON file, or a dictionary;
+    - ``run_period``: ``winter``, ``summer``, ``full_year`` or days such as ``01-01..01-07``;
+    - ``timesteps_per_hour``: 12 by default;
+    - ``rescale_action``: actions in [-1, 1] instead of physical units, as ``gymnasium.make`` has them by default;
+    - ``window_days`` and ``window_starts``: episodes of ``window_days`` days that begin on one of ``window_starts``
+      days of the run period, drawn at random;
+    - ``resample_targets``: draws new targets for every episode of a random task;
+    - ``reward``: a function of the step's info that replaces the task's reward;
+    - ``render_mode``: ``rgb_array`` or ``human``;
+    - ``in_process``: runs the simulation in this process, for debuggers; only one at a time, from one thread.
+
+    Random draws follow the seed of ``reset``.
+    """
+    if building_type is None:
+        return BuildingEnv(**arguments)
+    env = gymnasium.make(_env_id(building_type), **{"rescale_action": False, **arguments})
+    return cast(BuildingEnv, env)
+
+
+def make_vec(building_type: str | None = None, num_envs: int = 1, **arguments: Any) -> BuildingVectorEnv:
+    """Makes a vector environment. It takes the arguments of :func:`make_env` and these:
+
+    - ``buildings``: a list of :class:`Building` or ids. Environment i repeats the i-th; with ``resample=True`` every
+      episode draws one.
+    - ``autoreset_mode``: ``NextStep`` (Gymnasium's default), ``SameStep`` or ``Disabled``.
+    """
+    if building_type is None:
+        return BuildingVectorEnv(None, num_envs, **arguments)
+    arguments = {"rescale_action": False, **arguments}
+    return cast(BuildingVectorEnv, gymnasium.make_vec(_env_id(building_type), num_envs=num_envs, **arguments))
+
+
+def register_envs() -> None:
+    """Registers an id with Gymnasium for every building type, such as ``b2b/OfficeSmall-v0``."""
+    for name in list_building_types():
+        if f"b2b/{name}-v0" not in gymnasium.registry:
+            gymnasium.register(
+                f"b2b/{name}-v0",
+                entry_point="building2building.env:BuildingEnv",
+                vector_entry_point="building2building.vector:BuildingVectorEnv",
+                # Gymnasium's checker asks for actions in [-1, 1], and so do most learners.
+                kwargs={"building_type": name, "rescale_action": True},
+                disable_env_checker=True,
+                order_enforce=False,
+            )
+
+
+def _env_id(building_type: str) -> str:
+    for name in list_building_types():
+        if name.lower() == building_type.lower():
+            return f"b2b/{name}-v0"
+    find_building(building_type)  # raises for an unknown type and suggests the nearest
+    raise SettingError(f"`{building_type}` is not a building type; pass it as building_id")
