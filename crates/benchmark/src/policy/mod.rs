@@ -8,8 +8,7 @@ use std::str::FromStr;
 use std::sync::Arc;
 
 use b2b_control::{Constant, Controller, Planner, PlannerParameters, Random, Reactive, Replay};
-use b2b_env::vector::{Pool, Start, TemplateId};
-use b2b_env::{ActionSpace, Spaces};
+use b2b_env::{ActionSpace, Spaces, vector};
 
 pub use onnx::{ActionScale, OnnxPolicy};
 
@@ -72,10 +71,8 @@ pub struct Beginning<'a> {
     pub interface: &'a Interface,
     /// The seed of the episode.
     pub seed: u64,
-    /// Where the episode is about to run, and its template: for those who try things on copies of it.
-    pub pool: &'a mut Pool,
-    /// See `pool`.
-    pub template: TemplateId,
+    /// The episode before its reset: a planner resets it and tries actions on copies of it.
+    pub episode: &'a mut vector::Episode,
 }
 
 /// What a policy sees and drives: all of a building's spaces, or what a problem makes of them.
@@ -169,11 +166,8 @@ fn reactive(beginning: &Beginning<'_>) -> Reactive {
 /// Plans the whole episode on copies of it, to be carried out afterwards.
 fn plan(beginning: Beginning<'_>) -> Result<Replay> {
     let reactive = reactive(&beginning);
-    let Beginning { spaces, seed, pool, template, .. } = beginning;
-    let mut live = pool.begin(template, Start::default())?;
-    pool.wait(std::slice::from_mut(&mut live), 1)?;
+    let Beginning { spaces, seed, episode, .. } = beginning;
     let mut planner = Planner::new(PlannerParameters::default(), reactive, seed);
-    let actions = planner.run(pool, &mut live, spaces.episode_steps(), || {});
-    pool.stop(live);
-    Ok(Replay::new(actions?, spaces.action.len()))
+    let actions = planner.plan_episode(episode, spaces.episode_steps(), || {})?;
+    Ok(Replay::new(actions, spaces.action.len()))
 }

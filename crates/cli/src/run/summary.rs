@@ -2,12 +2,9 @@
 
 use std::path::PathBuf;
 
-use anyhow::Result;
 use b2b_dataset::GENERATOR_VERSION;
-use b2b_energyplus::Level;
 use b2b_energyplus::install::ENGINE_VERSION;
-use b2b_env::{Env, Setpoints, Task};
-use cpu_time::ProcessTime;
+use b2b_env::{Metrics, Setpoints, Spaces, Task, ZoneMetrics};
 use serde::{Deserialize, Serialize};
 
 use crate::rollout::Rollout;
@@ -83,9 +80,9 @@ pub struct Summary {
     pub clamped_actions: usize,
     /// SHA-256 of all observations, actions and penalties: equal hashes mean equal episodes.
     pub trajectory_hash: String,
-    /// CPU time of the process up to the end of the episode, s.
+    /// CPU time up to the end of the episode, s.
     pub cpu_s: f64,
-    /// CPU time within `Env::reset` and `Env::step`, s.
+    /// CPU time of the environment, s: warm-up and steps.
     pub engine_cpu_s: f64,
     /// Steps per second of wall-clock time.
     pub steps_per_s: f64,
@@ -143,20 +140,15 @@ pub struct ZoneSummary {
     pub heating_and_cooling: bool,
 }
 
-/// Number of severe messages that are kept.
-const SEVERES_KEPT: usize = 5;
-
 impl Summary {
     /// Name of the file.
     pub const NAME: &str = "summary.json";
 
     /// Summarizes a finished episode.
-    pub fn of(env: &Env, rollout: &Rollout, info: RunInfo) -> Result<Self> {
-        let (metrics, episode) = (env.metrics(), env.episode());
-        let severes = env.messages();
-        let severes = severes.at_least(Level::Severe).take(SEVERES_KEPT);
-        Ok(Self {
-            building: env.building().name.clone(),
+    pub fn of(spaces: &Spaces, rollout: &Rollout, info: RunInfo) -> Self {
+        let (metrics, engine, episode) = (&rollout.metrics, &rollout.engine, &spaces.episode);
+        Self {
+            building: spaces.building.name.clone(),
             info,
             versions: Versions::current(),
             period: episode.period.to_string(),
@@ -164,7 +156,7 @@ impl Summary {
             task: episode.task.to_string(),
             task_hash: episode.task.hash(),
             task_definition: episode.task.clone(),
-            energy_scale: env.energy_scale(),
+            energy_scale: spaces.energy_scale(),
             steps: metrics.steps,
             episode_return: metrics.episode_return,
             temperature_penalty: metrics.temperature_penalty,
@@ -173,7 +165,7 @@ impl Summary {
             mean_abs_deviation_k: metrics.mean_abs_deviation(),
             hours_outside_band: metrics.hours_outside_band(),
             discomfort_k_h: metrics.discomfort(),
-            never_occupied: rollout.never_occupied.clone(),
+            never_occupied: engine.never_occupied.clone(),
             electricity_wh_m2: metrics.electricity,
             gas_wh_m2: metrics.gas,
             cost_m2: metrics.cost,
@@ -182,17 +174,17 @@ impl Summary {
             peak_gas_w_m2: metrics.peak_gas,
             daily_travel: metrics.daily_travel(),
             travel: metrics.travel.clone(),
-            meter_relative_error: meter_relative_error(env)?,
-            engine_warnings: env.message_count(Level::Warning),
-            engine_severes: env.message_count(Level::Severe),
-            severe_messages: severes.map(|message| message.text.clone()).collect(),
+            meter_relative_error: meter_relative_error(metrics, engine.meters),
+            engine_warnings: engine.warnings,
+            engine_severes: engine.severes,
+            severe_messages: engine.severe_messages.clone(),
             clamped_actions: metrics.clamped_actions,
             trajectory_hash: rollout.trajectory.hash(),
-            cpu_s: ProcessTime::now().as_duration().as_secs_f64(),
+            cpu_s: rollout.total_cpu.as_secs_f64(),
             engine_cpu_s: rollout.env_cpu.as_secs_f64(),
             steps_per_s: metrics.steps as f64 / rollout.wall.as_secs_f64(),
-            zones: zones(env),
-        })
+            zones: zones(spaces, metrics),
+        }
     }
 
     /// Returns the text report.
@@ -304,10 +296,9 @@ impl Summary {
     }
 }
 
-fn zones(env: &Env) -> Vec<ZoneSummary> {
-    let metrics = env.metrics();
-    let zone = |zone: &b2b_env::ZoneMetrics| ZoneSummary {
-        name: env.building().zones[zone.slot].name.clone(),
+fn zones(spaces: &Spaces, metrics: &Metrics) -> Vec<ZoneSummary> {
+    let zone = |zone: &ZoneMetrics| ZoneSummary {
+        name: spaces.building.zones[zone.slot].name.clone(),
         rms_deviation_k: zone.rms_deviation(metrics.steps),
         mean_abs_deviation_k: zone.mean_abs_deviation(metrics.steps),
         hours_outside_band: metrics.zone_hours_outside_band(zone),
@@ -318,10 +309,9 @@ fn zones(env: &Env) -> Vec<ZoneSummary> {
 }
 
 /// Returns the largest relative mismatch of a fuel. A fuel that the building does not use has none.
-fn meter_relative_error(env: &Env) -> Result<f64> {
+fn meter_relative_error(metrics: &Metrics, meters: Option<[f64; 2]>) -> f64 {
     const TINY: f64 = 1e-9;
-    let ours = [env.metrics().electricity, env.metrics().gas];
-    let errors =
-        ours.iter().zip(env.engine_meters()?).map(|(ours, engine)| (ours - engine).abs() / engine.max(TINY));
-    Ok(errors.fold(0.0, f64::max))
+    let ours = [metrics.electricity, metrics.gas];
+    let errors = ours.iter().zip(meters.unwrap_or([f64::NAN; 2]));
+    errors.map(|(ours, engine)| (ours - engine).abs() / engine.max(TINY)).fold(0.0, f64::max)
 }

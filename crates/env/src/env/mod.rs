@@ -27,8 +27,6 @@ use crate::task::Task;
 use crate::zones::{ControlledZone, controlled_zones};
 use crate::{Error, Result};
 
-/// Zone time steps per hour that the engine accepts.
-const STEPS_PER_HOUR: [u32; 12] = [1, 2, 3, 4, 5, 6, 10, 12, 15, 20, 30, 60];
 const MODEL_FILE: &str = "model.epJSON";
 /// Severe messages in an [`EngineReport`].
 const SEVERES_KEPT: usize = 5;
@@ -80,10 +78,7 @@ impl Env {
     /// # Errors
     /// [`Error::StepsPerHour`]; [`Error::TaskValue`]; [`Error::Io`] when the model cannot be written to the temporary folder.
     pub fn new(library: Library, building: Arc<PreparedBuilding>, episode: EpisodeConfig) -> Result<Self> {
-        if !STEPS_PER_HOUR.contains(&episode.steps_per_hour) {
-            return Err(Error::StepsPerHour(episode.steps_per_hour));
-        }
-        episode.task.check()?;
+        episode.check()?;
         let folder = tempfile::Builder::new()
             .prefix("b2b-env-")
             .tempdir()

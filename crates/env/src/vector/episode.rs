@@ -358,6 +358,14 @@ impl Snapshot {
         self.0.copies(count)
     }
 
+    /// An episode that continues from this point.
+    ///
+    /// # Errors
+    /// As [`Episode::snapshot`].
+    pub fn episode(&self) -> Result<Episode> {
+        Ok(self.0.copies(1)?.remove(0))
+    }
+
     /// The observation at this point.
     pub fn observation(&self) -> &[f64] {
         self.0.observation()

@@ -23,7 +23,8 @@ impl Pool {
     /// The template of a setting; one is started if there is none. Does not wait for it.
     ///
     /// # Errors
-    /// [`Error::Pool`] when no process can be started; [`Error::Io`] for its order.
+    /// Those of [`EpisodeConfig::check`](crate::EpisodeConfig::check); [`Error::Pool`] when no process can be started;
+    /// [`Error::Io`] for its order.
     pub(in crate::vector) fn template_of(&mut self, setting: &Setting) -> Result<TemplateId> {
         self.clock += 1;
         let found = self.templates.iter_mut().find(|(_, template)| template.setting.is(setting));
@@ -31,6 +32,7 @@ impl Pool {
             template.used = self.clock;
             return Ok(*id);
         }
+        setting.episode.check()?;
         self.make_room();
         let process = self.start_process(setting)?;
         let id = TemplateId(self.next_template);
