@@ -5,14 +5,9 @@ const FLOAT: u64 = 1;
 /// Returns a policy of one layer without weights, as learning libraries export it: one observation in a batch of any
 /// size, and the same value for every actuator.
 pub fn linear_policy(observation: usize, action: usize, bias: f32) -> Vec<u8> {
-    let node = [
-        text(1, "observation"),
-        text(1, "weights"),
-        text(1, "bias"),
-        text(2, "action"),
-        text(4, "Gemm"),
-    ]
-    .concat();
+    let node =
+        [text(1, "observation"), text(1, "weights"), text(1, "bias"), text(2, "action"), text(4, "Gemm")]
+            .concat();
     let graph = [
         bytes(1, &node),
         text(2, "policy"),
