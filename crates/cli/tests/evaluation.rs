@@ -199,7 +199,7 @@ impl Policy for Killer {
 
     fn controller(&self, beginning: Beginning<'_>) -> b2b_benchmark::Result<Box<dyn Controller>> {
         let process = beginning.subject.name.to_string().ends_with("0014");
-        let process = process.then(|| beginning.pool.template_processes()[0]);
+        let process = process.then(|| beginning.episode.workers().template_processes()[0]);
         Ok(Box::new(Kills { process, inner: BuiltIn::Constant.controller(beginning)?, step: 0 }))
     }
 }
