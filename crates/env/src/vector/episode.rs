@@ -183,6 +183,11 @@ impl Episode {
         Ok(places.into_iter().map(copy).collect())
     }
 
+    /// The set of workers that it runs in.
+    pub fn workers(&self) -> &Workers {
+        &self.workers
+    }
+
     /// The building, weather, period and task.
     pub fn setting(&self) -> &Setting {
         &self.setting
@@ -243,10 +248,6 @@ impl Episode {
             },
             Phase::New | Phase::Ready | Phase::Truncated => Error::NotReset,
         }
-    }
-
-    pub(super) fn workers(&self) -> &Workers {
-        &self.workers
     }
 
     pub(super) fn is_starting(&self) -> bool {
