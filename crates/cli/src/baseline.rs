@@ -24,10 +24,13 @@ use crate::{interrupt, shipped, stdout};
 /// the same command resumes an interrupted run; --fresh ignores the cache. With --check, compares the results with the
 /// shipped baselines and exits with code 1 if any differs by more than 1e-6 (relative).
 #[derive(clap::Args)]
-#[command(after_help = "\
+#[command(
+    verbatim_doc_comment,
+    after_help = "\
 Examples:
   b2b baseline --out crates/benchmark/data/baselines.csv     the shipped table
-  b2b baseline --check --fresh SingleFamilyHouse-0014 --task constant --period winter")]
+  b2b baseline --check --fresh SingleFamilyHouse-0014 --task constant --period winter"
+)]
 pub struct Arguments {
     #[command(flatten)]
     buildings: Buildings,

@@ -28,7 +28,7 @@ use crate::table::Table;
 /// is better, below 1 beats the baseline. Finished episodes are kept: the same command resumes an interrupted
 /// evaluation. Exits with code 1 if an episode fails.
 #[derive(clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(verbatim_doc_comment, after_help = EXAMPLES)]
 pub struct Arguments {
     #[command(flatten)]
     policy: PolicyArguments,

@@ -25,10 +25,13 @@ use crate::stdout;
 /// for the same building, task and run period: lower is better, below 1 beats the baseline. A baseline that is not yet
 /// known is simulated first and cached.
 #[derive(clap::Args)]
-#[command(after_help = "\
+#[command(
+    verbatim_doc_comment,
+    after_help = "\
 Examples:
   b2b score b2b-out/OfficeSmall-Denver-winter-random/trajectory.parquet
-  b2b score trajectory.parquet --building my.idf --weather my.epw")]
+  b2b score trajectory.parquet --building my.idf --weather my.epw"
+)]
 pub struct Arguments {
     /// File written by `b2b run`
     #[arg(value_name = "TRAJECTORY.parquet")]

@@ -1,4 +1,4 @@
-//! `b2b benchmark` seen from outside, on the real engine: two houses, one day.
+//! `b2b benchmark` from the outside, on the real engine: two houses, one day.
 #![cfg(target_os = "linux")]
 
 mod browser;
@@ -73,20 +73,20 @@ fn the_reactive_controllers_score_one_and_two_runs_write_the_same_bytes() {
         names
     };
     assert_eq!(names("first"), ["episodes.parquet", "result.json"]);
-    // Run once more, it is left as it is.
+    // A second run leaves the result unchanged.
     let before = std::fs::metadata(folder.path().join("first/result.json")).unwrap().modified().unwrap();
     run(folder.path(), &format!("{SMALL} --policy random --out first"));
     assert_eq!(
         std::fs::metadata(folder.path().join("first/result.json")).unwrap().modified().unwrap(),
         before
     );
-    // And refused to another.
+    // Another policy is rejected.
     let other = format!("run {SMALL} --policy constant --out first");
     assert_refused(folder.path(), &other, &["contains a different evaluation", "policies"]);
 }
 
-/// The paper's table of buildings: type, observation under constant targets at least and at most, actuators. Where targets
-/// move there are two more slots for every controlled zone.
+/// The paper's table of buildings: type, minimum and maximum size of the observation under constant targets, number of
+/// actuators. Varying targets add two slots per controlled zone.
 const PAPER: [(&str, [usize; 2], usize); 5] = [
     ("SingleFamilyHouse", [9, 11], 2),
     ("Warehouse", [10, 10], 5),
@@ -127,9 +127,13 @@ fn every_side_of_every_problem_has_the_sizes_of_the_paper() {
                 let episode =
                     b2b_env::EpisodeConfig { weather, period, steps_per_hour: 12, task: task.clone() };
                 let spaces = Spaces::new(Arc::clone(building), episode);
-                let told = if moving { 2 * controlled } else { 0 };
+                let target_slots = if moving { 2 * controlled } else { 0 };
                 let seen = spaces.observation.len();
-                assert!((slots[0] + told..=slots[1] + told).contains(&seen), "{}: {seen}", problem.name);
+                assert!(
+                    (slots[0] + target_slots..=slots[1] + target_slots).contains(&seen),
+                    "{}: {seen}",
+                    problem.name
+                );
                 assert!(problem.protocol.observation_width.is_none_or(|width| seen <= width));
                 let left = match side.restriction {
                     None => *actuators,
@@ -259,7 +263,7 @@ fn an_adapted_policy_is_scored_before_and_after_adaptation() {
     refused("--attributes given", &["takes 20 values", "has 36", "building floor_area", "padding"]);
 }
 
-/// A result of random actions, and what to look at it with.
+/// A result of random actions, to be verified.
 struct Judged {
     folder: TempDir,
     catalog: Catalog,
@@ -276,7 +280,7 @@ impl Judged {
         self.folder.path().join("result")
     }
 
-    /// What is wrong once the rows are changed, the hash of the file made to fit, and a sample run again.
+    /// Returns the failed checks of a copy with changed rows and a matching file hash, after rerunning a sample.
     fn after(&self, change: impl Fn(&mut Vec<(Stage, Vec<Row>)>), rerun: usize) -> String {
         let copy = self.folder.path().join("copy");
         std::fs::create_dir_all(&copy).unwrap();

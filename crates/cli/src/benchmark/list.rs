@@ -20,11 +20,12 @@ pub struct ListArguments {
 /// Describe a problem: training and test environments, budget, seeds and rules
 #[derive(clap::Args)]
 pub struct ShowArguments {
-    #[command(flatten)]
-    selection: Selection,
     /// Print the problem definition as JSON, with all building ids, changes and its hash
     #[arg(long)]
     json: bool,
+    // Last, because its heading applies to all that follows.
+    #[command(flatten)]
+    selection: Selection,
 }
 
 /// Runs `list`.

@@ -25,10 +25,8 @@ use crate::table::Table;
 /// result folder: result.json, episodes.parquet, and the ONNX files of the policy. Finished episodes are kept: the same
 /// command resumes an interrupted run and produces the same bytes. Exits with code 1 if an episode fails.
 #[derive(clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(verbatim_doc_comment, after_help = EXAMPLES)]
 pub struct Arguments {
-    #[command(flatten)]
-    selection: Selection,
     #[command(flatten)]
     policy: PolicyArguments,
     /// Policy for the training environments, if their spaces have other sizes
@@ -54,6 +52,9 @@ pub struct Arguments {
     /// Print result.json instead of the text report
     #[arg(long)]
     json: bool,
+    // Last, because its heading applies to all that follows.
+    #[command(flatten)]
+    selection: Selection,
 }
 
 const EXAMPLES: &str = "\

@@ -19,10 +19,13 @@ use crate::stdout;
 /// their baselines again, and compares them bit for bit. Requires the version of b2b that wrote the result. Exits with
 /// code 1 if anything differs.
 #[derive(clap::Args)]
-#[command(after_help = "\
+#[command(
+    verbatim_doc_comment,
+    after_help = "\
 Examples:
   b2b benchmark verify results/ppo
-  b2b benchmark verify results/ppo --episodes 20 --sample-seed 7")]
+  b2b benchmark verify results/ppo --episodes 20 --sample-seed 7"
+)]
 pub struct Arguments {
     /// Result folder
     #[arg(value_name = "FOLDER")]

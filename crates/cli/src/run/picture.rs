@@ -184,12 +184,9 @@ fn maximum(values: &[f64]) -> f64 {
 
 /// Returns the index of the zone that an actuator belongs to; for an air loop, its first zone.
 fn zone_of(building: &PreparedBuilding, owner: Owner) -> usize {
-    let number = |zone: &str| building.zones.iter().position(|z| z.name.eq_ignore_ascii_case(zone));
     match owner {
         Owner::Zone(zone) => zone,
-        Owner::AirLoop(system) => {
-            building.systems[system].zones().first().and_then(|zone| number(zone)).unwrap_or(0)
-        }
+        Owner::AirLoop(system) => building.layouts()[system].zones[0].index,
         Owner::Weather | Owner::Calendar | Owner::Energy => 0,
     }
 }
