@@ -6,7 +6,7 @@ use b2b_benchmark::{ActionScale, Policy};
 #[derive(clap::Args)]
 pub struct PolicyArguments {
     /// Policy: reactive, random, constant, planner, or an ONNX file
-    #[arg(long = "policy", value_name = "POLICY")]
+    #[arg(id = "policy", long = "policy", value_name = "POLICY")]
     pub name: String,
     /// Scale of the actions of an ONNX policy
     #[arg(long, value_enum, default_value_t = Actions::Rescaled)]
