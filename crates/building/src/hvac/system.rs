@@ -59,10 +59,9 @@ pub struct AirLoop {
     pub supply_temperature: Actuator,
     /// [`Quantity::OutdoorAirFlow`].
     pub outdoor_air: Actuator,
-    /// Design flow of the supply fan, kg/s. All dampers open may ask for more: the fan limits.
+    /// Design flow of the supply fan, kg/s. It limits the flow of all terminals together.
     pub fan_flow: f64,
-    /// Design flow of the exhaust fans in its zones, kg/s. Outdoor air makes up for what they take, whatever is
-    /// commanded.
+    /// Design flow of the exhaust fans in its zones, kg/s. Outdoor air makes up for it, whatever is commanded.
     pub exhaust_flow: f64,
     /// The terminals, in model order of their zones.
     pub terminals: Vec<Terminal>,
@@ -79,8 +78,8 @@ pub struct Terminal {
     pub reheat: Actuator,
     /// Design flow, kg/s.
     pub design_flow: f64,
-    /// Opening up to which more air brings more heat, 0 to 1: beyond it a hot-water coil has too little for the air.
-    /// 1 for other coils.
+    /// Opening above which more air brings no more heat, 0 to 1, because a hot-water coil is at its capacity; 1 for other
+    /// coils.
     pub heating_opening: f64,
 }
 

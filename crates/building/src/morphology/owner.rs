@@ -1,4 +1,4 @@
-//! What a slot of an observation or an action belongs to.
+//! Owners of the slots of observations and actions.
 
 use serde::Serialize;
 
@@ -11,7 +11,7 @@ use crate::hvac::{Actuator, System};
 pub enum Owner {
     /// Outdoor weather.
     Weather,
-    /// The clock.
+    /// The calendar.
     Calendar,
     /// Energy of the step.
     Energy,
@@ -22,7 +22,7 @@ pub enum Owner {
 }
 
 impl PreparedBuilding {
-    /// The actuators in the order of the action, each with what it belongs to.
+    /// Returns the actuators in the order of the action, each with its owner.
     pub fn owned_actuators(&self) -> impl Iterator<Item = (Owner, &Actuator)> {
         let owned = |(index, system): (usize, _)| self.actuators_of(index, system);
         self.systems.iter().enumerate().flat_map(owned)

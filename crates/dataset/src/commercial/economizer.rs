@@ -1,9 +1,9 @@
-//! Economisers, where the code asks for them.
+//! Economizers, where the code asks for them.
 
 use b2b_building::Model;
 use serde_json::json;
 
-/// The economiser of the code in a climate zone, and its dry-bulb limit, °C.
+/// The economizer of the code in a climate zone, and its dry-bulb limit, °C.
 struct Economizer {
     control: &'static str,
     limit: Option<f64>,
@@ -19,7 +19,7 @@ fn of_zone(ashrae_zone: &str) -> Economizer {
     }
 }
 
-/// Gives every unit that has an economiser in the prototype the one of the zone. The prototype stands in zone 5B, where
+/// Gives every unit that has an economizer in the prototype the one of the zone. The prototype stands in zone 5B, where
 /// all units of 54,000 Btu/h and more have one; the smaller ones need none anywhere.
 pub(super) fn choose(model: &mut Model, ashrae_zone: &str) {
     const CLASS: &str = "Controller:OutdoorAir";

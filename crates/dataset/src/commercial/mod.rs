@@ -13,7 +13,7 @@
 //! The model comes out autosized: [`b2b_building::PreparedBuilding`] sizes it for its own design days.
 //!
 //! # Left out
-//! - The economiser's capacity threshold (54,000 Btu/h) is that of the unstretched unit in Denver.
+//! - The economizer's capacity threshold (54,000 Btu/h) is that of the unstretched unit in Denver.
 //! - A stretched restaurant keeps its refrigerated cases.
 //! - Skylights, doors and slab edges keep the prototype's values, those of climate zone 5.
 //! - The code's classes of assembly: walls are steel-framed and roofs insulated above deck, as in the paper; attics,
