@@ -28,7 +28,7 @@ const SHIPPED: &str = include_str!("../data/baselines.csv");
 
 /// Parameters of the reactive controllers of a building: those of its type and climate zone.
 pub fn controller_parameters(subject: &Subject, surroundings: &Surroundings) -> ReactiveParameters {
-    let prototype = subject.placement.leaves_prototype(&subject.name);
+    let prototype = subject.placement.is_prototype(&subject.name);
     ReactiveParameters::tuned(subject.class(surroundings), prototype)
 }
 

@@ -237,7 +237,7 @@ fn invalid_arguments_are_rejected_with_the_valid_ones() {
         ("run OficeSmall-0042", ["OficeSmall", "OfficeSmall"]),
         ("show Warehouse-x", ["`x`", "Warehouse-0001"]),
         ("check Warehouse", ["`Warehouse`", "OfficeSmall-0042"]),
-        ("run OfficeSmall-0042 --place Denver", ["OfficeSmall-0042 stands in", "--weather"]),
+        ("run OfficeSmall-0042 --place Denver", ["OfficeSmall-0042 is located in", "--weather"]),
         ("generate Warehouse --place Dever --out o", ["Dever", "Denver"]),
         ("generate SingleFamilyHouse --place Miami --out o", ["Miami", "Estrie"]),
         ("generate Warehouse --count 0 --out o", ["0", "--count"]),
