@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 use crate::hvac::energy_management;
-use crate::hvac::{self, Actuator, Discovery, System, Uncontrolled};
+use crate::hvac::{self, Actuator, Discovery, System, SystemLayout, Uncontrolled};
 use crate::model::Model;
 use crate::outputs;
 use crate::run_period::RunPeriod;
@@ -31,6 +31,8 @@ pub struct PreparedBuilding {
     pub zones: Vec<Zone>,
     /// The controlled systems, in the order of the action.
     pub systems: Vec<System>,
+    /// Places of the systems in the action and in the zones, in the same order.
+    layouts: Vec<SystemLayout>,
     /// Systems and equipment that are not controlled, with the reason; empty except for imported buildings.
     pub uncontrolled: Vec<Uncontrolled>,
     /// Floor area of the conditioned zones, m², to which energy is normalized. Energy is that of all HVAC, so that zones
@@ -105,7 +107,10 @@ impl PreparedBuilding {
         one_system_step(&mut model);
         bound_warmup(&mut model);
         run_weather_alone(&mut model);
-        let zones = zones(&model, &systems)?;
+        let zones = zone::zones(&model)?;
+        let names: Vec<&str> = zones.iter().map(|zone| zone.name.as_str()).collect();
+        let layouts = SystemLayout::of_all(&systems, &names)?;
+        let zones = prepared_zones(&model, zones, &systems, &layouts)?;
         let conditioned = |zone: &&Zone| zone.conditioning != Conditioning::None || zone.own_controls;
         Ok(Self {
             name: name.to_owned(),
@@ -115,6 +120,7 @@ impl PreparedBuilding {
             conditioned_floor_area: zones.iter().filter(conditioned).map(|z| z.floor_area).sum(),
             zones,
             systems,
+            layouts,
             uncontrolled,
         })
     }
@@ -150,6 +156,16 @@ impl PreparedBuilding {
         self.systems.iter().flat_map(System::actuators)
     }
 
+    /// Returns the layouts of the systems, in the same order.
+    pub fn layouts(&self) -> &[SystemLayout] {
+        &self.layouts
+    }
+
+    /// Returns the systems with their layouts, in the order of the action.
+    pub fn laid_out_systems(&self) -> impl Iterator<Item = (&System, &SystemLayout)> {
+        self.systems.iter().zip(&self.layouts)
+    }
+
     /// Returns the controlled zones, in model order.
     pub fn controlled_zones(&self) -> impl Iterator<Item = &Zone> {
         self.zones.iter().filter(|z| z.conditioning != Conditioning::None)
@@ -174,17 +190,21 @@ pub fn standard_air_density(elevation: f64) -> f64 {
     pressure / (287.0 * (20.0 + 273.15))
 }
 
-fn zones(model: &Model, systems: &[System]) -> Result<Vec<Zone>> {
-    let conditioning = |zone: &str| {
-        let serving = |s: &&System| s.zones().iter().any(|z| z.eq_ignore_ascii_case(zone));
-        match systems.iter().find(serving) {
-            None => Conditioning::None,
-            Some(System::HeatingOnly(_)) => Conditioning::Heating,
-            Some(_) => Conditioning::HeatingAndCooling,
-        }
+/// Returns the zones of a model, with what the systems that serve them can do.
+fn prepared_zones(
+    model: &Model,
+    zones: Vec<zone::Zone>,
+    systems: &[System],
+    layouts: &[SystemLayout],
+) -> Result<Vec<Zone>> {
+    let conditioning = |zone: usize| match systems.iter().zip(layouts).find(|(_, layout)| layout.serves(zone))
+    {
+        None => Conditioning::None,
+        Some((System::HeatingOnly(_), _)) => Conditioning::Heating,
+        Some(_) => Conditioning::HeatingAndCooling,
     };
-    let prepared = |zone: zone::Zone| {
-        let conditioning = conditioning(&zone.name);
+    let prepared = |(index, zone): (usize, zone::Zone)| {
+        let conditioning = conditioning(index);
         let own_controls = conditioning == Conditioning::None && hvac::has_own_controls(model, &zone.name)?;
         Ok(Zone {
             conditioning,
@@ -193,7 +213,7 @@ fn zones(model: &Model, systems: &[System]) -> Result<Vec<Zone>> {
             name: zone.name,
         })
     };
-    zone::zones(model)?.into_iter().map(prepared).collect()
+    zones.into_iter().enumerate().map(prepared).collect()
 }
 
 /// Removes daylight saving time, so that the observed clock and the occupants' schedules agree all year and neither jumps.

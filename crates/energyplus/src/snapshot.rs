@@ -1,13 +1,13 @@
-//! Copies of a simulation in progress, by `fork`.
+//! Copies of a running simulation by `fork`.
 //!
-//! The engine cannot save its state, but the system can copy the whole process: a copy shares its memory with the
-//! original until one of the two writes to it, so that it takes milliseconds where a start takes a second. Both go
-//! on bit for bit as the original would have.
+//! EnergyPlus cannot save its state, but the operating system can copy the whole process: a copy shares its memory with the
+//! original until either writes to it, and so takes milliseconds where a start takes a second. Both continue bit for bit as
+//! the original would have.
 //!
-//! What a fork would break, and what is done about it:
-//! 1. A process with several threads: the copy has one, with the locks of all. It is refused.
-//! 2. Files that are being read (the weather) share one position between the two. The copy opens its own.
-//! 3. Files that are being written: the copy writes to nowhere.
+//! Hazards of a fork, and how they are handled:
+//! 1. Threads: the copy would have one thread and the locks of all. A process with several threads is refused.
+//! 2. Files being read (weather): both processes would share one file position. The copy reopens them.
+//! 3. Files being written: the copy writes to `/dev/null`.
 
 use std::fs::File;
 use std::io;
@@ -18,19 +18,18 @@ use rustix::fs::{FileType, OFlags, SeekFrom};
 
 use crate::{Error, Result, Simulation};
 
-/// Which of the two processes goes on after [`Simulation::fork`].
+/// The process in which [`Simulation::fork`] returned.
 #[derive(Debug)]
 pub enum Fork {
-    /// The process that was copied.
+    /// The original process.
     Original,
-    /// The copy, and whether its files could be opened anew. It must end with [`leave`].
+    /// The copy, with the result of reopening its files. It must end with [`leave`].
     Copy(Result<()>),
 }
 
-/// Gives memory back to the system that was used and is not any more, such as that of a model's text: a process that
-/// stands to be copied has no use for it.
+/// Returns unused memory to the operating system, such as that of the model text, before a process is copied.
 pub fn give_back_memory() {
-    // SAFETY: the allocator is asked to look at what it has; nothing that is in use moves.
+    // SAFETY: the allocator releases free memory only; nothing in use moves.
     #[cfg(target_env = "gnu")]
     unsafe {
         libc::malloc_trim(0);
@@ -38,31 +37,31 @@ pub fn give_back_memory() {
 }
 
 impl Simulation {
-    /// Copies this process, and with it the simulation where it stands. Both processes return from the call.
+    /// Copies this process with the simulation in its current state. The call returns in both processes.
     ///
     /// # Errors
-    /// [`Error::Threads`] when this is not the only thread; [`Error::Fork`] when the system refuses.
+    /// [`Error::Threads`] if the process has several threads; [`Error::Fork`] if the operating system refuses.
     pub fn fork(&mut self) -> Result<Fork> {
         let threads = count("/proc/self/task").map_err(Error::Fork)?;
         if threads != 1 {
             return Err(Error::Threads { threads });
         }
-        // SAFETY: no other thread exists, so that the copy is whole: no lock is held by a thread that it lacks.
+        // SAFETY: no other thread exists, so the copy is complete: no lock is held by a thread that it lacks.
         match unsafe { libc::fork() } {
             -1 => Err(Error::Fork(io::Error::last_os_error())),
-            0 => Ok(Fork::Copy(open_files_anew().map_err(Error::Fork))),
+            0 => Ok(Fork::Copy(reopen_files().map_err(Error::Fork))),
             _ => Ok(Fork::Original),
         }
     }
 }
 
-/// Makes this process one to be copied: a terminal's interrupt is left to whoever started it, and it stays the
-/// ancestor of all copies, which the system removes when they end.
+/// Prepares this process for being copied: it ignores interrupts of the terminal, which its parent handles, and becomes the
+/// reaper of all copies, which the operating system removes when they end.
 ///
 /// # Errors
-/// [`Error::Fork`] when the system refuses.
+/// [`Error::Fork`] if the operating system refuses.
 pub fn become_ancestor() -> Result<()> {
-    // SAFETY: both signals are then ignored; no handler is installed.
+    // SAFETY: both signals are ignored; no handler is installed.
     unsafe {
         libc::signal(libc::SIGINT, libc::SIG_IGN);
         libc::signal(libc::SIGCHLD, libc::SIG_IGN);
@@ -71,9 +70,9 @@ pub fn become_ancestor() -> Result<()> {
     rustix::process::set_child_subreaper(Some(this)).map_err(|error| Error::Fork(error.into()))
 }
 
-/// Ends a copy at once: nothing that the original still uses is stopped or removed.
+/// Ends a copy immediately, without stopping or removing anything that the original still uses.
 pub fn leave(code: u8) -> ! {
-    // SAFETY: ends the process without running any code of it.
+    // SAFETY: ends the process without running any of its code.
     unsafe { libc::_exit(code.into()) }
 }
 
@@ -81,9 +80,9 @@ fn count(folder: &str) -> io::Result<usize> {
     Ok(std::fs::read_dir(folder)?.count())
 }
 
-/// Gives every open regular file a position of its own. Memory and pipes that are shared stay shared.
-fn open_files_anew() -> io::Result<()> {
-    let nowhere = File::options().write(true).open("/dev/null")?;
+/// Gives every open regular file its own position. Shared memory and pipes stay shared.
+fn reopen_files() -> io::Result<()> {
+    let null = File::options().write(true).open("/dev/null")?;
     let descriptors: Vec<RawFd> = std::fs::read_dir("/proc/self/fd")?
         .filter_map(|entry| entry.ok()?.file_name().to_str()?.parse().ok())
         .collect();
@@ -94,32 +93,32 @@ fn open_files_anew() -> io::Result<()> {
         let Ok(status) = rustix::fs::fstat(file) else { continue };
         let path = format!("/proc/self/fd/{descriptor}");
         if FileType::from_raw_mode(status.st_mode) == FileType::RegularFile && !is_memory(&path) {
-            open_anew(file, &path, nowhere.as_fd())?;
+            reopen(file, &path, null.as_fd())?;
         }
     }
     Ok(())
 }
 
-/// Whether a descriptor is of a file without a name on any disk.
+/// Whether a descriptor belongs to an anonymous file in memory.
 fn is_memory(path: &str) -> bool {
     std::fs::read_link(path).is_ok_and(|target| target.starts_with("/memfd:"))
 }
 
-fn open_anew(file: BorrowedFd<'_>, path: &str, nowhere: BorrowedFd<'_>) -> io::Result<()> {
+fn reopen(file: BorrowedFd<'_>, path: &str, null: BorrowedFd<'_>) -> io::Result<()> {
     let read_only = rustix::fs::fcntl_getfl(file)?.intersection(OFlags::ACCMODE) == OFlags::RDONLY;
     if !read_only {
-        return put(nowhere, file);
+        return redirect(null, file);
     }
     let position = rustix::fs::tell(file)?;
     let fresh = File::open(Path::new(path))?;
     rustix::fs::seek(&fresh, SeekFrom::Start(position))?;
-    put(fresh.as_fd(), file)
+    redirect(fresh.as_fd(), file)
 }
 
-/// Makes the second descriptor one of the first's file.
-fn put(file: BorrowedFd<'_>, at: BorrowedFd<'_>) -> io::Result<()> {
+/// Makes the second descriptor refer to the file of the first.
+fn redirect(file: BorrowedFd<'_>, at: BorrowedFd<'_>) -> io::Result<()> {
     use std::os::fd::AsRawFd;
-    // SAFETY: both are open; the owner of the second, in the engine, goes on to use it under the same number.
+    // SAFETY: both are open; the owner of the second, in EnergyPlus, continues to use it under the same number.
     match unsafe { libc::dup2(file.as_raw_fd(), at.as_raw_fd()) } {
         -1 => Err(io::Error::last_os_error()),
         _ => Ok(()),

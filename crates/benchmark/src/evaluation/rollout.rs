@@ -7,9 +7,12 @@ use b2b_env::Trajectory;
 use b2b_env::vector::{Live, Pool, Start};
 
 use super::bench::Bench;
-use super::record::Finished;
-use super::{Episode, Work};
-use crate::policy::{Beginning, Interface};
+use super::episode::Episode;
+use super::finished::Finished;
+use super::info::EpisodeInfo;
+use super::parallel::Work;
+use super::recording::Recording;
+use crate::policy::{EpisodeContext, Interface};
 use crate::{Error, Result};
 
 /// Runs an episode.
@@ -17,9 +20,9 @@ pub(super) fn run(bench: &mut Bench, episode: &Episode, work: &Work<'_>) -> Resu
     let setting = bench.setting(episode);
     let template = bench.pool.prepare(&setting)?;
     let spaces = bench.pool.spaces(template)?;
-    let mut controller = work.policy.controller(Beginning {
+    let mut controller = work.policy.controller(EpisodeContext {
         subject: &bench.located.subject,
-        surroundings: &bench.located.surroundings,
+        site: &bench.located.site,
         spaces: &spaces,
         interface: &Interface::of(&spaces),
         seed: episode.seed,
@@ -32,7 +35,8 @@ pub(super) fn run(bench: &mut Bench, episode: &Episode, work: &Work<'_>) -> Resu
     bench.pool.stop(live);
     let rolled = rolled_out?;
     let metrics = metrics.ok_or(gone("it left no metrics"))?;
-    let finished = Finished::new(&bench.located, work.policy, episode.seed, &spaces, &metrics, &rolled);
+    let info = EpisodeInfo::of_run(episode, work.policy, &spaces, &bench.located.site);
+    let finished = Finished::new(info, &spaces, &metrics, &rolled);
     bench.prepared.get_or_insert_with(|| Arc::clone(&spaces.building));
     Ok(finished)
 }
@@ -43,7 +47,7 @@ fn roll_out(
     live: &mut Live,
     controller: &mut dyn Controller,
     work: &Work<'_>,
-) -> Result<Rolled> {
+) -> Result<Recording> {
     let spaces = Arc::clone(live.spaces());
     let (steps, steps_a_day) = (spaces.episode_steps(), 24 * spaces.episode.steps_per_hour as usize);
     let mut observation = vec![0.0; spaces.observation.len()];
@@ -74,14 +78,7 @@ fn roll_out(
             work.progress.day();
         }
     }
-    Ok(Rolled { first_observation, trajectory })
-}
-
-/// An episode as it went.
-pub(super) struct Rolled {
-    /// What was seen before the first step.
-    pub(super) first_observation: Vec<f64>,
-    pub(super) trajectory: Trajectory,
+    Ok(Recording { first_observation, trajectory })
 }
 
 /// Waits for a process to be done with what it does.

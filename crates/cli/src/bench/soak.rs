@@ -4,6 +4,7 @@ use anyhow::{Context, Result};
 use b2b_building::{BuildingType, RunPeriod};
 use b2b_control::{Controller, Random};
 use b2b_dataset::BuildingName;
+use b2b_energyplus::digest::hex;
 use b2b_env::Task;
 use b2b_env::vector::{AnyOf, VecEnv, VecEnvOptions, Windows};
 use serde_json::json;
@@ -81,7 +82,7 @@ pub fn bench(arguments: &Arguments) -> Result<()> {
         bar.inc(1);
     }
     bar.finish_and_clear();
-    let hash: String = hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
+    let hash = hex(&hash.finalize());
     let growth = memory.last().context("no step")? - memory.first().context("no step")?;
     let files = open_files()? as i64 - files as i64;
     let (steps, ended) = (turns * count as u64, lost.len());

@@ -1,4 +1,4 @@
-//! What was found in an imported model.
+//! The zones and systems of an imported model.
 
 use b2b_building::Conditioning;
 use b2b_building::hvac::{self, Uncontrolled};
