@@ -86,7 +86,7 @@ fn the_error_of_a_building_without_supported_systems_lists_them() {
     let stock = Stock::new();
     let path = stock.models.join("ASHRAE901_ApartmentHighRise_STD2019_Denver.idf");
     let said = stock.prepare(&path).unwrap_err().to_string();
-    assert_says(&said, &["nothing to drive", "80 × AirLoopHVAC", "UnitaryHeatPump:WaterToAir"]);
+    assert_says(&said, &["no controllable system", "80 × AirLoopHVAC", "UnitaryHeatPump:WaterToAir"]);
     assert!(said.lines().count() <= 4, "{said}");
 }
 

@@ -29,7 +29,7 @@ pub enum Places {
 /// Draws `count` buildings of a type; each seed has its own Latin hypercube.
 ///
 /// # Errors
-/// [`Error::UnknownPlace`] for an unknown place, or an unknown region for houses;
+/// [`b2b_climate::Error::UnknownPlace`] for an unknown place, or an unknown region for houses;
 /// [`Error::UnknownParameter`], [`Error::Setting`] and [`Error::Parameter`] (within [`Error::AtPlace`] if it
 /// depends on the climate) for an invalid setting; [`Error::ClimateZone`] for a weather file in a zone without
 /// requirements in the code.

@@ -32,9 +32,9 @@ impl System {
 pub struct Unitary {
     /// Zone it serves.
     pub zone: String,
-    /// [`Quantity::SupplyAirFlow`].
+    /// [`Quantity::SupplyAirFlow`](super::Quantity::SupplyAirFlow).
     pub flow: Actuator,
-    /// [`Quantity::SupplyAirTemperature`].
+    /// [`Quantity::SupplyAirTemperature`](super::Quantity::SupplyAirTemperature).
     pub supply_temperature: Actuator,
 }
 
@@ -43,9 +43,9 @@ pub struct Unitary {
 pub struct AirLoop {
     /// Name of the `AirLoopHVAC`.
     pub name: String,
-    /// [`Quantity::SupplyAirTemperature`], of the air handler.
+    /// [`Quantity::SupplyAirTemperature`](super::Quantity::SupplyAirTemperature), of the air handler.
     pub supply_temperature: Actuator,
-    /// [`Quantity::OutdoorAirFlow`].
+    /// [`Quantity::OutdoorAirFlow`](super::Quantity::OutdoorAirFlow).
     pub outdoor_air: Actuator,
     /// Design flow of the supply fan, kg/s. It limits the flow of all terminals together.
     pub fan_flow: f64,
@@ -60,9 +60,9 @@ pub struct AirLoop {
 pub struct Terminal {
     /// Zone it serves.
     pub zone: String,
-    /// [`Quantity::DamperOpening`].
+    /// [`Quantity::DamperOpening`](super::Quantity::DamperOpening).
     pub damper: Actuator,
-    /// [`Quantity::HeatingSetpoint`], of the reheat coil.
+    /// [`Quantity::HeatingSetpoint`](super::Quantity::HeatingSetpoint), of the reheat coil.
     pub reheat: Actuator,
     /// Design flow, kg/s.
     pub design_flow: f64,
@@ -76,6 +76,6 @@ pub struct Terminal {
 pub struct HeatingOnly {
     /// Zone it serves.
     pub zone: String,
-    /// [`Quantity::HeatingSetpoint`].
+    /// [`Quantity::HeatingSetpoint`](super::Quantity::HeatingSetpoint).
     pub setpoint: Actuator,
 }

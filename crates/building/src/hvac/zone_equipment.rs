@@ -7,7 +7,7 @@ use crate::model::{Model, items, text};
 /// Returns the equipment of a zone, in the order of its equipment list; empty for a zone without equipment.
 ///
 /// # Errors
-/// [`Error::MissingObject`] when the equipment list that the zone names is not in the model.
+/// [`crate::Error::MissingObject`] when the equipment list that the zone names is not in the model.
 pub fn zone_equipment(model: &Model, zone: &str) -> Result<Vec<Reference>> {
     let connections = model
         .objects("ZoneHVAC:EquipmentConnections")

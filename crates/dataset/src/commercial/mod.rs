@@ -3,11 +3,11 @@
 //! [`generate`] modifies the ASHRAE 90.1-2019 prototype for Denver to the building of [`CommercialParameters`] at another
 //! place:
 //!
-//! 1. [`relocate`]: site, design days, ground and mains water of the weather file.
-//! 2. [`geometry`] and [`loads`]: the building is stretched, and loads given per zone are scaled with the floor area.
-//! 3. [`opaque`], [`glazing`], [`windows`] and [`infiltration`]: the envelope, relative to the code's requirements
-//!    in the climate zone ([`prescriptive`]).
-//! 4. [`economizer`], [`recovery`], [`capacity`] and [`kitchen`]: equipment that the code and the climate require.
+//! 1. `relocate`: site, design days, ground and mains water of the weather file.
+//! 2. `geometry` and `loads`: the building is stretched, and loads given per zone are scaled with the floor area.
+//! 3. `opaque`, `glazing`, `windows` and `infiltration`: the envelope, relative to the code's requirements
+//!    in the climate zone (`prescriptive`).
+//! 4. `economizer`, `recovery`, `capacity` and `kitchen`: equipment that the code and the climate require.
 //!
 //! The model is autosized: [`b2b_building::PreparedBuilding`] sizes it for its design days.
 //!

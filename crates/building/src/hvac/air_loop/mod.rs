@@ -4,7 +4,7 @@
 //! controls of the model (supply temperature reset, economizer, minimum flows, dampers under the thermostat) are removed;
 //! the equipment and its capacities are kept, except for the main heating coil.
 //!
-//! 1. The loop runs at every hour ([`always_on`]).
+//! 1. The loop runs at every hour (`always_on`).
 //! 2. The branch becomes outdoor air → fan → cooling coil → heating coil, so that the heat of the fan is upstream of
 //!    the coils that control the supply temperature.
 //! 3. Both coils follow one scheduled supply temperature; outdoor air follows an actuator.

@@ -32,7 +32,7 @@ const SUPPLY_TEMPERATURE: (f64, f64) = (10.0, 45.0);
 /// Makes the unitary system of an air loop controllable. The model must be hard-sized.
 ///
 /// # Errors
-/// [`Error::Unsupported`] naming the object that cannot be rewritten; [`Error::MissingObject`] for a dangling
+/// [`crate::Error::Unsupported`] naming the object that cannot be rewritten; [`crate::Error::MissingObject`] for a dangling
 /// reference.
 pub fn make_controllable(model: &mut Model, air_loop: &str, air_density: f64) -> Result<Unitary> {
     assemble::assemble(model, air_loop)?;
@@ -71,7 +71,7 @@ pub fn make_controllable(model: &mut Model, air_loop: &str, air_density: f64) ->
 /// Whether an air loop has a unit or the parts of one.
 ///
 /// # Errors
-/// [`Error::MissingObject`] for a dangling reference.
+/// [`crate::Error::MissingObject`] for a dangling reference.
 pub(super) fn has_unit(model: &Model, air_loop: &str) -> Result<bool> {
     let components = supply_components(model, air_loop)?;
     Ok(components.iter().any(|c| is_unit(&c.class)) || assemble::has_parts(model, air_loop)?)
