@@ -366,9 +366,9 @@ fn a_building_that_cannot_be_prepared_says_why() {
     let mut pool = Pool::new(options(&case)).unwrap();
     let template = pool.prepare(&setting).unwrap();
     let error = pool.begin(template, Start::default()).unwrap_err().to_string();
-    assert!(error.contains("Shed") && error.contains("nothing to drive"), "{error}");
+    assert!(error.contains("Shed") && error.contains("no controllable system"), "{error}");
     let mut vec = vec_env(&case, vec![setting], Autoreset::NextStep);
-    assert!(vec.reset(0).unwrap_err().to_string().contains("nothing to drive"));
+    assert!(vec.reset(0).unwrap_err().to_string().contains("no controllable system"));
 }
 
 #[test]
