@@ -149,9 +149,9 @@ def _title(scene: Scene) -> str:
     slot = layout.outdoor_temperature
     day, step = divmod(scene.steps, 24 * layout.steps_per_hour)
     date = np.datetime64("2017-01-01") + scene.setting.first_day - 1 + day
-    hour = step / layout.steps_per_hour
+    hour, minute = divmod(step * 60 // layout.steps_per_hour, 60)
     return (
-        f"{scene.building.name}, {scene.building.place}    {str(date)[5:]} {int(hour):02d}:{int(hour % 1 * 60):02d}"
+        f"{scene.building.name}, {scene.building.place}    {str(date)[5:]} {hour:02d}:{minute:02d}"
         f"    outdoors {scene.observation[slot]:.1f} °C, {scene.observation[slot + 1]:.0f} % RH"
     )
 

@@ -9,7 +9,7 @@ use crate::subject::{SiteInfo, Subject};
 
 /// Returns the parameters of the reactive controllers for a building: those of its type and climate zone.
 pub fn controller_parameters(subject: &Subject, site: &SiteInfo) -> ReactiveParameters {
-    let prototype = subject.placement.leaves_prototype(&subject.name);
+    let prototype = subject.placement.is_prototype(&subject.name);
     ReactiveParameters::tuned(subject.class(site), prototype)
 }
 

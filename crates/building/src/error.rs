@@ -76,7 +76,7 @@ pub enum Error {
         problems: Vec<String>,
     },
     /// A model without any HVAC system that can be made controllable.
-    #[error("{name} has no controllable system: {}", lines(reasons))]
+    #[error("{name} has no controllable system:{}", lines(reasons))]
     NothingToControl {
         /// Name of the building.
         name: String,
@@ -118,7 +118,7 @@ pub type Result<T> = std::result::Result<T, Error>;
 /// The reasons, one per line.
 fn lines(reasons: &[String]) -> String {
     if reasons.is_empty() {
-        return "it has no air loop, unit heater or baseboard".to_owned();
+        return " it has no air loop, unit heater or baseboard".to_owned();
     }
     reasons.iter().map(|reason| format!("\n  {reason}")).collect()
 }

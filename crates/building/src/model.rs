@@ -62,7 +62,7 @@ impl Model {
 
     /// Returns the model as epJSON text.
     pub fn to_epjson(&self) -> String {
-        serde_json::to_string_pretty(&self.classes).expect("a JSON map always serialises")
+        serde_json::to_string_pretty(&self.classes).expect("a JSON map always serializes")
     }
 
     /// Returns the objects of a class with their names, in model order.

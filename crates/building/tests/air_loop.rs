@@ -1,4 +1,4 @@
-//! Central air loops of the medium office on the real engine: what is commanded is what happens.
+//! Central air loops of the medium office on the real engine: commands have the commanded effect.
 
 use std::path::PathBuf;
 
@@ -18,13 +18,13 @@ fn engine() -> PathBuf {
     Engine::ensure(&mut Quiet).unwrap().root
 }
 
-/// What an agent says to the air loops, the same to each.
+/// A command, the same for every air loop.
 #[derive(Clone, Copy)]
 struct Command {
     supply_temperature: f64,
-    /// Share of the fan's design flow.
+    /// Fraction of the fan's design flow.
     outdoor_air: f64,
-    /// Opening of the dampers, in turn.
+    /// Openings of the dampers, cyclically.
     openings: [f64; 5],
     heating_setpoint: f64,
 }
@@ -136,7 +136,7 @@ impl Reader<'_> {
     }
 }
 
-/// Numbers in [0, 1) that look random and are the same at every run.
+/// Reproducible pseudo-random numbers in [0, 1).
 fn scatter(seed: usize) -> f64 {
     let hash = (seed as u64).wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
     ((hash ^ (hash >> 29)).wrapping_mul(0xBF58_476D_1CE4_E5B9) >> 11) as f64 / (1u64 << 53) as f64
@@ -147,7 +147,7 @@ fn scattered_openings(seed: usize) -> [f64; 5] {
 }
 
 #[test]
-fn a_damper_gives_its_share_of_the_terminal_and_open_dampers_share_the_fan() {
+fn a_damper_sets_its_fraction_of_the_terminal_and_open_dampers_share_the_fan() {
     let office = Office::new();
     let (mut limited, mut closed) = (0, 0);
     for month in [WINTER, SUMMER] {
@@ -239,12 +239,12 @@ fn reheat_holds_the_setpoint_and_is_off_below_the_zone() {
 }
 
 #[test]
-fn random_play_is_free_of_severe_errors_and_finite() {
+fn random_actions_cause_no_severe_errors() {
     play_at_random(&Office::new());
 }
 
 #[test]
-fn another_office_with_other_names_and_fans_plays_too() {
+fn an_office_with_other_names_and_fans_is_controllable() {
     play_at_random(&Office::of("RefBldgMediumOfficeNew2004_Chicago.idf"));
 }
 

@@ -1,4 +1,4 @@
-//! Models as users have them, read and prepared on the real engine.
+//! Users' models, read and prepared on the real engine.
 
 use std::path::{Path, PathBuf};
 
@@ -36,7 +36,7 @@ impl Stock {
         String::from_utf8_lossy(&std::fs::read(self.chicago(name)).unwrap()).into_owned()
     }
 
-    /// What is said of a file of this name and content.
+    /// The error for a file with this name and content.
     fn refusal(&self, name: &str, content: &str) -> String {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join(name);
@@ -52,7 +52,7 @@ fn assert_says(said: &str, words: &[&str]) {
 }
 
 #[test]
-fn every_model_that_comes_with_the_engine_is_sound() {
+fn every_model_that_ships_with_the_engine_is_accepted() {
     let stock = Stock::new();
     let files = std::fs::read_dir(&stock.models).unwrap().map(|entry| entry.unwrap().path());
     let models: Vec<_> = files.filter(|path| import::is_model_file(path)).collect();
@@ -63,7 +63,7 @@ fn every_model_that_comes_with_the_engine_is_sound() {
 }
 
 #[test]
-fn a_hotel_of_mixed_systems_is_driven_as_far_as_it_can_be() {
+fn the_supported_systems_of_a_hotel_are_controlled() {
     let stock = Stock::new();
     let hotel = stock.prepare(&stock.chicago("SmallHotel")).unwrap();
     let count = |wanted: fn(&System) -> bool| hotel.systems.iter().filter(|s| wanted(s)).count();
@@ -72,7 +72,7 @@ fn a_hotel_of_mixed_systems_is_driven_as_far_as_it_can_be() {
     let guest_rooms: Vec<_> = hotel.zones.iter().filter(|zone| zone.own_controls).collect();
     let packaged = |class: &str| hotel.uncontrolled.iter().filter(|item| item.object.class == class).count();
     assert_eq!(packaged("ZoneHVAC:PackagedTerminalAirConditioner"), 35);
-    // Three heaters have nothing to give.
+    // Three heaters have no capacity.
     assert_eq!(packaged("ZoneHVAC:UnitHeater"), 3);
     assert_eq!(guest_rooms.len(), 38);
     assert!(guest_rooms.iter().all(|zone| zone.conditioning == Conditioning::None));
@@ -82,30 +82,30 @@ fn a_hotel_of_mixed_systems_is_driven_as_far_as_it_can_be() {
 }
 
 #[test]
-fn a_building_without_anything_to_drive_says_what_it_has() {
+fn the_error_of_a_building_without_supported_systems_lists_them() {
     let stock = Stock::new();
     let path = stock.models.join("ASHRAE901_ApartmentHighRise_STD2019_Denver.idf");
     let said = stock.prepare(&path).unwrap_err().to_string();
-    assert_says(&said, &["nothing to drive", "80 × AirLoopHVAC", "UnitaryHeatPump:WaterToAir"]);
+    assert_says(&said, &["no controllable system", "80 × AirLoopHVAC", "UnitaryHeatPump:WaterToAir"]);
     assert!(said.lines().count() <= 4, "{said}");
 }
 
 #[test]
-fn a_model_that_was_cut_off_is_refused() {
+fn a_truncated_model_is_rejected() {
     let stock = Stock::new();
     let text = stock.text("SmallOffice");
     let half = &text[..text.len() / 2];
     let in_an_object = &half[..=half.rfind(',').unwrap()];
-    assert_says(&stock.refusal("half.idf", in_an_object), &["half.idf", "cut off", "line "]);
-    // Cut between two objects, it is an IDF, of a building that is not all there.
+    assert_says(&stock.refusal("half.idf", in_an_object), &["half.idf", "truncated", "line "]);
+    // Truncated between two objects, it is a valid IDF of an incomplete building.
     let whole_objects = &half[..=half.rfind(';').unwrap()];
-    assert_says(&stock.refusal("less.idf", whole_objects), &["less.idf", "that is not there", "whole"]);
+    assert_says(&stock.refusal("less.idf", whole_objects), &["less.idf", "missing", "complete"]);
     let json = stock.library.convert_idf(&stock.chicago("SmallOffice")).unwrap();
     assert_says(&stock.refusal("half.epJSON", &json[..json.len() / 2]), &["half.epJSON", "line"]);
 }
 
 #[test]
-fn two_zones_of_one_name_are_refused() {
+fn zones_with_the_same_name_are_rejected() {
     let stock = Stock::new();
     let text = stock.text("SmallOffice");
     let twice = |name: &str| format!("{text}\nZone,\n  {name};\n");
@@ -116,7 +116,7 @@ fn two_zones_of_one_name_are_refused() {
 }
 
 #[test]
-fn a_model_of_another_version_and_files_that_are_no_models_are_refused() {
+fn models_of_another_version_and_other_files_are_rejected() {
     let stock = Stock::new();
     let old = stock.text("SmallOffice").replacen("Version,25.2", "Version,9.4", 1);
     assert_says(&stock.refusal("old.idf", &old), &["9.4", "25.2", "updater"]);
@@ -126,7 +126,7 @@ fn a_model_of_another_version_and_files_that_are_no_models_are_refused() {
     assert_says(&stock.refusal("shed.idf", shed), &["no Zone"]);
     assert_says(&stock.refusal("list.epJSON", "[1, 2]"), &["not a JSON object"]);
     assert_says(&stock.refusal("model.txt", ""), &[".idf", ".epJSON"]);
-    for (path, words) in [("/nowhere/a.idf", "no such file"), (".", "it is a folder")] {
+    for (path, words) in [("/nowhere/a.idf", "does not exist"), (".", "it is a folder")] {
         let error = import::read(Path::new(path), &stock.library).unwrap_err();
         assert!(matches!(error, Error::Import { .. }), "{error}");
         assert_says(&error.to_string(), &[path, words]);

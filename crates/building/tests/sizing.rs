@@ -24,7 +24,7 @@ fn weather(file: &str) -> PathBuf {
     engine().join("pyenergyplus/data/weather").join(file)
 }
 
-/// An archetype over the first week of January at 12 steps an hour, without outputs.
+/// An archetype over the first week of January at 12 steps per hour, without outputs.
 fn archetype(name: &str, library: &Library) -> Model {
     let idf = engine().join(format!("pyenergyplus/data/model/ASHRAE901_{name}_STD2019_Denver.idf"));
     let mut model = Model::from_epjson(&library.convert_idf(&idf).unwrap(), &idf).unwrap();
@@ -40,7 +40,7 @@ fn archetype(name: &str, library: &Library) -> Model {
     model
 }
 
-/// What a run gives.
+/// Results of a run.
 struct Trace {
     /// Temperatures of every zone at every step, °C.
     temperatures: Vec<f64>,
@@ -110,27 +110,27 @@ fn a_hard_sized_model_behaves_as_the_autosized_one(name: &str) {
 }
 
 #[test]
-fn the_small_office_keeps_its_behaviour() {
+fn the_small_office_keeps_its_behavior() {
     a_hard_sized_model_behaves_as_the_autosized_one("OfficeSmall");
 }
 
 #[test]
-fn the_medium_office_keeps_its_behaviour_but_for_the_limit_of_outdoor_air() {
+fn the_medium_office_keeps_its_behavior_except_for_the_outdoor_air_limit() {
     a_hard_sized_model_behaves_as_the_autosized_one("OfficeMedium");
 }
 
 #[test]
-fn the_retail_store_keeps_its_behaviour() {
+fn the_retail_store_keeps_its_behavior() {
     a_hard_sized_model_behaves_as_the_autosized_one("RetailStandalone");
 }
 
 #[test]
-fn the_restaurant_keeps_its_behaviour() {
+fn the_restaurant_keeps_its_behavior() {
     a_hard_sized_model_behaves_as_the_autosized_one("RestaurantFastFood");
 }
 
 #[test]
-fn the_warehouse_keeps_its_behaviour() {
+fn the_warehouse_keeps_its_behavior() {
     a_hard_sized_model_behaves_as_the_autosized_one("Warehouse");
 }
 
@@ -142,12 +142,12 @@ fn sizes_follow_the_site_of_the_weather_file() {
         let sizes = Sizes::of(&office, &weather(epw), &library).unwrap();
         sizes.get("Fan:OnOff", "PSZ-AC:1 Fan", "maximum_flow_rate").unwrap()
     };
-    // The same heat takes less volume of denser air.
+    // The same heat takes a smaller volume of denser air.
     assert!(flow(MIAMI) < 0.95 * flow(DENVER));
 }
 
 #[test]
-fn the_engine_says_why_a_model_cannot_be_sized() {
+fn the_error_of_a_failed_sizing_has_the_messages_of_the_engine() {
     let library = library();
     let mut office = archetype("OfficeSmall", &library);
     office.remove_class("SizingPeriod:DesignDay");

@@ -35,7 +35,7 @@ fn the_manifest_command_writes_the_checked_in_files_and_parquet_equals_csv() {
     assert!(b2b(folder.path(), "dataset manifest --out here").status.success());
     let written = files(&folder.path().join("here"));
     assert_eq!(written.keys().collect::<Vec<_>>(), ["v1.csv", "v1.parquet"]);
-    let checked_in = Path::new(env!("CARGO_MANIFEST_DIR")).join("../building/data/dataset");
+    let checked_in = Path::new(env!("CARGO_MANIFEST_DIR")).join("../dataset/data");
     assert!(written["v1.csv"] == files(&checked_in)["v1.csv"]);
     for folder in [folder.path().join("here"), checked_in] {
         parquet_equals_csv(&folder);
@@ -237,7 +237,7 @@ fn invalid_arguments_are_rejected_with_the_valid_ones() {
         ("run OficeSmall-0042", ["OficeSmall", "OfficeSmall"]),
         ("show Warehouse-x", ["`x`", "Warehouse-0001"]),
         ("check Warehouse", ["`Warehouse`", "OfficeSmall-0042"]),
-        ("run OfficeSmall-0042 --place Denver", ["OfficeSmall-0042 stands in", "--weather"]),
+        ("run OfficeSmall-0042 --place Denver", ["OfficeSmall-0042 is located in", "--weather"]),
         ("generate Warehouse --place Dever --out o", ["Dever", "Denver"]),
         ("generate SingleFamilyHouse --place Miami --out o", ["Miami", "Estrie"]),
         ("generate Warehouse --count 0 --out o", ["0", "--count"]),

@@ -62,7 +62,7 @@ fn a_folder_of_models_prints_a_line_each_and_fails_if_one_fails() {
     let output = b2b(&["import", &path, "--weather", &weather(), "--run", "01-08..01-08"]);
     let text = String::from_utf8_lossy(&output.stdout);
     assert_eq!(output.status.code(), Some(1), "{text}");
-    for words in ["good", "bad", "1 of 2 models can be used as environments", "cut off"] {
+    for words in ["good", "bad", "1 of 2 models can be used as environments", "truncated"] {
         assert!(text.contains(words), "`{words}` is not in: {text}");
     }
 }

@@ -21,8 +21,3 @@ pub use random::Random;
 pub use reactive::{AirLoopParameters, Gains, Reactive, ReactiveParameters, TrimRespond, UnitaryParameters};
 pub use replay::Replay;
 pub use tuned::{Measured, Tuned};
-
-/// The example in the documentation, which runs as a test.
-#[cfg(doctest)]
-#[doc = include_str!("../../../docs/rust.md")]
-struct Documentation;

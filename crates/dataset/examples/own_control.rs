@@ -1,5 +1,5 @@
 //! Yearly HVAC energy of buildings of the dataset under the prototypes' own thermostats and schedules: what they use
-//! when no agent drives them.
+//! without a controller.
 //!
 //! ```sh
 //! cargo run --release -p b2b-dataset --example own_control [ID...]

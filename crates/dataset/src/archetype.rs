@@ -1,4 +1,4 @@
-//! The models that the six building types start from.
+//! Base models of the six building types.
 
 use b2b_building::{BuildingType, Model};
 use b2b_climate::Site;

@@ -1,4 +1,4 @@
-//! What a generated building is a function of.
+//! Generated buildings as functions of their type, location and parameters.
 
 use std::path::PathBuf;
 
@@ -11,14 +11,14 @@ use crate::Result;
 use crate::commercial::{self, CommercialParameters};
 use crate::house::{self, HouseSample};
 
-/// A building: its type, where it stands, and its parameters.
+/// A generated building: its type, its location and its parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Building {
     /// One of the five commercial types.
     Commercial {
-        /// The type.
+        /// Returns its type.
         building_type: BuildingType,
-        /// Where it stands.
+        /// Its location.
         location: Location,
         /// Its parameters.
         parameters: CommercialParameters,
@@ -28,7 +28,7 @@ pub enum Building {
 }
 
 impl Building {
-    /// The type.
+    /// Returns its type.
     pub fn building_type(&self) -> BuildingType {
         match self {
             Self::Commercial { building_type, .. } => *building_type,
@@ -36,12 +36,12 @@ impl Building {
         }
     }
 
-    /// What it is of.
+    /// Returns its class.
     pub fn class(&self) -> Class {
         Class::new(self.building_type(), self.location().ashrae_zone())
     }
 
-    /// Where it stands.
+    /// Returns its location.
     pub fn location(&self) -> &Location {
         match self {
             Self::Commercial { location, .. } => location,
@@ -49,7 +49,7 @@ impl Building {
         }
     }
 
-    /// Returns what is known of it beside its model.
+    /// Returns what is known of it besides its model.
     pub fn origin(&self) -> Origin {
         match self {
             Self::Commercial { location, .. } => Origin::commercial(location.ashrae_zone()),
@@ -61,12 +61,12 @@ impl Building {
         }
     }
 
-    /// Name of the place, or of the region of a house.
+    /// Returns the name of the place, or of the region of a house.
     pub fn place(&self) -> &str {
         self.location().name()
     }
 
-    /// The weather file of the place or the region, fetched or made when it is not in the cache.
+    /// Returns the weather file; downloads or generates it when it is not in the cache.
     ///
     /// # Errors
     /// Those of [`Location::weather`].
@@ -74,7 +74,7 @@ impl Building {
         Ok(self.location().weather(cache, progress)?)
     }
 
-    /// Its model, before sizing. `prototype` is [`crate::archetype::prototype`] of the type, and `site` is read from the
+    /// Generates its model, before sizing. `prototype` is [`crate::archetype::prototype`] of the type, and `site` is read from the
     /// weather file.
     ///
     /// The same arguments give the same bytes.

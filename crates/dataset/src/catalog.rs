@@ -1,4 +1,4 @@
-//! From what a user calls a building to its model and its weather.
+//! The catalog: finds the model and the weather of a building by its name.
 
 use std::collections::HashMap;
 use std::fmt;
@@ -15,27 +15,27 @@ use b2b_energyplus::install::{Cache, Engine, Progress};
 use crate::{Building, BuildingId};
 use crate::{Error, Result, archetype, commercial};
 
-/// What a user calls a building: `OfficeSmall`, `OfficeSmall-0042` or `my.idf`.
+/// The name of a building: `OfficeSmall`, `OfficeSmall-0042` or `my.idf`.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum BuildingName {
-    /// A type: its base model.
+    /// The base model of a type.
     Type(BuildingType),
     /// A building of the dataset.
     Id(BuildingId),
-    /// A model of the user's own.
+    /// A user's model.
     Model(PathBuf),
 }
 
-/// Where a building stands when it is not at home.
+/// The location of a building, if it is not the default.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Placement {
     /// A known place.
     pub place: Option<&'static Place>,
-    /// A weather file of the user (EPW). It goes before a place.
+    /// A weather file (EPW). It takes precedence over a place.
     pub weather: Option<PathBuf>,
 }
 
-/// The engine, and what models are made from: read once, then kept.
+/// Finds buildings; caches prototypes and sites.
 #[derive(Debug)]
 pub struct Catalog {
     library: Library,
@@ -45,27 +45,27 @@ pub struct Catalog {
     sites: Mutex<HashMap<PathBuf, Arc<Site>>>,
 }
 
-/// A building by its name: its model before sizing, and its weather.
+/// A building that was found: its model before sizing, and its weather.
 #[derive(Clone, Debug)]
 pub struct Found {
-    /// What it was called.
+    /// Its name.
     pub name: BuildingName,
-    /// What it is of; `None` for a model of the user's own.
+    /// Its class; `None` for a user's model.
     pub class: Option<Class>,
-    /// Whether its model is a prototype as it comes with the engine.
+    /// Whether its model is an unmodified prototype that ships with the engine.
     pub prototype: bool,
     /// Name of the place, or of the weather file.
     pub place: String,
     /// The weather file.
     pub weather: PathBuf,
-    /// What the weather file says of the place.
+    /// The site of the weather file.
     pub site: Arc<Site>,
     /// The model before sizing.
     pub model: Model,
 }
 
 impl Catalog {
-    /// Loads the engine; it is fetched when it is not in the cache.
+    /// Loads the engine; downloads it when it is not in the cache.
     ///
     /// # Errors
     /// [`Error::Install`] and [`Error::Engine`].
@@ -80,16 +80,16 @@ impl Catalog {
         })
     }
 
-    /// The engine.
+    /// Returns the engine.
     pub fn library(&self) -> &Library {
         &self.library
     }
 
-    /// Finds a building. Its weather is fetched or made when it is not in the cache.
+    /// Finds a building. Its weather is downloaded or generated when it is not in the cache.
     ///
     /// # Errors
-    /// [`Error::HasPlace`] and [`Error::NoWeather`] when the placement does not suit the name; what is wrong with the
-    /// weather file or the model.
+    /// [`Error::HasPlace`] and [`Error::NoWeather`] when the placement does not fit the name; those of the weather file
+    /// and the model.
     pub fn find(
         &self,
         name: &BuildingName,
@@ -100,11 +100,11 @@ impl Catalog {
         let site = self.site(&weather)?;
         let model = self.model(name, placement, &site)?;
         let class = placement.class(name, &weather)?;
-        let prototype = placement.leaves_prototype(name);
+        let prototype = placement.is_prototype(name);
         Ok(Found { name: name.clone(), class, prototype, place, weather, site, model })
     }
 
-    /// The model of a generated building, before sizing, and its weather file.
+    /// Returns the model of a generated building, before sizing, and its weather file.
     ///
     /// # Errors
     /// Those of [`Building::weather`] and [`Building::model`].
@@ -141,7 +141,7 @@ impl Catalog {
         Ok((place.name.to_owned(), place.epw(progress)?))
     }
 
-    /// A base model at home stays as it is; elsewhere it is one for that climate.
+    /// A base model is unmodified at its default place and adapted to the climate elsewhere.
     fn model(&self, name: &BuildingName, placement: &Placement, site: &Site) -> Result<Model> {
         let building_type = match name {
             BuildingName::Type(building_type) => *building_type,
@@ -155,7 +155,7 @@ impl Catalog {
             _ if building_type == BuildingType::SingleFamilyHouse => Ok(base),
             _ if placement.weather.is_some() => commercial::relocated(&base, site),
             Some(place) if place.name != building_type.home() => {
-                commercial::as_the_code_asks(&base, building_type, place, site)
+                commercial::code_compliant(&base, building_type, place, site)
             }
             _ => Ok(base),
         }
@@ -172,7 +172,7 @@ impl Catalog {
     }
 }
 
-/// A value by its key, made when it is first asked for.
+/// Returns the cached value of a key; computes it at first use.
 fn remembered<K: Clone + Eq + std::hash::Hash, V>(
     known: &Mutex<HashMap<K, Arc<V>>>,
     key: &K,
@@ -188,7 +188,7 @@ fn remembered<K: Clone + Eq + std::hash::Hash, V>(
 }
 
 impl Found {
-    /// Sizes it and makes it controllable: all of it, or as far as possible for a user's own model.
+    /// Sizes it and makes it controllable: every system, or the supported ones of a user's model.
     ///
     /// # Errors
     /// Those of [`PreparedBuilding::new`].
@@ -205,9 +205,9 @@ impl Found {
 }
 
 impl Placement {
-    /// Whether a building is a prototype as it comes with the engine, but for its weather: a base model at home or under a
-    /// weather file. The generator writes houses, and gives the others elsewhere what the code asks there.
-    pub fn leaves_prototype(&self, name: &BuildingName) -> bool {
+    /// Whether a building is an unmodified prototype that ships with the engine: a base model at its default place or with a
+    /// weather file. Houses are generated, and other types are adapted to the code at other places.
+    pub fn is_prototype(&self, name: &BuildingName) -> bool {
         match name {
             BuildingName::Type(BuildingType::SingleFamilyHouse) => false,
             BuildingName::Type(building_type) => {
@@ -217,7 +217,7 @@ impl Placement {
         }
     }
 
-    /// What a building is of. Under a weather file of the user, its climate zone follows from the file's hours.
+    /// The class of a building. With a user's weather file, its climate zone follows from the hours of the file.
     fn class(&self, name: &BuildingName, weather: &Path) -> Result<Option<Class>> {
         let building_type = match name {
             BuildingName::Model(_) => return Ok(None),
@@ -241,7 +241,7 @@ impl Placement {
         Ok(Some(Class::new(building_type, zone.as_deref())))
     }
 
-    /// What is known of a building beside its model.
+    /// Returns what is known of a building besides its model.
     pub fn origin(&self, name: &BuildingName) -> Origin {
         match name {
             BuildingName::Id(id) => crate::row(*id).building.origin(),
@@ -256,7 +256,7 @@ impl Placement {
 }
 
 impl BuildingName {
-    /// The type; `None` for a model of the user's own.
+    /// Returns the type; `None` for a user's model.
     pub fn building_type(&self) -> Option<BuildingType> {
         match self {
             Self::Type(building_type) => Some(*building_type),
@@ -279,7 +279,7 @@ impl fmt::Display for BuildingName {
 impl FromStr for BuildingName {
     type Err = Error;
 
-    /// Model files have their ending or a folder, ids have a dash, and types have none.
+    /// Model files have an extension or a folder, ids contain a dash, and types do not.
     fn from_str(text: &str) -> Result<Self> {
         let path = Path::new(text);
         if import::is_model_file(path) || text.contains(std::path::is_separator) {
@@ -289,7 +289,7 @@ impl FromStr for BuildingName {
     }
 }
 
-/// Names what is wrong with a weather file before the engine stumbles over it.
+/// Checks a weather file before the engine reads it.
 fn check_weather(path: &Path) -> Result<()> {
     let bytes = std::fs::read(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
     epw::check(&String::from_utf8_lossy(&bytes), path)?;
@@ -301,7 +301,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_a_building_is_of_follows_from_its_name_and_where_it_stands() {
+    fn the_class_of_a_building_follows_from_its_name_and_location() {
         let class = |text: &str, place: Option<&str>| {
             let placement = Placement { place: place.map(|name| Place::find(name).unwrap()), weather: None };
             placement.class(&text.parse().unwrap(), Path::new("")).unwrap().map(|class| class.to_string())
@@ -312,7 +312,7 @@ mod tests {
         assert_eq!(class("my.idf", Some("Miami")), None);
         let prototype = |text: &str, place: Option<&str>| {
             let placement = Placement { place: place.map(|name| Place::find(name).unwrap()), weather: None };
-            placement.leaves_prototype(&text.parse().unwrap())
+            placement.is_prototype(&text.parse().unwrap())
         };
         assert!(prototype("Warehouse", None) && prototype("Warehouse", Some("Denver")));
         assert!(!prototype("Warehouse", Some("Miami")) && !prototype("SingleFamilyHouse", None));

@@ -8,16 +8,15 @@ use b2b_building::parameter::OutOfBounds;
 /// An error of this crate.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// Text that is no id of a building of the dataset.
-    #[error("`{text}` is no building of the dataset: give a type and a number, for example OfficeSmall-0042")]
+    /// Text that is not a building id.
+    #[error("unknown building id `{text}`; expected a type and a number, for example OfficeSmall-0042")]
     BuildingId {
         /// The text.
         text: String,
     },
-    /// A number that no building of the dataset has.
+    /// A building number outside the dataset.
     #[error(
-        "unknown building id `{building_type}-{number}`; ids of the type run from {building_type}-0001 to \
-         {building_type}-{last}"
+        "unknown building id `{building_type}-{number}`; ids run from {building_type}-0001 to {building_type}-{last}"
     )]
     BuildingNumber {
         /// The type.
@@ -27,30 +26,28 @@ pub enum Error {
         /// The highest number of the type.
         last: u32,
     },
-    /// The engine has no stock models beside it.
-    #[error(
-        "this EnergyPlus has no {file} beside it: unset B2B_ENERGYPLUS so that the packaged engine is used"
-    )]
+    /// An engine without its example models.
+    #[error("this EnergyPlus installation has no {file}; unset B2B_ENERGYPLUS to use the packaged engine")]
     NoStockModels {
-        /// The file looked for.
+        /// The missing file.
         file: String,
     },
     /// A parameter of a generated building that is not within its bounds.
     #[error(transparent)]
     Parameter(#[from] OutOfBounds),
-    /// What was asked of a parameter cannot be.
-    #[error("`{name}` is `{text}`: {remedy}")]
+    /// An invalid value of a parameter.
+    #[error("parameter `{name}` is `{text}`; {remedy}")]
     Setting {
         /// The parameter.
         name: String,
-        /// What was asked.
+        /// The value, as given.
         text: String,
-        /// What would do.
+        /// What is expected.
         remedy: String,
     },
-    /// A name that is no parameter of a type.
+    /// An unknown parameter of a building type.
     #[error(
-        "{building_type} has no parameter `{name}`{}; its parameters are {known}",
+        "unknown parameter `{name}` of {building_type}{}; expected one of {known}",
         near.map(|near| format!(": did you mean {near}?")).unwrap_or_default()
     )]
     UnknownParameter {
@@ -58,36 +55,38 @@ pub enum Error {
         name: String,
         /// The type.
         building_type: BuildingType,
-        /// The parameter it resembles.
+        /// The most similar parameter.
         near: Option<&'static str>,
         /// Every parameter.
         known: String,
     },
-    /// A parameter that cannot be at a place, whose climate bounds it.
-    #[error("{source} in {place} (climate zone {zone}): narrow it, or choose other places")]
+    /// A parameter outside the bounds that the climate of a place sets.
+    #[error("{source} in {place} (climate zone {zone}); narrow the range or choose other places")]
     AtPlace {
         /// The place.
         place: String,
         /// Its climate zone.
         zone: String,
-        /// What is wrong.
+        /// The error.
         source: Box<Error>,
     },
-    /// Text that is no climate zone of ASHRAE 169 with a row in the code's tables.
-    #[error("there is no climate zone `{zone}`: give 1 to 8 with the letter of its humidity, for example 5B")]
+    /// A climate zone without prescriptive requirements.
+    #[error(
+        "unknown climate zone `{zone}`; expected 1 to 8 with the letter of the moisture regime, for example 5B"
+    )]
     ClimateZone {
         /// The text.
         zone: String,
     },
-    /// A building type that the commercial generator does not make.
-    #[error("{building_type} is no commercial building: it has a generator of its own")]
+    /// A building type that is not commercial.
+    #[error("{building_type} is not a commercial building type")]
     NotCommercial {
         /// The type.
         building_type: BuildingType,
     },
-    /// A building of the dataset under the weather of another place.
+    /// Another place for a building of the dataset.
     #[error(
-        "{building} stands in {place}: give a weather file (--weather FILE.epw) to put it under other weather, or a type for another place"
+        "{building} is located in {place}; use --weather FILE.epw for other weather, or a building type for another place"
     )]
     HasPlace {
         /// The building.
@@ -95,10 +94,8 @@ pub enum Error {
         /// Its place.
         place: String,
     },
-    /// A user's model without weather.
-    #[error(
-        "{path} has no weather: give a weather file (--weather FILE.epw), or a place (--place NAME; `b2b list places`)"
-    )]
+    /// A user's model without a weather file.
+    #[error("{path} needs weather: use --weather FILE.epw or --place NAME (see `b2b list places`)")]
     NoWeather {
         /// The model.
         path: PathBuf,
@@ -108,7 +105,7 @@ pub enum Error {
     Io {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The error of the operating system.
         source: std::io::Error,
     },
     /// A model cannot be read, edited or made controllable.

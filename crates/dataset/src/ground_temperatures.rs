@@ -1,4 +1,4 @@
-//! Ground temperatures of a site as the engine takes them.
+//! Ground temperatures of a site as fields of the model.
 
 use b2b_climate::Site;
 use serde_json::{Map, Value, json};

@@ -1,13 +1,13 @@
-//! Latin hypercube samples, the same on every machine.
+//! Reproducible Latin hypercube samples.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
 use crate::random::uniform;
 
-/// `count` points of the unit cube: cut into `count` equal slices along any axis, each slice holds one point.
+/// Returns `count` points of the unit cube, one in each of `count` equal intervals along every axis.
 ///
-/// Axes are independent, and the same name and seed give the same points. At most 24 bytes of the name count.
+/// Axes are independent, and the same name and seed give the same points. Only the first 24 bytes of the name are used.
 pub(super) fn latin_hypercube<const D: usize>(name: &str, seed: u64, count: usize) -> Vec<[f64; D]> {
     let mut points = vec![[0.0; D]; count];
     for axis in 0..D {
@@ -19,12 +19,12 @@ pub(super) fn latin_hypercube<const D: usize>(name: &str, seed: u64, count: usiz
     points
 }
 
-/// 0 to `count - 1` in random order.
+/// Returns 0 to `count - 1` in random order.
 pub(super) fn permutation(name: &str, seed: u64, count: usize) -> Vec<usize> {
     shuffled(count, &mut stream(name, seed, PERMUTATION))
 }
 
-/// The stream of a permutation, which no axis has.
+/// The stream of a permutation, distinct from those of axes.
 const PERMUTATION: usize = 1000;
 
 fn stream(name: &str, seed: u64, number: usize) -> ChaCha8Rng {
@@ -37,7 +37,7 @@ fn stream(name: &str, seed: u64, number: usize) -> ChaCha8Rng {
     random
 }
 
-/// Fisher and Yates's shuffle, written out because that of `rand` may change from version to version.
+/// Fisher-Yates shuffle, implemented here because that of `rand` may change between versions.
 fn shuffled(count: usize, random: &mut ChaCha8Rng) -> Vec<usize> {
     let mut order: Vec<usize> = (0..count).collect();
     for last in (1..count).rev() {
@@ -46,7 +46,7 @@ fn shuffled(count: usize, random: &mut ChaCha8Rng) -> Vec<usize> {
     order
 }
 
-/// A whole number below `end`, from the upper bits of a product.
+/// A uniform integer below `end`, from the upper bits of a product.
 fn below(end: usize, random: &mut ChaCha8Rng) -> usize {
     ((u128::from(random.next_u64()) * end as u128) >> 64) as usize
 }
@@ -56,7 +56,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_slice_of_every_axis_holds_one_point() {
+    fn every_interval_of_every_axis_holds_one_point() {
         let points = latin_hypercube::<3>("test", 1, 100);
         for axis in 0..3 {
             let mut slices: Vec<usize> = points.iter().map(|point| (point[axis] * 100.0) as usize).collect();
@@ -66,7 +66,7 @@ mod tests {
     }
 
     #[test]
-    fn name_and_seed_make_the_points() {
+    fn name_and_seed_determine_the_points() {
         let points = |name, seed| latin_hypercube::<2>(name, seed, 10);
         assert_eq!(points("a", 1), points("a", 1));
         assert_ne!(points("a", 1), points("a", 2));
@@ -74,7 +74,7 @@ mod tests {
     }
 
     #[test]
-    fn the_stream_is_the_one_of_every_machine() {
+    fn the_stream_is_reproducible() {
         assert_eq!(permutation("v1/OfficeSmall", 0, 8), [7, 1, 6, 0, 5, 4, 2, 3]);
     }
 }

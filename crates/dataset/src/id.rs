@@ -1,4 +1,4 @@
-//! Ids of the dataset's buildings.
+//! Building ids.
 
 use std::fmt;
 use std::str::FromStr;
@@ -7,10 +7,10 @@ use b2b_building::BuildingType;
 
 use crate::{Error, Result};
 
-/// Buildings of each type in the dataset.
+/// Number of buildings of each type in the dataset.
 pub const BUILDINGS_PER_TYPE: u32 = 1000;
 
-/// A building of the dataset, such as `OfficeSmall-0042`.
+/// The id of a building of the dataset, for example `OfficeSmall-0042`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct BuildingId {
     building_type: BuildingType,
@@ -21,7 +21,7 @@ impl BuildingId {
     /// The id of a type and a number from 1 to [`BUILDINGS_PER_TYPE`].
     ///
     /// # Errors
-    /// [`Error::BuildingNumber`] when the number is another.
+    /// [`Error::BuildingNumber`] when the number is out of range.
     pub fn new(building_type: BuildingType, number: u32) -> Result<Self> {
         if (1..=BUILDINGS_PER_TYPE).contains(&number) {
             return Ok(Self { building_type, number });
@@ -29,12 +29,12 @@ impl BuildingId {
         Err(unknown(building_type, &number.to_string()))
     }
 
-    /// The type.
+    /// Returns the type.
     pub fn building_type(self) -> BuildingType {
         self.building_type
     }
 
-    /// From 1 to [`BUILDINGS_PER_TYPE`].
+    /// Returns the number, from 1 to [`BUILDINGS_PER_TYPE`].
     pub fn number(self) -> u32 {
         self.number
     }
@@ -70,7 +70,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_id_reads_back_as_it_prints() {
+    fn an_id_round_trips_through_text() {
         for building_type in BuildingType::ALL {
             for number in [1, 42, 1000] {
                 let id = BuildingId::new(building_type, number).unwrap();
@@ -81,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_id_is_refused_with_what_would_be() {
+    fn an_invalid_id_is_rejected_with_valid_ones() {
         for (text, words) in [
             ("OfficeSmall", ["`OfficeSmall`", "OfficeSmall-0042"]),
             ("OficeSmall-0042", ["OficeSmall", "OfficeSmall"]),

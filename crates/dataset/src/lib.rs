@@ -1,13 +1,15 @@
 //! The dataset `v1`: 6,000 buildings, each a function of its id.
 //!
-//! 1. [`sample()`] draws buildings of a type by a Latin hypercube over place and parameters, some of which a
-//!    [`Setting`] may fix or narrow; [`rows`] are the 1,000 of
-//!    each type that make the dataset.
-//! 2. A [`Row`] says of its [`Building`] whether it is to train or to test on: of every place (houses: region) a tenth
-//!    is for tests. Of these, eight a type are a small test, one for each climate zone from 1 to 8.
-//! 3. [`Building::model`] makes the model. Parameters are rounded first: what [`manifest`] says is what is built.
+//! 1. [`sample()`] draws buildings of a type by Latin hypercube sampling over places and parameters, some of which a
+//!    [`Setting`] may fix or narrow; [`rows`] returns the 1,000 buildings of a type in the dataset.
+//! 2. A [`Row`] assigns a [`Building`] to a split: 10 % of the buildings of each location (of each region for houses) form
+//!    the test split. Eight of them per type form a small test, one per climate zone from 1 to 8.
+//! 3. [`Building::model`] generates the model. Parameters are rounded before use, so that [`manifest()`] has their exact
+//!    values.
 //!
-//! Nothing here depends on the machine: the random stream is ChaCha8, and the arithmetic is that of IEEE 754 and the
+//! [`Catalog`] finds the model and the weather of a building by its name: a type, an id or a user's model file.
+//!
+//! Results do not depend on the machine: random numbers are from ChaCha8, and the arithmetic is that of IEEE 754 and the
 //! `libm` crate.
 
 pub mod archetype;
@@ -38,7 +40,7 @@ pub use split::Split;
 
 use b2b_building::BuildingType;
 
-/// Version of the generator: other buildings come under another version.
+/// Version of the generator; it changes with the buildings.
 pub const GENERATOR_VERSION: &str = "v1";
 
 /// A building of the dataset.
@@ -46,26 +48,26 @@ pub const GENERATOR_VERSION: &str = "v1";
 pub struct Row {
     /// Its id.
     pub id: BuildingId,
-    /// What the id stands for.
+    /// The building.
     pub building: Building,
-    /// What it is for.
+    /// Its split.
     pub split: Split,
-    /// Whether it is one of the few of the small test.
+    /// Whether it belongs to the small test.
     pub test_small: bool,
 }
 
-/// The buildings of a type, by number.
+/// Returns the buildings of a type, by number.
 pub fn rows(building_type: BuildingType) -> &'static [Row] {
     static ROWS: [OnceLock<Vec<Row>>; BuildingType::ALL.len()] = [const { OnceLock::new() }; 6];
     ROWS[building_type as usize].get_or_init(|| draw(building_type))
 }
 
-/// The building of an id.
+/// Returns the building of an id.
 pub fn row(id: BuildingId) -> &'static Row {
     &rows(id.building_type())[id.number() as usize - 1]
 }
 
-/// Every building, type by type in the order of [`BuildingType::ALL`].
+/// Returns every building, by type in the order of [`BuildingType::ALL`].
 pub fn all() -> impl Iterator<Item = &'static Row> {
     BuildingType::ALL.into_iter().flat_map(rows)
 }

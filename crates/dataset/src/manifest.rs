@@ -1,4 +1,4 @@
-//! The table that says of each building what it is made of.
+//! The manifest: the table of buildings and their parameters.
 
 use std::collections::BTreeMap;
 
@@ -9,31 +9,31 @@ use super::{Building, GENERATOR_VERSION, Row};
 use crate::commercial::CommercialParameters;
 use crate::house::{Heater, Heating, House, HouseSample};
 
-/// A column of the table.
+/// A column of a manifest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Column {
     /// Its name.
     pub name: &'static str,
-    /// What its cells hold.
+    /// The type of its values.
     pub kind: Kind,
-    /// Unit; empty for words, 1 for plain numbers.
+    /// Unit; empty for text, 1 for ratios and counts.
     pub unit: &'static str,
 }
 
-/// What the cells of a column hold, where they are not empty.
+/// The types of values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// Words, without comma or quote.
+    /// Text without commas and quotes.
     Text,
     /// Decimal numbers.
     Number,
-    /// Whole numbers.
+    /// Integers.
     Integer,
     /// `true` or `false`.
     Flag,
 }
 
-/// A table; a cell that has nothing to say is empty.
+/// A table of buildings; a value that does not apply is empty.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Manifest {
     /// The columns.
@@ -46,7 +46,7 @@ const fn column(name: &'static str, kind: Kind, unit: &'static str) -> Column {
     Column { name, kind, unit }
 }
 
-/// What a building is called and where it stands.
+/// Name and location.
 const HEAD: [Column; 6] = [
     column("id", Kind::Text, ""),
     column("generator", Kind::Text, ""),
@@ -55,7 +55,7 @@ const HEAD: [Column; 6] = [
     column("climate_zone", Kind::Text, ""),
     column("heating_degree_days", Kind::Integer, "K·d"),
 ];
-/// What it is for in the dataset.
+/// Split.
 const SPLIT: [Column; 2] = [column("split", Kind::Text, ""), column("test_small", Kind::Flag, "")];
 /// Parameters of the commercial types, of both, and of the house.
 const PARAMETERS: [Column; 31] = [
@@ -92,14 +92,14 @@ const PARAMETERS: [Column; 31] = [
     column("cooling_oversizing", Kind::Number, "1"),
 ];
 
-/// What is known of the weather of a building that is not of the dataset.
+/// Weather of a building outside the dataset.
 const WEATHER: [Column; 1] = [column("weather_sha256", Kind::Text, "")];
 
 fn columns() -> Vec<Column> {
     [&HEAD[..], &SPLIT, &PARAMETERS].concat()
 }
 
-/// The table of buildings of the dataset.
+/// Returns the manifest of buildings of the dataset.
 pub fn manifest<'a>(rows: impl IntoIterator<Item = &'a Row>) -> Manifest {
     let columns = columns();
     let cells = |row: &Row| {
@@ -111,8 +111,8 @@ pub fn manifest<'a>(rows: impl IntoIterator<Item = &'a Row>) -> Manifest {
     Manifest { rows: rows.into_iter().map(|row| in_order(cells(row), &columns)).collect(), columns }
 }
 
-/// The table of any buildings, each with its name; they belong to no split. Of a building under a weather file of the
-/// user, it tells the file's SHA-256.
+/// Returns the manifest of other buildings, each with its name and without a split. It has the SHA-256 of users' weather
+/// files.
 pub fn of_buildings<'a>(buildings: impl IntoIterator<Item = (&'a str, &'a Building)>) -> Manifest {
     let columns = [columns(), WEATHER.to_vec()].concat();
     let row = |(name, building): (&str, &Building)| in_order(cells(name, building), &columns);
@@ -120,7 +120,7 @@ pub fn of_buildings<'a>(buildings: impl IntoIterator<Item = (&'a str, &'a Buildi
 }
 
 impl Manifest {
-    /// With the columns of [`of_buildings`], so that tables of both kinds can be one.
+    /// Adds the columns of [`of_buildings`], so that both kinds can be combined.
     #[must_use]
     pub fn with_weather(mut self) -> Self {
         self.columns.extend(WEATHER);
@@ -128,7 +128,7 @@ impl Manifest {
         self
     }
 
-    /// As comma-separated values under a row of names. Numbers are in their shortest form that reads back the same.
+    /// Returns comma-separated values with a header. Numbers are in the shortest form that round-trips.
     pub fn to_csv(&self) -> String {
         let names: Vec<&str> = self.columns.iter().map(|column| column.name).collect();
         let mut text = names.join(",") + "\n";

@@ -1,4 +1,4 @@
-//! Buildings drawn by Latin hypercube, with parameters of as many decimals as the manifest gives.
+//! Latin hypercube samples of buildings, with parameters rounded to the decimals of the manifest.
 
 use std::sync::Arc;
 
@@ -15,24 +15,24 @@ use crate::{Error, Result};
 /// Decimals of the commercial parameters, in their order. The window-to-wall ratio of a warehouse is less than 1 %.
 const DECIMALS: [i32; 8] = [4, 4, 4, 5, 4, 4, 4, 1];
 
-/// Places and regions that a sample may be restricted to.
+/// The places or regions of a sample.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Places {
-    /// As in the dataset: the 16 places in the United States, or every region by its share of the stock.
+    /// As in the dataset: the 16 places in the United States, or the regions by their share of the stock.
     All,
-    /// These, in equal numbers.
+    /// These places or regions, in equal numbers.
     Named(Vec<String>),
-    /// The places that these weather files are of, in equal numbers.
+    /// The places of these weather files, in equal numbers.
     Files(Vec<Arc<WeatherFile>>),
 }
 
-/// `count` buildings of a type, by a Latin hypercube of their own for each seed.
+/// Draws `count` buildings of a type; each seed has its own Latin hypercube.
 ///
 /// # Errors
-/// [`Error::UnknownPlace`] for a name that is no place, or no region where the type is the house;
-/// [`Error::UnknownParameter`], [`Error::Setting`] and [`Error::Parameter`] (within [`Error::AtPlace`] where the
-/// climate bounds it) for a setting that cannot be; [`Error::ClimateZone`] for a weather file of a zone that the code
-/// has no row for.
+/// [`b2b_climate::Error::UnknownPlace`] for an unknown place, or an unknown region for houses;
+/// [`Error::UnknownParameter`], [`Error::Setting`] and [`Error::Parameter`] (within [`Error::AtPlace`] if it
+/// depends on the climate) for an invalid setting; [`Error::ClimateZone`] for a weather file in a zone without
+/// requirements in the code.
 pub fn sample(
     building_type: BuildingType,
     count: usize,
@@ -43,7 +43,7 @@ pub fn sample(
     draw(building_type, building_type.name(), count, seed, places, settings)
 }
 
-/// [`sample`] by the stream of a name.
+/// [`sample`] with a named random stream.
 pub(super) fn draw(
     building_type: BuildingType,
     stream: &str,
@@ -62,7 +62,7 @@ pub(super) fn draw(
     points.iter().map(|point| commercial(building_type, point, &locations, settings)).collect()
 }
 
-/// None for houses all over Québec.
+/// The locations; empty for houses in all of Québec.
 fn locations(building_type: BuildingType, places: &Places) -> Result<Vec<Location>> {
     let house = building_type == BuildingType::SingleFamilyHouse;
     match places {
@@ -76,7 +76,8 @@ fn locations(building_type: BuildingType, places: &Places) -> Result<Vec<Locatio
     }
 }
 
-/// The first coordinate is the place: as an axis of the hypercube, it gives every place the same number.
+/// Draws a commercial building. The first coordinate is the place: as an axis of the hypercube it gives every place the
+/// same number of buildings.
 fn commercial(
     building_type: BuildingType,
     point: &[f64; 9],
@@ -135,12 +136,12 @@ fn house(point: &[f64; DIMENSIONS], locations: &[Location], settings: &[Setting]
     Ok(Building::House(sample))
 }
 
-/// The element at a share of the way through a list.
+/// The element at a relative position in a list.
 fn nth<T>(list: &[T], share: f64) -> &T {
     &list[((share * list.len() as f64) as usize).min(list.len() - 1)]
 }
 
-/// The bounds of a house are far from what is drawn.
+/// Rounds the numbers of a house; bounds are not checked because drawn values are far from them.
 fn round(house: &mut House) {
     for number in &NUMBERS {
         number.field.set(house, rounded(number.field.of(house), number.decimals));
@@ -181,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn named_places_share_the_buildings_equally() {
+    fn named_places_have_equal_numbers_of_buildings() {
         let named = |names: [&str; 2]| Places::Named(names.map(str::to_owned).to_vec());
         for (building_type, names) in [
             (BuildingType::Warehouse, ["Miami", "Montréal"]),
@@ -200,7 +201,7 @@ mod tests {
     }
 
     #[test]
-    fn a_custom_parameter_out_of_bounds_is_named_when_the_model_is_made() {
+    fn a_parameter_out_of_bounds_is_reported_by_the_model() {
         let mut building =
             sample(BuildingType::SingleFamilyHouse, 1, 0, &Places::All, &[]).unwrap().remove(0);
         if let Building::House(sample) = &mut building {
@@ -231,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn a_set_parameter_is_exact_a_narrowed_one_fills_its_range_and_the_others_stay() {
+    fn a_set_parameter_is_exact_and_a_narrowed_one_fills_its_range() {
         let drawn = |settings: &[&str]| -> Vec<CommercialParameters> {
             let buildings = sample(BuildingType::OfficeMedium, 40, 5, &Places::All, &set(settings)).unwrap();
             let parameters = |building: &Building| match building {
@@ -258,7 +259,7 @@ mod tests {
     }
 
     #[test]
-    fn a_parameter_that_one_climate_does_not_allow_names_that_place() {
+    fn the_error_of_a_parameter_that_a_climate_does_not_allow_has_the_place() {
         let ask = |text: &str| sample(BuildingType::Warehouse, 50, 0, &Places::All, &set(&[text]));
         let said = ask("envelope=0.5..0.7").unwrap_err().to_string();
         for word in ["`envelope`", "0.7", "0.597", "Fairbanks", "zone 8"] {
@@ -268,11 +269,11 @@ mod tests {
     }
 
     #[test]
-    fn what_depends_on_a_set_parameter_of_a_house_follows_it() {
+    fn dependent_parameters_follow_a_set_parameter_of_a_house() {
         for sample in houses(&["year=2015..2020", "foundation=slab", "floor_area=123.45"]) {
             assert!((2015..=2020).contains(&sample.year) && sample.vintage == Vintage::From2013);
             assert_eq!((sample.house.foundation, sample.house.floor_area), (Foundation::Slab, 123.45));
-            // New houses are insulated as new houses are.
+            // New houses have the insulation of new houses.
             assert!(sample.house.attic_resistance > 7.0, "{}", sample.house.attic_resistance);
             sample.house.check().unwrap();
         }
@@ -282,14 +283,14 @@ mod tests {
     }
 
     #[test]
-    fn settings_that_cannot_be_are_refused_before_anything_is_drawn() {
+    fn invalid_settings_are_rejected() {
         let ask = |of, text: &str| sample(of, 0, 0, &Places::All, &set(&[text])).is_err();
         assert!(ask(BuildingType::SingleFamilyHouse, "envelope=1"));
         assert!(ask(BuildingType::Warehouse, "windows=1"));
     }
 
     #[test]
-    fn buildings_stand_where_their_weather_file_is_of() {
+    fn buildings_are_located_at_the_place_of_their_weather_file() {
         let path = Place::find("Buffalo").unwrap().epw(&mut Quiet).unwrap();
         let file = |zone| Arc::new(WeatherFile::read(&path, zone).unwrap());
         for building_type in [BuildingType::RetailStandalone, BuildingType::SingleFamilyHouse] {

@@ -1,4 +1,4 @@
-//! What a user asks of the parameters of a sample: fixed, or drawn from a range.
+//! Settings of a sample: parameters that are fixed or drawn from a range.
 
 use std::str::FromStr;
 
@@ -8,30 +8,30 @@ use crate::commercial::CommercialParameters;
 use crate::house::{Foundation, NUMBERS};
 use crate::{Error, Result};
 
-/// Parameters of a house that are no plain numbers.
+/// Parameters of a house that are not real numbers.
 const HOUSE_CHOICES: [&str; 4] = ["year", "storeys", "foundation", "garage"];
 
-/// One parameter, by its name in the manifest, and what it may be: `infiltration=0.5..1.2`, `storeys=2` or
+/// A parameter, by its name in the manifest, with a value or a range: `infiltration=0.5..1.2`, `storeys=2` or
 /// `foundation=slab`.
 ///
-/// A range is drawn from evenly. Of a house, this is in place of the stock's own distribution.
+/// A range is sampled uniformly; for a house this replaces the distribution of the stock.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setting {
     name: String,
-    /// As it was given.
+    /// The value, as given.
     text: String,
-    /// Both ends, which are the same for a fixed number; `None` for a word.
+    /// Both ends, equal for a fixed number; `None` for text.
     range: Option<[f64; 2]>,
 }
 
 impl Setting {
-    /// A parameter that is drawn from a range, or fixed where both ends are the same.
+    /// A parameter that is drawn from a range, or fixed if both ends are equal.
     pub fn range(name: &str, low: f64, high: f64) -> Self {
         let text = if low == high { low.to_string() } else { format!("{low}..{high}") };
         Self { name: name.to_owned(), text, range: Some([low, high]) }
     }
 
-    /// The names that there are of a type.
+    /// Returns the names of the parameters of a type.
     pub fn names(building_type: BuildingType) -> Vec<&'static str> {
         if building_type == BuildingType::SingleFamilyHouse {
             return HOUSE_CHOICES.into_iter().chain(NUMBERS.map(|number| number.name())).collect();
@@ -39,7 +39,7 @@ impl Setting {
         CommercialParameters::NAMES.to_vec()
     }
 
-    /// A number at a share of the way through the range; with so many decimals when it is not fixed.
+    /// Returns the number at a relative position in the range, rounded to `decimals` unless it is fixed.
     pub(super) fn number(&self, share: f64, decimals: i32, bound: Parameter) -> Result<f64> {
         let [low, high] = self.within(bound)?;
         if low == high {
@@ -50,16 +50,16 @@ impl Setting {
         Ok(if (low..=high).contains(&near) { near } else { value })
     }
 
-    /// A whole number at a share of the way through the range, both ends included.
+    /// Returns the integer at a relative position in the range, both ends included.
     pub(super) fn whole(&self, share: f64, bound: Parameter) -> Result<u32> {
         let [low, high] = self.within(bound)?;
         if low.fract() != 0.0 || high.fract() != 0.0 {
-            return Err(self.wrong(format!("give whole numbers from {} to {}", bound.low, bound.high)));
+            return Err(self.wrong(format!("expected whole numbers from {} to {}", bound.low, bound.high)));
         }
         Ok((low + share * (high - low + 1.0)).min(high) as u32)
     }
 
-    /// What a word stands for.
+    /// Returns the value of a word.
     pub(super) fn word<T: Copy>(&self, words: &[(&str, T)]) -> Result<T> {
         words
             .iter()
@@ -67,18 +67,18 @@ impl Setting {
             .map(|(_, value)| *value)
             .ok_or_else(|| {
                 let words: Vec<_> = words.iter().map(|(word, _)| *word).collect();
-                self.wrong(format!("give {}", words.join(" or ")))
+                self.wrong(format!("expected {}", words.join(" or ")))
             })
     }
 
     fn within(&self, bound: Parameter) -> Result<[f64; 2]> {
         let Parameter { low, high, .. } = bound;
         let range = self.range.ok_or_else(|| {
-            self.wrong(format!("give a number from {low} to {high}, or a range such as {low}..{high}"))
+            self.wrong(format!("expected a number from {low} to {high}, or a range such as {low}..{high}"))
         })?;
         range.iter().try_for_each(|end| bound.check(*end))?;
         if range[0] > range[1] {
-            return Err(self.wrong("give the lower end first".to_owned()));
+            return Err(self.wrong("expected the lower end first".to_owned()));
         }
         Ok(range)
     }
@@ -98,7 +98,7 @@ impl FromStr for Setting {
             .ok_or_else(|| Error::Setting {
                 name: text.to_owned(),
                 text: String::new(),
-                remedy: "give NAME=VALUE or NAME=LOW..HIGH".to_owned(),
+                remedy: "expected NAME=VALUE or NAME=LOW..HIGH".to_owned(),
             })?;
         let (low, high) = value.split_once("..").unwrap_or((value, value));
         let range = low.parse().ok().zip(high.parse().ok()).map(|(low, high)| [low, high]);
@@ -106,7 +106,7 @@ impl FromStr for Setting {
     }
 }
 
-/// Checks that every setting is of a parameter of the type, and none is given twice.
+/// Checks that every setting is of a parameter of the type and none is repeated.
 pub(super) fn check(settings: &[Setting], building_type: BuildingType) -> Result<()> {
     let known = Setting::names(building_type);
     for (index, setting) in settings.iter().enumerate() {
@@ -114,7 +114,7 @@ pub(super) fn check(settings: &[Setting], building_type: BuildingType) -> Result
             return Err(unknown(&setting.name, building_type, &known));
         }
         if settings[..index].iter().any(|other| other.name == setting.name) {
-            return Err(setting.wrong("it is given twice".to_owned()));
+            return Err(setting.wrong("it was given twice".to_owned()));
         }
     }
     Ok(())
@@ -136,18 +136,18 @@ pub(super) fn of<'a>(settings: &'a [Setting], name: &str) -> Option<&'a Setting>
     settings.iter().find(|setting| setting.name == name)
 }
 
-/// The words of a foundation.
+/// Foundations by name.
 pub(super) const FOUNDATIONS: [(&str, Foundation); 3] =
     [("basement", Foundation::Basement), ("slab", Foundation::Slab), ("crawlspace", Foundation::Crawlspace)];
 
-/// The nearest number of so many decimals: the one that its decimal text reads back as, since whole numbers and powers
-/// of ten are exact and division rounds correctly.
+/// Rounds to a number of decimals. The result is the number that its decimal text parses to, because integers and powers of
+/// ten are exact and division rounds correctly.
 pub(super) fn rounded(value: f64, decimals: i32) -> f64 {
     let scale = power_of_ten(decimals);
     (value * scale).round() / scale
 }
 
-/// [`rounded`], or the neighbour that is within the bounds.
+/// [`rounded`], or the adjacent number that is within the bounds.
 pub(super) fn rounded_within(value: f64, decimals: i32, low: f64, high: f64) -> f64 {
     let (near, scale) = (rounded(value, decimals), power_of_ten(decimals));
     if near < low {
@@ -175,12 +175,12 @@ mod tests {
     }
 
     #[test]
-    fn a_number_a_range_and_a_word_are_read_and_drawn() {
+    fn numbers_ranges_and_words_are_parsed_and_drawn() {
         assert_eq!(setting("infiltration=0.71234567").number(0.9, 2, BOUND).unwrap(), 0.71234567);
         let range = setting("infiltration = 0.6..0.8");
         assert_eq!(range, Setting { text: "0.6..0.8".into(), ..Setting::range("infiltration", 0.6, 0.8) });
         assert_eq!([0.0, 0.5, 1.0].map(|share| range.number(share, 4, BOUND).unwrap()), [0.6, 0.7, 0.8]);
-        // Narrower than the decimals it is drawn with.
+        // Narrower than its decimals.
         let narrow = setting("infiltration=0.60001..0.60002");
         assert_eq!(narrow.number(0.0, 4, BOUND).unwrap(), 0.60001);
         let storeys = House::STOREYS;
@@ -192,7 +192,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_out_of_bounds_or_no_number_is_refused_by_name_value_and_bounds() {
+    fn a_value_out_of_bounds_is_rejected_with_name_value_and_bounds() {
         for (text, words) in [
             ("infiltration=1.6", ["`infiltration`", "1.6", "1.5"]),
             ("infiltration=0.4..1", ["`infiltration`", "0.4", "0.5"]),
@@ -215,7 +215,7 @@ mod tests {
     }
 
     #[test]
-    fn an_unknown_name_is_told_the_one_that_was_meant() {
+    fn the_error_of_an_unknown_name_suggests_a_similar_one() {
         let said = |text: &str, of| check(&[setting(text)], of).unwrap_err().to_string();
         let text = said("window_to_wall_ratio=0.4", BuildingType::Warehouse);
         assert!(text.contains("did you mean window_to_wall?") && text.contains("infiltration"), "{text}");

@@ -1,4 +1,4 @@
-//! What the buildings of the dataset are for.
+//! Splits of the dataset.
 
 use std::fmt;
 
@@ -7,17 +7,17 @@ use b2b_climate::{Location, Place, Region};
 use super::Building;
 use super::hypercube::permutation;
 
-/// One in this many buildings is for tests.
+/// One in this many buildings belongs to the test split.
 const TEST_SHARE: usize = 10;
 /// Buildings of the small test.
 const SMALL: usize = 8;
 
-/// What a building is for.
+/// The split of a building.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Split {
-    /// To learn on.
+    /// For training.
     Train,
-    /// To test on.
+    /// For tests.
     Test,
 }
 
@@ -30,14 +30,14 @@ impl fmt::Display for Split {
     }
 }
 
-/// Which buildings are in the test and in the small test.
+/// Membership in the test split and in the small test.
 pub(super) struct Selection {
     pub(super) test: Vec<bool>,
     pub(super) small: Vec<bool>,
 }
 
-/// Sorted by place, and at random within one, every tenth building is for tests: each place gives a tenth of its
-/// buildings, or one more or less.
+/// Sorted by place, and at random within a place, every tenth building belongs to the test split: 10 % of the buildings of
+/// each place, to within one.
 pub(super) fn split(buildings: &[Building], stream: &str) -> Selection {
     let mut order = permutation(stream, 0, buildings.len());
     order.sort_by_key(|&index| rank(&buildings[index]));
@@ -64,7 +64,7 @@ fn one_of_each_zone(buildings: &[Building], test: &[usize]) -> Vec<usize> {
     ('1'..='8').filter_map(|digit| test.iter().copied().find(|&index| zone(index) == Some(digit))).collect()
 }
 
-/// Spread over the regions: the middle one of each eighth.
+/// For houses: the middle building of each eighth, spread over the regions.
 fn evenly(test: &[usize]) -> Vec<usize> {
     (0..SMALL).filter_map(|k| test.get((2 * k + 1) * test.len() / (2 * SMALL)).copied()).collect()
 }

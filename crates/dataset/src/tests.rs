@@ -68,7 +68,7 @@ fn the_small_test_has_eight_test_buildings_of_a_type_one_in_each_climate_zone() 
     }
 }
 
-/// Every tenth of a range holds about a tenth of the buildings, whatever the climate did to the range.
+/// Every tenth of a range holds about a tenth of the buildings, in every climate.
 #[test]
 fn parameters_fill_their_ranges() {
     for building_type in commercial() {
@@ -97,7 +97,7 @@ fn the_manifest_that_is_checked_in_is_the_one_that_is_generated() {
     assert!(generated == checked_in);
 }
 
-/// Parameters are rounded before use: nothing is built from digits that the manifest does not show.
+/// Parameters are rounded before use: the manifest has every digit that is used.
 #[test]
 fn the_manifest_shows_every_digit_of_every_parameter() {
     let table = manifest(rows(BuildingType::OfficeSmall));

@@ -189,15 +189,15 @@ fn zones_lie_in_the_box_of_their_building_and_share_area_with_their_neighbours_a
     for Case { description, .. } in bases() {
         for zone in &description.zones {
             for axis in 0..3 {
-                let (centre, half) = (zone.centre[axis], zone.extent[axis] / 2.0);
-                assert!(centre - half > -1e-9 && centre + half < 1.0 + 1e-9 && half > 0.0, "{zone:?}");
+                let (center, half) = (zone.center[axis], zone.extent[axis] / 2.0);
+                assert!(center - half > -1e-9 && center + half < 1.0 + 1e-9 && half > 0.0, "{zone:?}");
             }
         }
         for adjacency in &description.adjacency {
             let [a, b] = adjacency.zones.map(|zone| &description.zones[zone]);
             assert!(adjacency.area > 0.0);
             for axis in 0..3 {
-                let apart = (a.centre[axis] - b.centre[axis]).abs() - (a.extent[axis] + b.extent[axis]) / 2.0;
+                let apart = (a.center[axis] - b.center[axis]).abs() - (a.extent[axis] + b.extent[axis]) / 2.0;
                 assert!(apart < 1e-2, "{} and {} do not touch", a.name, b.name);
             }
         }

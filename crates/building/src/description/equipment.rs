@@ -1,4 +1,4 @@
-//! What systems can deliver, as the model has it.
+//! Design flows and capacities of systems.
 
 use std::collections::HashSet;
 
@@ -12,18 +12,18 @@ use crate::hvac::{AirLoop, Quantity, System};
 use crate::model::{Fields, number, text};
 use crate::{Model, Result};
 
-/// What conditions one zone: its own unit, its terminal or its heater.
+/// The equipment of a zone: its unit, its terminal or its heater.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Equipment {
     /// Design air flow into the zone, kg/s; 0 for a heater of the zone.
     pub design_flow: f64,
-    /// Heat of its coils, W.
+    /// Heating capacity of its coils, W.
     pub heating_capacity: f64,
-    /// Cooling of its coils, W.
+    /// Cooling capacity of its coils, W.
     pub cooling_capacity: f64,
 }
 
-/// A system with what it can deliver.
+/// A system with its capacities.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SystemDescription {
     /// Name of its air loop, or of the heater's zone.
@@ -34,11 +34,11 @@ pub struct SystemDescription {
     pub zones: Vec<usize>,
     /// Design flow of its fan, kg/s; 0 for a heater of the zone.
     pub design_flow: f64,
-    /// Heat of its central coils, W, without reheat at the terminals.
+    /// Heating capacity of its central coils, W, without reheat.
     pub heating_capacity: f64,
-    /// Cooling of its coils, W.
+    /// Cooling capacity of its coils, W.
     pub cooling_capacity: f64,
-    /// Heat of the reheat coils of its terminals, W.
+    /// Capacity of the reheat coils of its terminals, W.
     pub reheat_capacity: f64,
 }
 
@@ -55,7 +55,7 @@ pub enum SystemKind {
 }
 
 impl SystemKind {
-    /// Name for people.
+    /// Name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Unitary => "unitary",
@@ -65,14 +65,14 @@ impl SystemKind {
     }
 }
 
-/// Heat and cooling of some coils, W.
+/// Heating and cooling capacity of coils, W.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Capacity {
     heating: f64,
     cooling: f64,
 }
 
-/// Describes the systems of a model, and what conditions each of its `zones`.
+/// Describes the systems of a model and the equipment of each of its `zones`.
 ///
 /// # Errors
 /// [`crate::Error::MissingObject`] for a dangling reference.
@@ -104,7 +104,7 @@ pub(super) fn describe(
     Ok((described, of_zones))
 }
 
-/// A system without the reheat of its terminals.
+/// Describes a system without the reheat of its terminals.
 fn describe_system(model: &Model, system: &System, zones: &[String]) -> Result<SystemDescription> {
     let (kind, name, design_flow) = match system {
         System::Unitary(unit) => {
@@ -162,12 +162,12 @@ fn of_air_loop(model: &Model, air_loop: &str) -> Result<Capacity> {
     Ok(of_components(model, supply_components(model, air_loop)?))
 }
 
-/// Of the terminal's coil, or of the heater.
+/// Capacity of the zone's terminal coil or heater.
 fn of_zone_equipment(model: &Model, zone: &str) -> Result<Capacity> {
     Ok(of_components(model, zone_equipment(model, zone)?))
 }
 
-/// Of every coil among some objects and what they refer to, each once.
+/// Capacity of every coil among components and what they refer to, each counted once.
 fn of_components(model: &Model, mut components: Vec<Reference>) -> Capacity {
     let (mut seen, mut sum) = (HashSet::new(), Capacity::default());
     while let Some(Reference { class, name }) = components.pop() {
@@ -188,7 +188,7 @@ fn of_components(model: &Model, mut components: Vec<Reference>) -> Capacity {
     sum
 }
 
-/// Objects that may have coils in them: `…_object_type` with `…_name`.
+/// Referenced objects that may contain coils: `…_object_type` with `…_name`.
 fn referred(fields: &Fields) -> Vec<Reference> {
     let parts = fields.keys().filter_map(|key| key.strip_suffix("_object_type"));
     let parts = parts.filter(|part| part.contains("coil") || part.contains("terminal"));
@@ -201,7 +201,7 @@ fn referred(fields: &Fields) -> Vec<Reference> {
     parts.filter_map(reference).collect()
 }
 
-/// The greatest capacity among the speeds of a coil, W; 0 where it is left to sizing.
+/// The maximum capacity among the speeds of a coil, W; 0 if autosized.
 fn capacity(fields: &Fields) -> f64 {
     const NAMES: [&str; 6] = [
         "nominal_capacity",
@@ -225,7 +225,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_greatest_speed_of_a_coil_is_its_capacity() {
+    fn the_capacity_of_a_coil_is_that_of_its_highest_speed() {
         let coil = json!({"speed_1_gross_rated_total_cooling_capacity": 5e3, "rated_air_flow_rate": 9e9,
             "speed_2_gross_rated_total_cooling_capacity": 8e3});
         assert_eq!(capacity(coil.as_object().unwrap()), 8e3);
@@ -235,7 +235,7 @@ mod tests {
     }
 
     #[test]
-    fn coils_are_found_through_what_holds_them_and_count_once() {
+    fn nested_coils_are_counted_once() {
         let mut model = Model::default();
         let unit = json!({"heating_coil_object_type": "Coil:Heating:Fuel", "heating_coil_name": "H",
             "supplemental_heating_coil_object_type": "Coil:Heating:Fuel", "supplemental_heating_coil_name": "h",

@@ -1,18 +1,18 @@
-//! How much outdoor air leaks into zones.
+//! Infiltration of zones.
 //!
-//! Models give leakage in forms that cannot be compared: a design flow with coefficients, an effective leakage area, a
-//! flow coefficient. All are taken here at one weather, [`TEMPERATURE_DIFFERENCE`] and [`WIND`], with schedules at 1. What
-//! comes in when people open doors is left out, as the prototypes name it.
+//! Models specify leakage as a design flow with coefficients, an effective leakage area or a flow coefficient. To compare
+//! them, all are evaluated at [`TEMPERATURE_DIFFERENCE`] and [`WIND`] with schedules at 1. Infiltration through opened
+//! doors is excluded; the prototypes mark it by name.
 
 use crate::Model;
 use crate::model::{Fields, number, text};
 
-/// Difference between zone and outdoors that leakage is told for, K.
+/// Reference temperature difference between zone and outdoors, K.
 pub const TEMPERATURE_DIFFERENCE: f64 = 20.0;
-/// Wind at the zone that leakage is told for, m/s.
+/// Reference wind speed at the zone, m/s.
 pub const WIND: f64 = 3.0;
 
-/// What a design flow may be given by.
+/// Measures of a zone to which a design flow may be normalized.
 pub(super) struct Measures {
     /// m².
     pub(super) floor: f64,
@@ -24,10 +24,10 @@ pub(super) struct Measures {
     pub(super) volume: f64,
 }
 
-/// The flow of an object of one class, m³/s.
+/// Evaluates the flow of an object of a class, m³/s.
 type Form = fn(&Fields, &Measures) -> f64;
 
-/// Leakage of a zone, m³/s.
+/// Returns the leakage of a zone, m³/s.
 pub(super) fn flow(model: &Model, zone: &str, measures: &Measures) -> f64 {
     const FORMS: [(&str, Form); 3] = [
         ("ZoneInfiltration:DesignFlowRate", design_flow),
@@ -64,7 +64,7 @@ fn design_flow(fields: &Fields, measures: &Measures) -> f64 {
     design * weather
 }
 
-/// Sherman and Grimsrud, as the engine has it: area in cm², coefficients in (L/s)²/(cm⁴·K) and (L/s)²/(cm⁴·(m/s)²).
+/// Sherman-Grimsrud model, as in EnergyPlus: area in cm², coefficients in (L/s)²/(cm⁴·K) and (L/s)²/(cm⁴·(m/s)²).
 fn effective_leakage_area(fields: &Fields, _: &Measures) -> f64 {
     let read = |field: &str| number(fields, field).unwrap_or(0.0);
     let pressure =
@@ -72,7 +72,7 @@ fn effective_leakage_area(fields: &Fields, _: &Measures) -> f64 {
     read("effective_air_leakage_area") / 1000.0 * pressure.sqrt()
 }
 
-/// The enhanced model of Walker and Wilson (AIM-2), as the engine has it.
+/// The enhanced model of Walker and Wilson (AIM-2), as in EnergyPlus.
 fn flow_coefficient(fields: &Fields, _: &Measures) -> f64 {
     let read = |field: &str| number(fields, field).unwrap_or(0.0);
     let exponent = number(fields, "pressure_exponent").unwrap_or(0.67);
@@ -81,7 +81,7 @@ fn flow_coefficient(fields: &Fields, _: &Measures) -> f64 {
     read("flow_coefficient") * libm::hypot(stack, wind)
 }
 
-/// Whether an object is of a zone: by its name, by a list, or by a space in it.
+/// Whether an object applies to a zone: by its name, a list, or a space in it.
 fn is_in(model: &Model, fields: &Fields, zone: &str) -> bool {
     let names = ["zone_or_zonelist_or_space_or_spacelist_name", "zone_or_space_name", "zone_name"]
         .map(|f| text(fields, f));
@@ -118,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn every_way_to_give_a_design_flow_is_understood() {
+    fn every_method_of_a_design_flow_is_supported() {
         for (method, field, value) in [
             ("Flow/Zone", "design_flow_rate", 0.12),
             ("Flow/Area", "flow_rate_per_floor_area", 0.006),
@@ -133,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn wind_and_temperature_enter_by_their_coefficients() {
+    fn wind_and_temperature_have_coefficients() {
         let fields = json!({"design_flow_rate": 1.0, "constant_term_coefficient": 0, "velocity_term_coefficient": 0.224});
         assert!((leak("ZoneInfiltration:DesignFlowRate", fields) - 0.672).abs() < 1e-12);
         let fields = json!({"effective_air_leakage_area": 500, "stack_coefficient": 0.000145, "wind_coefficient": 0.000174});

@@ -1,8 +1,8 @@
-//! What a building is, in numbers: computed from its model alone, whoever made it.
+//! Description of a building: quantities computed from its model.
 //!
-//! [`Description::of`] a prepared building has its shape ([`shape`]), its envelope, its leakage ([`leakage`]) and its
+//! [`Description::of`] a prepared building has its geometry ([`shape`]), its envelope, its leakage ([`leakage`]) and its
 //! systems ([`equipment`]). A model that is not sized has no capacities; a construction that is not given by its layers
-//! has no U.
+//! has no U-factor.
 
 pub mod equipment;
 pub mod leakage;
@@ -25,36 +25,36 @@ use crate::{Conditioning, Model, PreparedBuilding, Result};
 /// Edition of ASHRAE 90.1 that the commercial types follow.
 const CODE_YEAR: u32 = 2019;
 
-/// What a building is.
+/// A building in numbers.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Description {
     /// Name of the building.
     pub name: String,
-    /// Where it stands.
+    /// Its location.
     pub location: Location,
-    /// What is known of it beside its model.
+    /// What is known besides the model.
     pub origin: Origin,
     /// Floor area of the conditioned zones, m².
     pub conditioned_floor_area: f64,
     /// Volume of the conditioned zones, m³.
     pub conditioned_volume: f64,
-    /// Size of the box around the building along its own axes, m.
+    /// Size of the bounding box along the building's axes, m.
     pub size: Point,
     /// Angle from true north to the building's y axis, clockwise, degrees.
     pub north_axis: f64,
-    /// Levels that have a conditioned floor, a heated basement included.
+    /// Number of levels with a conditioned floor, including a heated basement.
     pub levels: usize,
-    /// Walls, roofs, windows and leakage.
+    /// The envelope.
     pub envelope: Envelope,
     /// The zones, in model order.
     pub zones: Vec<ZoneDescription>,
-    /// Which zones share walls, floors and ceilings.
+    /// Pairs of adjacent zones.
     pub adjacency: Vec<Adjacency>,
     /// The systems, in the order of the action.
     pub systems: Vec<SystemDescription>,
 }
 
-/// Where a building stands: what the weather file says.
+/// The location of a building, from its weather file.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Location {
     /// Name of the station.
@@ -63,47 +63,47 @@ pub struct Location {
     pub latitude: f64,
     /// Degrees east.
     pub longitude: f64,
-    /// Metres above the sea.
+    /// Elevation above sea level, m.
     pub elevation: f64,
-    /// Degree-days of the weather file below 18 °C, K·d.
+    /// Heating degree-days of the weather file below 18 °C, K·d.
     pub heating_degree_days: f64,
-    /// Degree-days of the weather file above 10 °C, K·d.
+    /// Cooling degree-days of the weather file above 10 °C, K·d.
     pub cooling_degree_days: f64,
 }
 
-/// What is known of a building beside its model; a building from elsewhere has none of it.
+/// What is known of a building besides its model; nothing for an imported building.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Origin {
-    /// Climate zone of ASHRAE 169, for example `5B`.
+    /// ASHRAE 169 climate zone, for example `5B`.
     pub climate_zone: Option<String>,
-    /// Year of construction, or of the code that the building follows.
+    /// Year of construction, or of the building code.
     pub year: Option<u32>,
-    /// Name of the period of construction.
+    /// Name of the construction period.
     pub vintage: Option<String>,
 }
 
-/// What separates the conditioned zones from the weather.
+/// The envelope of the conditioned zones.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Envelope {
-    /// Mean U of the opaque outer walls with the code's air films, W/m²K.
+    /// Mean U-factor of the opaque exterior walls with the code's air films, W/m²K.
     pub wall_u: Option<f64>,
-    /// Mean U of the roofs with the code's air films, W/m²K; under an attic or a plenum that of the better insulated of
-    /// the roof above it and the ceiling below.
+    /// Mean U-factor of the roofs with the code's air films, W/m²K; for an attic or a plenum the lower U-factor of its roof
+    /// and the ceiling below.
     pub roof_u: Option<f64>,
-    /// Mean U of the glass in walls, W/m²K.
+    /// Mean U-factor of the glazing in walls, W/m²K.
     pub window_u: Option<f64>,
-    /// Mean solar heat gain coefficient of the glass in walls.
+    /// Mean solar heat gain coefficient of the glazing in walls.
     pub window_shgc: Option<f64>,
-    /// Glass in outer walls over these walls, of the whole building, plenum walls included.
+    /// Window-to-wall ratio of the whole building, including plenum walls.
     pub window_to_wall: f64,
-    /// Glass in roofs over these roofs, of the conditioned zones.
+    /// Skylight-to-roof ratio of the conditioned zones.
     pub skylight_to_roof: f64,
     /// Leakage of the conditioned zones at [`leakage::TEMPERATURE_DIFFERENCE`] and [`leakage::WIND`] with its schedule
     /// at 1, air changes per hour.
     pub infiltration: f64,
 }
 
-/// One zone. Areas and volumes are of the zone with its multiplier.
+/// A zone. Areas and volumes include the zone multiplier.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ZoneDescription {
     /// Name.
@@ -114,44 +114,44 @@ pub struct ZoneDescription {
     pub floor_area: f64,
     /// Volume, m³.
     pub volume: f64,
-    /// How many times the zone stands for itself.
+    /// Zone multiplier.
     pub multiplier: f64,
-    /// Middle of the box around it, as a share of the building's box: 0 at west, south and bottom before the building is
-    /// turned, 1 at the other end.
-    pub centre: Point,
-    /// Size of the box around it, as a share of the building's box.
+    /// Center of its bounding box relative to that of the building: 0 at west, south and bottom before rotation, 1 at the
+    /// other end.
+    pub center: Point,
+    /// Size of its bounding box relative to that of the building.
     pub extent: Point,
-    /// Outer walls, windows included, m².
+    /// Area of exterior walls, including windows, m².
     pub exterior_wall_area: f64,
-    /// Outer walls as a share of all walls around it.
+    /// Exterior walls as a fraction of all its walls.
     pub exterior_wall_fraction: f64,
-    /// Roofs to the outdoors, m².
+    /// Area of roofs exposed to the outdoors, m².
     pub roof_area: f64,
-    /// What touches soil, as a share of all that encloses it.
+    /// Area in ground contact as a fraction of all enclosing surfaces.
     pub ground_contact_fraction: f64,
-    /// Glass in outer walls, m².
+    /// Glazing in exterior walls, m².
     pub window_area: f64,
-    /// Glass in roofs, m².
+    /// Glazing in roofs, m².
     pub skylight_area: f64,
-    /// Glass over outer walls; 0 without outer walls.
+    /// Window-to-wall ratio; 0 without exterior walls.
     pub window_to_wall: f64,
     /// Leakage as in [`Envelope::infiltration`], air changes per hour.
     pub infiltration: f64,
-    /// What conditions it.
+    /// Its equipment.
     pub equipment: Option<Equipment>,
 }
 
-/// Two zones that touch.
+/// Two adjacent zones.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Adjacency {
     /// Numbers of the zones, the lower first.
     pub zones: [usize; 2],
-    /// Area that they share, m².
+    /// Shared area, m².
     pub area: f64,
 }
 
 impl PreparedBuilding {
-    /// Its geometry.
+    /// Returns its geometry.
     ///
     /// # Errors
     /// Those of [`Shape::of`].
@@ -159,8 +159,8 @@ impl PreparedBuilding {
         Shape::of(self.model())
     }
 
-    /// U of an opaque construction with the code's air films of a wall, or of the glazing of a window, W/m²K; `None` where
-    /// it is not given by its layers or its U.
+    /// Returns the U-factor of an opaque construction with the code's air films of a wall, or of the glazing of a window,
+    /// W/m²K; `None` if it is given neither by layers nor by a U-factor.
     pub fn construction_u(&self, construction: &str) -> Option<f64> {
         let model = self.model();
         glazing(model, construction).map(|glazing| glazing.u).or_else(|| u(model, construction, WALL_FILMS))
@@ -168,14 +168,14 @@ impl PreparedBuilding {
 }
 
 impl Origin {
-    /// What is known of one of the commercial types, at a place whose climate zone may be known.
+    /// The origin of a commercial building, in a climate zone that may be unknown.
     pub fn commercial(climate_zone: Option<&str>) -> Self {
         Self { climate_zone: climate_zone.map(str::to_owned), year: Some(CODE_YEAR), vintage: None }
     }
 }
 
 impl Location {
-    /// What a weather file (EPW) says of its place.
+    /// Reads the location of a weather file (EPW).
     ///
     /// # Errors
     /// Those of [`Site::read`].
@@ -204,10 +204,10 @@ impl Description {
         Self::of_model(&building.name, building.model(), &conditioning, &building.systems, location, origin)
     }
 
-    /// Describes a model, sized or not, whose zones are conditioned like this, in model order, by these systems.
+    /// Describes a model, sized or not, with the conditioning of its zones, in model order, and its systems.
     ///
     /// # Errors
-    /// As [`Description::of`], but for those of the weather file.
+    /// As [`Description::of`], except for those of the weather file.
     pub fn of_model(
         name: &str,
         model: &Model,
@@ -293,7 +293,7 @@ fn describe_zone(
         floor_area: zone.floor_area.max(0.0) * zone.multiplier,
         volume: volume * zone.multiplier,
         multiplier: zone.multiplier,
-        centre: std::array::from_fn(|a| share(a, (zone_low[a] + zone_high[a]) / 2.0 - low[a])),
+        center: std::array::from_fn(|a| share(a, (zone_low[a] + zone_high[a]) / 2.0 - low[a])),
         extent: std::array::from_fn(|a| share(a, zone_high[a] - zone_low[a])),
         exterior_wall_area: exterior_walls * zone.multiplier,
         exterior_wall_fraction: ratio(exterior_walls, area(&is_wall)),
@@ -350,8 +350,8 @@ fn envelope(model: &Model, shape: &Shape, is_conditioned: impl Fn(usize) -> bool
     }
 }
 
-/// U and area of what insulates the rooms under an unconditioned zone: its roof, or the ceilings below. Without rooms
-/// under it, nothing.
+/// U-factor and area of the insulation above conditioned zones under an unconditioned one: its roof, or the ceilings below.
+/// No area if there are no conditioned zones below.
 fn better_of_roof_and_ceilings(
     model: &Model,
     shape: &Shape,
@@ -379,12 +379,12 @@ fn openings(face: &shape::Face) -> f64 {
     face.openings.iter().map(crate::opening::Opening::area).sum()
 }
 
-/// 0 where there is nothing to divide by.
+/// A ratio; 0 if `whole` is 0.
 fn ratio(part: f64, whole: f64) -> f64 {
     if whole > 0.0 { part.max(0.0) / whole } else { 0.0 }
 }
 
-/// A mean over areas; of what has no value, none.
+/// An area-weighted mean; unknown if a value is.
 #[derive(Default)]
 struct Mean {
     sum: f64,

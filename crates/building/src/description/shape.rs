@@ -1,6 +1,6 @@
-//! The geometry of a building: the faces of all zones in one system of coordinates.
+//! The geometry of a building: the faces of all zones in one coordinate system.
 //!
-//! x and y are the building's own axes, z is up; [`Shape::north_axis`] tells how they lie to true north. A surface
+//! x and y are the axes of the building, z is up; [`Shape::north_axis`] is their rotation from true north. A surface
 //! between two zones that the model gives on one side only (boundary `Zone`) is a face of the zone that has it, and
 //! bounds the other as well.
 
@@ -14,9 +14,9 @@ use crate::{Model, Result};
 /// A corner: x, y, z in m.
 pub type Point = [f64; 3];
 
-/// How far a zone may be from closed, as a share of its area, to have its volume from its faces.
+/// Maximum gap of a zone's enclosure, as a fraction of its area, to compute its volume from its faces.
 const CLOSED: f64 = 1e-3;
-/// Floors further apart than this are on different levels, m.
+/// Minimum height between levels, m.
 const LEVEL: f64 = 0.5;
 
 /// The faces of a building.
@@ -30,37 +30,37 @@ pub struct Shape {
     pub north_axis: f64,
 }
 
-/// A surface in the building's coordinates.
+/// A surface in building coordinates.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Face {
     /// Name of the surface.
     pub name: String,
     /// Its zone, by number.
     pub zone: usize,
-    /// What it is part of.
+    /// Its kind.
     pub kind: SurfaceKind,
     /// Name of its construction.
     pub construction: String,
-    /// What is behind it.
+    /// What is on the other side.
     pub beyond: Beyond,
-    /// Whether the model gives it on one side only, although it bounds two zones.
+    /// Whether it bounds two zones but the model has it on one side only.
     pub one_sided: bool,
     /// Corners, m.
     pub corners: Vec<Point>,
-    /// Windows and doors in it.
+    /// Its windows and doors.
     pub openings: Vec<Opening>,
 }
 
-/// What is behind a face.
+/// What is on the other side of a face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Beyond {
-    /// Sun and wind.
+    /// The outdoors.
     Outdoors,
-    /// Soil.
+    /// The ground.
     Ground,
     /// A zone, by number; the same zone for a floor within it.
     Zone(usize),
-    /// Nothing that heat flows to, or what the model gives as temperatures.
+    /// An adiabatic boundary, or temperatures given by the model.
     Other,
 }
 
@@ -69,35 +69,35 @@ pub enum Beyond {
 pub struct Bound<'a> {
     /// The face.
     pub face: &'a Face,
-    /// What it is part of, seen from this zone.
+    /// Its kind, seen from this zone.
     pub kind: SurfaceKind,
-    /// What is behind it, seen from this zone.
+    /// What is on the other side, seen from this zone.
     pub beyond: Beyond,
-    /// Normal out of the zone, as long as the area, m².
+    /// Outward normal with the length of the area, m².
     normal: Point,
 }
 
 impl Face {
-    /// Area, openings included, m².
+    /// Returns the area including openings, m².
     pub fn area(&self) -> f64 {
         polygon_area(&self.corners)
     }
 
-    /// Area of the glass in it, m².
+    /// Returns the area of its glazing, m².
     pub fn glass_area(&self) -> f64 {
         self.openings.iter().filter(|opening| opening.is_glass).map(Opening::area).sum()
     }
 }
 
 impl Bound<'_> {
-    /// Area, openings included, m².
+    /// Returns the area including openings, m².
     pub fn area(&self) -> f64 {
         self.face.area()
     }
 }
 
 impl Shape {
-    /// The geometry of a model. Windows and doors without corners are left out.
+    /// Computes the geometry of a model. Windows and doors without corners are omitted.
     ///
     /// # Errors
     /// Those of [`surfaces`].
@@ -111,7 +111,7 @@ impl Shape {
         }
         let mut faces = Vec::with_capacity(surfaces.len());
         for surface in &surfaces {
-            // A surface of no zone is the model's mistake, and the engine names it.
+            // A surface of an unknown zone is an error that the engine reports.
             let Some(zone) = position(&zones, &surface.zone) else { continue };
             let frame = &frames[zone];
             let mut openings = found.remove(&surface.name.to_lowercase()).unwrap_or_default();
@@ -134,12 +134,12 @@ impl Shape {
         Ok(Self { zones, faces, north_axis: north_axis(model) })
     }
 
-    /// Lowest and highest corner of the building.
+    /// Returns the lowest and the highest corner of the bounding box of the building.
     pub fn extent(&self) -> [Point; 2] {
         extent(self.faces.iter().flat_map(|face| &face.corners))
     }
 
-    /// The faces that enclose a zone; floors within it are not among them.
+    /// Returns the faces that enclose a zone, without floors inside it.
     pub fn bounds(&self, zone: usize) -> Vec<Bound<'_>> {
         let own = self.faces.iter().filter(|face| face.zone == zone && face.beyond != Beyond::Zone(zone));
         let own = own.map(|face| Bound {
@@ -158,12 +158,12 @@ impl Shape {
         own.chain(others).collect()
     }
 
-    /// Lowest and highest corner of a zone.
+    /// Returns the lowest and the highest corner of the bounding box of a zone.
     pub fn zone_extent(&self, zone: usize) -> [Point; 2] {
         extent(self.bounds(zone).iter().flat_map(|bound| &bound.face.corners))
     }
 
-    /// Volume of a zone, m³: from its faces, or for a zone that they do not close from its floor and its height.
+    /// Returns the volume of a zone, m³: from its faces, or from its floor and height if they do not enclose it.
     pub fn volume(&self, zone: usize) -> f64 {
         let mut bounds = self.bounds(zone);
         let area: f64 = bounds.iter().map(Bound::area).sum();
@@ -176,7 +176,7 @@ impl Shape {
         floors.map(Bound::area).sum::<f64>() * (high[2] - low[2]).max(0.0)
     }
 
-    /// Areas that pairs of zones share, m², by their numbers, the lower first.
+    /// Returns the areas that pairs of zones share, m², by their numbers, the lower first.
     pub fn shared_areas(&self) -> Vec<([usize; 2], f64)> {
         let mut shared: Vec<([usize; 2], f64)> = Vec::new();
         for face in &self.faces {
@@ -185,7 +185,7 @@ impl Shape {
                 continue;
             }
             let pair = [face.zone.min(other), face.zone.max(other)];
-            // A surface with another on its other side is there twice.
+            // A surface with a counterpart is counted twice.
             let area = face.area() * if face.one_sided { 1.0 } else { 0.5 };
             match shared.iter_mut().find(|(known, _)| *known == pair) {
                 Some((_, sum)) => *sum += area,
@@ -196,7 +196,7 @@ impl Shape {
         shared
     }
 
-    /// How many levels the floors of some zones are on.
+    /// Returns the number of levels of the floors of the zones that satisfy a condition.
     pub fn levels(&self, zones: impl Fn(usize) -> bool) -> usize {
         let floors = self.faces.iter().filter(|face| face.kind == SurfaceKind::Floor && zones(face.zone));
         let middle = |face: &Face| {
@@ -209,7 +209,7 @@ impl Shape {
     }
 }
 
-/// Where the origin of a zone is, and how its axes lie to the building's.
+/// The position and the rotation of a zone in the building.
 struct Frame {
     origin: Point,
     /// Clockwise from the building's y axis, radians.
@@ -236,7 +236,7 @@ impl Frame {
     }
 }
 
-/// Whether corners are given from the origins of their zones.
+/// Whether corners are relative to the origins of their zones.
 fn is_relative(model: &Model) -> bool {
     let rules = model.objects("GlobalGeometryRules");
     let system = rules.first().and_then(|(_, rules)| text(rules, "coordinate_system"));
@@ -280,8 +280,8 @@ fn other_side(kind: SurfaceKind) -> SurfaceKind {
     }
 }
 
-/// Turns the normals of faces whose corners are given in the wrong sense, as long as each brings the zone nearer to
-/// closed. The prototypes have such walls between zones.
+/// Reverses the normals of faces whose corners are in the wrong order, while each brings the zone closer to a closed
+/// volume. The prototypes have such walls between zones.
 fn turn_out(bounds: &mut [Bound]) {
     for _ in 0..bounds.len() {
         let open = sum(bounds);
@@ -314,7 +314,7 @@ fn extent<'a>(corners: impl Iterator<Item = &'a Point>) -> [Point; 2] {
             std::array::from_fn(|axis| high[axis].max(corner[axis])),
         ]
     });
-    // Without any corner there is no extent.
+    // Without corners the extent is empty.
     if low[0] > high[0] { [[0.0; 3]; 2] } else { [low, high] }
 }
 
@@ -337,7 +337,7 @@ mod tests {
     const TOP: [Point; 4] = [[0.0, 0.0, 3.0], [5.0, 0.0, 3.0], [5.0, 4.0, 3.0], [0.0, 4.0, 3.0]];
 
     /// A room of 5 by 4 by 3 m whose origin is at x = 10; its east wall is given to the hall `B` on its side only,
-    /// and with its corners in the wrong sense.
+    /// and with its corners in the wrong order.
     fn room() -> Model {
         let outdoors = ["Outdoors", ""];
         let wall = |a: [f64; 2], b: [f64; 2]| {
@@ -358,14 +358,14 @@ mod tests {
     }
 
     #[test]
-    fn corners_count_from_the_origin_of_their_zone() {
+    fn corners_are_relative_to_the_origin_of_their_zone() {
         let shape = Shape::of(&room()).unwrap();
         assert_eq!(shape.zone_extent(0), [[10.0, 0.0, 0.0], [15.0, 4.0, 3.0]]);
         assert_eq!(shape.north_axis, 30.0);
     }
 
     #[test]
-    fn coordinates_of_the_world_are_taken_as_they_are() {
+    fn world_coordinates_are_not_transformed() {
         let mut model = room();
         model.insert("GlobalGeometryRules", "R", json!({"coordinate_system": "World"}));
         let shape = Shape::of(&model).unwrap();
@@ -373,19 +373,19 @@ mod tests {
     }
 
     #[test]
-    fn a_wall_given_backwards_does_not_change_the_volume() {
+    fn a_wall_with_reversed_corners_does_not_change_the_volume() {
         assert!((Shape::of(&room()).unwrap().volume(0) - 60.0).abs() < 1e-9);
     }
 
     #[test]
-    fn a_zone_that_is_not_closed_has_the_volume_of_its_floor_and_height() {
+    fn an_open_zone_has_the_volume_of_its_floor_and_height() {
         let mut model = room();
         model.remove("BuildingSurface:Detailed", "North");
         assert!((Shape::of(&model).unwrap().volume(0) - 60.0).abs() < 1e-9);
     }
 
     #[test]
-    fn a_wall_given_on_one_side_bounds_both_zones_and_counts_once() {
+    fn a_wall_given_on_one_side_bounds_both_zones_and_is_counted_once() {
         let shape = Shape::of(&room()).unwrap();
         assert_eq!(shape.bounds(1).len(), 1);
         assert_eq!(shape.bounds(1)[0].beyond, Beyond::Zone(0));

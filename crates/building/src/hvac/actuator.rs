@@ -1,8 +1,8 @@
-//! The entries of the action.
+//! Actuators: the entries of the action.
 
 use serde::{Deserialize, Serialize};
 
-/// What an actuator drives.
+/// Quantities that actuators control.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Quantity {
@@ -12,14 +12,14 @@ pub enum Quantity {
     SupplyAirTemperature,
     /// Outdoor air mass flow through the mixer of a central air loop, kg/s.
     OutdoorAirFlow,
-    /// Opening of a zone's damper: the share of its terminal's design flow, 0 to 1.
+    /// Opening of a zone's damper: the fraction of its terminal's design flow, 0 to 1.
     DamperOpening,
-    /// Heating setpoint of a zone's thermostat, °C: reheat of a terminal, a unit heater.
+    /// Heating setpoint of a zone's thermostat, °C, which controls the reheat of a terminal or a unit heater.
     HeatingSetpoint,
 }
 
 impl Quantity {
-    /// SI unit of the value an agent gives.
+    /// SI unit of the action value.
     pub fn unit(self) -> &'static str {
         match self {
             Quantity::SupplyAirFlow | Quantity::OutdoorAirFlow => "kg/s",
@@ -39,7 +39,7 @@ pub struct EngineVariable {
 }
 
 impl EngineVariable {
-    /// A variable of a key.
+    /// The variable of a key.
     pub fn new(name: &str, key: &str) -> Self {
         Self { name: name.to_owned(), key: key.to_owned() }
     }
@@ -48,13 +48,13 @@ impl EngineVariable {
 /// One entry of the action.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Actuator {
-    /// Unique name for people, for example `Core_ZN supply air flow`.
+    /// Unique name, for example `Core_ZN supply air flow`.
     pub name: String,
-    /// What it drives; gives the unit.
+    /// The quantity it controls, which determines the unit.
     pub quantity: Quantity,
-    /// Lowest value an agent may give.
+    /// Lower bound of the action value.
     pub low: f64,
-    /// Highest value an agent may give.
+    /// Upper bound of the action value.
     pub high: f64,
     /// Engine actuator: component type, for example `Schedule:Constant`.
     pub component: String,
@@ -62,13 +62,13 @@ pub struct Actuator {
     pub control: String,
     /// Engine actuator: object name.
     pub key: String,
-    /// Engine value per unit of the agent's value (1 / design flow where the engine takes a fraction).
+    /// Engine value per unit of the action value (1 / design flow if the engine takes a fraction).
     pub scale: f64,
-    /// The engine variable that shows the driven quantity, in the same unit; for a damper its air flow, kg/s.
+    /// The engine variable of the controlled quantity, in the same unit; for a damper its air flow, kg/s.
     pub effect: EngineVariable,
-    /// Value of `effect` per unit of the agent's value (1, or for a damper its design flow, kg/s).
+    /// Value of `effect` per unit of the action value (1, or for a damper its design flow, kg/s).
     pub effect_scale: f64,
-    /// The engine variable that shows the heat, W, that a heating setpoint calls for. `None` for other quantities.
+    /// The engine variable of the heating rate, W, under a heating setpoint; `None` for other quantities.
     pub heat: Option<EngineVariable>,
 }
 

@@ -1,4 +1,4 @@
-//! What switches equipment on and off besides the agent: availability managers and schedules.
+//! Availability of equipment: availability managers and schedules.
 
 use serde_json::Value;
 
@@ -8,11 +8,11 @@ use super::schedules::{ALWAYS_ON, constant_schedule};
 use crate::model::{Fields, items, text};
 use crate::{Model, Result};
 
-/// Schedules that switch a component, in every class that has them.
+/// Fields of the schedules that switch a component on and off.
 const SWITCHES: [&str; 2] = ["availability_schedule_name", "supply_air_fan_operating_mode_schedule_name"];
 
-/// Lets an air loop run at every hour: without its availability managers, and with every fan, unit and coil
-/// switched on by schedule. Otherwise the fan delivers nothing at night, whatever is commanded.
+/// Makes an air loop available at every hour: removes its availability managers and switches on every fan, unit and coil.
+/// Otherwise the fan would stop at night, whatever is commanded.
 ///
 /// # Errors
 /// [`Error::MissingObject`] when the loop or one of its components is not in the model.
@@ -24,7 +24,7 @@ pub fn always_on(model: &mut Model, air_loop: &str) -> Result<()> {
     Ok(())
 }
 
-/// Switches a component on for good, and the fans and coils that it refers to.
+/// Makes a component, and the fans and coils that it refers to, always available.
 ///
 /// # Errors
 /// [`Error::MissingObject`] when it, or one that it refers to, is not in the model.
@@ -95,7 +95,7 @@ mod tests {
     }
 
     #[test]
-    fn a_loop_that_is_always_on_has_no_managers_and_no_switched_component() {
+    fn a_loop_that_is_always_on_has_no_managers_and_no_availability_schedules() {
         let mut model = night_cycling_loop();
         always_on(&mut model, "l").unwrap();
         assert_eq!(model.names("AvailabilityManager:NightCycle"), ["Other Night"]);

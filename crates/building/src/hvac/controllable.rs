@@ -1,4 +1,4 @@
-//! A model whose HVAC must be controllable in full.
+//! Making every system of a model controllable.
 
 use super::references::{Reference, is_one_of};
 use super::system::System;
@@ -11,7 +11,7 @@ use crate::{Error, Result};
 /// then heaters in the order of their zones. `air_density`, kg/m³, turns design volume flows into mass flows.
 ///
 /// # Errors
-/// [`crate::Error::Unsupported`] naming the object that cannot be driven.
+/// [`crate::Error::Unsupported`] naming the object that cannot be made controllable.
 pub fn make_controllable(model: &mut Model, air_density: f64) -> Result<Vec<System>> {
     let mut systems = Vec::new();
     for air_loop in model.names("AirLoopHVAC") {
@@ -36,11 +36,11 @@ pub(super) fn drive_air_loop(model: &mut Model, air_loop: &str, air_density: f64
     }
 }
 
-/// Zone equipment that is left as it is: exhaust fans follow their schedules, and the warehouse's radiant heater
-/// is switched off in the prototype.
+/// Zone equipment that is not controlled: exhaust fans follow their schedules, and the radiant heater of the warehouse is
+/// switched off in the prototype.
 pub(super) const UNCONTROLLED_EQUIPMENT: [&str; 2] = ["Fan:ZoneExhaust", "ZoneHVAC:HighTemperatureRadiant"];
 
-/// Equipment that no kind of system covers would heat or cool behind the agent's back.
+/// Rejects unsupported equipment, which would heat or cool under its own controls.
 fn refuse_unknown(equipment: &[Reference], zone: &str) -> Result<()> {
     let known = |class: &str| {
         class.eq_ignore_ascii_case("ZoneHVAC:AirDistributionUnit")
@@ -50,16 +50,16 @@ fn refuse_unknown(equipment: &[Reference], zone: &str) -> Result<()> {
     match equipment.iter().find(|e| !known(&e.class)) {
         None => Ok(()),
         Some(unknown) => {
-            let why = format!("zone `{zone}` is conditioned by it, and no way to drive it is known");
+            let why = format!("unsupported component that conditions zone `{zone}`");
             Err(Error::unsupported(&unknown.class, &unknown.name, &why))
         }
     }
 }
 
-/// Two systems in one zone would need one thermostat each.
+/// Rejects a second system in a zone, which would need a thermostat of its own.
 fn refuse_second_system(systems: &[System], zone: &str, heater: &Reference) -> Result<()> {
     if systems.iter().any(|s| s.zones().iter().any(|z| z.eq_ignore_ascii_case(zone))) {
-        let why = format!("zone `{zone}` has an air system too, and one thermostat cannot drive both");
+        let why = format!("zone `{zone}` also has an air system, and one thermostat cannot control both");
         return Err(Error::unsupported(&heater.class, &heater.name, &why));
     }
     Ok(())
@@ -83,7 +83,7 @@ mod tests {
     }
 
     #[test]
-    fn equipment_that_no_system_covers_is_refused_by_name() {
+    fn unsupported_equipment_is_rejected_by_name() {
         let mut model = zone_with("ZoneHVAC:PackagedTerminalHeatPump");
         let error = make_controllable(&mut model, 1.2).unwrap_err().to_string();
         for word in ["ZoneHVAC:PackagedTerminalHeatPump", "`The unit`", "`Z`"] {
@@ -92,7 +92,7 @@ mod tests {
     }
 
     #[test]
-    fn an_exhaust_fan_is_left_alone() {
+    fn an_exhaust_fan_is_not_controlled() {
         let mut model = zone_with("Fan:ZoneExhaust");
         assert_eq!(make_controllable(&mut model, 1.2).unwrap(), []);
     }

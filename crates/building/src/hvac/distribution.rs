@@ -1,4 +1,4 @@
-//! Where the air of a loop goes: its terminals and their zones.
+//! The demand side of air loops: their terminals and zones.
 
 use std::collections::HashSet;
 
@@ -11,13 +11,13 @@ use crate::{Error, Result};
 pub(crate) struct ServedZone {
     /// The zone it serves.
     pub(crate) zone: String,
-    /// The `ZoneHVAC:AirDistributionUnit` it is in.
+    /// Its `ZoneHVAC:AirDistributionUnit`.
     pub(crate) unit: String,
     /// The terminal itself.
     pub(crate) terminal: Reference,
 }
 
-/// The terminals of an air loop, each with its zone, in model order of the zones.
+/// Returns the terminals of an air loop, each with its zone, in model order of the zones.
 ///
 /// # Errors
 /// [`crate::Error::Unsupported`] when there is none, or one that no zone has; [`crate::Error::MissingObject`] for
@@ -37,7 +37,7 @@ pub(crate) fn served_zones(model: &Model, air_loop: &str) -> Result<Vec<ServedZo
     let zones = model.names("Zone");
     served.sort_by_key(|s| zones.iter().position(|z| z.eq_ignore_ascii_case(&s.zone)));
     if served.is_empty() {
-        return Err(Error::unsupported("AirLoopHVAC", air_loop, "no terminal is on its supply path"));
+        return Err(Error::unsupported("AirLoopHVAC", air_loop, "its supply path has no terminal"));
     }
     Ok(served)
 }
@@ -48,7 +48,7 @@ fn inlet(terminal: &Fields) -> Option<&str> {
         .find_map(|field| text(terminal, field))
 }
 
-/// The nodes where a loop's supply path ends, in lower case.
+/// Returns the nodes at the end of a loop's supply path, in lower case.
 fn terminal_nodes(model: &Model, air_loop: &str) -> Result<HashSet<String>> {
     let fields = model.require("AirLoopHVAC", air_loop)?;
     let inlet = text(fields, "demand_side_inlet_node_names").unwrap_or_default();
@@ -69,7 +69,7 @@ fn terminal_nodes(model: &Model, air_loop: &str) -> Result<HashSet<String>> {
     Ok(nodes)
 }
 
-/// The zone that an air distribution unit serves.
+/// Returns the zone that an air distribution unit serves.
 fn zone_of(model: &Model, unit: &str) -> Result<String> {
     let is = |name: Option<&str>, other: &str| name.is_some_and(|name| name.eq_ignore_ascii_case(other));
     let lists_unit =
@@ -84,5 +84,7 @@ fn zone_of(model: &Model, unit: &str) -> Result<String> {
         })
         .find_map(|(_, zone)| text(zone, "zone_name"))
         .map(str::to_owned)
-        .ok_or_else(|| Error::unsupported("ZoneHVAC:AirDistributionUnit", unit, "no zone has it"))
+        .ok_or_else(|| {
+            Error::unsupported("ZoneHVAC:AirDistributionUnit", unit, "no zone has it in its equipment list")
+        })
 }

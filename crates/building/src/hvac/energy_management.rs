@@ -1,10 +1,10 @@
-//! Energy-management programs (EMS) of a model.
+//! Energy management system (EMS) programs.
 
 use crate::Model;
 use crate::model::{Fields, items, text};
 
-/// Removes the EMS actuators that are unwanted, given their fields, with every program that sets one of them
-/// and the calls of these programs. They would take from the agent what it drives.
+/// Removes the EMS actuators whose fields satisfy `unwanted`, with every program that sets one of them and the calls of
+/// these programs. They would override controlled actuators.
 pub fn remove_ems_programs(model: &mut Model, unwanted: impl Fn(&Fields) -> bool) {
     let actuators: Vec<String> = model
         .objects("EnergyManagementSystem:Actuator")
@@ -32,7 +32,7 @@ pub fn sets_a_schedule(actuator: &Fields) -> bool {
     text(actuator, "actuated_component_type").is_some_and(|class| class.starts_with("Schedule:"))
 }
 
-/// Whether a line of an EMS program has this variable as a word.
+/// Whether an EMS program uses a variable.
 fn mentions(program: &Fields, variable: &str) -> bool {
     items(program, "lines")
         .filter_map(|item| text(item, "program_line"))
@@ -69,7 +69,7 @@ mod tests {
     }
 
     #[test]
-    fn programs_that_set_schedules_go_and_the_others_stay() {
+    fn programs_that_set_schedules_are_removed() {
         let mut model = model(json!({
             "EnergyManagementSystem:Actuator": {
                 "Heat": {"actuated_component_type": "Schedule:Compact"},

@@ -1,4 +1,4 @@
-//! Zones with a heater and no cooling, driven by the heating setpoint of their thermostat.
+//! Zones with a heater and no cooling, controlled by the heating setpoint of their thermostat.
 
 use super::actuator::{Actuator, EngineVariable, Quantity};
 use super::availability::switch_on;
@@ -8,8 +8,7 @@ use super::thermostat::{OUT_OF_REACH, own_thermostat};
 use crate::model::{Model, number, text};
 use crate::{Error, Result};
 
-/// Heating setpoints an agent may ask for, °C. The lowest is under any temperature that a heated zone should
-/// reach and means "off".
+/// Bounds of the heating setpoint, °C. The lower bound means "off": no heated zone gets so cold.
 pub const SETPOINT: (f64, f64) = (5.0, 35.0);
 
 const HEATERS: [&str; 5] = [
@@ -28,7 +27,7 @@ pub(super) fn is_heater(class: &str) -> bool {
 /// Makes the heater of a zone controllable: always available, under a thermostat of the zone's own.
 ///
 /// # Errors
-/// [`crate::Error::Unsupported`] when the zone has no thermostat or the heater no power;
+/// [`crate::Error::Unsupported`] when the zone has no thermostat or the heater no capacity;
 /// [`crate::Error::MissingObject`] when the heater's parts are not in the model.
 pub fn make_controllable(model: &mut Model, zone: &str, heater: &Reference) -> Result<HeatingOnly> {
     refuse_powerless(model, heater)?;
@@ -42,7 +41,7 @@ pub fn make_controllable(model: &mut Model, zone: &str, heater: &Reference) -> R
     Ok(HeatingOnly { zone: zone.to_owned(), setpoint: Actuator { heat: Some(heat), ..setpoint } })
 }
 
-/// A heater in a zone that needs no heat is sized to nothing: its setpoint would do nothing.
+/// Rejects a heater of zero capacity, as sized for a zone that needs no heat: its setpoint would have no effect.
 fn refuse_powerless(model: &Model, heater: &Reference) -> Result<()> {
     let parts = parts(model.require(&heater.class, &heater.name)?);
     let has_none = |part: &Reference| {
@@ -51,14 +50,14 @@ fn refuse_powerless(model: &Model, heater: &Reference) -> Result<()> {
     };
     match parts.iter().any(has_none) {
         true => {
-            let why = "it was sized to no power: the zone needs no heat on the design days";
+            let why = "its capacity is zero: the zone needs no heat on the design days";
             Err(Error::unsupported(&heater.class, &heater.name, why))
         }
         false => Ok(()),
     }
 }
 
-/// The heat of a heater: that of its coil, or its own where it has none.
+/// Returns the engine variable of a heater's heating rate: that of its coil, or its own if it has none.
 fn heat(model: &Model, heater: &Reference) -> Result<EngineVariable> {
     let coil = text(model.require(&heater.class, &heater.name)?, "heating_coil_name");
     Ok(match coil {

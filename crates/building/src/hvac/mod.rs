@@ -1,4 +1,4 @@
-//! HVAC systems, as an agent sees them: what can be driven, between which bounds, and how to see its effect.
+//! HVAC systems under control: their actuators, with bounds and the engine variables that show the effect.
 
 mod actuator;
 pub mod air_loop;

@@ -14,12 +14,12 @@ pub struct Reference {
     pub name: String,
 }
 
-/// The object that two fields, class and name, refer to.
+/// Returns the object that two fields, class and name, refer to.
 pub fn reference(fields: &Fields, class: &str, name: &str) -> Option<Reference> {
     Some(Reference { class: text(fields, class)?.to_owned(), name: text(fields, name)?.to_owned() })
 }
 
-/// The fans and coils that an object refers to, as `…_object_type` with `…_name`.
+/// Returns the fans and coils that an object refers to, as `…_object_type` with `…_name`.
 pub fn parts(fields: &Fields) -> Vec<Reference> {
     fields
         .keys()
@@ -29,7 +29,7 @@ pub fn parts(fields: &Fields) -> Vec<Reference> {
         .collect()
 }
 
-/// The nodes of a list, or the one node of this name.
+/// Returns the nodes of a list, or the node with this name.
 pub fn nodes_of(model: &Model, name: &str) -> Vec<String> {
     match model.get("NodeList", name) {
         Some(list) => {
@@ -39,17 +39,17 @@ pub fn nodes_of(model: &Model, name: &str) -> Vec<String> {
     }
 }
 
-/// Whether a class is among these: the engine names classes without regard to case.
+/// Whether a class is one of these, ignoring case as the engine does.
 pub fn is_one_of(class: &str, classes: &[&str]) -> bool {
     classes.iter().any(|known| known.eq_ignore_ascii_case(class))
 }
 
-/// A text field that must be given.
+/// Returns a text field that must be given.
 ///
 /// # Errors
 /// [`Error::Unsupported`] when it is not.
 pub(super) fn required(fields: &Fields, class: &str, name: &str, field: &str) -> Result<String> {
     text(fields, field)
         .map(str::to_owned)
-        .ok_or_else(|| Error::unsupported(class, name, &format!("`{field}` is not given")))
+        .ok_or_else(|| Error::unsupported(class, name, &format!("`{field}` is missing")))
 }

@@ -1,4 +1,4 @@
-//! Setpoint managers: what gives the nodes of an air loop their setpoints.
+//! Setpoint managers of air loops.
 
 use std::collections::HashSet;
 
@@ -6,8 +6,7 @@ use super::references::nodes_of;
 use crate::Model;
 use crate::model::text;
 
-/// Takes out the setpoint managers on any of these nodes (in lower case): each would write over the setpoint
-/// that an agent gives.
+/// Removes the setpoint managers of these nodes (in lower case), which would override controlled setpoints.
 pub fn remove_setpoint_managers(model: &mut Model, nodes: &HashSet<String>) {
     let classes: Vec<String> =
         model.classes().filter(|class| class.starts_with("SetpointManager:")).map(str::to_owned).collect();
@@ -23,7 +22,7 @@ pub fn remove_setpoint_managers(model: &mut Model, nodes: &HashSet<String>) {
     }
 }
 
-/// Whether a setpoint manager takes the setpoint of a node for its own.
+/// Whether a setpoint manager refers to the setpoint of a node.
 pub fn is_referred_to(model: &Model, node: &str) -> bool {
     let classes = model.classes().filter(|class| class.starts_with("SetpointManager:"));
     classes.flat_map(|class| model.objects(class)).any(|(_, fields)| {

@@ -32,9 +32,9 @@ impl System {
 pub struct Unitary {
     /// Zone it serves.
     pub zone: String,
-    /// [`Quantity::SupplyAirFlow`].
+    /// [`Quantity::SupplyAirFlow`](super::Quantity::SupplyAirFlow).
     pub flow: Actuator,
-    /// [`Quantity::SupplyAirTemperature`].
+    /// [`Quantity::SupplyAirTemperature`](super::Quantity::SupplyAirTemperature).
     pub supply_temperature: Actuator,
 }
 
@@ -43,14 +43,13 @@ pub struct Unitary {
 pub struct AirLoop {
     /// Name of the `AirLoopHVAC`.
     pub name: String,
-    /// [`Quantity::SupplyAirTemperature`], of the air handler.
+    /// [`Quantity::SupplyAirTemperature`](super::Quantity::SupplyAirTemperature), of the air handler.
     pub supply_temperature: Actuator,
-    /// [`Quantity::OutdoorAirFlow`].
+    /// [`Quantity::OutdoorAirFlow`](super::Quantity::OutdoorAirFlow).
     pub outdoor_air: Actuator,
-    /// Design flow of the supply fan, kg/s. All dampers open may ask for more: the fan limits.
+    /// Design flow of the supply fan, kg/s. It limits the flow of all terminals together.
     pub fan_flow: f64,
-    /// Design flow of the exhaust fans in its zones, kg/s. Outdoor air makes up for what they take, whatever is
-    /// commanded.
+    /// Design flow of the exhaust fans in its zones, kg/s. Outdoor air makes up for it, whatever is commanded.
     pub exhaust_flow: f64,
     /// The terminals, in model order of their zones.
     pub terminals: Vec<Terminal>,
@@ -61,14 +60,14 @@ pub struct AirLoop {
 pub struct Terminal {
     /// Zone it serves.
     pub zone: String,
-    /// [`Quantity::DamperOpening`].
+    /// [`Quantity::DamperOpening`](super::Quantity::DamperOpening).
     pub damper: Actuator,
-    /// [`Quantity::HeatingSetpoint`], of the reheat coil.
+    /// [`Quantity::HeatingSetpoint`](super::Quantity::HeatingSetpoint), of the reheat coil.
     pub reheat: Actuator,
     /// Design flow, kg/s.
     pub design_flow: f64,
-    /// Opening up to which more air brings more heat, 0 to 1: beyond it a hot-water coil has too little for the air.
-    /// 1 for other coils.
+    /// Opening above which more air brings no more heat, 0 to 1, because a hot-water coil is at its capacity; 1 for other
+    /// coils.
     pub heating_opening: f64,
 }
 
@@ -77,6 +76,6 @@ pub struct Terminal {
 pub struct HeatingOnly {
     /// Zone it serves.
     pub zone: String,
-    /// [`Quantity::HeatingSetpoint`].
+    /// [`Quantity::HeatingSetpoint`](super::Quantity::HeatingSetpoint).
     pub setpoint: Actuator,
 }

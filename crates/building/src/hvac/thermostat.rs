@@ -6,13 +6,13 @@ use super::schedules::constant_schedule;
 use crate::model::{Fields, items, text};
 use crate::{Error, Model, Result};
 
-/// Control type of a thermostat with a heating and a cooling setpoint, as a schedule.
+/// Schedule of the control type of a thermostat with a heating and a cooling setpoint.
 const DUAL_SETPOINT: &str = "B2B Dual Setpoint";
-/// A cooling setpoint that no zone reaches, °C: cooling is the agent's, through air it commands. Random play has
-/// reached 46 °C.
+/// A cooling setpoint that no zone reaches, °C: cooling is controlled through the supply air. Random actions have reached
+/// 46 °C.
 pub const OUT_OF_REACH: f64 = 90.0;
 
-/// The schedules behind a zone's thermostat.
+/// The setpoint schedules of a zone's thermostat.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Setpoints {
     /// Name of the `Schedule:Constant` of the heating setpoint.
@@ -29,15 +29,11 @@ pub struct Setpoints {
 pub fn own_thermostat(model: &mut Model, zone: &str, heating: f64, cooling: f64) -> Result<Setpoints> {
     let thermostat = match thermostat(model, zone) {
         None => {
-            return Err(Error::unsupported(
-                "Zone",
-                zone,
-                "it has no thermostat, whose setpoints an agent would give",
-            ));
+            return Err(Error::unsupported("Zone", zone, "it has no thermostat"));
         }
         Some((name, None)) => name,
         Some((name, Some(list))) => {
-            let why = format!("it controls the list `{list}`; give each zone a thermostat");
+            let why = format!("it controls the zone list `{list}`; give each zone a thermostat");
             return Err(Error::unsupported("ZoneControl:Thermostat", &name, &why));
         }
     };
@@ -72,8 +68,8 @@ pub fn cooling_setpoint(zone: &str) -> String {
     format!("{zone} Cooling Setpoint")
 }
 
-/// Gives each zone of a list a thermostat of its own, in the place of one that controls the list. A thermostat that
-/// another object refers to stays.
+/// Replaces each thermostat that controls a list of zones by one per zone. A thermostat that another object refers to is
+/// kept.
 pub(super) fn split_thermostats(model: &mut Model) {
     const CLASS: &str = "ZoneControl:Thermostat";
     for name in model.names(CLASS) {
@@ -99,7 +95,7 @@ pub(super) fn split_thermostats(model: &mut Model) {
     }
 }
 
-/// The thermostat of a zone, with the zone list where it controls one.
+/// Returns the thermostat of a zone, with the zone list if it controls one.
 pub(super) fn thermostat(model: &Model, zone: &str) -> Option<(String, Option<String>)> {
     model.objects("ZoneControl:Thermostat").into_iter().find_map(|(name, fields)| {
         let zones = text(fields, "zone_or_zonelist_name").unwrap_or_default();
@@ -144,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn a_thermostat_over_a_list_of_zones_is_named_as_unsupported() {
+    fn a_thermostat_of_a_zone_list_is_rejected_by_name() {
         let mut model = model(json!({
             "ZoneControl:Thermostat": {"T": {"zone_or_zonelist_name": "All"}},
             "ZoneList": {"All": {"zones": [{"zone_name": "ZA"}]}},
@@ -154,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn a_thermostat_over_a_list_becomes_one_for_each_zone() {
+    fn a_thermostat_of_a_zone_list_becomes_one_per_zone() {
         let mut model = model(json!({
             "ZoneControl:Thermostat": {"T": {"zone_or_zonelist_name": "ALL", "control_1_name": "Shared"}},
             "ZoneList": {"All": {"zones": [{"zone_name": "ZA"}, {"zone_name": "ZB"}]}},

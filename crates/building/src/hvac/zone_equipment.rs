@@ -1,13 +1,13 @@
-//! The equipment of zones.
+//! Equipment of zones.
 
 use super::references::{Reference, reference};
 use crate::Result;
 use crate::model::{Model, items, text};
 
-/// The equipment of a zone, in the order of its equipment list. Empty for a zone without any.
+/// Returns the equipment of a zone, in the order of its equipment list; empty for a zone without equipment.
 ///
 /// # Errors
-/// [`Error::MissingObject`] when the equipment list that the zone names is not in the model.
+/// [`crate::Error::MissingObject`] when the equipment list that the zone names is not in the model.
 pub fn zone_equipment(model: &Model, zone: &str) -> Result<Vec<Reference>> {
     let connections = model
         .objects("ZoneHVAC:EquipmentConnections")

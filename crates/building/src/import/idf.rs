@@ -1,6 +1,6 @@
-//! What can be seen of an IDF before the engine reads it.
+//! Checks of an IDF before the engine reads it.
 
-/// Whether a text is an IDF to its end: the engine takes a file that was cut off as a smaller building.
+/// Checks that an IDF is complete: the engine would accept a truncated file as a smaller building.
 pub(super) fn check(bytes: &[u8]) -> Result<(), String> {
     let text = String::from_utf8_lossy(bytes);
     let mut last = None;
@@ -14,8 +14,7 @@ pub(super) fn check(bytes: &[u8]) -> Result<(), String> {
         None => Err("it is empty".into()),
         Some((_, code)) if code.ends_with(';') => Ok(()),
         Some((number, code)) => Err(format!(
-            "its last object does not end (line {number}, `{code}`): an object ends in `;`, so the file was cut off. \
-             Get it whole"
+            "it is truncated: its last object does not end in `;` (line {number}, `{code}`). Obtain the complete file"
         )),
     }
 }
@@ -31,10 +30,10 @@ mod tests {
     }
 
     #[test]
-    fn a_file_that_was_cut_off_is_refused_with_the_line() {
+    fn a_truncated_file_is_rejected_with_the_line() {
         for cut in ["Version,25.2;\nZone,\n  Co", "Version,25.2;\nZone, !- x;", "Version,25.2;\nZone"] {
             let said = check(cut.as_bytes()).unwrap_err();
-            assert!(said.contains("line ") && said.contains("cut off"), "{said}");
+            assert!(said.contains("line ") && said.contains("truncated"), "{said}");
         }
         assert!(check(b"! nothing\n").is_err());
     }

@@ -1,8 +1,7 @@
-//! References to objects that are not there.
+//! Dangling references.
 //!
-//! The engine's schema knows what each field refers to, and it stops at some dangling references and passes over others.
-//! Two patterns in the names of fields cover the ones that make a building: `…_object_type` with `…_name`, and
-//! `…_schedule_name`. A few more are by class.
+//! The engine stops at some dangling references and ignores others. Two patterns of field names cover the essential ones:
+//! `…_object_type` with `…_name`, and `…_schedule_name`. A few more are listed by class.
 
 use std::collections::HashSet;
 
@@ -10,8 +9,8 @@ use serde_json::Value;
 
 use crate::model::{Fields, Model};
 
-/// Problems that are told; a file that was cut off has hundreds.
-const TOLD: usize = 5;
+/// Maximum number of reported references; a truncated file has hundreds.
+const MAX_REPORTED: usize = 5;
 
 /// Fields that refer to an object of one class.
 const BY_CLASS: [(&str, &str, &str); 9] = [
@@ -26,7 +25,7 @@ const BY_CLASS: [(&str, &str, &str); 9] = [
     ("AirLoopHVAC:OutdoorAirSystem", "controller_list_name", "AirLoopHVAC:ControllerList"),
 ];
 
-/// One line for each of the first references that dangle, and one with the number of the others.
+/// Reports the first dangling references, one per line, and the number of the others.
 pub(super) fn dangling(model: &Model) -> Vec<String> {
     let mut search = Search { model, schedules: schedules(model), found: Vec::new() };
     let classes: Vec<_> = model.classes().map(str::to_owned).collect();
@@ -36,10 +35,10 @@ pub(super) fn dangling(model: &Model) -> Vec<String> {
         }
     }
     let mut found = search.found;
-    if found.len() > TOLD {
-        let others = found.len() - TOLD;
-        found.truncate(TOLD);
-        found.push(format!("… and {others} more references to what is not there: is the file whole?"));
+    if found.len() > MAX_REPORTED {
+        let others = found.len() - MAX_REPORTED;
+        found.truncate(MAX_REPORTED);
+        found.push(format!("… and {others} more dangling references: is the file complete?"));
     }
     found
 }
@@ -77,13 +76,12 @@ impl Search<'_> {
         };
         if field.ends_with("schedule_name") {
             if !self.schedules.contains(&name.to_lowercase()) {
-                self.found
-                    .push(format!("{class} `{object}` refers to a schedule `{name}` that is not there"));
+                self.found.push(format!("{class} `{object}` refers to a missing schedule `{name}`"));
             }
         } else if let Some(target) = typed().or_else(by_class)
             && !self.model.contains(&target, name)
         {
-            self.found.push(format!("{class} `{object}` refers to a {target} `{name}` that is not there"));
+            self.found.push(format!("{class} `{object}` refers to a missing {target} `{name}`"));
         }
     }
 }
@@ -110,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn a_reference_that_dangles_is_told_with_both_ends() {
+    fn a_dangling_reference_is_reported_with_both_ends() {
         let found = dangling_in(json!({
             "Zone": {"A": {}},
             "Schedule:Constant": {"On": {}},
@@ -123,20 +121,20 @@ mod tests {
         assert_eq!(found.len(), 3, "{found:?}");
         let all = found.join("\n");
         for end in [
-            "`Main` refers to a Coil:Heating:Fuel `H`",
-            "`Roof` refers to a Zone `B`",
-            "`G` refers to a schedule `Off`",
+            "`Main` refers to a missing Coil:Heating:Fuel `H`",
+            "`Roof` refers to a missing Zone `B`",
+            "`G` refers to a missing schedule `Off`",
         ] {
             assert!(all.contains(end), "{all}");
         }
     }
 
     #[test]
-    fn of_many_the_first_are_told_and_the_others_counted() {
+    fn of_many_dangling_references_the_first_are_reported_and_the_others_counted() {
         let surfaces: serde_json::Map<_, _> =
             (0..20).map(|i| (format!("S{i}"), json!({"zone_name": "Gone"}))).collect();
         let found = dangling_in(json!({"BuildingSurface:Detailed": surfaces}));
-        assert_eq!(found.len(), TOLD + 1);
-        assert!(found[TOLD].contains("15 more"), "{found:?}");
+        assert_eq!(found.len(), MAX_REPORTED + 1);
+        assert!(found[MAX_REPORTED].contains("15 more"), "{found:?}");
     }
 }

@@ -1,4 +1,4 @@
-//! Where the values of nodes are in one buffer.
+//! Layout of the values of nodes in one buffer.
 
 use std::ops::Range;
 
@@ -12,24 +12,24 @@ pub struct Layout {
     blocks: [Block; NodeType::ALL.len()],
 }
 
-/// The array of one node type, row by row: `[nodes, slots]`.
+/// The array of a node type, row-major: `[nodes, slots]`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Block {
-    /// Where it begins.
+    /// Offset of its first value.
     pub offset: usize,
     /// Rows: nodes of the type.
     pub nodes: usize,
-    /// Columns: slots of each.
+    /// Columns: slots of a node.
     pub slots: usize,
 }
 
 impl Block {
-    /// Where it is in the buffer.
+    /// Returns its range in the buffer.
     pub fn range(&self) -> Range<usize> {
         self.offset..self.offset + self.nodes * self.slots
     }
 
-    /// Where a slot of a node is in the buffer.
+    /// Returns the offset of a slot of a node.
     pub fn cell(&self, row: usize, slot: usize) -> usize {
         debug_assert!(row < self.nodes && slot < self.slots);
         self.offset + row * self.slots + slot
@@ -49,7 +49,8 @@ impl Layout {
         Self { blocks }
     }
 
-    /// The smallest layout with room for the nodes of each of these: what a batch of different buildings is padded to.
+    /// Returns the smallest layout with room for the nodes of each of these, to which a batch of different buildings is
+    /// padded.
     pub fn covering<'a>(layouts: impl IntoIterator<Item = &'a Self>) -> Self {
         let layouts: Vec<_> = layouts.into_iter().collect();
         Self::new(|node_type| {
@@ -61,7 +62,7 @@ impl Layout {
         })
     }
 
-    /// Where a cell of another layout of the same types is in this one. `None` when it has no room.
+    /// Returns the offset of a value of another layout in this one; `None` if there is no room.
     pub fn cell_of(&self, other: &Self, cell: usize) -> Option<usize> {
         let (place, from) =
             self.blocks.iter().zip(&other.blocks).find(|(_, from)| from.range().contains(&cell))?;
@@ -69,17 +70,17 @@ impl Layout {
         (place.slots == from.slots && within / from.slots < place.nodes).then(|| place.offset + within)
     }
 
-    /// The array of a type.
+    /// Returns the array of a type.
     pub fn block(&self, node_type: NodeType) -> Block {
         self.blocks[node_type as usize]
     }
 
-    /// Length of the buffer.
+    /// Returns the length of the buffer.
     pub fn len(&self) -> usize {
         self.blocks[NodeType::ALL.len() - 1].range().end
     }
 
-    /// Whether there are no values at all.
+    /// Whether the buffer is empty.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -90,7 +91,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn arrays_follow_each_other_and_types_without_nodes_take_no_room() {
+    fn arrays_are_contiguous_and_types_without_nodes_are_empty() {
         let layout = Layout::new(|node_type| match node_type {
             NodeType::Weather => [1, 2],
             NodeType::VavZone => [3, 4],

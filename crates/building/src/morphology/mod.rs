@@ -1,20 +1,20 @@
-//! The structured form of a building (the paper's morphology): a graph over one vocabulary for all buildings.
+//! The morphology of a building (as in the paper): a graph over one vocabulary for all buildings.
 //!
-//! The [`Universe`] says what node types there are and what is known (attributes), seen (observation) and driven
-//! (action) of each. A [`Morphology`] is one building: its nodes, in the order of their types and within a type in model
-//! order, its edges, and its common attributes.
+//! The [`Universe`] has the node types with the attribute, observation and action space of each. A [`Morphology`] is one
+//! building: its nodes, in the order of their types and within a type in model order, its edges, and its common
+//! attributes.
 //!
 //! | edge | from | to | attribute |
 //! |---|---|---|---|
-//! | [`EdgeKind::Serves`], directed | air loop | zone that its air goes to | design flow, kg/s |
+//! | [`EdgeKind::Serves`], directed | air loop | zone that it supplies | design flow, kg/s |
 //! | [`EdgeKind::Adjacent`], undirected, listed once | zone | zone | shared area, m² |
-//! | [`EdgeKind::Controls`], directed | node with actions | zone whose air they condition; itself, for a zone with equipment | number of its actions |
+//! | [`EdgeKind::Controls`], directed | node with actions | zone that they condition; itself, for a zone with equipment | number of its actions |
 //!
-//! Weather, calendar and energy concern every zone alike, and have no edges.
+//! Weather, calendar and energy nodes have no edges.
 //!
-//! Values of the nodes are in arrays, one a type, of `[nodes of the type, slots of the type]`; a [`Layout`] says where
-//! each array is in one buffer. Which slot of an environment's observation belongs to which node is carried by the slot
-//! itself, as its [`Owner`]; the environment crate has the tables for `split` and `join`.
+//! Values of the nodes are in one array per type, of `[nodes of the type, slots of the type]`; a [`Layout`] has the offset
+//! of each array in one buffer. Every slot of an observation has its [`Owner`], which determines its node; the environment
+//! crate has the tables for `split` and `join`.
 
 mod layout;
 mod owner;
@@ -43,29 +43,29 @@ pub struct Morphology {
     pub edges: Vec<Edge>,
 }
 
-/// A part of a building.
+/// A node of the graph: a part of a building.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Node {
     /// Its type.
     pub node_type: NodeType,
     /// Name, for example of a zone.
     pub name: String,
-    /// What it is in the building: slots of this owner are slots of this node.
+    /// The owner of its slots.
     pub owner: Owner,
     /// Attributes, in the order of the type's attribute space.
     pub attributes: Vec<f64>,
 }
 
-/// Two nodes that have to do with each other.
+/// An edge between two nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Edge {
-    /// In which way.
+    /// Its kind.
     pub kind: EdgeKind,
     /// Number of a node.
     pub from: usize,
     /// Number of a node.
     pub to: usize,
-    /// How much: see [`EdgeKind`].
+    /// Its attribute: see [`EdgeKind`].
     pub attribute: f64,
 }
 
@@ -73,12 +73,11 @@ pub struct Edge {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum EdgeKind {
-    /// An air loop sends air to a zone; design flow, kg/s. Directed.
+    /// An air loop supplies a zone; design flow, kg/s. Directed.
     Serves,
-    /// Two zones touch; shared area, m². Undirected: listed once, from the lower number.
+    /// Two zones are adjacent; shared area, m². Undirected: listed once, from the lower number.
     Adjacent,
-    /// The actions of a node condition the air of a zone; number of these actions. Directed; a zone with equipment
-    /// controls itself.
+    /// The actions of a node condition a zone; number of these actions. Directed; a zone with equipment controls itself.
     Controls,
 }
 
@@ -86,7 +85,7 @@ impl EdgeKind {
     /// Every kind.
     pub const ALL: [Self; 3] = [Self::Serves, Self::Adjacent, Self::Controls];
 
-    /// Name for people.
+    /// Name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Serves => "serves",
@@ -95,7 +94,7 @@ impl EdgeKind {
         }
     }
 
-    /// Whether its direction means something.
+    /// Whether it is directed.
     pub fn is_directed(self) -> bool {
         self != Self::Adjacent
     }
@@ -137,28 +136,28 @@ impl Morphology {
         }
     }
 
-    /// Number of the node of an owner.
+    /// Returns the number of the node of an owner.
     pub fn node_of(&self, owner: Owner) -> Option<usize> {
         self.nodes.iter().position(|node| node.owner == owner)
     }
 
-    /// How many nodes a type has.
+    /// Returns the number of nodes of a type.
     pub fn count(&self, node_type: NodeType) -> usize {
         self.nodes.iter().filter(|node| node.node_type == node_type).count()
     }
 
-    /// Number of a node among those of its type: its row in the arrays.
+    /// Returns the number of a node among those of its type: its row in the arrays.
     pub fn row(&self, node: usize) -> usize {
         let node_type = self.nodes[node].node_type;
         self.nodes[..node].iter().filter(|other| other.node_type == node_type).count()
     }
 
-    /// Where the observations of the nodes are in a buffer.
+    /// Returns the layout of the observations of the nodes.
     pub fn observation_layout(&self) -> Layout {
         Layout::new(|node_type| [self.count(node_type), node_type.observation().len()])
     }
 
-    /// Where the actions of the nodes are in a buffer.
+    /// Returns the layout of the actions of the nodes.
     pub fn action_layout(&self) -> Layout {
         Layout::new(|node_type| [self.count(node_type), node_type.action().len()])
     }
@@ -204,9 +203,9 @@ fn zone_attribute(zone: &ZoneDescription, attribute: Attribute) -> f64 {
     match attribute {
         Attribute::FloorArea => zone.floor_area,
         Attribute::Volume => zone.volume,
-        Attribute::CentreX => zone.centre[0],
-        Attribute::CentreY => zone.centre[1],
-        Attribute::CentreZ => zone.centre[2],
+        Attribute::CenterX => zone.center[0],
+        Attribute::CenterY => zone.center[1],
+        Attribute::CenterZ => zone.center[2],
         Attribute::ExtentX => zone.extent[0],
         Attribute::ExtentY => zone.extent[1],
         Attribute::ExtentZ => zone.extent[2],

@@ -1,4 +1,4 @@
-//! What a slot of an observation or an action belongs to.
+//! Owners of the slots of observations and actions.
 
 use serde::Serialize;
 
@@ -11,7 +11,7 @@ use crate::hvac::{Actuator, AirLoop, System};
 pub enum Owner {
     /// Outdoor weather.
     Weather,
-    /// The clock.
+    /// The calendar.
     Calendar,
     /// Energy of the step.
     Energy,

@@ -1,32 +1,32 @@
-//! The universe: what every building may consist of, and what is known, seen and driven of each part.
+//! The universe: the node types of all buildings, with the attribute, observation and action space of each.
 
 use serde::Serialize;
 
 use crate::hvac::Quantity;
 
-/// Kinds of nodes. Arrays of nodes are in this order.
+/// Node types. Arrays of nodes are in this order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum NodeType {
-    /// Outdoor weather, once a building. Seen only.
+    /// Outdoor weather, one per building. Observations only.
     Weather,
-    /// The clock, once a building. Seen only.
+    /// Calendar, one per building. Observations only.
     Calendar,
-    /// Energy of the step, once a building. Seen only.
+    /// Energy of the step, one per building. Observations only.
     Energy,
-    /// The air handler of a central air loop. Driven only.
+    /// The air handler of a central air loop. Actions only.
     AirLoop,
-    /// A zone with a unit of its own: flow and supply temperature.
+    /// A zone with a unitary system: flow and supply temperature.
     UnitaryZone,
-    /// A zone behind a terminal of a central air loop: damper and reheat.
+    /// A zone with a terminal of a central air loop: damper and reheat.
     VavZone,
-    /// A zone with a heater alone.
+    /// A zone with a heater only.
     HeatingOnlyZone,
-    /// A zone without equipment: an attic, a plenum. Seen only.
+    /// A zone without equipment, such as an attic or a plenum. Observations only.
     UncontrolledZone,
 }
 
-/// What a slot of an observation holds.
+/// Observed quantities.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Observed {
@@ -52,7 +52,7 @@ pub enum Observed {
     Gas,
 }
 
-/// What an attribute holds.
+/// Attributes of nodes and buildings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Attribute {
@@ -60,37 +60,37 @@ pub enum Attribute {
     FloorArea,
     /// Volume, m³.
     Volume,
-    /// Middle of a zone from west to east in the building's box, before the building is turned.
-    CentreX,
-    /// Middle of a zone from south to north in the building's box, before the building is turned.
-    CentreY,
-    /// Middle of a zone from bottom to top in the building's box.
-    CentreZ,
-    /// Size of a zone along x, as a share of the building's box.
+    /// Center of a zone from west to east in the bounding box, before rotation.
+    CenterX,
+    /// Center of a zone from south to north in the bounding box, before rotation.
+    CenterY,
+    /// Center of a zone from bottom to top in the bounding box.
+    CenterZ,
+    /// Size of a zone along x, relative to the bounding box.
     ExtentX,
-    /// Size of a zone along y, as a share of the building's box.
+    /// Size of a zone along y, relative to the bounding box.
     ExtentY,
-    /// Size of a zone along z, as a share of the building's box.
+    /// Size of a zone along z, relative to the bounding box.
     ExtentZ,
-    /// Outer walls as a share of all walls around a zone.
+    /// Exterior walls as a fraction of all walls of a zone.
     ExteriorWallFraction,
-    /// Roofs over floor area.
+    /// Roof-to-floor ratio.
     RoofToFloor,
-    /// What touches soil as a share of all that encloses a zone.
+    /// Area in ground contact as a fraction of all enclosing surfaces of a zone.
     GroundContactFraction,
-    /// Glass over outer walls, 0 without walls.
+    /// Window-to-wall ratio; 0 without exterior walls.
     WindowToWall,
     /// Leakage, air changes per hour.
     Infiltration,
     /// Design air flow, kg/s.
     DesignFlow,
-    /// Heat of the coils, W.
+    /// Heating capacity, W.
     HeatingCapacity,
-    /// Cooling of the coils, W.
+    /// Cooling capacity, W.
     CoolingCapacity,
-    /// Zones that a system serves.
+    /// Number of zones that a system serves.
     ZonesServed,
-    /// Year of construction or of the code that is followed; 0 where it is not known.
+    /// Year of construction or of the building code; 0 if unknown.
     Year,
     /// Degrees north.
     Latitude,
@@ -100,40 +100,40 @@ pub enum Attribute {
     CoolingDegreeDays,
     /// Angle from true north to the y axis, clockwise, degrees.
     NorthAxis,
-    /// Levels with a conditioned floor.
+    /// Number of levels with a conditioned floor.
     Levels,
-    /// U of the outer walls, W/m²K; 0 where it is not known.
+    /// U-factor of the exterior walls, W/m²K; 0 if unknown.
     WallU,
-    /// U of the roofs, W/m²K; 0 where it is not known.
+    /// U-factor of the roofs, W/m²K; 0 if unknown.
     RoofU,
-    /// U of the windows, W/m²K; 0 without windows or where it is not known.
+    /// U-factor of the windows, W/m²K; 0 without windows or if unknown.
     WindowU,
-    /// Solar heat gain coefficient of the windows; 0 without windows or where it is not known.
+    /// Solar heat gain coefficient of the windows; 0 without windows or if unknown.
     WindowShgc,
-    /// Systems in the building.
+    /// Number of systems.
     Systems,
-    /// Zones that are controlled.
+    /// Number of controlled zones.
     ControlledZones,
 }
 
 /// One slot of a space.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LocalSlot<Q> {
-    /// What it holds.
+    /// The quantity.
     pub quantity: Q,
-    /// SI unit; 1 for plain numbers.
+    /// SI unit; 1 for ratios and counts.
     pub unit: &'static str,
-    /// Lowest value of usual buildings, to scale by: a value may lie outside.
+    /// Typical lowest value, for scaling; values may be lower.
     pub low: f64,
-    /// Highest value of usual buildings, to scale by: a value may lie outside.
+    /// Typical highest value, for scaling; values may be higher.
     pub high: f64,
 }
 
 /// The spaces of the universe, as data.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Universe {
-    /// Attributes of a whole building. The common observation and action spaces are empty: what is seen once a building
-    /// has a node.
+    /// Attributes of a whole building. There are no common observations and actions: what is observed once per building has
+    /// a node.
     pub common_attributes: &'static [LocalSlot<Attribute>],
     /// The node types in order, with their spaces.
     pub node_types: Vec<LocalSpaces>,
@@ -144,16 +144,16 @@ pub struct Universe {
 pub struct LocalSpaces {
     /// The type.
     pub node_type: NodeType,
-    /// What is known.
+    /// Attribute space.
     pub attributes: &'static [LocalSlot<Attribute>],
-    /// What is seen.
+    /// Observation space.
     pub observation: &'static [LocalSlot<Observed>],
-    /// What is driven.
+    /// Action space.
     pub action: &'static [LocalSlot<Quantity>],
 }
 
 impl Universe {
-    /// The one universe.
+    /// The universe of all buildings.
     pub fn new() -> Self {
         Self { common_attributes: COMMON, node_types: NodeType::ALL.map(NodeType::spaces).to_vec() }
     }
@@ -178,7 +178,7 @@ impl NodeType {
         Self::UncontrolledZone,
     ];
 
-    /// Name for people.
+    /// Name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Weather => "weather",
@@ -207,7 +207,7 @@ impl NodeType {
         }
     }
 
-    /// Attribute space: what is known of a node and stays.
+    /// Attribute space: constants of a node.
     pub fn attributes(self) -> &'static [LocalSlot<Attribute>] {
         match self {
             Self::Weather | Self::Calendar | Self::Energy => &[],
@@ -218,7 +218,7 @@ impl NodeType {
         }
     }
 
-    /// Observation space. Target and occupancy are of every controlled zone, also where a task keeps them constant.
+    /// Observation space. Every controlled zone has a target and an occupancy, even if a task keeps them constant.
     pub fn observation(self) -> &'static [LocalSlot<Observed>] {
         match self {
             Self::Weather => WEATHER,
@@ -230,7 +230,7 @@ impl NodeType {
         }
     }
 
-    /// Action space: what an agent gives in physical units, within the bounds of the building's own action space.
+    /// Action space, in physical units, within the bounds of the building's action space.
     pub fn action(self) -> &'static [LocalSlot<Quantity>] {
         match self {
             Self::AirLoop => SUPPLY_AIR,
@@ -308,9 +308,9 @@ const AIR_LOOP: &[LocalSlot<Attribute>] = &[
 const ZONE: [LocalSlot<Attribute>; 13] = [
     slot(Attribute::FloorArea, "m²", 0.0, 8000.0),
     slot(Attribute::Volume, "m³", 0.0, 80_000.0),
-    slot(Attribute::CentreX, "1", 0.0, 1.0),
-    slot(Attribute::CentreY, "1", 0.0, 1.0),
-    slot(Attribute::CentreZ, "1", 0.0, 1.0),
+    slot(Attribute::CenterX, "1", 0.0, 1.0),
+    slot(Attribute::CenterY, "1", 0.0, 1.0),
+    slot(Attribute::CenterZ, "1", 0.0, 1.0),
     slot(Attribute::ExtentX, "1", 0.0, 1.0),
     slot(Attribute::ExtentY, "1", 0.0, 1.0),
     slot(Attribute::ExtentZ, "1", 0.0, 1.0),
@@ -326,7 +326,7 @@ const COOLING: LocalSlot<Attribute> = slot(Attribute::CoolingCapacity, "W", 0.0,
 static HEATED_ZONE: [LocalSlot<Attribute>; 15] = with([DESIGN_FLOW, HEATING]);
 static UNITARY_ZONE: [LocalSlot<Attribute>; 16] = with([DESIGN_FLOW, HEATING, COOLING]);
 
-/// The attributes of every zone and some more.
+/// The attributes of every zone and additional ones.
 const fn with<const MORE: usize, const ALL: usize>(
     more: [LocalSlot<Attribute>; MORE],
 ) -> [LocalSlot<Attribute>; ALL] {
@@ -346,7 +346,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_space_holds_a_quantity_once_and_has_room_between_its_bounds() {
+    fn quantities_are_unique_in_a_space_and_bounds_are_ordered() {
         fn check<Q: std::hash::Hash + Eq + Copy>(space: &[LocalSlot<Q>]) {
             assert_eq!(space.iter().map(|slot| slot.quantity).collect::<HashSet<_>>().len(), space.len());
             assert!(space.iter().all(|slot| slot.low < slot.high));
@@ -360,7 +360,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_driven_has_a_target_and_its_actuators_units() {
+    fn controlled_zones_have_a_target_and_actions_have_the_units_of_actuators() {
         for node_type in NodeType::ALL {
             let has = |observed| node_type.observation().iter().any(|slot| slot.quantity == observed);
             assert_eq!(has(Observed::AirTemperature), node_type.is_zone());

@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use b2b_benchmark::Problem;
-use b2b_benchmark::problem::{Side, Subset};
+use b2b_benchmark::problem::{Protocol, Side, Subset};
 use serde_json::json;
 
 use super::selection::Selection;
@@ -41,7 +41,10 @@ pub fn list(arguments: &ListArguments) -> Result<()> {
             side.tasks == other.tasks,
         ) {
             (true, true) => side.buildings.to_string(),
-            (true, false) => format!("{}, {} tasks", side.buildings, side.tasks.len()),
+            (true, false) => match side.tasks.len() {
+                1 => format!("{}, 1 task", side.buildings),
+                tasks => format!("{}, {tasks} tasks", side.buildings),
+            },
             _ => format!("{} {}", side.buildings.ids().len(), types(side)),
         };
         table.row([
@@ -68,52 +71,17 @@ pub fn show(arguments: &ShowArguments) -> Result<()> {
     stdout::print(&text(&problem))
 }
 
+/// Returns the description of a problem.
 fn text(problem: &Problem) -> String {
-    let protocol = &problem.protocol;
-    let list = |values: &[u64]| values.iter().map(u64::to_string).collect::<Vec<_>>().join(", ");
-    let windows: Vec<_> = protocol.windows.iter().map(ToString::to_string).collect();
-    let width = protocol.observation_width;
-    let padded = width.map_or(String::new(), |width| format!(", zero-padded to {width}"));
-    let rows = [
-        ("trains on", side(&problem.train)),
-        ("tests on", side(&problem.test)),
-        (
-            "training",
-            format!(
-                "up to {} steps per seed; run periods: {}",
-                thousands(protocol.training_steps),
-                protocol.training_period
-            ),
-        ),
-        (
-            "test",
-            format!(
-                "one episode of {} in each environment, {} steps per hour",
-                windows.join(" and of "),
-                protocol.steps_per_hour
-            ),
-        ),
-        ("seeds", list(&protocol.seeds)),
-        (
-            "adaptation",
-            format!(
-                "scored again after {} training steps in each test environment",
-                list(&protocol.adaptation)
-            ),
-        ),
-        ("gap", format!("generalization gap measured on {} training buildings", protocol.train_sample)),
-        ("attributes", format!("{}{padded}", protocol.attributes)),
-        (
-            "changes",
-            match problem.changes() {
-                None => "custom problem".to_owned(),
-                Some(changes) if changes.is_empty() => "none".to_owned(),
-                Some(changes) => changes.join(", "),
-            },
-        ),
-        ("hash", problem.hash()),
-    ];
-    let rows: Vec<_> = rows.iter().map(|(name, value)| format!("  {name:<12}{value}")).collect();
+    let sides = [("training environments", side(&problem.train)), ("test environments", side(&problem.test))];
+    let modifications = match problem.changes() {
+        None => "custom problem".to_owned(),
+        Some(changes) if changes.is_empty() => "none".to_owned(),
+        Some(changes) => changes.join(", "),
+    };
+    let identity = [("modifications", modifications), ("hash", problem.hash())];
+    let rows = sides.into_iter().chain(rules(&problem.protocol)).chain(identity);
+    let rows: Vec<_> = rows.map(|(name, value)| format!("  {name:<23}{value}")).collect();
     format!(
         "{}, version {}: {}\n\n  {}\n\n{}",
         problem.name,
@@ -122,6 +90,31 @@ fn text(problem: &Problem) -> String {
         problem.question,
         rows.join("\n")
     )
+}
+
+/// Returns the rules of training and test.
+fn rules(protocol: &Protocol) -> [(&'static str, String); 6] {
+    let list = |values: &[u64]| values.iter().map(u64::to_string).collect::<Vec<_>>().join(", ");
+    let windows: Vec<_> = protocol.windows.iter().map(ToString::to_string).collect();
+    let padding = protocol.observation_width.map(|width| format!(", zero-padded to {width} slots"));
+    [
+        (
+            "training budget",
+            format!(
+                "{} steps per seed; run period {}",
+                thousands(protocol.training_steps),
+                protocol.training_period
+            ),
+        ),
+        ("test run periods", format!("{}; {} steps per hour", windows.join(", "), protocol.steps_per_hour)),
+        ("seeds", list(&protocol.seeds)),
+        ("adaptation", format!("scored after {} steps in each test environment", list(&protocol.adaptation))),
+        ("generalization gap", format!("sample of training buildings, size {}", protocol.train_sample)),
+        (
+            "observation",
+            format!("building attributes {}{}", protocol.attributes, padding.unwrap_or_default()),
+        ),
+    ]
 }
 
 fn side(side: &Side) -> String {

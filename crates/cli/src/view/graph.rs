@@ -39,7 +39,7 @@ type Place = [f64; 2];
 fn positions(morphology: &Morphology, description: &Description) -> Vec<Place> {
     let levels = levels(description);
     let of_zone = |zone: usize| -> Place {
-        let [x, y, _] = description.zones[zone].centre;
+        let [x, y, _] = description.zones[zone].center;
         [x + LEAN * y, levels[zone] as f64 * RISE + DEPTH * y]
     };
     let top = levels.iter().max().map_or(0.0, |level| *level as f64) * RISE + DEPTH + 0.55;
@@ -66,7 +66,7 @@ pub fn level_count(description: &Description) -> usize {
 
 /// Returns the level of each zone, counted from below, by the height of its floor.
 fn levels(description: &Description) -> Vec<usize> {
-    let floor = |zone: usize| description.zones[zone].centre[2] - description.zones[zone].extent[2] / 2.0;
+    let floor = |zone: usize| description.zones[zone].center[2] - description.zones[zone].extent[2] / 2.0;
     let mut floors: Vec<f64> = (0..description.zones.len()).map(floor).collect();
     floors.sort_by(f64::total_cmp);
     floors.dedup_by(|next, kept| *next - *kept < LEVEL);

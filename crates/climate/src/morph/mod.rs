@@ -33,7 +33,7 @@ pub const MORPH_VERSION: u32 = 1;
 /// The bytes are the same on every machine.
 ///
 /// # Errors
-/// [`Error::Malformed`] when the base is not a complete common year, or its LOCATION has no coordinates.
+/// [`crate::Error::Malformed`] when the base is not a complete common year, or its LOCATION has no coordinates.
 pub fn morph(base_epw: &str, station: &Station) -> Result<String> {
     let path = Path::new("base.epw");
     if epw::check(base_epw, path)? != HOURS {

@@ -12,7 +12,7 @@ use std::ops::Range;
 
 use b2b_building::PreparedBuilding;
 use b2b_building::hvac::{HeatingOnly, ServedZone, System, SystemLayout};
-use b2b_env::{Controller, ObservationSpace, Target};
+use b2b_env::{Controller, Environment, ObservationSpace, Target};
 
 pub use air_loop::AirLoopParameters;
 pub use parameters::ReactiveParameters;
@@ -67,6 +67,13 @@ impl Reactive {
             (control, layout.actions.clone())
         };
         Self { systems: building.laid_out_systems().map(control).collect() }
+    }
+
+    /// Creates controllers for an environment, with the parameters tuned for its class of buildings.
+    pub fn for_env(environment: &dyn Environment) -> Self {
+        let spaces = environment.spaces();
+        let parameters = ReactiveParameters::tuned_for(&spaces.building);
+        Self::new(&spaces.building, &spaces.observation, spaces.episode.steps_per_hour, &parameters)
     }
 }
 

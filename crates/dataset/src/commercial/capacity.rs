@@ -1,4 +1,4 @@
-//! Equipment that the prototype sizes for Denver, left to the sizing of each building.
+//! Equipment sizes of the prototype for Denver, returned to autosizing.
 
 use std::collections::BTreeSet;
 
@@ -12,23 +12,23 @@ use serde_json::{Value, json};
 const SIZING: &str = "Sizing:Zone";
 
 /// Sizing factors of the whole building, heating and cooling: the 25 % and 15 % of ASHRAE 90.1 appendix G (G3.1.2.2)
-/// where the prototype has less. An agent must be able to warm up a building that it let cool down.
+/// where the prototype has less. A controller must be able to warm up a building after setback.
 const SIZING_FACTORS: [(&str, f64); 2] = [("heating_sizing_factor", 1.25), ("cooling_sizing_factor", 1.15)];
 
-/// What the prototypes give as numbers for each speed of a cooling coil.
+/// Fields of each speed of a cooling coil that the prototypes give as numbers.
 const SPEED_SIZES: [&str; 3] =
     ["gross_rated_total_cooling_capacity", "rated_air_flow_rate", "gross_rated_sensible_heat_ratio"];
 
-/// How far doors stand open all through the winter design day, 0 to 1. They open fully for an hour at a time, of which
-/// the zone's mass covers a part.
+/// Opening fraction of doors throughout the winter design day, 0 to 1. They open fully for an hour at a time, part of which
+/// the thermal mass of the zone covers.
 const DOORS_ON_DESIGN_DAY: f64 = 0.75;
 
-/// Sizing factor of zones with a unit heater. The code's semi-heated storage is designed for about 15 °C; an agent may be
-/// asked for 21 °C: at -42 °C outdoors that is a tenth more, on top of the usual quarter.
+/// Sizing factor of zones with a unit heater. The code's semi-heated storage is designed for about 15 °C; a task may
+/// request 21 °C: at -42 °C outdoors 10 % more, in addition to the usual 25 %.
 const UNIT_HEATER_SIZING_FACTOR: f64 = 1.5;
 
-/// Puts every size that was computed for Denver back on `Autosize`, and has the sizing see what the prototypes hide from
-/// it: the doors of entrances, which they keep shut on design days, and storage at room temperature.
+/// Returns every size that was computed for Denver to `Autosize`, and makes sizing consider what the prototypes exclude: the
+/// doors of entrances, which are closed on design days, and storage at room temperature.
 ///
 /// # Errors
 /// [`b2b_building::Error::MissingObject`] for a dangling reference.
@@ -58,7 +58,7 @@ fn autosize_speeds(model: &mut Model) {
     });
 }
 
-/// Sizes unit heaters for the temperature of a room.
+/// Sizes unit heaters for room temperature.
 fn heat_storage_to_room_temperature(model: &mut Model) -> Result<()> {
     for sizing in model.names(SIZING) {
         let zone = text(model.require(SIZING, &sizing)?, "zone_or_zonelist_name").unwrap_or_default();
@@ -71,7 +71,7 @@ fn heat_storage_to_room_temperature(model: &mut Model) -> Result<()> {
     Ok(())
 }
 
-/// Lets doors open on the winter design day.
+/// Opens doors on the winter design day.
 fn open_doors_on_design_day(model: &mut Model) {
     const CLASS: &str = "ZoneInfiltration:DesignFlowRate";
     let doors = model.objects(CLASS).into_iter().filter(|(name, _)| leakage::is_door(name));

@@ -1,9 +1,9 @@
-//! Economisers, where the code asks for them.
+//! Economizers where the code requires them.
 
 use b2b_building::Model;
 use serde_json::json;
 
-/// The economiser of the code in a climate zone, and its dry-bulb limit, °C.
+/// The economizer of the code in a climate zone, and its dry-bulb limit, °C.
 struct Economizer {
     control: &'static str,
     limit: Option<f64>,
@@ -19,8 +19,8 @@ fn of_zone(ashrae_zone: &str) -> Economizer {
     }
 }
 
-/// Gives every unit that has an economiser in the prototype the one of the zone. The prototype stands in zone 5B, where
-/// all units of 54,000 Btu/h and more have one; the smaller ones need none anywhere.
+/// Sets the economizer of the climate zone on every unit that has one in the prototype. The prototype is in zone 5B, where
+/// all units of 54,000 Btu/h and more have one; smaller ones need none in any zone.
 pub(super) fn choose(model: &mut Model, ashrae_zone: &str) {
     const CLASS: &str = "Controller:OutdoorAir";
     const CONTROL: &str = "economizer_control_type";

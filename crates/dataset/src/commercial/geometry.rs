@@ -7,7 +7,7 @@ use b2b_building::zone::{self, Surface};
 use b2b_building::{Model, Result};
 use serde_json::{Value, json};
 
-/// Turns the building: degrees from true north to its y axis.
+/// Sets the orientation: degrees from true north to the y axis of the building.
 pub(super) fn turn(model: &mut Model, north_axis: f64) {
     for name in model.names("Building") {
         if let Some(building) = model.get_mut("Building", &name) {
@@ -16,8 +16,8 @@ pub(super) fn turn(model: &mut Model, north_axis: f64) {
     }
 }
 
-/// Stretches every corner of the building along x and y, away from the origin. Heights stay, so that storeys, doors and
-/// ceilings keep theirs; volumes and slab edges that the model gives as numbers follow.
+/// Scales every corner of the building along x and y from the origin. Heights are not changed; volumes and slab edges that
+/// the model gives as numbers are scaled.
 pub(super) fn stretch(model: &mut Model, x: f64, y: f64) -> Result<()> {
     let before = exposed_perimeters(model)?;
     for class in model.classes().map(str::to_owned).collect::<Vec<_>>() {

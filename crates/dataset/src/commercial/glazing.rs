@@ -1,4 +1,4 @@
-//! What windows let through.
+//! Glazing: U-factor and solar heat gain.
 
 use std::collections::BTreeSet;
 
@@ -9,12 +9,12 @@ use b2b_building::zone::{self, Surface, SurfaceKind};
 use b2b_building::{Error, Model, Result};
 use serde_json::json;
 
-/// Visible transmittance over solar heat gain coefficient: the least the code admits (ASHRAE 90.1, 5.5.4.6), and what
-/// the prototypes have.
+/// Ratio of visible transmittance to solar heat gain coefficient: the minimum of the code (ASHRAE 90.1, 5.5.4.6), as in the
+/// prototypes.
 const LIGHT_TO_SOLAR_GAIN: f64 = 1.1;
 
-/// Gives the glazing of every window and glass door in a wall a U (W/m²K) and a solar heat gain coefficient. Skylights
-/// have requirements of their own and keep what they have.
+/// Sets the U-factor (W/m²K) and the solar heat gain coefficient of every window and glass door in walls. Skylights have
+/// separate requirements and are not changed.
 pub(super) fn glaze(model: &mut Model, u: f64, shgc: f64) -> Result<()> {
     let surfaces = zone::surfaces(model)?;
     let in_walls = glazings(model, &surfaces, |kind| kind == SurfaceKind::Wall)?;
@@ -85,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn a_glazing_that_is_both_is_refused() {
+    fn a_glazing_of_windows_and_skylights_is_rejected() {
         let error = glaze(&mut model("Glass"), 1.5, 0.4).unwrap_err();
         assert!(error.to_string().contains("`glass`"), "{error}");
     }

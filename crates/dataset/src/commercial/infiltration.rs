@@ -1,11 +1,11 @@
-//! Leakage through the envelope.
+//! Infiltration through the envelope.
 
 use b2b_building::Model;
 use b2b_building::description::leakage::is_door;
 
 use super::geometry::multiply;
 
-/// Every form in which the engine takes infiltration.
+/// The infiltration objects of the engine with their flow fields.
 const LEAKAGE: &[(&str, &[&str])] = &[
     (
         "ZoneInfiltration:DesignFlowRate",
@@ -20,8 +20,8 @@ const LEAKAGE: &[(&str, &[&str])] = &[
     ("ZoneInfiltration:FlowCoefficient", &["flow_coefficient"]),
 ];
 
-/// Multiplies all leakage, attics included. What comes in when people open doors is traffic, not leakage, and stays;
-/// the prototypes say `Door` in the names of these objects. So does ventilation.
+/// Multiplies all infiltration, including that of attics. Infiltration through opened doors, which the prototypes mark by
+/// `Door` in the name, and ventilation are not changed.
 pub(super) fn scale(model: &mut Model, multiplier: f64) {
     for (class, fields_of_form) in LEAKAGE {
         for name in model.names(class).into_iter().filter(|name| !is_door(name)) {

@@ -1,23 +1,23 @@
 //! Rooms with an exhaust fan: kitchen and dining room.
 //!
-//! A hood moves the kitchen's air out every three minutes. What its unit does not bring in leaks in from outdoors, so in
-//! the cold the room swings by tens of kelvin with the supply flow: a prototype in Fairbanks is between 11 and 27 °C under
-//! any feedback at 5-minute steps, and warm-up days never look alike.
+//! The hood replaces the air of the kitchen every three minutes. What its unit does not supply infiltrates from outdoors, so
+//! that in cold weather the temperature swings by tens of kelvin with the supply flow: the prototype in Fairbanks is between
+//! 11 and 27 °C under any feedback control at 5-minute steps, and warm-up days do not converge.
 
 use b2b_building::hvac::zone_equipment::zone_equipment;
 use b2b_building::model::{number, text};
 use b2b_building::{Model, Result};
 use serde_json::json;
 
-/// Least design flow of the room's unit over the fan's: with room to spare, it can bring in all that the fan takes out.
+/// Minimum ratio of the design flow of the room's unit to that of the fan: with a margin, it can replace the exhaust air.
 const SUPPLY_OVER_EXHAUST: f64 = 1.25;
-/// Heat capacity that follows the air, over that of the air: ovens, fryers, counters, tables. Engineering judgement, near
-/// the 7 of a furnished house; the prototypes have wooden slabs alone, which are too thick to follow.
+/// Heat capacity that follows the air, over that of the air: ovens, fryers, counters, tables. Engineering judgment, near
+/// the 7 of a furnished house; the prototypes have only wooden slabs, which are too thick to follow.
 const CAPACITY_OVER_AIR: f64 = 6.0;
-/// How alike two warm-up days must be, K and share of load: the widest that the engine takes.
+/// Convergence tolerances of warm-up days, K and fraction of load: the widest that the engine accepts.
 const WARMUP_TOLERANCE: f64 = 0.5;
 
-/// Gives rooms with an exhaust fan a unit that can make up for it, and the mass of what stands in them.
+/// Gives rooms with an exhaust fan a unit that can replace the exhaust air, and the thermal mass of their furnishings.
 ///
 /// # Errors
 /// [`b2b_building::Error::MissingObject`] for a dangling reference.
@@ -108,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn a_kitchen_can_bring_in_what_its_hood_takes_out_and_other_rooms_stay() {
+    fn the_unit_of_a_kitchen_can_replace_its_exhaust_air() {
         let mut model = model();
         settle(&mut model).unwrap();
         assert_eq!(model.get(SIZING, "Kitchen").unwrap()["cooling_minimum_air_flow"], 2.5);

@@ -1,14 +1,13 @@
-//! What the prototype gives for a whole zone or building, although more floor takes more of it.
+//! Loads that the prototype gives per zone or building but that depend on the floor area.
 
 use b2b_building::Model;
 
 use super::geometry::multiply;
 
-/// Fields that grow with floor area. Per-area forms (W/m², m²/person, m³/s·m²) need nothing; equipment on `Autosize`
+/// Fields that scale with floor area. Values per area (W/m², m²/person, m³/s·m²) are not changed; autosized equipment
 /// follows its loads.
 ///
-/// A bigger shop has more doors and visitors: flows through doors grow too. A restaurant's refrigerated cases stay: a
-/// bigger one has the same cold room.
+/// A larger shop has more doors and visitors: flows through doors scale too. The refrigerated cases of a restaurant do not.
 const ABSOLUTE: &[(&str, &str)] = &[
     ("People", "number_of_people"),
     ("Lights", "lighting_level"),
@@ -39,7 +38,7 @@ const ABSOLUTE: &[(&str, &str)] = &[
     ("WaterHeater:Mixed", "tank_volume"),
 ];
 
-/// Multiplies what is given for a whole zone or building by the ratio of floor areas.
+/// Multiplies loads per zone or building by the ratio of floor areas.
 pub(super) fn scale(model: &mut Model, floor_area_ratio: f64) {
     for (class, field) in ABSOLUTE {
         for name in model.names(class) {

@@ -1,26 +1,26 @@
 //! The five commercial types as functions of eight parameters and a place.
 //!
-//! [`generate`] takes the stock ASHRAE 90.1-2019 prototype, which stands in Denver, and makes of it the building
-//! that [`CommercialParameters`] describe at another place:
+//! [`generate`] modifies the ASHRAE 90.1-2019 prototype for Denver to the building of [`CommercialParameters`] at another
+//! place:
 //!
-//! 1. [`relocate`]: site, design days, ground and mains water of the weather file.
-//! 2. [`geometry`] and [`loads`]: the building is stretched, and what is given for the whole of a zone grows with
-//!    its floor.
-//! 3. [`opaque`], [`glazing`], [`windows`] and [`infiltration`]: the envelope, relative to what the code asks of the
-//!    place's climate zone ([`prescriptive`]).
-//! 4. [`economizer`], [`recovery`], [`capacity`] and [`kitchen`]: what the code and the climate ask of the equipment.
+//! 1. `relocate`: site, design days, ground and mains water of the weather file.
+//! 2. `geometry` and `loads`: the building is stretched, and loads given per zone are scaled with the floor area.
+//! 3. `opaque`, `glazing`, `windows` and `infiltration`: the envelope, relative to the code's requirements
+//!    in the climate zone (`prescriptive`).
+//! 4. `economizer`, `recovery`, `capacity` and `kitchen`: equipment that the code and the climate require.
 //!
-//! The model comes out autosized: [`b2b_building::PreparedBuilding`] sizes it for its own design days.
+//! The model is autosized: [`b2b_building::PreparedBuilding`] sizes it for its design days.
 //!
-//! # Left out
-//! - The economiser's capacity threshold (54,000 Btu/h) is that of the unstretched unit in Denver.
+//! # Simplifications
+//! - The economizer's capacity threshold (54,000 Btu/h) is that of the unstretched unit in Denver.
 //! - A stretched restaurant keeps its refrigerated cases.
 //! - Skylights, doors and slab edges keep the prototype's values, those of climate zone 5.
 //! - The code's classes of assembly: walls are steel-framed and roofs insulated above deck, as in the paper; attics,
 //!   metal buildings and semi-heated storage follow the same two values.
 //!
-//! # Same bytes everywhere
-//! Only the four operations and square roots, which IEEE 754 rounds exactly; other functions are of the `libm` crate.
+//! # Reproducibility
+//! The bytes are the same on every machine: only arithmetic and square roots, which IEEE 754 rounds exactly; other functions
+//! are from the `libm` crate.
 
 mod capacity;
 mod economizer;
@@ -44,14 +44,14 @@ use b2b_climate::{Place, Site};
 
 use crate::Result;
 
-/// The model of a commercial building at a place, autosized. `base` is the stock prototype of the type, and `site` is
+/// Generates the autosized model of a commercial building at a place. `base` is the prototype of the type, and `site` is
 /// read from the weather file of `place`.
 ///
 /// The same arguments give the same bytes.
 ///
 /// # Errors
 /// [`crate::Error::Parameter`] naming the parameter that is out of [`bounds`]; [`crate::Error::NotCommercial`] for a
-/// house; [`b2b_building::Error::MissingObject`] and [`b2b_building::Error::Unsupported`] when `base` is not such a prototype.
+/// house; [`b2b_building::Error::MissingObject`] and [`b2b_building::Error::Unsupported`] when `base` is not a prototype.
 pub fn generate(
     base: &Model,
     building_type: BuildingType,
@@ -62,10 +62,10 @@ pub fn generate(
     generate_in_zone(base, building_type, place.ashrae_zone, site, parameters)
 }
 
-/// [`generate`] at a place that is known by its climate zone alone, such as `5B`.
+/// [`generate`] for a climate zone, for example `5B`.
 ///
 /// # Errors
-/// As [`generate`], and [`crate::Error::ClimateZone`] for a zone that is none of 1 to 8.
+/// As [`generate`], and [`crate::Error::ClimateZone`] for a zone outside 1 to 8.
 pub fn generate_in_zone(
     base: &Model,
     building_type: BuildingType,
@@ -77,11 +77,12 @@ pub fn generate_in_zone(
     build(base, building_type, ashrae_zone, site, parameters)
 }
 
-/// The prototype at another place as the code asks for it there: shape, window areas and leakage are the prototype's.
+/// Generates the code-compliant variant of a prototype at another place: the envelope and the equipment meet the code;
+/// geometry, window areas and leakage are those of the prototype.
 ///
 /// # Errors
-/// As [`generate`], but for the bounds, which are those of the generator.
-pub fn as_the_code_asks(
+/// As [`generate`], except for parameters out of bounds.
+pub fn code_compliant(
     base: &Model,
     building_type: BuildingType,
     place: &Place,
@@ -91,11 +92,11 @@ pub fn as_the_code_asks(
     build(base, building_type, place.ashrae_zone, site, &parameters)
 }
 
-/// The prototype at a site whose climate zone is not known: it keeps its envelope and has its equipment sized for the
-/// site's design days.
+/// Moves the prototype to a site whose climate zone is unknown: the envelope is kept, and the equipment is sized for the
+/// design days of the site.
 ///
 /// # Errors
-/// As [`generate`], when `base` is not such a prototype.
+/// As [`generate`], when `base` is not a prototype.
 pub fn relocated(base: &Model, site: &Site) -> Result<Model> {
     let mut model = base.clone();
     relocate::relocate(&mut model, site);

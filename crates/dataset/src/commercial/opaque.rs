@@ -7,11 +7,11 @@ use b2b_building::zone::{self, Surface, SurfaceKind};
 use b2b_building::{Error, Model, Result};
 use serde_json::json;
 
-/// Least resistance that the engine takes, m²K/W.
+/// Minimum resistance that the engine accepts, m²K/W.
 const LEAST_RESISTANCE: f64 = 1e-3;
 
-/// Gives every exterior wall and every roof an assembly U, W/m²K with the code's air films, by the resistance of its
-/// insulation.
+/// Sets the assembly U-factor of every exterior wall and roof, W/m²K with the code's air films, through the resistance of
+/// its insulation.
 ///
 /// The roof of an attic is the ceiling under it: the deck above has no insulation, and the attic is vented.
 pub(super) fn insulate(model: &mut Model, wall_u: f64, roof_u: f64) -> Result<()> {
@@ -65,7 +65,7 @@ fn ceilings_under(surfaces: &[Surface], zone: &str) -> Vec<String> {
     surfaces.iter().filter(under).map(|s| s.construction.to_lowercase()).collect()
 }
 
-/// Notes the resistance of a construction's insulation with which its layers add up to `total`, m²K/W.
+/// Records the resistance of a construction's insulation for which its layers sum to `total`, m²K/W.
 fn require_resistance(
     model: &Model,
     construction: &str,
@@ -143,7 +143,7 @@ mod tests {
     }
 
     #[test]
-    fn an_insulation_that_two_assemblies_need_differently_is_refused() {
+    fn an_insulation_with_conflicting_resistances_is_rejected() {
         let mut model = model();
         let wall = model.require_mut("Construction", "Wall Con").unwrap();
         wall.insert("layer_2".into(), json!("Roof Insulation"));

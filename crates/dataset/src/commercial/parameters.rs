@@ -1,4 +1,4 @@
-//! The parameters of a commercial building, and what they may be.
+//! The parameters of a commercial building and their bounds.
 
 use b2b_building::{BuildingType, Parameter};
 use serde::{Deserialize, Serialize};
@@ -9,14 +9,14 @@ use crate::{Error, Result};
 /// The eight parameters of a commercial building. [`bounds`] depend on type and climate zone.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CommercialParameters {
-    /// Multiplier of the code's wall and roof U. From 0.5 to between 2 (zone 1) and 0.597 (zone 8).
+    /// Multiplier of the code's wall and roof U-factors. From 0.5 to between 2 (zone 1) and 0.597 (zone 8).
     pub envelope: f64,
-    /// U of the windows, W/m²K: 0.8 to 1.3 times the code's.
+    /// U-factor of the windows, W/m²K: 0.8 to 1.3 times that of the code.
     pub window_u: f64,
-    /// Solar heat gain coefficient of the windows: 0.15 to the code's + 0.10.
+    /// Solar heat gain coefficient of the windows: 0.15 to that of the code + 0.10.
     pub window_shgc: f64,
     /// Window and glass door area over gross exterior wall area of the whole building, plenum walls included: 0.5 to
-    /// 1.5 times the prototype's, and at most the code's 0.40.
+    /// 1.5 times that of the prototype, and at most 0.40 as in the code.
     pub window_to_wall: f64,
     /// Multiplier of all leakage through the envelope. From 0.5 to 2 (zones 1 to 3), 1.5 (4, 5) or 1.2 (6 to 8).
     pub infiltration: f64,
@@ -36,16 +36,16 @@ const WINDOW_TO_WALL: [(BuildingType, f64); 5] = [
     (BuildingType::RestaurantFastFood, 0.1400),
     (BuildingType::Warehouse, 0.00707),
 ];
-/// Window-to-wall ratio as a share of the prototype's.
+/// Window-to-wall ratio relative to the prototype.
 const WINDOW_SHARE: (f64, f64) = (0.5, 1.5);
-/// Highest window-to-wall ratio of the prescriptive path (ASHRAE 90.1, 5.5.4.2.1).
+/// Maximum window-to-wall ratio of the prescriptive path (ASHRAE 90.1, 5.5.4.2.1).
 const MAX_WINDOW_TO_WALL: f64 = 0.40;
 
-/// What the parameters of a type may be in a climate zone, such as `5B`; in the order of the fields of
+/// Returns the bounds of the parameters of a type in a climate zone, for example `5B`; in the order of the fields of
 /// [`CommercialParameters`]. Ranges of the paper's appendix on dataset generation.
 ///
 /// # Errors
-/// [`Error::ClimateZone`] for a zone that is none of 1 to 8; [`Error::NotCommercial`] for a house.
+/// [`Error::ClimateZone`] for a zone outside 1 to 8; [`Error::NotCommercial`] for a house.
 pub fn bounds(building_type: BuildingType, ashrae_zone: &str) -> Result<[Parameter; 8]> {
     let code = Prescriptive::of(ashrae_zone)?;
     let windows = prototype_window_to_wall(building_type)?;
@@ -80,7 +80,7 @@ impl CommercialParameters {
         "north_axis",
     ];
 
-    /// The parameters at a point of the unit cube, whose axes are in the order of the fields.
+    /// Returns the parameters at a point of the unit cube, whose axes are in the order of the fields.
     ///
     /// # Errors
     /// As [`bounds`]; [`Error::Parameter`] when a coordinate is not within 0 and 1.
@@ -94,16 +94,16 @@ impl CommercialParameters {
         Ok(Self::from_values(values))
     }
 
-    /// The parameters with these values, in the order of the fields. [`CommercialParameters::check`] says whether they
-    /// are within bounds.
+    /// The parameters with these values, in the order of the fields. [`CommercialParameters::check`] checks the
+    /// bounds.
     pub fn from_values(values: [f64; 8]) -> Self {
         let [envelope, window_u, window_shgc, window_to_wall, infiltration, x_scale, y_scale, north_axis] =
             values;
         Self { envelope, window_u, window_shgc, window_to_wall, infiltration, x_scale, y_scale, north_axis }
     }
 
-    /// What the code asks in a climate zone, with the prototype's shape, window areas and leakage. In cold zones it is
-    /// beyond [`bounds`], where the generator insulates better.
+    /// Returns the code's requirements in a climate zone, with the geometry, window areas and leakage of the prototype. In
+    /// cold zones they are outside [`bounds`], where the generator insulates better.
     ///
     /// # Errors
     /// As [`bounds`].
@@ -121,7 +121,7 @@ impl CommercialParameters {
         })
     }
 
-    /// The values, in the order of the fields.
+    /// Returns the values, in the order of the fields.
     pub fn values(&self) -> [f64; 8] {
         [
             self.envelope,
@@ -135,7 +135,7 @@ impl CommercialParameters {
         ]
     }
 
-    /// Whether every parameter is a number within its [`bounds`].
+    /// Checks that every parameter is a number within its [`bounds`].
     ///
     /// # Errors
     /// As [`bounds`]; [`Error::Parameter`] naming the first parameter that is not.

@@ -1,25 +1,25 @@
-//! What the code asks of an envelope, by climate zone.
+//! Prescriptive envelope requirements by climate zone.
 
 use crate::{Error, Result};
 
-/// Watts per square metre and kelvin in one Btu/h·ft²·°F.
+/// W/m²K in one Btu/h·ft²·°F.
 pub(super) const SI_PER_IP: f64 = 5.678_263;
 
-/// Prescriptive maxima of ASHRAE 90.1 for non-residential spaces in one climate zone, and how far this generator goes
-/// beyond them.
+/// Prescriptive maxima of ASHRAE 90.1 for non-residential spaces in one climate zone, and the limits of
+/// the generator relative to them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Prescriptive {
-    /// U of fixed windows, W/m²K.
+    /// U-factor of fixed windows, W/m²K.
     pub window_u: f64,
     /// Solar heat gain coefficient of windows.
     pub window_shgc: f64,
-    /// U of steel-framed walls, W/m²K.
+    /// U-factor of steel-framed walls, W/m²K.
     pub wall_u: f64,
-    /// U of roofs with insulation above the deck, W/m²K.
+    /// U-factor of roofs with insulation above the deck, W/m²K.
     pub roof_u: f64,
-    /// Highest multiplier of infiltration.
+    /// Maximum multiplier of infiltration.
     pub infiltration: f64,
-    /// Highest multiplier of wall and roof U.
+    /// Maximum multiplier of wall and roof U-factors.
     pub envelope: f64,
 }
 
@@ -37,10 +37,10 @@ const TABLE: [[f64; 6]; 8] = [
 ];
 
 impl Prescriptive {
-    /// The row of a climate zone, such as `5B` or `7`.
+    /// Returns the requirements in a climate zone, for example `5B` or `7`.
     ///
     /// # Errors
-    /// [`Error::ClimateZone`] when it is none of 1 to 8.
+    /// [`Error::ClimateZone`] when it is outside 1 to 8.
     pub fn of(ashrae_zone: &str) -> Result<Self> {
         let row = thermal_zone(ashrae_zone).and_then(|zone| TABLE.get(zone.checked_sub(1)?));
         let &[window_u, window_shgc, wall_u, roof_u, infiltration, envelope] =
@@ -75,7 +75,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_zone_is_refused_by_name() {
+    fn an_unknown_zone_is_rejected_by_name() {
         for zone in ["", "0A", "9", "5D", "B5", "Ω"] {
             let error = Prescriptive::of(zone).unwrap_err().to_string();
             assert!(error.contains(&format!("`{zone}`")), "{error}");
@@ -83,7 +83,7 @@ mod tests {
     }
 
     #[test]
-    fn colder_zones_are_never_asked_less_of_walls_and_roofs() {
+    fn requirements_for_walls_and_roofs_increase_with_cold() {
         for pair in TABLE.windows(2) {
             assert!(pair[1][2] <= pair[0][2] && pair[1][3] <= pair[0][3]);
         }

@@ -1,12 +1,12 @@
-//! Exhaust-air energy recovery, where the code asks for it.
+//! Exhaust-air energy recovery where the code requires it.
 
 use b2b_building::model::text;
 use b2b_building::{BuildingType, Error, Model, Result};
 use serde_json::{Value, json};
 
-/// Enthalpy recovery ratio that the code asks for at design conditions (ASHRAE 90.1-2019, 6.5.6.1).
+/// Enthalpy recovery ratio that the code requires at design conditions (ASHRAE 90.1-2019, 6.5.6.1).
 const RATIO: f64 = 0.5;
-/// A wheel freezes when the air outdoors is colder, °C; then less is exhausted through it.
+/// Outdoor temperature of frost control, °C: below it less air is exhausted through the wheel.
 const FROST: f64 = -23.3;
 
 const SYSTEM: &str = "AirLoopHVAC:OutdoorAirSystem";
@@ -14,14 +14,14 @@ const LIST: &str = "AirLoopHVAC:OutdoorAirSystem:EquipmentList";
 const WHEEL: &str = "HeatExchanger:AirToAir:SensibleAndLatent";
 const MIXER: &str = "OutdoorAir:Mixer";
 
-/// Whether the code asks a system of a type for recovery.
+/// Whether the code requires recovery for a system of a type.
 ///
 /// ASHRAE 90.1-2019, table 6.5.6.1.2-1 (less than 8,000 h a year), by the sizes of the prototypes: in zones 7 and 8 it asks
 /// from 2,120 L/s of supply air with 10 to 20 % of outdoor air on (each floor of the medium office: 4 m³/s and 19 %) and
 /// from 1,890 L/s with 20 to 30 % on (the core of the shop: 6 m³/s and 29 %). In the humid zones it asks from 12,270 and
 /// 7,550 L/s on, and in the dry ones from more or not at all, which no system here has. Kitchens and their make-up air are
 /// exempt, the other systems smaller.
-fn is_asked(building_type: BuildingType, ashrae_zone: &str, system: &str) -> bool {
+fn is_required(building_type: BuildingType, ashrae_zone: &str, system: &str) -> bool {
     let cold = ashrae_zone.starts_with(['7', '8']);
     cold && match building_type {
         BuildingType::OfficeMedium => true,
@@ -30,16 +30,16 @@ fn is_asked(building_type: BuildingType, ashrae_zone: &str, system: &str) -> boo
     }
 }
 
-/// Puts a wheel between the outdoor air and the mixer of every system that the code asks for it.
+/// Adds an enthalpy wheel upstream of the mixer of every system for which the code requires it.
 ///
-/// On a central air loop it aims at the mixed air's own setpoint; on a unit, which has none there, it recovers what it can.
-/// What its motor and its pressure drop take of fan energy is left out.
+/// In a central air loop it aims at the setpoint of the mixed air; in a unit, which has none there, it recovers what it can.
+/// Its motor and its pressure drop are neglected.
 ///
 /// # Errors
 /// [`Error::MissingObject`] and [`Error::Unsupported`] when a system is not that of a prototype.
 pub(super) fn add(model: &mut Model, building_type: BuildingType, ashrae_zone: &str) -> Result<()> {
     let systems = model.names(SYSTEM);
-    for system in systems.iter().filter(|system| is_asked(building_type, ashrae_zone, system)) {
+    for system in systems.iter().filter(|system| is_required(building_type, ashrae_zone, system)) {
         put_wheel(model, system)?;
     }
     Ok(())
@@ -67,7 +67,7 @@ fn put_wheel(model: &mut Model, system: &str) -> Result<()> {
 
     let [wheel, recovered, exhaust] =
         ["Energy Recovery", "Recovered Air Node", "Exhaust Node"].map(|what| format!("{system} {what}"));
-    // Under an agent the mixed air of a central air loop has a setpoint, and that of a unit has none.
+    // Under control the mixed air of a central air loop has a setpoint, and that of a unit has none.
     let has_setpoint = !model.names("AirTerminal:SingleDuct:VAV:Reheat").is_empty();
     model.insert(
         WHEEL,
@@ -125,12 +125,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_cold_zones_ask_for_it_of_what_is_large() {
+    fn large_systems_in_cold_zones_need_recovery() {
         let (office, shop) = (BuildingType::OfficeMedium, BuildingType::RetailStandalone);
-        assert!(is_asked(office, "7", "PACU_VAV_top_OA") && is_asked(office, "8", "PACU_VAV_bot_OA"));
-        assert!(is_asked(shop, "8", "PSZ-AC:2_OA") && !is_asked(shop, "8", "PSZ-AC:1_OA"));
+        assert!(is_required(office, "7", "PACU_VAV_top_OA") && is_required(office, "8", "PACU_VAV_bot_OA"));
+        assert!(is_required(shop, "8", "PSZ-AC:2_OA") && !is_required(shop, "8", "PSZ-AC:1_OA"));
         assert!(
-            !is_asked(office, "6A", "PACU_VAV_top_OA") && !is_asked(BuildingType::Warehouse, "8", "HVAC")
+            !is_required(office, "6A", "PACU_VAV_top_OA")
+                && !is_required(BuildingType::Warehouse, "8", "HVAC")
         );
     }
 }

@@ -1,4 +1,4 @@
-//! Another place: site, design days, ground, mains water.
+//! Relocation: site, design days, ground temperatures and mains water.
 
 use b2b_building::Model;
 use b2b_climate::{DesignDay, Site};
@@ -6,8 +6,8 @@ use serde_json::{Value, json};
 
 use crate::ground_temperatures;
 
-/// Puts the model where a weather file is of. The engine takes latitude, longitude and elevation from the weather file
-/// itself; the model says the same for readers.
+/// Moves the model to the site of a weather file. The engine reads latitude, longitude and elevation from the weather file;
+/// the model has the same values for its readers.
 pub(super) fn relocate(model: &mut Model, site: &Site) {
     replace(
         model,
@@ -31,7 +31,7 @@ pub(super) fn relocate(model: &mut Model, site: &Site) {
     replace(model, "Site:WaterMainsTemperature", &[("Mains Water", mains_water(site))]);
 }
 
-/// The only objects of a class.
+/// Replaces the objects of a class.
 fn replace(model: &mut Model, class: &str, objects: &[(&str, Value)]) {
     model.remove_class(class);
     for (name, fields) in objects {
@@ -39,7 +39,7 @@ fn replace(model: &mut Model, class: &str, objects: &[(&str, Value)]) {
     }
 }
 
-/// What both design days share.
+/// The fields that both design days share.
 fn design_day(site: &Site, day: &DesignDay, day_type: &str, wet_bulb: f64) -> Value {
     json!({
         "month": day.month,
@@ -59,7 +59,7 @@ fn design_day(site: &Site, day: &DesignDay, day_type: &str, wet_bulb: f64) -> Va
     })
 }
 
-/// A saturated night without sun, as the engine's models have it.
+/// A saturated day without sun, as in the example models of the engine.
 fn heating_day(site: &Site) -> Value {
     let mut day = design_day(site, &site.heating, "WinterDesignDay", site.heating.dry_bulb);
     day["solar_model_indicator"] = json!("ASHRAEClearSky");
@@ -67,7 +67,7 @@ fn heating_day(site: &Site) -> Value {
     day
 }
 
-/// A clear day, by the sky's optical depths where they are known.
+/// A clear day, with the optical depths of the sky if they are known.
 fn cooling_day(site: &Site) -> Value {
     let cooling = &site.cooling;
     // Without a record: the dew point is near the night's lowest dry bulb, and the wet bulb about a third of the way
@@ -88,7 +88,7 @@ fn cooling_day(site: &Site) -> Value {
     day
 }
 
-/// Ground temperatures at 2 m, for slabs on grade and for what touches the ground otherwise.
+/// Ground temperatures at 2 m, for slabs on grade and other surfaces in ground contact.
 fn ground(model: &mut Model, site: &Site) {
     for kind in ["FCfactorMethod", "BuildingSurface"] {
         let class = format!("Site:GroundTemperature:{kind}");
@@ -99,8 +99,8 @@ fn ground(model: &mut Model, site: &Site) {
     }
 }
 
-/// Mains water follows the air's yearly mean and swing (Christensen and Burch's correlation, in the engine). A file
-/// without hours has the ground's in their place.
+/// Mains water follows the annual mean and amplitude of the air (the engine's correlation of Christensen and Burch), or of
+/// the ground if the file has no hours.
 fn mains_water(site: &Site) -> Value {
     let months = site.monthly_dry_bulbs.unwrap_or(site.ground_temperatures);
     let (low, high) =
@@ -152,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_of_the_old_place_is_left() {
+    fn objects_of_the_old_site_are_removed() {
         let model = relocated(&site());
         assert_eq!(model.names("Site:Location"), ["Miami Intl Ap"]);
         assert_eq!(model.names("SizingPeriod:DesignDay"), ["Cooling 0.4 %", "Heating 99.6 %"]);

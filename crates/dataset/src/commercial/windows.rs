@@ -1,4 +1,4 @@
-//! How much of the walls is window.
+//! Window-to-wall ratio.
 
 use b2b_building::model::text;
 use b2b_building::opening::{FENESTRATION, corners, is_glass, parent};
@@ -17,18 +17,18 @@ struct Window {
     name: String,
     width: f64,
     height: f64,
-    /// Greatest height that its wall has room for.
+    /// Maximum height in its wall.
     greatest: f64,
 }
 
-/// Makes windows and glass doors this share of the gross exterior walls.
+/// Resizes windows to a ratio of window and glass door area to gross exterior wall area.
 ///
 /// Windows change in height and keep their width and place along the wall, so that no window meets another or a door.
 /// They stay at the height of their middle where the wall has room, and move up or down where it has not. All scale
 /// alike; when one fills its wall the others take the rest. Glass doors stay as they are.
 ///
 /// # Errors
-/// [`Error::Parameter`] when the walls with windows have no room for so much.
+/// [`Error::Parameter`] when the walls with windows are too small.
 pub(super) fn resize(model: &mut Model, ratio: f64) -> Result<()> {
     let surfaces = zone::surfaces(model)?;
     let walls: f64 = surfaces.iter().filter(|s| s.is_exterior_wall()).map(Surface::area).sum();
@@ -62,8 +62,8 @@ fn glass_in_walls(model: &Model, surfaces: &[Surface]) -> (Vec<Window>, f64) {
     (windows, doors)
 }
 
-/// The factor of all heights with which the windows have an area, m²; `None` when there is none. Windows that would
-/// outgrow their walls count with their greatest height, and the others take the rest.
+/// Returns the factor of all heights that gives the windows an area, m²; `None` if there is none. Windows that would exceed
+/// their walls have their maximum height, and the others take the rest.
 fn height_factor(windows: &[Window], area: f64) -> Option<f64> {
     let mut free: Vec<&Window> = windows.iter().collect();
     let mut left = area;
@@ -161,7 +161,7 @@ mod tests {
     }
 
     #[test]
-    fn a_window_without_room_moves_and_one_that_fills_its_wall_leaves_the_rest_to_others() {
+    fn windows_move_and_share_the_area_that_a_full_wall_cannot_take() {
         let mut model = model();
         resize(&mut model, 0.40).unwrap();
         let (low, high) = (z(&model, "Low"), z(&model, "High"));
@@ -170,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn more_window_than_wall_is_refused_with_what_there_is_room_for() {
+    fn a_ratio_that_does_not_fit_is_rejected_with_the_limits() {
         let error = resize(&mut model(), 0.6).unwrap_err().to_string();
         assert!(error.contains("window_to_wall") && error.contains("0.45"), "{error}");
     }

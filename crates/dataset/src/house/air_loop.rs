@@ -34,7 +34,7 @@ const RETURN_OUTLET: &str = "Return Duct";
 /// the fan power that AHRI 210/240 assumes (365 W per 1000 cfm).
 const FAN_PRESSURE: f64 = 300.0;
 const FAN_EFFICIENCY: f64 = 0.39;
-/// Motor efficiency (engineering judgement).
+/// Motor efficiency (engineering judgment).
 const MOTOR_EFFICIENCY: f64 = 0.65;
 /// Fan power over design power by flow fraction (ASHRAE 90.1 Appendix G, variable-speed drive).
 const FAN_POWER: [f64; 5] = [0.0408, 0.088, -0.0729, 0.9437, 0.0];

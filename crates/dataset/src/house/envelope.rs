@@ -12,7 +12,7 @@ use super::parameters::{Foundation, House};
 use super::surface::{Faces, surface};
 use super::zones::{ATTIC, LIVING};
 
-/// Area of partitions per heated floor area (engineering judgement).
+/// Area of partitions per heated floor area (engineering judgment).
 const PARTITIONS: f64 = 1.0;
 
 pub(super) fn add(model: &mut Model, house: &House, geometry: &Geometry) {

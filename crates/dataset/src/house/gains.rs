@@ -12,14 +12,14 @@ const ACTIVITY: f64 = 120.0;
 /// Lighting, kWh per day and m²: 2.6 kWh a day in a house of 160 m² (EnerGuide standard operating conditions).
 const LIGHTING: f64 = 2.6 / 160.0;
 /// Appliances, kWh per day of a house and of each occupant: 16 kWh a day for three (EnerGuide standard operating
-/// conditions; the split is engineering judgement).
+/// conditions; the split is engineering judgment).
 const APPLIANCES: [f64; 2] = [7.0, 3.0];
-/// Share of appliance energy that leaves with dryer and range exhaust, and that becomes vapour (engineering
+/// Share of appliance energy that leaves with dryer and range exhaust, and that becomes vapor (engineering
 /// judgement).
 const APPLIANCES_LOST: f64 = 0.2;
 const APPLIANCES_LATENT: f64 = 0.1;
 
-/// Share of the occupants at home, by hour: away on working days, asleep at night (engineering judgement, as are the
+/// Share of the occupants at home, by hour: away on working days, asleep at night (engineering judgment, as are the
 /// two shapes below).
 const HOME_WEEKDAY: [f64; 24] = [
     1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.8, 0.4, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 0.5, 0.8, 0.9, 0.9, 0.9,

@@ -7,16 +7,16 @@ use super::parameters::{Foundation, House};
 
 /// Floor to ceiling of every level, m (median of the stock survey).
 const STOREY_HEIGHT: f64 = 2.44;
-/// Basement wall above grade, m (engineering judgement; NBC 9.15.4.6 asks for at least 0.15).
+/// Basement wall above grade, m (engineering judgment; NBC 9.15.4.6 asks for at least 0.15).
 const FOUNDATION_ABOVE_GRADE: f64 = 0.4;
 /// Depth of a crawlspace under grade, m: with what stands above, a little over half of the 1.8 m that tells it from a
-/// basement in the stock survey (engineering judgement).
+/// basement in the stock survey (engineering judgment).
 const CRAWLSPACE_DEPTH: f64 = 0.6;
-/// Width of a garage for one car, m (engineering judgement); it is as deep as the house.
+/// Width of a garage for one car, m (engineering judgment); it is as deep as the house.
 const GARAGE_WIDTH: f64 = 4.0;
-/// Joists under a floor between storeys, m; they rest on the sill (engineering judgement).
+/// Joists under a floor between storeys, m; they rest on the sill (engineering judgment).
 const JOISTS: f64 = 0.25;
-/// Rise over run of the roof (engineering judgement).
+/// Rise over run of the roof (engineering judgment).
 const ROOF_PITCH: f64 = 5.0 / 12.0;
 
 /// A corner: x, y, z in m.
@@ -39,13 +39,13 @@ pub struct Geometry {
     pub ridge: f64,
     /// Levels that are heated, the basement included.
     pub levels: u32,
-    /// Level of the soil in the crawlspace, where there is one.
+    /// Level of the soil in the crawlspace, if there is one.
     pub crawlspace: Option<f64>,
-    /// Whether a garage leans on the east side.
+    /// Whether there is a garage on the east side.
     pub garage: bool,
 }
 
-/// A side of the house, named by where it faces before the house is turned.
+/// A side of the house, named by its direction before rotation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
     /// Long side, y = 0.
@@ -74,7 +74,7 @@ impl Side {
 }
 
 impl Geometry {
-    /// The dimensions that the parameters ask for.
+    /// Computes the dimensions from the parameters.
     pub fn new(house: &House) -> Self {
         let (basement, sill, crawlspace) = match house.foundation {
             Foundation::Basement => (1, FOUNDATION_ABOVE_GRADE, None),
@@ -116,7 +116,7 @@ impl Geometry {
         }
     }
 
-    /// Whether the garage leans on a side.
+    /// Whether the garage is on a side.
     pub fn has_garage(&self, side: Side) -> bool {
         self.garage && side == Side::East
     }
@@ -194,10 +194,10 @@ impl Geometry {
     pub fn window(&self, side: Side, fraction: f64) -> Option<Vec<Point>> {
         let [bottom, top] = self.outer_wall(side)?;
         let wall = self.wall(side, bottom, top);
-        let centre: Point =
+        let center: Point =
             std::array::from_fn(|i| wall.iter().map(|p| p[i]).sum::<f64>() / wall.len() as f64);
         let scale = fraction.sqrt();
-        let corner = |p: &Point| std::array::from_fn(|i| centre[i] + scale * (p[i] - centre[i]));
+        let corner = |p: &Point| std::array::from_fn(|i| center[i] + scale * (p[i] - center[i]));
         Some(wall.iter().map(corner).collect())
     }
 
@@ -211,7 +211,7 @@ impl Geometry {
         self.block().facing_up(z)
     }
 
-    /// What closes the attic on a side: a slope over a long side, a gable over a short one.
+    /// The enclosure of the attic on a side: a slope over a long side, a gable over a short one.
     pub fn roof(&self, side: Side) -> Vec<Point> {
         let ([x0, y0], [x1, y1]) = self.block().ends(side);
         let (eave, ridge, middle) = (self.ceiling, self.ridge, self.width / 2.0);

@@ -1,6 +1,6 @@
-//! Air that enters by itself and by the exhaust fans.
+//! Infiltration and ventilation.
 //!
-//! The house leaks as AIM-2 says (Walker and Wilson 1998; ASHRAE Fundamentals, enhanced model):
+//! Infiltration follows AIM-2 (Walker and Wilson 1998; ASHRAE Fundamentals, enhanced model):
 //! Q = c · √((Cs ΔTⁿ)² + (Cw (s U)²ⁿ)²).
 
 use b2b_building::Model;
@@ -21,7 +21,7 @@ const WIND: [f64; 3] = [0.156, 0.170, 0.170];
 /// Wind coefficient on a crawlspace (ibid.). That of three levels, which no house on a crawlspace has, is with a flue;
 /// without it is 0.151.
 const WIND_CRAWLSPACE: [f64; 3] = [0.128, 0.142, 0.154];
-/// Shelter class 3: neighbours across the street (ibid.).
+/// Shelter class 3: neighbors across the street (ibid.).
 const SHELTER: f64 = 0.7;
 /// Wind at eave height in suburbs over wind at a weather station (ASHRAE Fundamentals, airflow around buildings).
 const EAVE_WIND: f64 = 0.615;
@@ -30,14 +30,14 @@ const EAVE_WIND: f64 = 0.615;
 const ATTIC_VENTS: f64 = 1.0 / 300.0;
 /// Vent area of a crawlspace over its floor area (NBC 9.18.3.2: 0.1 m² for 50 m²).
 const CRAWLSPACE_VENTS: f64 = 1.0 / 500.0;
-/// Leaks of a garage, with its door, over its floor area (engineering judgement).
+/// Leaks of a garage, with its door, over its floor area (engineering judgment).
 const GARAGE_LEAKS: f64 = 1.0 / 1000.0;
 /// Stack coefficient of one level, (L/s)²/(cm⁴·K) (ASHRAE Fundamentals, basic model).
 const OPENINGS_STACK: f64 = 0.000145;
 /// Wind coefficient of one level in shelter class 3, (L/s)²/(cm⁴·(m/s)²) (ibid.).
 const OPENINGS_WIND: f64 = 0.000174;
 
-/// Pressure of a bathroom or kitchen exhaust fan, Pa, and its efficiency: 0.7 W per L/s (engineering judgement).
+/// Pressure of a bathroom or kitchen exhaust fan, Pa, and its efficiency: 0.7 W per L/s (engineering judgment).
 const EXHAUST_PRESSURE: f64 = 70.0;
 const EXHAUST_EFFICIENCY: f64 = 0.1;
 
@@ -98,7 +98,7 @@ fn openings(model: &mut Model, zone: &str, name: &str, area: f64) {
 }
 
 /// Fans, as the flow whose heat is not recovered; the fan energy is that of the whole flow. A ventilator recovers
-/// vapour here as well, which a real one does in part.
+/// vapor here as well, which real ones do in part.
 fn exhaust(model: &mut Model, house: &House) {
     let flow = house.unrecovered_ventilation();
     if flow <= 0.0 {

@@ -1,4 +1,4 @@
-//! Heat loss and gain on the design days, and the equipment that carries them.
+//! Design heat loss and gain, and the equipment sized for them.
 //!
 //! Steady conductances and the site's design temperatures, in the manner of CSA F280; no storage.
 
@@ -20,7 +20,7 @@ const AIR: f64 = 1.204 * 1006.0;
 const SUN: f64 = 400.0;
 /// Share of the sun that blinds let through (ASHRAE Fundamentals, interior attenuation).
 const BLINDS: f64 = 0.8;
-/// Sol-air excess of walls and of a vented attic over outdoor air in summer, K (engineering judgement).
+/// Sol-air excess of walls and of a vented attic over outdoor air in summer, K (engineering judgment).
 const SOL_AIR: [f64; 2] = [5.0, 15.0];
 /// Sensible share of the summer load (AHRI-rated coils: 0.7 to 0.8).
 pub(super) const SENSIBLE: f64 = 0.75;
@@ -30,7 +30,7 @@ const SUPPLY_RISE: f64 = 24.0;
 const FLOW_PER_CAPACITY: f64 = 5.37e-5;
 
 impl Capacities {
-    /// What holds 21 °C on the cold design day with furnace or backup alone and 24 °C on the hot one, with the
+    /// Sizes equipment to hold 21 °C on the cold design day with furnace or backup only and 24 °C on the hot one, with the
     /// oversizing of the house.
     ///
     /// The flow carries the backup's heat at 45 °C; a heat pump of 400 cfm per ton goes with it.

@@ -1,4 +1,4 @@
-//! A detached Québec house, generated from its parameters.
+//! The generator of detached Québec houses.
 //!
 //! 1. [`House`] holds the parameters; [`Geometry`] follows from them.
 //! 2. [`Capacities`] follow from the heat loss and gain on the site's design days, unless the parameters give them.
@@ -12,16 +12,16 @@
 //! |---|---|---|
 //! | `Living Supply Air Flow Fraction` | flow over design flow (`AirTerminal:SingleDuct:VAV:NoReheat`, `maximum_air_flow_rate`) | 0, or 0.2 to 1 |
 //! | `Living Supply Air Temperature` | supply air, °C | 10 to 45 |
-//! | `Living Heating Setpoint`, `Living Cooling Setpoint` | thermostat, °C; held apart so that it never moves the damper | leave |
+//! | `Living Heating Setpoint`, `Living Cooling Setpoint` | thermostat, °C; set so that it never moves the damper | not to be set |
 //!
 //! The flow is exact, and so is the supply temperature wherever the coils have the capacity (measured).
 //!
-//! # What the engine says
-//! It notes that the heating coil's flow per capacity is out of range under half of the design flow: a heat pump of
+//! # Engine messages
+//! The engine notes that the heating coil's flow per capacity is out of range under half of the design flow: a heat pump of
 //! usual size has a narrower range than a variable flow, and the supply temperature stays exact. At 0.1 and less of the
 //! design flow its psychrometrics leave their range: keep to 0, or 0.2 and more.
 //!
-//! # What it stands for
+//! # Scope
 //! The ducted houses of Québec. They are about a quarter of its detached stock; half of that stock heats with
 //! baseboards and has no air system to control.
 

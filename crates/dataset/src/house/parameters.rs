@@ -12,13 +12,13 @@ pub(super) const IMPERIAL_U: f64 = 5.678;
 /// about 0.45.
 const WALL_EFFECTIVENESS: f64 = 0.8;
 /// Effective over nominal resistance of an attic floor: parallel paths through 11 % truss chords that the insulation
-/// covers give 0.97; compression at the eaves and the hatch take the rest (engineering judgement).
+/// covers give 0.97; compression at the eaves and the hatch take the rest (engineering judgment).
 const ATTIC_EFFECTIVENESS: f64 = 0.9;
 /// Effective over nominal resistance of a finished basement wall: 89 mm studs lose as the walls above do, and many
-/// are insulated over a part of their height (engineering judgement).
+/// are insulated over a part of their height (engineering judgment).
 const FOUNDATION_EFFECTIVENESS: f64 = 0.8;
 
-/// A detached house. SI units; resistances are nominal, as a renovator or a survey states them.
+/// A detached house. SI units; resistances are nominal, as in surveys.
 #[derive(Clone, Debug, PartialEq)]
 pub struct House {
     /// Heated floor area over all storeys and the basement, m².
@@ -27,11 +27,11 @@ pub struct House {
     pub storeys: u32,
     /// Length over width of the footprint; the long sides face south and north before `orientation`.
     pub aspect: f64,
-    /// Clockwise turn of the south façade from south, degrees.
+    /// Clockwise rotation of the south façade from south, degrees.
     pub orientation: f64,
-    /// What the house stands on.
+    /// Foundation.
     pub foundation: Foundation,
-    /// Whether an unheated garage leans on the east side.
+    /// Whether there is an unheated garage on the east side.
     pub garage: bool,
     /// Nominal resistance of the walls, m²K/W.
     pub wall_resistance: f64,
@@ -48,7 +48,7 @@ pub struct House {
     pub window_u: f64,
     /// Window solar heat gain coefficient.
     pub window_shgc: f64,
-    /// People who live there.
+    /// Number of occupants.
     pub occupants: f64,
     /// Lighting and appliance energy over that of the standard operating conditions.
     pub appliance_use: f64,
@@ -56,19 +56,19 @@ pub struct House {
     pub ventilation: f64,
     /// Share of the ventilation's sensible heat that is recovered, 0 without a heat-recovery ventilator.
     pub heat_recovery: f64,
-    /// What heats the supply air.
+    /// Heating system.
     pub heating: Heating,
     /// Gross COP of the cooling, at 35 °C outdoors.
     pub cooling_cop: f64,
     /// Heat of the furnace or the backup over the design heat loss (CSA F280 accepts up to 1.4).
     pub heating_oversizing: f64,
-    /// Least cooling capacity over the design heat gain (CSA F280 accepts up to 1.25).
+    /// Minimum cooling capacity over the design heat gain (CSA F280 accepts up to 1.25).
     pub cooling_oversizing: f64,
     /// Sizes of the equipment; `None` takes them from the design days of the site.
     pub capacities: Option<Capacities>,
 }
 
-/// What a house stands on.
+/// Foundations of a house.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Foundation {
     /// A heated basement of a storey's height, counted in the floor area.
@@ -79,19 +79,19 @@ pub enum Foundation {
     Crawlspace,
 }
 
-/// What heats the supply air.
+/// Heating systems of a house.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Heating {
-    /// A heat pump with a heater behind it.
+    /// A heat pump with a backup heater.
     HeatPump {
         /// Gross COP at 8.3 °C outdoors.
         cop: f64,
         /// Outdoor temperature under which the compressor does not heat, °C.
         cutoff: f64,
-        /// The heater behind it.
+        /// The backup heater.
         backup: Heater,
     },
-    /// A furnace, with a cooling coil before it.
+    /// A furnace with a cooling coil upstream.
     Furnace(Heater),
 }
 
@@ -108,7 +108,7 @@ pub enum Heater {
 }
 
 impl Heating {
-    /// The furnace, or the heater behind the heat pump.
+    /// Returns the furnace or the backup heater.
     pub fn heater(&self) -> Heater {
         match *self {
             Self::HeatPump { backup, .. } => backup,
@@ -165,7 +165,7 @@ impl House {
         self.foundation_resistance * FOUNDATION_EFFECTIVENESS
     }
 
-    /// Ventilation that the house has to heat, L/s.
+    /// Returns the ventilation without heat recovery, L/s.
     pub fn unrecovered_ventilation(&self) -> f64 {
         self.ventilation * (1.0 - self.heat_recovery)
     }

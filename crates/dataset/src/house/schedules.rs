@@ -1,4 +1,4 @@
-//! Schedules: those that control the house, and those of the people in it.
+//! Control and occupancy schedules.
 
 use b2b_building::Model;
 pub(super) use b2b_building::hvac::thermostat::{cooling_setpoint, heating_setpoint};
@@ -17,7 +17,7 @@ pub(super) fn add(model: &mut Model) {
     constant(model, ALWAYS, 1.0);
 }
 
-/// A schedule that holds a value, and that an actuator may set.
+/// Inserts a constant schedule, which an actuator may set.
 pub(super) fn constant(model: &mut Model, name: &str, value: f64) {
     let schedule = json!({"schedule_type_limits_name": ANY_NUMBER, "hourly_value": value});
     model.insert("Schedule:Constant", name, schedule);

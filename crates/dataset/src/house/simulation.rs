@@ -1,4 +1,4 @@
-//! What a run is: where, when, how finely.
+//! Simulation settings: site, run period and time step.
 
 use b2b_building::Model;
 use b2b_climate::Site;

@@ -5,14 +5,14 @@ use serde_json::{Value, json};
 
 use super::geometry::Point;
 
-/// The boundary condition of surfaces that meet the soil.
+/// Boundary condition of surfaces in ground contact.
 const CONDITION: &str = "GroundFCfactorMethod";
 
 /// What is on the other side of a surface.
 pub(super) enum Faces<'a> {
-    /// Sun and wind.
+    /// The outdoors.
     Outdoors,
-    /// Soil.
+    /// The ground.
     Ground,
     /// A surface of another zone.
     Surface(&'a str),

@@ -204,7 +204,7 @@ fn every_construction_of_a_surface_exists() {
 }
 
 #[test]
-fn the_heated_zone_comes_first_and_two_to_four_there_are() {
+fn the_heated_zone_is_the_first_of_two_to_four() {
     assert_eq!(house(&House::default(), &site()).names("Zone"), [LIVING, ATTIC]);
     let parameters = House { foundation: Foundation::Crawlspace, garage: true, ..House::default() };
     assert_eq!(house(&parameters, &site()).names("Zone"), [LIVING, ATTIC, CRAWLSPACE, GARAGE]);
@@ -263,7 +263,7 @@ fn the_design_flow_carries_the_backup_at_45_degrees() {
 }
 
 #[test]
-fn a_leaky_house_loses_more_and_a_given_size_is_kept() {
+fn leakage_increases_heat_loss_and_given_sizes_are_kept() {
     let tight = House::default();
     let leaky = House { air_changes_50: 8.0, ..tight.clone() };
     assert!(loads::heat_loss(&leaky, &site()) > 1.1 * loads::heat_loss(&tight, &site()));
@@ -274,7 +274,7 @@ fn a_leaky_house_loses_more_and_a_given_size_is_kept() {
 }
 
 #[test]
-fn a_hot_place_still_gets_equipment() {
+fn a_house_in_a_hot_place_has_heating_equipment() {
     let mut site = site();
     site.heating.dry_bulb = 25.0;
     site.ground_temperatures = [25.0; 12];
@@ -283,7 +283,7 @@ fn a_hot_place_still_gets_equipment() {
 }
 
 #[test]
-fn the_coils_are_those_asked_for() {
+fn the_coils_follow_the_heating_system() {
     for parameters in houses() {
         let model = house(&parameters, &site());
         let class = match parameters.heating.heater() {

@@ -122,9 +122,9 @@ fn a_building_that_cannot_be_prepared_says_why() {
     let setting = Setting::new(source, setting(&case, DAY).episode);
     let workers = Workers::new(options(&case)).unwrap();
     let error = workers.episode(&setting).unwrap_err().to_string();
-    assert!(error.contains("Shed") && error.contains("nothing to drive"), "{error}");
+    assert!(error.contains("Shed") && error.contains("no controllable system"), "{error}");
     let mut vec: VecEnv = vec_env(&case, vec![setting; 2], Autoreset::NextStep);
-    assert!(vec.reset(0).unwrap_err().to_string().contains("nothing to drive"));
+    assert!(vec.reset(0).unwrap_err().to_string().contains("no controllable system"));
 }
 
 #[test]

@@ -20,7 +20,7 @@ pub(super) struct MainBranch {
 }
 
 impl MainBranch {
-    /// Reads the branch, and refuses components that the edits do not support.
+    /// Reads the branch and rejects unsupported components.
     pub(super) fn find(model: &Model, air_loop: &str) -> Result<Self> {
         let name = only_branch(model, air_loop)?;
         let components = components(model, &name)?;
@@ -72,8 +72,8 @@ impl MainBranch {
         placed
     }
 
-    /// Puts the fan ahead of the coils. Behind them its heat would be taken off the coils' setpoints by an
-    /// estimate that lags whenever the flow jumps.
+    /// Moves the fan upstream of the coils. Downstream, its heat would be subtracted from the coils' setpoints by an estimate
+    /// that lags behind changes of the flow.
     pub(super) fn rewire(&self, model: &mut Model) -> Result<()> {
         let placed = self.blow_through();
         for component in &placed {
@@ -113,7 +113,7 @@ fn one_of(components: &[Component], classes: &[&str], branch: &str) -> Result<Re
     }
 }
 
-/// Gives a component, and the coil in it, other nodes; a setpoint or sensor node at its outlet moves with it.
+/// Moves a component and the coil in it to other nodes, with a setpoint or sensor node at its outlet.
 fn move_component(model: &mut Model, component: &Reference, from: &Component, to: &Component) -> Result<()> {
     let fields = model.require_mut(&component.class, &component.name)?;
     for value in fields.values_mut() {

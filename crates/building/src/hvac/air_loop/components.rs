@@ -1,4 +1,4 @@
-//! The classes of equipment that a central air loop may have.
+//! Supported equipment of central air loops.
 
 pub(super) const OUTDOOR_AIR_SYSTEM: &str = "AirLoopHVAC:OutdoorAirSystem";
 pub(super) const DX_COOLING: &str = "CoilSystem:Cooling:DX";
@@ -6,7 +6,7 @@ pub(super) const COOLING: [&str; 3] =
     [DX_COOLING, "Coil:Cooling:Water", "Coil:Cooling:Water:DetailedGeometry"];
 pub(super) const WATER_HEATING: &str = "Coil:Heating:Water";
 pub(super) const HEATING: [&str; 3] = ["Coil:Heating:Fuel", "Coil:Heating:Electric", WATER_HEATING];
-/// Fans of variable flow, each with the field of its design flow.
+/// Variable-flow fans, each with the field of its design flow.
 pub(super) const FANS: [(&str, &str); 2] =
     [("Fan:VariableVolume", "maximum_flow_rate"), ("Fan:SystemModel", "design_maximum_air_flow_rate")];
 /// Specific heat of air, J/(kg K).

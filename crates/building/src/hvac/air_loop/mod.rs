@@ -1,21 +1,21 @@
 //! Central air loops: supply temperature, outdoor air, dampers, reheat.
 //!
-//! [`make_controllable`] turns an air loop with variable-volume reheat terminals into one that does what an
-//! agent says. What the shipped controls decide (supply temperature reset, economizer, minimum flows,
-//! dampers under the thermostat) goes; the equipment and its capacities stay, but for the main heating coil.
+//! [`make_controllable`] replaces the controls of an air loop with variable-volume reheat terminals by actuators. The
+//! controls of the model (supply temperature reset, economizer, minimum flows, dampers under the thermostat) are removed;
+//! the equipment and its capacities are kept, except for the main heating coil.
 //!
-//! 1. The loop runs at every hour ([`always_on`]).
-//! 2. The branch becomes outdoor air → fan → cooling coil → heating coil, so that the fan's heat is ahead of
-//!    the coils that answer for the supply temperature.
+//! 1. The loop runs at every hour (`always_on`).
+//! 2. The branch becomes outdoor air → fan → cooling coil → heating coil, so that the heat of the fan is upstream of
+//!    the coils that control the supply temperature.
 //! 3. Both coils follow one scheduled supply temperature; outdoor air follows an actuator.
-//! 4. Every terminal's damper stands where its schedule says, and its reheat coil holds the zone's heating
+//! 4. The damper of every terminal follows its schedule, and its reheat coil holds the zone's heating
 //!    setpoint; the cooling setpoint is out of reach, so that the thermostat never opens a damper.
 //!
-//! All dampers open ask for more than the fan gives (the boxes peak at different hours): then the flows of
-//! all terminals scale down by the same share, to [`AirLoop::fan_flow`] in sum.
+//! With all dampers open the terminals request more than the fan can deliver (they are sized for different peak hours):
+//! then all flows are scaled down by the same factor, to [`AirLoop::fan_flow`] in total.
 //!
-//! **Leave the dampers alone until the first warm-up step is over.** What their schedules hold when the engine
-//! begins a run (0 in the model) stays the least flow of the terminals for the whole run.
+//! **Do not set the dampers before the end of the first warm-up step.** The values of their schedules at the beginning of
+//! a run (0 in the model) are the minimum flows of the terminals for the whole run.
 
 mod branch;
 mod components;
@@ -35,14 +35,13 @@ use crate::{Error, Model, Result};
 use branch::MainBranch;
 use components::FANS;
 
-/// Makes a central air loop do what an agent says, and lists its actuators.
+/// Makes a central air loop controllable and returns its actuators.
 ///
-/// The model must carry its sizes (no `Autosize` in the fan and the terminals). `air_density` (kg/m³) is the
+/// The model must be hard-sized (no `Autosize` in the fan and the terminals). `air_density` (kg/m³) is the
 /// engine's standard density at the site, which turns design volume flows into mass flows.
 ///
 /// # Errors
-/// [`Error::Unsupported`] naming the object that these edits do not know; [`Error::MissingObject`] when the
-/// model refers to something that is not there.
+/// [`Error::Unsupported`] naming the object that is not supported; [`Error::MissingObject`] for a dangling reference.
 pub fn make_controllable(model: &mut Model, air_loop: &str, air_density: f64) -> Result<AirLoop> {
     let branch = MainBranch::find(model, air_loop)?;
     let terminals = terminal::find(model, air_loop)?;
@@ -59,7 +58,7 @@ pub fn make_controllable(model: &mut Model, air_loop: &str, air_density: f64) ->
     let supply_temperature = supply_temperature::schedule(model, air_loop, &branch, highest);
     let mixed = &branch.components[0].outlet;
     if is_referred_to(model, mixed) {
-        // Heat recovery ahead of the mixer aims at what the mixed air should be.
+        // Heat recovery upstream of the mixer aims at the setpoint of the mixed air.
         supply_temperature::follow_schedule(model, air_loop, "Mixed Air", mixed, &supply_temperature.key);
     }
     let zones: Vec<_> = terminals.iter().map(|(zone, _)| zone.clone()).collect();

@@ -10,8 +10,8 @@ use crate::{Error, Model, Result};
 /// Schedule that is always 0.
 const ALWAYS_OFF: &str = "B2B Always Off";
 
-/// Leaves outdoor air to its actuator: no economizer beside it. The controller's ventilation requirement
-/// stays, as what is asked for when nothing is commanded, and to be read.
+/// Hands outdoor air over to its actuator, without an economizer. The ventilation requirement of the controller is kept: it
+/// applies when the actuator is not set, and can be read.
 pub(super) fn release(
     model: &mut Model,
     air_loop: &str,
@@ -37,9 +37,8 @@ pub(super) fn release(
     })
 }
 
-/// As [`release`], by a schedule of the least outdoor air. Exhaust fans take air from the zones of the loop, and
-/// the engine brings in at least as much, but not against an actuator: that would let the missing air appear from
-/// nowhere.
+/// As [`release`], but through a schedule of the minimum outdoor air. Exhaust fans remove air from the zones of the loop.
+/// The engine supplies at least as much outdoor air, but not against an actuator: the missing air would cost nothing.
 pub(super) fn schedule(
     model: &mut Model,
     air_loop: &str,
@@ -63,7 +62,7 @@ pub(super) fn schedule(
     fields.insert("minimum_limit_type".into(), "FixedMinimum".into());
     fields.insert("minimum_outdoor_air_schedule_name".into(), schedule.clone().into());
     if let Some(name) = ventilation {
-        // It stays, to be read, and asks for nothing.
+        // It is kept so that it can be read, but requests nothing.
         constant_schedule(model, ALWAYS_OFF, 0.0);
         let ventilation = model.require_mut("Controller:MechanicalVentilation", &name)?;
         ventilation.insert("availability_schedule_name".into(), ALWAYS_OFF.into());
@@ -85,7 +84,7 @@ pub(super) fn exhaust_flow(model: &Model, zones: &[String]) -> Result<f64> {
     Ok(flow)
 }
 
-/// The outdoor air controller among the controllers of an outdoor air system.
+/// Returns the outdoor air controller of an outdoor air system.
 pub(super) fn controller(model: &Model, system: &Reference) -> Result<String> {
     let list = text(model.require(&system.class, &system.name)?, "controller_list_name").unwrap_or_default();
     let controllers = model.require("AirLoopHVAC:ControllerList", list)?;

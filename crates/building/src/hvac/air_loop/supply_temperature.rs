@@ -10,20 +10,20 @@ use crate::hvac::references::Reference;
 use crate::hvac::schedules::constant_schedule;
 use crate::{Model, Result};
 
-/// Lowest supply temperature an agent may ask for, °C: what the cooling coils reach in summer.
+/// Lower bound of the supply temperature, °C: what the cooling coils reach in summer.
 pub const LOWEST_SUPPLY_TEMPERATURE: f64 = 10.0;
-/// Highest supply temperature an agent may ask for, °C: what the heating coil reaches in winter.
+/// Upper bound of the supply temperature, °C: what the heating coil reaches in winter.
 pub const HIGHEST_SUPPLY_TEMPERATURE: f64 = 55.0;
 /// Supply temperature before the first action, °C.
 pub(super) const NEUTRAL_SUPPLY_TEMPERATURE: f64 = 20.0;
-/// By how much the main heating coil can warm the fan's design flow, K: room air to the highest supply
-/// temperature with a quarter of outdoor air at -17 °C. The shipped coils (about 4 K) only temper outdoor air
-/// and leave all heating to reheat: over 25 °C is out of their reach in winter.
+/// Temperature rise of the fan's design flow over the main heating coil, K: room air to the highest supply temperature
+/// with 25 % outdoor air at -17 °C. The coils of the prototypes (about 4 K) only temper outdoor air and leave all heating
+/// to reheat: they do not reach 25 °C in winter.
 pub(super) const HEATING_COIL_RISE: f64 = 45.0;
 
-/// The highest supply temperature an agent may ask for, °C. A coil that burns gas or runs on electricity is made to
-/// warm the fan's design flow (kg/s) by [`HEATING_COIL_RISE`]. A water coil stays as it is, because its plant is sized
-/// for it: it reaches what it adds to [`NEUTRAL_SUPPLY_TEMPERATURE`].
+/// Returns the upper bound of the supply temperature, °C. A gas or electric coil is enlarged to warm the fan's design flow
+/// (kg/s) by [`HEATING_COIL_RISE`]. A water coil keeps its size, for which its plant is sized, and reaches its rise above
+/// [`NEUTRAL_SUPPLY_TEMPERATURE`].
 pub(super) fn heating_reach(model: &mut Model, coil: &Reference, fan_flow: f64) -> Result<f64> {
     if coil.class.eq_ignore_ascii_case(WATER_HEATING) {
         let rise = water_coil::capacity(model, coil)? / (AIR_SPECIFIC_HEAT * fan_flow);
@@ -36,7 +36,7 @@ pub(super) fn heating_reach(model: &mut Model, coil: &Reference, fan_flow: f64) 
     Ok(HIGHEST_SUPPLY_TEMPERATURE)
 }
 
-/// One scheduled temperature for both coils: behind the cooling coil and behind the heating coil.
+/// Schedules one temperature for both coils, at the outlets of the cooling and the heating coil.
 pub(super) fn schedule(model: &mut Model, air_loop: &str, branch: &MainBranch, highest: f64) -> Actuator {
     let name = format!("{air_loop} Supply Air Temperature");
     constant_schedule(model, &name, NEUTRAL_SUPPLY_TEMPERATURE);

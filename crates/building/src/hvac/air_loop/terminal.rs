@@ -12,20 +12,20 @@ use crate::hvac::thermostat::{OUT_OF_REACH, own_thermostat};
 use crate::model::text;
 use crate::{Error, Model, Result};
 
-/// Heating setpoint that no zone falls to, °C: reheat off.
+/// Heating setpoint at which reheat is off, °C: no zone gets so cold.
 pub const REHEAT_OFF: f64 = 10.0;
-/// Highest heating setpoint an agent may give, °C.
+/// Upper bound of the heating setpoint, °C.
 pub const HIGHEST_HEATING_SETPOINT: f64 = 30.0;
-/// Air as warm as a reheat coil must make it for more air to bring more heat, K above the supply air.
+/// Temperature rise over a reheat coil above which more air brings more heat, K.
 const REHEAT_RISE: f64 = 15.0;
 pub(super) const TERMINAL: &str = "AirTerminal:SingleDuct:VAV:Reheat";
 
-/// The terminals of an air loop, each with its zone, in model order of the zones.
+/// Returns the terminals of an air loop, each with its zone, in model order of the zones.
 pub(super) fn find(model: &Model, air_loop: &str) -> Result<Vec<(String, String)>> {
     let mut terminals = Vec::new();
     for ServedZone { zone, terminal, .. } in served_zones(model, air_loop)? {
         if !terminal.class.eq_ignore_ascii_case(TERMINAL) {
-            let why = format!("a terminal must be an {TERMINAL}");
+            let why = format!("unsupported terminal; expected {TERMINAL}");
             return Err(Error::unsupported(&terminal.class, &terminal.name, &why));
         }
         require_reheat(model, &terminal.name)?;
@@ -42,11 +42,11 @@ fn require_reheat(model: &Model, terminal: &str) -> Result<()> {
     Err(Error::unsupported(
         TERMINAL,
         terminal,
-        &format!("its reheat coil must be a {}", HEATING.join(" or a ")),
+        &format!("unsupported reheat coil; expected {}", HEATING.join(" or ")),
     ))
 }
 
-/// Puts a terminal's damper on a schedule, and its reheat coil on the zone's own heating setpoint.
+/// Makes the damper of a terminal follow a schedule and its reheat coil the zone's own heating setpoint.
 pub(super) fn make_controllable(
     model: &mut Model,
     zone: String,
@@ -81,9 +81,9 @@ pub(super) fn make_controllable(
     Ok(Terminal { zone, damper, reheat, design_flow, heating_opening })
 }
 
-/// Makes the scheduled opening the terminal's minimum flow. With the cooling setpoint out of reach and the
-/// damper not reversed for heating, a terminal never leaves its minimum. The schedule is 0 because its value at
-/// the begin of a run is a floor for the whole run.
+/// Schedules the minimum flow of a terminal. With the cooling setpoint out of reach and a damper that does not reverse for
+/// heating, a terminal always has its minimum flow. The schedule is 0 because its value at the beginning of a run is a
+/// lower limit for the whole run.
 fn schedule_damper(model: &mut Model, zone: &str, terminal: &str) -> Result<String> {
     let name = format!("{zone} Damper Opening");
     constant_schedule(model, &name, 0.0);

@@ -112,7 +112,7 @@ fn the_fan_blows_through_the_coils_and_every_node_moves_with_its_component() {
 }
 
 #[test]
-fn only_the_scheduled_temperature_is_left_on_the_branch() {
+fn only_the_scheduled_setpoint_remains_on_the_branch() {
     let mut model = office();
     make_controllable(&mut model, "L", DENSITY).unwrap();
     assert!(model.names("SetpointManager:MixedAir").is_empty());
@@ -127,7 +127,7 @@ fn only_the_scheduled_temperature_is_left_on_the_branch() {
 }
 
 #[test]
-fn a_terminal_stands_at_its_schedule_and_only_heats() {
+fn a_terminal_follows_its_schedule_and_only_heats() {
     let mut model = office();
     make_controllable(&mut model, "L", DENSITY).unwrap();
     let terminal = model.require(TERMINAL, "A Box").unwrap();
@@ -156,15 +156,15 @@ fn actuators_come_in_the_order_of_the_zones_with_mass_flows() {
 }
 
 #[test]
-fn the_economiser_does_not_decide_beside_the_agent() {
+fn the_economizer_is_disabled() {
     let mut model = office();
     make_controllable(&mut model, "L", DENSITY).unwrap();
-    let economiser = field(&model, "Controller:OutdoorAir", "OA Controller", "economizer_control_type");
-    assert_eq!(economiser, "NoEconomizer");
+    let economizer = field(&model, "Controller:OutdoorAir", "OA Controller", "economizer_control_type");
+    assert_eq!(economizer, "NoEconomizer");
 }
 
 #[test]
-fn a_heating_coil_grows_to_its_rise_and_never_shrinks() {
+fn a_heating_coil_is_enlarged_to_its_rise_and_never_reduced() {
     for (shipped, expected) in [(100.0, HEATING_COIL_RISE * AIR_SPECIFIC_HEAT * 2.4), (1e9, 1e9)] {
         let mut model = office();
         model.require_mut("Coil:Heating:Fuel", "Heat").unwrap()["nominal_capacity"] = shipped.into();
@@ -175,7 +175,7 @@ fn a_heating_coil_grows_to_its_rise_and_never_shrinks() {
 }
 
 #[test]
-fn what_is_not_known_is_named() {
+fn an_unsupported_component_is_named() {
     let refused = |class: &str, name: &str, field: &str, value: &str| {
         let mut model = office();
         model.require_mut(class, name).unwrap().insert(field.into(), value.into());
@@ -215,7 +215,7 @@ fn the_valve_of_a_water_coil_follows_the_air_behind_the_moved_coil() {
 }
 
 #[test]
-fn a_water_coil_without_a_temperature_controller_is_refused() {
+fn a_water_coil_without_a_temperature_controller_is_rejected() {
     let mut model = chilled_water_office();
     model.require_mut("Controller:WaterCoil", "Control").unwrap()["control_variable"] =
         "HumidityRatio".into();
@@ -228,7 +228,7 @@ fn a_water_coil_without_a_temperature_controller_is_refused() {
 }
 
 #[test]
-fn the_bound_of_a_hot_water_coil_is_what_it_was_sized_for() {
+fn the_bound_of_a_hot_water_coil_follows_its_size() {
     let mut model = office();
     let mut coil = model.remove("Coil:Heating:Fuel", "Heat").unwrap();
     coil.extend([
@@ -248,7 +248,7 @@ fn the_bound_of_a_hot_water_coil_is_what_it_was_sized_for() {
 }
 
 #[test]
-fn outdoor_air_is_asked_for_by_schedule_where_exhaust_fans_must_be_made_up_for() {
+fn outdoor_air_follows_a_schedule_where_there_are_exhaust_fans() {
     let mut model = office();
     assert_eq!(make_controllable(&mut model, "L", DENSITY).unwrap().exhaust_flow, 0.0);
     let mut model = office();

@@ -1,16 +1,14 @@
-//! Water coils of an air handler: their valve follows the setpoint behind the coil, through the controller that the
-//! model has for it.
+//! Water coils of an air handler, whose valve follows the setpoint downstream of the coil.
 
 use crate::hvac::references::Reference;
 use crate::model::{Model, number, text};
 use crate::{Error, Result};
 
 const CONTROLLER: &str = "Controller:WaterCoil";
-/// Heat that a m³/s of water gives off in a coil designed for a drop of 11 K, W.
+/// Heating capacity per water flow of a coil designed for a temperature drop of 11 K, W per m³/s.
 const HEAT_PER_FLOW: f64 = 11.0 * 4.18e6;
 
-/// Has the controller of a coil look at the temperature of the coil's outlet node. Nothing to do for a coil without
-/// water.
+/// Points the controller of a water coil to the temperature of the coil's outlet node. Other coils need nothing.
 ///
 /// # Errors
 /// [`crate::Error::Unsupported`] when a water coil has no controller of its own, or one that controls humidity.
@@ -31,7 +29,7 @@ pub(super) fn follow_outlet(model: &mut Model, coil: &Reference, outlet: &str) -
     };
     let variable = text(fields, "control_variable").unwrap_or("Temperature");
     if !variable.eq_ignore_ascii_case("Temperature") {
-        let why = format!("it controls {variable}, which a supply temperature cannot command");
+        let why = format!("it controls {variable}; expected Temperature");
         return Err(Error::unsupported(CONTROLLER, controller, &why));
     }
     let controller = controller.to_owned();
@@ -39,7 +37,7 @@ pub(super) fn follow_outlet(model: &mut Model, coil: &Reference, outlet: &str) -
     Ok(())
 }
 
-/// Heat that a heating coil was sized for, W.
+/// Returns the design capacity of a heating coil, W.
 pub(super) fn capacity(model: &Model, coil: &Reference) -> Result<f64> {
     match number(model.require(&coil.class, &coil.name)?, "rated_capacity") {
         Some(capacity) => Ok(capacity),

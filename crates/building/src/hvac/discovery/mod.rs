@@ -1,8 +1,7 @@
-//! What of a building's HVAC can be driven, and what is left as it is, and why.
+//! Discovery of the systems of a model that can be controlled, and of those that cannot, with the reason.
 //!
-//! [`super::make_controllable`] refuses a model for the first system that it cannot drive. A user's own model is
-//! driven as far as it can be: each system is tried on its own, and one that cannot be driven stays as its author
-//! made it, with its thermostats, schedules and availability.
+//! [`super::make_controllable`] fails at the first unsupported system. In a user's model each system is tried on its own:
+//! one that is not supported keeps its thermostats, schedules and availability.
 
 use std::collections::HashSet;
 
@@ -21,12 +20,12 @@ use super::zone_equipment::zone_equipment;
 use crate::model::{Fields, Model, text};
 use crate::{Error, Result};
 
-/// What was found in a model.
+/// The systems found in a model.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Discovery {
-    /// The systems that are driven, in the order of the action.
+    /// The controlled systems, in the order of the action.
     pub systems: Vec<System>,
-    /// The systems and the equipment that are not.
+    /// The systems and the equipment that are not controlled.
     pub uncontrolled: Vec<Uncontrolled>,
 }
 
@@ -37,15 +36,15 @@ pub struct Uncontrolled {
     pub object: Reference,
     /// The zones it serves.
     pub zones: Vec<String>,
-    /// Why it is not controlled, or how it works beside what is.
+    /// Why it is not controlled, or how it works beside controlled equipment.
     pub reason: String,
 }
 
 const DISTRIBUTION: &str = "ZoneHVAC:AirDistributionUnit";
-/// Zone equipment that moves air and holds no temperature.
+/// Zone equipment that moves air without controlling a temperature.
 const VENTILATION: [&str; 2] = ["Fan:ZoneExhaust", "ZoneHVAC:EnergyRecoveryVentilator"];
 
-/// Drives every system of a hard-sized model that can be driven: air loops in model order, then heaters in the order of
+/// Makes every supported system of a hard-sized model controllable: air loops in model order, then heaters in the order of
 /// their zones.
 ///
 /// # Errors
@@ -55,11 +54,11 @@ pub(crate) fn discover(model: &mut Model, air_density: f64) -> Result<Discovery>
     let mut found = Discovery::default();
     for air_loop in model.names("AirLoopHVAC") {
         let own = belongings(model, &air_loop)?;
-        let driven = attempt(model, |model| {
+        let controlled = attempt(model, |model| {
             refuse_second_system(model, &air_loop)?;
             drive_air_loop(model, &air_loop, air_density)
         });
-        match driven {
+        match controlled {
             Ok(system) => {
                 remove_ems_programs(model, |actuator| acts_on(actuator, &own));
                 found.systems.push(system);
@@ -86,18 +85,18 @@ impl Discovery {
         groups.iter().map(|(class, reason, count)| format!("{count} × {class}: {reason}")).collect()
     }
 
-    fn drives(&self, zone: &str) -> Option<&System> {
+    fn controls(&self, zone: &str) -> Option<&System> {
         self.systems.iter().find(|s| s.zones().iter().any(|z| z.eq_ignore_ascii_case(zone)))
     }
 }
 
-/// Whether a zone that is not driven has a thermostat and equipment that heats or cools it.
+/// Whether a zone without controlled equipment has a thermostat and equipment that heats or cools it.
 pub(crate) fn has_own_controls(model: &Model, zone: &str) -> Result<bool> {
     let conditions = |e: &Reference| !is_one_of(&e.class, &VENTILATION);
     Ok(thermostat(model, zone).is_some() && zone_equipment(model, zone)?.iter().any(conditions))
 }
 
-/// Edits that fail leave the model as it was.
+/// Applies an edit; on failure the model is not changed.
 fn attempt(model: &mut Model, edit: impl FnOnce(&mut Model) -> Result<System>) -> Result<System> {
     let mut edited = model.clone();
     let system = edit(&mut edited)?;
@@ -105,8 +104,8 @@ fn attempt(model: &mut Model, edit: impl FnOnce(&mut Model) -> Result<System>) -
     Ok(system)
 }
 
-/// An air loop that another system works against cannot be driven: a packaged unit or a second air loop in one of its
-/// zones would answer the same thermostat.
+/// Rejects an air loop with a second system in one of its zones: a packaged unit or another air loop would follow the same
+/// thermostat.
 fn refuse_second_system(model: &Model, air_loop: &str) -> Result<()> {
     let mut units = HashSet::new();
     let served = served_zones(model, air_loop)?;
@@ -119,7 +118,7 @@ fn refuse_second_system(model: &Model, air_loop: &str) -> Result<()> {
             let own = equipment.name.eq_ignore_ascii_case(&zone.unit);
             if !own && !is_beside(&equipment.class) {
                 let why =
-                    format!("a {} works in one of its zones too, under the same thermostat", equipment.class);
+                    format!("one of its zones also has a {} under the same thermostat", equipment.class);
                 return Err(Error::unsupported("AirLoopHVAC", air_loop, &why));
             }
         }
@@ -127,7 +126,7 @@ fn refuse_second_system(model: &Model, air_loop: &str) -> Result<()> {
     Ok(())
 }
 
-/// Equipment that may work in a zone beside a driven system.
+/// Whether equipment may share a zone with a controlled system.
 fn is_beside(class: &str) -> bool {
     is_one_of(class, &VENTILATION)
         || is_one_of(class, &UNCONTROLLED_EQUIPMENT)
@@ -141,7 +140,7 @@ fn uncontrolled_air_loop(model: &Model, air_loop: String, error: Error) -> Resul
     Ok(Uncontrolled { object, zones: zones.unwrap_or_default(), reason })
 }
 
-/// The reason in an error, with the class of the object that gives it where that is not the system itself.
+/// Returns the reason in an error, with the class of its object unless that is the system itself.
 fn reason(error: Error, system: &str) -> Result<String> {
     match error {
         Error::Unsupported { name, why, .. } if name.eq_ignore_ascii_case(system) => Ok(why),
@@ -150,36 +149,38 @@ fn reason(error: Error, system: &str) -> Result<String> {
     }
 }
 
-/// Drives the heater of a zone where nothing else conditions it, and says why the rest is left.
+/// Makes the heater of a zone controllable if nothing else conditions the zone, and records why other equipment is not
+/// controlled.
 fn discover_equipment(model: &mut Model, zone: &str, found: &mut Discovery) -> Result<()> {
     let equipment = zone_equipment(model, zone)?;
-    let air = found.drives(zone).cloned();
+    let air = found.controls(zone).cloned();
     let rival = |e: &&Reference| !is_beside(&e.class);
-    let mut driven = false;
+    let mut controlled = false;
     for item in &equipment {
         let reason = match &air {
             _ if item.class.eq_ignore_ascii_case(DISTRIBUTION) => continue,
-            _ if is_one_of(&item.class, &VENTILATION) => "it ventilates on its own schedule".to_owned(),
+            _ if is_one_of(&item.class, &VENTILATION) => "it ventilates by its own schedule".to_owned(),
             Some(System::AirLoop(_)) if heating_only::is_heater(&item.class) => {
-                "it helps the zone's terminal to hold the heating setpoint".to_owned()
+                "it holds the heating setpoint together with the terminal of the zone".to_owned()
             }
             Some(_) if heating_only::is_heater(&item.class) => {
-                "it stays off: the zone's air system heats, and its thermostat calls for nothing".to_owned()
+                "it stays off: the air system of the zone heats, and the thermostat never calls for heat"
+                    .to_owned()
             }
-            Some(_) => "no way to drive it is known: it follows the thermostat that the agent has".to_owned(),
-            None if !heating_only::is_heater(&item.class) => "no way to drive it is known".to_owned(),
-            None if driven => {
-                "it holds the heating setpoint together with the zone's first heater".to_owned()
+            Some(_) => "unsupported component: it follows the controlled thermostat".to_owned(),
+            None if !heating_only::is_heater(&item.class) => "unsupported component".to_owned(),
+            None if controlled => {
+                "it holds the heating setpoint together with the first heater of the zone".to_owned()
             }
             None => match equipment.iter().find(rival) {
-                Some(rival) => format!("a {} of the zone answers the same thermostat", rival.class),
+                Some(rival) => format!("a {} in the zone follows the same thermostat", rival.class),
                 None => {
                     let made = attempt(model, |model| {
                         Ok(System::HeatingOnly(heating_only::make_controllable(model, zone, item)?))
                     });
                     match made {
                         Ok(system) => {
-                            driven = true;
+                            controlled = true;
                             found.systems.push(system);
                             continue;
                         }
@@ -193,7 +194,7 @@ fn discover_equipment(model: &mut Model, zone: &str, found: &mut Discovery) -> R
     Ok(())
 }
 
-/// Every name in the objects of an air loop, in lower case: its components and their parts, nodes, terminals, zones.
+/// Returns every name in the objects of an air loop, in lower case: its components and their parts, nodes, terminals, zones.
 fn belongings(model: &Model, air_loop: &str) -> Result<HashSet<String>> {
     let mut names = HashSet::from([air_loop.to_lowercase()]);
     for component in supply_components(model, air_loop)? {
@@ -220,8 +221,8 @@ fn collect(model: &Model, object: &Reference, names: &mut HashSet<String>) {
     }
 }
 
-/// Whether an EMS actuator works on something of a driven system. Schedules do not count: what is driven has left the
-/// author's schedules.
+/// Whether an EMS actuator acts on a component of a controlled system. Schedules do not count: a controlled system no
+/// longer follows those of the model.
 fn acts_on(actuator: &Fields, names: &HashSet<String>) -> bool {
     !sets_a_schedule(actuator)
         && text(actuator, "actuated_component_unique_name").is_some_and(|n| names.contains(&n.to_lowercase()))

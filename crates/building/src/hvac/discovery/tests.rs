@@ -1,4 +1,4 @@
-//! What is found in small models.
+//! Discovery in small models.
 
 use std::path::Path;
 
@@ -33,7 +33,7 @@ fn driven(found: &Discovery) -> Vec<&str> {
 }
 
 #[test]
-fn what_cannot_be_driven_is_told_and_keeps_its_thermostat() {
+fn unsupported_equipment_is_reported_and_keeps_its_thermostat() {
     let mut model = two_zones("ZoneHVAC:PackagedTerminalAirConditioner");
     let found = discover(&mut model, 1.2).unwrap();
     assert_eq!(driven(&found), ["A"]);
@@ -51,7 +51,7 @@ fn what_cannot_be_driven_is_told_and_keeps_its_thermostat() {
 }
 
 #[test]
-fn ventilation_beside_a_heater_is_left_and_the_heater_driven() {
+fn a_heater_beside_ventilation_is_controlled() {
     let mut model = two_zones("ZoneHVAC:EnergyRecoveryVentilator");
     let found = discover(&mut model, 1.2).unwrap();
     assert_eq!(driven(&found), ["A", "B"]);
@@ -60,7 +60,7 @@ fn ventilation_beside_a_heater_is_left_and_the_heater_driven() {
 }
 
 #[test]
-fn a_system_that_fails_half_way_leaves_the_model_as_it_was() {
+fn a_failed_edit_does_not_change_the_model() {
     let mut model = two_zones("Fan:ZoneExhaust");
     // The heater is switched on before its thermostat is found to be missing.
     model.remove("ZoneControl:Thermostat", "TB");

@@ -1,5 +1,4 @@
-//! A unit that the model has in parts: cooling coil, heating coil and fan, one after the other on the branch of an
-//! air loop.
+//! Units that the model has in parts: cooling coil, heating coil and fan in series on the branch of an air loop.
 
 use serde_json::json;
 
@@ -33,8 +32,8 @@ pub(super) fn has_parts(model: &Model, air_loop: &str) -> Result<bool> {
     Ok(parts(&supply_components(model, air_loop)?).is_some() && feeds_terminals())
 }
 
-/// Puts a unitary system in the place of its parts on the branch. It has no nodes and no control yet: all of that is
-/// rewritten with the rest of a unit. Nothing changes where there are no parts.
+/// Replaces the parts of a unit on the branch by a unitary system. Its nodes and controls follow when the unit is
+/// rewritten. Without parts the model does not change.
 pub(super) fn assemble(model: &mut Model, air_loop: &str) -> Result<()> {
     let Some(parts) = parts(&supply_components(model, air_loop)?) else { return Ok(()) };
     let name = format!("{air_loop} Unit");
@@ -52,7 +51,7 @@ pub(super) fn assemble(model: &mut Model, air_loop: &str) -> Result<()> {
     Ok(())
 }
 
-/// One cooling coil, one heating coil, one fan and no more, but for outdoor air.
+/// Returns the parts if there are one cooling coil, one heating coil and one fan, and nothing else but outdoor air.
 fn parts(components: &[Reference]) -> Option<Parts> {
     let inside: Vec<_> = components.iter().filter(|c| !is_outdoor_air(&c.class)).collect();
     let one = |classes: &[&str]| inside.iter().find(|c| is_one_of(&c.class, classes)).map(|c| (*c).clone());
@@ -64,7 +63,7 @@ fn is_outdoor_air(class: &str) -> bool {
     class.eq_ignore_ascii_case(OUTDOOR_AIR_SYSTEM)
 }
 
-/// The coil itself: a coil system around it goes.
+/// Returns the coil itself; removes a coil system around it.
 fn cooling_coil(model: &mut Model, cooling: Reference) -> Result<Reference> {
     if !cooling.class.eq_ignore_ascii_case(COOLING_SYSTEM) {
         return Ok(cooling);
@@ -74,7 +73,7 @@ fn cooling_coil(model: &mut Model, cooling: Reference) -> Result<Reference> {
         .ok_or_else(|| Error::unsupported(&cooling.class, &cooling.name, "it has no coil"))
 }
 
-/// The branch goes from outdoor air, if there is any, through the unit.
+/// Replaces the parts on the branch by the unit, downstream of outdoor air if there is any.
 fn put_on_branch(model: &mut Model, air_loop: &str, unit: &str) -> Result<()> {
     let branch = only_branch(model, air_loop)?;
     let (mut outside, parts): (Vec<_>, Vec<_>) =

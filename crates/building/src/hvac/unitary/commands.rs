@@ -20,7 +20,7 @@ pub(super) struct Schedules {
     pub(super) temperature: String,
 }
 
-/// A terminal after its edit.
+/// An edited terminal.
 pub(super) struct Terminal {
     /// Volume flow, m³/s.
     pub(super) design_flow: f64,
@@ -47,7 +47,7 @@ impl Schedules {
     }
 }
 
-/// One scheduled setpoint on every node from the cooling coil to the demand side, in place of all others.
+/// Puts one scheduled setpoint on every node from the cooling coil to the demand side, in place of all others.
 pub(super) fn follow_supply_temperature(model: &mut Model, unit: &Unit, nodes: &Nodes, schedule: &str) {
     let driven = [&nodes.cooling, &nodes.heating, unit.outlet(), &unit.demand_inlet];
     remove_setpoint_managers(model, &unit.old_nodes);
@@ -70,13 +70,17 @@ pub(super) fn follow_supply_temperature(model: &mut Model, unit: &Unit, nodes: &
     );
 }
 
-/// The terminal becomes one whose minimum flow is the command: with the zone's cooling setpoint out of reach
-/// it never asks for more.
+/// Makes the minimum flow of the terminal follow the command: with the cooling setpoint of the zone out of reach, it never
+/// requests more.
 pub(super) fn follow_flow(model: &mut Model, unit: &Unit, schedule: &str) -> Result<Terminal> {
     const VARIABLE: &str = TERMINALS[1];
     let ServedZone { unit: distribution, terminal: Reference { class, name }, .. } = &unit.served;
     if !is_one_of(class, &TERMINALS) {
-        return Err(Error::unsupported(class, name, "a unitary system must feed a terminal without reheat"));
+        return Err(Error::unsupported(
+            class,
+            name,
+            "unsupported terminal; a unitary system must feed one without reheat",
+        ));
     }
     let design_flow = model.require_size(class, name, "maximum_air_flow_rate")?;
     let fields = model.require_mut("ZoneHVAC:AirDistributionUnit", distribution)?;

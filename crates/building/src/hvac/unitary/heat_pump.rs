@@ -1,7 +1,7 @@
-//! A heat pump's heating coils behind the unit, on its branch.
+//! The heating coils of a heat pump downstream of the unit, on its branch.
 //!
-//! Inside the unit the engine would look for the compressor's other coil at every call, and never find a two-speed one:
-//! a sixth of a year's time. Each coil has the setpoint that it would have inside.
+//! Inside the unit the engine would search for the companion coil of the compressor at every call, in vain if it is
+//! two-speed: a sixth of the time of a run. Each coil has the setpoint that it would have inside.
 
 use serde_json::json;
 
@@ -15,7 +15,7 @@ use crate::model::Model;
 pub(super) const HEATING_COIL: &str = "Coil:Heating:DX:SingleSpeed";
 const SYSTEM: &str = "CoilSystem:Heating:DX";
 
-/// Puts the heating coil and its backup behind the cooling coil, and returns their components of the branch.
+/// Moves the heating coil and its backup downstream of the unit, and returns their components of the branch.
 pub(super) fn move_coils_out(
     model: &mut Model,
     unit: &Unit,
@@ -42,7 +42,7 @@ pub(super) fn move_coils_out(
     Ok(behind)
 }
 
-/// Takes heating coils that were moved behind a unit back into it. Changes nothing where there are none.
+/// Moves heating coils downstream of a unit back into it, if there are any.
 pub(super) fn move_coils_in(model: &mut Model, air_loop: &str) -> Result<()> {
     let Some((branch, _)) = unit_component(model, air_loop)? else { return Ok(()) };
     let mut on_branch = components(model, &branch)?;

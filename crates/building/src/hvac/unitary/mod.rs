@@ -1,8 +1,8 @@
-//! Unitary systems: one unit, one zone, driven by air flow and supply air temperature.
+//! Unitary systems: one unit, one zone, controlled by air flow and supply air temperature.
 //!
-//! Whatever packaged unit the model has is rewritten as one kind that obeys both commands exactly: a
+//! Every packaged unit is rewritten as one kind that follows both commands exactly: a
 //! blow-through `AirLoopHVAC:UnitarySystem` under setpoint control with a variable-volume fan and a two-speed
-//! cooling coil, feeding a terminal whose minimum flow is the command. A heat pump's heating coils follow behind it.
+//! cooling coil, feeding a terminal whose minimum flow is the command. The heating coils of a heat pump are downstream of it.
 //! Capacities, efficiencies, pressures and curves are those of the original unit.
 
 mod assemble;
@@ -25,14 +25,14 @@ use crate::model::Model;
 use commands::{Schedules, follow_flow, follow_supply_temperature};
 use unit::{Unit, is_unit};
 
-/// Supply air temperatures an agent may ask for, °C. The lower end is what a cooling coil delivers without
-/// freezing; the upper end is below what gas coils and heat pumps reach at full flow on a design day.
+/// Bounds of the supply air temperature, °C. The lower bound is what a cooling coil delivers without freezing; the upper
+/// bound is below what gas coils and heat pumps reach at full flow on a design day.
 const SUPPLY_TEMPERATURE: (f64, f64) = (10.0, 45.0);
 
 /// Makes the unitary system of an air loop controllable. The model must be hard-sized.
 ///
 /// # Errors
-/// [`Error::Unsupported`] naming the object that cannot be rewritten; [`Error::MissingObject`] for a dangling
+/// [`crate::Error::Unsupported`] naming the object that cannot be rewritten; [`crate::Error::MissingObject`] for a dangling
 /// reference.
 pub fn make_controllable(model: &mut Model, air_loop: &str, air_density: f64) -> Result<Unitary> {
     assemble::assemble(model, air_loop)?;
@@ -68,10 +68,10 @@ pub fn make_controllable(model: &mut Model, air_loop: &str, air_density: f64) ->
     Ok(Unitary { flow, supply_temperature, zone: unit.served.zone })
 }
 
-/// Whether an air loop has a unit, or the parts of one.
+/// Whether an air loop has a unit or the parts of one.
 ///
 /// # Errors
-/// [`Error::MissingObject`] for a dangling reference.
+/// [`crate::Error::MissingObject`] for a dangling reference.
 pub(super) fn has_unit(model: &Model, air_loop: &str) -> Result<bool> {
     let components = supply_components(model, air_loop)?;
     Ok(components.iter().any(|c| is_unit(&c.class)) || assemble::has_parts(model, air_loop)?)

@@ -1,4 +1,4 @@
-//! The outdoor air that a unit takes.
+//! Outdoor air of a unit.
 
 use serde_json::json;
 
@@ -7,14 +7,14 @@ use crate::model::{Model, text};
 
 const CONTROLLER: &str = "Controller:OutdoorAir";
 
-/// The mixing of outdoor air ahead of a unit.
+/// The outdoor air mixing upstream of a unit.
 pub(super) struct OutdoorAir {
     controller: String,
     pub(super) has_economizer: bool,
 }
 
 impl OutdoorAir {
-    /// That of a unit with this inlet, if it takes any.
+    /// Finds that of a unit with this inlet node, if it has any.
     pub(super) fn find(model: &Model, unit_inlet: &str) -> Option<Self> {
         let controllers = model.objects(CONTROLLER);
         let (name, fields) = controllers.iter().find(|(_, fields)| {
@@ -27,8 +27,8 @@ impl OutdoorAir {
         })
     }
 
-    /// Makes it follow the supply temperature at `outlet`, and no limit but its own flows. `fan` is the inlet and the
-    /// outlet node of the fan.
+    /// Makes it follow the supply temperature at `outlet`, limited only by its own flows. `fan` is the inlet and the outlet
+    /// node of the fan.
     pub(super) fn follow(
         &self,
         model: &mut Model,
@@ -36,19 +36,19 @@ impl OutdoorAir {
         fan: [&str; 2],
         outlet: &str,
     ) -> Result<()> {
-        // Only for an economizer: the heat of the fan is known a pass late, so that the engine computes the air side
-        // about three times.
+        // Only for an economizer: the heat of the fan is known one iteration late, so that the engine computes the air
+        // side about three times.
         if self.has_economizer {
             mix_for_supply_temperature(model, air_loop, fan, outlet);
         }
-        // A limit on its share makes the supply flow collapse where there is an exhaust fan.
+        // A limit on the outdoor air fraction makes the supply flow collapse where there is an exhaust fan.
         let controller = model.require_mut(CONTROLLER, &self.controller)?;
         controller.remove("maximum_fraction_of_outdoor_air_schedule_name");
         Ok(())
     }
 }
 
-/// The mixer aims at the unit's setpoint less the heat of the fan: this is what the economizer follows.
+/// Gives the mixed air the setpoint of the unit less the heat of the fan, which the economizer follows.
 fn mix_for_supply_temperature(
     model: &mut Model,
     air_loop: &str,

@@ -10,12 +10,12 @@ use crate::hvac::schedules::ALWAYS_ON;
 use crate::model::{Fields, Model, number, text};
 use crate::{Error, Result};
 
-/// The engine's limit on supply air temperature, °C: above what an agent may ask for, so that it never binds.
+/// The engine's limit on supply air temperature, °C: above the bounds of the action, so that it never binds.
 const MAXIMUM_SUPPLY_TEMPERATURE: f64 = 80.0;
-/// Outdoor temperature under which the compressor stops cooling, °C. Out of reach: an overheated zone is the
-/// agent's to cool in any weather, and a lock-out would take the actuator away silently.
+/// Outdoor temperature below which the compressor does not cool, °C. It is never reached: an overheated zone can be cooled
+/// in any weather, and a lockout would disable the actuator silently.
 const COOLING_LOCKOUT: f64 = -60.0;
-/// Efficiencies of a fan whose model does not say: the engine's own defaults.
+/// Fan efficiencies where the model has none: the engine's defaults.
 const FAN_EFFICIENCY: f64 = 0.7;
 const MOTOR_EFFICIENCY: f64 = 0.9;
 /// Part-load power of a variable-speed fan, by powers of the flow fraction (ASHRAE 90.1 appendix G, table
@@ -27,7 +27,8 @@ impl Unit {
     pub(super) fn rewrite(&self, model: &mut Model) -> Result<Nodes> {
         let old = model.take(&self.component.object.class, &self.component.object.name)?;
         if coil(&old, "reheat_coil").is_some() {
-            let why = "it dries air with a reheat coil, which the agent's supply temperature would fight";
+            let why =
+                "it dehumidifies with a reheat coil, which would oppose the commanded supply temperature";
             return Err(self.unsupported(why));
         }
         remove_multispeed_design(model, &old);
@@ -102,15 +103,15 @@ impl Unit {
         set_components(model, &self.branch, &on_branch)
     }
 
-    /// Whether the heating coils leave the unit: those of a heat pump. With an economizer, which aims at a temperature
-    /// ahead of the fan, the engine would go round the air side a dozen times.
+    /// Whether the heating coils are moved out of the unit, as those of a heat pump. With an economizer, which aims at a
+    /// temperature upstream of the fan, the engine would iterate the air side a dozen times.
     fn heats_apart(&self, heating: &Reference) -> bool {
         let economizes = self.outdoor_air.as_ref().is_some_and(|air| air.has_economizer);
         heating.class.eq_ignore_ascii_case(heat_pump::HEATING_COIL) && !economizes
     }
 
-    /// A variable-volume fan with the old fan's pressure and efficiencies, and no minimum flow.
-    /// Returns its name and its design flow, m³/s.
+    /// Replaces the fan by a variable-volume fan with its pressure and efficiencies and without a minimum flow. Returns its
+    /// name and its design flow, m³/s.
     fn rewrite_fan(&self, model: &mut Model, unit: &Fields, nodes: &Nodes) -> Result<(String, f64)> {
         let class = text(unit, "supply_fan_object_type").or(text(unit, "supply_air_fan_object_type"));
         let name = text(unit, "supply_fan_name").or(text(unit, "supply_air_fan_name"));
@@ -155,13 +156,14 @@ impl Unit {
         Ok((name.to_owned(), flow))
     }
 
-    /// A two-speed coil with the old coil's performance.
+    /// Replaces the cooling coil by a two-speed coil with its performance.
     fn rewrite_cooling_coil(&self, model: &mut Model, unit: &Fields, nodes: &Nodes) -> Result<String> {
         let Reference { class, name } =
             coil(unit, "cooling_coil").ok_or_else(|| self.unsupported("it has no cooling coil"))?;
         let old = model.take(&class, &name)?;
-        let mut new = cooling_coil::two_speed_equivalent(&class, old)
-            .ok_or_else(|| Error::unsupported(&class, &name, "it has no supported two-speed equivalent"))?;
+        let mut new = cooling_coil::two_speed_equivalent(&class, old).ok_or_else(|| {
+            Error::unsupported(&class, &name, "unsupported cooling coil: it has no two-speed equivalent")
+        })?;
         new["availability_schedule_name"] = json!(ALWAYS_ON);
         new["air_inlet_node_name"] = json!(nodes.fan);
         new["air_outlet_node_name"] = json!(nodes.cooling);
@@ -172,7 +174,7 @@ impl Unit {
     }
 }
 
-/// Puts the heating coils of a unit back in it.
+/// Sets the heating coils of a unit.
 fn put_heating_coils(unit: &mut Value, old: &Fields, heating: &Reference, supplemental: Option<&Reference>) {
     unit["heating_coil_object_type"] = json!(heating.class);
     unit["heating_coil_name"] = json!(heating.name);
@@ -192,7 +194,7 @@ fn remove_multispeed_design(model: &mut Model, unit: &Fields) {
     }
 }
 
-/// Heating coils that can follow a setpoint keep their class; only their place in the air changes.
+/// Moves a heating coil that can follow a setpoint to other nodes.
 fn place_heating_coil(model: &mut Model, coil: &Reference, inlet: &str, outlet: &str) -> Result<()> {
     let Reference { class, name } = coil;
     let of_heat_pump = class.eq_ignore_ascii_case(heat_pump::HEATING_COIL);
@@ -206,7 +208,7 @@ fn place_heating_coil(model: &mut Model, coil: &Reference, inlet: &str, outlet: 
     if of_heat_pump {
         return Ok(());
     }
-    // The unitary system controls the coil; a setpoint node of its own would be a second master.
+    // The unitary system controls the coil; a setpoint node of its own would conflict.
     fields.remove("temperature_setpoint_node_name");
     Ok(())
 }

@@ -84,7 +84,7 @@ fn rooftop() -> Model {
     Model::from_epjson(&model.to_string(), Path::new("rooftop.epJSON")).unwrap()
 }
 
-/// The same as a heat pump with an electric backup, without an economiser.
+/// The same as a heat pump with an electric backup, without an economizer.
 fn heat_pump() -> Model {
     let mut model = rooftop();
     model.replace_references("Coil:Heating:Fuel", "Coil:Heating:DX:SingleSpeed");
@@ -94,11 +94,11 @@ fn heat_pump() -> Model {
     let unit = model.require_mut("AirLoopHVAC:UnitarySystem", "Unit").unwrap();
     unit.insert("supplemental_heating_coil_object_type".into(), json!("Coil:Heating:Electric"));
     unit.insert("supplemental_heating_coil_name".into(), json!("Backup"));
-    without_economiser(&mut model);
+    without_economizer(&mut model);
     model
 }
 
-fn without_economiser(model: &mut Model) {
+fn without_economizer(model: &mut Model) {
     model.require_mut("Controller:OutdoorAir", "OA control").unwrap().remove("economizer_control_type");
 }
 
@@ -116,7 +116,7 @@ fn controllable() -> (Model, Unitary) {
 }
 
 #[test]
-fn the_flow_bound_is_the_terminal_s_design_flow_in_kg_s() {
+fn the_flow_bound_is_the_design_flow_of_the_terminal_in_kg_s() {
     let (_, unit) = controllable();
     assert_eq!(unit.flow.high, 0.5 * 1.2);
     assert_eq!(unit.flow.high * unit.flow.scale, 1.0, "the engine takes a fraction");
@@ -145,7 +145,7 @@ fn the_unit_follows_a_setpoint_and_blows_through() {
 }
 
 #[test]
-fn the_fan_keeps_its_pressure_and_efficiency_and_has_no_least_flow() {
+fn the_fan_keeps_its_pressure_and_efficiency_without_a_minimum_flow() {
     let (model, _) = controllable();
     let fan = model.require("Fan:VariableVolume", "Fan").unwrap();
     assert_eq!(fan["pressure_rise"], 622.5);
@@ -165,7 +165,7 @@ fn a_multi_speed_coil_keeps_the_performance_of_both_speeds() {
 }
 
 #[test]
-fn one_scheduled_setpoint_is_left_on_the_unit_and_others_stay() {
+fn only_one_scheduled_setpoint_remains_on_the_unit() {
     let (model, unit) = controllable();
     assert!(model.objects("SetpointManager:SingleZone:Cooling").is_empty());
     assert_eq!(model.names("SetpointManager:MixedAir"), ["Loop Mixed Air Setpoint"]);
@@ -178,7 +178,7 @@ fn one_scheduled_setpoint_is_left_on_the_unit_and_others_stay() {
 }
 
 #[test]
-fn the_terminal_s_least_flow_is_the_command() {
+fn the_minimum_flow_of_the_terminal_is_the_command() {
     let (model, unit) = controllable();
     let terminal = model.require("AirTerminal:SingleDuct:VAV:NoReheat", "Terminal").unwrap();
     assert_eq!(terminal["minimum_air_flow_fraction_schedule_name"], unit.flow.key.as_str());
@@ -233,7 +233,7 @@ fn rooftop_in_parts() -> Model {
 }
 
 #[test]
-fn a_unit_in_parts_becomes_what_the_same_unit_in_one_becomes() {
+fn a_unit_in_parts_is_rewritten_as_the_same_packaged_unit() {
     let mut model = rooftop_in_parts();
     assert!(has_unit(&model, "Loop").unwrap());
     let unit = make_controllable(&mut model, "Loop", 1.2).unwrap();
@@ -251,15 +251,15 @@ fn a_unit_in_parts_becomes_what_the_same_unit_in_one_becomes() {
 }
 
 #[test]
-fn the_mixer_has_a_setpoint_for_an_economiser_alone() {
+fn the_mixer_has_a_setpoint_only_for_an_economizer() {
     let mut model = rooftop();
-    without_economiser(&mut model);
+    without_economizer(&mut model);
     make_controllable(&mut model, "Loop", 1.2).unwrap();
     assert!(model.objects("SetpointManager:MixedAir").is_empty());
 }
 
 #[test]
-fn the_coils_of_a_heat_pump_stand_behind_the_unit_with_its_setpoint() {
+fn the_coils_of_a_heat_pump_are_downstream_of_the_unit_with_its_setpoint() {
     let mut model = heat_pump();
     let unit = make_controllable(&mut model, "Loop", 1.2).unwrap();
     assert_eq!(
@@ -285,7 +285,7 @@ fn the_coils_of_a_heat_pump_stand_behind_the_unit_with_its_setpoint() {
 }
 
 #[test]
-fn a_heat_pump_with_an_economiser_keeps_its_coils() {
+fn a_heat_pump_with_an_economizer_keeps_its_coils() {
     let mut model = heat_pump();
     let controller = model.require_mut("Controller:OutdoorAir", "OA control").unwrap();
     controller.insert("economizer_control_type".into(), json!("FixedDryBulb"));

@@ -30,7 +30,7 @@ pub(super) struct Unit {
     pub(super) demand_inlet: String,
     pub(super) served: ServedZone,
     pub(super) outdoor_air: Option<OutdoorAir>,
-    /// Every node in it and at its ends, as they were, in lower case.
+    /// Its original nodes, inside and at its ends, in lower case.
     pub(super) old_nodes: HashSet<String>,
 }
 
@@ -46,7 +46,7 @@ impl Unit {
         let fields = model.require("AirLoopHVAC", air_loop)?;
         let demand_inlet = demand_inlet(model, air_loop, fields)?;
         let (branch, component) = unit_component(model, air_loop)?.ok_or_else(|| {
-            Error::unsupported("AirLoopHVAC", air_loop, "its branches have no unitary system")
+            Error::unsupported("AirLoopHVAC", air_loop, "its branches have no supported unitary system")
         })?;
         let mut old_nodes =
             inner_nodes(model, model.require(&component.object.class, &component.object.name)?)?;
@@ -83,7 +83,7 @@ pub(super) fn is_unit(class: &str) -> bool {
     is_one_of(class, &UNIT_CLASSES)
 }
 
-/// The branch and the component of the first unit on an air loop's supply side.
+/// Returns the branch and the component of the first unit on an air loop's supply side.
 pub(super) fn unit_component(model: &Model, air_loop: &str) -> Result<Option<(String, Component)>> {
     for branch in branches(model, air_loop)? {
         let unit = components(model, &branch)?.into_iter().find(|c| is_unit(&c.object.class));
@@ -94,12 +94,12 @@ pub(super) fn unit_component(model: &Model, air_loop: &str) -> Result<Option<(St
     Ok(None)
 }
 
-/// The coil that a unit refers to.
+/// Returns the coil that a unit refers to.
 pub(super) fn coil(unit: &Fields, which: &str) -> Option<Reference> {
     reference(unit, &format!("{which}_object_type"), &format!("{which}_name"))
 }
 
-/// Every node that a fan or a coil of a unit is on.
+/// Returns every node of the fan and the coils of a unit.
 fn inner_nodes(model: &Model, unit: &Fields) -> Result<Vec<String>> {
     let mut nodes = Vec::new();
     for part in parts(unit) {
@@ -110,7 +110,7 @@ fn inner_nodes(model: &Model, unit: &Fields) -> Result<Vec<String>> {
     Ok(nodes)
 }
 
-/// The node where the unit's air enters the demand side.
+/// Returns the node where the air of the unit enters the demand side.
 fn demand_inlet(model: &Model, air_loop: &str, fields: &Fields) -> Result<String> {
     let field = required(fields, "AirLoopHVAC", air_loop, "demand_side_inlet_node_names")?;
     match &nodes_of(model, &field)[..] {
@@ -123,7 +123,7 @@ fn demand_inlet(model: &Model, air_loop: &str, fields: &Fields) -> Result<String
     }
 }
 
-/// The one zone of an air loop.
+/// Returns the one zone of an air loop.
 fn only_zone(model: &Model, air_loop: &str) -> Result<ServedZone> {
     let served = served_zones(model, air_loop)?;
     let [zone] = <[ServedZone; 1]>::try_from(served).map_err(|served| {

@@ -1,4 +1,4 @@
-//! Houses drawn as the ducted detached houses of Québec are.
+//! Samples of the ducted detached houses of Québec.
 //!
 //! A house is a function of a point of the unit cube, so that any design of experiments (a Latin hypercube, a grid,
 //! random numbers) can draw houses. Each coordinate goes through the inverse of a cumulative distribution: the stock
@@ -12,15 +12,15 @@ use super::stock::{number, numbers, pick, share, shares};
 
 use crate::Result;
 
-/// Coordinates of the unit cube that make a house.
+/// Number of coordinates of a house in the unit cube.
 pub const DIMENSIONS: usize = 18;
 
 /// Floor area by its rank in the stock, m²: quartiles 137 and 204, median 161, mean 188 (stock table's summary; the
-/// ends are engineering judgement, and close the mean). The table's size classes, in ft², rank the houses of a
+/// ends are engineering judgment, and close the mean). The table's size classes, in ft², rank the houses of a
 /// vintage among all.
 const FLOOR_AREA: [(f64, f64); 6] =
     [(0.0, 60.0), (0.25, 137.0), (0.5, 161.0), (0.75, 204.0), (0.9, 310.0), (1.0, 528.0)];
-/// Length over width, uniform around the stock's 1.8 (engineering judgement).
+/// Length over width, uniform around the stock's 1.8 (engineering judgment).
 const ASPECT: [f64; 2] = [1.2, 2.4];
 /// Half the width of a class of air changes (the table has whole numbers), 1/h.
 const HALF_AIR_CHANGE: f64 = 0.5;
@@ -38,23 +38,23 @@ const WINDOWS: [(&str, f64, f64); 8] = [
     ("Double, Low-E, L-Gain", 0.37, 0.30),
     ("Single, Clear, Metal", 1.16, 0.76),
 ];
-/// Lighting and appliances over standard operating conditions, uniform (engineering judgement).
+/// Lighting and appliances over standard operating conditions, uniform (engineering judgment).
 const APPLIANCE_USE: [f64; 2] = [0.7, 1.3];
 /// Mean ventilation of a house with bathroom fans and windows, and of one with a central ventilator, L/s, uniform
-/// (engineering judgement; NBC 9.32 asks 16 to 30 L/s of a principal fan, by bedrooms).
+/// (engineering judgment; NBC 9.32 asks 16 to 30 L/s of a principal fan, by bedrooms).
 const FANS: [f64; 2] = [10.0, 30.0];
 const VENTILATOR: [f64; 2] = [20.0, 40.0];
 /// Sensible recovery of a heat-recovery ventilator, uniform (HVI directory, CSA F439 at 0 °C: 0.55 to 0.75).
 const RECOVERY: [f64; 2] = [0.55, 0.75];
 /// Heat over design heat loss, and cooling over design heat gain, uniform. CSA F280 accepts 1.4 and 1.25; installed
-/// equipment exceeds it (engineering judgement).
+/// equipment exceeds it (engineering judgment).
 const HEATING_OVERSIZING: [f64; 2] = [1.1, 1.7];
 const COOLING_OVERSIZING: [f64; 2] = [1.0, 1.5];
 /// Outdoor temperature under which a single-speed compressor stops, °C (a house of the original data set).
 const CUTOFF: f64 = -12.0;
 /// Efficiency of a fuel furnace (stock table: 80 % AFUE).
 const FUEL: Heater = Heater::Fuel { efficiency: 0.8 };
-/// Cooling of a house with a furnace, SEER: that of the stock's usual heat pump (engineering judgement: the table
+/// Cooling of a house with a furnace, SEER: that of the stock's usual heat pump (engineering judgment: the table
 /// tells who has central cooling, not how good it is).
 const FURNACE_SEER: f64 = 13.0;
 /// SEER and HSPF of a heat pump.
@@ -76,7 +76,7 @@ const SYSTEMS: [(&str, Option<Ratings>, Heater); 8] = [
 /// 210/240). Ratings are net of it, models are not.
 const RATED_FAN: f64 = 0.0415;
 
-/// When a house was built.
+/// Construction periods of houses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Vintage {
     /// Before 1946.
@@ -116,7 +116,7 @@ impl Vintage {
         *Self::ALL.iter().rev().find(begun).unwrap_or(&Self::Before1946)
     }
 
-    /// First year and the year after the last; the ends of the first and the last are engineering judgement.
+    /// First year and the year after the last; the ends of the first and the last are engineering judgment.
     fn years(self) -> [f64; 2] {
         match self {
             Self::Before1946 => [1900.0, 1946.0],
@@ -128,40 +128,40 @@ impl Vintage {
     }
 }
 
-/// A house drawn from the stock: where, when, and every parameter of its model.
+/// A house drawn from the stock: location, year and every parameter of its model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HouseSample {
-    /// Where it stands.
+    /// Its location.
     pub location: Location,
-    /// When it was built.
+    /// Its construction period.
     pub vintage: Vintage,
-    /// The year in it.
+    /// Year of construction.
     pub year: u32,
     /// Its parameters.
     pub house: House,
 }
 
-/// What is known of a house before the rest is drawn.
+/// Properties of a house that are given before the rest is drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Given {
-    /// The year it was built in, which decides its vintage.
+    /// Year of construction, which determines the vintage.
     pub year: Option<u32>,
-    /// What it stands on.
+    /// Foundation.
     pub foundation: Option<Foundation>,
 }
 
 impl HouseSample {
-    /// The house at a point of the unit cube. Coordinates, in order: region, vintage, floor area, storeys, aspect,
+    /// Returns the house at a point of the unit cube. Coordinates, in order: region, vintage, floor area, storeys, aspect,
     /// foundation, garage, insulation, airtightness, window-to-wall ratio, window type, orientation, occupants,
     /// appliances, ventilation, system, heating oversizing, cooling oversizing.
     ///
     /// # Errors
-    /// [`crate::Error::Parameter`] with the coordinate that is not from 0 to 1.
+    /// [`crate::Error::Parameter`] for a coordinate outside 0 to 1.
     pub fn from_unit(point: &[f64; DIMENSIONS]) -> Result<Self> {
         Self::from_unit_given(point, &Given::default())
     }
 
-    /// [`HouseSample::from_unit`] for what is given of the house: what depends on it is drawn accordingly.
+    /// [`HouseSample::from_unit`] with given properties; dependent ones are drawn accordingly.
     ///
     /// # Errors
     /// As [`HouseSample::from_unit`].
@@ -272,7 +272,7 @@ fn foundation(u: f64) -> Foundation {
 }
 
 /// Storeys above the foundation. The table's storeys are read as counting the basement: those of one (12 %) are
-/// about as many as the houses without basement (14 %); three are two over a basement (engineering judgement).
+/// about as many as the houses without basement (14 %); three are two over a basement (engineering judgment).
 fn storeys_on(foundation: Foundation, u: f64) -> u32 {
     let levels = |value| share("Nombre_Etages", value);
     let basement = share("Presence_SousSol", "Sous sol 6 pied")
@@ -318,7 +318,7 @@ fn window_type(vintage: Vintage, u: f64) -> (f64, f64) {
 }
 
 /// Flow (L/s) and recovery. The table's codes are read as: no ventilator; one that recovers heat (VRC); one that does
-/// not (VRS); one of unknown kind (VRNsP), which is shared out between the two (engineering judgement).
+/// not (VRS); one of unknown kind (VRNsP), which is shared out between the two (engineering judgment).
 fn ventilation(u: f64) -> (f64, f64) {
     let share = |value| share("VRC", value);
     let (with, without) = (share("VRC"), share("VRS"));

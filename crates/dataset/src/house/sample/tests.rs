@@ -197,7 +197,7 @@ fn resistance(model: &Model, construction: &str, films: f64) -> f64 {
 }
 
 #[test]
-fn a_point_outside_the_cube_is_refused() {
+fn a_point_outside_the_unit_cube_is_rejected() {
     for value in [-0.1, 1.1, f64::NAN] {
         let mut point = [0.5; DIMENSIONS];
         point[3] = value;

@@ -1,0 +1,168 @@
+//! From the name of a building to its environment.
+
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use b2b_building::{PreparedBuilding, RunPeriod};
+use b2b_climate::Place;
+use b2b_dataset::{BuildingName, Catalog, Placement};
+use b2b_energyplus::install::Quiet;
+#[cfg(target_os = "linux")]
+use b2b_env::vector::{
+    Autoreset, Episode, Fixed, Launcher, Setting, Source, VecEnv, VecEnvOptions, WorkerOptions, Workers,
+};
+use b2b_env::{Env, EpisodeConfig, Task};
+
+use crate::{Error, Result};
+
+/// Zone time steps per hour unless told otherwise: a step is five minutes.
+const STEPS_PER_HOUR: u32 = 12;
+
+/// Names a building: a type (`OfficeSmall`), a building of the dataset (`OfficeSmall-0042`) or a model file (`my.idf`).
+///
+/// # Errors
+/// [`Error::Dataset`] if there is no such building.
+pub fn make(name: &str) -> Result<EnvBuilder> {
+    Ok(EnvBuilder {
+        name: name.parse()?,
+        placement: Placement::default(),
+        task: Task::default(),
+        period: RunPeriod::WINTER,
+        steps_per_hour: STEPS_PER_HOUR,
+        error: None,
+    })
+}
+
+/// Builds environments of one building. An error in what it was told is returned when it builds.
+#[derive(Debug)]
+pub struct EnvBuilder {
+    name: BuildingName,
+    placement: Placement,
+    task: Task,
+    period: RunPeriod,
+    steps_per_hour: u32,
+    /// The first error in what it was told.
+    error: Option<Error>,
+}
+
+impl EnvBuilder {
+    /// Sets the task by its name, as on the command line: `constant`, `occupancy`, `occupancy+energy0.5`...
+    #[must_use]
+    pub fn task(self, name: &str) -> Self {
+        self.set(name.parse().map_err(Error::Environment), |builder, task| builder.task = task)
+    }
+
+    /// Sets the task: setpoints, comfort and reward.
+    #[must_use]
+    pub fn with_task(mut self, task: Task) -> Self {
+        self.task = task;
+        self
+    }
+
+    /// Sets the days of an episode: `winter` (the default), `summer`, `full_year` or `MM-DD..MM-DD`.
+    #[must_use]
+    pub fn period(self, period: &str) -> Self {
+        self.set(period.parse().map_err(Error::Building), |builder, period| builder.period = period)
+    }
+
+    /// Moves the building to a known place, such as `Denver`. Buildings of the dataset have their own.
+    #[must_use]
+    pub fn place(self, name: &str) -> Self {
+        self.set(Place::find(name).map_err(Error::Climate), |builder, place| {
+            builder.placement.place = Some(place)
+        })
+    }
+
+    /// Sets the weather file (EPW). It takes precedence over a place.
+    #[must_use]
+    pub fn weather(mut self, file: impl Into<PathBuf>) -> Self {
+        self.placement.weather = Some(file.into());
+        self
+    }
+
+    /// Sets the steps per hour: 12 unless set; a divisor of 60.
+    #[must_use]
+    pub fn steps_per_hour(mut self, steps: u32) -> Self {
+        self.steps_per_hour = steps;
+        self
+    }
+
+    /// Builds an environment that runs the engine in this process, where one can run at a time.
+    ///
+    /// # Errors
+    /// [`Error::Environment`] for an unknown task, [`Error::Building`] for an unknown period, [`Error::Climate`] for an
+    /// unknown place; those of finding, sizing and preparing the building; those of [`Env::new`].
+    pub fn build(self) -> Result<Env> {
+        let catalog = catalog()?;
+        let (building, episode) = self.prepare(&catalog)?;
+        Ok(Env::new(catalog.library().clone(), Arc::new(building), episode)?)
+    }
+
+    /// Builds an environment that runs the engine in a worker process of its own: a crash loses one episode, a reset
+    /// takes milliseconds, and an episode has snapshots and branches. The worker is this program started once more:
+    /// call [`run_if_worker`](crate::run_if_worker) first in `main`.
+    ///
+    /// # Errors
+    /// Those of [`EnvBuilder::build`] and [`Workers::episode`].
+    #[cfg(target_os = "linux")]
+    pub fn build_in_worker(self) -> Result<Episode> {
+        let (setting, options) = self.setting()?;
+        Ok(Workers::new(options)?.episode(&setting)?)
+    }
+
+    /// Builds a batch of `count` environments, each in a worker process: see [`EnvBuilder::build_in_worker`].
+    ///
+    /// # Errors
+    /// Those of [`EnvBuilder::build`] and [`VecEnv::new`].
+    #[cfg(target_os = "linux")]
+    pub fn build_batch(self, count: usize) -> Result<VecEnv> {
+        let (setting, workers) = self.setting()?;
+        let options = VecEnvOptions { workers, autoreset: Autoreset::NextStep, widths: None };
+        Ok(VecEnv::new(count, Box::new(Fixed(vec![setting; count])), options)?)
+    }
+
+    /// Returns the building and its episode as a setting of worker processes, and how these are started: for episodes
+    /// that share workers, and for samplers.
+    ///
+    /// # Errors
+    /// Those of [`EnvBuilder::build`].
+    #[cfg(target_os = "linux")]
+    pub fn setting(self) -> Result<(Setting, WorkerOptions)> {
+        let catalog = catalog()?;
+        let (building, episode) = self.prepare(&catalog)?;
+        let options = WorkerOptions::new(Launcher::this_program()?, catalog.library().path());
+        Ok((Setting::new(Source::Prepared(Box::new(building)), episode), options))
+    }
+
+    fn set<T>(mut self, value: Result<T>, put: impl FnOnce(&mut Self, T)) -> Self {
+        match value {
+            Ok(value) => put(&mut self, value),
+            Err(error) => self.error = self.error.or(Some(error)),
+        }
+        self
+    }
+
+    /// Downloads what is missing, and sizes the building and makes it controllable.
+    fn prepare(self, catalog: &Catalog) -> Result<(PreparedBuilding, EpisodeConfig)> {
+        if let Some(error) = self.error {
+            return Err(error);
+        }
+        let found = catalog.find(&self.name, &self.placement, &mut Quiet)?;
+        let weather = found.weather.clone();
+        let building = found.prepare(catalog.library())?;
+        let (period, steps_per_hour) = (self.period, self.steps_per_hour);
+        Ok((building, EpisodeConfig { weather, period, steps_per_hour, task: self.task }))
+    }
+}
+
+/// The engine and the prototypes, loaded once in a process.
+fn catalog() -> Result<Arc<Catalog>> {
+    static CATALOG: Mutex<Option<Arc<Catalog>>> = Mutex::new(None);
+    let mut catalog = CATALOG.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(catalog) = &*catalog {
+        return Ok(Arc::clone(catalog));
+    }
+    let opened = Arc::new(Catalog::open(&mut Quiet)?);
+    *catalog = Some(Arc::clone(&opened));
+    Ok(opened)
+}

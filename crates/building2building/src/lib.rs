@@ -1,0 +1,60 @@
+//! Thousands of EnergyPlus buildings as reinforcement-learning environments.
+//!
+//! [`make`] names a building and returns an [`EnvBuilder`], which takes the task, the days and the weather and builds an
+//! [`Env`] or a batch of environments. A [`Controller`] acts in it, and [`rollout`] runs a whole episode:
+//!
+//! ```no_run
+//! use building2building::{Reactive, make, rollout};
+//!
+//! # fn main() -> building2building::Result<()> {
+//! let mut env = make("OfficeSmall")?.task("occupancy").period("winter").build()?;
+//! let mut controller = Reactive::for_env(&env);
+//! let metrics = rollout(&mut env, &mut controller, &mut ())?;
+//! println!("return {:.1}", metrics.episode_return);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! EnergyPlus and weather files are downloaded into the cache when they are first used. The folder `examples` of this
+//! crate shows one episode, a batch, a custom reward, a custom controller and snapshots.
+//!
+//! What most programs need is at the top level; the modules hold the rest:
+//!
+//! | module | contents |
+//! |---|---|
+//! | [`env`] | environments, spaces, tasks, rewards, metrics, batches in worker processes |
+//! | [`control`] | reactive controllers, their tuning, and a planner |
+//! | [`evaluation`] | evaluation of policies, benchmark problems, scores and reports |
+//! | [`dataset`] | building types, generators, the 6,000 buildings of the dataset |
+//! | [`building`] | models, HVAC, sizing, preparation, import, description, morphology |
+//! | [`climate`] | places, weather files, sites |
+//! | [`energyplus`] | the engine |
+
+mod builder;
+mod error;
+
+#[cfg(target_os = "linux")]
+pub use b2b_benchmark as evaluation;
+pub use b2b_building as building;
+pub use b2b_climate as climate;
+pub use b2b_control as control;
+pub use b2b_dataset as dataset;
+pub use b2b_energyplus as energyplus;
+pub use b2b_env as env;
+
+pub use b2b_building::{BuildingType, RunPeriod};
+pub use b2b_control::{Constant, Random, Reactive};
+pub use b2b_dataset::{BuildingId, BuildingName};
+#[cfg(target_os = "linux")]
+pub use b2b_env::vector::{Episode, Snapshot, VecEnv, run_if_worker};
+pub use b2b_env::{
+    Controller, Env, Environment, Metrics, Observer, Reward, RewardFunction, Spaces, Step, StepView, Task,
+    Trajectory, rollout,
+};
+pub use builder::{EnvBuilder, make};
+pub use error::{Error, Result};
+
+/// The example in the documentation, which runs as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/rust.md")]
+struct Documentation;
