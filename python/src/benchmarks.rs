@@ -2,8 +2,8 @@
 
 use std::sync::Mutex;
 
-use b2b_benchmark::entry::measures_of;
-use b2b_benchmark::problem::{Restricted, Stage};
+use b2b_benchmark::entry::measure_scores;
+use b2b_benchmark::problem::{RestrictedAction, Stage};
 use b2b_building::BuildingType;
 use b2b_control::ReactiveParameters;
 use b2b_dataset::BuildingId;
@@ -86,7 +86,7 @@ impl Problem {
         let Some(restriction) = self.side(side)?.restriction else { return Ok(None) };
         let inner = spaces.inner();
         let parameters = ReactiveParameters::tuned_for(&inner.building);
-        let restricted = restriction.within(inner, &parameters).map_err(wrong)?;
+        let restricted = restriction.apply(inner, &parameters).map_err(wrong)?;
         let widths = (inner.observation.len(), inner.action.len());
         Ok(Some(Restriction { restricted: Mutex::new(restricted), widths }))
     }
@@ -110,7 +110,7 @@ impl Problem {
 /// An action space with a subset of the actuators.
 #[pyclass(frozen, module = "building2building._core")]
 pub struct Restriction {
-    restricted: Mutex<Restricted>,
+    restricted: Mutex<RestrictedAction>,
     widths: (usize, usize),
 }
 
@@ -160,6 +160,6 @@ pub fn normalized_score(episode_return: f64, baseline_return: f64) -> Option<f64
 /// Returns aggregate measures as JSON text; `strata` holds buildings, each with the scores of its seeds.
 #[pyfunction]
 pub fn measures(strata: Vec<Vec<Vec<f64>>>) -> PyResult<String> {
-    let measures = measures_of(&strata).ok_or_else(|| wrong("no score to aggregate"))?;
+    let measures = measure_scores(&strata).ok_or_else(|| wrong("no score to aggregate"))?;
     Ok(measures.to_string())
 }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use b2b_benchmark::{Subject, Surroundings};
+use b2b_benchmark::{SiteInfo, Subject};
 use b2b_building::description::Origin;
 use b2b_building::{BuildingType, Class};
 use b2b_climate::{Place, WeatherFile};
@@ -68,9 +68,9 @@ pub struct Inner {
 
 impl Inner {
     /// Creates a building of an evaluation from its prepared model.
-    pub fn of_subject(subject: &Subject, surroundings: &Surroundings, spaces: &b2b_env::Spaces) -> Self {
+    pub fn of_subject(subject: &Subject, site: &SiteInfo, spaces: &b2b_env::Spaces) -> Self {
         let source = Source::Prepared(Box::new((*spaces.building).clone()));
-        let (place, weather) = (surroundings.place.clone(), spaces.episode.weather.clone());
+        let (place, weather) = (site.place.clone(), spaces.episode.weather.clone());
         let origin = subject.placement.origin(&subject.name);
         Self::new(source, spaces.building.class, place, weather, origin).with_parameters(&subject.name)
     }

@@ -3,7 +3,7 @@
 use std::sync::Mutex;
 
 use b2b_control::{Constant, Random, Reactive, ReactiveParameters};
-use b2b_env::{Metrics, Trajectory};
+use b2b_env::{EpisodeMetrics, MetricValue, Metrics, Trajectory};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -106,25 +106,11 @@ pub fn trajectory_hash(
 /// Returns the metrics of an episode as a dictionary, with the names of `b2b run --json`.
 pub fn metrics<'py>(py: Python<'py>, metrics: &Metrics) -> PyResult<Bound<'py, PyAny>> {
     let all = PyDict::new(py);
-    all.set_item("steps", metrics.steps)?;
-    for (name, value) in [
-        ("return", metrics.episode_return),
-        ("temperature_penalty", metrics.temperature_penalty),
-        ("energy_penalty", metrics.energy_penalty),
-        ("mean_abs_deviation_k", metrics.mean_abs_deviation()),
-        ("rms_deviation_k", metrics.rms_deviation()),
-        ("hours_outside_band", metrics.hours_outside_band()),
-        ("discomfort_k_h", metrics.discomfort()),
-        ("electricity_wh_m2", metrics.electricity),
-        ("gas_wh_m2", metrics.gas),
-        ("cost_m2", metrics.cost),
-        ("emissions_kg_m2", metrics.emissions / 1000.0),
-        ("peak_electricity_w_m2", metrics.peak_electricity),
-        ("peak_gas_w_m2", metrics.peak_gas),
-        ("daily_travel", metrics.daily_travel()),
-    ] {
-        all.set_item(name, value)?;
+    for (name, value) in EpisodeMetrics::from(metrics).values() {
+        match value {
+            MetricValue::Count(count) => all.set_item(name, count)?,
+            MetricValue::Number(number) => all.set_item(name, number)?,
+        }
     }
-    all.set_item("clamped_actions", metrics.clamped_actions)?;
     Ok(all.into_any())
 }

@@ -9,7 +9,7 @@ use arrow_array::RecordBatch;
 use arrow_array::cast::AsArray;
 use arrow_array::types::{Float64Type, UInt32Type, UInt64Type};
 use b2b_benchmark::{
-    ActionScale, Baselines, Beginning, Episode, Evaluation, Folder, Policy, Progress, Results, Subject,
+    ActionScale, Baselines, Episode, EpisodeContext, Evaluation, Folder, Policy, Progress, Results, Subject,
     episode_table, normalized_score,
 };
 use b2b_climate::Place;
@@ -117,8 +117,8 @@ pub fn compute_normalized_score(
         let catalog = catalog::catalog()?;
         let run = || {
             let evaluation = Evaluation { catalog: &catalog, launcher, jobs: 1, interrupted: stopped };
-            let surroundings = episode.subject.locate(&catalog, &mut Quiet)?;
-            Baselines::open()?.episode_return(&evaluation, &episode, &surroundings, &counter)
+            let site = episode.subject.locate(&catalog, &mut Quiet)?;
+            Baselines::open()?.episode_return(&evaluation, &episode, &site, &counter)
         };
         let baseline_return = wait_for(run, &counter, None).map_err(of_benchmark)?;
         Ok(normalized_score(episode_return, baseline_return))
@@ -187,9 +187,9 @@ impl Policy for InPython {
         self.identity.clone()
     }
 
-    fn controller(&self, beginning: Beginning<'_>) -> b2b_benchmark::Result<Box<dyn Controller>> {
-        let Beginning { subject, surroundings, spaces, seed, .. } = beginning;
-        let building = Arc::new(Inner::of_subject(subject, surroundings, spaces));
+    fn controller(&self, context: EpisodeContext<'_>) -> b2b_benchmark::Result<Box<dyn Controller>> {
+        let EpisodeContext { subject, site, spaces, seed, .. } = context;
+        let building = Arc::new(Inner::of_subject(subject, site, spaces));
         let made = Python::attach(|py| {
             let seen = Spaces::new(Arc::clone(spaces), Arc::clone(&building));
             self.make.call1(py, (seen, Building { inner: building }, seed))

@@ -1,147 +1,149 @@
-//! What can go wrong in an evaluation.
+//! The errors of this crate.
 
 use std::path::{Path, PathBuf};
 
 /// An error of this crate.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// A file that holds no policy.
-    #[error("{path} is no ONNX model: {why}")]
-    NoOnnx {
+    /// A file that is not an ONNX model.
+    #[error("{path} is not a valid ONNX model: {why}")]
+    InvalidOnnx {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The fault.
         why: String,
     },
-    /// An ONNX model that is no policy.
+    /// An ONNX model that is not a policy.
     #[error(
-        "{path} is no policy: {why}; a policy takes one float32 array [1, observation] and gives one [1, action]"
+        "{path} is not a policy: {why}; a policy takes one float32 array [1, observation] and returns one [1, action]"
     )]
-    NoPolicy {
+    InvalidPolicy {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The fault.
         why: String,
     },
-    /// A policy for other observations.
+    /// A policy for observations of another length.
     #[error(
-        "{policy} takes {given} numbers, and an observation of {building} under task {task} has {}: {}",
+        "{policy} takes {given} values, but an observation of {building} under task {task} has {}: {}",
         slots.len(), slots.join(", ")
     )]
     ObservationShape {
         /// The policy.
         policy: String,
-        /// Numbers that it takes.
+        /// Length of its input.
         given: usize,
         /// The building.
         building: String,
         /// The task.
         task: String,
-        /// What an observation of the building is.
+        /// Names of the values in an observation of the building.
         slots: Vec<String>,
     },
-    /// A policy for other actions.
-    #[error("{policy} gives {given} numbers, and an action of {building} has {}: {}", slots.len(), slots.join(", "))]
+    /// A policy for actions of another length.
+    #[error("{policy} returns {given} values, but an action of {building} has {}: {}", slots.len(), slots.join(", "))]
     ActionShape {
         /// The policy.
         policy: String,
-        /// Numbers that it gives.
+        /// Length of its output.
         given: usize,
         /// The building.
         building: String,
-        /// What an action of the building is.
+        /// Names of the building's actuators.
         slots: Vec<String>,
     },
-    /// A name that is no policy.
-    #[error("there is no policy `{text}`: give reactive, random, constant, planner, or an ONNX file (.onnx)")]
+    /// An unknown policy.
+    #[error("unknown policy `{text}`; expected reactive, random, constant, planner or an ONNX file (.onnx)")]
     UnknownPolicy {
-        /// What was given.
+        /// The name given.
         text: String,
     },
-    /// A name that is no problem.
-    #[error("there is no problem `{text}`{}; `b2b benchmark list` has all", if near.is_empty() { String::new() } else { format!(": did you mean {near}?") })]
+    /// An unknown problem.
+    #[error("unknown problem `{text}`{}; `b2b benchmark list` lists all", if near.is_empty() { String::new() } else { format!(", did you mean {near}?") })]
     UnknownProblem {
-        /// What was given.
+        /// The name given.
         text: String,
-        /// Names that are near.
+        /// Similar names.
         near: String,
     },
-    /// A file that is no problem.
-    #[error("{path} is no problem: {why}")]
+    /// A file that is not a problem.
+    #[error("{path} is not a valid problem: {why}")]
     ProblemFile {
         /// The file.
         path: PathBuf,
-        /// What is wrong in it.
+        /// The fault.
         why: String,
     },
-    /// A problem that cannot be.
+    /// An invalid problem, or a policy that violates its protocol.
     #[error("problem {name}: {why}")]
     Problem {
         /// Its name.
         name: String,
-        /// What is wrong.
+        /// The fault.
         why: String,
     },
     /// A building that must not be trained on.
-    #[error("{building} is not to train on in {problem}: {why}")]
-    ForTests {
+    #[error("{building} is not a training building of {problem}: {why}")]
+    NotForTraining {
         /// The problem.
         problem: String,
         /// The building.
         building: String,
-        /// Why.
+        /// The reason.
         why: String,
     },
-    /// A benchmark run that has not ended.
-    #[error("{folder} is unfinished: the `b2b benchmark run` that it is of goes on with it")]
+    /// An unfinished benchmark run.
+    #[error("{folder} is unfinished: run the same `b2b benchmark run` again to resume it")]
     Unfinished {
         /// The folder.
         folder: PathBuf,
     },
     /// A folder without a result.
-    #[error("{folder} holds no result of `b2b benchmark run`")]
+    #[error("{folder} contains no result of `b2b benchmark run`")]
     NoResult {
         /// The folder.
         folder: PathBuf,
     },
-    /// A result that was changed after it was written.
-    #[error("{folder} is not as it was written: {what}")]
-    Forged {
+    /// A result that was modified after it was written.
+    #[error("{folder} was modified after it was written: {what}")]
+    Modified {
         /// The folder.
         folder: PathBuf,
-        /// What is not.
+        /// The modification.
         what: String,
     },
-    /// A folder of another evaluation.
-    #[error("{folder} holds another evaluation: {differences}; give another folder, or remove it")]
+    /// A folder of a different evaluation.
+    #[error(
+        "{folder} contains a different evaluation: {differences}; choose another folder or remove this one"
+    )]
     OtherEvaluation {
         /// The folder.
         folder: PathBuf,
-        /// In what it differs.
+        /// The differences.
         differences: String,
     },
-    /// A folder that another process is at work in.
-    #[error("{folder} is in use by another evaluation that is running")]
+    /// A folder that another process is writing to.
+    #[error("{folder} is in use by another running evaluation; wait for it, or choose another folder")]
     Busy {
         /// The folder.
         folder: PathBuf,
     },
-    /// A folder of other files.
-    #[error("{folder} is not empty and holds no evaluation: give a new folder")]
-    Foreign {
+    /// A folder of unrelated files.
+    #[error("{folder} is not empty and contains no evaluation; choose a new folder")]
+    UnrelatedFiles {
         /// The folder.
         folder: PathBuf,
     },
-    /// A file that is not what it was written as.
-    #[error("{path} is damaged: {why}; remove it, and what it held is computed again")]
+    /// A file that cannot be read as what it was written as.
+    #[error("{path} is damaged: {why}; remove it to have its content computed again")]
     Damaged {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The fault.
         why: String,
     },
-    /// No reactive episode to compare with.
-    #[error("{building}, {task}, {period}: there is no baseline: {why}")]
+    /// A lost baseline episode.
+    #[error("no baseline for {building}, {task}, {period}: {why}")]
     NoBaseline {
         /// The building.
         building: String,
@@ -149,21 +151,21 @@ pub enum Error {
         task: String,
         /// The run period.
         period: String,
-        /// Why.
+        /// The reason.
         why: String,
     },
-    /// An evaluation of nothing.
-    #[error("there is no episode to run")]
+    /// An empty list of episodes.
+    #[error("the list of episodes is empty; select at least one building, task, run period and seed")]
     NoEpisode,
-    /// A table cannot be written.
+    /// A table could not be written.
     #[error("{path}: {source}")]
     Table {
         /// The file.
         path: PathBuf,
-        /// What was said.
+        /// The library's error.
         source: parquet::errors::ParquetError,
     },
-    /// Somebody asked to stop. What was finished is kept.
+    /// The evaluation was interrupted. Finished episodes are kept.
     #[error("interrupted")]
     Interrupted,
     /// A building could not be found or prepared.
@@ -172,7 +174,7 @@ pub enum Error {
     /// An environment failed.
     #[error(transparent)]
     Env(#[from] b2b_env::Error),
-    /// The cache folder is not known.
+    /// The cache folder is unknown.
     #[error(transparent)]
     Install(#[from] b2b_energyplus::install::Error),
     /// A file could not be read or written.
@@ -180,7 +182,7 @@ pub enum Error {
     Io {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         source: std::io::Error,
     },
 }
@@ -203,10 +205,10 @@ impl From<b2b_climate::Error> for Error {
     }
 }
 
-/// A result of this crate.
+/// A result with this crate's [`Error`].
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// Names the file of an error of the system.
+/// Returns a function that adds the path to a system error.
 pub(crate) fn at(path: &Path) -> impl Fn(std::io::Error) -> Error {
     move |source| Error::Io { path: path.to_owned(), source }
 }

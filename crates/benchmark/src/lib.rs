@@ -1,35 +1,44 @@
-//! How good a policy is: episodes of many buildings, scores against the reactive controllers, and a report.
+//! Evaluation of policies: episodes in many buildings, scores against the reactive controllers, and reports.
 //!
-//! 1. A [`Policy`] acts: one of the [`BuiltIn`] controllers, an [`OnnxPolicy`], or anything else that makes a
-//!    controller for a building. How it came about is not known here.
-//! 2. [`Evaluation`] runs a list of [`Episode`]s under it, in parallel, each in a process of its own, and keeps each
-//!    as it ends.
-//! 3. [`Baselines`] has what the reactive controllers get for the same episodes: shipped, cached, or computed.
-//!    [`normalized_score`] is the ratio.
-//! 4. [`statistics`] and [`report`] sum up.
+//! 1. A [`Policy`] makes a controller for an episode: one of the [`BuiltIn`] controllers, an [`OnnxPolicy`], or any other
+//!    implementation.
+//! 2. [`Evaluation`] runs a list of [`Episode`]s under a policy, in parallel worker processes, and keeps each as it ends.
+//! 3. [`Baselines`] knows the returns of the reactive controllers for the same episodes: shipped, cached, or computed.
+//!    [`normalized_score`] is the ratio of the two returns.
+//! 4. [`statistics`] and [`report`] aggregate the scores.
+//! 5. [`problem`] defines the benchmark's problems, and [`entry`] runs a policy on one and verifies the result.
 #![cfg(target_os = "linux")]
 
 mod baseline;
 pub mod entry;
 mod error;
 mod evaluation;
+mod output;
 mod policy;
 pub mod problem;
 pub mod report;
 mod results;
+mod return_terms;
 mod scores;
 pub mod statistics;
 mod subject;
+mod summary;
+mod tuned;
+mod versions;
 
 pub use baseline::table as baseline_table;
-pub use baseline::{Baselines, Key, Terms, controller_parameters, task_for};
+pub use baseline::{Baselines, Key};
 pub use error::{Error, Result};
 pub use evaluation::{
-    Deviations, Episode, Evaluation, Finished, Folder, Hours, Outcome, Progress, Record, Row, Versions,
-    episode_table, read_stages, write_episodes, write_stages,
+    Deviations, Episode, EpisodeInfo, Evaluation, Finished, Folder, Hours, Lost, Outcome, Progress, Record,
+    Row, Scored, episode_table, read_stages, write_episodes, write_stages,
 };
-pub use policy::{ActionScale, Beginning, BuiltIn, Interface, OnnxPolicy, Policy};
+pub use policy::{ActionScale, BuiltIn, EpisodeContext, Interface, OnnxPolicy, Policy};
 pub use problem::Problem;
-pub use results::{Group, Lost, Results, Summary, Window};
+pub use results::Results;
+pub use return_terms::ReturnTerms;
 pub use scores::normalized_score;
-pub use subject::{Subject, Surroundings};
+pub use subject::{SiteInfo, Subject};
+pub use summary::{Group, LostEpisode, Summary, Window};
+pub use tuned::{controller_parameters, task_for};
+pub use versions::Versions;

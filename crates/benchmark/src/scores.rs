@@ -1,19 +1,19 @@
-//! The normalised score.
+//! The normalized score.
 
-/// The score of a return: itself over the return of the reactive controllers for the same building, task and days
-/// (the paper's `compute_normalized_score`). Both are sums of penalties and so negative: lower is better, and below 1
-/// beats the baseline.
+/// Returns the normalized score of an episode: its return divided by that of the reactive controllers for the same
+/// building, task and days (the paper's `compute_normalized_score`). Returns are negated sums of penalties: a lower score
+/// is better, and below 1 beats the baseline.
 ///
 /// | baseline | return | score |
 /// |---|---|---|
-/// | negative | any | return / baseline; negative for a return above 0, which takes prices below 0 |
+/// | negative | any | return / baseline; negative for a return above 0, which requires negative prices |
 /// | 0 | 0 | 1: as good as the baseline |
 /// | 0 | negative | ∞ |
 /// | 0 | positive | -∞ |
 /// | positive | any | none: a ratio would order returns the wrong way round |
 ///
-/// A baseline of 0 takes comfort with a deadband that the reactive controllers never leave, and no weight on energy. There
-/// is no score where either is not a number.
+/// A baseline of 0 requires a comfort deadband that the reactive controllers never leave, and no weight on energy. There
+/// is no score if either return is not a number.
 pub fn normalized_score(episode_return: f64, baseline: f64) -> Option<f64> {
     let defined = baseline <= 0.0 && !episode_return.is_nan();
     defined.then(|| match () {
@@ -36,7 +36,7 @@ mod tests {
     }
 
     #[test]
-    fn where_there_is_no_ratio_the_score_still_orders_or_is_none() {
+    fn without_a_ratio_the_score_still_orders_policies_or_is_none() {
         assert_eq!(normalized_score(0.0, 0.0), Some(1.0));
         assert_eq!(normalized_score(-0.0, 0.0), Some(1.0));
         assert_eq!(normalized_score(-1.0, -0.0), Some(f64::INFINITY));

@@ -2,21 +2,23 @@
 //! Bellemare, "Deep Reinforcement Learning at the Edge of the Statistical Precipice", NeurIPS 2021 (rliable): the
 //! interquartile mean beside median and mean, and percentile intervals of a stratified bootstrap.
 //!
-//! A stratum here is a building type: buildings are drawn anew within their type, so that the mix of types stays.
+//! A stratum here is a building type: buildings are resampled within their type, which preserves the mix of types.
+
+use std::fmt;
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
-/// Draws of the bootstrap.
+/// Bootstrap resamples.
 pub const DRAWS: usize = 5000;
-/// Share that an interval covers.
+/// Confidence level of the intervals.
 pub const CONFIDENCE: f64 = 0.95;
 
-/// A value and the interval that a bootstrap gives it.
+/// A value with its bootstrap confidence interval.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Interval {
-    /// Of the scores themselves.
+    /// Value over the scores themselves.
     pub value: f64,
     /// Lower end.
     pub low: f64,
@@ -24,41 +26,56 @@ pub struct Interval {
     pub high: f64,
 }
 
-/// Scores in a few numbers.
+/// Aggregated scores.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Aggregate {
-    /// How many scores; of several seeds, how many buildings under a task.
+    /// Number of scores; with several seeds, number of buildings under a task.
     pub episodes: usize,
     /// Arithmetic mean.
     pub mean: Interval,
-    /// The value in the middle; of an even number, the mean of the two.
+    /// Median.
     pub median: Interval,
-    /// Mean of what is left without the lowest and the highest quarter.
+    /// Interquartile mean: mean without the lowest and the highest quarter.
     pub interquartile_mean: Interval,
     /// Share of scores below 1.
     pub beats_baseline: Interval,
 }
 
-/// Scores of one building under one task: one for each seed.
+impl Aggregate {
+    /// Returns the share of scores that beat the baseline, in percent.
+    pub fn beats_baseline_percent(&self) -> f64 {
+        100.0 * self.beats_baseline.value
+    }
+}
+
+/// Writes the value, and the interval in brackets unless it is empty.
+impl fmt::Display for Interval {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { value, low, high } = self;
+        if low == high { write!(f, "{value:.3}") } else { write!(f, "{value:.3} [{low:.3}, {high:.3}]") }
+    }
+}
+
+/// Scores of one building under one task, one per seed.
 pub type Cluster = Vec<f64>;
 
-/// Shares of scores up to some bounds: a point of a performance profile.
+/// A point of a performance profile.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Share {
-    /// The bound.
+    /// A score.
     pub score: f64,
     /// Share of scores at or below it.
     pub share: Interval,
 }
 
-/// Aggregates scores, one list for each stratum. `None` without any. The same seed gives the same intervals.
+/// Aggregates scores, one list per stratum; `None` without scores. The same seed gives the same intervals.
 pub fn aggregate(strata: &[Vec<f64>], seed: u64) -> Option<Aggregate> {
     let alone = |scores: &Vec<f64>| scores.iter().map(|score| vec![*score]).collect();
     aggregate_clusters(&strata.iter().map(alone).collect::<Vec<_>>(), seed)
 }
 
-/// The same for scores of several seeds: each building counts once, with the mean over its seeds. The bootstrap draws
-/// buildings anew within their stratum, and seeds anew within each building that was drawn.
+/// Aggregates scores of several seeds: each building counts once, with the mean over its seeds. The bootstrap resamples
+/// buildings within their stratum, and seeds within each resampled building.
 pub fn aggregate_clusters(strata: &[Vec<Cluster>], seed: u64) -> Option<Aggregate> {
     let measure = |scores: &[f64]| {
         vec![
@@ -76,7 +93,7 @@ pub fn aggregate_clusters(strata: &[Vec<Cluster>], seed: u64) -> Option<Aggregat
     Some(Aggregate { episodes, mean, median, interquartile_mean, beats_baseline })
 }
 
-/// The performance profile: for each bound the share of buildings whose score is at or below it.
+/// Returns the performance profile: for each bound the share of buildings with a score at or below it.
 pub fn profile(strata: &[Vec<Cluster>], bounds: &[f64], seed: u64) -> Vec<Share> {
     let shares =
         |scores: &[f64]| bounds.iter().map(|bound| share_up_to(scores, |score| score <= *bound)).collect();
@@ -84,13 +101,13 @@ pub fn profile(strata: &[Vec<Cluster>], bounds: &[f64], seed: u64) -> Vec<Share>
     bounds.iter().zip(shares).map(|(score, share)| Share { score: *score, share }).collect()
 }
 
-/// By how much the interquartile mean of some scores is above that of others.
+/// Returns the difference between the interquartile means of two sets of scores.
 pub fn difference(above: &[Vec<Cluster>], below: &[Vec<Cluster>], seed: u64) -> Option<Interval> {
     let measure = |lists: &[&[f64]]| vec![interquartile_mean(lists[0]) - interquartile_mean(lists[1])];
     bootstrap(&[above, below], seed, measure)?.pop()
 }
 
-/// Measures of lists of scores, with the intervals that a bootstrap gives them. `None` when a list is empty.
+/// Returns measures of lists of scores with bootstrap intervals; `None` if a list is empty.
 fn bootstrap(
     lists: &[&[Vec<Cluster>]],
     seed: u64,
@@ -127,7 +144,7 @@ fn bootstrap(
     Some(drawn.into_iter().zip(values).map(interval).collect())
 }
 
-/// As many clusters as there are, with replacement, each with the mean of as many of its scores.
+/// Resamples as many clusters as there are, with replacement, each with the mean of as many of its scores.
 fn draw(strata: &[Vec<Cluster>], random: &mut ChaCha8Rng, scores: &mut Vec<f64>) {
     for stratum in strata.iter().filter(|stratum| !stratum.is_empty()) {
         for _ in 0..stratum.len() {
@@ -147,13 +164,13 @@ fn mean(sorted: &[f64]) -> f64 {
     sorted.iter().sum::<f64>() / sorted.len() as f64
 }
 
-/// Median of sorted numbers.
+/// Returns the median of sorted numbers.
 pub fn median(sorted: &[f64]) -> f64 {
     quantile(sorted, 0.5)
 }
 
-/// Mean of sorted numbers without a quarter, rounded down, at either end (`scipy.stats.trim_mean` at 0.25, as rliable
-/// has it).
+/// Returns the mean of sorted numbers without a quarter, rounded down, at either end (`scipy.stats.trim_mean` at 0.25,
+/// as in rliable).
 pub fn interquartile_mean(sorted: &[f64]) -> f64 {
     let cut = sorted.len() / 4;
     mean(&sorted[cut..sorted.len() - cut])
@@ -163,11 +180,11 @@ fn share_up_to(scores: &[f64], counts: impl Fn(f64) -> bool) -> f64 {
     scores.iter().filter(|score| counts(**score)).count() as f64 / scores.len() as f64
 }
 
-/// A quantile of sorted numbers, between two of them in proportion (numpy's default).
+/// Returns a quantile of sorted numbers with linear interpolation (numpy's default).
 pub fn quantile(sorted: &[f64], share: f64) -> f64 {
     let place = share * (sorted.len() - 1) as f64;
     let (below, above) = (sorted[place.floor() as usize], sorted[place.ceil() as usize]);
-    // Infinite scores have no difference.
+    // The difference of infinite scores is not a number.
     if below == above { below } else { below + (above - below) * place.fract() }
 }
 
@@ -189,7 +206,7 @@ mod tests {
     }
 
     #[test]
-    fn an_interval_holds_its_value_and_comes_out_the_same_again() {
+    fn an_interval_contains_its_value_and_is_reproducible() {
         let strata = [vec![0.9, 1.1, 1.0, 1.3], vec![2.0, 2.2, 2.1], vec![]];
         let first = aggregate(&strata, 7).unwrap();
         assert_eq!(aggregate(&strata, 7), Some(first.clone()));
@@ -201,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn seeds_of_a_building_are_one_score_and_widen_the_interval() {
+    fn seeds_of_a_building_count_as_one_score_and_widen_the_interval() {
         let seeds =
             |spread: f64| vec![vec![vec![1.0 - spread, 1.0 + spread], vec![2.0 - spread, 2.0 + spread]]];
         let (steady, noisy) =
@@ -231,7 +248,7 @@ mod tests {
     }
 
     #[test]
-    fn a_profile_rises_from_none_to_all_and_a_gap_is_of_interquartile_means() {
+    fn a_profile_rises_from_0_to_1_and_a_gap_is_a_difference_of_interquartile_means() {
         let alone = |scores: &[f64]| vec![scores.iter().map(|score| vec![*score]).collect::<Vec<_>>()];
         let (test, train) = (alone(&[0.5, 1.0, 1.5, 2.0]), alone(&[0.4, 0.8, 0.9, 1.6]));
         let shares: Vec<f64> =
@@ -243,7 +260,7 @@ mod tests {
     }
 
     #[test]
-    fn the_mix_of_strata_stays() {
+    fn the_mix_of_strata_is_preserved() {
         // Each stratum is constant: whatever is drawn, the mean is the same.
         let steady = aggregate(&[vec![1.0; 5], vec![3.0; 5]], 0).unwrap();
         assert_eq!((steady.mean.low, steady.mean.high), (2.0, 2.0));
@@ -252,7 +269,7 @@ mod tests {
     }
 
     #[test]
-    fn a_score_without_bound_is_no_nonsense() {
+    fn an_infinite_score_does_not_spoil_the_aggregates() {
         let aggregate = aggregate(&[vec![0.5, 0.6, f64::INFINITY, 0.7]], 0).unwrap();
         assert_eq!(aggregate.mean.value, f64::INFINITY);
         assert!((aggregate.interquartile_mean.value - 0.65).abs() < 1e-12);

@@ -1,41 +1,41 @@
-//! A building as a policy is judged on it.
+//! A building at its site, as an evaluation refers to it.
 
 use std::path::Path;
 
 use b2b_building::Class;
 use b2b_climate::{ClimateYear, Place};
 use b2b_dataset::{BuildingName, Catalog, Found, Placement};
+use b2b_energyplus::digest::sha256;
 use b2b_energyplus::install::Progress;
-use sha2::{Digest, Sha256};
 
+use crate::Result;
 use crate::error::at;
-use crate::{Error, Result};
 
-/// A building, and where it stands if not at home.
+/// A building, and its site if it is not the building's own.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Subject {
-    /// What it is called.
+    /// Name of the building.
     pub name: BuildingName,
-    /// Where it stands.
+    /// Site, if it is not the building's own.
     pub placement: Placement,
 }
 
-/// What is known of a building's place.
+/// The site of a building.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Surroundings {
+pub struct SiteInfo {
     /// Name of the place, or of the weather file.
     pub place: String,
-    /// Climate zone of ASHRAE 169, such as `5B`: of the place, or by the weather file.
+    /// ASHRAE 169 climate zone, such as `5B`: of the place, or derived from the weather file.
     pub climate_zone: String,
 }
 
 impl Subject {
-    /// A building at home.
+    /// A building at its own site.
     pub fn at_home(name: BuildingName) -> Self {
         Self { name, placement: Placement::default() }
     }
 
-    /// `train` or `test`; nothing for what is not of the dataset.
+    /// Returns the split, `train` or `test`; empty for a building outside the dataset.
     pub fn split(&self) -> String {
         match self.name {
             BuildingName::Id(id) => b2b_dataset::row(id).split.to_string(),
@@ -43,21 +43,21 @@ impl Subject {
         }
     }
 
-    /// Name of its type; nothing for a model of a user's own.
+    /// Returns the name of the building type; empty for a user's model.
     pub fn building_type(&self) -> &'static str {
         self.name.building_type().map_or("", |building_type| building_type.name())
     }
 
-    /// What it is of, in its surroundings; `None` for a model of a user's own.
-    pub fn class(&self, surroundings: &Surroundings) -> Option<Class> {
+    /// Returns the class of the building at a site; `None` for a user's model.
+    pub fn class(&self, site: &SiteInfo) -> Option<Class> {
         let building_type = self.name.building_type()?;
-        Some(Class::new(building_type, Some(&surroundings.climate_zone)))
+        Some(Class::new(building_type, Some(&site.climate_zone)))
     }
 
-    /// What its model and its weather are functions of, in one word: an id, a type and a place, or the SHA-256 of files.
+    /// Returns what determines model and weather, in one word: an id, a type and a place, or the SHA-256 of files.
     ///
     /// # Errors
-    /// [`Error::Io`] for a file that cannot be read.
+    /// [`Error::Io`](crate::Error::Io) for a file that cannot be read.
     pub fn identity(&self) -> Result<String> {
         let what = match &self.name {
             BuildingName::Model(path) => hash_of(path)?,
@@ -71,16 +71,16 @@ impl Subject {
         })
     }
 
-    /// Where it stands.
+    /// Finds the site of the building.
     ///
     /// # Errors
-    /// Those of [`Catalog::find`]; [`Error::Io`].
-    pub fn locate(&self, catalog: &Catalog, progress: &mut dyn Progress) -> Result<Surroundings> {
-        self.surroundings(&catalog.find(&self.name, &self.placement, progress)?)
+    /// Those of [`Catalog::find`]; [`Error::Io`](crate::Error::Io).
+    pub fn locate(&self, catalog: &Catalog, progress: &mut dyn Progress) -> Result<SiteInfo> {
+        self.site(&catalog.find(&self.name, &self.placement, progress)?)
     }
 
-    /// The place of a building that was found.
-    pub(crate) fn surroundings(&self, found: &Found) -> Result<Surroundings> {
+    /// Returns the site of a building that was found.
+    pub(crate) fn site(&self, found: &Found) -> Result<SiteInfo> {
         let listed = match &self.name {
             BuildingName::Id(id) => b2b_dataset::row(*id).building.location().ashrae_zone(),
             _ if self.placement.weather.is_some() => None,
@@ -94,19 +94,13 @@ impl Subject {
                 year.map(|year| year.zone()).unwrap_or_default()
             }
         };
-        Ok(Surroundings { place: found.place.clone(), climate_zone })
+        Ok(SiteInfo { place: found.place.clone(), climate_zone })
     }
 }
 
-/// SHA-256 of a file.
+/// Returns the SHA-256 of a file.
 pub(crate) fn hash_of(path: &Path) -> Result<String> {
-    let bytes = std::fs::read(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
-    Ok(hex(&bytes))
-}
-
-/// SHA-256 in hexadecimal.
-pub(crate) fn hex(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+    std::fs::read(path).map(sha256).map_err(at(path))
 }
 
 #[cfg(test)]

@@ -12,13 +12,13 @@ use crate::{Error, Result};
 pub enum BuildingType {
     /// Detached house, generated from scratch.
     SingleFamilyHouse,
-    /// Small office: five zones and an attic, a heat pump each.
+    /// Small office: five zones with a heat pump each, and an attic.
     OfficeSmall,
-    /// Medium office: fifteen zones on three floors, an air loop a floor.
+    /// Medium office: fifteen zones on three floors, one air loop per floor.
     OfficeMedium,
     /// Stand-alone shop: four rooftop units and a heated entrance.
     RetailStandalone,
-    /// Fast-food restaurant: dining room and kitchen, a rooftop unit each.
+    /// Fast-food restaurant: dining room and kitchen with a rooftop unit each.
     RestaurantFastFood,
     /// Warehouse: office and fine storage with rooftop units, bulk storage with a unit heater.
     Warehouse,
@@ -47,7 +47,7 @@ impl BuildingType {
         }
     }
 
-    /// One line for people.
+    /// One-line description.
     pub fn description(self) -> &'static str {
         match self {
             Self::SingleFamilyHouse => "detached Québec house, ducted heat pump or furnace with cooling",
@@ -59,7 +59,7 @@ impl BuildingType {
         }
     }
 
-    /// Where its base model stands.
+    /// The place of its base model.
     pub fn home(self) -> &'static str {
         match self {
             Self::SingleFamilyHouse => "Montréal",

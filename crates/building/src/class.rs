@@ -1,4 +1,4 @@
-//! What a building is of: its type and its climate. What is measured on some buildings of a class holds for the others.
+//! Classes of buildings: a type in a climate. What is measured on some buildings of a class is used for the others.
 
 use std::fmt;
 
@@ -6,18 +6,18 @@ use serde::{Deserialize, Serialize};
 
 use crate::BuildingType;
 
-/// A type of building in a climate.
+/// A building type in a climate zone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct Class {
     /// The type.
     pub building_type: BuildingType,
-    /// Thermal zone of ASHRAE 169, 1 to 8. `None` for houses, which stand in Québec alone and are one class, and where it
-    /// is not known.
+    /// Thermal zone of ASHRAE 169, 1 to 8. `None` for houses, which are all in Québec and form one class, and if it is
+    /// unknown.
     pub climate_zone: Option<u8>,
 }
 
 impl Class {
-    /// The class of a type in a climate zone such as `5B` or `7`. What is warmer than zone 1 counts as zone 1.
+    /// Returns the class of a type in a climate zone, for example `5B` or `7`. Zone 0 counts as zone 1.
     pub fn new(building_type: BuildingType, ashrae_zone: Option<&str>) -> Self {
         let digit = ashrae_zone.and_then(|zone| zone.chars().next()?.to_digit(10)).map(|zone| zone as u8);
         let climate_zone = match building_type {
@@ -27,7 +27,7 @@ impl Class {
         Self { building_type, climate_zone }
     }
 
-    /// Every class of the dataset: the houses, and the other types in the zones 1 to 8.
+    /// Returns every class of the dataset: houses, and the other types in zones 1 to 8.
     pub fn all() -> impl Iterator<Item = Self> {
         BuildingType::ALL.into_iter().flat_map(|building_type| {
             let zones = match building_type {
@@ -53,7 +53,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_class_is_a_type_and_a_digit_and_houses_are_one() {
+    fn a_class_is_a_type_and_a_thermal_zone_and_houses_form_one() {
         let zone = |zone| Class::new(BuildingType::Warehouse, zone).climate_zone;
         assert_eq!([Some("5B"), Some("8"), Some("0A"), None].map(zone), [Some(5), Some(8), Some(1), None]);
         assert_eq!(Class::new(BuildingType::SingleFamilyHouse, Some("6A")).climate_zone, None);

@@ -1,4 +1,4 @@
-//! What constructions let through: resistances of opaque layers, U and solar heat gain of glazing.
+//! Thermal properties of constructions: resistance of opaque layers, U-factor and solar heat gain of glazing.
 
 use crate::Model;
 use crate::Result;
@@ -8,9 +8,9 @@ use crate::model::{Fields, number, text};
 pub const WALL_FILMS: f64 = 0.15;
 /// Air films on both sides of a roof, m²K/W: 0.03 outside, 0.11 inside (heat flowing up).
 pub const ROOF_FILMS: f64 = 0.14;
-/// The class of insulation in the prototypes: a resistance without mass.
+/// Class of the insulation in the prototypes: a resistance without mass.
 pub const INSULATION: &str = "Material:NoMass";
-/// The class of glazing that is given by its U and its solar heat gain coefficient alone.
+/// Class of glazing that is given by U-factor and solar heat gain coefficient only.
 pub const SIMPLE_GLAZING: &str = "WindowMaterial:SimpleGlazingSystem";
 /// Layers of a construction, outermost first.
 const LAYERS: [&str; 10] = [
@@ -26,21 +26,21 @@ const LAYERS: [&str; 10] = [
     "layer_10",
 ];
 
-/// What a window is made of.
+/// Properties of a glazing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Glazing {
-    /// U with air films, W/m²K.
+    /// U-factor with air films, W/m²K.
     pub u: f64,
     /// Solar heat gain coefficient.
     pub shgc: f64,
 }
 
-/// The layers of a construction, outermost first.
+/// Returns the layers of a construction, outermost first.
 pub fn layers(construction: &Fields) -> impl Iterator<Item = &str> {
     LAYERS.iter().map_while(|layer| text(construction, layer))
 }
 
-/// The insulation layer of a construction, in lower case.
+/// Returns the insulation layer of a construction, in lower case.
 ///
 /// # Errors
 /// [`crate::Error::MissingObject`] when the model has no such construction.
@@ -50,7 +50,7 @@ pub fn insulation_of(model: &Model, construction: &str) -> Result<Option<String>
     Ok(insulation.map(str::to_lowercase))
 }
 
-/// Resistance of a material, m²K/W; `None` when its class has none.
+/// Returns the resistance of a material, m²K/W; `None` if its class has none.
 pub fn resistance(model: &Model, material: &str) -> Option<f64> {
     for class in [INSULATION, "Material:AirGap"] {
         if let Some(fields) = model.get(class, material) {
@@ -61,15 +61,15 @@ pub fn resistance(model: &Model, material: &str) -> Option<f64> {
     Some(number(fields, "thickness")? / number(fields, "conductivity")?)
 }
 
-/// Resistance of all layers of a construction without air films, m²K/W. `None` for a construction that is not made of
-/// opaque layers: a window, a slab given by its F-factor.
+/// Returns the resistance of all layers of a construction without air films, m²K/W; `None` for a construction that is not
+/// made of opaque layers, such as a window or a slab given by its F-factor.
 pub fn assembly_resistance(model: &Model, construction: &str) -> Option<f64> {
     let mut layers = layers(model.get("Construction", construction)?).peekable();
     layers.peek()?;
     layers.map(|layer| resistance(model, layer)).sum()
 }
 
-/// Glazing of a window construction; `None` where it is given layer by layer.
+/// Returns the glazing of a window construction; `None` if it is given layer by layer.
 pub fn glazing(model: &Model, construction: &str) -> Option<Glazing> {
     let glass = text(model.get("Construction", construction)?, "outside_layer")?;
     let fields = model.get(SIMPLE_GLAZING, glass)?;

@@ -1,11 +1,11 @@
-//! What can go wrong with a building model.
+//! Errors of building models.
 
 use std::path::PathBuf;
 
 /// An error of this crate.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// A file that is not what its name says.
+    /// A file that is not a valid model.
     #[error("{path}: {why}")]
     Malformed {
         /// The file.
@@ -13,47 +13,47 @@ pub enum Error {
         /// What is wrong in it.
         why: String,
     },
-    /// An object that the model refers to, or that an edit needs, is not there.
-    #[error("the model has no {class} named `{name}`")]
+    /// A missing object that the model refers to or that an edit needs.
+    #[error("missing object: the model has no {class} named `{name}`")]
     MissingObject {
         /// EnergyPlus class.
         class: String,
         /// Object name.
         name: String,
     },
-    /// The model has HVAC that cannot be made controllable.
+    /// An HVAC component that cannot be made controllable.
     #[error("{class} `{name}` cannot be made controllable: {why}")]
     Unsupported {
         /// EnergyPlus class.
         class: String,
         /// Object name.
         name: String,
-        /// Why, and what would do.
+        /// The reason, and what is supported.
         why: String,
     },
-    /// A name that is no building type.
+    /// An unknown building type.
     #[error(
-        "there is no building type `{text}`{}; the types are {known}",
+        "unknown building type `{text}`{}; expected one of {known}",
         near.map(|near| format!(": did you mean {near}?")).unwrap_or_default()
     )]
     UnknownType {
         /// The name.
         text: String,
-        /// The type it resembles.
+        /// The most similar type.
         near: Option<&'static str>,
         /// Every type.
         known: String,
     },
-    /// Text that is no day of the year.
-    #[error("`{text}` is no date of the year: give MM-DD, for example 02-28 (there is no 29 February)")]
+    /// Text that is not a day of the year.
+    #[error("invalid date `{text}`; expected MM-DD, for example 02-28 (years have no 29 February)")]
     Date {
         /// The text.
         text: String,
     },
-    /// Text that is no run period.
+    /// Text that is not a run period.
     #[error(
-        "`{text}` is no run period: give winter, summer, full_year or MM-DD..MM-DD, \
-         first day before last"
+        "invalid run period `{text}`; expected winter, summer, full_year or MM-DD..MM-DD \
+         with the first day before the last"
     )]
     RunPeriod {
         /// The text.
@@ -64,29 +64,26 @@ pub enum Error {
     Io {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The error of the operating system.
         source: std::io::Error,
     },
-    /// A user's model that the engine would take for another building than its author meant.
+    /// A user's model with problems that the engine would silently accept.
     #[error("{path} cannot be imported:{}", problems.iter().map(|p| format!("\n  {p}")).collect::<String>())]
     Import {
         /// The file.
         path: PathBuf,
-        /// What has to be put right.
+        /// The problems, each with its remedy.
         problems: Vec<String>,
     },
-    /// A model without any HVAC system that can be driven.
-    #[error(
-        "{name} has nothing to drive: {}",
-        if left.is_empty() { "no air loop, unit heater or baseboard".to_owned() } else { reasons(left) }
-    )]
-    NothingToDrive {
+    /// A model without any HVAC system that can be made controllable.
+    #[error("{name} has no controllable system: {}", lines(reasons))]
+    NothingToControl {
         /// Name of the building.
         name: String,
-        /// What it has, and why that cannot be driven.
-        left: Vec<crate::hvac::LeftAlone>,
+        /// Its systems that are not controlled, and why; one line for all of a class with the same reason.
+        reasons: Vec<String>,
     },
-    /// The engine refused a model or stopped.
+    /// The engine rejected a model or failed.
     #[error(transparent)]
     Engine(#[from] b2b_energyplus::Error),
     /// The engine's table of sizes could not be read.
@@ -94,13 +91,13 @@ pub enum Error {
     SizeTable {
         /// The engine's SQLite output.
         path: PathBuf,
-        /// What SQLite said.
+        /// The error of SQLite.
         source: rusqlite::Error,
     },
-    /// Fields that the model leaves to the engine to size and for which the engine gave no size.
-    #[error("the engine gives no size for:\n  {}\nGive each a number in the model.", fields.join("\n  "))]
+    /// Autosized fields for which the engine reports no size.
+    #[error("the engine reports no size for:\n  {}\nGive each field a number in the model.", fields.join("\n  "))]
     Unsized {
-        /// Each field as class, object and field.
+        /// The fields, each as class, object and field.
         fields: Vec<String>,
     },
     /// A place or its weather file cannot be used.
@@ -118,15 +115,10 @@ impl Error {
 /// A result of this crate.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// Why systems cannot be driven, one line for all of a class with the same reason.
-fn reasons(left: &[crate::hvac::LeftAlone]) -> String {
-    let mut lines: Vec<(String, usize, &str)> = Vec::new();
-    for item in left {
-        match lines.iter_mut().find(|(class, _, why)| *class == item.what.class && *why == item.why) {
-            Some((_, count, _)) => *count += 1,
-            None => lines.push((item.what.class.clone(), 1, &item.why)),
-        }
+/// The reasons, one per line.
+fn lines(reasons: &[String]) -> String {
+    if reasons.is_empty() {
+        return "it has no air loop, unit heater or baseboard".to_owned();
     }
-    let line = |(class, count, why): &(String, usize, &str)| format!("\n  {count} × {class}: {why}");
-    lines.iter().map(line).collect()
+    reasons.iter().map(|reason| format!("\n  {reason}")).collect()
 }

@@ -1,7 +1,7 @@
-//! An EnergyPlus model as an epJSON document, with the few operations that edits need.
+//! EnergyPlus models as epJSON documents, with the operations that edits need.
 //!
-//! EnergyPlus names classes and objects without regard to case, and so does every query here. Objects
-//! come back in *model order*: the order of the IDF they were converted from (`idf_order`), then by name.
+//! Names of classes and objects are case-insensitive in EnergyPlus and in every query here. Objects are returned in
+//! *model order*: the order of the IDF they were converted from (`idf_order`), then by name.
 
 use std::fmt;
 use std::path::Path;
@@ -18,7 +18,7 @@ pub type Fields = Map<String, Value>;
 
 /// An EnergyPlus model: class → object name → fields.
 ///
-/// Writing is deterministic: classes, names and fields are in alphabetical order.
+/// Its text is deterministic: classes, names and fields are in alphabetical order.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, serde::Deserialize)]
 #[serde(transparent)]
 pub struct Model {
@@ -60,12 +60,12 @@ impl Model {
         Ok(Self { classes })
     }
 
-    /// The model as epJSON text.
+    /// Returns the model as epJSON text.
     pub fn to_epjson(&self) -> String {
         serde_json::to_string_pretty(&self.classes).expect("a JSON map always serialises")
     }
 
-    /// The objects of a class with their names, in model order.
+    /// Returns the objects of a class with their names, in model order.
     pub fn objects(&self, class: &str) -> Vec<(&str, &Fields)> {
         let mut objects: Vec<_> = self
             .class(class)
@@ -77,22 +77,22 @@ impl Model {
         objects
     }
 
-    /// The names of the objects of a class, in model order, as owned strings (for edits that follow).
+    /// Returns the names of the objects of a class, in model order; owned, so that the model can be edited.
     pub fn names(&self, class: &str) -> Vec<String> {
         self.objects(class).iter().map(|(name, _)| (*name).to_owned()).collect()
     }
 
-    /// The classes that have objects.
+    /// Returns the classes that have objects.
     pub fn classes(&self) -> impl Iterator<Item = &str> {
         self.classes.keys().map(String::as_str)
     }
 
-    /// Whether the class has an object of this name.
+    /// Whether a class has an object with this name.
     pub fn contains(&self, class: &str, name: &str) -> bool {
         self.get(class, name).is_some()
     }
 
-    /// The fields of one object.
+    /// Returns the fields of an object.
     pub fn get(&self, class: &str, name: &str) -> Option<&Fields> {
         self.class(class)?
             .iter()
@@ -108,7 +108,7 @@ impl Model {
             .and_then(|(_, value)| value.as_object_mut())
     }
 
-    /// The fields of an object that must be there.
+    /// Returns the fields of an object that must exist.
     ///
     /// # Errors
     /// [`Error::MissingObject`] naming the class and the object.
@@ -124,7 +124,7 @@ impl Model {
         self.get_mut(class, name).ok_or_else(|| missing(class, name))
     }
 
-    /// A size that an object must carry.
+    /// Returns a size that an object must have.
     ///
     /// # Errors
     /// [`Error::Unsupported`] when the field is not a number; [`Error::MissingObject`] naming the class and the object.
@@ -134,7 +134,7 @@ impl Model {
         number(self.require(class, name)?, field).ok_or_else(unsized_field)
     }
 
-    /// Takes out an object that must be there and returns its fields.
+    /// Removes an object that must exist and returns its fields.
     ///
     /// # Errors
     /// [`Error::MissingObject`] naming the class and the object.
@@ -142,10 +142,10 @@ impl Model {
         self.remove(class, name).ok_or_else(|| missing(class, name))
     }
 
-    /// Puts an object in, replacing one of the same name.
+    /// Inserts an object, replacing one with the same name.
     ///
     /// # Panics
-    /// When `fields` is not a JSON object: a mistake in the calling code, never in a user's file.
+    /// When `fields` is not a JSON object: a bug in the caller, not an error in a user's file.
     pub fn insert(&mut self, class: &str, name: &str, fields: Value) {
         assert!(fields.is_object(), "{class} `{name}`: fields must be an object");
         self.remove(class, name);
@@ -156,7 +156,7 @@ impl Model {
         }
     }
 
-    /// Takes an object out and returns its fields.
+    /// Removes an object and returns its fields.
     pub fn remove(&mut self, class: &str, name: &str) -> Option<Fields> {
         let class = self.class_key(class)?;
         let objects = self.classes.get_mut(&class)?.as_object_mut()?;
@@ -171,15 +171,14 @@ impl Model {
         }
     }
 
-    /// Takes out every object of a class.
+    /// Removes every object of a class.
     pub fn remove_class(&mut self, class: &str) {
         if let Some(class) = self.class_key(class) {
             self.classes.remove(&class);
         }
     }
 
-    /// Every string field equal to `from`, anywhere in the model, becomes `to`: how a node or an object is
-    /// renamed everywhere it is referred to.
+    /// Replaces every string field equal to `from` by `to`: renames a node or an object wherever it is referenced.
     pub fn replace_references(&mut self, from: &str, to: &str) {
         for objects in self.classes.values_mut() {
             replace_strings(objects, from, to);
@@ -203,8 +202,7 @@ impl Model {
     }
 }
 
-/// A JSON object whose members, and theirs in turn, have each a name of their own: of two that have one name, JSON
-/// readers keep either.
+/// A JSON object without duplicate names at any depth. Of duplicates JSON parsers keep one silently.
 struct Unique(Map<String, Value>);
 
 impl<'de> Deserialize<'de> for Unique {
@@ -216,7 +214,7 @@ impl<'de> Deserialize<'de> for Unique {
     }
 }
 
-/// Reads any value; in objects, at every depth, a name may stand once.
+/// Parses any value and rejects duplicate names in objects.
 struct UniqueVisitor;
 
 impl<'de> DeserializeSeed<'de> for UniqueVisitor {
@@ -238,7 +236,7 @@ impl<'de> Visitor<'de> for UniqueVisitor {
         let mut members = Map::new();
         while let Some(name) = access.next_key::<String>()? {
             if members.contains_key(&name) {
-                return Err(A::Error::custom(format!("two objects have the name `{name}`: rename one")));
+                return Err(A::Error::custom(format!("duplicate name `{name}`: rename one of the objects")));
             }
             members.insert(name, access.next_value_seed(UniqueVisitor)?);
         }
@@ -278,17 +276,17 @@ impl<'de> Visitor<'de> for UniqueVisitor {
     }
 }
 
-/// A text field, if it is there and is text.
+/// Returns a text field; `None` if it is missing or not text.
 pub fn text<'a>(fields: &'a Fields, field: &str) -> Option<&'a str> {
     fields.get(field)?.as_str()
 }
 
-/// A numeric field, if it is there and is a number.
+/// Returns a numeric field; `None` if it is missing or not a number.
 pub fn number(fields: &Fields, field: &str) -> Option<f64> {
     fields.get(field)?.as_f64()
 }
 
-/// The objects in an array field.
+/// Returns the objects in an array field.
 pub fn items<'a>(fields: &'a Fields, array: &str) -> impl Iterator<Item = &'a Fields> {
     fields.get(array).and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_object)
 }
@@ -334,7 +332,7 @@ mod tests {
     }
 
     #[test]
-    fn an_object_that_is_there_twice_is_refused_by_name() {
+    fn a_duplicate_object_is_rejected_by_name() {
         let text = r#"{"Zone": {"Core": {"x": [1, -2, 0.5, true, null]}, "Core": {}}}"#;
         let error = Model::from_epjson(text, Path::new("two.epJSON")).unwrap_err().to_string();
         assert!(error.contains("`Core`") && error.contains("two.epJSON"), "{error}");

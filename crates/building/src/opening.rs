@@ -3,7 +3,7 @@
 use crate::model::{Fields, Model, number, text};
 use crate::zone::{Surface, polygon_area};
 
-/// The class of windows and doors that are given by their corners.
+/// Class of windows and doors that are given by their corners.
 pub const FENESTRATION: &str = "FenestrationSurface:Detailed";
 
 /// A window or a door in a surface.
@@ -17,20 +17,20 @@ pub struct Opening {
     pub is_glass: bool,
     /// Name of its construction.
     pub construction: String,
-    /// Corners, m, from the origin that its surface has.
+    /// Corners, m, in the coordinates of its surface.
     pub corners: Vec<[f64; 3]>,
-    /// How many of it there are.
+    /// Multiplier.
     pub multiplier: f64,
 }
 
 impl Opening {
-    /// Area of all of it, m², without frame.
+    /// Area with multiplier, m², without frame.
     pub fn area(&self) -> f64 {
         polygon_area(&self.corners) * self.multiplier
     }
 }
 
-/// The windows and doors of a model, in model order.
+/// Returns the windows and doors of a model, in model order.
 pub fn openings(model: &Model) -> Vec<Opening> {
     let opening = |(name, fields): (&str, &Fields)| {
         let part = |field: &str| text(fields, field).unwrap_or_default().to_owned();
@@ -51,13 +51,13 @@ pub fn is_glass(fenestration: &Fields) -> bool {
     matches!(text(fenestration, "surface_type"), Some("Window" | "GlassDoor"))
 }
 
-/// The corners of a detailed fenestration surface.
+/// Returns the corners of a detailed fenestration surface.
 pub fn corners(fields: &Fields) -> Vec<[f64; 3]> {
     let axis = |corner: usize, axis| number(fields, &format!("vertex_{corner}_{axis}_coordinate"));
     (1..=4).map_while(|i| Some([axis(i, "x")?, axis(i, "y")?, axis(i, "z")?])).collect()
 }
 
-/// The surface that a fenestration surface is in.
+/// Returns the surface that contains a fenestration surface.
 pub fn parent<'a>(surfaces: &'a [Surface], fenestration: &Fields) -> Option<&'a Surface> {
     let name = text(fenestration, "building_surface_name")?;
     surfaces.iter().find(|surface| surface.name.eq_ignore_ascii_case(name))

@@ -1,4 +1,4 @@
-//! What the engine writes, which by default is as good as nothing.
+//! Output files of the engine: by default almost none.
 
 use serde_json::{Map, json};
 
@@ -9,8 +9,8 @@ const FILES: &str = "csv mtr eso eio tabular sqlite json audit space_sizing zone
                      rdd mdd mtd end shd dfs glhe delightin delighteldmp delightdfdmp edd dbg perflog sln sci \
                      wrl screen extshd tarcog";
 
-/// Removes every output and lets the engine write these files alone, for example `sqlite`. What is computed from
-/// a run is read from memory, and files cost a third of its time.
+/// Removes every output and has the engine write only these files, for example `sqlite`. Results are read from memory;
+/// writing files would take a third of the time of a run.
 ///
 /// `Meter:Custom` objects stay: a transformer may refer to one, and a dangling reference crashes the engine.
 pub(crate) fn write_only(model: &mut Model, files: &[&str]) {

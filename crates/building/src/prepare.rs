@@ -1,4 +1,4 @@
-//! From a model as its author left it to one that an agent can drive.
+//! Preparation of a model for control.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 use crate::hvac::energy_management;
-use crate::hvac::{self, Actuator, Discovery, LeftAlone, System};
+use crate::hvac::{self, Actuator, Discovery, System, SystemLayout, Uncontrolled};
 use crate::model::Model;
 use crate::outputs;
 use crate::run_period::RunPeriod;
@@ -16,47 +16,49 @@ use crate::sizing::{self, Sizes};
 use crate::zone;
 use crate::{Class, Error, Result};
 
-/// A building ready for control: hard-sized, every actuator bites, nothing is written.
+/// A building prepared for control: hard-sized, with controllable systems and without output files.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PreparedBuilding {
-    /// Name for people and for results, for example `OfficeSmall`.
+    /// Name, for example `OfficeSmall`.
     pub name: String,
-    /// What it is of; `None` for a model of the user's own, and where it was not told.
+    /// Its class; `None` for a user's model, or if it was not set.
     pub class: Option<Class>,
-    /// Whether it is a prototype as it comes with the engine, and not one that the generator of the dataset made of it.
+    /// Whether it is an unmodified prototype that ships with the engine, rather than a generated building.
     pub prototype: bool,
     /// The model: [`PreparedBuilding::model_for`] gives it a run period.
     model: Model,
     /// Every zone, in model order.
     pub zones: Vec<Zone>,
-    /// The systems whose actuators make the action, in the order of the action.
+    /// The controlled systems, in the order of the action.
     pub systems: Vec<System>,
-    /// Systems and equipment that keep their own controls, and why; empty but for imported buildings.
-    pub left: Vec<LeftAlone>,
-    /// Floor area of the conditioned zones, m²: what energy is divided by. Energy is that of all HVAC, so that zones
+    /// Places of the systems in the action and in the zones, in the same order.
+    layouts: Vec<SystemLayout>,
+    /// Systems and equipment that are not controlled, with the reason; empty except for imported buildings.
+    pub uncontrolled: Vec<Uncontrolled>,
+    /// Floor area of the conditioned zones, m², to which energy is normalized. Energy is that of all HVAC, so that zones
     /// under their own controls count too.
     pub conditioned_floor_area: f64,
 }
 
-/// A zone as an agent meets it.
+/// A zone of a prepared building.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Zone {
     /// Name.
     pub name: String,
     /// Floor area with multiplier, m².
     pub floor_area: f64,
-    /// What the equipment that an agent drives can do in it.
+    /// What its controlled equipment can do.
     pub conditioning: Conditioning,
-    /// Whether equipment that nobody drives holds its temperature, by the thermostat and the schedules of the model's
-    /// author. Such a zone is observed, and not judged.
+    /// Whether equipment that is not controlled conditions it, by the thermostat and the schedules of the model. Such a zone
+    /// is observed, but does not count in the reward.
     pub own_controls: bool,
 }
 
-/// What the equipment that an agent drives can do in a zone.
+/// What the controlled equipment of a zone can do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Conditioning {
-    /// Nothing: an attic, a plenum.
+    /// Nothing, as in an attic or a plenum.
     None,
     /// Heat only.
     Heating,
@@ -65,20 +67,20 @@ pub enum Conditioning {
 }
 
 impl PreparedBuilding {
-    /// Sizes a model as it is for a site and a weather file, then makes all of it controllable.
+    /// Sizes a model for a weather file, then makes every system controllable.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] naming the object that cannot be driven; [`Error::NothingToDrive`]; [`Error::Engine`] when
-    /// the engine refuses the model.
+    /// [`Error::Unsupported`] naming the object that cannot be made controllable; [`Error::NothingToControl`];
+    /// [`Error::Engine`] when the engine rejects the model.
     pub fn new(name: &str, mut model: Model, weather: &Path, library: &Library) -> Result<Self> {
         let air_density = size(&mut model, weather, library)?;
         energy_management::remove_ems_programs(&mut model, energy_management::sets_a_schedule);
         let systems = hvac::make_controllable(&mut model, air_density)?;
-        Self::with(name, model, Discovery { systems, left: Vec::new() })
+        Self::with(name, model, Discovery { systems, uncontrolled: Vec::new() })
     }
 
-    /// As [`PreparedBuilding::new`], but a system that cannot be driven is left as it is, and told in
-    /// [`PreparedBuilding::left`]. For a user's own model: see [`crate::import`].
+    /// As [`PreparedBuilding::new`], but a system that cannot be made controllable is not controlled and is listed in
+    /// [`PreparedBuilding::uncontrolled`]. For users' models: see [`crate::import`].
     ///
     /// # Errors
     /// As [`PreparedBuilding::new`], without [`Error::Unsupported`].
@@ -93,18 +95,22 @@ impl PreparedBuilding {
         Self::with(name, model, discovery)
     }
 
-    /// A sized model whose systems have been made controllable.
-    fn with(name: &str, mut model: Model, Discovery { systems, left }: Discovery) -> Result<Self> {
-        if systems.is_empty() {
-            return Err(Error::NothingToDrive { name: name.to_owned(), left });
+    /// Completes a sized model whose systems have been made controllable.
+    fn with(name: &str, mut model: Model, discovery: Discovery) -> Result<Self> {
+        if discovery.systems.is_empty() {
+            return Err(Error::NothingToControl { name: name.to_owned(), reasons: discovery.reasons() });
         }
+        let Discovery { systems, uncontrolled } = discovery;
         outputs::write_only(&mut model, &[]);
         keep_standard_time(&mut model);
         balance_exhaust(&mut model);
         one_system_step(&mut model);
         bound_warmup(&mut model);
         run_weather_alone(&mut model);
-        let zones = zones(&model, &systems)?;
+        let zones = zone::zones(&model)?;
+        let names: Vec<&str> = zones.iter().map(|zone| zone.name.as_str()).collect();
+        let layouts = SystemLayout::of_all(&systems, &names)?;
+        let zones = prepared_zones(&model, zones, &systems, &layouts)?;
         let conditioned = |zone: &&Zone| zone.conditioning != Conditioning::None || zone.own_controls;
         Ok(Self {
             name: name.to_owned(),
@@ -114,22 +120,23 @@ impl PreparedBuilding {
             conditioned_floor_area: zones.iter().filter(conditioned).map(|z| z.floor_area).sum(),
             zones,
             systems,
-            left,
+            layouts,
+            uncontrolled,
         })
     }
 
-    /// Lets go of the model, which takes ten times the memory of the rest, when environments have been made of it.
+    /// Drops the model, which takes ten times the memory of the rest, once environments have been built from it.
     pub fn forget_model(&mut self) {
         self.model = Model::default();
     }
 
-    /// Tells what it is of.
+    /// Sets its class.
     #[must_use]
     pub fn of_class(self, class: Option<Class>) -> Self {
         Self { class, ..self }
     }
 
-    /// The model for one run period, with this many zone time steps an hour.
+    /// Returns the model for a run period with this number of zone time steps per hour.
     pub fn model_for(&self, period: RunPeriod, steps_per_hour: u32) -> Model {
         let mut model = self.model.clone();
         model.remove_class("Timestep");
@@ -139,23 +146,33 @@ impl PreparedBuilding {
         model
     }
 
-    /// The model as prepared, without a run period of its own.
+    /// Returns the prepared model, without a run period.
     pub fn model(&self) -> &Model {
         &self.model
     }
 
-    /// The actuators, in the order of the action.
+    /// Returns the actuators, in the order of the action.
     pub fn actuators(&self) -> impl Iterator<Item = &Actuator> {
         self.systems.iter().flat_map(System::actuators)
     }
 
-    /// The zones that an agent can act on, in model order.
+    /// Returns the layouts of the systems, in the same order.
+    pub fn layouts(&self) -> &[SystemLayout] {
+        &self.layouts
+    }
+
+    /// Returns the systems with their layouts, in the order of the action.
+    pub fn laid_out_systems(&self) -> impl Iterator<Item = (&System, &SystemLayout)> {
+        self.systems.iter().zip(&self.layouts)
+    }
+
+    /// Returns the controlled zones, in model order.
     pub fn controlled_zones(&self) -> impl Iterator<Item = &Zone> {
         self.zones.iter().filter(|z| z.conditioning != Conditioning::None)
     }
 }
 
-/// Writes the sizes into a model, and returns the air density that its design flows are meant at, kg/m³.
+/// Writes sizes into a model and returns the air density of its design flows, kg/m³.
 fn size(model: &mut Model, weather: &Path, library: &Library) -> Result<f64> {
     let site = Site::read(weather)?;
     if sizing::wants_sizing(model) {
@@ -164,8 +181,8 @@ fn size(model: &mut Model, weather: &Path, library: &Library) -> Result<f64> {
     Ok(standard_air_density(site.elevation))
 }
 
-/// Density the engine takes for design flows, kg/m³: dry air at 20 °C at the standard pressure of the site's
-/// elevation (m), which it reads from the weather file.
+/// Air density that the engine assumes for design flows, kg/m³: dry air at 20 °C at the standard pressure of the elevation
+/// (m) in the weather file.
 pub fn standard_air_density(elevation: f64) -> f64 {
     // Standard atmosphere and ideal gas law with the engine's constants (Engineering Reference,
     // "Psychrometric Services").
@@ -173,17 +190,21 @@ pub fn standard_air_density(elevation: f64) -> f64 {
     pressure / (287.0 * (20.0 + 273.15))
 }
 
-fn zones(model: &Model, systems: &[System]) -> Result<Vec<Zone>> {
-    let conditioning = |zone: &str| {
-        let serving = |s: &&System| s.zones().iter().any(|z| z.eq_ignore_ascii_case(zone));
-        match systems.iter().find(serving) {
-            None => Conditioning::None,
-            Some(System::HeatingOnly(_)) => Conditioning::Heating,
-            Some(_) => Conditioning::HeatingAndCooling,
-        }
+/// Returns the zones of a model, with what the systems that serve them can do.
+fn prepared_zones(
+    model: &Model,
+    zones: Vec<zone::Zone>,
+    systems: &[System],
+    layouts: &[SystemLayout],
+) -> Result<Vec<Zone>> {
+    let conditioning = |zone: usize| match systems.iter().zip(layouts).find(|(_, layout)| layout.serves(zone))
+    {
+        None => Conditioning::None,
+        Some((System::HeatingOnly(_), _)) => Conditioning::Heating,
+        Some(_) => Conditioning::HeatingAndCooling,
     };
-    let prepared = |zone: zone::Zone| {
-        let conditioning = conditioning(&zone.name);
+    let prepared = |(index, zone): (usize, zone::Zone)| {
+        let conditioning = conditioning(index);
         let own_controls = conditioning == Conditioning::None && hvac::has_own_controls(model, &zone.name)?;
         Ok(Zone {
             conditioning,
@@ -192,17 +213,16 @@ fn zones(model: &Model, systems: &[System]) -> Result<Vec<Zone>> {
             name: zone.name,
         })
     };
-    zone::zones(model)?.into_iter().map(prepared).collect()
+    zones.into_iter().enumerate().map(prepared).collect()
 }
 
-/// Removes daylight saving: the clock that an agent sees and the occupants' schedules then agree all year,
-/// and neither jumps.
+/// Removes daylight saving time, so that the observed clock and the occupants' schedules agree all year and neither jumps.
 fn keep_standard_time(model: &mut Model) {
     model.remove_class("RunPeriodControl:DaylightSavingTime");
 }
 
-/// Lets outdoor air leak in where an exhaust fan takes more than the supply brings; otherwise the engine
-/// lets the missing air appear from nowhere, at room temperature.
+/// Balances exhaust fans by infiltration where they exceed the supply air; otherwise the engine makes up the missing air
+/// at room temperature, at no cost.
 fn balance_exhaust(model: &mut Model) {
     const CLASS: &str = "ZoneAirMassFlowConservation";
     if model.objects("Fan:ZoneExhaust").is_empty() {
@@ -220,9 +240,8 @@ fn balance_exhaust(model: &mut Model) {
     );
 }
 
-/// One system step in each zone step: the engine may otherwise cut a zone step up to reach its tolerances, and
-/// a meter reading would then cover several controls. Iterations are the engine's default: some prototypes
-/// allow 5, which sudden actions exceed.
+/// Forces one system time step per zone time step. The engine could otherwise divide a zone time step to reach its
+/// tolerances. The number of iterations is the engine's default: some prototypes allow 5, which sudden actions exceed.
 fn one_system_step(model: &mut Model) {
     model.remove_class("ConvergenceLimits");
     model.insert(
@@ -232,18 +251,18 @@ fn one_system_step(model: &mut Model) {
     );
 }
 
-/// Simulates the run period, which some models leave out, and not the design days.
+/// Simulates the run period, which some models disable, and not the design days.
 fn run_weather_alone(model: &mut Model) {
     let control = sizing::simulation_control(model);
     control.insert("run_simulation_for_weather_file_run_periods".into(), json!("Yes"));
     control.insert("run_simulation_for_sizing_periods".into(), json!("No"));
 }
 
-/// Least and most warm-up days. The warm-up controller is the same for every agent, so that their number is
-/// part of the environment's definition: 4 almost everywhere (measured on all types in Denver, Miami and
-/// Fairbanks), up to 9 for a hall without cooling in summer and for cold zones in Fairbanks.
+/// Minimum and maximum number of warm-up days. The warm-up controller is the same for every agent, so that their number is
+/// part of the definition of the environment: 4 almost everywhere (measured on all types in Denver, Miami and Fairbanks),
+/// up to 9 for a hall without cooling in summer and for cold zones in Fairbanks.
 const WARMUP_DAYS: [u32; 2] = [4, 25];
-/// How far two warm-up days may differ: K, and share of the loads. The engine's widest.
+/// Convergence tolerances of warm-up days: K, and fraction of the loads. The widest that the engine accepts.
 const WARMUP_TOLERANCES: [f64; 2] = [0.5, 0.5];
 
 fn bound_warmup(model: &mut Model) {
@@ -262,7 +281,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn air_is_thinner_in_denver_than_at_the_sea() {
+    fn the_air_density_of_denver_and_miami_is_that_of_the_engine() {
         // The engine's own figures for the weather files of Denver (1726 m) and Miami (11 m).
         assert!((standard_air_density(1726.0) - 0.977).abs() < 5e-4);
         assert!((standard_air_density(11.0) - 1.203).abs() < 5e-4);

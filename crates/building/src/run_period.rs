@@ -1,4 +1,4 @@
-//! The days an episode covers.
+//! Run periods: the days of an episode.
 
 use std::fmt;
 use std::str::FromStr;
@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use crate::{Error, Result};
 
-/// The calendar year of every episode: not a leap year, as weather files, and it starts on a Sunday.
+/// The calendar year of every episode: a common year, as in weather files, that starts on a Sunday.
 const YEAR: u32 = 2017;
 const MONTH_DAYS: [u32; 12] = [31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31];
 const WEEKDAYS: [&str; 7] = ["Monday", "Tuesday", "Wednesday", "Thursday", "Friday", "Saturday", "Sunday"];
@@ -20,9 +20,9 @@ pub struct Date {
     day: u32,
 }
 
-/// The first and the last day of an episode, both included, within one year.
+/// The first and the last day of an episode, both inclusive, within one year.
 ///
-/// Serialised as text, for example `01-01..03-31`.
+/// Serialized as text, for example `01-01..03-31`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct RunPeriod {
@@ -31,10 +31,10 @@ pub struct RunPeriod {
 }
 
 impl Date {
-    /// A date of the year, month and day from 1.
+    /// The date of a month and a day, both from 1.
     ///
     /// # Errors
-    /// [`Error::Date`] when there is no such day.
+    /// [`Error::Date`] when the date does not exist.
     pub fn new(month: u32, day: u32) -> Result<Self> {
         let days = (1..=12).contains(&month).then(|| MONTH_DAYS[month as usize - 1]);
         match days {
@@ -85,7 +85,7 @@ impl fmt::Display for Date {
 impl FromStr for Date {
     type Err = Error;
 
-    /// Reads `MM-DD`.
+    /// Parses `MM-DD`.
     fn from_str(text: &str) -> Result<Self> {
         let date = text
             .split_once('-')
@@ -120,10 +120,10 @@ impl RunPeriod {
         Self { first: Date { month: first.0, day: first.1 }, last: Date { month: last.0, day: last.1 } }
     }
 
-    /// A run period from a first to a last day, both included.
+    /// A run period from a first to a last day, both inclusive.
     ///
     /// # Errors
-    /// [`Error::RunPeriod`] when it would end before it starts: an episode stays within one year.
+    /// [`Error::RunPeriod`] when it ends before it starts: an episode stays within one year.
     pub fn new(first: Date, last: Date) -> Result<Self> {
         if last < first {
             return Err(Error::RunPeriod { text: format!("{first}..{last}") });
@@ -146,8 +146,8 @@ impl RunPeriod {
         self.last.day_of_year() - self.first.day_of_year() + 1
     }
 
-    /// The engine's `RunPeriod` object. The weekday follows the start date: the engine takes it from here,
-    /// not from the year.
+    /// The fields of the engine's `RunPeriod` object, with the weekday of the first day: the engine does not derive it from
+    /// the year.
     pub(crate) fn to_epjson(self) -> Value {
         json!({
             "begin_month": self.first.month,
@@ -180,7 +180,7 @@ impl fmt::Display for RunPeriod {
 impl FromStr for RunPeriod {
     type Err = Error;
 
-    /// Reads `winter`, `summer`, `full_year` or `MM-DD..MM-DD`.
+    /// Parses `winter`, `summer`, `full_year` or `MM-DD..MM-DD`.
     fn from_str(text: &str) -> Result<Self> {
         match text {
             "winter" => Ok(Self::WINTER),
@@ -220,14 +220,14 @@ mod tests {
     }
 
     #[test]
-    fn a_run_period_is_read_as_it_is_written() {
+    fn a_run_period_round_trips_through_text() {
         for text in ["winter", "summer", "full_year", "02-03..02-10"] {
             assert_eq!(text.parse::<RunPeriod>().unwrap().to_string(), text);
         }
     }
 
     #[test]
-    fn a_bad_date_is_named_with_what_is_accepted() {
+    fn the_error_of_an_invalid_date_has_the_format() {
         for text in ["spring", "02-30..03-01", "03-01..02-01", "0201..0301"] {
             let error = text.parse::<RunPeriod>().unwrap_err().to_string();
             assert!(error.contains("MM-DD"), "{error}");

@@ -1,4 +1,4 @@
-//! Zones and their surfaces, as the model describes them.
+//! Zones and their surfaces.
 
 use serde_json::Value;
 
@@ -10,13 +10,13 @@ use crate::{Error, Result};
 pub struct Zone {
     /// Name.
     pub name: String,
-    /// Floor area, m²: the model's own figure, or the sum of its floor surfaces.
+    /// Floor area, m²: given in the model, or the sum of its floor surfaces.
     pub floor_area: f64,
-    /// How many times the zone stands for itself in the building.
+    /// Zone multiplier.
     pub multiplier: f64,
 }
 
-/// What a surface is part of.
+/// Kinds of surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SurfaceKind {
     /// Wall.
@@ -36,15 +36,15 @@ pub struct Surface {
     pub name: String,
     /// Zone it belongs to.
     pub zone: String,
-    /// What it is part of.
+    /// Its kind.
     pub kind: SurfaceKind,
     /// Name of its construction.
     pub construction: String,
-    /// What is behind it: `Outdoors`, `Ground`, `Surface`, …
+    /// Outside boundary condition: `Outdoors`, `Ground`, `Surface`, …
     pub boundary: String,
-    /// Name of the surface or the zone behind it, where there is one.
+    /// Name of the surface or the zone on the other side, if there is one.
     pub boundary_object: String,
-    /// Corners as the model gives them, m: by default from the origin of the zone.
+    /// Corners in the coordinates of the model, m; by default relative to the origin of the zone.
     pub corners: Vec<[f64; 3]>,
 }
 
@@ -60,7 +60,7 @@ impl Surface {
     }
 }
 
-/// The zones of a model, in model order.
+/// Returns the zones of a model, in model order.
 ///
 /// # Errors
 /// As [`surfaces`].
@@ -74,10 +74,10 @@ pub fn zones(model: &Model) -> Result<Vec<Zone>> {
     Ok(zones.collect())
 }
 
-/// The surfaces of a model, in model order (`BuildingSurface:Detailed`).
+/// Returns the surfaces of a model, in model order (`BuildingSurface:Detailed`).
 ///
 /// # Errors
-/// [`Error::Unsupported`] when a surface has no kind or fewer than three corners.
+/// [`Error::Unsupported`] when a surface has no type or fewer than three corners.
 pub fn surfaces(model: &Model) -> Result<Vec<Surface>> {
     const CLASS: &str = "BuildingSurface:Detailed";
     model
@@ -127,12 +127,12 @@ fn floor_area(surfaces: &[Surface], zone: &str) -> f64 {
         .sum()
 }
 
-/// Area of a plane polygon in space, m².
+/// Returns the area of a plane polygon in space, m².
 pub fn polygon_area(corners: &[[f64; 3]]) -> f64 {
     area_vector(corners).iter().map(|n| n * n).sum::<f64>().sqrt()
 }
 
-/// The normal of a plane polygon, as long as its area, by Newell's method.
+/// Returns the normal of a plane polygon with the length of its area, by Newell's method.
 pub fn area_vector(corners: &[[f64; 3]]) -> [f64; 3] {
     let mut normal = [0.0; 3];
     for (i, a) in corners.iter().enumerate() {

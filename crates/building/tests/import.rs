@@ -70,7 +70,7 @@ fn a_hotel_of_mixed_systems_is_driven_as_far_as_it_can_be() {
     assert_eq!(count(|s| matches!(s, System::Unitary(_))), 12);
     assert_eq!(count(|s| matches!(s, System::HeatingOnly(_))), 13);
     let guest_rooms: Vec<_> = hotel.zones.iter().filter(|zone| zone.own_controls).collect();
-    let packaged = |class: &str| hotel.left.iter().filter(|left| left.what.class == class).count();
+    let packaged = |class: &str| hotel.uncontrolled.iter().filter(|item| item.object.class == class).count();
     assert_eq!(packaged("ZoneHVAC:PackagedTerminalAirConditioner"), 35);
     // Three heaters have nothing to give.
     assert_eq!(packaged("ZoneHVAC:UnitHeater"), 3);

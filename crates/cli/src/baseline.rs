@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::{Result, bail};
-use b2b_benchmark::{Baselines, Episode, Key, Subject, Surroundings, Terms, baseline_table};
+use b2b_benchmark::{Baselines, Episode, Key, ReturnTerms, SiteInfo, Subject, baseline_table};
 use b2b_building::RunPeriod;
 use b2b_dataset::Catalog;
 use b2b_env::Task;
@@ -24,10 +24,13 @@ use crate::{interrupt, shipped, stdout};
 /// the same command resumes an interrupted run; --fresh ignores the cache. With --check, compares the results with the
 /// shipped baselines and exits with code 1 if any differs by more than 1e-6 (relative).
 #[derive(clap::Args)]
-#[command(after_help = "\
+#[command(
+    verbatim_doc_comment,
+    after_help = "\
 Examples:
   b2b baseline --out crates/benchmark/data/baselines.csv     the shipped table
-  b2b baseline --check --fresh SingleFamilyHouse-0014 --task constant --period winter")]
+  b2b baseline --check --fresh SingleFamilyHouse-0014 --task constant --period winter"
+)]
 pub struct Arguments {
     #[command(flatten)]
     buildings: Buildings,
@@ -66,7 +69,7 @@ pub fn baseline(arguments: &Arguments) -> Result<ExitCode> {
     let bars = Bars::new(false);
     let lost = baselines.compute(&evaluation(&catalog, arguments.jobs.count()?)?, &missing, &bars)?;
     drop(bars);
-    if let Some((key, why)) = lost.iter().min() {
+    if let Some((key, why)) = lost.iter().min_by_key(|(key, _)| *key) {
         bail!("{} episodes failed; first: {}, {}, {}: {why}", lost.len(), key.building, key.task, key.period);
     }
     let rows: Vec<_> =
@@ -84,7 +87,7 @@ impl Arguments {
         for name in self.buildings.names()? {
             interrupt::check()?;
             let subject = Subject::at_home(name);
-            let surroundings: Surroundings = subject.locate(catalog, &mut Download::new(false))?;
+            let site: SiteInfo = subject.locate(catalog, &mut Download::new(false))?;
             for period in &self.periods {
                 for task in &self.tasks {
                     let episode = Episode {
@@ -94,7 +97,7 @@ impl Arguments {
                         seed: 0,
                         steps_per_hour: self.steps_per_hour,
                     };
-                    episodes.push((Key::of(&episode, &surroundings)?, episode));
+                    episodes.push((Key::of(&episode, &site)?, episode));
                 }
             }
         }
@@ -103,7 +106,7 @@ impl Arguments {
 }
 
 /// Compares with the shipped baselines.
-fn check(rows: &[(Key, Terms)]) -> Result<ExitCode> {
+fn check(rows: &[(Key, ReturnTerms)]) -> Result<ExitCode> {
     let known = Baselines::open()?;
     let mut wrong = Vec::new();
     for (key, terms) in rows {

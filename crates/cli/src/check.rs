@@ -11,7 +11,7 @@ use b2b_env::{Env, Task, Trajectory};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::arguments::buildings::Buildings;
+use crate::arguments::buildings::DatasetBuildings;
 use crate::arguments::controller::{Parameters, reactive};
 use crate::arguments::jobs::Jobs;
 use crate::arguments::location::Location;
@@ -27,15 +27,18 @@ use crate::{child, interrupt, stdout};
 /// summer week. A building fails if EnergyPlus stops or reports a severe error, if a heated zone falls below 12 °C, or
 /// if a cooled zone rises above 32 °C. Exits with code 1 if any building fails.
 #[derive(clap::Args)]
-#[command(after_help = "\
+#[command(
+    verbatim_doc_comment,
+    after_help = "\
 Examples:
   b2b check                                      the 48 buildings of test_small
   b2b check --split test --jobs 8
   b2b check --split all --period 01-15..01-15    one day in all 6,000 buildings; takes hours
-  b2b check OfficeSmall-0042 Warehouse-0007 --json")]
+  b2b check OfficeSmall-0042 Warehouse-0007 --json"
+)]
 pub struct Arguments {
     #[command(flatten)]
-    buildings: Buildings,
+    buildings: DatasetBuildings,
     /// Run period; repeat the option for several
     #[arg(long = "period", value_name = "PERIOD", default_values = WEEKS)]
     periods: Vec<RunPeriod>,
@@ -45,7 +48,7 @@ pub struct Arguments {
     #[arg(long)]
     json: bool,
     /// Check one building in this process, and print its episodes as JSON
-    #[arg(long, hide = true, value_name = "ID", conflicts_with_all = ["names", "split", "jobs"])]
+    #[arg(long, hide = true, value_name = "ID", conflicts_with_all = ["ids", "split", "jobs"])]
     one: Option<BuildingId>,
 }
 

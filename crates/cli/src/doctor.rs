@@ -19,21 +19,24 @@ use crate::stdout;
 
 /// Check the installation, or the actuator response of a building
 ///
-/// Verifies the SHA-256 of every cached file. Exits with code 1 if something needs repair.
+/// Verifies the SHA-256 of every cached file. Exits with code 1 if something needs repair, or if an actuator does not
+/// follow its commands.
 #[derive(clap::Args)]
-#[command(after_help = "\
+#[command(
+    verbatim_doc_comment,
+    after_help = "\
 Examples:
   b2b doctor                             check cache, engine, weather files and package client
   b2b doctor OfficeSmall                 also simulate one day of a building
   b2b doctor --authority OfficeSmall     actuator response check: command against response
-  b2b doctor --authority my.idf --weather my.epw")]
+  b2b doctor --authority my.idf --weather my.epw"
+)]
 pub struct Arguments {
     /// Building type to prepare and simulate for one day
     #[arg(value_name = "TYPE")]
     building_type: Option<BuildingType>,
-    /// Actuator response check: command every actuator of this building (type, dataset id or model file) to the
-    /// bottom, middle and top of its range on a winter and a summer day, and compare the simulated quantity with the
-    /// command; exits with code 1 if one does not respond
+    /// Check the actuator response of this building (type, dataset id or model file): command every actuator low,
+    /// middle and high on a winter and a summer day, and compare the simulated quantity with the command
     #[arg(long, value_name = "BUILDING", conflicts_with = "building_type")]
     authority: Option<BuildingName>,
     #[command(flatten)]

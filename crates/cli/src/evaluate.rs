@@ -15,7 +15,7 @@ use crate::arguments::jobs::Jobs;
 use crate::arguments::location::Location;
 use crate::arguments::policy::PolicyArguments;
 use crate::arguments::task;
-use crate::evaluation::{Bars, evaluation, fetch_weather, interval_text};
+use crate::evaluation::{Bars, evaluation, fetch_weather};
 use crate::progress::Download;
 use crate::stdout;
 use crate::table::Table;
@@ -28,7 +28,7 @@ use crate::table::Table;
 /// is better, below 1 beats the baseline. Finished episodes are kept: the same command resumes an interrupted
 /// evaluation. Exits with code 1 if an episode fails.
 #[derive(clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(verbatim_doc_comment, after_help = EXAMPLES)]
 pub struct Arguments {
     #[command(flatten)]
     policy: PolicyArguments,
@@ -71,7 +71,7 @@ lists it, to an array [1, action]. Actions range from -1 to 1 between the bounds
 
 /// Runs the command.
 pub fn evaluate(arguments: &Arguments) -> Result<ExitCode> {
-    let policy = arguments.policy.policy()?;
+    let policy = arguments.policy.load()?;
     let episodes = arguments.episodes()?;
     let folder = Folder::open(&arguments.out, policy.as_ref(), &episodes)?;
     let catalog = Catalog::open(&mut Download::new(arguments.json))?;
@@ -113,10 +113,7 @@ fn text(summary: &Summary, files: &[PathBuf]) -> String {
     let mut text: String =
         summary.windows.iter().map(|window| window_text(&summary.policy, window)).collect();
     for lost in &summary.lost {
-        text += &format!(
-            "failed: {}, {}, {}, seed {}: {}\n",
-            lost.building, lost.task, lost.period, lost.seed, lost.why
-        );
+        text += &format!("failed: {lost}\n");
     }
     if !summary.lost.is_empty() {
         text += "  run the same command again to retry the failed episodes\n\n";
@@ -129,7 +126,7 @@ fn text(summary: &Summary, files: &[PathBuf]) -> String {
 fn window_text(policy: &str, window: &Window) -> String {
     let several = window.types.len() > 1;
     let groups = || window.types.iter().chain(several.then_some(&window.all));
-    let episodes: usize = window.types.iter().map(episode_count).sum();
+    let episodes: usize = window.types.iter().map(Group::episodes).sum();
     format!(
         "{policy}, {episodes} episodes, {}, task {}\nnormalized score (lower is better, reactive controllers = 1)\n\n\
          {}\n\n  [95 % confidence intervals: bootstrap over episodes, stratified by type]\n\n",
@@ -137,10 +134,6 @@ fn window_text(policy: &str, window: &Window) -> String {
         window.task,
         table(groups())
     )
-}
-
-fn episode_count(group: &Group) -> usize {
-    group.scores.as_ref().map_or(0, |scores| scores.episodes)
 }
 
 fn table<'a>(groups: impl Iterator<Item = &'a Group>) -> String {
@@ -159,11 +152,11 @@ fn table<'a>(groups: impl Iterator<Item = &'a Group>) -> String {
         let cell = |of: fn(&Aggregate) -> String| group.scores.as_ref().map_or("–".to_owned(), of);
         table.row([
             group.name.clone(),
-            episode_count(group).to_string(),
-            cell(|scores| interval_text(scores.interquartile_mean)),
-            cell(|scores| interval_text(scores.median)),
-            cell(|scores| interval_text(scores.mean)),
-            cell(|scores| format!("{:.0}", 100.0 * scores.beats_baseline.value)),
+            group.episodes().to_string(),
+            cell(|scores| scores.interquartile_mean.to_string()),
+            cell(|scores| scores.median.to_string()),
+            cell(|scores| scores.mean.to_string()),
+            cell(|scores| format!("{:.0}", scores.beats_baseline_percent())),
             format!("{:.2}", group.rms_deviation_k),
             format!("{:.2}", group.energy_wh_m2 / 1000.0),
             format!("{:.1}", group.daily_travel),

@@ -3,7 +3,6 @@
 use std::sync::Mutex;
 
 use anyhow::Result;
-use b2b_benchmark::statistics::Interval;
 use b2b_benchmark::{Episode, Evaluation, Progress};
 use b2b_dataset::{BuildingName, Catalog};
 use b2b_env::vector::Launcher;
@@ -25,11 +24,6 @@ pub fn fetch_weather(episodes: &[Episode], quiet: bool) -> Result<()> {
         BuildingName::Type(_) | BuildingName::Model(_) => None,
     };
     weather::fetch(episodes.iter().filter_map(of_dataset), quiet)
-}
-
-/// Returns a value with its confidence interval.
-pub fn interval_text(Interval { value, low, high }: Interval) -> String {
-    if low == high { format!("{value:.3}") } else { format!("{value:.3} [{low:.3}, {high:.3}]") }
 }
 
 /// A progress bar of simulated days, one for each stage of an evaluation.

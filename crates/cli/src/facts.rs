@@ -1,9 +1,11 @@
 //! The description of a building, shared by `b2b show` and `b2b view`.
 
+use std::sync::Arc;
+
 use anyhow::Result;
 use b2b_building::description::{Description, SystemDescription, leakage};
 use b2b_building::morphology::Owner;
-use b2b_building::{Conditioning, Morphology};
+use b2b_building::{Conditioning, Morphology, PreparedBuilding, Zone};
 use b2b_dataset::{BuildingName, manifest};
 use b2b_env::Env;
 use serde_json::{Map, Value};
@@ -14,6 +16,7 @@ use crate::table::Table;
 
 /// A building, described.
 pub struct Facts {
+    building: Arc<PreparedBuilding>,
     /// Geometry, envelope and systems.
     pub description: Description,
     /// Graph of zones and systems.
@@ -36,9 +39,14 @@ pub struct Parameter {
     pub unit: &'static str,
 }
 
-/// Columns of the table of systems.
-pub const SYSTEM_COLUMNS: [&str; 7] =
-    ["system", "type", "zones", "air flow (kg/s)", "heating (kW)", "cooling (kW)", "reheat (kW)"];
+/// The way in which a table lists the zones that a system serves.
+#[derive(Clone, Copy)]
+pub enum Served {
+    /// One zone by name, several by their number.
+    Counted,
+    /// All zones by name.
+    Named,
+}
 
 impl Facts {
     /// Describes a prepared building.
@@ -51,6 +59,7 @@ impl Facts {
             BuildingName::Model(_) => "imported model",
         };
         Ok(Self {
+            building: Arc::clone(&prepared.building),
             morphology: Morphology::of(&prepared.building, &description),
             description,
             place: prepared.place.clone(),
@@ -136,46 +145,93 @@ impl Facts {
     }
 
     fn zones_line(&self) -> String {
-        let zones = &self.description.zones;
-        let other = zones.iter().filter(|zone| zone.conditioning == Conditioning::None).count();
-        match other {
-            0 => format!("{} conditioned", zones.len()),
-            _ => format!("{} conditioned, {other} unconditioned", zones.len() - other),
+        let zones = &self.building.zones;
+        let conditioned = zones.iter().filter(|zone| zone.conditioning != Conditioning::None).count();
+        let own_controls = zones.iter().filter(|zone| zone.own_controls).count();
+        let unconditioned = zones.len() - conditioned - own_controls;
+        let mut text = format!("{conditioned} conditioned");
+        for (count, what) in [(own_controls, "with their own controls"), (unconditioned, "unconditioned")] {
+            if count > 0 {
+                text += &format!(", {count} {what}");
+            }
         }
+        text
     }
 
     /// Returns a table with a row per system.
-    pub fn systems_text(&self) -> String {
-        let mut table = Table::new(SYSTEM_COLUMNS);
+    pub fn systems(&self, served: Served) -> Table {
+        let mut table = Table::new([
+            "system",
+            "type",
+            "zones",
+            "air flow (kg/s)",
+            "heating (kW)",
+            "cooling (kW)",
+            "reheat (kW)",
+        ]);
         for system in &self.description.systems {
-            let kw = |watts: f64| if watts > 0.0 { format!("{:.1}", watts / 1000.0) } else { "–".into() };
-            let flow = system.design_flow;
             table.row([
                 system.name.clone(),
                 system.kind.name().into(),
-                self.served(system),
-                if flow > 0.0 { format!("{flow:.2}") } else { "–".into() },
-                kw(system.heating_capacity),
-                kw(system.cooling_capacity),
-                kw(system.reheat_capacity),
+                self.served(system, served),
+                positive(system.design_flow, 2),
+                kilowatts(system.heating_capacity),
+                kilowatts(system.cooling_capacity),
+                kilowatts(system.reheat_capacity),
             ]);
         }
-        table.text()
+        table
     }
 
-    /// Returns the name of the zone that a system serves, or the number of zones.
-    fn served(&self, system: &SystemDescription) -> String {
-        match system.zones[..] {
-            [zone] => self.description.zones[zone].name.clone(),
-            _ => format!("{} zones", system.zones.len()),
+    /// Returns the zones that a system serves.
+    fn served(&self, system: &SystemDescription, served: Served) -> String {
+        let names: Vec<_> =
+            system.zones.iter().map(|zone| self.description.zones[*zone].name.as_str()).collect();
+        match served {
+            Served::Counted if names.len() > 1 => format!("{} zones", names.len()),
+            _ => names.join(", "),
         }
+    }
+
+    /// Returns a table with a row per zone.
+    pub fn zones(&self) -> Table {
+        let mut table = Table::new([
+            "zone",
+            "floor area (m²)",
+            "volume (m³)",
+            "exterior walls",
+            "window/wall",
+            "ground contact",
+            "infiltration (1/h)",
+            "equipment",
+            "air flow (kg/s)",
+            "heating (kW)",
+            "cooling (kW)",
+        ]);
+        for (zone, described) in self.building.zones.iter().zip(&self.description.zones) {
+            let sizes = described.equipment.unwrap_or_default();
+            table.row([
+                zone.name.clone(),
+                format!("{:.1}", zone.floor_area),
+                format!("{:.0}", described.volume),
+                percent(described.exterior_wall_fraction),
+                percent(described.window_to_wall),
+                percent(described.ground_contact_fraction),
+                format!("{:.2}", described.infiltration),
+                equipment(zone).into(),
+                positive(sizes.design_flow, 2),
+                kilowatts(sizes.heating_capacity),
+                kilowatts(sizes.cooling_capacity),
+            ]);
+        }
+        table
     }
 
     /// Returns the sizes of observation and action by kind of owner.
     pub fn spaces(&self, env: &Env) -> [(&'static str, String); 2] {
         let kind = |owner: Owner| match owner {
-            Owner::Zone(_) => "zones",
-            Owner::AirLoop(_) => "air loops",
+            Owner::Zone(_) => "zone",
+            Owner::AirLoop(_) => "air loop",
             Owner::Weather => "weather",
             Owner::Calendar => "calendar",
             Owner::Energy => "energy",
@@ -220,7 +276,7 @@ fn parameters(name: &BuildingName) -> Vec<Parameter> {
         .collect()
 }
 
-/// Returns counts by kind, such as `8 values (6 zones, 2 weather)`.
+/// Returns counts by kind, such as `8 values: 6 zone, 2 weather`.
 fn counted<'a>(kinds: impl Iterator<Item = &'a str>) -> String {
     let mut counts: Vec<(&str, usize)> = Vec::new();
     let mut total = 0;
@@ -232,11 +288,29 @@ fn counted<'a>(kinds: impl Iterator<Item = &'a str>) -> String {
         }
     }
     let counts: Vec<_> = counts.into_iter().map(|(kind, count)| format!("{count} {kind}")).collect();
-    format!("{total} values ({})", counts.join(", "))
+    format!("{total} values: {}", counts.join(", "))
+}
+
+fn equipment(zone: &Zone) -> &'static str {
+    match zone.conditioning {
+        Conditioning::None if zone.own_controls => "own controls",
+        Conditioning::None => "none",
+        Conditioning::Heating => "heating only",
+        Conditioning::HeatingAndCooling => "heating and cooling",
+    }
+}
+
+/// Returns a number, or a dash for zero.
+fn positive(value: f64, decimals: usize) -> String {
+    if value > 0.0 { format!("{value:.decimals$}") } else { "–".into() }
+}
+
+fn kilowatts(watts: f64) -> String {
+    positive(watts / 1000.0, 1)
 }
 
 /// Returns a fraction as a percentage.
-pub fn percent(fraction: f64) -> String {
+fn percent(fraction: f64) -> String {
     let percent = 100.0 * fraction;
     if percent < 9.95 { format!("{percent:.1} %") } else { format!("{percent:.0} %") }
 }
@@ -247,6 +321,6 @@ mod tests {
 
     #[test]
     fn values_are_counted_by_kind_in_order_of_appearance() {
-        assert_eq!(counted(["zones", "weather", "zones"].into_iter()), "3 values (2 zones, 1 weather)");
+        assert_eq!(counted(["zone", "weather", "zone"].into_iter()), "3 values: 2 zone, 1 weather");
     }
 }

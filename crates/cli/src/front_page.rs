@@ -39,7 +39,7 @@ Exit codes: 0 success, 1 failure, 130 interrupted.";
 pub fn add(parser: clap::Command) -> clap::Command {
     let commands = commands(&parser);
     parser
-        .help_template(format!("{{about}}\n\n{{usage-heading}} {{usage}}\n\n{START}\n\n{commands}\nOptions:\n{{options}}{{after-help}}"))
+        .help_template(format!("{{about}}\n\n{{usage-heading}} {{usage}}\n\n{START}\n\n{commands}Options:\n{{options}}{{after-help}}"))
         .after_help(NOTES)
 }
 

@@ -21,7 +21,7 @@ Examples:
   b2b list places --json")]
 pub struct Arguments {
     /// What to list
-    #[arg(value_enum, default_value_t = Subject::Types)]
+    #[arg(value_enum, value_name = "types|places", hide_possible_values = true, default_value_t = Subject::Types)]
     subject: Subject,
     /// Include the number of zones and the sizes of observation and action (takes about a second per type)
     #[arg(long)]
@@ -31,7 +31,7 @@ pub struct Arguments {
     json: bool,
 }
 
-/// What to list.
+/// The subject of the list.
 #[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
 enum Subject {
     /// Building types

@@ -81,12 +81,18 @@ enum Command {
 fn main() -> ExitCode {
     #[cfg(target_os = "linux")]
     b2b_env::vector::run_if_worker();
-    let command = match parse() {
-        Ok(command) => command,
+    let mut parser = front_page::add(Cli::command());
+    if std::env::args_os().len() <= 1 {
+        // Nothing can be done when the terminal is gone.
+        let _ = parser.print_help();
+        return ExitCode::SUCCESS;
+    }
+    let parsed = parser.try_get_matches().and_then(|matches| Cli::from_arg_matches(&matches));
+    let command = match parsed {
+        Ok(cli) => cli.command,
         Err(usage) => {
-            // Nothing can be done when the terminal is gone.
             let _ = usage.print();
-            return if usage.exit_code() == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE };
+            return if usage.use_stderr() { ExitCode::FAILURE } else { ExitCode::SUCCESS };
         }
     };
     match interrupt::listen().and_then(|()| execute(command)) {
@@ -101,16 +107,6 @@ fn main() -> ExitCode {
             ExitCode::FAILURE
         }
     }
-}
-
-/// Parses the command line. Without arguments, the error is the help text.
-fn parse() -> clap::error::Result<Command> {
-    let mut parser = front_page::add(Cli::command());
-    if std::env::args_os().len() <= 1 {
-        let help = parser.render_help().ansi().to_string();
-        return Err(parser.error(clap::error::ErrorKind::DisplayHelp, help));
-    }
-    Ok(Cli::from_arg_matches(&parser.try_get_matches()?)?.command)
 }
 
 fn execute(command: Command) -> Result<ExitCode> {

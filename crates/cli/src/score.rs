@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use arrow_array::types::Float64Type;
 use arrow_array::{Array, PrimitiveArray};
-use b2b_benchmark::{Baselines, Episode, Subject, Surroundings, normalized_score};
+use b2b_benchmark::{Baselines, Episode, SiteInfo, Subject, Versions, normalized_score};
 use b2b_building::RunPeriod;
 use b2b_climate::Place;
 use b2b_dataset::{BuildingName, Catalog};
@@ -17,7 +17,6 @@ use serde::Serialize;
 use crate::arguments::location::Location;
 use crate::evaluation::{Bars, evaluation};
 use crate::progress::Download;
-use crate::run::summary::Versions;
 use crate::stdout;
 
 /// Score a trajectory against the reactive controllers
@@ -26,10 +25,13 @@ use crate::stdout;
 /// for the same building, task and run period: lower is better, below 1 beats the baseline. A baseline that is not yet
 /// known is simulated first and cached.
 #[derive(clap::Args)]
-#[command(after_help = "\
+#[command(
+    verbatim_doc_comment,
+    after_help = "\
 Examples:
   b2b score b2b-out/OfficeSmall-Denver-winter-random/trajectory.parquet
-  b2b score trajectory.parquet --building my.idf --weather my.epw")]
+  b2b score trajectory.parquet --building my.idf --weather my.epw"
+)]
 pub struct Arguments {
     /// File written by `b2b run`
     #[arg(value_name = "TRAJECTORY.parquet")]
@@ -77,14 +79,14 @@ pub fn score(arguments: &Arguments) -> Result<()> {
     let steps_per_hour = trajectory.steps_per_hour(&arguments.trajectory)?;
     let catalog = Catalog::open(&mut Download::new(arguments.json))?;
     let Trajectory { subject, period, .. } = &trajectory;
-    let surroundings = surroundings(&catalog, subject, arguments.json)?;
+    let site = find_site(&catalog, subject, arguments.json)?;
     let task = trajectory.task.clone();
     let episode =
         Episode { subject: subject.clone(), task: task.clone(), period: *period, seed: 0, steps_per_hour };
     let baselines = Baselines::open()?;
     let bars = Bars::new(arguments.json);
     let evaluation = evaluation(&catalog, 1)?;
-    let baseline_return = baselines.episode_return(&evaluation, &episode, &surroundings, &bars)?;
+    let baseline_return = baselines.episode_return(&evaluation, &episode, &site, &bars)?;
     drop(bars);
     let episode_return = -trajectory.temperature_penalty - trajectory.energy_penalty;
     let score = Score {
@@ -101,7 +103,7 @@ pub fn score(arguments: &Arguments) -> Result<()> {
     stdout::print_result(arguments.json, &score, || score.text())
 }
 
-fn surroundings(catalog: &Catalog, subject: &Subject, quiet: bool) -> Result<Surroundings> {
+fn find_site(catalog: &Catalog, subject: &Subject, quiet: bool) -> Result<SiteInfo> {
     let located = subject.locate(catalog, &mut Download::new(quiet));
     located.with_context(|| format!("cannot prepare {}", subject.name))
 }

@@ -12,10 +12,13 @@ use crate::stdout;
 /// Other commands download automatically what they need. Use this to prepare a machine for offline work, or to repair a
 /// cache that `b2b doctor` reports as damaged.
 #[derive(clap::Args)]
-#[command(after_help = "\
+#[command(
+    verbatim_doc_comment,
+    after_help = "\
 Examples:
   b2b setup          EnergyPlus with its models and weather files
-  b2b setup --all    also the weather of every place")]
+  b2b setup --all    also the weather of every place"
+)]
 pub struct Arguments {
     /// Also download the weather of every place
     #[arg(long)]

@@ -1,7 +1,6 @@
 //! `b2b show`: a description of a building and of its observation and action spaces.
 
 use anyhow::Result;
-use b2b_building::description::ZoneDescription;
 use b2b_building::hvac::Actuator;
 use b2b_building::morphology::{Owner, Universe};
 use b2b_building::{Conditioning, RunPeriod, Zone};
@@ -10,7 +9,7 @@ use b2b_env::{Env, Slot, Task};
 use serde_json::{Value, json};
 
 use crate::arguments::location::Location;
-use crate::facts::{Facts, percent};
+use crate::facts::{Facts, Served};
 use crate::prepare::Prepared;
 use crate::stdout;
 use crate::table::Table;
@@ -61,13 +60,13 @@ pub fn show(arguments: &Arguments) -> Result<()> {
 }
 
 fn text_of(arguments: &Arguments, prepared: &Prepared, env: &Env, facts: &Facts) -> String {
-    let mut parts = vec![facts.title(), lines_text(&facts.lines()), facts.systems_text()];
+    let mut parts = vec![facts.title(), lines_text(&facts.lines()), facts.systems(Served::Counted).text()];
     if !facts.parameters.is_empty() {
         let parameters: Vec<_> = facts.parameters.iter().map(|parameter| parameter.text()).collect();
         parts.push(wrapped(&parameters));
     }
     parts.push(lines_text(&facts.spaces(env)));
-    let zones = zones_text(&prepared.building.zones, &facts.description.zones);
+    let zones = facts.zones().text();
     let actions = actuators_text(prepared.building.actuators());
     let observations = slots_text(env.observation_space().slots());
     let details = [
@@ -100,41 +99,6 @@ fn wrapped(items: &[String]) -> String {
         }
     }
     lines.join("\n")
-}
-
-fn zones_text(zones: &[Zone], described: &[ZoneDescription]) -> String {
-    let mut table = Table::new([
-        "zone",
-        "floor area (m²)",
-        "volume (m³)",
-        "exterior walls",
-        "window/wall",
-        "ground contact",
-        "infiltration (1/h)",
-        "equipment",
-    ]);
-    for (zone, described) in zones.iter().zip(described) {
-        table.row([
-            zone.name.clone(),
-            format!("{:.1}", zone.floor_area),
-            format!("{:.0}", described.volume),
-            percent(described.exterior_wall_fraction),
-            percent(described.window_to_wall),
-            percent(described.ground_contact_fraction),
-            format!("{:.2}", described.infiltration),
-            equipment(zone).into(),
-        ]);
-    }
-    table.text()
-}
-
-fn equipment(zone: &Zone) -> &'static str {
-    match zone.conditioning {
-        Conditioning::None if zone.own_controls => "not controlled by the agent",
-        Conditioning::None => "none",
-        Conditioning::Heating => "heating",
-        Conditioning::HeatingAndCooling => "heating and cooling",
-    }
 }
 
 fn actuators_text<'a>(actuators: impl Iterator<Item = &'a Actuator>) -> String {

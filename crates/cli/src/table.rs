@@ -1,5 +1,7 @@
 //! A text table with aligned columns.
 
+use serde_json::{Value, json};
+
 /// Rows under a header. Columns of numbers are right-aligned.
 pub struct Table {
     rows: Vec<Vec<String>>,
@@ -24,6 +26,11 @@ impl Table {
             format!("  {}", cells.join("  ")).trim_end().to_owned()
         };
         self.rows.iter().map(line).collect::<Vec<_>>().join("\n")
+    }
+
+    /// Returns an object with the header and the rows.
+    pub fn json(&self) -> Value {
+        json!({"header": self.rows[0], "rows": self.rows[1..]})
     }
 
     fn column(&self, index: usize) -> Column {

@@ -1,4 +1,4 @@
-//! `b2b benchmark` seen from outside, on the real engine: two houses, one day.
+//! `b2b benchmark` from the outside, on the real engine: two houses, one day.
 #![cfg(target_os = "linux")]
 
 mod browser;
@@ -11,13 +11,14 @@ use std::process::Stdio;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use b2b_benchmark::entry::{Check, Rerun, read_result, verify};
+use b2b_benchmark::entry::{Check, Sample, read_result, verify};
 use b2b_benchmark::problem::Stage;
-use b2b_benchmark::{Evaluation, Problem, Row, Versions, write_stages};
+use b2b_benchmark::{Evaluation, Problem, Row, Scored, Versions, write_stages};
 use b2b_building::{Conditioning, PreparedBuilding};
 use b2b_control::ReactiveParameters;
 use b2b_dataset::BuildingId;
 use b2b_dataset::{BuildingName, Catalog, Placement};
+use b2b_energyplus::digest::sha256;
 use b2b_energyplus::install::Quiet;
 use b2b_env::Setpoints;
 use b2b_env::Spaces;
@@ -25,7 +26,6 @@ use b2b_env::vector::Launcher;
 use onnx_file::linear_policy;
 use program::{assert_rejected, b2b, both_outputs, command};
 use serde_json::{Value, json};
-use sha2::{Digest, Sha256};
 use tempfile::TempDir;
 
 /// Two test houses and two to train on, of one to three zones, for one day.
@@ -73,20 +73,20 @@ fn the_reactive_controllers_score_one_and_two_runs_write_the_same_bytes() {
         names
     };
     assert_eq!(names("first"), ["episodes.parquet", "result.json"]);
-    // Run once more, it is left as it is.
+    // A second run leaves the result unchanged.
     let before = std::fs::metadata(folder.path().join("first/result.json")).unwrap().modified().unwrap();
     run(folder.path(), &format!("{SMALL} --policy random --out first"));
     assert_eq!(
         std::fs::metadata(folder.path().join("first/result.json")).unwrap().modified().unwrap(),
         before
     );
-    // And refused to another.
+    // Another policy is rejected.
     let other = format!("run {SMALL} --policy constant --out first");
-    assert_refused(folder.path(), &other, &["holds another evaluation", "policies"]);
+    assert_refused(folder.path(), &other, &["contains a different evaluation", "policies"]);
 }
 
-/// The paper's table of buildings: type, observation under constant targets at least and at most, actuators. Where targets
-/// move there are two more slots for every controlled zone.
+/// The paper's table of buildings: type, minimum and maximum size of the observation under constant targets, number of
+/// actuators. Varying targets add two slots per controlled zone.
 const PAPER: [(&str, [usize; 2], usize); 5] = [
     ("SingleFamilyHouse", [9, 11], 2),
     ("Warehouse", [10, 10], 5),
@@ -127,14 +127,18 @@ fn every_side_of_every_problem_has_the_sizes_of_the_paper() {
                 let episode =
                     b2b_env::EpisodeConfig { weather, period, steps_per_hour: 12, task: task.clone() };
                 let spaces = Spaces::new(Arc::clone(building), episode);
-                let told = if moving { 2 * controlled } else { 0 };
+                let target_slots = if moving { 2 * controlled } else { 0 };
                 let seen = spaces.observation.len();
-                assert!((slots[0] + told..=slots[1] + told).contains(&seen), "{}: {seen}", problem.name);
+                assert!(
+                    (slots[0] + target_slots..=slots[1] + target_slots).contains(&seen),
+                    "{}: {seen}",
+                    problem.name
+                );
                 assert!(problem.protocol.observation_width.is_none_or(|width| seen <= width));
                 let left = match side.restriction {
                     None => *actuators,
                     Some(restriction) => {
-                        restriction.within(&spaces, &ReactiveParameters::default()).unwrap().kept().len()
+                        restriction.apply(&spaces, &ReactiveParameters::default()).unwrap().kept().len()
                     }
                 };
                 assert_eq!(spaces.action.len(), *actuators, "{}", problem.name);
@@ -199,7 +203,7 @@ fn withheld_actuators_change_neither_the_building_nor_the_score_of_the_reactive_
         let line = printed.lines().find(|line| line.contains("OfficeSmall-0005")).unwrap();
         assert!(line.ends_with("1.000"), "{line}");
         let (_, stages) = read_result(&folder.path().join(name)).unwrap();
-        let hash = |stage: usize| &stages[stage].1[0].record.trajectory_hash;
+        let hash = |stage: usize| &stages[stage].1[0].outcome.as_ref().unwrap().trajectory_hash;
         // Both sides: what is taken away, the reactive controllers drive as they drive all.
         assert_eq!(hash(0), hash(1), "{sizes:?}");
     }
@@ -210,19 +214,19 @@ fn withheld_actuators_change_neither_the_building_nor_the_score_of_the_reactive_
     }
     run(folder.path(), &format!("unitary-5-10 {day} --policy 10.onnx --train-policy 5.onnx --out fits"));
     let (result, stages) = read_result(&folder.path().join("fits")).unwrap();
-    assert!(stages.iter().all(|(_, rows)| rows[0].record.clamped_actions == 0));
+    assert!(stages.iter().all(|(_, rows)| rows[0].metrics().unwrap().clamped_actions == 0));
     assert_eq!(std::fs::read_dir(folder.path().join("fits/policy")).unwrap().count(), 2);
     assert_eq!(result.policies.len(), 2);
     let refused = format!("run unitary-10-5 {day} --policy 10.onnx --out refused");
-    assert_refused(folder.path(), &refused, &["10.onnx", "gives 10 numbers", "has 5", "supply air flow"]);
+    assert_refused(folder.path(), &refused, &["10.onnx", "returns 10 values", "has 5", "supply air flow"]);
     assert_refused(
         folder.path(),
         &format!("run unitary-5-10 {day} --policy 5.onnx --out other"),
-        &["gives 5", "has 10", "supply air temperature"],
+        &["returns 5", "has 10", "supply air temperature"],
     );
     // Pinned, they are no longer those that the baseline is of.
     let printed =
-        run(folder.path(), &format!("unitary-10-5 {day} --left-to pin --policy reactive --out pinned"));
+        run(folder.path(), &format!("unitary-10-5 {day} --fallback pin --policy reactive --out pinned"));
     let line = printed.lines().find(|line| line.contains("OfficeSmall-0005")).unwrap();
     assert!(!line.ends_with(" 1.000"), "{line}");
     assert!(printed.contains("modified: ") && printed.contains("restriction.left_to"), "{printed}");
@@ -245,7 +249,7 @@ fn an_adapted_policy_is_scored_before_and_after_adaptation() {
     assert_eq!(names, [Stage::Test, Stage::Train, Stage::Untrained, Stage::Adapted(2016)]);
     let mean = |stage: usize| {
         let rows = &stages[stage].1;
-        rows.iter().filter_map(|row| row.score).sum::<f64>() / rows.len() as f64
+        rows.iter().filter_map(Row::score).sum::<f64>() / rows.len() as f64
     };
     let adaptation = result.measures.adaptation.unwrap();
     assert!((adaptation.jump_start.value - (mean(2) - mean(0))).abs() < 1e-9 * mean(2));
@@ -256,10 +260,10 @@ fn an_adapted_policy_is_scored_before_and_after_adaptation() {
     refused("--adapted 77=before.onnx", &["after 77 steps", "2016"]);
     refused("--adapted 2016=none/{building}.onnx", &["adapted-2016", "none/SingleFamilyHouse-0018.onnx"]);
     refused("--trained-steps 4000001", &["4000001", "4000000"]);
-    refused("--attributes given", &["takes 20 numbers", "has 36", "building floor_area", "padding"]);
+    refused("--attributes given", &["takes 20 values", "has 36", "building floor_area", "padding"]);
 }
 
-/// A result of random actions, and what to look at it with.
+/// A result of random actions, to be verified.
 struct Judged {
     folder: TempDir,
     catalog: Catalog,
@@ -276,7 +280,7 @@ impl Judged {
         self.folder.path().join("result")
     }
 
-    /// What is wrong once the rows are changed, the hash of the file made to fit, and a sample run again.
+    /// Returns the failed checks of a copy with changed rows and a matching file hash, after rerunning a sample.
     fn after(&self, change: impl Fn(&mut Vec<(Stage, Vec<Row>)>), rerun: usize) -> String {
         let copy = self.folder.path().join("copy");
         std::fs::create_dir_all(&copy).unwrap();
@@ -286,8 +290,7 @@ impl Judged {
         let mut table = Vec::new();
         write_stages(&mut table, &named, &Versions::current()).unwrap();
         let mut result: Value = serde_json::from_slice(&bytes(&self.path(), "result.json")).unwrap();
-        let hash: String = Sha256::digest(&table).iter().map(|byte| format!("{byte:02x}")).collect();
-        result["episodes_sha256"] = hash.into();
+        result["episodes_sha256"] = sha256(&table).into();
         std::fs::write(copy.join("episodes.parquet"), &table).unwrap();
         std::fs::write(copy.join("result.json"), result.to_string()).unwrap();
         self.wrong(&copy, rerun)
@@ -296,10 +299,14 @@ impl Judged {
     fn wrong(&self, folder: &Path, episodes: usize) -> String {
         let launcher = Launcher::new(env!("CARGO_BIN_EXE_b2b"));
         let evaluation = Evaluation { catalog: &self.catalog, launcher, jobs: 2, interrupted: || false };
-        let checks = verify(folder, &evaluation, Rerun { episodes, seed: 0 }, &()).unwrap();
-        let wrong = |check: &Check| Some(format!("{}: {}", check.what, check.found.as_ref().err()?));
+        let checks = verify(folder, &evaluation, Sample { episodes, seed: 0 }, &()).unwrap();
+        let wrong = |check: &Check| Some(format!("{}: {}", check.name, check.outcome.as_ref().err()?));
         checks.iter().filter_map(wrong).collect::<Vec<_>>().join("\n")
     }
+}
+
+fn scored(row: &mut Row) -> &mut Scored {
+    row.outcome.as_mut().unwrap()
 }
 
 #[test]
@@ -308,13 +315,13 @@ fn a_tampered_result_fails_verification() {
     assert_eq!(judged.wrong(&judged.path(), 2), "");
     assert_eq!(judged.after(|_| {}, 0), "");
 
-    let said = judged.after(|stages| stages[0].1[1].record.episode_return *= 0.5, 0);
+    let said = judged.after(|stages| scored(&mut stages[0].1[1]).metrics.episode_return *= 0.5, 0);
     assert!(
         said.contains("scores: test: SingleFamilyHouse-0018, constant, 01-10..01-10, seed 1: the return"),
         "{said}"
     );
-    let said = judged.after(|stages| stages[0].1[1].record.seed = 7, 0);
-    assert!(said.contains("seed 1 should be") && said.contains("seed 7"), "{said}");
+    let said = judged.after(|stages| stages[0].1[1].info.seed = 7, 0);
+    assert!(said.contains("seed 1, found") && said.contains("seed 7"), "{said}");
     let missing = |stages: &mut Vec<(Stage, Vec<Row>)>| drop(stages[0].1.pop());
     let said = judged.after(missing, 0);
     assert!(said.contains("SingleFamilyHouse-0387, constant, 01-10..01-10, seed 1 is missing"), "{said}");
@@ -324,13 +331,14 @@ fn a_tampered_result_fails_verification() {
     // A return that adds up, with score and measures made to fit, is found out by running it again.
     let halve = |stages: &mut Vec<(Stage, Vec<Row>)>| {
         for row in stages.iter_mut().flat_map(|(_, rows)| rows) {
-            row.record.episode_return /= 2.0;
-            row.record.temperature_penalty /= 2.0;
-            row.score = row.baseline_return.map(|baseline| row.record.episode_return / baseline);
+            let scored = scored(row);
+            scored.metrics.episode_return /= 2.0;
+            scored.metrics.temperature_penalty /= 2.0;
+            scored.score = scored.baseline_return.map(|baseline| scored.metrics.episode_return / baseline);
         }
     };
     let said = judged.after(halve, 0);
-    assert_eq!(said, "measures: they are not those of the episodes");
+    assert_eq!(said, "measures: they differ from those of the episodes");
     let copy = judged.folder.path().join("copy");
     let (_, stages) = read_result(&copy).unwrap();
     let edit = |name: &str, value: Value| {
@@ -341,16 +349,16 @@ fn a_tampered_result_fails_verification() {
     edit("/measures", serde_json::to_value(b2b_benchmark::entry::Measures::of(&stages).unwrap()).unwrap());
     assert_eq!(judged.wrong(&copy, 0), "");
     let said = judged.wrong(&copy, 1);
-    assert!(said.contains("episodes run again") && said.contains("its figures are others"), "{said}");
+    assert!(said.contains("episodes run again") && said.contains("its metrics differ"), "{said}");
 
     edit("/versions/generator", json!("v0"));
     assert!(judged.wrong(&copy, 0).contains("dataset v0 there and v1 here"));
     edit("/versions/generator", json!("v1"));
     edit("/problem/protocol/training_steps", json!(1));
-    assert!(judged.wrong(&copy, 0).contains("not the one whose hash is given"));
+    assert!(judged.wrong(&copy, 0).contains("does not have the hash"));
     // The table alone.
     std::fs::write(copy.join("episodes.parquet"), bytes(&judged.path(), "episodes.parquet")).unwrap();
-    assert!(judged.wrong(&copy, 0).contains("episodes.parquet is not the one"));
+    assert!(judged.wrong(&copy, 0).contains("episodes.parquet is not the table"));
 }
 
 #[test]
@@ -399,7 +407,7 @@ fn invalid_arguments_are_rejected_with_a_remedy() {
     );
     assert!(!folder.path().join("x").exists());
     std::fs::write(folder.path().join("thesis.tex"), "").unwrap();
-    refused("run dynamics-house --policy random --out .", &["holds no evaluation"]);
-    refused("verify .", &["holds no result"]);
-    refused("report .", &["holds no result"]);
+    refused("run dynamics-house --policy random --out .", &["contains no evaluation"]);
+    refused("verify .", &["contains no result"]);
+    refused("report .", &["contains no result"]);
 }

@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use b2b_benchmark::{
-    ActionScale, Baselines, Beginning, BuiltIn, Episode, Evaluation, Folder, OnnxPolicy, Policy, Progress,
-    Results, Subject, Versions, write_episodes,
+    ActionScale, Baselines, BuiltIn, Episode, EpisodeContext, Evaluation, Folder, OnnxPolicy, Policy,
+    Progress, Results, Row, Scored, Subject, Versions, write_episodes,
 };
 use b2b_control::{Controller, Reactive, ReactiveParameters};
 use b2b_dataset::Catalog;
@@ -74,6 +74,10 @@ fn episodes(buildings: &[&str], tasks: &[&str], period: &str) -> Vec<Episode> {
     episodes
 }
 
+fn scored(row: &Row) -> &Scored {
+    row.outcome.as_ref().unwrap()
+}
+
 fn table(results: &Results) -> Vec<u8> {
     let mut bytes = Vec::new();
     write_episodes(&mut bytes, &results.rows, &Versions::current()).unwrap();
@@ -103,7 +107,7 @@ fn two_runs_and_an_interrupted_one_give_the_same_bytes_and_repeat_nothing() {
     let case = Case::new();
     let episodes = episodes(&HOUSES, &["constant", "occupancy+energy0.5"], "01-10..01-11");
     let first = case.run("first", &BuiltIn::Random, &episodes, &());
-    assert!(first.rows.iter().all(|row| row.score.is_some_and(|score| score > 1.0)), "{first:?}");
+    assert!(first.rows.iter().all(|row| row.score().is_some_and(|score| score > 1.0)), "{first:?}");
     assert_eq!(table(&case.run("second", &BuiltIn::Random, &episodes, &())), table(&first));
 
     // Interrupted once two episodes are kept.
@@ -131,10 +135,10 @@ fn the_reactive_controllers_score_one_and_are_those_of_an_environment_alone() {
     let episodes = episodes(&HOUSES[..1], &["constant", "occupancy+energy0.5"], "01-10..01-10");
     let results = case.run("reactive", &BuiltIn::Reactive, &episodes, &());
     for (row, episode) in results.rows.iter().zip(&episodes) {
-        assert!((row.score.unwrap() - 1.0).abs() < 1e-12, "{row:?}");
+        assert!((row.score().unwrap() - 1.0).abs() < 1e-12, "{row:?}");
         let (hash, episode_return) = alone(&case.catalog, episode);
         assert_eq!(
-            (row.record.trajectory_hash.as_str(), row.record.episode_return),
+            (scored(row).trajectory_hash.as_str(), scored(row).metrics.episode_return),
             (hash.as_str(), episode_return)
         );
     }
@@ -146,8 +150,8 @@ fn the_reactive_controllers_score_one_and_are_those_of_an_environment_alone() {
         }
     }
     let constant = case.run("constant", &BuiltIn::Constant, &episodes, &NoBaseline);
-    let row = &constant.rows[0];
-    assert_eq!(row.score, Some(row.record.episode_return / results.rows[0].record.episode_return));
+    let episode_return = |results: &Results| results.rows[0].metrics().unwrap().episode_return;
+    assert_eq!(constant.rows[0].score(), Some(episode_return(&constant) / episode_return(&results)));
 }
 
 /// The hash and the return of an episode in this process.
@@ -197,10 +201,10 @@ impl Policy for Killer {
         "killer".into()
     }
 
-    fn controller(&self, beginning: Beginning<'_>) -> b2b_benchmark::Result<Box<dyn Controller>> {
-        let process = beginning.subject.name.to_string().ends_with("0014");
-        let process = process.then(|| beginning.episode.workers().template_processes()[0]);
-        Ok(Box::new(Kills { process, inner: BuiltIn::Constant.controller(beginning)?, step: 0 }))
+    fn controller(&self, context: EpisodeContext<'_>) -> b2b_benchmark::Result<Box<dyn Controller>> {
+        let process = context.subject.name.to_string().ends_with("0014");
+        let process = process.then(|| context.episode.workers().template_processes()[0]);
+        Ok(Box::new(Kills { process, inner: BuiltIn::Constant.controller(context)?, step: 0 }))
     }
 }
 
@@ -228,8 +232,8 @@ fn an_environment_that_dies_is_reported_and_does_not_stop_the_others() {
     let episodes = episodes(&HOUSES, &["constant"], "01-10..01-10");
     let results = case.run("killed", &Killer, &episodes, &());
     let [lost, other] = &results.rows[..] else { panic!("{results:?}") };
-    assert!(lost.lost.as_ref().unwrap().contains("killed or crashed"), "{lost:?}");
-    assert!(other.lost.is_none() && other.score.is_some(), "{other:?}");
+    assert!(lost.outcome.as_ref().unwrap_err().reason.contains("killed or crashed"), "{lost:?}");
+    assert!(other.score().is_some(), "{other:?}");
     let summary = results.summary(&Killer);
     assert_eq!((summary.lost.len(), summary.windows[0].all.scores.as_ref().unwrap().episodes), (1, 1));
     // It is not kept: the next start runs it once more, and nothing else.
@@ -251,10 +255,10 @@ fn an_onnx_policy_of_zeros_is_the_middle_of_every_bound() {
     let policy = onnx(&case, 9, 2, 0.0, ActionScale::Rescaled);
     let zeros = case.run("onnx", &policy, &episodes, &());
     let middle = case.run("constant", &BuiltIn::Constant, &episodes, &());
-    assert_eq!(zeros.rows[0].record.trajectory_hash, middle.rows[0].record.trajectory_hash);
+    assert_eq!(scored(&zeros.rows[0]).trajectory_hash, scored(&middle.rows[0]).trajectory_hash);
     let physical = onnx(&case, 9, 2, 1e4, ActionScale::Physical);
     let clamped = case.run("physical", &physical, &episodes, &());
-    assert_eq!(clamped.rows[0].record.clamped_actions, 2 * 24 * 12);
+    assert_eq!(clamped.rows[0].metrics().unwrap().clamped_actions, 2 * 24 * 12);
     assert_ne!(physical.identity(), policy.identity());
 }
 
@@ -266,12 +270,11 @@ fn a_policy_of_other_shapes_is_refused_with_sizes_and_slots() {
         case.try_run(name, policy, &episodes, &(), || false).unwrap_err().to_string()
     };
     let said = refused("observation", &onnx(&case, 9, 2, 0.0, ActionScale::Rescaled));
-    for word in ["takes 9 numbers", "SingleFamilyHouse-0014", "occupancy", "has 11", "target", "time of day"]
-    {
+    for word in ["takes 9 values", "SingleFamilyHouse-0014", "occupancy", "has 11", "target", "time of day"] {
         assert!(said.contains(word), "`{word}` is not in: {said}");
     }
     let said = refused("action", &onnx(&case, 11, 5, 0.0, ActionScale::Rescaled));
-    for word in ["gives 5 numbers", "has 2", "supply air flow"] {
+    for word in ["returns 5 values", "has 2", "supply air flow"] {
         assert!(said.contains(word), "`{word}` is not in: {said}");
     }
     assert_eq!(files(&case.path("action/episodes")), 0);

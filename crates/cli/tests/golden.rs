@@ -10,8 +10,8 @@ mod program;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use b2b_energyplus::digest::sha256;
 use program::{b2b, json, stderr};
-use sha2::{Digest, Sha256};
 
 const TYPES: [&str; 6] = [
     "SingleFamilyHouse",
@@ -82,9 +82,6 @@ fn succeed(folder: &Path, arguments: &str) {
 fn files(folder: &Path) -> Hashes {
     let paths = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     let name = |path: &Path| path.file_name().unwrap().to_str().unwrap().to_owned();
-    let hash = |path: &Path| -> String {
-        let digest = Sha256::digest(std::fs::read(path).unwrap());
-        digest.iter().map(|byte| format!("{byte:02x}")).collect()
-    };
+    let hash = |path: &Path| -> String { sha256(std::fs::read(path).unwrap()) };
     paths.filter(|path| name(path) != "manifest.csv").map(|path| (name(&path), hash(&path))).collect()
 }

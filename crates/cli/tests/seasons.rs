@@ -1,31 +1,18 @@
-//! Whole winters and summers of the six building types under the reactive controller.
+//! A winter and a summer of the six building types under the reactive controller.
 
-use std::process::{Command, Stdio};
+mod program;
 
-use serde_json::Value;
+use program::json;
 
-/// Runs `b2b` with `--json` and returns the object it prints.
-fn b2b(arguments: &[&str]) -> Value {
-    let output = Command::new(env!("CARGO_BIN_EXE_b2b"))
-        .args(arguments)
-        .arg("--json")
-        .stdin(Stdio::null())
-        .output()
-        .expect("b2b starts");
-    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).expect("b2b prints one JSON object")
-}
-
-/// What the paper's table and the issue ask of a building type.
+/// Asserts the sizes of the paper's table, and that zones stay near their target for a winter and a summer.
 fn holds_its_target_all_season(building: &str, observations: usize, actions: usize) {
-    let shown = b2b(&["show", building]);
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let shown = json(folder.path(), &format!("show {building}"));
     assert_eq!(shown["observation"].as_array().map(Vec::len), Some(observations));
     assert_eq!(shown["action"].as_array().map(Vec::len), Some(actions));
 
-    let folder = tempfile::tempdir().expect("a temporary folder");
     for (period, steps) in [("winter", 25_920), ("summer", 26_496)] {
-        let out = folder.path().join(period);
-        let run = b2b(&["run", building, "--period", period, "--out", &out.to_string_lossy()]);
+        let run = json(folder.path(), &format!("run {building} --period {period} --out {period}"));
         assert_eq!(run["steps"], steps, "{building} {period}");
         assert_eq!(run["engine_severes"], 0, "{building} {period}");
         let number = |key: &str| run[key].as_f64().unwrap_or(f64::NAN);

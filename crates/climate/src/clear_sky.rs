@@ -1,4 +1,4 @@
-//! How clear the sky is on the hottest day, by station.
+//! Clear-sky optical depths of the cooling design day, by station.
 
 /// Optical depths for beam and diffuse irradiance (taub, taud) in the month of the cooling design day, by WMO number.
 /// ASHRAE Handbook of Fundamentals, climatic design conditions.
@@ -16,7 +16,7 @@ const OPTICAL_DEPTHS: [(&str, [f64; 2]); 11] = [
     ("744860", [0.541, 1.8]),
 ];
 
-/// Optical depths for beam and diffuse irradiance on the cooling design day of a station, where they are known.
+/// Returns the optical depths for beam and diffuse irradiance on the cooling design day of a station, if known.
 pub(super) fn optical_depths(wmo: &str) -> Option<[f64; 2]> {
     OPTICAL_DEPTHS.iter().find(|(station, _)| *station == wmo).map(|(_, depths)| *depths)
 }

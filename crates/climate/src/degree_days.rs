@@ -1,18 +1,18 @@
-//! How cold and how warm the year of a weather file is, in two numbers.
+//! Degree-days of a weather file.
 
 use std::path::Path;
 
 use super::site::month_and_dry_bulb;
 use crate::{Error, Result};
 
-/// What days are counted from for heating, °C.
+/// Base temperature of heating degree-days, °C.
 const HEATING_BASE: f64 = 18.0;
-/// What days are counted from for cooling, °C (ASHRAE 169).
+/// Base temperature of cooling degree-days, °C (ASHRAE 169).
 const COOLING_BASE: f64 = 10.0;
 /// Header lines of an EPW file.
 const HEADER_LINES: usize = 8;
 
-/// Degree-days of a year, K·d, from the means of its days.
+/// Degree-days of a year, K·d, from daily means.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DegreeDays {
     /// Heating degree-days below 18 °C.
@@ -22,7 +22,7 @@ pub struct DegreeDays {
 }
 
 impl DegreeDays {
-    /// Reads the hours of an EPW file.
+    /// Computes the degree-days of an EPW file.
     ///
     /// # Errors
     /// [`Error::Io`] when the file cannot be read.
@@ -34,7 +34,7 @@ impl DegreeDays {
         Ok(Self::of_hours(&hours))
     }
 
-    /// Of the dry bulbs of hours, °C.
+    /// Degree-days of hourly dry bulbs, °C.
     pub(super) fn of_hours(dry_bulbs: &[f64]) -> Self {
         let mut sum = Self::default();
         for day in dry_bulbs.chunks(24) {
@@ -51,7 +51,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_day_counts_by_its_mean() {
+    fn degree_days_use_daily_means() {
         let mut hours = [[8.0; 12], [12.0; 12]].concat();
         hours.extend([25.0; 24]);
         assert_eq!(DegreeDays::of_hours(&hours), DegreeDays { heating: 8.0, cooling: 15.0 });

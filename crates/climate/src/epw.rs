@@ -1,7 +1,7 @@
-//! Whether an EPW weather file is whole.
+//! Validation of EPW weather files.
 //!
-//! EnergyPlus stops in the middle of a run on a truncated file, far from the cause; here the cause is named
-//! before the engine sees it.
+//! On a truncated file EnergyPlus stops in the middle of a run, far from the cause. The check reports the cause before
+//! the engine reads the file.
 
 use std::path::Path;
 
@@ -11,9 +11,9 @@ use crate::{Error, Result};
 const HEADER_LINES: usize = 8;
 /// Columns of an hour that EnergyPlus reads.
 const COLUMNS: usize = 35;
-/// The column of source and uncertainty flags, the only one that is text.
+/// The column of source and uncertainty flags, the only text column.
 const FLAGS: usize = 5;
-/// Hours of a common and of a leap year.
+/// Hours of a common and a leap year.
 const HOURS: [usize; 2] = [8760, 8784];
 
 /// Checks that an EPW text holds a whole year, and returns its number of hours (8760 or 8784).
@@ -35,7 +35,7 @@ pub fn check(text: &str, path: &Path) -> Result<usize> {
         Ok(hours)
     } else {
         Err(malformed(format!(
-            "{hours} hours of weather instead of 8760 (or 8784): the file is cut short or not a whole year"
+            "{hours} hours of weather instead of 8760 (or 8784): the file is truncated or does not cover a whole year"
         )))
     }
 }
@@ -69,20 +69,20 @@ mod tests {
     }
 
     #[test]
-    fn a_common_and_a_leap_year_are_whole() {
+    fn common_and_leap_years_are_complete() {
         for hours in HOURS {
             assert_eq!(check(&year(hours), Path::new("a.epw")).unwrap(), hours);
         }
     }
 
     #[test]
-    fn a_truncated_file_is_named_with_its_hours() {
+    fn the_error_of_a_truncated_file_has_its_number_of_hours() {
         let why = why(&year(5000));
         assert!(why.contains("a.epw") && why.contains("5000"), "{why}");
     }
 
     #[test]
-    fn a_cut_line_and_a_nan_are_named_with_their_line() {
+    fn the_error_of_a_truncated_line_or_a_nan_has_its_line() {
         let mut text = year(8760);
         text.truncate(text.len() - 20);
         assert!(why(&text).contains("line 8768"), "{}", why(&text));

@@ -15,7 +15,7 @@ pub enum Error {
     },
     /// A place without a known weather file.
     #[error(
-        "there is no weather for `{name}`{}; the places are {}, or give the path of an EPW file",
+        "unknown place `{name}`{}; expected one of {}, or the path of an EPW file",
         near.map(|near| format!(": did you mean {near}?")).unwrap_or_default(),
         known.join(", ")
     )]

@@ -1,44 +1,44 @@
-//! Where a building stands.
+//! Locations of buildings.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use b2b_energyplus::digest::sha256;
 use b2b_energyplus::install::{Cache, Progress};
-use sha2::{Digest, Sha256};
 
 use super::{ClimateYear, Place, Region, Site, epw};
 use crate::{Error, Result};
 
-/// A known place, a region of Québec, or any other place by its weather file.
+/// The location of a building: a known place, a region of Québec, or any other place by its weather file.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Location {
-    /// A place of [`super::PLACES`].
+    /// A place of [`crate::PLACES`].
     Place(&'static Place),
     /// A region of Québec.
     Region(&'static Region),
-    /// A place that a weather file is of.
+    /// The place of a weather file.
     File(Arc<WeatherFile>),
 }
 
-/// A weather file of the user, read once.
+/// A user's weather file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WeatherFile {
     /// The file.
     pub path: PathBuf,
-    /// Its name without extension: what the place is called.
+    /// Its name without extension, which names the place.
     pub name: String,
     /// Its SHA-256, in hexadecimal.
     pub sha256: String,
-    /// What its header says.
+    /// The site in its header.
     pub site: Site,
-    /// What its hours say.
+    /// The climate of its hours.
     pub year: ClimateYear,
-    /// Climate zone of ASHRAE 169: what the user says, or [`ClimateYear::zone`].
+    /// ASHRAE 169 climate zone: the one that was given, or [`ClimateYear::zone`].
     pub ashrae_zone: String,
 }
 
 impl WeatherFile {
-    /// Reads a weather file; its climate zone follows from its hours unless it is given.
+    /// Reads a weather file. Its climate zone is computed from its hours unless `ashrae_zone` gives it.
     ///
     /// # Errors
     /// [`Error::Io`] when it cannot be read, [`Error::Malformed`] naming what is wrong in it.
@@ -48,12 +48,12 @@ impl WeatherFile {
         epw::check(&text, path)?;
         let year = ClimateYear::from_epw(&text).ok_or_else(|| Error::Malformed {
             path: path.to_owned(),
-            why: "a month has no hour of weather".to_owned(),
+            why: "a month has no hours".to_owned(),
         })?;
         Ok(Self {
             path: path.to_owned(),
             name: name(path),
-            sha256: Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect(),
+            sha256: sha256(&bytes),
             site: Site::from_epw(&text, path)?,
             ashrae_zone: ashrae_zone.map_or_else(|| year.zone(), str::to_owned),
             year,
@@ -61,14 +61,14 @@ impl WeatherFile {
     }
 }
 
-/// Without what would need quotes in a table.
+/// The name of a file without characters that would need quotes in a table.
 fn name(path: &Path) -> String {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     stem.replace([',', '"', '\n', '\r'], "_")
 }
 
 impl Location {
-    /// What it is called.
+    /// Name.
     pub fn name(&self) -> &str {
         match self {
             Self::Place(place) => place.name,
@@ -77,7 +77,7 @@ impl Location {
         }
     }
 
-    /// Climate zone of ASHRAE 169; `None` for a region, whose houses are not built by it.
+    /// ASHRAE 169 climate zone; `None` for a region, whose houses do not depend on it.
     pub fn ashrae_zone(&self) -> Option<&str> {
         match self {
             Self::Place(place) => Some(place.ashrae_zone),
@@ -86,7 +86,7 @@ impl Location {
         }
     }
 
-    /// Degree-days under 18 °C, K·d, of a region or a file.
+    /// Heating degree-days below 18 °C, K·d, of a region or a file.
     pub fn heating_degree_days(&self) -> Option<f64> {
         match self {
             Self::Place(_) => None,
@@ -95,7 +95,7 @@ impl Location {
         }
     }
 
-    /// The weather file, fetched or made when it is not in the cache.
+    /// Returns the weather file; downloads or generates it when it is not in the cache.
     ///
     /// # Errors
     /// Those of [`Place::epw_in`] and [`Region::epw`].
@@ -114,7 +114,7 @@ mod tests {
     use b2b_energyplus::install::Quiet;
 
     #[test]
-    fn a_file_of_a_known_place_is_that_place_by_another_name() {
+    fn the_file_of_a_known_place_has_its_site_and_climate_zone() {
         let buffalo = Place::find("Buffalo").unwrap();
         let path = buffalo.epw(&mut Quiet).unwrap();
         let file = WeatherFile::read(&path, None).unwrap();
@@ -124,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_that_is_cut_short_is_refused_with_its_name() {
+    fn a_truncated_file_is_rejected_by_name() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("half.epw");
         let whole = std::fs::read(Place::find("Denver").unwrap().epw(&mut Quiet).unwrap()).unwrap();

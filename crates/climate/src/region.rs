@@ -1,4 +1,4 @@
-//! The administrative regions of Québec, and the weather of each.
+//! The administrative regions of Québec and their weather.
 
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
@@ -10,11 +10,11 @@ use super::weather::{Place, plain};
 use super::{MORPH_VERSION, morph};
 use crate::{Error, Result};
 
-/// One row a region: its name, its station and why that one.
+/// One row per region: its name, its station and the reason for that station.
 const REGIONS: &str = include_str!("../data/quebec_regions.csv");
-/// The place whose weather file is morphed to the others.
+/// The place whose weather file is the base of the morphed files.
 const BASE: &str = "Montréal";
-/// The station that the base file is of.
+/// The station of the base file.
 const BASE_STATION: &str = "CAN_PQ_Montreal.Intl.AP.716270_CWEC";
 
 /// An administrative region of Québec.
@@ -22,18 +22,18 @@ const BASE_STATION: &str = "CAN_PQ_Montreal.Intl.AP.716270_CWEC";
 pub struct Region {
     /// Its name.
     pub name: &'static str,
-    /// The station whose climate it gets: its own, or the nearest.
+    /// The station that represents its climate: one in the region, or the nearest.
     pub station: &'static Station,
 }
 
 impl Region {
-    /// The 15 regions of the stock survey, in their official order.
+    /// Returns the 15 regions of the stock survey, in official order.
     pub fn all() -> &'static [Self] {
         static REGIONS: LazyLock<Vec<Region>> = LazyLock::new(read);
         &REGIONS
     }
 
-    /// The region of this name, without regard to case, spaces, punctuation and accents.
+    /// Returns the region with this name, ignoring case, spaces, punctuation and accents.
     ///
     /// # Errors
     /// [`Error::UnknownPlace`] listing the regions.
@@ -46,7 +46,7 @@ impl Region {
         })
     }
 
-    /// Its EPW file: that of Montréal as published, or morphed from it once and kept in the cache.
+    /// Returns its EPW file: the published file of Montréal, or one morphed from it and kept in the cache.
     ///
     /// # Errors
     /// Those of [`Place::epw_in`] and [`morph`]; [`Error::Io`] when the cache cannot be written.
@@ -75,7 +75,7 @@ fn read() -> Vec<Region> {
         .collect()
 }
 
-/// Whole or not at all, whoever else writes it at the same time.
+/// Writes a file atomically, also when other processes write it at the same time.
 fn write(folder: &Path, file: &Path, text: &str) -> Result<()> {
     let at = |source| Error::Io { path: file.to_owned(), source };
     std::fs::create_dir_all(folder).map_err(at)?;
@@ -99,7 +99,7 @@ mod tests {
     }
 
     #[test]
-    fn an_unknown_region_is_told_the_others() {
+    fn the_error_of_an_unknown_region_lists_the_regions() {
         let error = Region::find("Ontario").unwrap_err().to_string();
         assert!(error.contains("Ontario") && error.contains("Estrie"), "{error}");
     }

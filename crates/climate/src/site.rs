@@ -1,17 +1,17 @@
-//! The place of a building, read from the header of its EPW weather file.
+//! The site of a building, read from the header of its EPW weather file.
 
 use std::path::Path;
 
 use super::clear_sky;
 use crate::{Error, Result};
 
-/// Depth of the ground temperatures that a foundation sees, m: the middle set of an EPW header, about the depth of
-/// a basement floor.
+/// Depth of the ground temperatures at a foundation, m: the middle set of an EPW header, about the depth of a basement
+/// floor.
 const GROUND_DEPTH: f64 = 2.0;
 /// Fields of one depth in GROUND TEMPERATURES: depth, conductivity, density, specific heat, 12 months.
 const GROUND_FIELDS: usize = 16;
 
-/// A place: where it is, its ground, and the weather that equipment is sized for.
+/// A site: its location, its ground temperatures and its design days.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Site {
     /// Name of the station.
@@ -22,21 +22,21 @@ pub struct Site {
     pub longitude: f64,
     /// Hours ahead of UTC.
     pub time_zone: f64,
-    /// Metres above the sea.
+    /// Elevation above sea level, m.
     pub elevation: f64,
     /// Monthly mean temperature of undisturbed ground at 2 m, °C, January first.
     pub ground_temperatures: [f64; 12],
-    /// Monthly mean dry bulb, °C, January first; `None` where a month has no hour in the file.
+    /// Monthly mean dry bulb, °C, January first; `None` if a month has no hours in the file.
     pub monthly_dry_bulbs: Option<[f64; 12]>,
     /// The cold design day: 99.6 % dry bulb.
     pub heating: DesignDay,
     /// The hot design day: 0.4 % dry bulb.
     pub cooling: DesignDay,
-    /// Whether the design days are taken from the file's hours, because its header has none.
+    /// Whether the design days were computed from the hours of the file because its header has none.
     pub sized_by_hours: bool,
 }
 
-/// The weather that equipment is sized for.
+/// A design day: the weather that equipment is sized for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DesignDay {
     /// Month, 1 to 12.
@@ -47,7 +47,7 @@ pub struct DesignDay {
     pub daily_range: f64,
     /// Mean coincident wind speed at 10 m, m/s; `None` where the station has no record.
     pub wind_speed: Option<f64>,
-    /// Direction that this wind comes from, degrees from north; `None` where the station has no record.
+    /// Direction of this wind, degrees clockwise from north; `None` where the station has no record.
     pub wind_direction: Option<f64>,
     /// Mean wet bulb with the extreme dry bulb, °C; `None` in winter, when sizing days are saturated, and where the
     /// station has no record.
@@ -58,7 +58,7 @@ pub struct DesignDay {
 }
 
 impl Site {
-    /// Reads the place from the header of an EPW file.
+    /// Reads the site from the header of an EPW file.
     ///
     /// # Errors
     /// [`Error::Io`] when the file cannot be read, otherwise those of [`Site::from_epw`].
@@ -67,13 +67,13 @@ impl Site {
         Self::from_epw(&String::from_utf8_lossy(&bytes), path)
     }
 
-    /// Reads the place from an EPW text; `path` is for the error messages.
+    /// Parses the site from an EPW text; `path` is used in error messages.
     ///
-    /// A file without design conditions gets them from its own hours.
+    /// Without design conditions in the header, they are computed from the hours.
     ///
     /// # Errors
     /// [`Error::Malformed`] naming the header line and the value when LOCATION, DESIGN CONDITIONS or
-    /// GROUND TEMPERATURES is missing, cut short or not numeric.
+    /// GROUND TEMPERATURES is missing, truncated or not numeric.
     pub fn from_epw(text: &str, path: &Path) -> Result<Self> {
         let header = Header { text, path };
         let location = header.line("LOCATION")?;
@@ -98,7 +98,7 @@ impl Site {
         })
     }
 
-    /// Standard pressure at the site's elevation, Pa (standard atmosphere, as the engine has it).
+    /// Standard barometric pressure at the elevation of the site, Pa (standard atmosphere, as in EnergyPlus).
     pub fn pressure(&self) -> f64 {
         101_325.0 * libm::pow(1.0 - 2.25577e-05 * self.elevation, 5.2559)
     }
@@ -124,7 +124,7 @@ impl<'a> Header<'a> {
             .find(|line| line.fields[0].eq_ignore_ascii_case(title))
             .ok_or_else(|| Error::Malformed {
                 path: self.path.to_owned(),
-                why: format!("no {title} line: not an EPW file, or cut short"),
+                why: format!("no {title} line: not an EPW file, or truncated"),
             })
     }
 }
@@ -145,7 +145,7 @@ impl<'a> Line<'a> {
         self.fields
             .get(index)
             .copied()
-            .ok_or_else(|| self.malformed(format!("cut short, no field {}", index + 1)))
+            .ok_or_else(|| self.malformed(format!("truncated: no field {}", index + 1)))
     }
 
     fn number(&self, index: usize) -> Result<f64> {
@@ -153,7 +153,7 @@ impl<'a> Line<'a> {
         text.parse()
             .ok()
             .filter(|value: &f64| value.is_finite())
-            .ok_or_else(|| self.malformed(format!("field {} is `{text}`, not a number", index + 1)))
+            .ok_or_else(|| self.malformed(format!("field {} is `{text}`; expected a number", index + 1)))
     }
 
     fn within(&self, index: usize, bound: f64) -> Result<f64> {
@@ -161,7 +161,7 @@ impl<'a> Line<'a> {
         if value.abs() <= bound {
             Ok(value)
         } else {
-            Err(self.malformed(format!("field {} is {value}, beyond ±{bound}", index + 1)))
+            Err(self.malformed(format!("field {} is {value}; expected a number within ±{bound}", index + 1)))
         }
     }
 
@@ -170,7 +170,7 @@ impl<'a> Line<'a> {
         text.parse()
             .ok()
             .filter(|month| (1..=12).contains(month))
-            .ok_or_else(|| self.malformed(format!("`{text}` is not a month")))
+            .ok_or_else(|| self.malformed(format!("`{text}` is not a month from 1 to 12")))
     }
 
     /// The fields that follow a word in the line.
@@ -215,7 +215,7 @@ impl<'a> Line<'a> {
 fn design_days_of_year(text: &str, line: &Line) -> Result<(DesignDay, DesignDay)> {
     let mut hours: Vec<(f64, u32)> = text.lines().skip(8).filter_map(month_and_dry_bulb).collect();
     if hours.len() < 8760 {
-        let why = format!("none, and only {} hours to take them from", hours.len());
+        let why = format!("none given, and only {} hours to compute them from", hours.len());
         return Err(line.malformed(why));
     }
     let daily_range = |month| mean_daily_range(&hours, month);
@@ -235,7 +235,7 @@ fn design_days_of_year(text: &str, line: &Line) -> Result<(DesignDay, DesignDay)
     Ok((day(cold, 0.0), day(hot, ranges[hot.1 as usize - 1])))
 }
 
-/// Monthly means of the hours' dry bulb, when every month has some.
+/// Monthly mean dry bulbs; `None` if a month has no hours.
 fn monthly_dry_bulbs(text: &str) -> Option<[f64; 12]> {
     let (mut sums, mut counts) = ([0.0; 12], [0.0; 12]);
     for (dry_bulb, month) in text.lines().skip(8).filter_map(month_and_dry_bulb) {
@@ -253,7 +253,7 @@ pub(super) fn month_and_dry_bulb(hour: &str) -> Option<(f64, u32)> {
     (dry_bulb.is_finite() && (1..=12).contains(&month)).then_some((dry_bulb, month))
 }
 
-/// Mean over the days of a month of their highest minus their lowest hour, K.
+/// Mean daily range of a month, K: highest less lowest hour of each day.
 fn mean_daily_range(hours: &[(f64, u32)], month: u32) -> f64 {
     let ranges: Vec<f64> = hours
         .chunks(24)
@@ -294,7 +294,7 @@ mod tests {
     }
 
     #[test]
-    fn the_header_gives_place_ground_and_design_days() {
+    fn the_header_has_the_site_its_ground_and_its_design_days() {
         let site = Site::from_epw(MONTREAL, Path::new("a.epw")).unwrap();
         assert_eq!((site.latitude, site.longitude, site.elevation), (45.47, -73.75, 36.0));
         assert_eq!(site.ground_temperatures[0], 2.71);
@@ -312,7 +312,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_without_design_conditions_takes_them_from_its_hours() {
+    fn design_conditions_that_the_header_lacks_come_from_the_hours() {
         let (before, after) = MONTREAL.split_once("DESIGN CONDITIONS").unwrap();
         let (_, after) = after.split_once('\n').unwrap();
         let mut text = format!("{before}DESIGN CONDITIONS,0\n{after}");
@@ -329,14 +329,14 @@ mod tests {
     }
 
     #[test]
-    fn a_cut_header_names_the_line_that_is_wrong() {
+    fn the_error_of_a_truncated_header_names_the_line() {
         assert!(why("").contains("no LOCATION line"));
         let text = MONTREAL.replace(",45.47,-73.75,-5.0,36.0", "");
-        assert!(why(&text).contains("LOCATION: cut short"));
+        assert!(why(&text).contains("LOCATION: truncated"));
         let text = MONTREAL.replace(",Cooling,", ",");
         assert!(why(&text).contains("DESIGN CONDITIONS: no Cooling part"));
         let text = MONTREAL.replace(",12.81,8.08", "");
-        assert!(why(&text).contains("GROUND TEMPERATURES: cut short"));
+        assert!(why(&text).contains("GROUND TEMPERATURES: truncated"));
         let text = MONTREAL.replace("45.47", "north");
         assert!(why(&text).contains("`north`"));
     }

@@ -2,14 +2,14 @@
 
 use std::sync::LazyLock;
 
-/// One row a station and a month: means over each station's CWEC year.
+/// One row per station and month: means over the station's CWEC year.
 const MONTHLY: &str = include_str!("../data/quebec_monthly_climate.csv");
-/// One row a station: the ASHRAE design conditions of its CWEC file.
+/// One row per station: the ASHRAE design conditions of its CWEC file.
 const DESIGN: &str = include_str!("../data/quebec_design_days.csv");
 
 /// Days of each month.
 const DAYS: [f64; 12] = [31.0, 28.0, 31.0, 30.0, 31.0, 30.0, 31.0, 31.0, 30.0, 31.0, 30.0, 31.0];
-/// What degree-days count from, °C.
+/// Base temperature of heating degree-days, °C.
 const DEGREE_DAY_BASE: f64 = 18.0;
 
 /// A weather station and its climate.
@@ -21,22 +21,22 @@ pub struct Station {
     pub latitude: f64,
     /// Degrees east.
     pub longitude: f64,
-    /// Metres above the sea.
+    /// Elevation above sea level, m.
     pub elevation: f64,
-    /// Number at the World Meteorological Organization; 999999 where there is none.
+    /// Number at the World Meteorological Organization; 999999 if it has none.
     pub wmo: &'static str,
-    /// The year, January first.
+    /// Normals of each month, January first.
     pub months: [MonthNormals; 12],
-    /// What equipment is sized for, where a handbook gives it.
+    /// Design conditions, if a handbook publishes them.
     pub design: Option<DesignConditions>,
 }
 
-/// Means of a month.
+/// Normals of a month.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MonthNormals {
     /// Dry bulb, °C.
     pub dry_bulb: f64,
-    /// Highest less lowest dry bulb of a day, K.
+    /// Mean daily range of dry bulb, K.
     pub daily_range: f64,
     /// Standard deviation of the daily mean dry bulb, K.
     pub daily_spread: f64,
@@ -44,14 +44,14 @@ pub struct MonthNormals {
     pub dew_point: f64,
     /// Wind speed, m/s.
     pub wind_speed: f64,
-    /// Sun on a horizontal surface, Wh/m² a day.
+    /// Global horizontal irradiation, Wh/m² per day.
     pub global_horizontal: f64,
 }
 
-/// ASHRAE design conditions, as the texts of an EPW header: `N/A` where the station has no record.
+/// ASHRAE design conditions as they appear in an EPW header; `N/A` where the station has no record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DesignConditions {
-    /// Where they are published.
+    /// The edition that publishes them.
     pub edition: &'static str,
     /// Coldest month.
     pub heating_month: &'static str,
@@ -70,7 +70,7 @@ pub struct DesignConditions {
 }
 
 impl MonthNormals {
-    /// Expectation of how far a daily mean is below a temperature, K.
+    /// Expected shortfall of a daily mean below a temperature, K.
     fn mean_below(&self, temperature: f64) -> f64 {
         let z = (temperature - self.dry_bulb) / self.daily_spread;
         let probability = 0.5 * (1.0 + libm::erf(z * std::f64::consts::FRAC_1_SQRT_2));
@@ -80,19 +80,19 @@ impl MonthNormals {
 }
 
 impl Station {
-    /// Every station, in the order of the data file.
+    /// Returns every station, in the order of the data file.
     pub fn all() -> &'static [Self] {
         static STATIONS: LazyLock<Vec<Station>> = LazyLock::new(read);
         &STATIONS
     }
 
-    /// Heating degree-days below 18 °C of a typical year, K·d, from the normals: the daily means of a month are taken
-    /// as normally distributed.
+    /// Returns the heating degree-days below 18 °C of a typical year, K·d, computed from the normals with normally
+    /// distributed daily means.
     pub fn heating_degree_days(&self) -> f64 {
         self.months.iter().zip(DAYS).map(|(month, days)| days * month.mean_below(DEGREE_DAY_BASE)).sum()
     }
 
-    /// The station of this name.
+    /// Returns the station with this name.
     pub fn find(name: &str) -> Option<&'static Self> {
         Self::all().iter().find(|station| station.name == name)
     }
@@ -150,7 +150,7 @@ fn design(station: &str) -> Option<DesignConditions> {
     })
 }
 
-/// A number of an embedded table, which a test reads in whole.
+/// A number of an embedded table; a test parses the whole table.
 fn number(row: &[&str], column: usize) -> f64 {
     row[column].parse().expect("the embedded table holds numbers")
 }
@@ -172,7 +172,7 @@ mod tests {
     /// By hand for months far from the base, where the spread does not matter; the National Building Code of Canada
     /// (table C-2) has 4400 for Montréal-Dorval.
     #[test]
-    fn degree_days_count_what_days_are_below_the_base() {
+    fn degree_days_sum_shortfalls_below_the_base() {
         let month = |dry_bulb| MonthNormals { dry_bulb, daily_spread: 2.0, ..MonthNormals::default() };
         assert!((month(-12.0).mean_below(18.0) - 30.0).abs() < 1e-9);
         assert!(month(48.0).mean_below(18.0).abs() < 1e-9);

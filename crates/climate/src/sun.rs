@@ -1,10 +1,10 @@
-//! Where the sun is, and how much of its light is diffuse. The same bits on every machine.
+//! Sun position and diffuse fraction, with the same bits on every machine.
 
 use std::f64::consts::PI;
 
-/// Sun at the mean distance of the earth, W/m².
+/// Solar constant, W/m².
 const SOLAR_CONSTANT: f64 = 1367.0;
-/// Samples of an hour over which the sun's height is averaged: every 5 minutes.
+/// Samples per hour over which the solar altitude is averaged: every 5 minutes.
 const SAMPLES: u32 = 12;
 
 /// A place on earth and its clock.
@@ -21,9 +21,9 @@ pub(super) struct Place {
 /// The sun over one hour.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sun {
-    /// Normal to the beam outside the atmosphere, W/m².
+    /// Extraterrestrial normal irradiance, W/m².
     pub extraterrestrial: f64,
-    /// Mean cosine of the angle from the zenith, night counted as 0.
+    /// Mean cosine of the zenith angle, 0 at night.
     pub cosine: f64,
 }
 
@@ -36,13 +36,13 @@ impl Sun {
         Self { extraterrestrial: day.extraterrestrial, cosine: cosines.sum::<f64>() / f64::from(SAMPLES) }
     }
 
-    /// On a horizontal surface outside the atmosphere, Wh/m² in the hour.
+    /// Returns the extraterrestrial horizontal irradiation of the hour, Wh/m².
     pub fn horizontal(&self) -> f64 {
         self.extraterrestrial * self.cosine
     }
 }
 
-/// Diffuse over global horizontal by clearness index (Erbs, Klein and Duffie 1982).
+/// Diffuse fraction of global horizontal irradiance by clearness index (Erbs, Klein and Duffie 1982).
 pub(super) fn diffuse_fraction(k: f64) -> f64 {
     if k <= 0.22 {
         1.0 - 0.09 * k
@@ -69,7 +69,7 @@ fn declination(angle: f64) -> f64 {
     0.006918 - 0.399912 * c1 + 0.070257 * s1 - 0.006758 * c2 + 0.000907 * s2 - 0.002697 * c3 + 0.00148 * s3
 }
 
-/// Solar less mean time, hours.
+/// Equation of time, h.
 fn equation_of_time(angle: f64) -> f64 {
     let [s1, c1, s2, c2, ..] = harmonics(angle);
     let minutes = 229.18 * (0.000075 + 0.001868 * c1 - 0.032077 * s1 - 0.014615 * c2 - 0.04089 * s2);
@@ -81,12 +81,12 @@ fn harmonics(angle: f64) -> [f64; 6] {
     [a.0, a.1, b.0, b.1, c.0, c.1]
 }
 
-/// What the sun's height depends on in a day.
+/// The solar geometry of a day.
 struct Day {
     /// Sine of latitude times sine of declination, and cosine times cosine.
     sines: f64,
     cosines: f64,
-    /// Standard time of the sun's highest point, h.
+    /// Standard time of solar noon, h.
     noon: f64,
     extraterrestrial: f64,
 }
@@ -104,7 +104,7 @@ impl Day {
         }
     }
 
-    /// Cosine of the angle from the zenith at a standard time, h; negative at night.
+    /// Cosine of the zenith angle at a standard time, h; negative at night.
     fn cosine(&self, hour: f64) -> f64 {
         self.sines + self.cosines * libm::cos((hour - self.noon) * PI / 12.0)
     }
@@ -117,7 +117,7 @@ mod tests {
     const MONTREAL: Place = Place { latitude: 45.47, longitude: -73.75, time_zone: -5.0 };
 
     #[test]
-    fn the_noon_sun_stands_at_its_known_height() {
+    fn the_noon_altitude_at_the_solstices_is_known() {
         // 90° − latitude + declination, at the solstices, when declination is ±23.44°.
         for (day, declination) in [(172, 23.44f64), (355, -23.44)] {
             let noon = Day::of(MONTREAL, day).cosine(12.0 - 0.1);

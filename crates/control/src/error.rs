@@ -2,23 +2,14 @@
 
 use std::path::PathBuf;
 
+use b2b_building::parameter::OutOfBounds;
+
 /// An error of this crate.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// A parameter of the reactive controllers outside its bounds.
-    #[error("parameter `{name}` is {value}; expected a number from {low} to {high} {unit}")]
-    Parameter {
-        /// Name of the parameter.
-        name: &'static str,
-        /// Its value.
-        value: f64,
-        /// Lower bound.
-        low: f64,
-        /// Upper bound.
-        high: f64,
-        /// Unit of value and bounds.
-        unit: &'static str,
-    },
+    #[error(transparent)]
+    Parameter(#[from] OutOfBounds),
     /// A file that does not hold parameters.
     #[error("{path} does not hold parameters of the reactive controllers: {why}")]
     ParameterFile {

@@ -18,9 +18,7 @@ pub use error::{Error, Result};
 #[cfg(target_os = "linux")]
 pub use planner::{Planner, PlannerParameters};
 pub use random::Random;
-pub use reactive::{
-    AirLoopParameters, Gains, Parameter, Reactive, ReactiveParameters, TrimRespond, UnitaryParameters,
-};
+pub use reactive::{AirLoopParameters, Gains, Reactive, ReactiveParameters, TrimRespond, UnitaryParameters};
 pub use replay::Replay;
 pub use tuned::{Measured, Tuned};
 

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use b2b_building::BuildingType;
+use b2b_building::parameter::OutOfBounds;
 
 /// An error of this crate.
 #[derive(Debug, thiserror::Error)]
@@ -15,15 +16,16 @@ pub enum Error {
     },
     /// A number that no building of the dataset has.
     #[error(
-        "there is no {building_type} number `{number}`: the dataset has {building_type}-0001 to \
-         {building_type}-{}",
-        crate::BUILDINGS_PER_TYPE
+        "unknown building id `{building_type}-{number}`; ids of the type run from {building_type}-0001 to \
+         {building_type}-{last}"
     )]
     BuildingNumber {
         /// The type.
         building_type: BuildingType,
         /// The number, as it was given.
         number: String,
+        /// The highest number of the type.
+        last: u32,
     },
     /// The engine has no stock models beside it.
     #[error(
@@ -33,18 +35,9 @@ pub enum Error {
         /// The file looked for.
         file: String,
     },
-    /// A parameter of a generated building that is out of its bounds.
-    #[error("`{name}` is {value}, and must be a number from {low} to {high}")]
-    Parameter {
-        /// The parameter.
-        name: &'static str,
-        /// Its value.
-        value: f64,
-        /// Lowest value.
-        low: f64,
-        /// Highest value.
-        high: f64,
-    },
+    /// A parameter of a generated building that is not within its bounds.
+    #[error(transparent)]
+    Parameter(#[from] OutOfBounds),
     /// What was asked of a parameter cannot be.
     #[error("`{name}` is `{text}`: {remedy}")]
     Setting {

@@ -26,7 +26,7 @@ impl BuildingId {
         if (1..=BUILDINGS_PER_TYPE).contains(&number) {
             return Ok(Self { building_type, number });
         }
-        Err(Error::BuildingNumber { building_type, number: number.to_string() })
+        Err(unknown(building_type, &number.to_string()))
     }
 
     /// The type.
@@ -57,8 +57,12 @@ impl FromStr for BuildingId {
         let parsed = Some(number).filter(digits).and_then(|number| number.parse().ok());
         parsed
             .and_then(|number| Self::new(building_type, number).ok())
-            .ok_or_else(|| Error::BuildingNumber { building_type, number: number.to_owned() })
+            .ok_or_else(|| unknown(building_type, number))
     }
+}
+
+fn unknown(building_type: BuildingType, number: &str) -> Error {
+    Error::BuildingNumber { building_type, number: number.to_owned(), last: BUILDINGS_PER_TYPE }
 }
 
 #[cfg(test)]
@@ -85,7 +89,7 @@ mod tests {
             ("OfficeSmall-1001", ["1001", "1000"]),
             ("Warehouse-99999999999", ["99999999999", "1000"]),
             ("Warehouse-+7", ["+7", "Warehouse-0001"]),
-            ("Warehouse-", ["``", "Warehouse-0001"]),
+            ("Warehouse-", ["`Warehouse-`", "Warehouse-0001"]),
         ] {
             let said = text.parse::<BuildingId>().unwrap_err().to_string();
             assert!(words.iter().all(|word| said.contains(word)), "{said}");

@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
-use b2b_building::BuildingType;
+use b2b_building::{BuildingType, Parameter};
 use b2b_climate::{Location, Place, Region, WeatherFile};
 
 use super::hypercube::latin_hypercube;
 use super::setting::{self, FOUNDATIONS, rounded, rounded_within};
 use super::{Building, Setting};
-use crate::commercial::{self, Bound, CommercialParameters};
+use crate::commercial::{self, CommercialParameters};
 use crate::house::{DIMENSIONS, Given, Heater, Heating, House, HouseSample, NUMBERS, Vintage};
 use crate::{Error, Result};
 
@@ -108,9 +108,8 @@ fn at(location: &Location, source: Error) -> Error {
 }
 
 fn house(point: &[f64; DIMENSIONS], locations: &[Location], settings: &[Setting]) -> Result<Building> {
-    let bound = |name, low, high| Bound { name, low, high };
     let [first, last] = Vintage::YEARS.map(f64::from);
-    let year = |setting: &Setting| setting.whole(point[1], bound("year", first, last));
+    let year = |setting: &Setting| setting.whole(point[1], Parameter::new("year", "1", first, last));
     let given = Given {
         year: setting::of(settings, "year").map(year).transpose()?,
         foundation: setting::of(settings, "foundation").map(|each| each.word(&FOUNDATIONS)).transpose()?,
@@ -122,16 +121,15 @@ fn house(point: &[f64; DIMENSIONS], locations: &[Location], settings: &[Setting]
     let house = &mut sample.house;
     round(house);
     if let Some(setting) = setting::of(settings, "storeys") {
-        house.storeys = setting.whole(point[3], bound("storeys", 1.0, 2.0))?;
+        house.storeys = setting.whole(point[3], House::STOREYS)?;
     }
     if let Some(setting) = setting::of(settings, "garage") {
         house.garage = setting.word(&[("true", true), ("false", false)])?;
     }
     for number in &NUMBERS {
-        if let Some(setting) = setting::of(settings, number.name) {
-            let [low, high] = number.bounds();
-            *number.of(house) =
-                setting.number(point[number.coordinate], number.decimals, bound(number.name, low, high))?;
+        if let Some(setting) = setting::of(settings, number.name()) {
+            let share = point[number.coordinate];
+            number.field.set(house, setting.number(share, number.decimals, number.field.parameter)?);
         }
     }
     Ok(Building::House(sample))
@@ -145,8 +143,7 @@ fn nth<T>(list: &[T], share: f64) -> &T {
 /// The bounds of a house are far from what is drawn.
 fn round(house: &mut House) {
     for number in &NUMBERS {
-        let value = number.of(house);
-        *value = rounded(*value, number.decimals);
+        number.field.set(house, rounded(number.field.of(house), number.decimals));
     }
     match &mut house.heating {
         Heating::HeatPump { cop, cutoff, backup } => {

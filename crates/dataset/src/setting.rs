@@ -2,9 +2,9 @@
 
 use std::str::FromStr;
 
-use b2b_building::BuildingType;
+use b2b_building::{BuildingType, Parameter};
 
-use crate::commercial::Bound;
+use crate::commercial::CommercialParameters;
 use crate::house::{Foundation, NUMBERS};
 use crate::{Error, Result};
 
@@ -34,13 +34,13 @@ impl Setting {
     /// The names that there are of a type.
     pub fn names(building_type: BuildingType) -> Vec<&'static str> {
         if building_type == BuildingType::SingleFamilyHouse {
-            return HOUSE_CHOICES.into_iter().chain(NUMBERS.map(|number| number.name)).collect();
+            return HOUSE_CHOICES.into_iter().chain(NUMBERS.map(|number| number.name())).collect();
         }
-        Bound::NAMES.to_vec()
+        CommercialParameters::NAMES.to_vec()
     }
 
     /// A number at a share of the way through the range; with so many decimals when it is not fixed.
-    pub(super) fn number(&self, share: f64, decimals: i32, bound: Bound) -> Result<f64> {
+    pub(super) fn number(&self, share: f64, decimals: i32, bound: Parameter) -> Result<f64> {
         let [low, high] = self.within(bound)?;
         if low == high {
             return Ok(low);
@@ -51,7 +51,7 @@ impl Setting {
     }
 
     /// A whole number at a share of the way through the range, both ends included.
-    pub(super) fn whole(&self, share: f64, bound: Bound) -> Result<u32> {
+    pub(super) fn whole(&self, share: f64, bound: Parameter) -> Result<u32> {
         let [low, high] = self.within(bound)?;
         if low.fract() != 0.0 || high.fract() != 0.0 {
             return Err(self.wrong(format!("give whole numbers from {} to {}", bound.low, bound.high)));
@@ -71,8 +71,8 @@ impl Setting {
             })
     }
 
-    fn within(&self, bound: Bound) -> Result<[f64; 2]> {
-        let Bound { low, high, .. } = bound;
+    fn within(&self, bound: Parameter) -> Result<[f64; 2]> {
+        let Parameter { low, high, .. } = bound;
         let range = self.range.ok_or_else(|| {
             self.wrong(format!("give a number from {low} to {high}, or a range such as {low}..{high}"))
         })?;
@@ -166,8 +166,9 @@ fn power_of_ten(decimals: i32) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::house::House;
 
-    const BOUND: Bound = Bound { name: "infiltration", low: 0.5, high: 1.5 };
+    const BOUND: Parameter = Parameter::new("infiltration", "1", 0.5, 1.5);
 
     fn setting(text: &str) -> Setting {
         text.parse().unwrap()
@@ -182,7 +183,7 @@ mod tests {
         // Narrower than the decimals it is drawn with.
         let narrow = setting("infiltration=0.60001..0.60002");
         assert_eq!(narrow.number(0.0, 4, BOUND).unwrap(), 0.60001);
-        let storeys = Bound { name: "storeys", low: 1.0, high: 2.0 };
+        let storeys = House::STOREYS;
         assert_eq!(
             [0.0, 0.49, 0.51, 1.0].map(|u| setting("storeys=1..2").whole(u, storeys).unwrap()),
             [1, 1, 2, 2]
@@ -208,7 +209,7 @@ mod tests {
         assert!(said.contains("NAME=VALUE"), "{said}");
         let said = setting("foundation=rock").word(&FOUNDATIONS).unwrap_err().to_string();
         assert!(said.contains("basement or slab or crawlspace"), "{said}");
-        let storeys = Bound { name: "storeys", low: 1.0, high: 2.0 };
+        let storeys = House::STOREYS;
         let said = setting("storeys=1.5").whole(0.5, storeys).unwrap_err().to_string();
         assert!(said.contains("whole numbers from 1 to 2"), "{said}");
     }

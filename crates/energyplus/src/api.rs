@@ -1,30 +1,30 @@
-//! The C functions of the engine that this crate calls, resolved once.
+//! The functions of the C API of EnergyPlus that this crate calls.
 
 use std::ffi::{c_char, c_int, c_void};
 use std::path::Path;
 
-/// The engine's opaque state.
+/// Opaque state of EnergyPlus.
 pub(crate) type State = *mut c_void;
-/// A callback at a point of the run.
+/// Callback at a point of the run.
 pub(crate) type StateCallback = extern "C" fn(State);
-/// A callback with an error level and a text.
+/// Callback with an error level and a message.
 pub(crate) type ErrorCallback = extern "C" fn(c_int, *const c_char);
-/// A callback with a line of standard output.
+/// Callback with a line of standard output.
 pub(crate) type ConsoleCallback = extern "C" fn(*const c_char);
 
 macro_rules! functions {
     ($(fn $name:ident($($argument:ty),*) $(-> $result:ty)?;)*) => {
-        /// Function pointers, valid as long as the library is loaded, which is for ever.
+        /// Function pointers; always valid, as the library is never unloaded.
         #[allow(non_snake_case)]
         pub(crate) struct Api {
             $(pub(crate) $name: unsafe extern "C" fn($($argument),*) $(-> $result)?,)*
         }
 
         impl Api {
-            /// Loads the library and resolves every function. It is never unloaded: unloading runs C++
-            /// destructors under the feet of whoever still uses it.
+            /// Loads the library and resolves every function. It is never unloaded: unloading would run C++ destructors while
+            /// it may still be in use.
             pub(crate) fn load(path: &Path) -> Result<Self, libloading::Error> {
-                // SAFETY: loading runs the initialisers of a library that the user named as EnergyPlus,
+                // SAFETY: loading runs the initializers of a library that the user named as EnergyPlus,
                 // which only set up its own static data.
                 let library = std::mem::ManuallyDrop::new(unsafe { libloading::Library::new(path)? });
                 Ok(Self {

@@ -1,4 +1,4 @@
-//! IDF to epJSON, through the engine itself.
+//! Conversion of IDF to epJSON by EnergyPlus itself.
 
 use std::path::Path;
 
@@ -10,8 +10,8 @@ impl Library {
     /// Converts an IDF file and returns its epJSON text.
     ///
     /// # Errors
-    /// [`Error::MissingFile`] when there is no such file; [`Error::Engine`] with the engine's words when it
-    /// cannot read it.
+    /// [`Error::MissingFile`] if the file does not exist; [`Error::Engine`] with the messages of EnergyPlus if it cannot
+    /// read the file.
     pub fn convert_idf(&self, idf: &Path) -> Result<String> {
         if !idf.is_file() {
             return Err(Error::MissingFile { what: "model", path: idf.to_owned() });

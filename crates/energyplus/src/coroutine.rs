@@ -1,8 +1,8 @@
-//! A run of the engine on a stack of its own, suspended inside its callbacks.
+//! A run of EnergyPlus on its own stack, suspended inside its callbacks.
 //!
-//! The engine calls back into [`Context`] at fixed points of its run; there the run is suspended and the
-//! caller goes on. Callbacks for messages carry no state pointer, so the context of the run in progress is
-//! kept in a thread-local around every resume.
+//! EnergyPlus calls back into [`Context`] at fixed points of the run; there the run is suspended and its caller continues.
+//! Callbacks for messages carry no state pointer, so the context of the current run is kept in a thread-local during every
+//! resume.
 
 use std::cell::{Cell, RefCell};
 use std::ffi::{CStr, CString, c_char, c_int};
@@ -13,12 +13,12 @@ use corosensei::stack::DefaultStack;
 use corosensei::{Coroutine, CoroutineResult, Yielder};
 
 use crate::api::{Api, State};
-use crate::library::turn;
+use crate::event::Event;
+use crate::library::lock;
 use crate::message::Messages;
-use crate::simulation::Event;
 use crate::{Error, Library, Result};
 
-/// The engine's stack. It is mapped, not committed: only what is touched costs memory.
+/// Size of the stack of EnergyPlus. It is mapped, not committed: only touched pages use memory.
 const STACK_BYTES: usize = 64 << 20;
 /// `kindOfSim` of a run over a weather file.
 const WEATHER_RUN: c_int = 3;
@@ -27,28 +27,28 @@ thread_local! {
     static CURRENT: Cell<*const Context> = const { Cell::new(ptr::null()) };
 }
 
-/// At which zone time steps a run is suspended.
+/// Zone time steps at which a run is suspended.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stops {
     pub(crate) warmup_steps: bool,
-    /// Every so many steps of the run period; never if 0.
+    /// Interval in steps of the run period; 0 for never.
     pub(crate) every: u32,
 }
 
-/// What the callbacks of one run share with its owner.
+/// State shared by the callbacks of a run and its owner.
 struct Context {
     api: Arc<Api>,
     state: State,
     yielder: Cell<*const Yielder<(), Event>>,
     stops: Stops,
     started: Cell<bool>,
-    /// Steps of the run period done.
+    /// Completed steps of the run period.
     steps: Cell<u32>,
     stopping: Cell<bool>,
     messages: RefCell<Messages>,
 }
 
-/// One run of the engine with its state.
+/// A run of EnergyPlus with its state.
 pub(crate) struct EngineRun {
     context: Box<Context>,
     coroutine: Option<Coroutine<(), Event, c_int, DefaultStack>>,
@@ -56,21 +56,21 @@ pub(crate) struct EngineRun {
 
 /// How a resume ended.
 pub(crate) enum Outcome {
-    /// The run stands at this point.
+    /// The run was suspended at this point.
     At(Event),
-    /// The engine returned this exit code.
+    /// EnergyPlus returned this exit code.
     Returned(c_int),
 }
 
 impl EngineRun {
-    /// Prepares a run with these command-line arguments; nothing is computed before the first resume.
+    /// Prepares a run with these command-line arguments. Nothing is computed before the first resume.
     pub(crate) fn new(
         library: &Library,
         arguments: &[&str],
         requests: &[(String, String)],
         stops: Stops,
     ) -> Result<Self> {
-        let _turn = turn();
+        let _lock = lock();
         let api = Arc::clone(&library.api);
         let arguments = arguments.iter().map(|a| c_string(a)).collect::<Result<Vec<_>>>()?;
         let requests = requests
@@ -118,12 +118,12 @@ impl EngineRun {
         Ok(Self { context, coroutine: Some(coroutine) })
     }
 
-    /// Runs on to the next point where the run is suspended, or to its end.
+    /// Resumes the run until it is suspended again or ends.
     pub(crate) fn resume(&mut self) -> Outcome {
         let Some(coroutine) = &mut self.coroutine else {
             return Outcome::Returned(0);
         };
-        let _turn = turn();
+        let _lock = lock();
         let before = CURRENT.replace(&*self.context);
         let result = coroutine.resume(());
         CURRENT.set(before);
@@ -136,8 +136,8 @@ impl EngineRun {
         }
     }
 
-    /// Lets a suspended run end early. A suspended coroutine must not be dropped: its stack holds C++
-    /// frames that cannot be unwound from outside.
+    /// Ends a suspended run early. A suspended coroutine must not be dropped: its stack holds C++ frames that cannot be
+    /// unwound from outside.
     pub(crate) fn stop(&mut self) {
         if self.coroutine.is_some() && !self.context.yielder.get().is_null() {
             self.context.stopping.set(true);
@@ -147,24 +147,24 @@ impl EngineRun {
         }
     }
 
-    /// The engine's functions.
+    /// The functions of EnergyPlus.
     #[inline]
     pub(crate) fn api(&self) -> &Api {
         &self.context.api
     }
 
-    /// The engine's state.
+    /// The state of EnergyPlus.
     #[inline]
     pub(crate) fn state(&self) -> State {
         self.context.state
     }
 
-    /// What the engine said up to now.
+    /// Returns the messages so far.
     pub(crate) fn messages(&self) -> Messages {
         self.context.messages.borrow().clone()
     }
 
-    /// Looks at the messages without copying them.
+    /// Inspects the messages without copying them.
     pub(crate) fn with_messages<T>(&self, look: impl FnOnce(&Messages) -> T) -> T {
         look(&self.context.messages.borrow())
     }
@@ -174,7 +174,7 @@ impl Drop for EngineRun {
     fn drop(&mut self) {
         self.stop();
         self.coroutine = None;
-        let _turn = turn();
+        let _lock = lock();
         // SAFETY: the run is over (or never started) and nothing else holds the state.
         unsafe { (self.context.api.stateDelete)(self.context.state) };
     }
@@ -185,7 +185,7 @@ pub(crate) fn c_string(text: &str) -> Result<CString> {
 }
 
 impl Context {
-    /// Suspends the run, unless it is being stopped.
+    /// Suspends the run unless it is being stopped.
     fn suspend(&self, event: Event) {
         if !self.stopping.get() {
             // SAFETY: a callback runs on the coroutine's stack, below the frame that owns the yielder.
@@ -209,7 +209,7 @@ impl Context {
     }
 }
 
-/// The context of the run in progress on this thread.
+/// Returns the context of the current run on this thread.
 fn current() -> Option<&'static Context> {
     // SAFETY: not null only while `resume` is on this thread's call stack, which holds the run and so its
     // boxed context; no callback keeps the reference beyond its own return.

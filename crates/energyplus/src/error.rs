@@ -1,4 +1,4 @@
-//! What can go wrong between the caller and the engine.
+//! Errors of EnergyPlus and of its use.
 
 use std::path::PathBuf;
 
@@ -7,91 +7,93 @@ use crate::message::Messages;
 /// An error of this crate.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// The shared library is not there, is not EnergyPlus, or lacks a function.
+    /// A shared library that is missing, is not EnergyPlus, or lacks a function.
     #[error(
-        "{path} cannot be used as the EnergyPlus library: {why}\n\
-         Point B2B_ENERGYPLUS at a folder that holds it, or run `b2b setup`."
+        "cannot load {path} as the EnergyPlus library: {why}\n\
+         Set B2B_ENERGYPLUS to the folder of an EnergyPlus installation, or run `b2b setup`."
     )]
     Library {
-        /// The file tried.
+        /// The file.
         path: PathBuf,
-        /// What the loader said.
+        /// Error of the loader.
         why: String,
     },
-    /// An input file of a run is not there.
+    /// An input file of a run that does not exist.
     #[error("{what} not found: {path}")]
     MissingFile {
-        /// What the file is for.
+        /// Kind of file.
         what: &'static str,
         /// The path as given.
         path: PathBuf,
     },
-    /// A path or a name holds a zero byte, which the engine cannot be given.
-    #[error("{text:?} holds a zero byte, which EnergyPlus cannot read")]
+    /// A path or name with a zero byte.
+    #[error("{text:?} contains a zero byte, which EnergyPlus cannot read")]
     ZeroByte {
         /// The text.
         text: String,
     },
-    /// The engine stopped by itself, with its own words.
+    /// A run that EnergyPlus terminated.
     #[error("EnergyPlus failed (exit code {code}) on {model}:\n{messages}")]
     Engine {
-        /// Exit code of the engine.
+        /// Exit code of EnergyPlus.
         code: i32,
-        /// The model it ran.
+        /// The model.
         model: PathBuf,
-        /// What it said.
+        /// Messages of EnergyPlus.
         messages: Messages,
     },
-    /// The model has no such variable, or it was not requested before the start.
-    #[error("the model has no variable `{name}` for `{key}` (a variable must be requested before the start)")]
+    /// A variable that the model does not have, or that was not requested before the start.
+    #[error(
+        "unknown variable `{name}` of `{key}`: the model does not have it, or it was not requested before the start"
+    )]
     UnknownVariable {
         /// Variable name.
         name: String,
-        /// Key: a zone, a node, an object.
+        /// Key: the name of a zone, node or object.
         key: String,
     },
-    /// The model has no such meter.
-    #[error("the model has no meter `{name}`")]
+    /// A meter that the model does not have.
+    #[error("unknown meter `{name}`: the model does not have it")]
     UnknownMeter {
         /// Meter name.
         name: String,
     },
-    /// The model has no such actuator.
-    #[error("the model has no actuator `{component}` / `{control}` for `{key}`")]
+    /// An actuator that the model does not have.
+    #[error("unknown actuator `{component}` / `{control}` of `{key}`: the model does not have it")]
     UnknownActuator {
         /// Component type.
         component: String,
         /// Control type.
         control: String,
-        /// Key: an object name.
+        /// Key: the name of an object.
         key: String,
     },
-    /// The run is over: there is nothing left to advance.
+    /// A run that ended before the requested step.
     #[error("the run period of {model} ended before the requested step")]
     Ended {
-        /// The model it ran.
+        /// The model.
         model: PathBuf,
     },
-    /// A file or folder could not be read or written.
+    /// A file or folder that cannot be read or written.
     #[error("{path}: {source}")]
     Io {
         /// The file or folder.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// A process that cannot be copied because it has more than one thread: a copy would have only one of them, and
-    /// hold whatever locks the others held.
-    #[error("a simulation can be copied in a process of one thread only, and this one has {threads}")]
+    /// A process that cannot be copied because it has several threads: the copy would have only one of them, with the locks
+    /// of all.
+    #[error("cannot copy a simulation in a process with {threads} threads; expected 1")]
     Threads {
-        /// How many it has.
+        /// Number of threads.
         threads: usize,
     },
-    /// The system refused to copy the process.
-    #[error("the simulation cannot be copied: {0}")]
+    /// A failed copy of the process.
+    #[error("cannot copy the simulation: {0}")]
     Fork(std::io::Error),
-    /// No stack for the coroutine.
-    #[error("no memory for the engine's stack: {0}")]
+    /// A failed allocation of the stack of the coroutine.
+    #[error("cannot allocate the stack of EnergyPlus: {0}")]
     Stack(std::io::Error),
 }
 

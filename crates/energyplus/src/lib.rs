@@ -1,8 +1,8 @@
-//! Drive [EnergyPlus](https://energyplus.net) from Rust.
+//! Control of [EnergyPlus](https://energyplus.net) simulations from Rust.
 //!
-//! A [`Simulation`] is a run of the engine as a coroutine: [`Simulation::advance`] is a plain call that
-//! computes one zone time step and returns. Between two calls the run stands at the end of a zone time
-//! step, where variables and meters are read and actuators are set.
+//! A [`Simulation`] runs EnergyPlus as a coroutine: [`Simulation::advance`] is a plain call that computes one zone time step
+//! and returns. Between calls the run is suspended at the end of a zone time step, where variables and meters can be read
+//! and actuators set.
 //!
 //! ```no_run
 //! use b2b_energyplus::{Library, Run, Event};
@@ -20,17 +20,19 @@
 //! # Ok::<(), b2b_energyplus::Error>(())
 //! ```
 //!
-//! What to know of the engine:
+//! Limitations:
 //!
-//! - Two runs may be interleaved on one thread, and a process may use several threads, but the engine
-//!   itself must never run on two threads at once: its results are then silently wrong. Every entry into it
-//!   is under one process-wide lock, so parallel work belongs in several processes.
-//! - A crash of the engine (a segmentation fault in its C++ code) ends the process. Validate models first.
+//! - Runs may be interleaved on one thread, and a process may use several threads, but EnergyPlus itself must never run on two
+//!   threads at once: its results would be silently wrong. Every call into it holds one process-wide lock; use several
+//!   processes for parallel work.
+//! - A crash of EnergyPlus (a segmentation fault in its C++ code) ends the process. Validate models first.
 
 mod api;
 mod convert;
 mod coroutine;
+pub mod digest;
 mod error;
+mod event;
 pub mod install;
 mod library;
 mod message;
@@ -39,6 +41,7 @@ mod simulation;
 pub mod snapshot;
 
 pub use error::{Error, Result};
+pub use event::Event;
 pub use library::Library;
 pub use message::{Level, Message, Messages};
-pub use simulation::{Actuator, Clock, Event, Meter, Run, Simulation, Variable};
+pub use simulation::{Actuator, Clock, Meter, Run, Simulation, Variable};

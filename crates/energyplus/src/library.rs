@@ -1,4 +1,4 @@
-//! The engine's shared library, loaded.
+//! The loaded shared library of EnergyPlus.
 
 use std::ffi::CStr;
 use std::path::{Path, PathBuf};
@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use crate::api::Api;
 use crate::{Error, Result};
 
-/// The engine's shared library, loaded for the rest of the process. Clones are cheap.
+/// The shared library of EnergyPlus, loaded for the rest of the process. Clones are cheap.
 #[derive(Clone)]
 pub struct Library {
     pub(crate) api: Arc<Api>,
@@ -24,19 +24,19 @@ impl Library {
     /// Loads `libenergyplusapi` from a file.
     ///
     /// # Errors
-    /// [`Error::Library`] when the file is missing, is no library, or lacks a function of the C API.
+    /// [`Error::Library`] if the file is missing, is not a library, or lacks a function of the C API.
     pub fn load(path: &Path) -> Result<Self> {
         let api =
             Api::load(path).map_err(|e| Error::Library { path: path.to_owned(), why: e.to_string() })?;
         Ok(Self { api: Arc::new(api), path: path.to_owned() })
     }
 
-    /// The file it was loaded from.
+    /// Path of the library file.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// The engine's version as it says it, for example `25.2.0-cf7368216c`.
+    /// Returns the version of EnergyPlus, for example `25.2.0-cf7368216c`.
     pub fn version(&self) -> String {
         // SAFETY: the function takes nothing and returns a static C string.
         let text = unsafe { CStr::from_ptr((self.api.energyPlusVersion)()) };
@@ -46,9 +46,9 @@ impl Library {
     }
 }
 
-/// The right to run the engine's code. The library has global state: two threads in it at once give silently
-/// wrong numbers, while taking turns gives the right bits.
-pub(crate) fn turn() -> MutexGuard<'static, ()> {
-    static TURN: Mutex<()> = Mutex::new(());
-    TURN.lock().unwrap_or_else(PoisonError::into_inner)
+/// Locks EnergyPlus for the current thread. The library has global state: two threads in it at once give silently wrong
+/// numbers, while interleaved calls are exact.
+pub(crate) fn lock() -> MutexGuard<'static, ()> {
+    static LOCK: Mutex<()> = Mutex::new(());
+    LOCK.lock().unwrap_or_else(PoisonError::into_inner)
 }

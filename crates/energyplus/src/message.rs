@@ -1,17 +1,17 @@
-//! What the engine says in a run.
+//! Messages of EnergyPlus.
 
 use std::fmt;
 
-/// How grave a message is.
+/// Severity of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Level {
-    /// A note.
+    /// Information.
     Info,
-    /// Something odd; the run goes on.
+    /// Warning; the run continues.
     Warning,
-    /// Something wrong; the run may go on.
+    /// Severe error; the run may continue.
     Severe,
-    /// The run ends.
+    /// Fatal error; the run ends.
     Fatal,
 }
 
@@ -26,51 +26,51 @@ impl fmt::Display for Level {
     }
 }
 
-/// One message with its continuation lines.
+/// A message with its continuation lines.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Message {
-    /// How grave it is.
+    /// Severity.
     pub level: Level,
-    /// The engine's words, lines joined by newlines.
+    /// Text, lines joined by newlines.
     pub text: String,
 }
 
-/// The messages of a run: every count, and the first texts of each level (a run may repeat itself for
-/// months, so what is kept is bounded).
+/// The messages of a run: the counts of each level, and its first texts. A run may repeat a message for months, so the number of
+/// texts is bounded.
 #[derive(Clone, Default)]
 pub struct Messages {
     kept: Vec<Message>,
     counts: [usize; 4],
     /// Whether continuation lines belong to the last kept message.
     last_was_kept: bool,
-    /// The last lines of the engine's standard output, for failures that are said nowhere else.
+    /// Last lines of standard output, for failures reported nowhere else.
     console: Vec<String>,
 }
 
-/// Texts kept per level.
+/// Number of texts kept per level.
 const KEPT_PER_LEVEL: usize = 100;
-/// Continuation lines are kept up to this many bytes of a message.
+/// Length of a message beyond which continuation lines are dropped, bytes.
 const KEPT_BYTES: usize = 4000;
-/// Console lines kept.
+/// Number of console lines kept.
 const CONSOLE_LINES: usize = 20;
 
 impl Messages {
-    /// How many messages of a level there were.
+    /// Returns the number of messages of a level.
     pub fn count(&self, level: Level) -> usize {
         self.counts[level as usize]
     }
 
-    /// The messages kept, in the order they came.
+    /// Returns the kept messages in order.
     pub fn iter(&self) -> impl Iterator<Item = &Message> {
         self.kept.iter()
     }
 
-    /// The messages kept that are at least this grave.
+    /// Returns the kept messages of at least this level.
     pub fn at_least(&self, level: Level) -> impl Iterator<Item = &Message> {
         self.kept.iter().filter(move |m| m.level >= level)
     }
 
-    /// Takes one line as the engine's error callback gives it: 0 continues the message before.
+    /// Adds a line of the error callback. Level 0 continues the previous message.
     pub(crate) fn push(&mut self, level: i32, text: &str) {
         let level = match level {
             1 => Level::Info,
@@ -87,7 +87,7 @@ impl Messages {
         }
     }
 
-    /// Takes one line of the engine's standard output.
+    /// Adds a line of standard output.
     pub(crate) fn push_console(&mut self, line: &str) {
         if self.console.len() == CONSOLE_LINES {
             self.console.remove(0);
@@ -105,14 +105,14 @@ impl Messages {
     }
 }
 
-/// As [`fmt::Display`]: an error that is unwrapped stays readable.
+/// The same as [`fmt::Display`], so that an unwrapped error is readable.
 impl fmt::Debug for Messages {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{self}")
     }
 }
 
-/// Severe and fatal messages; if there are none, what was last seen on the console.
+/// Severe and fatal messages; if there are none, the last lines of standard output.
 impl fmt::Display for Messages {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.at_least(Level::Severe).next().is_none() {

@@ -5,23 +5,11 @@ use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
 use crate::coroutine::{EngineRun, Outcome, Stops, c_string};
+use crate::event::Event;
 use crate::message::{Level, Messages};
 use crate::{Error, Library, Result};
 
-/// Where a run stands when [`Simulation::advance`] returns.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Event {
-    /// Before the first zone time step of warm-up: handles can be had and actuators set.
-    Started,
-    /// At the end of a zone time step of warm-up (only with [`Run::yield_in_warmup`]).
-    WarmupStep,
-    /// Warm-up is complete: the next step is the first of the run period.
-    WarmedUp,
-    /// At the end of a zone time step of the run period.
-    Step,
-}
-
-/// What to run: a model, a weather file, and the variables that will be read.
+/// A run to be started: model, weather file and the variables to read.
 #[derive(Clone, Debug)]
 pub struct Run {
     model: PathBuf,
@@ -32,7 +20,7 @@ pub struct Run {
 }
 
 impl Run {
-    /// A run of a model (IDF or epJSON) over a weather file (EPW).
+    /// Creates a run of a model (IDF or epJSON) over a weather file (EPW).
     pub fn new(model: impl Into<PathBuf>, weather: impl Into<PathBuf>) -> Self {
         Self {
             model: model.into(),
@@ -43,39 +31,39 @@ impl Run {
         }
     }
 
-    /// Where the engine writes its files. By default a temporary folder that goes with the simulation.
+    /// Sets the output folder of EnergyPlus. Default: a temporary folder, removed with the simulation.
     #[must_use]
     pub fn output(mut self, folder: impl Into<PathBuf>) -> Self {
         self.output = Some(folder.into());
         self
     }
 
-    /// Announces a variable that will be read: the engine computes only what is asked for.
+    /// Requests a variable: only requested variables can be read.
     #[must_use]
     pub fn request(mut self, name: impl Into<String>, key: impl Into<String>) -> Self {
         self.requests.push((name.into(), key.into()));
         self
     }
 
-    /// Suspends the run at every zone time step of warm-up too, so that it can be controlled there.
+    /// Suspends the run at every zone time step of warm-up too, so that warm-up can be controlled.
     #[must_use]
     pub fn yield_in_warmup(mut self) -> Self {
         self.stops.warmup_steps = true;
         self
     }
 
-    /// Suspends the run at the end of every so many zone time steps of the run period, instead of every one; 0 is
-    /// never. This is the engine at its own speed.
+    /// Suspends the run after every `steps` zone time steps of the run period instead of each; never for 0, which is
+    /// EnergyPlus at its own speed.
     #[must_use]
     pub fn stop_every(mut self, steps: u32) -> Self {
         self.stops.every = steps;
         self
     }
 
-    /// Starts the run and takes it to [`Event::Started`]: input read, systems sized, handles ready.
+    /// Starts the run and advances it to [`Event::Started`]: input read, systems sized, handles ready.
     ///
     /// # Errors
-    /// [`Error::MissingFile`] before the engine is asked; [`Error::Engine`] when it refuses the input.
+    /// [`Error::MissingFile`] if an input file does not exist; [`Error::Engine`] if EnergyPlus rejects the input.
     pub fn start(self, library: &Library) -> Result<Simulation> {
         let mut simulation = self.prepare(library)?;
         match simulation.advance()? {
@@ -84,11 +72,11 @@ impl Run {
         }
     }
 
-    /// Runs the model to its end without stopping anywhere, as the EnergyPlus command does, and returns
-    /// what it said. What it wrote is in the output folder.
+    /// Runs the model to its end without suspending, as the EnergyPlus command does, and returns its messages. Its output is
+    /// in the output folder.
     ///
     /// # Errors
-    /// As [`Run::start`].
+    /// Those of [`Run::start`].
     pub fn to_end(self, library: &Library) -> Result<Messages> {
         let mut simulation = self.stop_every(0).prepare(library)?;
         while simulation.advance()?.is_some() {}
@@ -121,7 +109,7 @@ impl Run {
     }
 }
 
-/// A temporary folder for the engine's files.
+/// Creates a temporary folder for the files of EnergyPlus.
 pub(crate) fn temporary_folder() -> Result<TempDir> {
     tempfile::Builder::new()
         .prefix("b2b-")
@@ -132,23 +120,23 @@ pub(crate) fn temporary_folder() -> Result<TempDir> {
 pub(crate) fn path_text(path: &Path) -> Result<&str> {
     path.to_str().ok_or_else(|| Error::Io {
         path: path.to_owned(),
-        source: std::io::Error::other("the path is not valid UTF-8, which EnergyPlus needs"),
+        source: std::io::Error::other("the path is not valid UTF-8, which EnergyPlus requires"),
     })
 }
 
-/// A variable that can be read; belongs to the simulation that gave it.
+/// Handle of an output variable; valid for the simulation that returned it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Variable(i32);
 
-/// A meter that can be read; belongs to the simulation that gave it.
+/// Handle of a meter; valid for the simulation that returned it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Meter(i32);
 
-/// An actuator that can be set; belongs to the simulation that gave it.
+/// Handle of an actuator; valid for the simulation that returned it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Actuator(i32);
 
-/// The engine's clock at the end of the last zone time step.
+/// The clock of EnergyPlus at the end of the last zone time step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clock {
     /// Hours since the start of the run period.
@@ -161,11 +149,11 @@ pub struct Clock {
     pub day_of_week: u8,
 }
 
-/// A run in progress. See the [crate] for what it promises.
+/// A run in progress: see the [crate] documentation.
 ///
-/// Dropping it stops the engine cleanly (a few milliseconds) and removes its temporary files.
+/// Dropping it stops EnergyPlus cleanly within a few milliseconds and removes its temporary files.
 pub struct Simulation {
-    // The order matters: the run ends before its folder goes.
+    // Fields are dropped in order: the run ends before its folder is removed.
     run: EngineRun,
     model: PathBuf,
     _temporary: Option<TempDir>,
@@ -178,10 +166,10 @@ impl std::fmt::Debug for Simulation {
 }
 
 impl Simulation {
-    /// Computes on to the next [`Event`]; `None` when the run period is over.
+    /// Advances to the next [`Event`]. Returns `None` at the end of the run period.
     ///
     /// # Errors
-    /// [`Error::Engine`] with the engine's own messages when it stopped by itself.
+    /// [`Error::Engine`] with the messages of EnergyPlus if it terminated by itself.
     #[inline]
     pub fn advance(&mut self) -> Result<Option<Event>> {
         match self.run.resume() {
@@ -193,12 +181,12 @@ impl Simulation {
         }
     }
 
-    /// Ends the run now. Further calls of [`Simulation::advance`] return `None`.
+    /// Stops the run. Further calls of [`Simulation::advance`] return `None`.
     pub fn stop(&mut self) {
         self.run.stop();
     }
 
-    /// A handle to a requested variable, for example `Zone Mean Air Temperature` of a zone.
+    /// Returns the handle of a requested variable, for example `Zone Mean Air Temperature` of a zone.
     ///
     /// # Errors
     /// [`Error::UnknownVariable`].
@@ -212,7 +200,7 @@ impl Simulation {
             .ok_or_else(|| Error::UnknownVariable { name: name.to_owned(), key: key.to_owned() })
     }
 
-    /// A handle to a meter, for example `Electricity:HVAC`. No `Output:Meter` is needed.
+    /// Returns the handle of a meter, for example `Electricity:HVAC`. No `Output:Meter` object is needed.
     ///
     /// # Errors
     /// [`Error::UnknownMeter`].
@@ -220,14 +208,14 @@ impl Simulation {
         let c_name = c_string(name)?;
         // SAFETY: the state is live; the string lives through the call.
         let handle = unsafe { (self.run.api().getMeterHandle)(self.run.state(), c_name.as_ptr()) };
-        // The first meter of every model, `Electricity:Facility`, has index 0, which the engine's look-up
-        // takes for "not found".
+        // The first meter of every model, `Electricity:Facility`, has index 0, which the lookup of EnergyPlus reports
+        // as not found.
         let first = name.eq_ignore_ascii_case("Electricity:Facility").then_some(0);
         let handle = if handle >= 0 { Some(handle) } else { first };
         handle.map(Meter).ok_or_else(|| Error::UnknownMeter { name: name.to_owned() })
     }
 
-    /// A handle to an actuator: component type, control type and object name.
+    /// Returns the handle of an actuator, given component type, control type and object name.
     ///
     /// # Errors
     /// [`Error::UnknownActuator`].
@@ -249,36 +237,35 @@ impl Simulation {
         })
     }
 
-    /// The value of a variable, in the unit that the engine's documentation gives for it.
+    /// Returns the value of a variable, in its unit in the EnergyPlus documentation.
     #[inline]
     pub fn read(&self, variable: Variable) -> f64 {
         // SAFETY: the state is live; the engine checks the range of the handle.
         unsafe { (self.run.api().getVariableValue)(self.run.state(), variable.0) }
     }
 
-    /// The energy of the last zone time step, J (or the meter's own unit).
+    /// Returns the meter reading of the last zone time step, J (or the unit of the meter).
     #[inline]
     pub fn read_meter(&self, meter: Meter) -> f64 {
         // SAFETY: the state is live; the engine checks the range of the handle.
         unsafe { (self.run.api().getMeterValue)(self.run.state(), meter.0) }
     }
 
-    /// Sets an actuator; it holds until it is set again. The value must be finite: the engine does not
-    /// check it.
+    /// Sets an actuator; the value holds until it is set again. It must be finite: EnergyPlus does not check it.
     #[inline]
     pub fn set(&mut self, actuator: Actuator, value: f64) {
-        debug_assert!(value.is_finite(), "an actuator was given {value}");
+        debug_assert!(value.is_finite(), "actuator set to {value}");
         // SAFETY: the state is live; the engine checks the range of the handle.
         unsafe { (self.run.api().setActuatorValue)(self.run.state(), actuator.0, value) }
     }
 
-    /// What an actuator was last set to.
+    /// Returns the value to which an actuator was last set.
     pub fn actuator_value(&self, actuator: Actuator) -> f64 {
         // SAFETY: the state is live; the engine checks the range of the handle.
         unsafe { (self.run.api().getActuatorValue)(self.run.state(), actuator.0) }
     }
 
-    /// The engine's clock.
+    /// Returns the clock of EnergyPlus.
     pub fn clock(&self) -> Clock {
         let (api, state) = (self.run.api(), self.run.state());
         // SAFETY: the state is live; the functions only read it.
@@ -292,12 +279,12 @@ impl Simulation {
         }
     }
 
-    /// What the engine has said up to now.
+    /// Returns the messages of EnergyPlus so far.
     pub fn messages(&self) -> Messages {
         self.run.messages()
     }
 
-    /// How many messages of a level the engine has given up to now; cheaper than [`Simulation::messages`].
+    /// Returns the number of messages of a level so far; cheaper than [`Simulation::messages`].
     pub fn message_count(&self, level: Level) -> usize {
         self.run.with_messages(|m| m.count(level))
     }

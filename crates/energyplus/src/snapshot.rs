@@ -1,13 +1,13 @@
-//! Copies of a simulation in progress, by `fork`.
+//! Copies of a running simulation by `fork`.
 //!
-//! The engine cannot save its state, but the system can copy the whole process: a copy shares its memory with the
-//! original until one of the two writes to it, so that it takes milliseconds where a start takes a second. Both go
-//! on bit for bit as the original would have.
+//! EnergyPlus cannot save its state, but the operating system can copy the whole process: a copy shares its memory with the
+//! original until either writes to it, and so takes milliseconds where a start takes a second. Both continue bit for bit as
+//! the original would have.
 //!
-//! What a fork would break, and what is done about it:
-//! 1. A process with several threads: the copy has one, with the locks of all. It is refused.
-//! 2. Files that are being read (the weather) share one position between the two. The copy opens its own.
-//! 3. Files that are being written: the copy writes to nowhere, but for one that it may keep a copy of.
+//! Hazards of a fork, and how they are handled:
+//! 1. Threads: the copy would have one thread and the locks of all. A process with several threads is refused.
+//! 2. Files being read (weather): both processes would share one file position. The copy reopens them.
+//! 3. Files being written: the copy writes to `/dev/null`, except for one file that it may keep a copy of.
 
 use std::fs::File;
 use std::io;
@@ -18,28 +18,27 @@ use rustix::fs::{FileType, OFlags, SeekFrom};
 
 use crate::{Error, Result, Simulation};
 
-/// Which of the two processes goes on after [`Simulation::fork`].
+/// The process in which [`Simulation::fork`] returned.
 #[derive(Debug)]
 pub enum Fork {
-    /// The process that was copied.
+    /// The original process.
     Original,
-    /// The copy, and whether its files could be opened anew. It must end with [`leave`].
+    /// The copy, with the result of reopening its files. It must end with [`leave`].
     Copy(Result<()>),
 }
 
-/// A file that is being written and that a copy goes on to write, in a file of its own.
+/// A file being written that a copied process continues to write, in a file of its own.
 #[derive(Clone, Copy, Debug)]
 pub struct KeptFile<'a> {
-    /// Its name, without a folder.
+    /// File name, without a folder.
     pub name: &'a str,
-    /// Where the copy's own is.
+    /// Path of the copy's own file.
     pub copy: &'a Path,
 }
 
-/// Gives memory back to the system that was used and is not any more, such as that of a model's text: a process that
-/// stands to be copied has no use for it.
+/// Returns unused memory to the operating system, such as that of the model text, before a process is copied.
 pub fn give_back_memory() {
-    // SAFETY: the allocator is asked to look at what it has; nothing that is in use moves.
+    // SAFETY: the allocator releases free memory only; nothing in use moves.
     #[cfg(target_env = "gnu")]
     unsafe {
         libc::malloc_trim(0);
@@ -47,31 +46,31 @@ pub fn give_back_memory() {
 }
 
 impl Simulation {
-    /// Copies this process, and with it the simulation at its current point. Both processes return from the call. The
-    /// copy continues to write the file that is `kept`, and no other.
+    /// Copies this process with the simulation in its current state. The call returns in both processes. The copy
+    /// continues to write the file that is `kept`, and no other.
     ///
     /// # Errors
-    /// [`Error::Threads`] when this is not the only thread; [`Error::Fork`] when the system refuses.
+    /// [`Error::Threads`] if the process has several threads; [`Error::Fork`] if the operating system refuses.
     pub fn fork(&mut self, kept: Option<KeptFile<'_>>) -> Result<Fork> {
         let threads = count("/proc/self/task").map_err(Error::Fork)?;
         if threads != 1 {
             return Err(Error::Threads { threads });
         }
-        // SAFETY: no other thread exists, so that the copy is whole: no lock is held by a thread that it lacks.
+        // SAFETY: no other thread exists, so the copy is complete: no lock is held by a thread that it lacks.
         match unsafe { libc::fork() } {
             -1 => Err(Error::Fork(io::Error::last_os_error())),
-            0 => Ok(Fork::Copy(open_files_anew(kept).map_err(Error::Fork))),
+            0 => Ok(Fork::Copy(reopen_files(kept).map_err(Error::Fork))),
             _ => Ok(Fork::Original),
         }
     }
 }
 
-/// Makes this process one to be copied: a terminal's interrupt is left to whoever started it, and it becomes the
-/// parent of all copies of copies whose own parent is gone. A copy that ends interrupts what this process waits for, so
-/// that it can ask for the exit status.
+/// Prepares this process for being copied: it ignores interrupts of the terminal, which its parent handles, and becomes the
+/// parent of all copies of copies whose own parent has ended. A copy that ends interrupts the wait of this process, which
+/// then reads its exit status.
 ///
 /// # Errors
-/// [`Error::Fork`] when the system refuses.
+/// [`Error::Fork`] if the operating system refuses.
 pub fn become_ancestor() -> Result<()> {
     extern "C" fn wake_up(_: libc::c_int) {}
     // SAFETY: the handler does nothing, which is safe at any time; the action is zeroed and then filled in.
@@ -87,9 +86,9 @@ pub fn become_ancestor() -> Result<()> {
     rustix::process::set_child_subreaper(Some(this)).map_err(|error| Error::Fork(error.into()))
 }
 
-/// Ends a copy at once: nothing that the original still uses is stopped or removed.
+/// Ends a copy immediately, without stopping or removing anything that the original still uses.
 pub fn leave(code: u8) -> ! {
-    // SAFETY: ends the process without running any code of it.
+    // SAFETY: ends the process without running any of its code.
     unsafe { libc::_exit(code.into()) }
 }
 
@@ -97,9 +96,9 @@ fn count(folder: &str) -> io::Result<usize> {
     Ok(std::fs::read_dir(folder)?.count())
 }
 
-/// Gives every open regular file a position of its own. Memory and pipes that are shared stay shared.
-fn open_files_anew(kept: Option<KeptFile<'_>>) -> io::Result<()> {
-    let nowhere = File::options().write(true).open("/dev/null")?;
+/// Gives every open regular file its own position. Shared memory and pipes stay shared.
+fn reopen_files(kept: Option<KeptFile<'_>>) -> io::Result<()> {
+    let null = File::options().write(true).open("/dev/null")?;
     let descriptors: Vec<RawFd> = std::fs::read_dir("/proc/self/fd")?
         .filter_map(|entry| entry.ok()?.file_name().to_str()?.parse().ok())
         .collect();
@@ -110,21 +109,21 @@ fn open_files_anew(kept: Option<KeptFile<'_>>) -> io::Result<()> {
         let Ok(status) = rustix::fs::fstat(file) else { continue };
         let path = format!("/proc/self/fd/{descriptor}");
         if FileType::from_raw_mode(status.st_mode) == FileType::RegularFile && !is_memory(&path) {
-            open_anew(file, &path, nowhere.as_fd(), kept)?;
+            reopen(file, &path, null.as_fd(), kept)?;
         }
     }
     Ok(())
 }
 
-/// Whether a descriptor is of a file without a name on any disk.
+/// Whether a descriptor belongs to an anonymous file in memory.
 fn is_memory(path: &str) -> bool {
     std::fs::read_link(path).is_ok_and(|target| target.starts_with("/memfd:"))
 }
 
-fn open_anew(
+fn reopen(
     file: BorrowedFd<'_>,
     path: &str,
-    nowhere: BorrowedFd<'_>,
+    null: BorrowedFd<'_>,
     kept: Option<KeptFile<'_>>,
 ) -> io::Result<()> {
     let read_only = rustix::fs::fcntl_getfl(file)?.intersection(OFlags::ACCMODE) == OFlags::RDONLY;
@@ -134,24 +133,24 @@ fn open_anew(
             std::fs::copy(path, kept.copy)?;
             File::options().write(true).open(kept.copy)?
         }
-        _ => return put(nowhere, file),
+        _ => return redirect(null, file),
     };
     let position = rustix::fs::tell(file)?;
     rustix::fs::seek(&fresh, SeekFrom::Start(position))?;
-    put(fresh.as_fd(), file)
+    redirect(fresh.as_fd(), file)
 }
 
-/// Whether a descriptor is of a file of this name, which may have been removed.
+/// Returns whether a descriptor is of a file with this name, which may have been removed.
 fn is_named(path: &str, name: &str) -> bool {
     let target = std::fs::read_link(path).unwrap_or_default();
     let target = target.to_string_lossy();
     Path::new(target.trim_end_matches(" (deleted)")).file_name().is_some_and(|file| file == name)
 }
 
-/// Makes the second descriptor one of the first's file.
-fn put(file: BorrowedFd<'_>, at: BorrowedFd<'_>) -> io::Result<()> {
+/// Makes the second descriptor refer to the file of the first.
+fn redirect(file: BorrowedFd<'_>, at: BorrowedFd<'_>) -> io::Result<()> {
     use std::os::fd::AsRawFd;
-    // SAFETY: both are open; the owner of the second, in the engine, goes on to use it under the same number.
+    // SAFETY: both are open; the owner of the second, in EnergyPlus, continues to use it under the same number.
     match unsafe { libc::dup2(file.as_raw_fd(), at.as_raw_fd()) } {
         -1 => Err(io::Error::last_os_error()),
         _ => Ok(()),

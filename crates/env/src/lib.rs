@@ -17,6 +17,7 @@ mod engine_report;
 #[allow(clippy::module_inception, reason = "one file a concept, and the concept is the environment")]
 mod env;
 mod environment;
+mod episode_metrics;
 mod error;
 mod limits;
 mod metrics;
@@ -40,6 +41,7 @@ pub use energy_scale::EnergyScale;
 pub use engine_report::EngineReport;
 pub use env::{Env, Snapshot};
 pub use environment::{Environment, Step};
+pub use episode_metrics::{EpisodeMetrics, MetricColumn, MetricValue};
 pub use error::{Error, Result};
 pub use metrics::{Metrics, ZoneMetrics};
 pub use morphology::Decomposition;

@@ -1,4 +1,4 @@
-//! What an episode amounts to, in the manner of BOPTEST's key performance indicators. Summed up as it runs.
+//! Running sums over an episode: key performance indicators in the manner of BOPTEST.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,21 +8,21 @@ use crate::zones::ControlledZone;
 /// Deviation of one zone from its target over an episode.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ZoneMetrics {
-    /// Slot of the zone in the observation.
+    /// Index of the zone in the model and of its temperature in the observation.
     pub slot: usize,
     /// Whether it has both heating and cooling.
     pub fully_conditioned: bool,
-    /// Thermal discomfort: the deviation that counts for the reward beyond the task's comfort band, over time, K h.
+    /// Thermal discomfort: the rewarded deviation outside the task's comfort band, integrated over time, K h.
     pub discomfort: f64,
     squares: f64,
     absolutes: f64,
     steps_outside: usize,
 }
 
-/// Sums over the steps of an episode.
+/// Sums over the steps of an episode. [`EpisodeMetrics`](crate::EpisodeMetrics) is what is reported of them.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Metrics {
-    /// Steps done.
+    /// Steps completed.
     pub steps: usize,
     /// Sum of the rewards.
     pub episode_return: f64,
@@ -34,15 +34,15 @@ pub struct Metrics {
     pub electricity: f64,
     /// HVAC gas, Wh/m².
     pub gas: f64,
-    /// Cost of both by the task's prices, currency/m².
+    /// Cost of both at the task's prices, currency/m².
     pub cost: f64,
-    /// Emissions of both by the task's factors, g of CO₂/m².
+    /// Emissions of both at the task's factors, g of CO₂/m².
     pub emissions: f64,
-    /// Highest electric HVAC power, the mean of a step, W/m².
+    /// Peak electric HVAC demand, averaged over a step, W/m².
     pub peak_electricity: f64,
-    /// Highest gas power, the mean of a step, W/m².
+    /// Peak gas demand, averaged over a step, W/m².
     pub peak_gas: f64,
-    /// Way of each actuator, in times its range: 1 is once from its lowest to its highest value.
+    /// Travel of each actuator in full strokes: 1 is once from its lower to its upper bound.
     pub travel: Vec<f64>,
     /// Action values that were out of bounds and clamped.
     pub clamped_actions: usize,
@@ -54,12 +54,12 @@ pub struct Metrics {
 }
 
 impl ZoneMetrics {
-    /// Root mean square deviation over so many steps, K.
+    /// Returns the root mean square deviation over `steps` steps, K.
     pub fn rms_deviation(&self, steps: usize) -> f64 {
         (self.squares / steps.max(1) as f64).sqrt()
     }
 
-    /// Mean absolute deviation over so many steps, K.
+    /// Returns the mean absolute deviation over `steps` steps, K.
     pub fn mean_abs_deviation(&self, steps: usize) -> f64 {
         self.absolutes / steps.max(1) as f64
     }
@@ -87,12 +87,12 @@ impl Metrics {
         }
     }
 
-    /// By how much electricity (Wh/m²) of a step would raise the highest power so far, W/m².
+    /// Returns by how much a step's electricity (Wh/m²) would raise the peak demand so far, W/m².
     pub(crate) fn peak_rise(&self, electricity: f64) -> f64 {
         (electricity / self.hours_per_step - self.peak_electricity).max(0.0)
     }
 
-    /// Adds what the step just counted was worth. `low` and `high` are the bounds of the action.
+    /// Adds the step that `steps` already counts. `low` and `high` are the bounds of the action.
     pub(crate) fn add(&mut self, reward: Reward, step: &StepView<'_>, low: &[f64], high: &[f64]) {
         self.episode_return += reward.total();
         self.temperature_penalty += reward.temperature_penalty;
@@ -113,7 +113,7 @@ impl Metrics {
         }
     }
 
-    /// The first action of an episode is no way.
+    /// The first action of an episode moves nothing: there is no action before it.
     fn add_travel(&mut self, action: &[f64], low: &[f64], high: &[f64]) {
         for (actuator, value) in action.iter().enumerate() {
             let range = high[actuator] - low[actuator];
@@ -124,34 +124,33 @@ impl Metrics {
         }
     }
 
-    /// Root mean square deviation of a zone, K; both sides of the target count.
-    /// Averaged over the zones that have both heating and cooling.
+    /// Returns the root mean square deviation, K, above and below target alike, averaged over the zones with both
+    /// heating and cooling.
     pub fn rms_deviation(&self) -> f64 {
         self.mean_over_zones(|zone| zone.rms_deviation(self.steps))
     }
 
-    /// Mean absolute deviation, K, averaged over the zones that have both heating and cooling.
+    /// Returns the mean absolute deviation, K, averaged over the zones with both heating and cooling.
     pub fn mean_abs_deviation(&self) -> f64 {
         self.mean_over_zones(|zone| zone.mean_abs_deviation(self.steps))
     }
 
-    /// Hours further from target than the task's comfort band, averaged over the zones that have both heating and
-    /// cooling.
+    /// Returns the hours outside the task's comfort band, averaged over the zones with both heating and cooling.
     pub fn hours_outside_band(&self) -> f64 {
         self.mean_over_zones(|zone| self.zone_hours_outside_band(zone))
     }
 
-    /// Hours that a zone was further from target than the task's comfort band.
+    /// Returns the hours in which a zone was outside the task's comfort band.
     pub fn zone_hours_outside_band(&self, zone: &ZoneMetrics) -> f64 {
         zone.steps_outside as f64 * self.hours_per_step
     }
 
-    /// Thermal discomfort, K h, averaged over the controlled zones.
+    /// Returns the thermal discomfort, K h, averaged over the controlled zones.
     pub fn discomfort(&self) -> f64 {
         self.zones.iter().map(|zone| zone.discomfort).sum::<f64>() / self.zones.len().max(1) as f64
     }
 
-    /// Way of the actuators a day, in times their ranges, averaged over them.
+    /// Returns the actuator travel, full strokes/day, averaged over the actuators.
     pub fn daily_travel(&self) -> f64 {
         let days = self.steps as f64 * self.hours_per_step / 24.0;
         self.travel.iter().sum::<f64>()

@@ -1,5 +1,6 @@
 //! The record of an episode.
 
+use b2b_energyplus::digest::hex;
 use sha2::{Digest, Sha256};
 
 use crate::environment::Step;
@@ -66,7 +67,7 @@ impl Trajectory {
         for value in self.observations.iter().chain(&self.actions).chain(penalties) {
             hasher.update(value.to_le_bytes());
         }
-        hasher.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+        hex(&hasher.finalize())
     }
 }
 

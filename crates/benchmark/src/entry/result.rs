@@ -5,65 +5,70 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
+use b2b_energyplus::digest::sha256;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{About, Entry, Measures, UNFINISHED};
+use super::definition::Entry;
+use super::entry_policy::PolicyDescription;
+use super::measures::Measures;
 use crate::error::at;
-use crate::evaluation::{Row, Versions, read_stages, write, write_stages};
-use crate::problem::{Problem, Stage};
-use crate::subject::hex;
+use crate::evaluation::{Row, is_temporary, read_stages, write, write_stages};
+use crate::problem::{Problem, Stage, differences};
+use crate::versions::Versions;
 use crate::{Error, Result};
 
-/// What was run, in a folder.
+/// The result file.
 const RESULT: &str = "result.json";
-/// Its episodes.
+/// The table of episodes.
 const EPISODES: &str = "episodes.parquet";
-/// Its networks.
+/// The folder of ONNX files.
 pub(super) const POLICY: &str = "policy";
-/// Raised when the form of a result changes.
+/// The folder of stages that have not all ended.
+pub(super) const UNFINISHED: &str = "unfinished";
+/// Raised when the format of a result changes.
 const FORMAT: u32 = 1;
 
-/// What was run, and what it came to: `result.json`.
+/// The result of a run: `result.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RunResult {
-    /// Of this form.
+    /// Version of the format.
     pub format: u32,
     /// Name on the leaderboard.
     pub name: String,
-    /// How the policy came about.
+    /// How the policy was made.
     pub description: Option<String>,
-    /// Steps that it was trained for, as who ran it says.
+    /// Training steps, as declared by the user.
     pub training_steps: Option<u64>,
-    /// The problem, whole.
+    /// The whole problem.
     pub problem: Problem,
     /// [`Problem::hash`].
     pub problem_hash: String,
-    /// [`Problem::changes`]; `None` for a problem of somebody's own.
+    /// [`Problem::changes`]; `None` for a custom problem.
     pub problem_changes: Option<Vec<String>>,
-    /// Who acted, by stage.
-    pub policies: BTreeMap<String, About>,
-    /// With which seeds, by stage.
+    /// Policies by stage.
+    pub policies: BTreeMap<String, PolicyDescription>,
+    /// Seeds by stage.
     pub seeds: BTreeMap<String, Vec<u64>>,
-    /// What made it.
+    /// Versions that the result depends on.
     pub versions: Versions,
-    /// How many rows each stage has in `episodes.parquet`.
+    /// Number of rows in `episodes.parquet` by stage.
     pub episodes: BTreeMap<String, usize>,
     /// SHA-256 of `episodes.parquet`.
     pub episodes_sha256: String,
-    /// What the episodes come to.
+    /// Measures over the episodes.
     pub measures: Measures,
 }
 
 impl RunResult {
-    /// Of an entry whose stages have run.
+    /// Returns the result of an entry whose stages have run.
     pub(super) fn of(entry: &Entry, stages: &[(Stage, Vec<Row>)]) -> Result<Self> {
         let versions = Versions::current();
         let problem = &entry.problem;
         let measures = Measures::of(stages).ok_or_else(|| Error::Problem {
             name: problem.name.clone(),
-            why: "there is no score to measure".into(),
+            why: "no episode has a score".into(),
         })?;
         Ok(Self {
             format: FORMAT,
@@ -76,24 +81,24 @@ impl RunResult {
             policies: entry
                 .stages()
                 .into_iter()
-                .map(|stage| (stage.to_string(), entry.entrant(stage).about()))
+                .map(|stage| (stage.to_string(), entry.policy_of(stage).description()))
                 .collect(),
             seeds: entry
                 .stages()
                 .into_iter()
-                .map(|stage| (stage.to_string(), entry.entrant(stage).seeds(&problem.protocol.seeds)))
+                .map(|stage| (stage.to_string(), entry.policy_of(stage).seeds(&problem.protocol.seeds)))
                 .collect(),
             episodes: stages.iter().map(|(stage, rows)| (stage.to_string(), rows.len())).collect(),
-            episodes_sha256: hex(&table(stages, &versions)?),
+            episodes_sha256: sha256(table(stages, &versions)?),
             versions,
             measures,
         })
     }
 
-    /// Writes the folder: the result itself last, so that a folder with it is whole.
+    /// Writes the folder, `result.json` last, so that a folder with it is complete.
     pub(super) fn write(&self, entry: &Entry, stages: &[(Stage, Vec<Row>)], folder: &Path) -> Result<()> {
         let files: Vec<_> =
-            entry.stages().into_iter().flat_map(|stage| entry.entrant(stage).files()).collect();
+            entry.stages().into_iter().flat_map(|stage| entry.policy_of(stage).files()).collect();
         if !files.is_empty() {
             let policies = folder.join(POLICY);
             std::fs::create_dir_all(&policies).map_err(at(&policies))?;
@@ -110,12 +115,12 @@ impl RunResult {
         })
     }
 
-    /// Whether a folder's result is that of an entry.
-    pub(super) fn refuse_other(&self, here: &Self, folder: &Path) -> Result<()> {
-        let value = |result: &Self| serde_json::to_value(result).expect("it is plain data");
+    /// Errors unless a folder's result is that of an entry.
+    pub(super) fn check_same(&self, here: &Self, folder: &Path) -> Result<()> {
+        let value = |result: &Self| serde_json::to_value(result).expect("plain data always serializes");
         let mut paths = Vec::new();
-        crate::problem::differences("", &value(self), &value(here), &mut paths);
-        // These follow from the episodes.
+        differences("", &value(self), &value(here), &mut paths);
+        // Derived from the episodes.
         paths.retain(|path| !path.starts_with("measures") && !path.starts_with("episodes"));
         if paths.is_empty() {
             return Ok(());
@@ -124,7 +129,7 @@ impl RunResult {
     }
 }
 
-/// The bytes of the table.
+/// Returns the bytes of the table.
 fn table(stages: &[(Stage, Vec<Row>)], versions: &Versions) -> Result<Vec<u8>> {
     let named: Vec<_> = stages.iter().map(|(stage, rows)| (stage.to_string(), rows.clone())).collect();
     let mut bytes = Vec::new();
@@ -133,24 +138,24 @@ fn table(stages: &[(Stage, Vec<Row>)], versions: &Versions) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The episodes of each stage, in order.
+/// The rows of each stage, in order.
 pub type Stages = Vec<(Stage, Vec<Row>)>;
 
-/// The result of a folder, with its rows by stage.
+/// Returns the result of a folder, and its rows by stage.
 ///
 /// # Errors
-/// [`Error::Unfinished`] and [`Error::NoResult`] where there is none; [`Error::Damaged`]; [`Error::Forged`] when the
-/// episodes are not those that it says; [`Error::Io`].
+/// [`Error::Unfinished`] and [`Error::NoResult`] if there is none; [`Error::Damaged`]; [`Error::Modified`] if the episodes
+/// are not those of the result; [`Error::Io`].
 pub fn read_result(folder: &Path) -> Result<(RunResult, Stages)> {
-    match there(folder)? {
+    match find_result(folder)? {
         Some(found) => Ok(found),
         None if folder.join(UNFINISHED).exists() => Err(Error::Unfinished { folder: folder.to_owned() }),
         None => Err(Error::NoResult { folder: folder.to_owned() }),
     }
 }
 
-/// The result of a folder, if it has one.
-pub(super) fn there(folder: &Path) -> Result<Option<(RunResult, Stages)>> {
+/// Returns the result of a folder, if it has one.
+pub(super) fn find_result(folder: &Path) -> Result<Option<(RunResult, Stages)>> {
     let path = folder.join(RESULT);
     if !path.exists() {
         return Ok(None);
@@ -159,7 +164,7 @@ pub(super) fn there(folder: &Path) -> Result<Option<(RunResult, Stages)>> {
     let file = BufReader::new(File::open(&path).map_err(at(&path))?);
     let value: Value = serde_json::from_reader(file).map_err(|error| damaged(&path, error.to_string()))?;
     if value["format"] != FORMAT {
-        let why = format!("its format is {}, and this program reads {FORMAT}", value["format"]);
+        let why = format!("its format is {}; this program reads format {FORMAT}", value["format"]);
         return Err(damaged(&path, why));
     }
     let result: RunResult =
@@ -168,14 +173,13 @@ pub(super) fn there(folder: &Path) -> Result<Option<(RunResult, Stages)>> {
     let bytes = std::fs::read(&episodes).map_err(at(&episodes))?;
     let file = File::open(&episodes).map_err(at(&episodes))?;
     let read = read_stages(file).map_err(|error| damaged(&episodes, error.to_string()))?;
-    if hex(&bytes) != result.episodes_sha256 {
-        let what = format!("{EPISODES} is not the one that {RESULT} was made from");
-        return Err(Error::Forged { folder: folder.to_owned(), what });
+    if sha256(&bytes) != result.episodes_sha256 {
+        let what = format!("{EPISODES} is not the table that {RESULT} was made from");
+        return Err(Error::Modified { folder: folder.to_owned(), what });
     }
     let mut stages = Stages::new();
     for (name, row) in read {
-        let stage: Stage =
-            name.parse().map_err(|()| damaged(&episodes, format!("there is no stage `{name}`")))?;
+        let stage: Stage = name.parse().map_err(|why| damaged(&episodes, why))?;
         match stages.last_mut() {
             Some((last, rows)) if *last == stage => rows.push(row),
             _ => stages.push((stage, vec![row])),
@@ -184,17 +188,20 @@ pub(super) fn there(folder: &Path) -> Result<Option<(RunResult, Stages)>> {
     Ok(Some((result, stages)))
 }
 
-/// A folder for a new run has nothing but what was left of the same.
-pub(super) fn refuse_foreign(folder: &Path) -> Result<()> {
+/// Errors if the folder of a new run contains anything but leftovers of an interrupted run.
+pub(super) fn check_new(folder: &Path) -> Result<()> {
     let Ok(entries) = std::fs::read_dir(folder) else {
-        return if folder.exists() { Err(Error::Foreign { folder: folder.to_owned() }) } else { Ok(()) };
+        return if folder.exists() {
+            Err(Error::UnrelatedFiles { folder: folder.to_owned() })
+        } else {
+            Ok(())
+        };
     };
     for entry in entries {
         let name = entry.map_err(at(folder))?.file_name();
-        let name = name.to_string_lossy();
-        let ours = [UNFINISHED, POLICY, EPISODES].contains(&&*name) || name.ends_with(".aside");
-        if !ours {
-            return Err(Error::Foreign { folder: folder.to_owned() });
+        let leftover = [UNFINISHED, POLICY, EPISODES].iter().any(|each| name == *each);
+        if !leftover && !is_temporary(name.as_ref()) {
+            return Err(Error::UnrelatedFiles { folder: folder.to_owned() });
         }
     }
     Ok(())

@@ -1,124 +1,115 @@
-//! Whether a folder holds what it says.
+//! Verification of a result's folder.
 
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
+use b2b_env::EpisodeMetrics;
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 
-use super::result::POLICY;
-use super::{Entrant, Measures, RunResult, read_result};
-use crate::evaluation::{Episode, Evaluation, Finished, Outcome, Progress, Row, Versions};
-use crate::problem::{Problem, Stage, Through};
+use super::entry_policy::EntryPolicy;
+use super::measures::Measures;
+use super::result::{POLICY, RunResult, read_result};
+use crate::evaluation::{Episode, EpisodeInfo, Evaluation, Outcome, Progress, Row};
+use crate::problem::{Problem, Stage, WrappedPolicy};
 use crate::scores::normalized_score;
-use crate::{Baselines, Error, Result, Surroundings};
+use crate::versions::Versions;
+use crate::{Baselines, Error, Result};
 
-/// Relative difference of numbers that were added up in another order.
+/// Relative tolerance for sums in another order.
 const ROUNDING: f64 = 1e-9;
 
-/// Something that was looked at.
+/// The outcome of one check.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Check {
-    /// What.
-    pub what: &'static str,
-    /// What was found: good, or not.
-    pub found: std::result::Result<String, String>,
+    /// What was checked.
+    pub name: &'static str,
+    /// A description, or the fault.
+    pub outcome: CheckOutcome,
 }
 
-/// Episodes to run once more.
+/// A random sample of episodes to run again.
 #[derive(Clone, Copy, Debug)]
-pub struct Rerun {
-    /// How many.
+pub struct Sample {
+    /// Number of episodes.
     pub episodes: usize,
-    /// Decides which.
+    /// Seed of the sample.
     pub seed: u64,
 }
 
-type Found = std::result::Result<String, String>;
+type CheckOutcome = std::result::Result<String, String>;
 
-/// Looks at everything that a result says, as far as one look leaves sense to the next: its form, versions, problem, list
-/// of episodes, sums and scores, measures; then runs a sample once more, with its baselines, and compares to the bit.
+/// Checks a result: format, versions, problem, list of episodes, sums and scores, measures. If all pass, runs a sample of
+/// the episodes and their baselines again and compares them bit for bit.
 ///
 /// # Errors
-/// What stops an evaluation; all that is wrong with the folder is in a [`Check`].
+/// Those of [`Evaluation::run`]; faults of the folder are in a [`Check`].
 pub fn verify(
     folder: &Path,
     evaluation: &Evaluation<'_>,
-    rerun: Rerun,
+    sample: Sample,
     progress: &dyn Progress,
 ) -> Result<Vec<Check>> {
     let (result, stages) = match read_result(folder) {
         Ok(read) => read,
-        Err(error) => return Ok(vec![Check { what: "folder", found: Err(error.to_string()) }]),
+        Err(error) => return Ok(vec![Check { name: "folder", outcome: Err(error.to_string()) }]),
     };
     let episodes: usize = stages.iter().map(|(_, rows)| rows.len()).sum();
     let mut checks = vec![
         Check {
-            what: "folder",
-            found: Ok(format!("{} of {}, {episodes} episodes", result.name, result.problem.name)),
+            name: "folder",
+            outcome: Ok(format!("{} of {}, {episodes} episodes", result.name, result.problem.name)),
         },
-        Check { what: "versions", found: versions(&result) },
-        Check { what: "problem", found: problem(&result) },
-        Check { what: "episodes", found: list(&result, &stages) },
-        Check { what: "scores", found: scores(&stages) },
-        Check { what: "measures", found: measures(&result, &stages) },
+        Check { name: "versions", outcome: versions(&result) },
+        Check { name: "problem", outcome: problem(&result) },
+        Check { name: "episodes", outcome: episode_list(&result, &stages) },
+        Check { name: "scores", outcome: scores(&stages) },
+        Check { name: "measures", outcome: measures(&result, &stages) },
     ];
-    if rerun.episodes > 0 && checks.iter().all(|check| check.found.is_ok()) {
-        let found = run_again(folder, &result, &stages, evaluation, rerun, progress)?;
-        checks.push(Check { what: "episodes run again", found });
+    if sample.episodes > 0 && checks.iter().all(|check| check.outcome.is_ok()) {
+        let outcome = run_again(folder, &result, &stages, evaluation, sample, progress)?;
+        checks.push(Check { name: "episodes run again", outcome });
     }
     Ok(checks)
 }
 
-fn versions(result: &RunResult) -> Found {
-    let (there, here) = (&result.versions, Versions::current());
-    let pairs = [
-        ("package", &there.package, &here.package),
-        ("dataset", &there.generator, &here.generator),
-        ("EnergyPlus", &there.engine, &here.engine),
-        ("reactive controllers", &there.controllers, &here.controllers),
-    ];
-    let other: Vec<_> = pairs
-        .into_iter()
-        .filter(|(_, there, here)| there != here)
-        .map(|(what, there, here)| format!("{what} {there} there and {here} here"))
-        .collect();
-    if other.is_empty() {
-        Ok(format!("dataset {}, EnergyPlus {}", here.generator, here.engine))
-    } else {
-        Err(other.join("; "))
+fn versions(result: &RunResult) -> CheckOutcome {
+    let here = Versions::current();
+    match result.versions.differences(&here) {
+        None => Ok(format!("dataset {}, EnergyPlus {}", here.generator, here.engine)),
+        Some(differences) => Err(differences),
     }
 }
 
-fn problem(result: &RunResult) -> Found {
+fn problem(result: &RunResult) -> CheckOutcome {
     let problem = &result.problem;
     problem.check().map_err(|error| error.to_string())?;
     if problem.hash() != result.problem_hash {
-        return Err("the problem is not the one whose hash is given".into());
+        return Err("the problem does not have the hash that is given".into());
     }
     if problem.changes() != result.problem_changes {
-        return Err(format!("it says nothing of what is changed in {}", problem.name));
+        return Err(format!("the changes to {} are not those that are listed", problem.name));
     }
     let budget = problem.protocol.training_steps;
     if let Some(steps) = result.training_steps.filter(|steps| *steps > budget) {
-        return Err(format!("it was trained for {steps} steps, and the budget is {budget}"));
+        return Err(format!("it was trained for {steps} steps; the budget is {budget}"));
     }
     Ok(match result.problem_changes.as_deref() {
-        Some([]) => format!("{}, version {}, as it is shipped", problem.name, problem.version),
+        Some([]) => format!("{}, version {}, unchanged", problem.name, problem.version),
         Some(changes) => format!("{} with changes: {}", problem.name, changes.join(", ")),
-        None => format!("{}, of somebody's own", problem.name),
+        None => format!("{}, a custom problem", problem.name),
     })
 }
 
-/// The episodes that a stage has to have.
+/// Returns the episodes that a stage must contain.
 fn expected(result: &RunResult, stage: Stage) -> Option<Vec<Episode>> {
     let Problem { protocol, .. } = &result.problem;
     let seeds = result.policies.get(&stage.to_string())?.seeds(&protocol.seeds);
     Some(result.problem.episodes(stage, &seeds))
 }
 
-fn list(result: &RunResult, stages: &[(Stage, Vec<Row>)]) -> Found {
+fn episode_list(result: &RunResult, stages: &[(Stage, Vec<Row>)]) -> CheckOutcome {
     let names: Vec<_> = stages.iter().map(|(stage, _)| *stage).collect();
     let mut wanted = vec![Stage::Test];
     wanted.extend((result.problem.protocol.train_sample > 0).then_some(Stage::Train));
@@ -128,116 +119,104 @@ fn list(result: &RunResult, stages: &[(Stage, Vec<Row>)]) -> Found {
         }
     }
     for (stage, rows) in stages {
-        let expected = expected(result, *stage).ok_or(format!("nobody acts in stage {stage}"))?;
+        let expected = expected(result, *stage).ok_or(format!("no policy for stage {stage}"))?;
         for (number, episode) in expected.iter().enumerate() {
-            let asked = asked(episode);
             match rows.get(number) {
-                None => return Err(format!("{stage}: {asked} is missing")),
+                None => return Err(format!("{stage}: {episode} is missing")),
                 Some(row) if !is_of(row, episode) => {
-                    return Err(format!("{stage}: where {asked} should be, there is {}", shown(row)));
+                    return Err(format!("{stage}: expected {episode}, found {}", row.info));
                 }
                 Some(_) => {}
             }
         }
         if let Some(row) = rows.get(expected.len()) {
-            return Err(format!("{stage}: {} is one too many", shown(row)));
+            return Err(format!("{stage}: {} is not part of the problem", row.info));
         }
     }
-    Ok("all that the problem asks for, and no other".into())
+    Ok("exactly those of the problem".into())
 }
 
-fn asked(episode: &Episode) -> String {
-    format!("{}, {}, {}, seed {}", episode.subject.name, episode.task, episode.period, episode.seed)
-}
-
-fn shown(row: &Row) -> String {
-    let record = &row.record;
-    format!("{}, {}, {}, seed {}", record.building, record.task, record.period, record.seed)
-}
-
-/// Whether a row is of an episode. The task's hash has the building's energy scale in it.
+/// Returns whether a row is that of an episode. Task hashes are not compared: they include the building's energy scale.
 fn is_of(row: &Row, episode: &Episode) -> bool {
-    let record = &row.record;
-    record.building == episode.subject.name.to_string()
-        && record.task == episode.task.to_string()
-        && record.period == episode.period.to_string()
-        && record.seed == episode.seed
-        && record.steps_per_hour == episode.steps_per_hour
-        && record.steps as u64 == episode.days() * 24 * u64::from(episode.steps_per_hour)
+    let EpisodeInfo { building, task, period, seed, steps_per_hour, .. } = &row.info;
+    *building == episode.subject.name.to_string()
+        && *task == episode.task.to_string()
+        && *period == episode.period.to_string()
+        && *seed == episode.seed
+        && *steps_per_hour == episode.steps_per_hour
+        && row.metrics().is_none_or(|metrics| metrics.steps as u64 == episode.steps())
 }
 
 fn near(a: f64, b: f64) -> bool {
     a == b || (a - b).abs() <= ROUNDING * a.abs().max(b.abs())
 }
 
-fn scores(stages: &[(Stage, Vec<Row>)]) -> Found {
+fn scores(stages: &[(Stage, Vec<Row>)]) -> CheckOutcome {
     for (stage, row) in stages.iter().flat_map(|(stage, rows)| rows.iter().map(move |row| (stage, row))) {
-        let wrong = |why: String| Err(format!("{stage}: {}: {why}", shown(row)));
-        let record = &row.record;
-        if let Some(why) = &row.lost {
-            return wrong(format!("it was lost: {why}"));
-        }
-        let sum = -record.temperature_penalty - record.energy_penalty;
-        if !near(record.episode_return, sum) {
-            return wrong(format!(
-                "the return is {}, and its penalties add up to {sum}",
-                record.episode_return
-            ));
-        }
-        let score =
-            row.baseline_return.and_then(|baseline| normalized_score(record.episode_return, baseline));
-        if score.is_none() || score != row.score {
-            return wrong(format!("the score is {:?}, and return over baseline is {score:?}", row.score));
-        }
+        score(row).map_err(|why| format!("{stage}: {}: {why}", row.info))?;
     }
-    Ok("returns are the sums of their penalties, and scores are their ratios".into())
+    Ok("returns are the sums of their penalties, and scores are the ratios of returns".into())
 }
 
-fn measures(result: &RunResult, stages: &[(Stage, Vec<Row>)]) -> Found {
+fn score(row: &Row) -> std::result::Result<(), String> {
+    let scored = row.outcome.as_ref().map_err(|lost| format!("it was lost: {lost}"))?;
+    let EpisodeMetrics { episode_return, temperature_penalty, energy_penalty, .. } = scored.metrics;
+    let sum = -temperature_penalty - energy_penalty;
+    if !near(episode_return, sum) {
+        return Err(format!("the return is {episode_return}; its penalties sum to {sum}"));
+    }
+    let score = scored.baseline_return.and_then(|baseline| normalized_score(episode_return, baseline));
+    if score.is_none() || score != scored.score {
+        return Err(format!("the score is {:?}; return over baseline is {score:?}", scored.score));
+    }
+    Ok(())
+}
+
+fn measures(result: &RunResult, stages: &[(Stage, Vec<Row>)]) -> CheckOutcome {
     match Measures::of(stages) {
-        Some(measures) if measures == result.measures => Ok("as the episodes have them".into()),
-        _ => Err("they are not those of the episodes".into()),
+        Some(measures) if measures == result.measures => Ok("those of the episodes".into()),
+        _ => Err("they differ from those of the episodes".into()),
     }
 }
 
-/// Runs a sample, and compares hashes, returns and baselines.
+/// Runs a sample again and compares hashes, metrics and baselines.
 fn run_again(
     folder: &Path,
     result: &RunResult,
     stages: &[(Stage, Vec<Row>)],
     evaluation: &Evaluation<'_>,
-    rerun: Rerun,
+    sample: Sample,
     progress: &dyn Progress,
-) -> Result<Found> {
+) -> Result<CheckOutcome> {
     let mut all: Vec<(Stage, usize)> =
         stages.iter().flat_map(|(stage, rows)| (0..rows.len()).map(|number| (*stage, number))).collect();
-    all.shuffle(&mut ChaCha8Rng::seed_from_u64(rerun.seed));
-    all.truncate(rerun.episodes);
+    all.shuffle(&mut ChaCha8Rng::seed_from_u64(sample.seed));
+    all.truncate(sample.episodes);
     all.sort_by_key(|(stage, number)| (stage.to_string(), *number));
     for (stage, rows) in stages {
         let numbers: Vec<usize> =
             all.iter().filter(|(of, _)| of == stage).map(|(_, number)| *number).collect();
         let Some(episodes) = expected(result, *stage).filter(|_| !numbers.is_empty()) else { continue };
-        let about = &result.policies[&stage.to_string()];
-        let entrant = match Entrant::of(about, &folder.join(POLICY)) {
-            Ok(entrant) => entrant,
+        let description = &result.policies[&stage.to_string()];
+        let policy = match EntryPolicy::of(description, &folder.join(POLICY)) {
+            Ok(policy) => policy,
             Err(error) => return Ok(Err(error.to_string())),
         };
-        let policy = Through::new(entrant.policy(), &result.problem, result.problem.side(*stage));
-        let sample: Vec<_> = numbers.iter().map(|number| (*number, &episodes[*number])).collect();
+        let policy = WrappedPolicy::new(policy.policy(), &result.problem, result.problem.side(*stage));
+        let chosen: Vec<_> = numbers.iter().map(|number| (*number, &episodes[*number])).collect();
         let outcomes = Mutex::new(Vec::new());
-        progress.begin("episodes", sample.len(), sample.iter().map(|(_, episode)| episode.days()).sum());
-        evaluation.run(&sample, &policy, progress, &|number, outcome| {
+        progress.begin("episodes", chosen.len(), chosen.iter().map(|(_, episode)| episode.days()).sum());
+        evaluation.run(&chosen, &policy, progress, &|number, outcome| {
             outcomes.lock().unwrap_or_else(PoisonError::into_inner).push((number, outcome));
             Ok(())
         })?;
         for (number, outcome) in outcomes.into_inner().unwrap_or_else(PoisonError::into_inner) {
             if let Err(why) = compare(&rows[number], &episodes[number], outcome, evaluation, progress)? {
-                return Ok(Err(format!("{stage}: {}: {why}", shown(&rows[number]))));
+                return Ok(Err(format!("{stage}: {}: {why}", rows[number].info)));
             }
         }
     }
-    Ok(Ok(format!("{} of them, to the bit, and their baselines", all.len())))
+    Ok(Ok(format!("{} of them agree bit for bit, and so do their baselines", all.len())))
 }
 
 fn compare(
@@ -246,31 +225,35 @@ fn compare(
     outcome: Outcome,
     evaluation: &Evaluation<'_>,
     progress: &dyn Progress,
-) -> Result<Found> {
-    let Finished { record, .. } = match outcome {
-        Outcome::Finished(finished) => *finished,
-        Outcome::Lost(why) => return Ok(Err(format!("it was lost: {why}"))),
+) -> Result<CheckOutcome> {
+    let mut here = match outcome {
+        Ok(finished) => finished.record,
+        Err(lost) => return Ok(Err(format!("it was lost: {lost}"))),
     };
-    if record.trajectory_hash != row.record.trajectory_hash {
-        let (there, here) = (&row.record.trajectory_hash, &record.trajectory_hash);
-        return Ok(Err(format!("it went otherwise: hash {there} there and {here} here")));
+    // The name of the policy is that of the user's file.
+    here.info.policy.clone_from(&row.info.policy);
+    let there = match row.outcome.clone() {
+        Ok(there) => there,
+        Err(lost) => return Ok(Err(format!("it was lost: {lost}"))),
+    };
+    if here.trajectory_hash != there.trajectory_hash {
+        let (there, here) = (&there.trajectory_hash, &here.trajectory_hash);
+        return Ok(Err(format!("its trajectory differs: hash {there} there and {here} here")));
     }
-    let name = &row.record.policy;
-    if (Row { record: crate::Record { policy: name.clone(), ..record.clone() }, ..row.clone() }) != *row {
-        let (there, here) = (row.record.episode_return, record.episode_return);
-        return Ok(Err(format!("its figures are others: return {there} there and {here} here")));
+    if here.info != row.info || here.metrics != there.metrics {
+        let (there, here) = (there.metrics.episode_return, here.metrics.episode_return);
+        return Ok(Err(format!("its metrics differ: return {there} there and {here} here")));
     }
-    let surroundings =
-        Surroundings { place: record.place.clone(), climate_zone: record.climate_zone.clone() };
+    let site = here.info.site();
     let cache = tempfile::tempdir().map_err(|source| Error::Io { path: std::env::temp_dir(), source })?;
     let baselines = Baselines::without_shipped(cache.path());
-    let here = match baselines.episode_return(evaluation, episode, &surroundings, progress) {
+    let baseline = match baselines.episode_return(evaluation, episode, &site, progress) {
         Err(Error::NoBaseline { why, .. }) => return Ok(Err(format!("its baseline was lost: {why}"))),
-        here => here?,
+        baseline => baseline?,
     };
-    let there = row.baseline_return.unwrap_or(f64::NAN);
-    if near(there, here) {
+    let there = there.baseline_return.unwrap_or(f64::NAN);
+    if near(there, baseline) {
         return Ok(Ok(String::new()));
     }
-    Ok(Err(format!("its baseline is {there} there and {here} here")))
+    Ok(Err(format!("its baseline is {there} there and {baseline} here")))
 }

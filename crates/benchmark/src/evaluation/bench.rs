@@ -9,9 +9,10 @@ use b2b_dataset::Catalog;
 use b2b_energyplus::install::Quiet;
 use b2b_env::vector::{Setting, Source, WorkerOptions, Workers};
 
-use super::{Episode, Evaluation};
+use super::episode::Episode;
+use super::parallel::Evaluation;
 use crate::Result;
-use crate::subject::{Subject, Surroundings};
+use crate::subject::{SiteInfo, Subject};
 
 /// The episodes of one building that wait to be run.
 pub(super) struct Group<'a> {
@@ -26,7 +27,7 @@ pub(super) struct Group<'a> {
 #[derive(Debug)]
 pub(super) struct Located {
     pub(super) subject: Subject,
-    pub(super) surroundings: Surroundings,
+    pub(super) site: SiteInfo,
     weather: PathBuf,
     source: Arc<Source>,
 }
@@ -79,10 +80,10 @@ impl<'a> Group<'a> {
         }
         let subject = self.subject.clone();
         let found = catalog.find(&subject.name, &subject.placement, &mut Quiet)?;
-        let surroundings = subject.surroundings(&found)?;
+        let site = subject.site(&found)?;
         let weather = found.weather.clone();
         let source = Source::from(found);
-        let made = Arc::new(Located { subject, surroundings, weather, source: Arc::new(source) });
+        let made = Arc::new(Located { subject, site, weather, source: Arc::new(source) });
         *located = Some(Arc::clone(&made));
         Ok(made)
     }

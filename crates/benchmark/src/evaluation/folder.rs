@@ -1,52 +1,38 @@
-//! The folder of an evaluation: what was asked, and every episode as it ended. Nothing in it is ever half-written, so
-//! that whoever starts again goes on from there.
+//! The folder of an evaluation: its definition, and every episode as it ends. Files are written atomically, so that an
+//! interrupted evaluation resumes.
 
 use std::fs::File;
 use std::io::{BufReader, Write};
 use std::path::{Path, PathBuf};
 
-use b2b_dataset::GENERATOR_VERSION;
-use b2b_energyplus::install::ENGINE_VERSION;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use serde_json::Value;
 
-use super::{Episode, Finished};
-use crate::baseline::controllers_hash;
+use super::episode::Episode;
+use super::finished::Finished;
 use crate::error::at;
 use crate::policy::Policy;
+use crate::versions::Versions;
 use crate::{Error, Result};
 
-/// What made the results, beside the policy.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Versions {
-    /// Of this package.
-    pub package: String,
-    /// Of the buildings.
-    pub generator: String,
-    /// Of EnergyPlus.
-    pub engine: String,
-    /// Hash of the parameters of the reactive controllers.
-    pub controllers: String,
-}
-
-/// An evaluation on disk, held by this process alone.
+/// The folder of an evaluation, locked by this process.
 #[derive(Debug)]
 pub struct Folder {
     path: PathBuf,
     _lock: File,
 }
 
-/// What an evaluation is, as it is written down.
+/// The definition of an evaluation: `evaluation.json`.
 #[derive(Serialize)]
-struct About {
+struct Definition {
     versions: Versions,
     policy: String,
     policy_identity: String,
-    episodes: Vec<Asked>,
+    episodes: Vec<EpisodeDefinition>,
 }
 
 #[derive(Serialize)]
-struct Asked {
+struct EpisodeDefinition {
     building: String,
     task: String,
     task_hash: String,
@@ -55,40 +41,29 @@ struct Asked {
     steps_per_hour: u32,
 }
 
-const ABOUT: &str = "evaluation.json";
+const DEFINITION: &str = "evaluation.json";
 const EPISODES: &str = "episodes";
-/// Ending of a file that is being written.
-const ASIDE: &str = ".aside";
-
-impl Versions {
-    /// Those of this program.
-    pub fn current() -> Self {
-        Self {
-            package: env!("CARGO_PKG_VERSION").to_owned(),
-            generator: GENERATOR_VERSION.to_owned(),
-            engine: ENGINE_VERSION.to_owned(),
-            controllers: controllers_hash(),
-        }
-    }
-}
+/// Extension of a file that is being written.
+const TEMPORARY: &str = ".aside";
 
 impl Folder {
-    /// The folder of these episodes under this policy: a new one, or one that holds some of them already.
+    /// Opens the folder of these episodes under this policy: a new one, or one with some episodes in it already.
     ///
     /// # Errors
-    /// [`Error::OtherEvaluation`] with what differs; [`Error::Foreign`]; [`Error::Busy`]; [`Error::NoEpisode`];
+    /// [`Error::OtherEvaluation`] with the differences; [`Error::UnrelatedFiles`]; [`Error::Busy`]; [`Error::NoEpisode`];
     /// [`Error::Io`].
     pub fn open(path: &Path, policy: &dyn Policy, episodes: &[Episode]) -> Result<Self> {
         if episodes.is_empty() {
             return Err(Error::NoEpisode);
         }
-        let about = serde_json::to_value(About::of(policy, episodes)?).expect("it is plain data");
-        let file = path.join(ABOUT);
+        let definition =
+            serde_json::to_value(Definition::of(policy, episodes)?).expect("plain data always serializes");
+        let file = path.join(DEFINITION);
         if !file.exists() {
             check_empty(path)?;
             let folder = path.join(EPISODES);
             std::fs::create_dir_all(&folder).map_err(at(&folder))?;
-            write(&file, |out| serde_json::to_writer_pretty(out, &about).map_err(Into::into))?;
+            write(&file, |out| serde_json::to_writer_pretty(out, &definition).map_err(Into::into))?;
         }
         let lock = File::open(&file).map_err(at(&file))?;
         match lock.try_lock() {
@@ -98,53 +73,53 @@ impl Folder {
         }
         let damaged = |why: serde_json::Error| Error::Damaged { path: file.clone(), why: why.to_string() };
         let there: Value = serde_json::from_reader(BufReader::new(&lock)).map_err(damaged)?;
-        if there != about {
-            let differences = differences(&there, &about);
+        if there != definition {
+            let differences = differences(&there, &definition);
             return Err(Error::OtherEvaluation { folder: path.to_owned(), differences });
         }
         let folder = Self { path: path.to_owned(), _lock: lock };
-        folder.sweep()?;
+        folder.remove_temporary()?;
         Ok(folder)
     }
 
-    /// An episode by its number, if it has ended. What cannot be read has not.
+    /// Returns an episode by its number; `None` if it has not ended or cannot be read.
     pub fn read(&self, number: usize) -> Option<Finished> {
-        let file = File::open(self.episode(number)).ok()?;
+        let file = File::open(self.episode_path(number)).ok()?;
         serde_json::from_reader(BufReader::new(file)).ok()
     }
 
-    /// Keeps an episode: on disk when this returns.
+    /// Writes an episode to disk.
     ///
     /// # Errors
     /// [`Error::Io`].
     pub fn keep(&self, number: usize, finished: &Finished) -> Result<()> {
-        write(&self.episode(number), |out| serde_json::to_writer(out, finished).map_err(Into::into))
+        write(&self.episode_path(number), |out| serde_json::to_writer(out, finished).map_err(Into::into))
     }
 
-    /// Writes a file of results, whole or not at all.
+    /// Writes a results file atomically.
     ///
     /// # Errors
-    /// [`Error::Io`], and what `content` says.
+    /// [`Error::Io`], also for errors of `content`.
     pub fn write(&self, name: &str, content: impl FnOnce(&mut File) -> std::io::Result<()>) -> Result<()> {
         write(&self.path.join(name), content)
     }
 
-    /// Where a file of results is.
+    /// Returns the path of a results file.
     pub fn path_of(&self, name: &str) -> PathBuf {
         self.path.join(name)
     }
 
-    fn episode(&self, number: usize) -> PathBuf {
+    fn episode_path(&self, number: usize) -> PathBuf {
         self.path.join(EPISODES).join(format!("{number:06}.json"))
     }
 
-    /// Removes what a process that was killed was writing.
-    fn sweep(&self) -> Result<()> {
+    /// Removes temporary files of a killed process.
+    fn remove_temporary(&self) -> Result<()> {
         for folder in [self.path.clone(), self.path.join(EPISODES)] {
             std::fs::create_dir_all(&folder).map_err(at(&folder))?;
             for entry in std::fs::read_dir(&folder).map_err(at(&folder))? {
                 let path = entry.map_err(at(&folder))?.path();
-                if path.to_string_lossy().ends_with(ASIDE) {
+                if is_temporary(&path) {
                     std::fs::remove_file(&path).map_err(at(&path))?;
                 }
             }
@@ -153,10 +128,10 @@ impl Folder {
     }
 }
 
-impl About {
+impl Definition {
     fn of(policy: &dyn Policy, episodes: &[Episode]) -> Result<Self> {
-        let asked = |episode: &Episode| {
-            Ok(Asked {
+        let definition = |episode: &Episode| {
+            Ok(EpisodeDefinition {
                 building: episode.subject.identity()?,
                 task: episode.task.to_string(),
                 task_hash: episode.task.hash(),
@@ -169,26 +144,26 @@ impl About {
             versions: Versions::current(),
             policy: policy.name(),
             policy_identity: policy.identity(),
-            episodes: episodes.iter().map(asked).collect::<Result<_>>()?,
+            episodes: episodes.iter().map(definition).collect::<Result<_>>()?,
         })
     }
 }
 
-/// A folder for a new evaluation holds nothing but what a first start may have left.
+/// Errors if the folder of a new evaluation contains anything but leftovers of an interrupted start.
 fn check_empty(path: &Path) -> Result<()> {
     let Ok(entries) = std::fs::read_dir(path) else {
-        return if path.exists() { Err(Error::Foreign { folder: path.to_owned() }) } else { Ok(()) };
+        return if path.exists() { Err(Error::UnrelatedFiles { folder: path.to_owned() }) } else { Ok(()) };
     };
     for entry in entries {
         let name = entry.map_err(at(path))?.file_name();
-        if name != EPISODES && !name.to_string_lossy().ends_with(ASIDE) {
-            return Err(Error::Foreign { folder: path.to_owned() });
+        if name != EPISODES && !is_temporary(name.as_ref()) {
+            return Err(Error::UnrelatedFiles { folder: path.to_owned() });
         }
     }
     Ok(())
 }
 
-/// In what two evaluations differ, for people.
+/// Describes how two evaluations differ.
 fn differences(there: &Value, here: &Value) -> String {
     const NONE: &Value = &Value::Null;
     let mut found = Vec::new();
@@ -201,7 +176,7 @@ fn differences(there: &Value, here: &Value) -> String {
     let list = |value: &Value| value["episodes"].as_array().cloned().unwrap_or_default();
     let (theirs, ours) = (list(there), list(here));
     if theirs.len() != ours.len() {
-        found.push(format!("{} episodes there, {} here", theirs.len(), ours.len()));
+        found.push(format!("{} episodes there and {} here", theirs.len(), ours.len()));
     }
     let pairs = theirs.iter().zip(&ours).enumerate();
     if let Some((number, (there, here))) = pairs.into_iter().find(|(_, (there, here))| there != here) {
@@ -210,7 +185,7 @@ fn differences(there: &Value, here: &Value) -> String {
             compare(&what, there.get(name).unwrap_or(NONE), here.get(name).unwrap_or(NONE), &mut found);
         }
     }
-    if found.is_empty() { "in its form".to_owned() } else { found.join("; ") }
+    if found.is_empty() { "its format".to_owned() } else { found.join("; ") }
 }
 
 fn compare(what: &str, there: &Value, here: &Value, found: &mut Vec<String>) {
@@ -219,22 +194,27 @@ fn compare(what: &str, there: &Value, here: &Value, found: &mut Vec<String>) {
     }
 }
 
-/// Writes a file beside its place, has it on disk, and moves it there.
+/// Returns whether a path is that of a file that is being written.
+pub(crate) fn is_temporary(path: &Path) -> bool {
+    path.to_string_lossy().ends_with(TEMPORARY)
+}
+
+/// Writes a file atomically: to a temporary file on disk, which is then renamed.
 pub(crate) fn write(path: &Path, content: impl FnOnce(&mut File) -> std::io::Result<()>) -> Result<()> {
-    let mut aside = path.as_os_str().to_owned();
-    aside.push(ASIDE);
-    let aside = PathBuf::from(aside);
-    let written = File::create(&aside).and_then(|mut file| {
+    let mut temporary = path.as_os_str().to_owned();
+    temporary.push(TEMPORARY);
+    let temporary = PathBuf::from(temporary);
+    let written = File::create(&temporary).and_then(|mut file| {
         content(&mut file)?;
         file.flush()?;
         file.sync_all()?;
-        std::fs::rename(&aside, path)?;
-        // The name is on disk with its folder.
+        std::fs::rename(&temporary, path)?;
+        // The rename is on disk once the folder is.
         path.parent().map_or(Ok(()), |folder| File::open(folder)?.sync_all())
     });
     written.map_err(|source| {
-        // It may never have been made.
-        let _ = std::fs::remove_file(&aside);
+        // The temporary file may not exist.
+        let _ = std::fs::remove_file(&temporary);
         at(path)(source)
     })
 }
@@ -256,7 +236,7 @@ mod tests {
     }
 
     #[test]
-    fn a_folder_of_another_evaluation_is_refused_with_what_differs() {
+    fn a_folder_of_a_different_evaluation_is_an_error_that_names_the_differences() {
         let root = tempfile::tempdir().unwrap();
         let path = root.path().join("results");
         let houses = episodes(&["SingleFamilyHouse-1", "SingleFamilyHouse-2"]);
@@ -270,11 +250,11 @@ mod tests {
         let said = refused(BuiltIn::Random, &episodes(&["SingleFamilyHouse-1", "SingleFamilyHouse-3"]));
         assert!(said.contains("building of episode 1") && said.contains("SingleFamilyHouse-0003"), "{said}");
         let said = refused(BuiltIn::Random, &houses[..1]);
-        assert!(said.contains("2 episodes there, 1 here"), "{said}");
+        assert!(said.contains("2 episodes there and 1 here"), "{said}");
     }
 
     #[test]
-    fn a_folder_is_one_process_s_and_of_an_evaluation() {
+    fn a_folder_in_use_or_with_unrelated_files_is_an_error() {
         let root = tempfile::tempdir().unwrap();
         let path = root.path().join("results");
         let houses = episodes(&["SingleFamilyHouse-1"]);
@@ -284,13 +264,13 @@ mod tests {
         drop(folder);
         std::fs::write(root.path().join("thesis.tex"), "").unwrap();
         let foreign = Folder::open(root.path(), &BuiltIn::Random, &houses).unwrap_err();
-        assert!(matches!(foreign, Error::Foreign { .. }), "{foreign}");
+        assert!(matches!(foreign, Error::UnrelatedFiles { .. }), "{foreign}");
         let none = Folder::open(&root.path().join("other"), &BuiltIn::Random, &[]).unwrap_err();
         assert!(matches!(none, Error::NoEpisode), "{none}");
     }
 
     #[test]
-    fn an_interrupted_write_is_swept_away_and_a_damaged_episode_is_none() {
+    fn an_interrupted_write_is_removed_and_a_damaged_episode_counts_as_missing() {
         let root = tempfile::tempdir().unwrap();
         let houses = episodes(&["SingleFamilyHouse-1"]);
         let path = root.path().join("results");
@@ -304,7 +284,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_that_fails_half_way_leaves_what_was_there() {
+    fn a_failed_write_leaves_the_previous_file() {
         let root = tempfile::tempdir().unwrap();
         let path = root.path().join("episodes.parquet");
         write(&path, |file| file.write_all(b"whole")).unwrap();

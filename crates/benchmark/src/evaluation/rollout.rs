@@ -5,18 +5,21 @@ use std::sync::Arc;
 use b2b_env::{Environment, Observer, Spaces, Step, Trajectory, rollout};
 
 use super::bench::Bench;
-use super::record::Finished;
-use super::{Episode, Work};
-use crate::policy::{Beginning, Interface};
+use super::episode::Episode;
+use super::finished::Finished;
+use super::info::EpisodeInfo;
+use super::parallel::Work;
+use super::recording::Recording;
+use crate::policy::{EpisodeContext, Interface};
 use crate::{Error, Result};
 
 /// Runs an episode.
 pub(super) fn run(bench: &mut Bench, episode: &Episode, work: &Work<'_>) -> Result<Finished> {
     let mut environment = bench.workers.episode(&bench.setting(episode))?;
     let spaces = Arc::clone(environment.spaces());
-    let mut controller = work.policy.controller(Beginning {
+    let mut controller = work.policy.controller(EpisodeContext {
         subject: &bench.located.subject,
-        surroundings: &bench.located.surroundings,
+        site: &bench.located.site,
         spaces: &spaces,
         interface: &Interface::of(&spaces),
         seed: episode.seed,
@@ -28,22 +31,15 @@ pub(super) fn run(bench: &mut Bench, episode: &Episode, work: &Work<'_>) -> Resu
             b2b_env::Error::Interrupted => Error::Interrupted,
             error => error.into(),
         })?;
-    let finished =
-        Finished::new(&bench.located, work.policy, episode.seed, &spaces, &metrics, &recorder.recording);
+    let info = EpisodeInfo::of_run(episode, work.policy, &spaces, &bench.located.site);
+    let finished = Finished::new(info, &spaces, &metrics, &recorder.recording);
     bench.prepared.get_or_insert_with(|| Arc::clone(&spaces.building));
     Ok(finished)
 }
 
-/// An episode as it went.
-pub(super) struct Rolled {
-    /// The observation before the first step.
-    pub(super) first_observation: Vec<f64>,
-    pub(super) trajectory: Trajectory,
-}
-
 /// Records an episode, reports simulated days, and ends it when the evaluation is interrupted.
 struct Recorder<'a> {
-    recording: Rolled,
+    recording: Recording,
     work: &'a Work<'a>,
     steps_per_day: usize,
 }
@@ -51,7 +47,7 @@ struct Recorder<'a> {
 impl<'a> Recorder<'a> {
     fn new(spaces: &Spaces, work: &'a Work<'a>) -> Self {
         let trajectory = Trajectory::for_episode(spaces);
-        let recording = Rolled { first_observation: Vec::new(), trajectory };
+        let recording = Recording { first_observation: Vec::new(), trajectory };
         Self { recording, work, steps_per_day: 24 * spaces.episode.steps_per_hour as usize }
     }
 

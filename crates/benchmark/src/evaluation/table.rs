@@ -1,4 +1,4 @@
-//! `episodes.parquet`: one row an episode.
+//! `episodes.parquet`: one row per episode.
 
 use std::collections::HashMap;
 use std::fs::File;
@@ -8,72 +8,25 @@ use std::sync::Arc;
 use arrow_array::types::{Float64Type, UInt32Type, UInt64Type};
 use arrow_array::{Array, ArrayRef, ArrowPrimitiveType, PrimitiveArray, RecordBatch, StringArray};
 use arrow_schema::{DataType, Field, Schema};
+use b2b_env::{EpisodeMetrics, MetricColumn};
 use parquet::arrow::ArrowWriter;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use parquet::basic::Compression;
 use parquet::errors::{ParquetError, Result};
 use parquet::file::properties::WriterProperties;
 
-use super::{Episode, Record, Versions};
-use crate::policy::Policy;
+use super::finished::Lost;
+use super::info::EpisodeInfo;
+use super::row::{Row, Scored};
+use crate::versions::Versions;
 
-/// A column of numbers: name, unit, and where its values are.
-type Number = (&'static str, &'static str, fn(&Record) -> f64);
-
-/// An episode with its score.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Row {
-    /// Its figures; no numbers where it was lost.
-    pub record: Record,
-    /// Return of the reactive controllers for the same episode.
-    pub baseline_return: Option<f64>,
-    /// See [`normalized_score`](crate::normalized_score).
-    pub score: Option<f64>,
-    /// Why it has no figures.
-    pub lost: Option<String>,
-}
-
-impl Row {
-    /// The row of an episode that was lost.
-    pub fn lost(episode: &Episode, policy: &dyn Policy, why: String) -> Self {
-        let record = Record {
-            building: episode.subject.name.to_string(),
-            building_type: episode.subject.building_type().to_owned(),
-            climate_zone: String::new(),
-            place: String::new(),
-            split: episode.subject.split(),
-            task: episode.task.to_string(),
-            task_hash: episode.task.hash(),
-            period: episode.period.to_string(),
-            steps_per_hour: episode.steps_per_hour,
-            policy: policy.name(),
-            seed: episode.seed,
-            steps: 0,
-            episode_return: f64::NAN,
-            temperature_penalty: f64::NAN,
-            energy_penalty: f64::NAN,
-            rms_deviation: f64::NAN,
-            mean_abs_deviation: f64::NAN,
-            hours_outside_band: f64::NAN,
-            discomfort: f64::NAN,
-            electricity: f64::NAN,
-            gas: f64::NAN,
-            cost: f64::NAN,
-            emissions: f64::NAN,
-            peak_electricity: f64::NAN,
-            peak_gas: f64::NAN,
-            daily_travel: f64::NAN,
-            clamped_actions: 0,
-            trajectory_hash: String::new(),
-        };
-        Self { record, baseline_return: None, score: None, lost: Some(why) }
-    }
-}
+/// The metric that is stored as an integer; all others are stored as floating-point numbers.
+const INTEGER: &str = "steps";
 
 /// Writes the table of [`episode_table`].
 ///
 /// # Errors
-/// What the library says.
+/// Those of the Parquet library.
 pub fn write_episodes(file: &mut (impl Write + Send), rows: &[Row], versions: &Versions) -> Result<()> {
     write(file, &episode_table(rows, versions)?)
 }
@@ -86,20 +39,20 @@ fn write(file: &mut (impl Write + Send), table: &RecordBatch) -> Result<()> {
     Ok(())
 }
 
-/// The table: rows in the order given, and nothing of when or how fast they came about.
+/// Returns the table: rows in the order given, without any time or speed.
 ///
 /// # Errors
-/// What the library says.
+/// Those of the Parquet library.
 pub fn episode_table(rows: &[Row], versions: &Versions) -> Result<RecordBatch> {
     let mut columns = Columns { rows, fields: Vec::new(), arrays: Vec::new() };
     columns.push_all();
     columns.table(versions)
 }
 
-/// Writes the same table with the stage of a benchmark run before it.
+/// Writes the same table with the stage of a benchmark run as its first column.
 ///
 /// # Errors
-/// What the library says.
+/// Those of the Parquet library.
 pub fn write_stages(
     file: &mut (impl Write + Send),
     stages: &[(String, Vec<Row>)],
@@ -115,45 +68,19 @@ pub fn write_stages(
     write(file, &columns.table(versions)?)
 }
 
-/// Reads a table of [`write_stages`]: the stage of each row, and the rows, in order.
+/// Reads a table of [`write_stages`]: each row with its stage, in order.
 ///
 /// # Errors
-/// What the library says; what is no such table.
+/// Those of the Parquet library, also for a table with other columns.
 pub fn read_stages(file: File) -> Result<Vec<(String, Row)>> {
     let mut rows = Vec::new();
     for batch in ParquetRecordBatchReaderBuilder::try_new(file)?.build()? {
         let cells = Cells(batch.map_err(|error| ParquetError::General(error.to_string()))?);
         for row in 0..cells.0.num_rows() {
-            rows.push((cells.text("stage", row)?.unwrap_or_default(), cells.row(row)?));
+            rows.push((cells.text("stage", row)?, cells.row(row)?));
         }
     }
     Ok(rows)
-}
-
-/// Columns of numbers.
-const NUMBERS: [Number; 15] = [
-    ("return", "1", |record| record.episode_return),
-    ("temperature_penalty", "K²", |record| record.temperature_penalty),
-    ("energy_penalty", "1", |record| record.energy_penalty),
-    ("rms_deviation_k", "K", |record| record.rms_deviation),
-    ("mean_abs_deviation_k", "K", |record| record.mean_abs_deviation),
-    ("hours_outside_band", "h", |record| record.hours_outside_band),
-    ("discomfort_k_h", "K h", |record| record.discomfort),
-    ("electricity_wh_m2", "Wh/m²", |record| record.electricity),
-    ("gas_wh_m2", "Wh/m²", |record| record.gas),
-    ("cost_m2", "currency/m²", |record| record.cost),
-    ("emissions_kg_m2", "kg/m²", |record| record.emissions),
-    ("peak_electricity_w_m2", "W/m²", |record| record.peak_electricity),
-    ("peak_gas_w_m2", "W/m²", |record| record.peak_gas),
-    ("daily_travel", "1/d", |record| record.daily_travel),
-    ("clamped_actions", "1", |record| record.clamped_actions as f64),
-];
-
-impl Row {
-    /// A figure of an episode that was not lost.
-    fn if_run<T>(&self, value: impl Fn(&Record) -> T) -> Option<T> {
-        self.lost.is_none().then(|| value(&self.record))
-    }
 }
 
 struct Columns<'a> {
@@ -164,25 +91,28 @@ struct Columns<'a> {
 
 impl Columns<'_> {
     fn push_all(&mut self) {
-        self.text("building", |row| Some(&row.record.building));
-        self.text("type", |row| Some(&row.record.building_type));
-        self.text("climate_zone", |row| Some(&row.record.climate_zone));
-        self.text("place", |row| Some(&row.record.place));
-        self.text("split", |row| Some(&row.record.split));
-        self.text("task", |row| Some(&row.record.task));
-        self.text("task_hash", |row| Some(&row.record.task_hash));
-        self.text("period", |row| Some(&row.record.period));
-        self.push::<UInt32Type>("steps_per_hour", "1/h", |row| Some(row.record.steps_per_hour));
-        self.push::<UInt64Type>("seed", "1", |row| Some(row.record.seed));
-        self.text("policy", |row| Some(&row.record.policy));
-        self.push::<UInt64Type>("steps", "1", |row| row.if_run(|record| record.steps as u64));
-        for (name, unit, value) in NUMBERS {
-            self.push::<Float64Type>(name, unit, |row| row.if_run(value));
+        self.text("building", |row| Some(&row.info.building));
+        self.text("type", |row| Some(&row.info.building_type));
+        self.text("climate_zone", |row| Some(&row.info.climate_zone));
+        self.text("place", |row| Some(&row.info.place));
+        self.text("split", |row| Some(&row.info.split));
+        self.text("task", |row| Some(&row.info.task));
+        self.text("task_hash", |row| Some(&row.info.task_hash));
+        self.text("period", |row| Some(&row.info.period));
+        self.push::<UInt32Type>("steps_per_hour", "1/h", |row| Some(row.info.steps_per_hour));
+        self.push::<UInt64Type>("seed", "1", |row| Some(row.info.seed));
+        self.text("policy", |row| Some(&row.info.policy));
+        for MetricColumn { name, unit, get, .. } in EpisodeMetrics::COLUMNS {
+            let value = |row: &Row| row.metrics().map(|metrics| get(metrics).as_f64());
+            match *name {
+                INTEGER => self.push::<UInt64Type>(name, unit, |row| value(row).map(|steps| steps as u64)),
+                _ => self.push::<Float64Type>(name, unit, value),
+            }
         }
-        self.push::<Float64Type>("baseline_return", "1", |row| row.baseline_return);
-        self.push::<Float64Type>("score", "1", |row| row.score);
-        self.text("trajectory_hash", |row| row.lost.is_none().then_some(&row.record.trajectory_hash));
-        self.text("lost", |row| row.lost.as_ref());
+        self.push::<Float64Type>("baseline_return", "1", |row| row.outcome.as_ref().ok()?.baseline_return);
+        self.push::<Float64Type>("score", "1", Row::score);
+        self.text("trajectory_hash", |row| Some(&row.outcome.as_ref().ok()?.trajectory_hash));
+        self.text("lost", |row| Some(&row.outcome.as_ref().err()?.reason));
     }
 
     fn push<T: ArrowPrimitiveType>(
@@ -203,38 +133,52 @@ impl Columns<'_> {
     }
 
     fn table(self, versions: &Versions) -> Result<RecordBatch> {
-        // One entry alone: several would come in any order.
-        let versions = serde_json::to_string(versions).expect("it is plain data");
+        // One entry only: the order of several is not deterministic.
+        let versions = serde_json::to_string(versions).expect("plain data always serializes");
         let about = HashMap::from([("versions".to_owned(), versions)]);
         let schema = Arc::new(Schema::new_with_metadata(self.fields, about));
         Ok(RecordBatch::try_new(schema, self.arrays)?)
     }
 }
 
-/// A part of a table that was read.
+/// A batch of rows that was read.
 struct Cells(RecordBatch);
 
 impl Cells {
     fn column<T: 'static>(&self, name: &str) -> Result<&T> {
         let column = self.0.column_by_name(name).and_then(|column| column.as_any().downcast_ref());
-        column.ok_or_else(|| ParquetError::General(format!("it has no column `{name}` of episodes")))
+        column.ok_or_else(|| ParquetError::General(format!("column `{name}` is missing")))
     }
 
-    fn text(&self, name: &str, row: usize) -> Result<Option<String>> {
+    fn optional_text(&self, name: &str, row: usize) -> Result<Option<String>> {
         let column: &StringArray = self.column(name)?;
         Ok(column.is_valid(row).then(|| column.value(row).to_owned()))
     }
 
-    fn value<T: ArrowPrimitiveType>(&self, name: &str, row: usize) -> Result<Option<T::Native>> {
+    fn text(&self, name: &str, row: usize) -> Result<String> {
+        self.optional_text(name, row)?.ok_or_else(|| empty(name, row))
+    }
+
+    fn optional<T: ArrowPrimitiveType>(&self, name: &str, row: usize) -> Result<Option<T::Native>> {
         let column: &PrimitiveArray<T> = self.column(name)?;
         Ok(column.is_valid(row).then(|| column.value(row)))
     }
 
+    fn value<T: ArrowPrimitiveType>(&self, name: &str, row: usize) -> Result<T::Native> {
+        self.optional::<T>(name, row)?.ok_or_else(|| empty(name, row))
+    }
+
     fn row(&self, row: usize) -> Result<Row> {
-        let text = |name: &str| -> Result<String> { Ok(self.text(name, row)?.unwrap_or_default()) };
-        let number =
-            |name: &str| -> Result<f64> { Ok(self.value::<Float64Type>(name, row)?.unwrap_or(f64::NAN)) };
-        let record = Record {
+        let outcome = match self.optional_text("lost", row)? {
+            Some(reason) => Err(Lost { reason }),
+            None => Ok(self.scored(row)?),
+        };
+        Ok(Row { info: self.info(row)?, outcome })
+    }
+
+    fn info(&self, row: usize) -> Result<EpisodeInfo> {
+        let text = |name: &str| self.text(name, row);
+        Ok(EpisodeInfo {
             building: text("building")?,
             building_type: text("type")?,
             climate_zone: text("climate_zone")?,
@@ -243,40 +187,38 @@ impl Cells {
             task: text("task")?,
             task_hash: text("task_hash")?,
             period: text("period")?,
-            steps_per_hour: self.value::<UInt32Type>("steps_per_hour", row)?.unwrap_or_default(),
+            steps_per_hour: self.value::<UInt32Type>("steps_per_hour", row)?,
             policy: text("policy")?,
-            seed: self.value::<UInt64Type>("seed", row)?.unwrap_or_default(),
-            steps: self.value::<UInt64Type>("steps", row)?.unwrap_or_default() as usize,
-            episode_return: number("return")?,
-            temperature_penalty: number("temperature_penalty")?,
-            energy_penalty: number("energy_penalty")?,
-            rms_deviation: number("rms_deviation_k")?,
-            mean_abs_deviation: number("mean_abs_deviation_k")?,
-            hours_outside_band: number("hours_outside_band")?,
-            discomfort: number("discomfort_k_h")?,
-            electricity: number("electricity_wh_m2")?,
-            gas: number("gas_wh_m2")?,
-            cost: number("cost_m2")?,
-            emissions: number("emissions_kg_m2")?,
-            peak_electricity: number("peak_electricity_w_m2")?,
-            peak_gas: number("peak_gas_w_m2")?,
-            daily_travel: number("daily_travel")?,
-            clamped_actions: number("clamped_actions")? as usize,
-            trajectory_hash: text("trajectory_hash")?,
-        };
-        Ok(Row {
-            record,
-            baseline_return: self.value::<Float64Type>("baseline_return", row)?,
-            score: self.value::<Float64Type>("score", row)?,
-            lost: self.text("lost", row)?,
+            seed: self.value::<UInt64Type>("seed", row)?,
         })
     }
+
+    fn scored(&self, row: usize) -> Result<Scored> {
+        let mut metrics = EpisodeMetrics::default();
+        for MetricColumn { name, set, .. } in EpisodeMetrics::COLUMNS {
+            let value = match *name {
+                INTEGER => self.value::<UInt64Type>(name, row)? as f64,
+                _ => self.value::<Float64Type>(name, row)?,
+            };
+            set(&mut metrics, value);
+        }
+        Ok(Scored {
+            metrics,
+            trajectory_hash: self.text("trajectory_hash", row)?,
+            baseline_return: self.optional::<Float64Type>("baseline_return", row)?,
+            score: self.optional::<Float64Type>("score", row)?,
+        })
+    }
+}
+
+fn empty(column: &str, row: usize) -> ParquetError {
+    ParquetError::General(format!("column `{column}` has no value in row {row}"))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{BuiltIn, Subject};
+    use crate::{BuiltIn, Episode, Subject};
 
     #[test]
     fn a_table_reads_back_as_it_was_written() {
@@ -287,34 +229,20 @@ mod tests {
             seed: 7,
             steps_per_hour: 12,
         };
-        let lost = Row::lost(&episode, &BuiltIn::Random, "it crashed".into());
-        let record = Record {
-            episode_return: -12.25,
-            rms_deviation: 0.1 + 0.2,
-            steps: 576,
-            clamped_actions: 3,
-            gas: 0.0,
-            temperature_penalty: 12.25,
-            energy_penalty: 0.0,
-            mean_abs_deviation: 0.2,
-            hours_outside_band: 1.0,
-            discomfort: 0.5,
-            electricity: 4.0,
-            cost: 1.0,
-            emissions: 2.0,
-            peak_electricity: 3.0,
-            peak_gas: 0.0,
-            daily_travel: 9.0,
-            trajectory_hash: "abc".into(),
-            ..lost.record.clone()
-        };
-        let ran = Row { record, baseline_return: Some(-10.0), score: Some(1.225), lost: None };
+        let info = EpisodeInfo::of(&episode, &BuiltIn::Random);
+        let mut metrics = EpisodeMetrics::default();
+        for (number, column) in EpisodeMetrics::COLUMNS.iter().enumerate() {
+            (column.set)(&mut metrics, number as f64 + 1.0);
+        }
+        metrics.rms_deviation = 0.1 + 0.2;
+        let trajectory_hash = "abc".to_owned();
+        let scored = Scored { metrics, trajectory_hash, baseline_return: Some(-10.0), score: Some(1.225) };
+        let ran = Row { info: info.clone(), outcome: Ok(scored) };
+        let lost = Row { info, outcome: Err(Lost { reason: "the worker crashed".into() }) };
         let file = tempfile::NamedTempFile::new().unwrap();
-        let stages = [("test".to_owned(), vec![ran.clone()]), ("train".to_owned(), vec![lost])];
+        let stages = [("test".to_owned(), vec![ran.clone()]), ("train".to_owned(), vec![lost.clone()])];
         write_stages(&mut file.reopen().unwrap(), &stages, &Versions::current()).unwrap();
         let read = read_stages(file.reopen().unwrap()).unwrap();
-        assert_eq!(read[0], ("test".to_owned(), ran));
-        assert_eq!((read[1].0.as_str(), read[1].1.lost.as_deref()), ("train", Some("it crashed")));
-        assert!(read[1].1.record.episode_return.is_nan() && read[1].1.score.is_none());
+        assert_eq!(read, [("test".to_owned(), ran), ("train".to_owned(), lost)]);
     }
 }

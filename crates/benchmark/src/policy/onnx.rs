@@ -1,98 +1,62 @@
-//! A policy in an ONNX file, as learning libraries export them.
+//! Policies in ONNX files, as learning libraries export them.
 
-use std::io::Cursor;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use b2b_control::Controller;
+use b2b_energyplus::digest::sha256;
 use b2b_env::ActionSpace;
 use b2b_env::Spaces;
-use serde::{Deserialize, Serialize};
-use tract_onnx::prelude::*;
-use tract_onnx::tract_hir::internal::{DimLike, Factoid, format_err};
+use rten::{Dimension, Model, RunError, RunOptions, ThreadPool, ValueOrView};
+use rten_tensor::NdTensorView;
+use rten_tensor::prelude::*;
 
-use super::{Beginning, Interface, Policy};
+use super::action_scale::ActionScale;
+use super::interface::{EpisodeContext, Interface, Policy};
 use crate::error::at;
-use crate::subject::hex;
 use crate::{Error, Result};
 
-/// What the numbers that a policy gives mean.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum ActionScale {
-    /// -1 is the lowest and 1 the highest value of an actuator; what is beyond is cut off.
-    #[default]
-    Rescaled,
-    /// Physical units; what is out of bounds is cut off by the environment, and counted.
-    Physical,
-}
-
-/// A policy in an ONNX file: takes one float32 array [1, observation], as the environment has it and without any
-/// scaling of its own, and gives one float32 array [1, action]. Of several outputs the first counts.
+/// A policy in an ONNX file. Takes one float32 array [1, observation], the environment's observation without scaling,
+/// and returns one float32 array [1, action]; of several outputs the first is used.
 #[derive(Debug)]
 pub struct OnnxPolicy {
     path: PathBuf,
     name: String,
     identity: String,
     scale: ActionScale,
-    model: InferenceModel,
-    /// The last that was made: buildings of one type share their shapes.
-    made: Mutex<Option<(usize, Arc<TypedRunnableModel>)>>,
+    model: Arc<Model>,
 }
 
 impl OnnxPolicy {
-    /// Reads a file.
+    /// Reads an ONNX file.
     ///
     /// # Errors
-    /// [`Error::Io`]; [`Error::NoOnnx`]; [`Error::NoPolicy`] for another number of inputs, or none of float32.
+    /// [`Error::Io`]; [`Error::InvalidOnnx`]; [`Error::InvalidPolicy`] unless there is one input and at least one output.
     pub fn read(path: &Path, scale: ActionScale) -> Result<Self> {
         let bytes = std::fs::read(path).map_err(at(path))?;
-        let no_onnx = |why: String| Error::NoOnnx { path: path.to_owned(), why };
-        let model = tract_onnx::onnx().model_for_read(&mut Cursor::new(&bytes));
-        let model = model.map_err(|error| no_onnx(words(&error)))?;
-        if model.nodes().is_empty() {
-            return Err(no_onnx("there is no graph in it".into()));
-        }
-        let inputs = model.input_outlets().map_err(|error| no_onnx(words(&error)))?.len();
-        let outputs = model.output_outlets().map_err(|error| no_onnx(words(&error)))?.len();
+        let identity = format!("onnx {}, actions {scale:?}", sha256(&bytes)).to_lowercase();
+        let invalid = |why: String| Error::InvalidOnnx { path: path.to_owned(), why };
+        let model = Model::load(bytes).map_err(|error| invalid(one_line(&error)))?;
+        let (inputs, outputs) = (model.input_ids().len(), model.output_ids().len());
         if inputs != 1 || outputs == 0 {
             let why = format!("it has {inputs} inputs and {outputs} outputs");
-            return Err(Error::NoPolicy { path: path.to_owned(), why });
+            return Err(Error::InvalidPolicy { path: path.to_owned(), why });
         }
         let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        let identity = format!("onnx {}, actions {scale:?}", hex(&bytes)).to_lowercase();
-        Ok(Self { path: path.to_owned(), name, identity, scale, model, made: Mutex::default() })
+        Ok(Self { path: path.to_owned(), name, identity, scale, model: Arc::new(model) })
     }
 
-    /// Numbers that it takes, if it says so.
-    fn width(&self) -> Option<usize> {
-        let fact = self.model.input_fact(0).ok()?;
-        let dimensions = fact.shape.dims().count();
-        let last = fact.shape.dims().nth(dimensions.checked_sub(1)?)?.concretize()?;
-        last.to_usize().ok()
-    }
-
-    /// The model for an observation of so many numbers.
-    fn for_width(&self, width: usize) -> Result<Arc<TypedRunnableModel>> {
-        let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((known, model)) = &*made
-            && *known == width
-        {
-            return Ok(Arc::clone(model));
+    /// Returns the width of the input, if the model declares it.
+    fn input_width(&self) -> Option<usize> {
+        match self.model.input_shape(0)?.pop()? {
+            Dimension::Fixed(width) => Some(width),
+            Dimension::Symbolic(_) => None,
         }
-        let make = || -> TractResult<_> {
-            let input = InferenceFact::dt_shape(f32::datum_type(), tvec!(1, width));
-            self.model.clone().with_input_fact(0, input)?.into_optimized()?.into_runnable()
-        };
-        let model =
-            make().map_err(|error| Error::NoPolicy { path: self.path.clone(), why: words(&error) })?;
-        *made = Some((width, Arc::clone(&model)));
-        Ok(model)
     }
 
     fn check_observation(&self, spaces: &Spaces, interface: &Interface) -> Result<()> {
         let slots = &interface.observation;
-        match self.width() {
+        match self.input_width() {
             Some(given) if given != slots.len() => Err(Error::ObservationShape {
                 policy: self.path.display().to_string(),
                 given,
@@ -104,14 +68,12 @@ impl OnnxPolicy {
         }
     }
 
-    /// Tries the model once.
-    fn check_action(
-        &self,
-        model: &Arc<TypedRunnableModel>,
-        spaces: &Spaces,
-        interface: &Interface,
-    ) -> Result<()> {
-        let given = self.infer(model, &vec![0.0; interface.observation.len()])?.len();
+    /// Runs the model once and checks the width of its output.
+    fn check_action(&self, inference: &Inference, spaces: &Spaces, interface: &Interface) -> Result<()> {
+        let output = inference.run(&vec![0.0; interface.observation.len()]);
+        let given = output
+            .map_err(|error| Error::InvalidPolicy { path: self.path.clone(), why: one_line(&error) })?
+            .len();
         if given == interface.action.len() {
             return Ok(());
         }
@@ -121,11 +83,6 @@ impl OnnxPolicy {
             building: spaces.building.name.clone(),
             slots: interface.action.names().to_vec(),
         })
-    }
-
-    fn infer(&self, model: &Arc<TypedRunnableModel>, observation: &[f32]) -> Result<Vec<f32>> {
-        infer(model, observation)
-            .map_err(|error| Error::NoPolicy { path: self.path.clone(), why: words(&error) })
     }
 }
 
@@ -138,13 +95,13 @@ impl Policy for OnnxPolicy {
         self.identity.clone()
     }
 
-    fn controller(&self, beginning: Beginning<'_>) -> Result<Box<dyn Controller>> {
-        let Beginning { spaces, interface, .. } = beginning;
+    fn controller(&self, context: EpisodeContext<'_>) -> Result<Box<dyn Controller>> {
+        let EpisodeContext { spaces, interface, .. } = context;
         self.check_observation(spaces, interface)?;
-        let model = self.for_width(interface.observation.len())?;
-        self.check_action(&model, spaces, interface)?;
+        let inference = Inference::new(&self.model);
+        self.check_action(&inference, spaces, interface)?;
         Ok(Box::new(OnnxController {
-            model,
+            inference,
             scale: self.scale,
             space: interface.action.clone(),
             observation: vec![0.0; interface.observation.len()],
@@ -152,9 +109,9 @@ impl Policy for OnnxPolicy {
     }
 }
 
-/// An ONNX policy in an episode.
+/// The controller of an ONNX policy in an episode.
 struct OnnxController {
-    model: Arc<TypedRunnableModel>,
+    inference: Inference,
     scale: ActionScale,
     space: ActionSpace,
     observation: Vec<f32>,
@@ -167,37 +124,41 @@ impl Controller for OnnxController {
         for (single, value) in self.observation.iter_mut().zip(observation) {
             *single = *value as f32;
         }
-        // It was tried on these shapes; if it fails all the same, the environment names the action that is no number.
-        let given = infer(&self.model, &self.observation).unwrap_or_default();
+        // The model ran on these shapes before; if it fails now, the environment names the action that is not a number.
+        let inferred = self.inference.run(&self.observation).unwrap_or_default();
         action.fill(f64::NAN);
-        for (index, (value, given)) in action.iter_mut().zip(given).enumerate() {
-            let (low, high) = (self.space.low()[index], self.space.high()[index]);
-            *value = self.scale.value(f64::from(given), low, high);
+        for (value, inferred) in action.iter_mut().zip(inferred) {
+            *value = f64::from(inferred);
         }
+        self.scale.to_physical(&self.space, action);
     }
 }
 
-impl ActionScale {
-    /// The value of an actuator, in its unit, for a number of the policy.
-    fn value(self, given: f64, low: f64, high: f64) -> f64 {
-        match self {
-            Self::Physical => given,
-            Self::Rescaled => b2b_env::rescale(given.clamp(-1.0, 1.0), low, high),
-        }
+/// Runs a model on a thread of its own: sums then run in one order, whatever the number of cores.
+struct Inference {
+    model: Arc<Model>,
+    options: RunOptions,
+}
+
+impl Inference {
+    fn new(model: &Arc<Model>) -> Self {
+        let thread = Arc::new(ThreadPool::with_num_threads(1));
+        Self { model: Arc::clone(model), options: RunOptions::default().with_thread_pool(Some(thread)) }
+    }
+
+    /// Returns the first output for an observation.
+    fn run(&self, observation: &[f32]) -> std::result::Result<Vec<f32>, RunError> {
+        let input = NdTensorView::from_data([1, observation.len()], observation);
+        let inputs = vec![(self.model.input_ids()[0], ValueOrView::from(input))];
+        let outputs = &self.model.output_ids()[..1];
+        let mut values = self.model.run(inputs, outputs, Some(self.options.clone()))?;
+        Ok(values.swap_remove(0).into_tensor::<f32>().map(|tensor| tensor.to_vec()).unwrap_or_default())
     }
 }
 
-fn infer(model: &Arc<TypedRunnableModel>, observation: &[f32]) -> TractResult<Vec<f32>> {
-    let input = Tensor::from_shape(&[1, observation.len()], observation)?;
-    let outputs = model.run(tvec!(input.into_tvalue()))?;
-    let output = outputs.first().ok_or_else(|| format_err!("it gives nothing"))?;
-    Ok(output.to_plain_array_view::<f32>()?.iter().copied().collect())
-}
-
-/// An error of the library, with what caused it, in one line.
-fn words(error: &TractError) -> String {
-    let all: Vec<String> = error.chain().map(|cause| cause.to_string().replace('\n', " ")).collect();
-    all.join(": ")
+/// Formats an error in one line.
+fn one_line(error: &dyn std::error::Error) -> String {
+    error.to_string().replace('\n', " ")
 }
 
 #[cfg(test)]
@@ -205,21 +166,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn minus_one_and_one_are_the_bounds_and_nothing_is_beyond() {
-        let value = |given| ActionScale::Rescaled.value(given, 10.0, 30.0);
-        assert_eq!([-1.0, 0.0, 1.0, 7.0].map(value), [10.0, 20.0, 30.0, 30.0]);
-        assert!(value(f64::NAN).is_nan(), "the environment refuses it by name");
-        assert_eq!(ActionScale::Physical.value(7.0, 10.0, 30.0), 7.0);
-    }
-
-    #[test]
-    fn a_file_that_is_no_model_is_refused_by_name() {
+    fn a_file_without_a_model_is_an_error_that_names_it() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("policy.onnx");
         for bytes in [&b"this is no model"[..], b"", b"{\"a\": 1}"] {
             std::fs::write(&path, bytes).unwrap();
             let said = OnnxPolicy::read(&path, ActionScale::Rescaled).unwrap_err().to_string();
-            assert!(said.contains("policy.onnx is no ONNX model"), "{said}");
+            assert!(said.contains("policy.onnx is not a valid ONNX model"), "{said}");
         }
         let said = OnnxPolicy::read(&folder.path().join("none.onnx"), ActionScale::Rescaled).unwrap_err();
         assert!(said.to_string().contains("none.onnx"), "{said}");

@@ -1,4 +1,4 @@
-//! Another problem made from one: other days, other buildings.
+//! Changes to a problem, such as other run periods or buildings.
 
 use b2b_building::RunPeriod;
 use b2b_dataset::BuildingId;
@@ -6,49 +6,54 @@ use b2b_env::Task;
 use serde::Deserialize;
 use serde_json::Value;
 
-use super::{Attributes, Buildings, LeftTo, Problem, Side, spelled};
+use super::as_text;
+use super::buildings::Buildings;
+use super::definition::Problem;
+use super::protocol::Attributes;
+use super::restriction::Fallback;
+use super::side::Side;
 use crate::{Error, Result};
 
-/// What is to be otherwise; nothing by default.
+/// Changes to a problem; none by default.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Changes {
-    /// Buildings of both sides, for problems whose sides have the same.
-    #[serde(with = "spelled::list")]
+    /// Buildings of both sides, for problems whose sides have the same buildings.
+    #[serde(with = "as_text::list")]
     pub buildings: Vec<BuildingId>,
-    /// Buildings to train on.
-    #[serde(with = "spelled::list")]
+    /// Training buildings.
+    #[serde(with = "as_text::list")]
     pub train: Vec<BuildingId>,
-    /// Buildings to test on.
-    #[serde(with = "spelled::list")]
+    /// Test buildings.
+    #[serde(with = "as_text::list")]
     pub test: Vec<BuildingId>,
-    /// Tasks to train on.
-    #[serde(with = "spelled::list")]
+    /// Training tasks.
+    #[serde(with = "as_text::list")]
     pub train_tasks: Vec<Task>,
-    /// Tasks to test on.
-    #[serde(with = "spelled::list")]
+    /// Test tasks.
+    #[serde(with = "as_text::list")]
     pub test_tasks: Vec<Task>,
-    /// The one of the six tasks that is tested on; the five others are to train on.
+    /// The test task among the six standard tasks; the other five are the training tasks.
     pub left_out: Option<String>,
-    /// Days to train on and to test on.
+    /// Run periods of training and test.
     pub windows: Vec<RunPeriod>,
     /// Seeds.
     pub seeds: Vec<u64>,
-    /// Zone time steps an hour.
+    /// Zone time steps per hour.
     pub steps_per_hour: Option<u32>,
-    /// Whether attributes are given.
+    /// Whether observations include the building's attributes.
     pub attributes: Option<Attributes>,
-    /// Who drives the actuators that are taken away.
-    pub left_to: Option<LeftTo>,
-    /// Where they are pinned.
+    /// Control of the withheld actuators.
+    pub fallback: Option<Fallback>,
+    /// Value at which withheld actuators are pinned.
     pub pin: Option<f64>,
 }
 
 impl Problem {
-    /// The problem with these changes; checked.
+    /// Returns the problem with these changes, checked.
     ///
     /// # Errors
-    /// [`Error::Problem`] when they do not suit it; those of [`Problem::check`].
+    /// [`Error::Problem`] for changes that do not apply to it; those of [`Problem::check`].
     pub fn with(mut self, changes: &Changes) -> Result<Self> {
         let misfit = |why: String| Error::Problem { name: self.name.clone(), why };
         if let Some(task) = &changes.left_out {
@@ -56,14 +61,19 @@ impl Problem {
             let six: Vec<Task> =
                 Task::NAMED.iter().map(|name| name.parse()).collect::<std::result::Result<_, _>>()?;
             if !six.contains(&tested) {
-                return Err(misfit(format!("`{task}` is none of the six tasks: {}", Task::NAMED.join(", "))));
+                return Err(misfit(format!(
+                    "unknown task `{task}`; expected one of {}",
+                    Task::NAMED.join(", ")
+                )));
             }
             self.train.tasks = six.into_iter().filter(|task| *task != tested).collect();
             self.test.tasks = vec![tested];
         }
         let restricted = self.train.restriction.is_some() || self.test.restriction.is_some();
-        if !restricted && (changes.left_to.is_some() || changes.pin.is_some()) {
-            return Err(misfit("no actuator is taken away: nothing is to be left to anybody".into()));
+        if !restricted && (changes.fallback.is_some() || changes.pin.is_some()) {
+            return Err(misfit(
+                "no actuators are withheld; fallback and pin apply to action-space transfer".into(),
+            ));
         }
         let Changes { buildings, train, test, .. } = changes;
         for (side, own, tasks) in
@@ -74,7 +84,7 @@ impl Problem {
                 side.tasks.clone_from(tasks);
             }
             if let Some(restriction) = &mut side.restriction {
-                restriction.left_to = changes.left_to.unwrap_or(restriction.left_to);
+                restriction.fallback = changes.fallback.unwrap_or(restriction.fallback);
                 restriction.pin = changes.pin.unwrap_or(restriction.pin);
             }
         }
@@ -91,6 +101,23 @@ impl Problem {
         self.check()?;
         Ok(self)
     }
+
+    /// Returns the paths of the fields that differ from the shipped problem of the same name; `None` if there is none.
+    pub fn changes(&self) -> Option<Vec<String>> {
+        let shipped = Self::all().iter().find(|problem| problem.name == self.name)?;
+        let value = |problem: &Self| serde_json::to_value(problem).expect("plain data always serializes");
+        let mut found = Vec::new();
+        differences("", &value(shipped), &value(self), &mut found);
+        found.retain(|path| path != "question");
+        // Buildings listed by id and selected by type are one field.
+        for path in &mut found {
+            if let Some(at) = path.find(".buildings") {
+                path.truncate(at + ".buildings".len());
+            }
+        }
+        found.dedup();
+        Some(found)
+    }
 }
 
 impl Side {
@@ -99,13 +126,13 @@ impl Side {
             return;
         }
         self.buildings = Buildings::Listed { ids: ids.to_vec() };
-        // Of other types nothing is said.
+        // The sizes of other types are unknown.
         let types = self.buildings.types();
         self.sizes.retain(|size| types.contains(&size.building_type));
     }
 }
 
-/// Paths of the fields in which two values differ.
+/// Collects the paths of the fields in which two values differ.
 pub(crate) fn differences(path: &str, there: &Value, here: &Value, found: &mut Vec<String>) {
     match (there, here) {
         (Value::Object(there), Value::Object(here)) => {

@@ -1,44 +1,44 @@
-//! How a problem is run, so that two who never met get comparable numbers.
+//! The protocol of a problem, which makes results of different users comparable.
 
 use std::fmt;
+use std::str::FromStr;
 
 use b2b_building::RunPeriod;
 use serde::{Deserialize, Serialize};
 
-/// The rules of a problem.
+/// The protocol of a problem.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Protocol {
-    /// Steps on training environments, at most, all of them together.
+    /// Training budget: steps over all training environments.
     pub training_steps: u64,
-    /// Days of the training environments.
+    /// Run period of the training environments.
     pub training_period: RunPeriod,
-    /// Days of the tests, each an episode.
+    /// Run periods of the tests, one episode each.
     pub windows: Vec<RunPeriod>,
-    /// Zone time steps an hour.
+    /// Zone time steps per hour.
     pub steps_per_hour: u32,
-    /// Seeds: a policy that is trained is trained with each, one that draws draws with each.
+    /// Seeds of training, and of stochastic policies.
     pub seeds: Vec<u64>,
-    /// Buildings of the training side that it is tested on as well, to tell the generalisation gap. None at 0.
+    /// Number of training buildings that the policy is also tested on, for the generalization gap.
     pub train_sample: usize,
-    /// Numbers of steps on a test environment after which an adapting policy is scored there.
+    /// Numbers of training steps on a test environment after which an adapting policy is scored on it.
     pub adaptation: Vec<u64>,
-    /// Whether the policy is told what building it is in.
+    /// Whether observations include the building's attributes.
     pub attributes: Attributes,
-    /// Zeros behind the slots of the observation make it as wide as this, so that all buildings have one shape.
+    /// Width to which observations are zero-padded, so that all buildings have one shape.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub observation_width: Option<usize>,
 }
 
-/// Whether a policy sees the common attributes of a building's morphology (floor area, climate, envelope), behind the
-/// observation.
+/// Whether the common attributes of a building's morphology (floor area, climate, envelope) follow the observation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Attributes {
-    /// It does not.
+    /// They do not.
     #[default]
     Withheld,
-    /// It does.
+    /// They do.
     Given,
 }
 
@@ -51,27 +51,42 @@ impl fmt::Display for Attributes {
     }
 }
 
+impl FromStr for Attributes {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "withheld" => Ok(Self::Withheld),
+            "given" => Ok(Self::Given),
+            _ => Err(format!("unknown value `{text}`; expected given or withheld")),
+        }
+    }
+}
+
 impl Protocol {
-    /// What is wrong with it, if anything is.
+    /// Returns the fault of the protocol, if it has one.
     pub(super) fn fault(&self) -> Option<String> {
         if self.windows.is_empty() {
-            return Some("there is no window to test on: give `windows`".into());
+            return Some("`windows` is empty; list at least one run period".into());
         }
         if self.seeds.is_empty() {
-            return Some("there is no seed: give `seeds`".into());
+            return Some("`seeds` is empty; list at least one seed".into());
         }
         if let Some(seed) = repeated(&self.seeds) {
-            return Some(format!("seed {seed} is given twice"));
+            return Some(format!("seed {seed} is listed twice"));
         }
         if let Some(window) = repeated(&self.windows) {
-            return Some(format!("window {window} is given twice"));
+            return Some(format!("window {window} is listed twice"));
         }
         if self.steps_per_hour == 0 || 60 % self.steps_per_hour != 0 {
             let given = self.steps_per_hour;
-            return Some(format!("steps_per_hour is {given}, and 60 minutes are no whole multiple of it"));
+            return Some(format!("steps_per_hour is {given}; expected a divisor of 60"));
         }
         if !self.adaptation.is_sorted_by(|a, b| a < b) || self.adaptation.first() == Some(&0) {
-            return Some(format!("adaptation is {:?}: give steps that increase from 1", self.adaptation));
+            return Some(format!(
+                "adaptation is {:?}; expected increasing numbers of steps from 1 on",
+                self.adaptation
+            ));
         }
         None
     }

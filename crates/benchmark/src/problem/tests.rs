@@ -1,9 +1,14 @@
+use std::collections::HashSet;
+
+use b2b_building::BuildingType;
+use b2b_dataset::{BuildingId, Split};
 use serde_json::Value;
 
+use super::shipped::SHIPPED;
 use super::*;
 
 #[test]
-fn every_shipped_problem_is_sound_and_reads_back_as_it_is() {
+fn every_shipped_problem_is_valid_and_reads_back_as_written() {
     for problem in Problem::all() {
         problem.check().unwrap();
         let text = serde_json::to_string(problem).unwrap();
@@ -17,7 +22,7 @@ fn every_shipped_problem_is_sound_and_reads_back_as_it_is() {
 }
 
 #[test]
-fn no_environment_is_both_to_train_and_to_test_on() {
+fn no_environment_is_on_both_sides() {
     for problem in Problem::all() {
         let restriction = |side: &Side| side.restriction.map(|each| each.to_string());
         let environments = |side: &Side| {
@@ -34,7 +39,7 @@ fn no_environment_is_both_to_train_and_to_test_on() {
 }
 
 #[test]
-fn sides_have_as_many_buildings_as_the_dataset_has() {
+fn sides_have_the_documented_numbers_of_buildings() {
     let counts = |name: &str| {
         let problem = Problem::named(name).unwrap();
         (problem.train.buildings.ids().len(), problem.test.buildings.ids().len())
@@ -48,7 +53,7 @@ fn sides_have_as_many_buildings_as_the_dataset_has() {
     );
     let custom = custom.unwrap();
     assert_eq!((custom.train.buildings.ids().len(), custom.test.buildings.ids().len()), (1800, 200));
-    assert_eq!(custom.changes(), None, "it has a name of its own");
+    assert_eq!(custom.changes(), None, "it is not a shipped problem");
 }
 
 fn refused(name: &str, changes: Value) -> String {
@@ -57,7 +62,7 @@ fn refused(name: &str, changes: Value) -> String {
 }
 
 #[test]
-fn what_could_not_tell_anything_is_refused_by_name() {
+fn a_problem_that_cannot_measure_generalization_is_an_error_that_names_the_fault() {
     use serde_json::json;
     let cases = [
         (
@@ -73,7 +78,7 @@ fn what_could_not_tell_anything_is_refused_by_name() {
         ),
         ("goal-leave-one-out", json!({"left_out": "constant+cost2"}), ["constant+cost2", "random+energy0.5"]),
         ("unitary-5-10", json!({"test": ["OfficeSmall-0003"]}), ["same buildings", "unitary-5-10"]),
-        ("dynamics-house", json!({"left_to": "pin"}), ["no actuator is taken away", "dynamics-house"]),
+        ("dynamics-house", json!({"fallback": "pin"}), ["no actuators are withheld", "dynamics-house"]),
         ("dynamics-house", json!({"seeds": [1, 1]}), ["seed 1", "twice"]),
         ("dynamics-house", json!({"steps_per_hour": 7}), ["steps_per_hour is 7", "60"]),
         (
@@ -93,7 +98,7 @@ fn what_could_not_tell_anything_is_refused_by_name() {
 }
 
 #[test]
-fn an_unknown_name_is_refused_with_those_that_are_near() {
+fn an_unknown_name_is_an_error_with_similar_names() {
     for (name, near) in [
         ("dynamics-hous", "dynamics-house"),
         ("unitary-5-11", "unitary-5-10"),
@@ -108,7 +113,7 @@ fn an_unknown_name_is_refused_with_those_that_are_near() {
 }
 
 #[test]
-fn a_file_that_is_no_problem_is_refused_with_what_is_wrong_in_it() {
+fn an_invalid_file_is_an_error_that_names_the_fault() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("mine.json");
     let mut value = serde_json::to_value(Problem::named("dynamics-house").unwrap()).unwrap();
@@ -133,7 +138,7 @@ fn a_file_that_is_no_problem_is_refused_with_what_is_wrong_in_it() {
 }
 
 #[test]
-fn a_change_is_another_problem_and_says_what_is_changed() {
+fn a_changed_problem_has_another_hash_and_lists_its_changes() {
     let problem = Problem::named("dynamics-house").unwrap();
     let changes: Changes =
         serde_json::from_str(r#"{"windows": ["01-10..01-11"], "attributes": "given"}"#).unwrap();
@@ -146,11 +151,11 @@ fn a_change_is_another_problem_and_says_what_is_changed() {
 }
 
 #[test]
-fn a_test_building_is_not_trained_on() {
+fn a_test_building_is_not_for_training() {
     let house = Problem::named("dynamics-house").unwrap();
     let id = house.test.buildings.ids()[0];
     let said = house.check_training_building(id).unwrap_err().to_string();
-    assert!(said.contains(&id.to_string()) && said.contains("tested on"), "{said}");
+    assert!(said.contains(&id.to_string()) && said.contains("test building"), "{said}");
     house.check_training_building(house.train.buildings.ids()[0]).unwrap();
     let office = Problem::named("unitary-5-10").unwrap();
     assert!(office.check_training_building(id).is_err());

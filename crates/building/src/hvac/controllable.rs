@@ -38,14 +38,14 @@ pub(super) fn drive_air_loop(model: &mut Model, air_loop: &str, air_density: f64
 
 /// Zone equipment that is left as it is: exhaust fans follow their schedules, and the warehouse's radiant heater
 /// is switched off in the prototype.
-pub(super) const LEFT_ALONE: [&str; 2] = ["Fan:ZoneExhaust", "ZoneHVAC:HighTemperatureRadiant"];
+pub(super) const UNCONTROLLED_EQUIPMENT: [&str; 2] = ["Fan:ZoneExhaust", "ZoneHVAC:HighTemperatureRadiant"];
 
 /// Equipment that no kind of system covers would heat or cool behind the agent's back.
 fn refuse_unknown(equipment: &[Reference], zone: &str) -> Result<()> {
     let known = |class: &str| {
         class.eq_ignore_ascii_case("ZoneHVAC:AirDistributionUnit")
             || heating_only::is_heater(class)
-            || is_one_of(class, &LEFT_ALONE)
+            || is_one_of(class, &UNCONTROLLED_EQUIPMENT)
     };
     match equipment.iter().find(|e| !known(&e.class)) {
         None => Ok(()),

@@ -9,6 +9,7 @@ mod discovery;
 pub(crate) mod distribution;
 pub(crate) mod energy_management;
 pub mod heating_only;
+mod layout;
 pub mod references;
 mod schedules;
 mod setpoint_managers;
@@ -19,6 +20,7 @@ pub mod zone_equipment;
 
 pub use actuator::{Actuator, EngineVariable, Quantity};
 pub use controllable::make_controllable;
-pub use discovery::{Discovery, LeftAlone};
+pub use discovery::{Discovery, Uncontrolled};
 pub(crate) use discovery::{discover, has_own_controls};
+pub use layout::{ServedZone, SystemLayout};
 pub use system::{AirLoop, HeatingOnly, System, Terminal, Unitary};

@@ -17,18 +17,6 @@ pub enum System {
 }
 
 impl System {
-    /// Its actuators, in the order of the action.
-    pub fn actuators(&self) -> Vec<&Actuator> {
-        match self {
-            System::Unitary(unit) => vec![&unit.flow, &unit.supply_temperature],
-            System::AirLoop(air_loop) => {
-                let terminals = air_loop.terminals.iter().flat_map(|t| [&t.damper, &t.reheat]);
-                [&air_loop.supply_temperature, &air_loop.outdoor_air].into_iter().chain(terminals).collect()
-            }
-            System::HeatingOnly(heater) => vec![&heater.setpoint],
-        }
-    }
-
     /// The zones it serves.
     pub fn zones(&self) -> Vec<&str> {
         match self {

@@ -119,7 +119,7 @@ impl Morphology {
         nodes.extend(air_loops(building, description));
         let zones = building.zones.iter().zip(&description.zones).enumerate();
         nodes.extend(zones.map(|(index, (zone, described))| {
-            let node_type = zone_type(building, &zone.name, zone.conditioning);
+            let node_type = zone_type(building, index);
             Node {
                 node_type,
                 name: zone.name.clone(),
@@ -186,14 +186,12 @@ fn air_loops<'a>(
     })
 }
 
-fn zone_type(building: &PreparedBuilding, zone: &str, conditioning: Conditioning) -> NodeType {
-    let serves = |system: &&System| system.zones().iter().any(|served| served.eq_ignore_ascii_case(zone));
-    match building.systems.iter().find(serves) {
-        _ if conditioning == Conditioning::None => NodeType::UncontrolledZone,
+fn zone_type(building: &PreparedBuilding, zone: usize) -> NodeType {
+    match building.laid_out_systems().find(|(_, layout)| layout.serves(zone)) {
         None => NodeType::UncontrolledZone,
-        Some(System::Unitary(_)) => NodeType::UnitaryZone,
-        Some(System::AirLoop(_)) => NodeType::VavZone,
-        Some(System::HeatingOnly(_)) => NodeType::HeatingOnlyZone,
+        Some((System::Unitary(_), _)) => NodeType::UnitaryZone,
+        Some((System::AirLoop(_), _)) => NodeType::VavZone,
+        Some((System::HeatingOnly(_), _)) => NodeType::HeatingOnlyZone,
     }
 }
 

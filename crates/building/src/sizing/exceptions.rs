@@ -1,9 +1,9 @@
-//! Where the engine's words differ from the fields' names, and fields that it leaves unsized.
+//! Fields whose size the engine reports under another description, and fields that it does not size.
 //!
-//! Found by sizing the 32 models that come with the engine (25.2).
+//! Found by sizing the 32 models that ship with EnergyPlus 25.2.
 
-/// Fields whose size is reported under another description, without `Design Size`. One description counts
-/// only among those of the field's own object.
+/// Fields whose size is reported under another description, without `Design Size`. A description applies to the sizes of
+/// the same object only.
 pub(super) const ALIASES: &[(&str, &str)] = &[
     // Unitary heat pumps, furnaces and packaged units name the flows by operation.
     ("cooling_supply_air_flow_rate", "Supply Air Flow Rate During Cooling Operation"),
@@ -29,7 +29,7 @@ pub(super) const ALIASES: &[(&str, &str)] = &[
     ("maximum_hot_water_or_steam_flow_rate", "Maximum Steam Flow"),
     ("maximum_hot_water_flow_rate", "Maximum Hot Water Flow"),
     ("maximum_cold_water_flow_rate", "Maximum Cold Water Flow"),
-    // The high-temperature radiant heater reports the size of an autosized capacity as the user's.
+    // The high-temperature radiant heater reports the size of an autosized capacity as `User-Specified`.
     ("heating_design_capacity", "User-Specified heating_design_capacity"),
     // Plant.
     ("total_design_flow_rate", "Design Flow Rate"),
@@ -50,15 +50,15 @@ pub(super) const ALIASES: &[(&str, &str)] = &[
 
 /// An autosized field that the engine gives no size because the object does not use it.
 pub(super) struct Unused {
-    /// Class, or the beginning of the names of several.
+    /// Class, or a prefix of several classes.
     pub(super) class: &'static str,
     /// The field.
     pub(super) field: &'static str,
-    /// What to write; it has no effect.
+    /// The value to write; it has no effect.
     pub(super) value: f64,
 }
 
-/// Fields without effect, which must still hold a number.
+/// Fields without effect that must still hold a number.
 pub(super) const UNUSED: &[Unused] = &[
     // The defrost is by reverse cycle; a resistive one is sized and reported.
     Unused { class: "Coil:Heating:DX:", field: "resistive_defrost_heater_capacity", value: 0.0 },
@@ -74,15 +74,15 @@ pub(super) const UNUSED: &[Unused] = &[
     Unused { class: "WaterHeater:", field: "source_side_design_flow_rate", value: 0.0 },
 ];
 
-/// Fields that the engine sizes when a model does not give them at all. They must stand in a hard-sized model.
+/// Fields that the engine sizes when a model omits them. A hard-sized model must have them.
 pub(super) const OPTIONAL: [(&str, &str); 3] = [
     ("Coil:Heating:Water", "maximum_water_flow_rate"),
     ("Coil:Heating:Water", "rated_capacity"),
     ("Coil:Heating:Water", "u_factor_times_area_value"),
 ];
 
-/// Fields that the engine may size to nothing, where a number must be more than that: a unit heater, and its fan, in a
-/// zone that needs no heat.
+/// Fields that the engine may size to zero but that must be positive: a unit heater and its fan in a zone that needs no
+/// heat.
 pub(super) const POSITIVE: [(&str, &str, f64); 4] = [
     ("ZoneHVAC:UnitHeater", "maximum_supply_air_flow_rate", 1e-3),
     ("Fan:ConstantVolume", "maximum_flow_rate", 1e-3),

@@ -31,12 +31,46 @@ impl Split {
     }
 }
 
-/// A group of buildings. The one way in which commands select more than one.
+/// Buildings of any kind, by name or as a subset of the dataset.
 #[derive(clap::Args)]
 pub struct Buildings {
     /// Buildings to use instead of a dataset split: ids such as OfficeSmall-0042, building types or model files
     #[arg(value_name = "BUILDING", conflicts_with_all = ["split", "types", "zones"])]
     names: Vec<BuildingName>,
+    #[command(flatten)]
+    subset: Subset,
+}
+
+impl Buildings {
+    /// Returns the names of the buildings. Errors if there are none.
+    pub fn names(&self) -> Result<Vec<BuildingName>> {
+        if !self.names.is_empty() {
+            return Ok(self.names.clone());
+        }
+        Ok(self.subset.ids()?.into_iter().map(BuildingName::Id).collect())
+    }
+}
+
+/// Buildings of the dataset, by id or as a subset.
+#[derive(clap::Args)]
+pub struct DatasetBuildings {
+    /// Buildings to use instead of a dataset split, such as OfficeSmall-0042
+    #[arg(value_name = "ID", conflicts_with_all = ["split", "types", "zones"])]
+    ids: Vec<BuildingId>,
+    #[command(flatten)]
+    subset: Subset,
+}
+
+impl DatasetBuildings {
+    /// Returns the ids of the buildings. Errors if there are none.
+    pub fn ids(&self) -> Result<Vec<BuildingId>> {
+        if self.ids.is_empty() { self.subset.ids() } else { Ok(self.ids.clone()) }
+    }
+}
+
+/// A split of the dataset, restricted to building types and climate zones.
+#[derive(clap::Args)]
+struct Subset {
     /// Subset of the dataset
     #[arg(long, value_enum, default_value = "test_small")]
     split: Split,
@@ -44,32 +78,14 @@ pub struct Buildings {
     classes: Classes,
 }
 
-impl Buildings {
-    /// Returns the names of the buildings.
-    pub fn names(&self) -> Result<Vec<BuildingName>> {
-        if !self.names.is_empty() {
-            return Ok(self.names.clone());
-        }
-        Ok(self.rows()?.map(|row| BuildingName::Id(row.id)).collect())
-    }
-
-    /// Returns the ids of the buildings. Errors if one is not in the dataset.
-    pub fn ids(&self) -> Result<Vec<BuildingId>> {
-        let id = |name: BuildingName| match name {
-            BuildingName::Id(id) => Ok(id),
-            other => bail!("`{other}` is not an id of the dataset; ids look like OfficeSmall-0042"),
-        };
-        self.names()?.into_iter().map(id).collect()
-    }
-
-    /// Returns the buildings of the split. Errors if there are none of these types and zones.
-    fn rows(&self) -> Result<impl Iterator<Item = &'static Row>> {
+impl Subset {
+    fn ids(&self) -> Result<Vec<BuildingId>> {
         let selected = |row: &&Row| self.split.contains(row) && self.classes.contains(row.building.class());
-        let mut rows = b2b_dataset::all().filter(selected).peekable();
-        match rows.peek() {
-            Some(_) => Ok(rows),
-            None => bail!("the dataset has no building of these types and climate zones in this split"),
+        let ids: Vec<_> = b2b_dataset::all().filter(selected).map(|row| row.id).collect();
+        if ids.is_empty() {
+            bail!("the split has no buildings of these types and climate zones");
         }
+        Ok(ids)
     }
 }
 
@@ -79,7 +95,7 @@ pub struct Classes {
     /// Building types [default: all six]
     #[arg(long = "type", value_name = "TYPE", num_args = 1..)]
     types: Vec<BuildingType>,
-    /// ASHRAE 169 thermal climate zones, 1 to 8 [default: all]; does not apply to houses, which are all in Québec
+    /// ASHRAE 169 thermal climate zones, 1 to 8 [default: all]; houses have none and are not filtered
     #[arg(long = "zone", value_name = "ZONE", num_args = 1.., value_parser = clap::value_parser!(u8).range(1..=8))]
     zones: Vec<u8>,
 }

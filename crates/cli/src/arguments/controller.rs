@@ -86,9 +86,9 @@ impl ControllerArguments {
 /// Parameters of the reactive controllers.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Parameters {
-    /// The same for every building.
+    /// Default parameters, equal for all buildings.
     Default,
-    /// Tuned for the building's type and climate zone. The defaults where no tuning is available, and for prototypes.
+    /// Parameters tuned for the building's type and climate zone. The defaults where no tuning is available, and for prototypes.
     Tuned,
     /// Read from a JSON file.
     File(PathBuf),

@@ -1,8 +1,8 @@
-//! The number of parallel processes.
+//! The degree of parallelism.
 
 use anyhow::Result;
 
-/// How many processes work at a time.
+/// The number of buildings or episodes in progress at a time.
 #[derive(clap::Args)]
 pub struct Jobs {
     /// Number of buildings or episodes to process in parallel [default: number of CPU cores]

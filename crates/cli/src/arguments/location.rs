@@ -1,4 +1,4 @@
-//! Where a building stands.
+//! The location of a building.
 
 use std::ffi::OsString;
 use std::path::PathBuf;

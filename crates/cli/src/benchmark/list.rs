@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use b2b_benchmark::Problem;
-use b2b_benchmark::problem::{Part, Side};
+use b2b_benchmark::problem::{Side, Subset};
 use serde_json::json;
 
 use super::selection::Selection;
@@ -20,11 +20,12 @@ pub struct ListArguments {
 /// Describe a problem: training and test environments, budget, seeds and rules
 #[derive(clap::Args)]
 pub struct ShowArguments {
-    #[command(flatten)]
-    selection: Selection,
     /// Print the problem definition as JSON, with all building ids, changes and its hash
     #[arg(long)]
     json: bool,
+    // Last, because its heading applies to all that follows.
+    #[command(flatten)]
+    selection: Selection,
 }
 
 /// Runs `list`.
@@ -143,7 +144,7 @@ fn words(side: &Side) -> String {
 fn types(side: &Side) -> String {
     let types: Vec<_> = side.buildings.types().iter().map(ToString::to_string).collect();
     let small = match &side.buildings {
-        b2b_benchmark::problem::Buildings::Part { split: Part::TestSmall, .. } => " (small test)",
+        b2b_benchmark::problem::Buildings::Subset { subset: Subset::TestSmall, .. } => " (small test)",
         _ => "",
     };
     types.join(", ") + small

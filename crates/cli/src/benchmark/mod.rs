@@ -15,7 +15,7 @@ use anyhow::Result;
 /// A problem defines what a policy may be trained on, what it is tested on, and the rules of both. A result is a folder
 /// with result.json, episodes.parquet and the ONNX files of the policy; running it again reproduces the same bytes.
 #[derive(clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(verbatim_doc_comment, after_help = EXAMPLES)]
 pub struct Arguments {
     #[command(subcommand)]
     command: Command,

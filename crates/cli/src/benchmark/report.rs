@@ -15,9 +15,12 @@ use crate::stdout;
 /// intervals, performance profiles, scores by building type, deviations from the target temperature, and the effect of
 /// adaptation. Results of modified problems are listed separately.
 #[derive(clap::Args)]
-#[command(after_help = "\
+#[command(
+    verbatim_doc_comment,
+    after_help = "\
 Examples:
-  b2b benchmark report results/* --out leaderboard.html")]
+  b2b benchmark report results/* --out leaderboard.html"
+)]
 pub struct Arguments {
     /// Result folders
     #[arg(value_name = "FOLDER", required = true)]

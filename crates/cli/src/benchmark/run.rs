@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::{Context, Result, bail};
-use b2b_benchmark::entry::{Ended, Entrant, Entry, Measures, RunResult};
+use b2b_benchmark::entry::{Entry, EntryPolicy, Measures, RunOutcome, RunResult};
 use b2b_benchmark::problem::{Problem, Stage};
 use b2b_benchmark::statistics::Aggregate;
 use b2b_benchmark::{Baselines, Row};
@@ -14,7 +14,7 @@ use b2b_dataset::Catalog;
 use super::selection::Selection;
 use crate::arguments::jobs::Jobs;
 use crate::arguments::policy::PolicyArguments;
-use crate::evaluation::{Bars, evaluation, fetch_weather, interval_text};
+use crate::evaluation::{Bars, evaluation, fetch_weather};
 use crate::progress::Download;
 use crate::stdout;
 use crate::table::Table;
@@ -25,10 +25,8 @@ use crate::table::Table;
 /// result folder: result.json, episodes.parquet, and the ONNX files of the policy. Finished episodes are kept: the same
 /// command resumes an interrupted run and produces the same bytes. Exits with code 1 if an episode fails.
 #[derive(clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(verbatim_doc_comment, after_help = EXAMPLES)]
 pub struct Arguments {
-    #[command(flatten)]
-    selection: Selection,
     #[command(flatten)]
     policy: PolicyArguments,
     /// Policy for the training environments, if their spaces have other sizes
@@ -54,6 +52,9 @@ pub struct Arguments {
     /// Print result.json instead of the text report
     #[arg(long)]
     json: bool,
+    // Last, because its heading applies to all that follows.
+    #[command(flatten)]
+    selection: Selection,
 }
 
 const EXAMPLES: &str = "\
@@ -84,9 +85,9 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     let ended = entry.run(&arguments.out, &evaluation, &Baselines::open()?, &bars)?;
     drop(bars);
     match ended {
-        Ended::Finished(result, _) if arguments.json => stdout::print_json(&result)?,
-        Ended::Finished(result, _) => stdout::print(&text(&result, arguments))?,
-        Ended::Lost(rows) => {
+        RunOutcome::Complete(result, _) if arguments.json => stdout::print_json(&result)?,
+        RunOutcome::Complete(result, _) => stdout::print(&text(&result, arguments))?,
+        RunOutcome::Incomplete(rows) => {
             eprintln!("{}", lost(&rows));
             return Ok(ExitCode::FAILURE);
         }
@@ -97,13 +98,14 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
 impl Arguments {
     fn entry(&self) -> Result<Entry> {
         let problem = self.selection.problem()?;
-        let policy = self.entrant(&problem, &self.policy.name, Stage::Test)?;
+        let policy = self.entry_policy(&problem, &self.policy.policy, Stage::Test)?;
         let train_policy = self.train_policy.as_ref();
-        let train_policy = train_policy.map(|text| self.entrant(&problem, text, Stage::Train)).transpose()?;
+        let train_policy =
+            train_policy.map(|text| self.entry_policy(&problem, text, Stage::Train)).transpose()?;
         let mut adapted = BTreeMap::new();
         for (steps, text) in &self.adapted {
-            let entrant = self.entrant(&problem, text, Stage::Adapted(*steps))?;
-            if adapted.insert(*steps, entrant).is_some() {
+            let policy = self.entry_policy(&problem, text, Stage::Adapted(*steps))?;
+            if adapted.insert(*steps, policy).is_some() {
                 bail!("--adapted is given twice for {steps} steps");
             }
         }
@@ -118,22 +120,18 @@ impl Arguments {
         })
     }
 
-    fn entrant(&self, problem: &Problem, text: &str, stage: Stage) -> Result<Entrant> {
+    fn entry_policy(&self, problem: &Problem, text: &str, stage: Stage) -> Result<EntryPolicy> {
         let seeds = &problem.protocol.seeds;
         let episodes = problem.episodes(stage, &seeds[..1]);
-        let entrant = Entrant::read(text, self.policy.scale(), seeds, &episodes);
-        entrant.with_context(|| format!("no policy for stage {stage}"))
+        let policy = EntryPolicy::read(text, self.policy.scale(), seeds, &episodes);
+        policy.with_context(|| format!("no policy for stage {stage}"))
     }
 }
 
 fn lost(rows: &[Row]) -> String {
     let line = |row: &Row| {
-        let record = &row.record;
-        let why = row.lost.as_deref().unwrap_or("undefined score");
-        format!(
-            "failed: {}, {}, {}, seed {}: {why}",
-            record.building, record.task, record.period, record.seed
-        )
+        let why = row.outcome.as_ref().map_or_else(ToString::to_string, |_| "undefined score".to_owned());
+        format!("failed: {}: {why}", row.info)
     };
     let lines: Vec<_> = rows.iter().map(line).collect();
     format!(
@@ -189,15 +187,15 @@ fn aggregate_table(measures: &Measures) -> String {
 
 fn generalization_text(measures: &Measures) -> String {
     let mut text = String::new();
-    if let Some(gap) = measures.generalisation_gap {
-        text += &format!("  generalization gap {}\n", interval_text(gap));
+    if let Some(gap) = measures.generalization_gap {
+        text += &format!("  generalization gap {}\n", gap);
     }
     if let Some(adaptation) = &measures.adaptation {
         let steps = match adaptation.median_steps_to_baseline {
             Some(steps) => format!("{steps:.0}"),
             None => "never".to_owned(),
         };
-        let jump_start = interval_text(adaptation.jump_start);
+        let jump_start = adaptation.jump_start;
         text += &format!("  jump-start {jump_start}; median steps to reach the baseline: {steps}\n");
     }
     text
@@ -207,9 +205,9 @@ fn row(table: &mut Table, name: String, scores: &Aggregate) {
     table.row([
         name,
         scores.episodes.to_string(),
-        interval_text(scores.interquartile_mean),
-        interval_text(scores.median),
-        interval_text(scores.mean),
-        format!("{:.0}", 100.0 * scores.beats_baseline.value),
+        scores.interquartile_mean.to_string(),
+        scores.median.to_string(),
+        scores.mean.to_string(),
+        format!("{:.0}", scores.beats_baseline_percent()),
     ]);
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::{Result, bail};
 use b2b_benchmark::Problem;
-use b2b_benchmark::problem::{Attributes, Changes, LeftTo};
+use b2b_benchmark::problem::{Attributes, Changes, Fallback};
 use b2b_building::{BuildingType, RunPeriod};
 use b2b_dataset::BuildingId;
 use b2b_env::Task;
@@ -59,30 +59,14 @@ struct ChangeArguments {
     #[arg(long, value_name = "N")]
     steps_per_hour: Option<u32>,
     /// Whether the observation includes the attributes of the building
-    #[arg(long, value_name = "given|withheld", value_parser = attributes)]
+    #[arg(long, value_name = "given|withheld")]
     attributes: Option<Attributes>,
     /// What controls the actuators that are withheld from the policy: the reactive controllers, or a constant
-    #[arg(long, value_name = "reactive|pin", value_parser = left_to)]
-    left_to: Option<LeftTo>,
+    #[arg(long, value_name = "reactive|pin")]
+    fallback: Option<Fallback>,
     /// Constant value of the withheld actuators, in their unit
     #[arg(long, value_name = "VALUE")]
     pin: Option<f64>,
-}
-
-fn attributes(text: &str) -> std::result::Result<Attributes, String> {
-    match text {
-        "given" => Ok(Attributes::Given),
-        "withheld" => Ok(Attributes::Withheld),
-        _ => Err("expected given or withheld".into()),
-    }
-}
-
-fn left_to(text: &str) -> std::result::Result<LeftTo, String> {
-    match text {
-        "reactive" => Ok(LeftTo::Reactive),
-        "pin" => Ok(LeftTo::Pin),
-        _ => Err("expected reactive or pin".into()),
-    }
 }
 
 impl Selection {
@@ -103,7 +87,7 @@ impl Selection {
 
 impl ChangeArguments {
     fn changes(&self) -> Changes {
-        let Self { attributes, left_to, pin, steps_per_hour, .. } = *self;
+        let Self { attributes, fallback, pin, steps_per_hour, .. } = *self;
         Changes {
             buildings: self.buildings.clone(),
             train: self.train.clone(),
@@ -115,7 +99,7 @@ impl ChangeArguments {
             seeds: self.seeds.clone(),
             steps_per_hour,
             attributes,
-            left_to,
+            fallback,
             pin,
         }
     }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::Result;
-use b2b_benchmark::entry::{self, Check, Rerun};
+use b2b_benchmark::entry::{self, Check, Sample};
 use b2b_dataset::Catalog;
 use serde_json::json;
 
@@ -19,10 +19,13 @@ use crate::stdout;
 /// their baselines again, and compares them bit for bit. Requires the version of b2b that wrote the result. Exits with
 /// code 1 if anything differs.
 #[derive(clap::Args)]
-#[command(after_help = "\
+#[command(
+    verbatim_doc_comment,
+    after_help = "\
 Examples:
   b2b benchmark verify results/ppo
-  b2b benchmark verify results/ppo --episodes 20 --sample-seed 7")]
+  b2b benchmark verify results/ppo --episodes 20 --sample-seed 7"
+)]
 pub struct Arguments {
     /// Result folder
     #[arg(value_name = "FOLDER")]
@@ -44,23 +47,23 @@ pub struct Arguments {
 pub fn verify(arguments: &Arguments) -> Result<ExitCode> {
     let catalog = Catalog::open(&mut Download::new(arguments.json))?;
     let evaluation = evaluation(&catalog, arguments.jobs.count()?)?;
-    let rerun = Rerun { episodes: arguments.episodes, seed: arguments.sample_seed };
+    let sample = Sample { episodes: arguments.episodes, seed: arguments.sample_seed };
     let bars = Bars::new(arguments.json);
-    let checks = entry::verify(&arguments.folder, &evaluation, rerun, &bars)?;
+    let checks = entry::verify(&arguments.folder, &evaluation, sample, &bars)?;
     drop(bars);
-    let passed = checks.iter().all(|check| check.found.is_ok());
+    let passed = checks.iter().all(|check| check.outcome.is_ok());
     if arguments.json {
         let check = |check: &Check| {
-            let (Ok(message) | Err(message)) = &check.found;
-            json!({"check": check.what, "passed": check.found.is_ok(), "message": message})
+            let (Ok(message) | Err(message)) = &check.outcome;
+            json!({"check": check.name, "passed": check.outcome.is_ok(), "message": message})
         };
         stdout::print_json(
             &json!({"passed": passed, "checks": checks.iter().map(check).collect::<Vec<_>>()}),
         )?;
     } else {
-        let line = |check: &Check| match &check.found {
-            Ok(message) => format!("  passed  {:<20}{message}", check.what),
-            Err(message) => format!("  FAILED  {:<20}{message}", check.what),
+        let line = |check: &Check| match &check.outcome {
+            Ok(message) => format!("  passed  {:<20}{message}", check.name),
+            Err(message) => format!("  FAILED  {:<20}{message}", check.name),
         };
         stdout::print(&checks.iter().map(line).collect::<Vec<_>>().join("\n"))?;
     }

@@ -30,14 +30,17 @@ parameters are in docs/dataset.md.")]
 
 /// Write the table of all 6,000 buildings: place, split and every parameter
 ///
-/// Writes v1.csv and v1.parquet with the same content. Equal versions of b2b write identical files.
+/// Writes v1.csv and v1.parquet with the same content. The same version of b2b always writes the same files.
 #[derive(clap::Args)]
-#[command(after_help = "\
+#[command(
+    verbatim_doc_comment,
+    after_help = "\
 Columns that do not apply to a type are empty. For houses, place is a region of Québec. Units are in the
 metadata of the Parquet file and in docs/dataset.md.
 
 Examples:
-  b2b dataset manifest --out .")]
+  b2b dataset manifest --out ."
+)]
 struct ManifestArguments {
     /// Output folder
     #[arg(long, value_name = "FOLDER")]

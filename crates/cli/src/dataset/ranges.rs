@@ -80,8 +80,8 @@ fn houses() -> String {
     table.row(row("houses", &|houses| houses.len().to_string()));
     for number in &NUMBERS {
         let decimals = number.decimals.min(2) as usize;
-        table.row(row(number.name, &|houses| {
-            let values: Vec<f64> = houses.iter().map(|each| *number.of(&mut each.house.clone())).collect();
+        table.row(row(number.name(), &|houses| {
+            let values: Vec<f64> = houses.iter().map(|each| number.field.of(&each.house)).collect();
             range(&values, decimals)
         }));
     }

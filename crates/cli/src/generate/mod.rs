@@ -26,7 +26,7 @@ use model_folder::{MANIFEST, ModelFolder};
 /// Writes one epJSON file per building, before sizing, and manifest.csv with the parameters of all buildings. Existing
 /// files are kept if the manifest describes the same building: the same command resumes an interrupted generation.
 #[derive(clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(verbatim_doc_comment, after_help = EXAMPLES)]
 pub struct Arguments {
     /// Building type (`b2b list`); optional with --dataset
     #[arg(value_name = "TYPE", required_unless_present = "dataset")]
@@ -84,7 +84,7 @@ The climate zone of a weather file determines the envelope that the building cod
 degree-days and relative humidity unless --zone sets it. Design days are taken from the header of the file or, if
 there are none, from its hourly data.
 
-Equal arguments write identical files.";
+The same arguments always write the same files.";
 
 /// The version of a dataset.
 #[derive(Clone, Copy, clap::ValueEnum)]

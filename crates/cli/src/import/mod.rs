@@ -22,7 +22,7 @@ use trial::Trial;
 
 /// Import your own model and report what an agent can control in it
 ///
-/// Sizes the model as it is, then makes every supported system controllable: unitary and rooftop units that serve one
+/// Sizes the unmodified model, then makes every supported system controllable: unitary and rooftop units that serve one
 /// zone, central air loops with reheat boxes, and zone heaters. All other systems keep their thermostats and schedules.
 /// The agent observes all zones; the reward counts those that it controls; energy use is that of all HVAC.
 ///
@@ -30,12 +30,15 @@ use trial::Trial;
 /// the same way. Given several models, prints one line for each and exits with code 1 if any cannot be imported or
 /// produces severe messages.
 #[derive(clap::Args)]
-#[command(after_help = "\
+#[command(
+    verbatim_doc_comment,
+    after_help = "\
 Examples:
   b2b import office.idf --weather boston.epw
   b2b import office.idf --weather boston.epw --run 01-08..01-14     also simulate a week
   b2b import models/ --place Denver --run 01-08..01-14              one line per model of a folder
-  b2b run office.idf --weather boston.epw                           then run an episode")]
+  b2b run office.idf --weather boston.epw                           then run an episode"
+)]
 pub struct Arguments {
     /// Model files (.idf or .epJSON, EnergyPlus 25.2), or folders of them
     #[arg(value_name = "MODEL", required = true)]

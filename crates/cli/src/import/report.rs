@@ -1,7 +1,7 @@
-//! What was found in an imported model.
+//! The zones and systems of an imported model.
 
 use b2b_building::Conditioning;
-use b2b_building::hvac::{self, LeftAlone};
+use b2b_building::hvac::{self, Uncontrolled};
 use b2b_dataset::BuildingName;
 use serde::{Deserialize, Serialize};
 
@@ -18,7 +18,7 @@ pub struct Report {
     /// The systems that the agent controls.
     pub systems: Vec<System>,
     /// The components that it does not control, with the reason.
-    pub not_controlled: Vec<LeftAlone>,
+    pub not_controlled: Vec<Uncontrolled>,
     pub trial: Option<Trial>,
 }
 
@@ -59,7 +59,7 @@ impl Report {
             conditioned_floor_area_m2: building.conditioned_floor_area,
             zones: building.zones.iter().map(Zone::of).collect(),
             systems: building.systems.iter().map(System::of).collect(),
-            not_controlled: building.left.clone(),
+            not_controlled: building.uncontrolled.clone(),
             trial,
         }
     }
@@ -83,11 +83,13 @@ impl Report {
     pub fn not_controlled_groups(&self) -> Vec<Group<'_>> {
         let mut groups: Vec<Group> = Vec::new();
         for item in &self.not_controlled {
-            match groups.iter_mut().find(|g| g.class == item.what.class && g.reason == item.why) {
+            match groups.iter_mut().find(|g| g.class == item.object.class && g.reason == item.reason) {
                 Some(group) => group.members.push(item),
-                None => {
-                    groups.push(Group { class: &item.what.class, reason: &item.why, members: vec![item] })
-                }
+                None => groups.push(Group {
+                    class: &item.object.class,
+                    reason: &item.reason,
+                    members: vec![item],
+                }),
             }
         }
         groups
@@ -143,5 +145,5 @@ impl SystemKind {
 pub struct Group<'a> {
     pub class: &'a str,
     pub reason: &'a str,
-    pub members: Vec<&'a LeftAlone>,
+    pub members: Vec<&'a Uncontrolled>,
 }

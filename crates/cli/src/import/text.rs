@@ -47,7 +47,7 @@ fn not_controlled_text(report: &Report) -> String {
         table.row([
             group.members.len().to_string(),
             match &group.members[..] {
-                [one] => format!("{} `{}`", group.class, one.what.name),
+                [one] => format!("{} `{}`", group.class, one.object.name),
                 _ => group.class.to_owned(),
             },
             group.members.iter().map(|member| member.zones.len()).sum::<usize>().to_string(),

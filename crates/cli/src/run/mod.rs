@@ -21,10 +21,10 @@ use summary::{RunInfo, Summary};
 
 /// Run an episode, print its metrics, and write its trajectory and a plot
 ///
-/// Writes three files: trajectory.parquet (one row per step), summary.json (what --json prints) and
-/// picture.html (interactive time series; opens in any browser, no network needed).
+/// Writes three files: trajectory.parquet (one row per step), summary.json (what --json prints) and picture.html
+/// (interactive time series, opens in any browser without a network).
 #[derive(clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(verbatim_doc_comment, after_help = EXAMPLES)]
 pub struct Arguments {
     /// Building type (`b2b list`), dataset building such as OfficeSmall-0042, or model file (.idf, .epJSON)
     #[arg(value_name = "BUILDING")]
@@ -60,7 +60,7 @@ Examples:
   b2b run Warehouse --place Miami --period summer --task constant:23
   b2b run OfficeSmall --task occupancy+energy0.5
   b2b run OfficeSmall --task random:7             setpoints drawn per zone and day with seed 7
-  b2b run OfficeSmall --task occupancy+pmv+cost2  thermal sensation (PMV) plus 2 x energy cost
+  b2b run OfficeSmall --task occupancy+pmv+cost2  thermal sensation (PMV) plus 2 × energy cost
   b2b run OfficeSmall --task mine.json            any parameters; --json prints the task of a run
   b2b run RestaurantFastFood --period 01-01..01-07 --controller random --seed 7
   b2b run OfficeSmall --controller planner --hours 24
@@ -76,7 +76,7 @@ random, each with and without +energy0.5.
   OBJECTIVE  +energyW, +costW, +carbonW, +peakW: W times the energy, cost, emissions or increase in peak
              demand of each step
 
-Equal arguments give bit-identical episodes on the same machine: compare trajectory_hash.";
+On one machine, the same arguments give the same episode bit for bit: compare trajectory_hash.";
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<()> {

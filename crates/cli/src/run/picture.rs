@@ -7,6 +7,7 @@
 use std::io::Write;
 
 use anyhow::Result;
+use b2b_benchmark::report;
 use b2b_building::hvac::Quantity;
 use b2b_building::morphology::Owner;
 use b2b_building::{Conditioning, PreparedBuilding};
@@ -68,9 +69,7 @@ pub fn write(
         "points": trajectory.len().div_ceil(picture.span),
         "panels": picture.panels(),
     });
-    // `<` would let a name end the script element.
-    let data = data.to_string().replace('<', "\\u003c");
-    Ok(file.write_all(PAGE.replace("{{DATA}}", &data).as_bytes())?)
+    Ok(file.write_all(report::fill(PAGE, &data).as_bytes())?)
 }
 
 struct Picture<'a> {
@@ -191,12 +190,9 @@ fn maximum(values: &[f64]) -> f64 {
 
 /// Returns the index of the zone that an actuator belongs to; for an air loop, its first zone.
 fn zone_of(building: &PreparedBuilding, owner: Owner) -> usize {
-    let number = |zone: &str| building.zones.iter().position(|z| z.name.eq_ignore_ascii_case(zone));
     match owner {
         Owner::Zone(zone) => zone,
-        Owner::AirLoop(system) => {
-            building.systems[system].zones().first().and_then(|zone| number(zone)).unwrap_or(0)
-        }
+        Owner::AirLoop(system) => building.layouts()[system].zones[0].index,
         Owner::Weather | Owner::Calendar | Owner::Energy => 0,
     }
 }

@@ -2,10 +2,9 @@
 
 use std::path::PathBuf;
 
-use b2b_dataset::GENERATOR_VERSION;
-use b2b_energyplus::install::ENGINE_VERSION;
-use b2b_env::{Metrics, Setpoints, Spaces, Task, ZoneMetrics};
-use serde::{Deserialize, Serialize};
+use b2b_benchmark::Versions;
+use b2b_env::{EpisodeMetrics, Metrics, Setpoints, Spaces, Task, ZoneMetrics};
+use serde::Serialize;
 
 use crate::rollout::Rollout;
 use crate::table::Table;
@@ -33,39 +32,11 @@ pub struct Summary {
     pub task_definition: Task,
     /// Scale τ_E that normalizes the reward's energy term.
     pub energy_scale: f64,
-    /// Number of steps.
-    pub steps: usize,
-    /// Sum of the rewards.
-    #[serde(rename = "return")]
-    pub episode_return: f64,
-    /// Sum of the temperature penalties, K².
-    pub temperature_penalty: f64,
-    /// Sum of the energy penalties.
-    pub energy_penalty: f64,
-    /// RMS deviation from the target temperature, K.
-    pub rms_deviation_k: f64,
-    /// Mean absolute deviation from the target temperature, K.
-    pub mean_abs_deviation_k: f64,
-    /// Hours outside the task's comfort band.
-    pub hours_outside_band: f64,
-    /// Discomfort outside the band, mean over the controlled zones, K·h.
-    pub discomfort_k_h: f64,
+    /// Metrics of the episode, each under the name of its column.
+    #[serde(flatten, serialize_with = "EpisodeMetrics::serialize_columns")]
+    pub metrics: EpisodeMetrics,
     /// Controlled zones that are never occupied.
     pub never_occupied: Vec<String>,
-    /// HVAC electricity, Wh/m².
-    pub electricity_wh_m2: f64,
-    /// HVAC gas, Wh/m².
-    pub gas_wh_m2: f64,
-    /// Energy cost at the task's prices, currency/m².
-    pub cost_m2: f64,
-    /// Emissions at the task's emission factors, kg CO₂/m².
-    pub emissions_kg_m2: f64,
-    /// Peak electric HVAC demand, averaged over a step, W/m².
-    pub peak_electricity_w_m2: f64,
-    /// Peak gas demand, averaged over a step, W/m².
-    pub peak_gas_w_m2: f64,
-    /// Actuator travel, mean over the actuators, full strokes/day.
-    pub daily_travel: f64,
     /// Travel of each actuator over the episode, full strokes, in action order.
     pub travel: Vec<f64>,
     /// Largest relative mismatch between the energy of the steps and EnergyPlus's meters.
@@ -76,8 +47,6 @@ pub struct Summary {
     pub engine_severes: usize,
     /// The first severe messages.
     pub severe_messages: Vec<String>,
-    /// Number of action values that were clamped to their bounds.
-    pub clamped_actions: usize,
     /// SHA-256 of all observations, actions and penalties: equal hashes mean equal episodes.
     pub trajectory_hash: String,
     /// CPU time up to the end of the episode, s.
@@ -88,26 +57,6 @@ pub struct Summary {
     pub steps_per_s: f64,
     /// The controlled zones.
     pub zones: Vec<ZoneSummary>,
-}
-
-/// Versions that determine an episode: equal versions give equal episodes.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Versions {
-    /// Version of this program.
-    pub package: String,
-    /// Version of the building generator.
-    pub generator: String,
-    /// Version of EnergyPlus.
-    pub engine: String,
-}
-
-impl Versions {
-    /// Returns the versions in use.
-    pub fn current() -> Self {
-        let [package, generator, engine] =
-            [env!("CARGO_PKG_VERSION"), GENERATOR_VERSION, ENGINE_VERSION].map(str::to_owned);
-        Self { package, generator, engine }
-    }
 }
 
 /// Properties of a run that the environment does not know.
@@ -157,28 +106,13 @@ impl Summary {
             task_hash: episode.task.hash(),
             task_definition: episode.task.clone(),
             energy_scale: spaces.energy_scale(),
-            steps: metrics.steps,
-            episode_return: metrics.episode_return,
-            temperature_penalty: metrics.temperature_penalty,
-            energy_penalty: metrics.energy_penalty,
-            rms_deviation_k: metrics.rms_deviation(),
-            mean_abs_deviation_k: metrics.mean_abs_deviation(),
-            hours_outside_band: metrics.hours_outside_band(),
-            discomfort_k_h: metrics.discomfort(),
+            metrics: metrics.into(),
             never_occupied: engine.never_occupied.clone(),
-            electricity_wh_m2: metrics.electricity,
-            gas_wh_m2: metrics.gas,
-            cost_m2: metrics.cost,
-            emissions_kg_m2: metrics.emissions / 1000.0,
-            peak_electricity_w_m2: metrics.peak_electricity,
-            peak_gas_w_m2: metrics.peak_gas,
-            daily_travel: metrics.daily_travel(),
             travel: metrics.travel.clone(),
             meter_relative_error: meter_relative_error(metrics, engine.meters),
             engine_warnings: engine.warnings,
             engine_severes: engine.severes,
             severe_messages: engine.severe_messages.clone(),
-            clamped_actions: metrics.clamped_actions,
             trajectory_hash: rollout.trajectory.hash(),
             cpu_s: rollout.total_cpu.as_secs_f64(),
             engine_cpu_s: rollout.env_cpu.as_secs_f64(),
@@ -204,7 +138,8 @@ impl Summary {
 
     /// Returns a line that identifies the episode.
     pub fn title(&self) -> String {
-        let Self { building, period, steps, task, info: RunInfo { place, controller, .. }, .. } = self;
+        let Self { building, period, task, info: RunInfo { place, controller, .. }, .. } = self;
+        let steps = self.metrics.steps;
         let minutes = 60 / self.steps_per_hour;
         format!(
             "{building} in {place}, {period}, task {task}, {controller} controller: {steps} steps of {minutes} min"
@@ -219,26 +154,30 @@ impl Summary {
 
     /// Returns how well the episode went: reward, comfort, energy and wear.
     fn outcome_metrics(&self) -> Vec<(&'static str, String)> {
-        let hours = self.steps as f64 / f64::from(self.steps_per_hour);
+        let metrics = &self.metrics;
+        let hours = metrics.steps as f64 / f64::from(self.steps_per_hour);
         let band = self.task_definition.comfort_band;
-        let [temperature, energy] = [self.temperature_penalty, self.energy_penalty].map(|p| 0.0 - p);
+        let [temperature, energy] = [metrics.temperature_penalty, metrics.energy_penalty].map(|p| 0.0 - p);
         vec![
             (
                 "return",
-                format!("{:.1}  (temperature {temperature:.1}, energy {energy:.1})", self.episode_return),
+                format!("{:.1}  (temperature {temperature:.1}, energy {energy:.1})", metrics.episode_return),
             ),
-            ("mean absolute deviation", format!("{:.2} K", self.mean_abs_deviation_k)),
-            ("RMS deviation", format!("{:.2} K", self.rms_deviation_k)),
-            ("outside comfort band", format!("{:.1} h of {hours:.0} h (±{band} K)", self.hours_outside_band)),
-            ("discomfort outside the band", format!("{:.1} K·h", self.discomfort_k_h)),
-            ("HVAC electricity", format!("{:.2} kWh/m²", self.electricity_wh_m2 / 1000.0)),
-            ("HVAC gas", format!("{:.2} kWh/m²", self.gas_wh_m2 / 1000.0)),
+            ("mean absolute deviation", format!("{:.2} K", metrics.mean_abs_deviation)),
+            ("RMS deviation", format!("{:.2} K", metrics.rms_deviation)),
+            (
+                "outside comfort band",
+                format!("{:.1} h of {hours:.0} h (±{band} K)", metrics.hours_outside_band),
+            ),
+            ("discomfort outside the band", format!("{:.1} K·h", metrics.discomfort)),
+            ("HVAC electricity", format!("{:.2} kWh/m²", metrics.electricity / 1000.0)),
+            ("HVAC gas", format!("{:.2} kWh/m²", metrics.gas / 1000.0)),
             (
                 "cost, emissions",
-                format!("{:.2} currency/m², {:.2} kg CO₂/m²", self.cost_m2, self.emissions_kg_m2),
+                format!("{:.2} currency/m², {:.2} kg CO₂/m²", metrics.cost, metrics.emissions),
             ),
-            ("peak electric demand", format!("{:.1} W/m²", self.peak_electricity_w_m2)),
-            ("actuator travel", format!("{:.1} full strokes/day", self.daily_travel)),
+            ("peak electric demand", format!("{:.1} W/m²", metrics.peak_electricity)),
+            ("actuator travel", format!("{:.1} full strokes/day", metrics.daily_travel)),
         ]
     }
 
@@ -246,7 +185,7 @@ impl Summary {
     fn run_diagnostics(&self) -> Vec<(&'static str, String)> {
         let other_cpu = self.cpu_s - self.engine_cpu_s;
         vec![
-            ("clamped action values", self.clamped_actions.to_string()),
+            ("clamped action values", self.metrics.clamped_actions.to_string()),
             ("engine messages", format!("{} warnings, {} severe", self.engine_warnings, self.engine_severes)),
             (
                 "energy mismatch vs. EnergyPlus meters",
@@ -308,10 +247,11 @@ fn zones(spaces: &Spaces, metrics: &Metrics) -> Vec<ZoneSummary> {
     metrics.zones.iter().map(zone).collect()
 }
 
-/// Returns the largest relative mismatch of a fuel. A fuel that the building does not use has none.
+/// Returns the largest relative mismatch of a fuel, NaN without the engine's meters. A fuel that the building does not use
+/// has none.
 fn meter_relative_error(metrics: &Metrics, meters: Option<[f64; 2]>) -> f64 {
     const TINY: f64 = 1e-9;
-    let ours = [metrics.electricity, metrics.gas];
-    let errors = ours.iter().zip(meters.unwrap_or([f64::NAN; 2]));
+    let Some(meters) = meters else { return f64::NAN };
+    let errors = [metrics.electricity, metrics.gas].into_iter().zip(meters);
     errors.map(|(ours, engine)| (ours - engine).abs() / engine.max(TINY)).fold(0.0, f64::max)
 }

@@ -18,6 +18,7 @@ use crate::{interrupt, shipped, stdout};
 /// compares scores, penalties, actuator travel and energy scales with the shipped values. Exits with code 1 if any
 /// differs by more than 1e-6 (relative).
 #[derive(clap::Args)]
+#[command(verbatim_doc_comment)]
 pub struct Arguments {
     #[command(flatten)]
     classes: Classes,

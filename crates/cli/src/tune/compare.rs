@@ -10,7 +10,7 @@ use b2b_env::{Metrics, Task};
 use serde::Serialize;
 
 use super::rollouts::{WEEKS, rollouts};
-use crate::arguments::buildings::Buildings;
+use crate::arguments::buildings::DatasetBuildings;
 use crate::arguments::task;
 use crate::progress::{Download, counter};
 use crate::table::Table;
@@ -21,9 +21,10 @@ use crate::{interrupt, stdout};
 /// Reports for every building the RMS deviation from the target temperature over the zones with heating and cooling,
 /// actuator travel in full strokes per day, and HVAC energy, under the default and the tuned parameters.
 #[derive(clap::Args)]
+#[command(verbatim_doc_comment)]
 pub struct Arguments {
     #[command(flatten)]
-    buildings: Buildings,
+    buildings: DatasetBuildings,
     /// Tasks (see `b2b run --help`)
     #[arg(long = "task", value_name = "TASK", num_args = 1.., default_values = ["constant", "occupancy"], value_parser = task::parse)]
     tasks: Vec<Task>,

@@ -31,7 +31,7 @@ pub struct Browser {
     answers: BufReader<File>,
     session: Option<String>,
     number: u64,
-    /// What went wrong in scripts.
+    /// Errors of scripts.
     pub errors: Vec<String>,
 }
 

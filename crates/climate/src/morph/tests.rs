@@ -2,8 +2,11 @@ use std::sync::LazyLock;
 
 use b2b_energyplus::install::{Cache, Quiet};
 
+use super::months::{DAYS, HOURS, mean, range, spread};
+use super::sky::suns;
+use super::year::column;
 use super::*;
-use crate::{Place, Site};
+use crate::{Place, Site, sun};
 
 /// Montréal's typical year, from the user's own cache.
 fn base() -> String {
@@ -32,7 +35,7 @@ fn close(a: f64, b: f64, tolerance: f64, what: &str) {
 }
 
 #[test]
-fn every_station_s_months_have_its_normals() {
+fn the_months_of_every_station_have_its_normals() {
     for (station, text) in MORPHED.iter() {
         assert_eq!(epw::check(text, Path::new(station.name)).unwrap(), HOURS);
         let hours = hours(text);
@@ -89,7 +92,7 @@ fn humidity_is_physical_and_sunlight_adds_up() {
 }
 
 #[test]
-fn a_year_morphed_to_itself_is_nearly_itself() {
+fn morphing_to_the_same_station_changes_little() {
     let base = base();
     let station = Station::find("CAN_PQ_Montreal.Intl.AP.716270_CWEC").unwrap();
     let (before, after) = (hours(&base), hours(&morph(&base, station).unwrap()));
@@ -115,7 +118,7 @@ fn a_year_morphed_to_itself_is_nearly_itself() {
 }
 
 #[test]
-fn the_header_tells_what_the_file_is() {
+fn the_header_says_that_the_file_is_morphed() {
     let base = base();
     let station = Station::find("CAN_QC_BAGOTVILLE-A_7060400_CWEC").unwrap();
     let text = morph(&base, station).unwrap();
@@ -141,7 +144,7 @@ fn a_station_without_design_conditions_gets_them_from_its_hours() {
 
 /// A change of this number is a change of [`MORPH_VERSION`], or a machine that computes otherwise.
 #[test]
-fn the_bytes_are_the_same_everywhere() {
+fn the_bytes_do_not_depend_on_the_machine() {
     let station = Station::find("CAN_QC_GASPE-A_7052601_CWEC").unwrap();
     let text = morph(&base(), station).unwrap();
     // FNV-1a.
@@ -152,7 +155,7 @@ fn the_bytes_are_the_same_everywhere() {
 }
 
 #[test]
-fn a_cut_base_is_refused() {
+fn a_truncated_base_is_rejected() {
     let base = base();
     let cut: String = base.split_inclusive('\n').take(5000).collect();
     let error = morph(&cut, &Station::all()[0]).unwrap_err();

@@ -86,13 +86,13 @@ struct Terminal {
 impl AirLoop {
     pub(super) fn new(
         air_loop: &hvac::AirLoop,
-        slots: impl Fn(&str) -> ZoneSlots,
+        zones: impl Iterator<Item = ZoneSlots>,
         outdoor: usize,
         hours: f64,
         parameters: &AirLoopParameters,
     ) -> Self {
-        let terminals = air_loop.terminals.iter().map(|terminal| Terminal {
-            slots: slots(&terminal.zone),
+        let terminals = air_loop.terminals.iter().zip(zones).map(|(terminal, slots)| Terminal {
+            slots,
             design_flow: terminal.design_flow,
             heating_opening: terminal.heating_opening,
             cooling: Pi::new(parameters.gains, [0.0, 1.0], hours, parameters.restart_jump),
@@ -108,11 +108,6 @@ impl AirLoop {
         }
     }
 
-    /// Number of actuators.
-    pub(super) fn width(&self) -> usize {
-        2 + 2 * self.terminals.len()
-    }
-
     pub(super) fn reset(&mut self) {
         self.reset = 0.0;
         for terminal in &mut self.terminals {
@@ -122,12 +117,11 @@ impl AirLoop {
     }
 
     pub(super) fn act(&mut self, observation: &[f64], action: &mut [f64]) {
-        let (central, boxes) = action.split_at_mut(2);
         let mut flow = 0.0;
         let mut heat = 0.0;
         let mut requests = 0.0;
         let rule = &self.parameters.trim_respond;
-        for (terminal, action) in self.terminals.iter_mut().zip(boxes.chunks_exact_mut(2)) {
+        for (index, terminal) in self.terminals.iter_mut().enumerate() {
             let (temperature, target) =
                 (observation[terminal.slots.temperature], terminal.slots.target.of(observation));
             let error = temperature - target;
@@ -135,15 +129,18 @@ impl AirLoop {
             requests += terminal.request.count(rule, demand, error);
             let min_opening = self.parameters.min_opening;
             let heating = (self.parameters.heating_gain * -error).clamp(0.0, terminal.heating_opening);
-            action[0] = min_opening + (1.0 - min_opening) * demand.max(heating);
-            action[1] = target - self.parameters.deadband;
-            flow += action[0] * terminal.design_flow;
-            heat += action[0] * terminal.design_flow * temperature;
+            let opening = min_opening + (1.0 - min_opening) * demand.max(heating);
+            action[hvac::AirLoop::damper(index)] = opening;
+            action[hvac::AirLoop::reheat(index)] = target - self.parameters.deadband;
+            flow += opening * terminal.design_flow;
+            heat += opening * terminal.design_flow * temperature;
         }
         let range = self.parameters.max_supply_temperature - self.parameters.min_supply_temperature;
         self.reset = rule.step(self.reset, requests, self.hours, range);
-        central[0] = self.parameters.max_supply_temperature - self.reset;
-        central[1] = self.outdoor_air(flow.min(self.fan_flow), heat / flow, observation, central[0]);
+        let supply = self.parameters.max_supply_temperature - self.reset;
+        action[hvac::AirLoop::SUPPLY_TEMPERATURE] = supply;
+        action[hvac::AirLoop::OUTDOOR_AIR] =
+            self.outdoor_air(flow.min(self.fan_flow), heat / flow, observation, supply);
     }
 
     /// Returns the outdoor air flow of the economizer, kg/s: the flow that mixes with return air (°C) to the supply air

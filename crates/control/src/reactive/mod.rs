@@ -8,23 +8,24 @@ mod trim_respond;
 mod unitary;
 mod zone;
 
-use b2b_building::hvac::System;
-use b2b_building::{Conditioning, PreparedBuilding};
-use b2b_env::{ObservationSpace, Target};
+use std::ops::Range;
+
+use b2b_building::PreparedBuilding;
+use b2b_building::hvac::{HeatingOnly, ServedZone, System, SystemLayout};
+use b2b_env::{Controller, ObservationSpace, Target};
 
 pub use air_loop::AirLoopParameters;
-pub use parameters::{Parameter, ReactiveParameters};
+pub use parameters::ReactiveParameters;
 pub use pi::Gains;
 pub use trim_respond::TrimRespond;
 pub use unitary::UnitaryParameters;
-
-use crate::Controller;
 use zone::ZoneSlots;
 
 /// The paper's reactive controllers, one per system of a building.
 #[derive(Clone, Debug)]
 pub struct Reactive {
-    systems: Vec<Loop>,
+    /// The controllers, each with the range of its system in the action.
+    systems: Vec<(Loop, Range<usize>)>,
 }
 
 /// The controller of one system.
@@ -45,30 +46,33 @@ impl Reactive {
         parameters: &ReactiveParameters,
     ) -> Self {
         let hours = 1.0 / f64::from(steps_per_hour);
-        let slots = |name: &str| {
-            // A system's zones are zones of its building: preparation took them from there.
-            let zone =
-                building.zones.iter().position(|z| z.name.eq_ignore_ascii_case(name)).unwrap_or_default();
-            let before = building.zones[..zone].iter().filter(|z| z.conditioning != Conditioning::None);
-            ZoneSlots { temperature: zone, target: space.target(before.count()) }
+        let slots = |zone: &ServedZone| ZoneSlots {
+            temperature: space.zone_temperatures().start + zone.index,
+            target: space.target(zone.controlled),
         };
         let outdoor = space.outdoor_temperature();
-        let control = |system: &System| match system {
-            System::Unitary(unit) => {
-                Loop::Unitary(unitary::Unitary::new(unit, slots(&unit.zone), hours, &parameters.unitary))
-            }
-            System::AirLoop(air_loop) => {
-                Loop::AirLoop(air_loop::AirLoop::new(air_loop, slots, outdoor, hours, &parameters.air_loop))
-            }
-            System::HeatingOnly(heater) => Loop::Heater(slots(&heater.zone).target),
+        let control = |(system, layout): (&System, &SystemLayout)| {
+            let zone = slots(&layout.zones[0]);
+            let control = match system {
+                System::Unitary(unit) => {
+                    Loop::Unitary(unitary::Unitary::new(unit, zone, hours, &parameters.unitary))
+                }
+                System::AirLoop(air_loop) => {
+                    let zones = layout.zones.iter().map(slots);
+                    let parameters = &parameters.air_loop;
+                    Loop::AirLoop(air_loop::AirLoop::new(air_loop, zones, outdoor, hours, parameters))
+                }
+                System::HeatingOnly(_) => Loop::Heater(zone.target),
+            };
+            (control, layout.actions.clone())
         };
-        Self { systems: building.systems.iter().map(control).collect() }
+        Self { systems: building.laid_out_systems().map(control).collect() }
     }
 }
 
 impl Controller for Reactive {
     fn reset(&mut self) {
-        for system in &mut self.systems {
+        for (system, _) in &mut self.systems {
             match system {
                 Loop::Unitary(unit) => unit.reset(),
                 Loop::AirLoop(air_loop) => air_loop.reset(),
@@ -77,20 +81,14 @@ impl Controller for Reactive {
         }
     }
 
-    fn act(&mut self, observation: &[f64], mut action: &mut [f64]) {
-        for system in &mut self.systems {
-            let width = match system {
-                Loop::Unitary(_) => 2,
-                Loop::AirLoop(air_loop) => air_loop.width(),
-                Loop::Heater(_) => 1,
-            };
-            let (own, rest) = action.split_at_mut(width);
+    fn act(&mut self, observation: &[f64], action: &mut [f64]) {
+        for (system, range) in &mut self.systems {
+            let action = &mut action[range.clone()];
             match system {
-                Loop::Unitary(unit) => unit.act(observation, own),
-                Loop::AirLoop(air_loop) => air_loop.act(observation, own),
-                Loop::Heater(target) => own[0] = target.of(observation),
+                Loop::Unitary(unit) => unit.act(observation, action),
+                Loop::AirLoop(air_loop) => air_loop.act(observation, action),
+                Loop::Heater(target) => action[HeatingOnly::SETPOINT] = target.of(observation),
             }
-            action = rest;
         }
     }
 }

@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use b2b_building::Parameter;
+use b2b_building::parameter::Field;
 use serde::{Deserialize, Serialize};
 
 use super::air_loop::AirLoopParameters;
@@ -19,29 +21,11 @@ pub struct ReactiveParameters {
     pub air_loop: AirLoopParameters,
 }
 
-/// A single parameter of [`ReactiveParameters`].
-#[derive(Clone, Copy, Debug)]
-pub struct Parameter {
-    /// Name: the JSON keys joined by dots.
-    pub name: &'static str,
-    /// Unit.
-    pub unit: &'static str,
-    /// Lower bound.
-    pub low: f64,
-    /// Upper bound.
-    pub high: f64,
-    place: fn(&mut ReactiveParameters) -> &mut f64,
-}
-
 macro_rules! parameter {
     ($($level:ident).+, $unit:literal, $low:literal, $high:literal) => {
-        Parameter {
-            name: concat_names!($($level).+),
-            unit: $unit,
-            low: $low,
-            high: $high,
-            place: |parameters| &mut parameters.$($level).+,
-        }
+        Field::new(Parameter::new(concat_names!($($level).+), $unit, $low, $high), |parameters| {
+            &mut parameters.$($level).+
+        })
     };
 }
 
@@ -49,9 +33,22 @@ macro_rules! concat_names {
     ($first:ident $(. $next:ident)*) => { concat!(stringify!($first) $(, ".", stringify!($next))*) };
 }
 
-impl Parameter {
-    /// All parameters.
-    pub const ALL: [Self; 30] = [
+/// Renamed fields, with the names that [`ReactiveParameters::fingerprint`] keeps.
+const RENAMED: [(&str, &str); 9] = [
+    ("min_flow: ", "least_flow: "),
+    ("min_opening: ", "least_opening: "),
+    ("min_outdoor_air: ", "least_outdoor_air: "),
+    ("max_requests: ", "most_requests: "),
+    ("hysteresis: ", "release: "),
+    ("ignored_requests: ", "ignored: "),
+    ("max_supply_temperature: ", "warmest_supply: "),
+    ("min_supply_temperature: ", "coldest_supply: "),
+    ("heating_gain: ", "heating_opening: "),
+];
+
+impl ReactiveParameters {
+    /// All parameters. A name is the JSON keys joined by dots.
+    pub const TABLE: [Field<Self>; 30] = [
         parameter!(unitary.gains.proportional, "1/K", 0.0, 10.0),
         parameter!(unitary.gains.integral, "1/(K h)", 0.0, 100.0),
         parameter!(unitary.deadband, "K", 0.0, 2.0),
@@ -85,35 +82,10 @@ impl Parameter {
     ];
 
     /// Returns the parameter with this name.
-    pub fn named(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|parameter| parameter.name == name)
+    pub fn parameter(name: &str) -> Option<Field<Self>> {
+        Self::TABLE.into_iter().find(|field| field.parameter.name == name)
     }
 
-    /// Returns the value of the parameter.
-    pub fn of(&self, parameters: &ReactiveParameters) -> f64 {
-        *(self.place)(&mut parameters.clone())
-    }
-
-    /// Sets the parameter without a bounds check.
-    pub fn set(&self, parameters: &mut ReactiveParameters, value: f64) {
-        *(self.place)(parameters) = value;
-    }
-}
-
-/// Renamed fields, with the names that [`ReactiveParameters::fingerprint`] keeps.
-const RENAMED: [(&str, &str); 9] = [
-    ("min_flow: ", "least_flow: "),
-    ("min_opening: ", "least_opening: "),
-    ("min_outdoor_air: ", "least_outdoor_air: "),
-    ("max_requests: ", "most_requests: "),
-    ("hysteresis: ", "release: "),
-    ("ignored_requests: ", "ignored: "),
-    ("max_supply_temperature: ", "warmest_supply: "),
-    ("min_supply_temperature: ", "coldest_supply: "),
-    ("heating_gain: ", "heating_opening: "),
-];
-
-impl ReactiveParameters {
     /// Returns a text that identifies the parameters. Results store hashes of it, so that it does not change when a field
     /// is renamed.
     pub fn fingerprint(&self) -> String {
@@ -139,19 +111,12 @@ impl ReactiveParameters {
     /// # Errors
     /// [`Error::Parameter`] for the first that is not.
     pub fn check(&self) -> Result<()> {
-        for parameter in Parameter::ALL {
-            within(parameter.name, parameter.unit, parameter.of(self), parameter.low, parameter.high)?;
-        }
+        Self::TABLE.iter().try_for_each(|field| field.check(self))?;
         let AirLoopParameters { min_supply_temperature, max_supply_temperature, .. } = self.air_loop;
-        within("air_loop.min_supply_temperature", "°C", min_supply_temperature, 5.0, max_supply_temperature)
+        let below_maximum =
+            Parameter::new("air_loop.min_supply_temperature", "°C", 5.0, max_supply_temperature);
+        Ok(below_maximum.check(min_supply_temperature)?)
     }
-}
-
-fn within(name: &'static str, unit: &'static str, value: f64, low: f64, high: f64) -> Result<()> {
-    if (low..=high).contains(&value) {
-        return Ok(());
-    }
-    Err(Error::Parameter { name, value, low, high, unit })
 }
 
 #[cfg(test)]
@@ -173,7 +138,8 @@ mod tests {
         let mut found = Vec::new();
         names(&serde_json::to_value(ReactiveParameters::default()).unwrap(), "", &mut found);
         found.sort();
-        let mut known: Vec<_> = Parameter::ALL.iter().map(|parameter| parameter.name.to_owned()).collect();
+        let mut known: Vec<_> =
+            ReactiveParameters::TABLE.iter().map(|field| field.parameter.name.to_owned()).collect();
         known.sort();
         assert_eq!(found, known);
         ReactiveParameters::default().check().unwrap();
@@ -196,10 +162,11 @@ mod tests {
 
     #[test]
     fn a_value_out_of_bounds_is_refused_with_name_value_and_bounds() {
-        for parameter in Parameter::ALL {
+        for field in ReactiveParameters::TABLE {
+            let parameter = field.parameter;
             for value in [parameter.low - 0.1, parameter.high + 0.1, f64::NAN] {
                 let mut parameters = ReactiveParameters::default();
-                parameter.set(&mut parameters, value);
+                field.set(&mut parameters, value);
                 let said = parameters.check().unwrap_err().to_string();
                 let words = [parameter.name.to_owned(), value.to_string(), parameter.high.to_string()];
                 assert!(words.iter().all(|word| said.contains(word)), "{said}");

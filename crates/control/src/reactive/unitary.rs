@@ -124,8 +124,9 @@ impl Unitary {
         let split = parameters.temperature_share;
         let by_temperature = (demand.abs() / split).min(1.0);
         let by_flow = ((demand.abs() - split) / (1.0 - split)).max(0.0);
-        action[0] = self.flow * (parameters.min_flow + (1.0 - parameters.min_flow) * by_flow);
-        action[1] = (target + offset * by_temperature).clamp(low, high);
+        action[hvac::Unitary::FLOW] =
+            self.flow * (parameters.min_flow + (1.0 - parameters.min_flow) * by_flow);
+        action[hvac::Unitary::SUPPLY_TEMPERATURE] = (target + offset * by_temperature).clamp(low, high);
     }
 
     /// Returns the demand, from −1 for full cooling to 1 for full heating. Within the deadband the current mode ends and the

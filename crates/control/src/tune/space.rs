@@ -1,8 +1,9 @@
 //! The search space of a class of buildings: some parameters of its controllers, each with a range.
 
+use b2b_building::parameter::Field;
 use b2b_building::{BuildingType, Class};
 
-use crate::{Parameter, ReactiveParameters};
+use crate::ReactiveParameters;
 
 /// A searched parameter.
 #[derive(Clone, Copy, Debug)]
@@ -81,8 +82,8 @@ impl Axis {
         self.parameter().of(parameters)
     }
 
-    fn parameter(&self) -> Parameter {
-        Parameter::named(self.name).expect("a test checks that every axis is a parameter")
+    fn parameter(&self) -> Field<ReactiveParameters> {
+        ReactiveParameters::parameter(self.name).expect("a test checks that every axis is a parameter")
     }
 }
 

@@ -36,7 +36,7 @@ mod recovery;
 mod relocate;
 mod windows;
 
-pub use parameters::{Bound, CommercialParameters, bounds};
+pub use parameters::{CommercialParameters, bounds};
 pub use prescriptive::Prescriptive;
 
 use b2b_building::{BuildingType, Model};

@@ -1,6 +1,6 @@
 //! The parameters of a commercial building, and what they may be.
 
-use b2b_building::BuildingType;
+use b2b_building::{BuildingType, Parameter};
 use serde::{Deserialize, Serialize};
 
 use super::Prescriptive;
@@ -28,17 +28,6 @@ pub struct CommercialParameters {
     pub north_axis: f64,
 }
 
-/// What one parameter may be.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Bound {
-    /// Name of the field of [`CommercialParameters`].
-    pub name: &'static str,
-    /// Lowest value.
-    pub low: f64,
-    /// Highest value.
-    pub high: f64,
-}
-
 /// Window-to-wall ratios of the stock prototypes.
 const WINDOW_TO_WALL: [(BuildingType, f64); 5] = [
     (BuildingType::OfficeSmall, 0.2120),
@@ -50,29 +39,27 @@ const WINDOW_TO_WALL: [(BuildingType, f64); 5] = [
 /// Window-to-wall ratio as a share of the prototype's.
 const WINDOW_SHARE: (f64, f64) = (0.5, 1.5);
 /// Highest window-to-wall ratio of the prescriptive path (ASHRAE 90.1, 5.5.4.2.1).
-const MOST_WINDOW: f64 = 0.40;
+const MAX_WINDOW_TO_WALL: f64 = 0.40;
 
 /// What the parameters of a type may be in a climate zone, such as `5B`; in the order of the fields of
 /// [`CommercialParameters`]. Ranges of the paper's appendix on dataset generation.
 ///
 /// # Errors
 /// [`Error::ClimateZone`] for a zone that is none of 1 to 8; [`Error::NotCommercial`] for a house.
-pub fn bounds(building_type: BuildingType, ashrae_zone: &str) -> Result<[Bound; 8]> {
+pub fn bounds(building_type: BuildingType, ashrae_zone: &str) -> Result<[Parameter; 8]> {
     let code = Prescriptive::of(ashrae_zone)?;
     let windows = prototype_window_to_wall(building_type)?;
-    let ranges = [
-        (0.5, code.envelope),
-        (0.8 * code.window_u, 1.3 * code.window_u),
-        (0.15, (code.window_shgc + 0.10).clamp(0.10, 0.80)),
-        (WINDOW_SHARE.0 * windows, (WINDOW_SHARE.1 * windows).min(MOST_WINDOW)),
-        (0.5, code.infiltration),
-        (0.7, 1.5),
-        (0.7, 1.5),
-        (0.0, 360.0),
-    ];
-    let bound =
-        |index: usize| Bound { name: Bound::NAMES[index], low: ranges[index].0, high: ranges[index].1 };
-    Ok(std::array::from_fn(bound))
+    let window_to_wall = [WINDOW_SHARE.0 * windows, (WINDOW_SHARE.1 * windows).min(MAX_WINDOW_TO_WALL)];
+    Ok([
+        Parameter::new("envelope", "1", 0.5, code.envelope),
+        Parameter::new("window_u", "W/m²K", 0.8 * code.window_u, 1.3 * code.window_u),
+        Parameter::new("window_shgc", "1", 0.15, (code.window_shgc + 0.10).clamp(0.10, 0.80)),
+        Parameter::new("window_to_wall", "1", window_to_wall[0], window_to_wall[1]),
+        Parameter::new("infiltration", "1", 0.5, code.infiltration),
+        Parameter::new("x_scale", "1", 0.7, 1.5),
+        Parameter::new("y_scale", "1", 0.7, 1.5),
+        Parameter::new("north_axis", "°", 0.0, 360.0),
+    ])
 }
 
 fn prototype_window_to_wall(building_type: BuildingType) -> Result<f64> {
@@ -80,8 +67,8 @@ fn prototype_window_to_wall(building_type: BuildingType) -> Result<f64> {
     found.map(|(_, ratio)| ratio).ok_or(Error::NotCommercial { building_type })
 }
 
-impl Bound {
-    /// Names of the parameters of the commercial types, in order.
+impl CommercialParameters {
+    /// Names of the parameters, in the order of the fields.
     pub const NAMES: [&str; 8] = [
         "envelope",
         "window_u",
@@ -93,24 +80,6 @@ impl Bound {
         "north_axis",
     ];
 
-    /// The value at a share of the way from the lowest (0) to the highest (1).
-    fn at(&self, share: f64) -> f64 {
-        (self.low + share * (self.high - self.low)).clamp(self.low, self.high)
-    }
-
-    /// Whether a value is a number within it.
-    ///
-    /// # Errors
-    /// [`Error::Parameter`] when it is not.
-    pub fn check(&self, value: f64) -> Result<()> {
-        if (self.low..=self.high).contains(&value) {
-            return Ok(());
-        }
-        Err(Error::Parameter { name: self.name, value, low: self.low, high: self.high })
-    }
-}
-
-impl CommercialParameters {
     /// The parameters at a point of the unit cube, whose axes are in the order of the fields.
     ///
     /// # Errors
@@ -119,7 +88,7 @@ impl CommercialParameters {
         let bounds = bounds(building_type, ashrae_zone)?;
         let mut values = [0.0; 8];
         for ((value, share), bound) in values.iter_mut().zip(unit).zip(&bounds) {
-            Bound { name: bound.name, low: 0.0, high: 1.0 }.check(share)?;
+            Parameter::new(bound.name, "1", 0.0, 1.0).check(share)?;
             *value = bound.at(share);
         }
         Ok(Self::from_values(values))
@@ -172,7 +141,7 @@ impl CommercialParameters {
     /// As [`bounds`]; [`Error::Parameter`] naming the first parameter that is not.
     pub fn check(&self, building_type: BuildingType, ashrae_zone: &str) -> Result<()> {
         let bounds = bounds(building_type, ashrae_zone)?;
-        bounds.iter().zip(self.values()).try_for_each(|(bound, value)| bound.check(value))
+        Ok(bounds.iter().zip(self.values()).try_for_each(|(bound, value)| bound.check(value))?)
     }
 }
 
@@ -193,6 +162,11 @@ mod tests {
                 assert_eq!(corner.values(), expected);
             }
         }
+    }
+
+    #[test]
+    fn bounds_are_named_in_the_order_of_the_fields() {
+        assert_eq!(bounds(TYPE, "5B").unwrap().map(|bound| bound.name), CommercialParameters::NAMES);
     }
 
     #[test]

@@ -1,9 +1,10 @@
 //! How much of the walls is window.
 
-use b2b_building::Model;
 use b2b_building::model::text;
 use b2b_building::opening::{FENESTRATION, corners, is_glass, parent};
+use b2b_building::parameter::OutOfBounds;
 use b2b_building::zone::{self, Surface};
+use b2b_building::{Model, Parameter};
 use serde_json::json;
 
 use crate::{Error, Result};
@@ -33,12 +34,8 @@ pub(super) fn resize(model: &mut Model, ratio: f64) -> Result<()> {
     let walls: f64 = surfaces.iter().filter(|s| s.is_exterior_wall()).map(Surface::area).sum();
     let (windows, doors) = glass_in_walls(model, &surfaces);
     let most: f64 = windows.iter().map(|w| w.width * w.greatest).sum();
-    let refused = || Error::Parameter {
-        name: "window_to_wall",
-        value: ratio,
-        low: doors / walls,
-        high: (most + doors) / walls,
-    };
+    let reachable = Parameter::new("window_to_wall", "1", doors / walls, (most + doors) / walls);
+    let refused = || Error::Parameter(OutOfBounds { parameter: reachable, value: ratio });
     let factor = height_factor(&windows, ratio * walls - doors).ok_or_else(refused)?;
     for window in &windows {
         set_height(model, &surfaces, window, (window.height * factor).min(window.greatest));

@@ -7,10 +7,14 @@
 use b2b_building::Model;
 use serde_json::json;
 
-use super::{Capacities, Heating, House, LIVING, coils, schedules};
+use super::capacities::Capacities;
+use super::parameters::{Heating, House};
+use super::schedules;
+use super::zones::LIVING;
 
 const LOOP: &str = "Air Loop";
 pub(super) const UNIT: &str = "Air Handler";
+pub(super) const COOLING_COIL: &str = "Cooling Coil";
 const FAN: &str = "Supply Fan";
 const TERMINAL: &str = "Living Terminal";
 const DISTRIBUTION: &str = "Living Air Distribution";
@@ -94,7 +98,7 @@ fn unit(model: &mut Model, capacities: &Capacities) {
         "supply_fan_name": FAN,
         "fan_placement": "BlowThrough",
         "cooling_coil_object_type": "Coil:Cooling:DX:TwoSpeed",
-        "cooling_coil_name": coils::COOLING,
+        "cooling_coil_name": COOLING_COIL,
         "maximum_supply_air_temperature": 80.0,
         // Whatever the outdoor temperature: the supply temperature is the agent's, and so is the cost of it.
         "maximum_outdoor_dry_bulb_temperature_for_supplemental_heater_operation": 21.0,

@@ -5,9 +5,11 @@
 
 use b2b_building::Model;
 
-use super::envelope::{CONCRETE, FILM_WALL, Faces, GYPSUM, SHEATHING, construction, insulation, surface};
-use super::geometry::Side;
-use super::{CRAWLSPACE, Foundation, GARAGE, Geometry, House, LIVING};
+use super::construction::{CONCRETE, FILM_WALL, GYPSUM, SHEATHING, construction, insulation};
+use super::geometry::{Geometry, Side};
+use super::parameters::{Foundation, House};
+use super::surface::{Faces, surface};
+use super::zones::{CRAWLSPACE, GARAGE, LIVING};
 
 /// Film of each side of a floor, m²K/W (ASHRAE Fundamentals, still air, downward flow).
 pub(super) const FILM_FLOOR: f64 = 0.16;

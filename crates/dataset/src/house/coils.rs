@@ -5,10 +5,11 @@
 use b2b_building::Model;
 use serde_json::{Value, json};
 
-use super::air_loop::{COOLING_OUTLET, FAN_OUTLET, HEATING_OUTLET, UNIT, UNIT_OUTLET};
-use super::{Capacities, Heater, Heating, House, loads, schedules};
+use super::air_loop::{COOLING_COIL, COOLING_OUTLET, FAN_OUTLET, HEATING_OUTLET, UNIT, UNIT_OUTLET};
+use super::capacities::Capacities;
+use super::parameters::{Heater, Heating, House};
+use super::{loads, schedules};
 
-pub(super) const COOLING: &str = "Cooling Coil";
 const HEATING: &str = "Heating Coil";
 const BACKUP: &str = "Backup Heater";
 const FURNACE: &str = "Furnace";
@@ -71,7 +72,7 @@ fn cooling(model: &mut Model, house: &House, capacities: &Capacities) {
         "part_load_fraction_correlation_curve_name": "Cycling Loss",
         "minimum_outdoor_dry_bulb_temperature_for_compressor_operation": COOLING_LOCKOUT,
     });
-    model.insert("Coil:Cooling:DX:TwoSpeed", COOLING, coil);
+    model.insert("Coil:Cooling:DX:TwoSpeed", COOLING_COIL, coil);
 }
 
 fn heat_pump(model: &mut Model, capacities: &Capacities, cop: f64, cutoff: f64) {

@@ -1,52 +1,19 @@
-//! Materials, constructions and surfaces above the ground.
-//!
-//! An effective resistance includes films, as NBC 9.36 counts it. Layers that have mass are written as they are;
-//! one layer without mass makes up the rest.
+//! The envelope above the ground.
 
 use b2b_building::Model;
-use serde_json::{Value, json};
+use serde_json::json;
 
-use super::geometry::{Point, Side};
-use super::{ATTIC, Foundation, Geometry, House, LIVING, ground};
+use super::construction::{
+    CONCRETE, FILM_CEILING, FILM_OUTSIDE, FILM_WALL, GYPSUM, SHEATHING, SHINGLES, SIDING, construction,
+    insulation,
+};
+use super::geometry::{Geometry, Side};
+use super::parameters::{Foundation, House};
+use super::surface::{Faces, surface};
+use super::zones::{ATTIC, LIVING};
 
-/// Film of a wall's outside, m²K/W (ASHRAE Fundamentals, winter wind).
-pub(super) const FILM_OUTSIDE: f64 = 0.03;
-/// Film of a wall's inside, m²K/W (ASHRAE Fundamentals, still air, horizontal flow).
-pub(super) const FILM_WALL: f64 = 0.12;
-/// Film of each side of the attic floor, m²K/W (ASHRAE Fundamentals, still air, upward flow).
-pub(super) const FILM_CEILING: f64 = 0.11;
-/// Least resistance of a layer that EnergyPlus accepts without mass, m²K/W.
-const LEAST_RESISTANCE: f64 = 0.01;
 /// Area of partitions per heated floor area (engineering judgement).
 const PARTITIONS: f64 = 1.0;
-
-/// A layer with mass: name, thickness m, conductivity W/m·K, density kg/m³, specific heat J/kg·K, roughness, solar
-/// absorptance. Properties: ASHRAE Fundamentals, chapter 26.
-pub(super) struct Layer(&'static str, f64, f64, f64, f64, &'static str, f64);
-
-const SIDING: Layer = Layer("Siding", 0.0127, 0.094, 540.0, 1210.0, "MediumSmooth", 0.6);
-pub(super) const SHEATHING: Layer = Layer("Sheathing", 0.0127, 0.12, 540.0, 1210.0, "MediumSmooth", 0.7);
-const SHINGLES: Layer = Layer("Shingles", 0.006, 0.081, 1120.0, 1260.0, "VeryRough", 0.9);
-pub(super) const GYPSUM: Layer = Layer("Gypsum", 0.0127, 0.16, 800.0, 1090.0, "Smooth", 0.5);
-pub(super) const CONCRETE: Layer = Layer("Concrete", 0.2, 1.73, 2240.0, 900.0, "Rough", 0.65);
-
-impl Layer {
-    pub(super) fn resistance(&self) -> f64 {
-        self.1 / self.2
-    }
-
-    pub(super) fn add(&self, model: &mut Model) {
-        let material = json!({
-            "thickness": self.1,
-            "conductivity": self.2,
-            "density": self.3,
-            "specific_heat": self.4,
-            "roughness": self.5,
-            "solar_absorptance": self.6,
-        });
-        model.insert("Material", self.0, material);
-    }
-}
 
 pub(super) fn add(model: &mut Model, house: &House, geometry: &Geometry) {
     for layer in [SIDING, SHEATHING, SHINGLES, GYPSUM] {
@@ -168,67 +135,4 @@ fn partitions(model: &mut Model, house: &House) {
 
 fn wall_name(side: Side) -> String {
     format!("Living {} Wall", side.name())
-}
-
-pub(super) fn insulation(model: &mut Model, name: &str, resistance: f64) {
-    let material = json!({
-        "roughness": "MediumRough",
-        "thermal_resistance": resistance.max(LEAST_RESISTANCE),
-    });
-    model.insert("Material:NoMass", name, material);
-}
-
-/// A construction, its layers from outside to inside.
-pub(super) fn construction(model: &mut Model, name: &str, layers: &[&str]) {
-    let mut fields = json!({"outside_layer": layers[0]});
-    for (index, layer) in layers.iter().enumerate().skip(1) {
-        fields[format!("layer_{}", index + 1)] = json!(layer);
-    }
-    model.insert("Construction", name, fields);
-}
-
-/// What is on the other side of a surface.
-pub(super) enum Faces<'a> {
-    /// Sun and wind.
-    Outdoors,
-    /// Soil.
-    Ground,
-    /// A surface of another zone.
-    Surface(&'a str),
-}
-
-pub(super) fn surface(
-    model: &mut Model,
-    name: &str,
-    zone: &str,
-    kind: &str,
-    construction: &str,
-    faces: Faces,
-    vertices: &[Point],
-) {
-    let (condition, other, sun, wind) = match faces {
-        Faces::Outdoors => ("Outdoors", "", "SunExposed", "WindExposed"),
-        Faces::Ground => (ground::CONDITION, "", "NoSun", "NoWind"),
-        Faces::Surface(other) => ("Surface", other, "NoSun", "NoWind"),
-    };
-    let vertices: Vec<Value> = vertices
-        .iter()
-        .map(
-            |[x, y, z]| json!({"vertex_x_coordinate": x, "vertex_y_coordinate": y, "vertex_z_coordinate": z}),
-        )
-        .collect();
-    let mut fields = json!({
-        "surface_type": kind,
-        "construction_name": construction,
-        "zone_name": zone,
-        "outside_boundary_condition": condition,
-        "sun_exposure": sun,
-        "wind_exposure": wind,
-        "number_of_vertices": vertices.len(),
-        "vertices": vertices,
-    });
-    if !other.is_empty() {
-        fields["outside_boundary_condition_object"] = json!(other);
-    }
-    model.insert("BuildingSurface:Detailed", name, fields);
 }

@@ -3,7 +3,9 @@
 use b2b_building::Model;
 use serde_json::json;
 
-use super::{House, LIVING, schedules};
+use super::parameters::House;
+use super::schedules;
+use super::zones::LIVING;
 
 /// Heat of a seated adult, W (ASHRAE Fundamentals: seated, light activity).
 const ACTIVITY: f64 = 120.0;

@@ -3,7 +3,7 @@
 //! x runs east, y north, z up, from the south-west corner at grade. Every polygon is counter-clockwise seen from
 //! outside its zone and starts at its upper left corner.
 
-use super::{Foundation, House};
+use super::parameters::{Foundation, House};
 
 /// Floor to ceiling of every level, m (median of the stock survey).
 const STOREY_HEIGHT: f64 = 2.44;

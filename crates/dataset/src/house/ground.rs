@@ -7,13 +7,12 @@ use b2b_building::Model;
 use b2b_climate::Site;
 use serde_json::json;
 
-use super::envelope::{FILM_WALL, Faces, surface};
-use super::geometry::Side;
-use super::{CRAWLSPACE, Foundation, GARAGE, Geometry, House, LIVING};
+use super::construction::FILM_WALL;
+use super::geometry::{Geometry, Side};
+use super::parameters::{Foundation, House};
+use super::surface::{Faces, surface};
+use super::zones::{CRAWLSPACE, GARAGE, LIVING};
 use crate::ground_temperatures;
-
-/// The boundary condition of surfaces that meet the soil.
-pub(super) const CONDITION: &str = "GroundFCfactorMethod";
 
 /// Wall of a crawlspace without insulation: 0.2 m of concrete, W/m²K.
 const BARE_WALL_C: f64 = 8.65;

@@ -6,7 +6,10 @@
 use b2b_building::Model;
 use serde_json::json;
 
-use super::{ATTIC, CRAWLSPACE, GARAGE, Geometry, House, LIVING, schedules};
+use super::geometry::Geometry;
+use super::parameters::House;
+use super::schedules;
+use super::zones::{ATTIC, CRAWLSPACE, GARAGE, LIVING};
 
 /// Pressure exponent of a house's leakage (CAN/CGSB-149.10 tests find 0.6 to 0.7).
 const EXPONENT: f64 = 0.65;

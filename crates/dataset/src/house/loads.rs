@@ -4,8 +4,10 @@
 
 use b2b_climate::{DesignDay, Site};
 
-use super::geometry::Side;
-use super::{Foundation, Geometry, House, gains, ground, infiltration};
+use super::capacities::Capacities;
+use super::geometry::{Geometry, Side};
+use super::parameters::{Foundation, House};
+use super::{gains, ground, infiltration};
 
 /// Room temperature of the calculation, °C: winter and summer.
 const INDOOR: [f64; 2] = [21.0, 24.0];
@@ -26,19 +28,6 @@ pub(super) const SENSIBLE: f64 = 0.75;
 const SUPPLY_RISE: f64 = 24.0;
 /// Design flow per cooling capacity, m³/s per W (AHRI practice: 400 cfm per ton).
 const FLOW_PER_CAPACITY: f64 = 5.37e-5;
-
-/// Sizes of a house's equipment.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Capacities {
-    /// Design air flow of fan and terminal, m³/s.
-    pub flow: f64,
-    /// Gross total cooling at rated conditions, W.
-    pub cooling: f64,
-    /// Gross heating of the heat pump at 8.3 °C outdoors, W.
-    pub heating: f64,
-    /// Heat of the furnace or of the backup heater, W.
-    pub backup: f64,
-}
 
 impl Capacities {
     /// What holds 21 °C on the cold design day with furnace or backup alone and 24 °C on the hot one, with the

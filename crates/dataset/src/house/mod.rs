@@ -26,41 +26,36 @@
 //! baseboards and has no air system to control.
 
 mod air_loop;
+mod bounds;
 mod buffers;
+mod capacities;
 mod coils;
+mod construction;
 mod envelope;
 mod gains;
 mod geometry;
 mod ground;
 mod infiltration;
 mod loads;
-mod numbers;
 mod parameters;
 mod sample;
 mod schedules;
 mod simulation;
 mod stock;
+mod surface;
 mod zones;
 
+pub use bounds::{NUMBERS, Number};
+pub use capacities::Capacities;
 pub use geometry::Geometry;
-pub use loads::Capacities;
-pub use numbers::{NUMBERS, Number};
 pub use parameters::{Foundation, Heater, Heating, House};
 pub use sample::{DIMENSIONS, Given, HouseSample, Vintage};
+pub use zones::{ATTIC, CRAWLSPACE, GARAGE, LIVING};
 
 use b2b_building::Model;
 use b2b_climate::Site;
 
 use crate::Result;
-
-/// The heated zone.
-pub const LIVING: &str = "Living";
-/// The vented zone under the roof.
-pub const ATTIC: &str = "Attic";
-/// The vented zone under the floor of a house on a crawlspace.
-pub const CRAWLSPACE: &str = "Crawlspace";
-/// The zone of an unheated garage.
-pub const GARAGE: &str = "Garage";
 
 /// The model of a house at a place, hard-sized and ready to run.
 ///

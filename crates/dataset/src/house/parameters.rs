@@ -1,7 +1,6 @@
 //! The parameters of a house.
 
-use super::Capacities;
-use crate::{Error, Result};
+use super::capacities::Capacities;
 
 /// One Btu-based R (h·ft²·°F/Btu) in m²K/W.
 pub(super) const IMPERIAL_R: f64 = 0.1761;
@@ -169,57 +168,5 @@ impl House {
     /// Ventilation that the house has to heat, L/s.
     pub fn unrecovered_ventilation(&self) -> f64 {
         self.ventilation * (1.0 - self.heat_recovery)
-    }
-
-    /// Checks that every parameter is finite and within what the models of its parts hold for.
-    ///
-    /// # Errors
-    /// [`Error::Parameter`] naming the first that is not.
-    pub fn check(&self) -> Result<()> {
-        for (name, value, [low, high]) in self.bounded() {
-            // A comparison with NaN is false.
-            if !(low <= value && value <= high) {
-                return Err(Error::Parameter { name, value, low, high });
-            }
-        }
-        Ok(())
-    }
-
-    /// Every parameter that is a number, with its bounds.
-    pub(super) fn bounded(&self) -> Vec<(&'static str, f64, [f64; 2])> {
-        let mut bounded = vec![
-            ("floor_area (m²)", self.floor_area, [40.0, 1000.0]),
-            ("storeys", f64::from(self.storeys), [1.0, 2.0]),
-            ("aspect", self.aspect, [1.0, 4.0]),
-            ("orientation (°)", self.orientation, [0.0, 360.0]),
-            ("wall_resistance (m²K/W)", self.wall_resistance, [0.6, 15.0]),
-            ("attic_resistance (m²K/W)", self.attic_resistance, [0.6, 20.0]),
-            ("foundation_resistance (m²K/W)", self.foundation_resistance, [0.6, 10.0]),
-            ("air_changes_50 (1/h)", self.air_changes_50, [0.1, 40.0]),
-            ("window_to_wall", self.window_to_wall, [0.01, 0.6]),
-            ("window_u (W/m²K)", self.window_u, [0.5, 7.0]),
-            ("window_shgc", self.window_shgc, [0.05, 0.9]),
-            ("occupants", self.occupants, [0.0, 12.0]),
-            ("appliance_use", self.appliance_use, [0.0, 5.0]),
-            ("ventilation (L/s)", self.ventilation, [0.0, 200.0]),
-            ("heat_recovery", self.heat_recovery, [0.0, 0.95]),
-            ("cooling_cop", self.cooling_cop, [1.5, 8.0]),
-            ("heating_oversizing", self.heating_oversizing, [1.0, 3.0]),
-            ("cooling_oversizing", self.cooling_oversizing, [0.5, 3.0]),
-        ];
-        if let Heating::HeatPump { cop, cutoff, .. } = self.heating {
-            bounded.push(("heating cop", cop, [1.5, 8.0]));
-            bounded.push(("heating cutoff (°C)", cutoff, [-30.0, 10.0]));
-        }
-        if let Heater::Fuel { efficiency } = self.heating.heater() {
-            bounded.push(("heater efficiency", efficiency, [0.5, 1.0]));
-        }
-        if let Some(sizes) = self.capacities {
-            bounded.push(("capacities flow (m³/s)", sizes.flow, [0.02, 5.0]));
-            bounded.push(("capacities cooling (W)", sizes.cooling, [500.0, 1e5]));
-            bounded.push(("capacities heating (W)", sizes.heating, [500.0, 1e5]));
-            bounded.push(("capacities backup (W)", sizes.backup, [500.0, 1e5]));
-        }
-        bounded
     }
 }

@@ -4,7 +4,7 @@ use b2b_building::Model;
 use b2b_climate::Site;
 use serde_json::json;
 
-use super::House;
+use super::parameters::House;
 
 /// Zone time steps per hour.
 const STEPS_PER_HOUR: u32 = 12;

@@ -143,17 +143,17 @@ fn windows_cover_their_share_of_the_walls() {
 fn assembly_u_values_match_the_effective_r() {
     for parameters in houses() {
         let model = house(&parameters, &site());
-        let films = envelope::FILM_OUTSIDE + envelope::FILM_WALL;
+        let films = construction::FILM_OUTSIDE + construction::FILM_WALL;
         close(resistance(&model, "Wall") + films, parameters.effective_wall_resistance());
         if parameters.garage {
-            let films = 2.0 * envelope::FILM_WALL;
+            let films = 2.0 * construction::FILM_WALL;
             close(resistance(&model, "Wall to Garage") + films, parameters.effective_wall_resistance());
         }
         if parameters.foundation == Foundation::Crawlspace {
             let floor = resistance(&model, "Floor") + 2.0 * buffers::FILM_FLOOR;
             close(floor, parameters.effective_foundation_resistance());
         }
-        let ceiling = resistance(&model, "Ceiling") + 2.0 * envelope::FILM_CEILING;
+        let ceiling = resistance(&model, "Ceiling") + 2.0 * construction::FILM_CEILING;
         close(ceiling, parameters.effective_attic_resistance());
         close(resistance(&model, "Ceiling"), resistance(&model, "Attic Floor"));
         if parameters.foundation == Foundation::Basement {
@@ -161,7 +161,7 @@ fn assembly_u_values_match_the_effective_r() {
             close(resistance(&model, "Foundation Wall") + films, foundation);
             let class = "Construction:CfactorUndergroundWall";
             let wall = model.require(class, "Basement Wall").unwrap();
-            close(1.0 / number(wall, "c_factor").unwrap() + envelope::FILM_WALL, foundation);
+            close(1.0 / number(wall, "c_factor").unwrap() + construction::FILM_WALL, foundation);
         }
         let glazing = model.require("WindowMaterial:SimpleGlazingSystem", "Glazing").unwrap();
         assert_eq!(number(glazing, "u_factor"), Some(parameters.window_u));
@@ -311,7 +311,7 @@ fn the_coils_are_those_asked_for() {
 fn a_parameter_out_of_bounds_is_named_with_its_value_and_bounds() {
     let refused = |house: House| super::house(&house, &site()).unwrap_err().to_string();
     let why = refused(House { floor_area: 5.0, ..House::default() });
-    assert_eq!(why, "`floor_area (m²)` is 5, and must be a number from 40 to 1000");
+    assert_eq!(why, "parameter `floor_area` is 5; expected a number from 40 to 1000 m²");
     for house in [
         House { window_u: f64::NAN, ..House::default() },
         House { storeys: 3, ..House::default() },
@@ -319,6 +319,6 @@ fn a_parameter_out_of_bounds_is_named_with_its_value_and_bounds() {
         House { heating: Heating::Furnace(Heater::Fuel { efficiency: 1.2 }), ..House::default() },
         House { heat_recovery: -0.1, ..House::default() },
     ] {
-        assert!(refused(house).contains("must be a number from"));
+        assert!(refused(house).contains("expected a number from"));
     }
 }

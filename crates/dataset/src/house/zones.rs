@@ -3,7 +3,16 @@
 use b2b_building::Model;
 use serde_json::json;
 
-use super::{ATTIC, CRAWLSPACE, GARAGE, Geometry, LIVING};
+use super::geometry::Geometry;
+
+/// The heated zone.
+pub const LIVING: &str = "Living";
+/// The vented zone under the roof.
+pub const ATTIC: &str = "Attic";
+/// The vented zone under the floor of a house on a crawlspace.
+pub const CRAWLSPACE: &str = "Crawlspace";
+/// The zone of an unheated garage.
+pub const GARAGE: &str = "Garage";
 
 /// Heat capacity of the heated zone's air with its furnishings, over that of its air alone. Without it full power
 /// moves the air by 1 K in one step (measured); simulation practice for houses is 3 to 15 (engineering judgement).

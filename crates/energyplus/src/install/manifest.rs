@@ -1,4 +1,4 @@
-//! What was unpacked from a wheel, written beside the files so that they can be checked later.
+//! Manifest of the files unpacked from a wheel, stored with them for verification.
 
 use std::fs::File;
 use std::io::{Read, Write};
@@ -9,13 +9,14 @@ use base64::prelude::BASE64_URL_SAFE_NO_PAD as URL_SAFE_NO_PAD;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use super::error::at;
-use super::{Package, Result, Wheel};
+use super::error::{Result, at};
+use super::pinned::{Package, Wheel};
+use crate::digest::hex;
 
-/// The manifest's name in the package's folder.
+/// File name of the manifest in the folder of the package.
 const FILE_NAME: &str = "manifest.json";
 
-/// What was unpacked from which wheel.
+/// Files unpacked from a wheel.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct Manifest {
     /// Package name.
@@ -24,20 +25,20 @@ pub struct Manifest {
     pub version: String,
     /// SHA-256 of the wheel.
     pub wheel_sha256: String,
-    /// The patterns the files were chosen by.
+    /// Patterns of the wanted files.
     pub keep: Vec<String>,
-    /// The unpacked files.
+    /// Unpacked files.
     pub files: Vec<UnpackedFile>,
 }
 
-/// One unpacked file.
+/// An unpacked file.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct UnpackedFile {
-    /// Path in the package's folder, with forward slashes.
+    /// Path in the folder of the package, with forward slashes.
     pub path: String,
     /// Size in bytes.
     pub bytes: u64,
-    /// SHA-256, as hexadecimal digits.
+    /// SHA-256, hexadecimal.
     pub sha256: String,
 }
 
@@ -52,7 +53,7 @@ impl Manifest {
         }
     }
 
-    /// The manifest in this folder, if there is one and it can be read.
+    /// Returns the manifest in this folder, if it exists and is readable.
     pub(super) fn read(folder: &Path) -> Option<Self> {
         let text = std::fs::read(folder.join(FILE_NAME)).ok()?;
         serde_json::from_slice(&text).ok()
@@ -60,27 +61,27 @@ impl Manifest {
 
     pub(super) fn write(&self, folder: &Path) -> Result<()> {
         let path = folder.join(FILE_NAME);
-        let text = serde_json::to_vec_pretty(self).expect("strings and numbers always serialise");
+        let text = serde_json::to_vec_pretty(self).expect("strings and numbers always serialize");
         std::fs::write(&path, text).map_err(at(path))
     }
 
-    /// Whether it tells of this wheel and this choice of files.
+    /// Whether the manifest belongs to this wheel and these wanted files.
     pub(super) fn is_of(&self, package: &Package, wheel: &Wheel) -> bool {
         self.wheel_sha256 == wheel.sha256 && self.keep == package.keep
     }
 }
 
 impl UnpackedFile {
-    /// A line of a wheel's RECORD: path, `sha256=` and its base 64 digits, size.
+    /// Parses a line of a wheel's RECORD: path, `sha256=` with base64 digits, size.
     pub(super) fn of_record(line: &str) -> Option<Self> {
         let mut fields = line.rsplitn(3, ',');
         let (bytes, hash, path) = (fields.next()?.parse().ok()?, fields.next()?, fields.next()?);
         let hash = URL_SAFE_NO_PAD.decode(hash.strip_prefix("sha256=")?).ok()?;
-        let sha256 = hash.iter().map(|byte| format!("{byte:02x}")).collect();
+        let sha256 = hex(&hash);
         Some(Self { path: path.to_owned(), bytes, sha256 })
     }
 
-    /// What is wrong with the file by name and size: microseconds.
+    /// Describes what is wrong with name or size of the file, if anything. Takes microseconds.
     pub(super) fn missing_or_truncated(&self, folder: &Path) -> Option<String> {
         let path = folder.join(&self.path);
         match std::fs::metadata(&path) {
@@ -90,7 +91,7 @@ impl UnpackedFile {
         }
     }
 
-    /// What is wrong with the file, its content included.
+    /// Describes what is wrong with the file, including its content, if anything.
     pub(super) fn damage(&self, folder: &Path) -> Option<String> {
         if let Some(damage) = self.missing_or_truncated(folder) {
             return Some(damage);
@@ -107,14 +108,14 @@ impl UnpackedFile {
     }
 }
 
-/// The SHA-256 of a file.
+/// Returns the SHA-256 of a file.
 pub(super) fn sha256(path: &Path) -> Result<String> {
     let mut file = File::open(path).map_err(at(path))?;
     let (_, digest) = copy(&mut file, &mut std::io::sink(), |_| Ok(()), path)?;
     Ok(digest)
 }
 
-/// Copies and hashes: returns the bytes and the SHA-256. `advance` is told the bytes so far.
+/// Copies and hashes. Returns size and SHA-256; `advance` receives the number of bytes so far.
 pub(super) fn copy(
     from: &mut impl Read,
     to: &mut impl Write,
@@ -134,6 +135,6 @@ pub(super) fn copy(
         bytes += read as u64;
         advance(bytes)?;
     }
-    let digest = hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
+    let digest = hex(&hash.finalize());
     Ok((bytes, digest))
 }

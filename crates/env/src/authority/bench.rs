@@ -1,7 +1,7 @@
 //! The response check of a building in one season.
 
 use b2b_building::PreparedBuilding;
-use b2b_building::hvac::{Actuator, Quantity, System};
+use b2b_building::hvac::{Actuator, AirLoop, Quantity, System};
 
 use super::heat::{heated_zones, judge_heat};
 use super::hold::{Hold, heat_hold};
@@ -60,30 +60,22 @@ impl Bench<'_> {
 
     /// Returns the limit that the air loop of an actuator has reached, if any.
     fn flow_limit(&self, i: usize, row: &Row) -> Option<Limit> {
-        let mut first = 0;
-        for system in &self.building.systems {
-            let actuators = system.actuators();
-            let range = first..first + actuators.len();
-            first = range.end;
-            let System::AirLoop(air_loop) = system else { continue };
-            if !range.contains(&i) {
-                continue;
+        let (system, layout) =
+            self.building.laid_out_systems().find(|(_, layout)| layout.actions.contains(&i))?;
+        let System::AirLoop(air_loop) = system else { return None };
+        let effect = |offset: usize| self.env.effect(layout.actions.start + offset).unwrap_or(f64::NAN);
+        let supplied: f64 = (0..layout.zones.len()).map(|terminal| effect(AirLoop::damper(terminal))).sum();
+        let reaches = |flow: f64, limit: f64, tolerance: f64| (flow / limit - 1.0).abs() <= tolerance;
+        match row.quantity {
+            Quantity::DamperOpening => reaches(supplied, air_loop.fan_flow, 0.01).then_some(Limit::Fan),
+            Quantity::OutdoorAirFlow => {
+                let outdoor = effect(AirLoop::OUTDOOR_AIR);
+                let makes_up = outdoor > row.command && outdoor <= 1.02 * air_loop.exhaust_flow;
+                let all = reaches(outdoor, supplied, 0.02).then_some(Limit::SupplyFlow);
+                all.or(makes_up.then_some(Limit::Exhaust))
             }
-            let dampers = range.zip(actuators).filter(|(_, a)| a.quantity == Quantity::DamperOpening);
-            let supplied: f64 = dampers.map(|(i, _)| self.env.effect(i).unwrap_or(f64::NAN)).sum();
-            let reaches = |flow: f64, limit: f64, tolerance: f64| (flow / limit - 1.0).abs() <= tolerance;
-            return match row.quantity {
-                Quantity::DamperOpening => reaches(supplied, air_loop.fan_flow, 0.01).then_some(Limit::Fan),
-                Quantity::OutdoorAirFlow => {
-                    let outdoor = self.env.effect(i).unwrap_or(f64::NAN);
-                    let makes_up = outdoor > row.command && outdoor <= 1.02 * air_loop.exhaust_flow;
-                    let all = reaches(outdoor, supplied, 0.02).then_some(Limit::SupplyFlow);
-                    all.or(makes_up.then_some(Limit::Exhaust))
-                }
-                _ => None,
-            };
+            _ => None,
         }
-        None
     }
 
     /// Raises and lowers the heating setpoints, and evaluates heat and zone temperature.

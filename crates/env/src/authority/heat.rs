@@ -1,7 +1,7 @@
 //! Response to heating setpoints: heat delivered and zone temperature.
 
 use b2b_building::PreparedBuilding;
-use b2b_building::hvac::System;
+use b2b_building::hvac::{AirLoop, HeatingOnly, System};
 
 use super::report::{Limit, Row, Verdict};
 
@@ -14,18 +14,21 @@ const SOME_HEAT: f64 = 1.0;
 
 /// Returns the indices of the heating setpoints, each with the slot of its zone temperature.
 pub(super) fn heated_zones(building: &PreparedBuilding) -> Vec<(usize, usize)> {
-    let slot = |zone: &str| building.zones.iter().position(|z| z.name.eq_ignore_ascii_case(zone));
-    let zone_of = |name: &str| {
-        building.systems.iter().find_map(|system| match system {
-            System::HeatingOnly(heater) if heater.setpoint.name == name => slot(&heater.zone),
-            System::AirLoop(air_loop) => {
-                let terminal = air_loop.terminals.iter().find(|t| t.reheat.name == name)?;
-                slot(&terminal.zone)
+    let mut found = Vec::new();
+    for (system, layout) in building.laid_out_systems() {
+        let first = layout.actions.start;
+        match system {
+            System::Unitary(_) => {}
+            System::HeatingOnly(_) => found.push((first + HeatingOnly::SETPOINT, layout.zones[0].index)),
+            System::AirLoop(_) => {
+                let terminals = layout.zones.iter().enumerate();
+                found.extend(
+                    terminals.map(|(terminal, zone)| (first + AirLoop::reheat(terminal), zone.index)),
+                );
             }
-            _ => None,
-        })
-    };
-    building.actuators().enumerate().filter_map(|(i, a)| Some((i, zone_of(&a.name)?))).collect()
+        }
+    }
+    found
 }
 
 /// Evaluates the holds low, middle, low, high, low: every raise is compared with the holds before and after.

@@ -8,7 +8,6 @@ use crate::Result;
 use crate::calendar::Moment;
 use crate::reward::ZoneStep;
 use crate::warmup;
-use crate::zones::ControlledZone;
 
 impl Env {
     /// Simulates the first day over and over, until the engine says that it has converged.
@@ -17,7 +16,6 @@ impl Env {
     /// for its minimum flow, and the prepared model has 0 there.
     pub(super) fn warm_up(&mut self, engine: &mut Engine) -> Result<()> {
         let spaces = &self.spaces;
-        let systems = &spaces.building.systems;
         let first_day = self.moment().day_of_year;
         loop {
             match engine.simulation.advance()? {
@@ -36,16 +34,7 @@ impl Env {
                             penalize_above_target,
                         });
                     }
-                    let (zones, steps) = (&self.zones, &self.zone_steps);
-                    let zone = |name: &str| {
-                        // The zones of a system are controlled ones: preparation took them from there.
-                        let named = |(zone, _): &(&ControlledZone, &ZoneStep)| {
-                            spaces.building.zones[zone.slot].name.eq_ignore_ascii_case(name)
-                        };
-                        let step = zones.iter().zip(steps).find(named).map(|(_, step)| step);
-                        step.map_or([21.0; 2], |step| [step.target, step.temperature])
-                    };
-                    warmup::action(systems, zone, &mut self.action);
+                    warmup::act(&spaces.building, &self.zone_steps, &mut self.action);
                     engine.act(&self.action);
                 }
                 Some(Event::WarmedUp) => return Ok(()),

@@ -7,8 +7,8 @@ mod spelling;
 use std::path::Path;
 
 use b2b_building::Class;
+use b2b_energyplus::digest::sha256;
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 
 use crate::comfort::Comfort;
 use crate::energy_scale::EnergyScale;
@@ -146,7 +146,7 @@ impl Task {
     pub fn hash(&self) -> String {
         // A task is plain data: serialization cannot fail.
         let json = serde_json::to_vec(self).unwrap_or_default();
-        Sha256::digest(json).iter().map(|byte| format!("{byte:02x}")).collect()
+        sha256(json)
     }
 }
 

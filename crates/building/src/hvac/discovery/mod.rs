@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::air_loop_graph::supply_components;
-use super::controllable::{LEFT_ALONE, drive_air_loop};
+use super::controllable::{UNCONTROLLED_EQUIPMENT, drive_air_loop};
 use super::distribution::served_zones;
 use super::energy_management::{remove_ems_programs, sets_a_schedule};
 use super::heating_only;
@@ -27,18 +27,18 @@ pub struct Discovery {
     /// The systems that are driven, in the order of the action.
     pub systems: Vec<System>,
     /// The systems and the equipment that are not.
-    pub left: Vec<LeftAlone>,
+    pub uncontrolled: Vec<Uncontrolled>,
 }
 
-/// A system or a piece of zone equipment that keeps its own controls.
+/// A system or a piece of zone equipment that is not controlled: it keeps its own controls.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct LeftAlone {
+pub struct Uncontrolled {
     /// The air loop or the equipment.
-    pub what: Reference,
+    pub object: Reference,
     /// The zones it serves.
     pub zones: Vec<String>,
-    /// Why it is not driven, or how it works beside what is.
-    pub why: String,
+    /// Why it is not controlled, or how it works beside what is.
+    pub reason: String,
 }
 
 const DISTRIBUTION: &str = "ZoneHVAC:AirDistributionUnit";
@@ -64,7 +64,7 @@ pub(crate) fn discover(model: &mut Model, air_density: f64) -> Result<Discovery>
                 remove_ems_programs(model, |actuator| acts_on(actuator, &own));
                 found.systems.push(system);
             }
-            Err(error) => found.left.push(left_air_loop(model, air_loop, error)?),
+            Err(error) => found.uncontrolled.push(uncontrolled_air_loop(model, air_loop, error)?),
         }
     }
     for zone in model.names("Zone") {
@@ -74,6 +74,18 @@ pub(crate) fn discover(model: &mut Model, air_density: f64) -> Result<Discovery>
 }
 
 impl Discovery {
+    /// Returns why systems are not controlled, one line for all of a class with the same reason.
+    pub(crate) fn reasons(&self) -> Vec<String> {
+        let mut groups: Vec<(&str, &str, usize)> = Vec::new();
+        for Uncontrolled { object, reason, .. } in &self.uncontrolled {
+            match groups.iter_mut().find(|(class, why, _)| *class == object.class && why == reason) {
+                Some((_, _, count)) => *count += 1,
+                None => groups.push((&object.class, reason, 1)),
+            }
+        }
+        groups.iter().map(|(class, reason, count)| format!("{count} × {class}: {reason}")).collect()
+    }
+
     fn drives(&self, zone: &str) -> Option<&System> {
         self.systems.iter().find(|s| s.zones().iter().any(|z| z.eq_ignore_ascii_case(zone)))
     }
@@ -117,18 +129,20 @@ fn refuse_second_system(model: &Model, air_loop: &str) -> Result<()> {
 
 /// Equipment that may work in a zone beside a driven system.
 fn is_beside(class: &str) -> bool {
-    is_one_of(class, &VENTILATION) || is_one_of(class, &LEFT_ALONE) || heating_only::is_heater(class)
+    is_one_of(class, &VENTILATION)
+        || is_one_of(class, &UNCONTROLLED_EQUIPMENT)
+        || heating_only::is_heater(class)
 }
 
-fn left_air_loop(model: &Model, air_loop: String, error: Error) -> Result<LeftAlone> {
-    let why = why(error, &air_loop)?;
+fn uncontrolled_air_loop(model: &Model, air_loop: String, error: Error) -> Result<Uncontrolled> {
+    let reason = reason(error, &air_loop)?;
     let zones = served_zones(model, &air_loop).map(|served| served.into_iter().map(|s| s.zone).collect());
-    let what = Reference { class: "AirLoopHVAC".into(), name: air_loop };
-    Ok(LeftAlone { what, zones: zones.unwrap_or_default(), why })
+    let object = Reference { class: "AirLoopHVAC".into(), name: air_loop };
+    Ok(Uncontrolled { object, zones: zones.unwrap_or_default(), reason })
 }
 
 /// The reason in an error, with the class of the object that gives it where that is not the system itself.
-fn why(error: Error, system: &str) -> Result<String> {
+fn reason(error: Error, system: &str) -> Result<String> {
     match error {
         Error::Unsupported { name, why, .. } if name.eq_ignore_ascii_case(system) => Ok(why),
         Error::Unsupported { class, why, .. } => Ok(format!("its {class}: {why}")),
@@ -143,7 +157,7 @@ fn discover_equipment(model: &mut Model, zone: &str, found: &mut Discovery) -> R
     let rival = |e: &&Reference| !is_beside(&e.class);
     let mut driven = false;
     for item in &equipment {
-        let why = match &air {
+        let reason = match &air {
             _ if item.class.eq_ignore_ascii_case(DISTRIBUTION) => continue,
             _ if is_one_of(&item.class, &VENTILATION) => "it ventilates on its own schedule".to_owned(),
             Some(System::AirLoop(_)) if heating_only::is_heater(&item.class) => {
@@ -169,12 +183,12 @@ fn discover_equipment(model: &mut Model, zone: &str, found: &mut Discovery) -> R
                             found.systems.push(system);
                             continue;
                         }
-                        Err(error) => why(error, &item.name)?,
+                        Err(error) => reason(error, &item.name)?,
                     }
                 }
             },
         };
-        found.left.push(LeftAlone { what: item.clone(), zones: vec![zone.to_owned()], why });
+        found.uncontrolled.push(Uncontrolled { object: item.clone(), zones: vec![zone.to_owned()], reason });
     }
     Ok(())
 }

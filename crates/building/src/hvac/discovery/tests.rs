@@ -37,9 +37,13 @@ fn what_cannot_be_driven_is_told_and_keeps_its_thermostat() {
     let mut model = two_zones("ZoneHVAC:PackagedTerminalAirConditioner");
     let found = discover(&mut model, 1.2).unwrap();
     assert_eq!(driven(&found), ["A"]);
-    let left: Vec<_> = found.left.iter().map(|left| left.what.name.as_str()).collect();
+    let left: Vec<_> = found.uncontrolled.iter().map(|item| item.object.name.as_str()).collect();
     assert_eq!(left, ["X", "HB"]);
-    assert!(found.left[1].why.contains("PackagedTerminalAirConditioner"), "{}", found.left[1].why);
+    assert!(
+        found.uncontrolled[1].reason.contains("PackagedTerminalAirConditioner"),
+        "{}",
+        found.uncontrolled[1].reason
+    );
     assert_eq!(model.require("ZoneControl:Thermostat", "TB").unwrap()["control_1_name"], "Theirs");
     assert_eq!(model.require("ZoneHVAC:UnitHeater", "HB").unwrap()["availability_schedule_name"], "Day");
     assert_eq!(model.require("ZoneControl:Thermostat", "TA").unwrap()["control_1_name"], "A Dual Setpoint");
@@ -51,8 +55,8 @@ fn ventilation_beside_a_heater_is_left_and_the_heater_driven() {
     let mut model = two_zones("ZoneHVAC:EnergyRecoveryVentilator");
     let found = discover(&mut model, 1.2).unwrap();
     assert_eq!(driven(&found), ["A", "B"]);
-    assert_eq!(found.left.len(), 1);
-    assert!(found.left[0].why.contains("ventilates"), "{}", found.left[0].why);
+    assert_eq!(found.uncontrolled.len(), 1);
+    assert!(found.uncontrolled[0].reason.contains("ventilates"), "{}", found.uncontrolled[0].reason);
 }
 
 #[test]
@@ -64,6 +68,10 @@ fn a_system_that_fails_half_way_leaves_the_model_as_it_was() {
     let found = discover(&mut model, 1.2).unwrap();
     assert_eq!(driven(&found), ["A"]);
     assert_eq!(model.get("ZoneHVAC:UnitHeater", "HB").cloned(), before);
-    assert!(found.left.iter().any(|left| left.why.contains("no thermostat")), "{:?}", found.left);
+    assert!(
+        found.uncontrolled.iter().any(|item| item.reason.contains("no thermostat")),
+        "{:?}",
+        found.uncontrolled
+    );
     assert!(!has_own_controls(&model, "B").unwrap());
 }

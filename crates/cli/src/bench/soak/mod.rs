@@ -6,6 +6,7 @@ use anyhow::{Context, Result};
 use b2b_building::{BuildingType, RunPeriod};
 use b2b_control::{Controller, Random};
 use b2b_dataset::BuildingName;
+use b2b_energyplus::digest::hex;
 use b2b_env::Task;
 use b2b_env::vector::{AnyOf, VecEnv, VecEnvOptions, Windows};
 use serde_json::json;
@@ -105,7 +106,7 @@ impl Arguments {
 
     fn report(&self, tally: Tally, toll: Option<&Toll>, files: i64) -> Result<()> {
         let Tally { episodes, lost, hash, memory } = tally;
-        let hash: String = hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
+        let hash = hex(&hash.finalize());
         let growth = memory.last().context("no step")? - memory.first().context("no step")?;
         let explained = |lost: &&String| toll.is_some_and(|toll| toll.explains(lost));
         let unexplained: Vec<&String> = lost.iter().filter(|lost| !explained(lost)).collect();

@@ -12,6 +12,7 @@ use zip::write::SimpleFileOptions;
 use super::*;
 use crate::install::Quiet;
 use crate::install::doctor::{self, Health};
+use crate::install::pinned::Platform;
 
 const EPW: &str = "tiny/weather/AK_Here.epw";
 
@@ -62,7 +63,7 @@ impl Registry {
             version: "1.0",
             wheels: vec![pinned].leak(),
             keep,
-            respelt: &[("San.Deigo", "San.Diego")],
+            corrections: &[("San.Deigo", "San.Diego")],
         };
         Self { folder, cache, package }
     }
@@ -126,7 +127,7 @@ fn a_file_that_leads_out_of_the_folder_is_refused() {
 }
 
 #[test]
-fn many_at_once_download_once() {
+fn concurrent_calls_download_once() {
     let registry = Registry::new();
     let downloads = Downloads::default();
     let start = Barrier::new(4);
@@ -157,7 +158,7 @@ fn offline_without_a_cache_says_what_to_do() {
 #[test]
 fn what_the_client_installed_for_itself_is_used_where_it_is_while_it_is_whole() {
     let registry = Registry::new();
-    let package = Package { respelt: &[], ..registry.package };
+    let package = Package { corrections: &[], ..registry.package };
     let there = registry.folder.path().join("site-packages");
     std::fs::create_dir_all(there.join("tiny/weather")).unwrap();
     std::fs::create_dir_all(there.join("tiny-1.0.dist-info")).unwrap();

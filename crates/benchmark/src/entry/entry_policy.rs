@@ -1,35 +1,37 @@
-//! Who runs in a benchmark: a built-in controller, or ONNX files, one for all or one for each seed, building or task.
+//! The policy of a benchmark entry: a built-in controller, or ONNX files, one for all or one per seed, building or task.
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::path::{Path, PathBuf};
 
 use b2b_control::Controller;
+use b2b_energyplus::digest::sha256;
+use b2b_env::Task;
 use serde::{Deserialize, Serialize};
 
-use crate::policy::{ActionScale, Beginning, BuiltIn, OnnxPolicy, Policy, is_onnx};
-use crate::subject::{hash_of, hex};
+use crate::policy::{ActionScale, BuiltIn, EpisodeContext, OnnxPolicy, Policy, is_onnx};
+use crate::subject::hash_of;
 use crate::{Episode, Error, Result};
 
-/// Placeholders of a file's name.
+/// Placeholders in a file name.
 const PLACEHOLDERS: [&str; 3] = ["{seed}", "{building}", "{task}"];
 
-/// Who runs.
+/// The policy of a benchmark entry.
 #[derive(Debug)]
-pub enum Entrant {
-    /// A controller that needs no file.
+pub enum EntryPolicy {
+    /// A built-in controller.
     BuiltIn(BuiltIn),
-    /// Networks.
+    /// ONNX files.
     Files(Files),
 }
 
-/// ONNX files by a pattern.
+/// The ONNX files of a pattern.
 #[derive(Debug)]
 pub struct Files {
-    /// Without the folder that all of them are in.
+    /// Pattern of the file names, relative to their common folder.
     pattern: String,
     scale: ActionScale,
-    /// By the pattern filled in.
+    /// Files by name: the pattern with its placeholders filled in.
     files: BTreeMap<String, File>,
 }
 
@@ -40,43 +42,41 @@ struct File {
     policy: OnnxPolicy,
 }
 
-/// An entrant as a result tells it.
+/// The policy of an entry as it is described in a result.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
-pub enum About {
-    /// A controller that needs no file.
+pub enum PolicyDescription {
+    /// A built-in controller.
     BuiltIn {
-        /// Its name.
+        /// Name of the controller.
         name: String,
     },
-    /// Networks.
+    /// ONNX files.
     Onnx {
-        /// Name of the files, with placeholders.
+        /// Pattern of the file names.
         pattern: String,
-        /// What their numbers mean.
+        /// Scale of their actions.
         actions: ActionScale,
-        /// SHA-256 of each, by the name filled in.
+        /// SHA-256 of each file by name.
         files: BTreeMap<String, String>,
     },
 }
 
-impl About {
-    /// Of the seeds of a protocol those with which it acts differently: the first alone for what neither draws nor was
-    /// trained by one.
+impl PolicyDescription {
+    /// Returns the seeds of a protocol that make a difference: only the first for a deterministic policy that was not
+    /// trained once per seed.
     pub fn seeds(&self, seeds: &[u64]) -> Vec<u64> {
-        let draws = match self {
-            Self::BuiltIn { name } => {
-                [BuiltIn::Random, BuiltIn::Planner].iter().any(|each| each.to_string() == *name)
-            }
+        let all = match self {
+            Self::BuiltIn { name } => name.parse().is_ok_and(BuiltIn::is_stochastic),
             Self::Onnx { pattern, .. } => pattern.contains(PLACEHOLDERS[0]),
         };
-        if draws { seeds.to_vec() } else { seeds[..seeds.len().min(1)].to_vec() }
+        if all { seeds.to_vec() } else { seeds[..seeds.len().min(1)].to_vec() }
     }
 }
 
-impl Entrant {
-    /// A name of a built-in controller, or a path with placeholders, of which every file that these episodes need is
-    /// read.
+impl EntryPolicy {
+    /// Reads a policy: the name of a built-in controller, or a path with placeholders, of which every file that these
+    /// episodes need is read.
     ///
     /// # Errors
     /// [`Error::UnknownPolicy`]; those of [`OnnxPolicy::read`].
@@ -89,22 +89,22 @@ impl Entrant {
         Ok(Self::Files(Files::read(pattern, scale, seeds, episodes, path_of)?))
     }
 
-    /// The entrant of a result whose networks are in a folder, by their hashes.
+    /// Reads the policy of a result whose ONNX files are in a folder, named by their hashes.
     ///
     /// # Errors
-    /// [`Error::UnknownPolicy`]; those of [`OnnxPolicy::read`]; [`Error::Forged`] for a file that is another.
-    pub fn of(about: &About, folder: &Path) -> Result<Self> {
-        let (pattern, actions, files) = match about {
-            About::BuiltIn { name } => return Ok(Self::BuiltIn(name.parse()?)),
-            About::Onnx { pattern, actions, files } => (pattern, actions, files),
+    /// [`Error::UnknownPolicy`]; those of [`OnnxPolicy::read`]; [`Error::Modified`] for a file with another hash.
+    pub fn of(description: &PolicyDescription, folder: &Path) -> Result<Self> {
+        let (pattern, actions, files) = match description {
+            PolicyDescription::BuiltIn { name } => return Ok(Self::BuiltIn(name.parse()?)),
+            PolicyDescription::Onnx { pattern, actions, files } => (pattern, actions, files),
         };
         let file = |(name, sha256): (&String, &String)| {
-            let path = folder.join(kept_as(sha256));
+            let path = folder.join(file_name(sha256));
             let file = File::read(path, *actions)?;
             if file.sha256 != *sha256 {
-                return Err(Error::Forged {
+                return Err(Error::Modified {
                     folder: folder.to_owned(),
-                    what: format!("{} is another file than was run", file.path.display()),
+                    what: format!("{} is not the file that was run", file.path.display()),
                 });
             }
             Ok((name.clone(), file))
@@ -113,7 +113,7 @@ impl Entrant {
         Ok(Self::Files(Files { pattern: pattern.clone(), scale: *actions, files }))
     }
 
-    /// What it is called.
+    /// Returns the name.
     pub fn name(&self) -> String {
         match self {
             Self::BuiltIn(built_in) => built_in.name(),
@@ -121,11 +121,11 @@ impl Entrant {
         }
     }
 
-    /// For the result.
-    pub fn about(&self) -> About {
+    /// Describes the policy for a result.
+    pub fn description(&self) -> PolicyDescription {
         match self {
-            Self::BuiltIn(built_in) => About::BuiltIn { name: built_in.to_string() },
-            Self::Files(Files { pattern, scale, files }) => About::Onnx {
+            Self::BuiltIn(built_in) => PolicyDescription::BuiltIn { name: built_in.to_string() },
+            Self::Files(Files { pattern, scale, files }) => PolicyDescription::Onnx {
                 pattern: pattern.clone(),
                 actions: *scale,
                 files: files.iter().map(|(name, file)| (name.clone(), file.sha256.clone())).collect(),
@@ -133,7 +133,7 @@ impl Entrant {
         }
     }
 
-    /// As a policy.
+    /// Returns the policy itself.
     pub fn policy(&self) -> &dyn Policy {
         match self {
             Self::BuiltIn(built_in) => built_in,
@@ -141,30 +141,30 @@ impl Entrant {
         }
     }
 
-    /// [`About::seeds`].
+    /// Returns the seeds that make a difference: see [`PolicyDescription::seeds`].
     pub fn seeds(&self, seeds: &[u64]) -> Vec<u64> {
-        self.about().seeds(seeds)
+        self.description().seeds(seeds)
     }
 
-    /// Its files: where each is, and its name in a result.
+    /// Returns the path of each file, and its name in a result.
     pub fn files(&self) -> Vec<(&Path, String)> {
         match self {
             Self::BuiltIn(_) => Vec::new(),
             Self::Files(files) => {
-                files.files.values().map(|file| (file.path.as_path(), kept_as(&file.sha256))).collect()
+                files.files.values().map(|file| (file.path.as_path(), file_name(&file.sha256))).collect()
             }
         }
     }
 }
 
-/// The folder of a pattern, up to the first part with a placeholder, and the rest.
+/// Splits a path before its first component with a placeholder into folder and pattern.
 fn split(text: &str) -> (PathBuf, String) {
     let parts: Vec<_> = Path::new(text).components().collect();
-    let holds = |part: &std::path::Component<'_>| {
+    let has_placeholder = |part: &std::path::Component<'_>| {
         let part = part.as_os_str().to_string_lossy();
         PLACEHOLDERS.iter().any(|each| part.contains(each))
     };
-    let first = parts.iter().position(holds).unwrap_or(parts.len() - 1);
+    let first = parts.iter().position(has_placeholder).unwrap_or(parts.len() - 1);
     let rest: PathBuf = parts[first..].iter().collect();
     (parts[..first].iter().collect(), rest.to_string_lossy().into_owned())
 }
@@ -174,7 +174,7 @@ fn fill(pattern: &str, seed: u64, building: &str, task: &str) -> String {
     pattern.replace(seeds, &seed.to_string()).replace(buildings, building).replace(tasks, task)
 }
 
-fn kept_as(sha256: &str) -> String {
+fn file_name(sha256: &str) -> String {
     format!("{}.onnx", &sha256[..sha256.len().min(16)])
 }
 
@@ -221,16 +221,16 @@ impl Policy for Files {
 
     fn identity(&self) -> String {
         let all: String = self.files.iter().map(|(name, file)| format!("{name} {}\n", file.sha256)).collect();
-        format!("onnx {}, {} files, actions {:?}", hex(all.as_bytes()), self.files.len(), self.scale)
+        format!("onnx {}, {} files, actions {:?}", sha256(all), self.files.len(), self.scale)
     }
 
-    fn controller(&self, beginning: Beginning<'_>) -> Result<Box<dyn Controller>> {
-        let Beginning { subject, spaces, seed, .. } = &beginning;
-        // The scale of energy is the building's: the task as it was asked has none.
-        let task = b2b_env::Task { energy_scale: None, ..spaces.episode.task.clone() };
+    fn controller(&self, context: EpisodeContext<'_>) -> Result<Box<dyn Controller>> {
+        let EpisodeContext { subject, spaces, seed, .. } = &context;
+        // The energy scale is the building's: the task that was asked for has none.
+        let task = Task { energy_scale: None, ..spaces.episode.task.clone() };
         let name = fill(&self.pattern, *seed, &subject.name.to_string(), &task.to_string());
         let file = self.files.get(&name).ok_or_else(|| Error::UnknownPolicy { text: name })?;
-        file.policy.controller(beginning)
+        file.policy.controller(context)
     }
 }
 
@@ -239,7 +239,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_pattern_is_known_without_the_folders_above_it() {
+    fn a_pattern_is_split_from_its_folder() {
         let parts = |text: &str| {
             let (folder, pattern) = split(text);
             (folder.display().to_string(), pattern)
@@ -252,8 +252,8 @@ mod tests {
     }
 
     #[test]
-    fn what_neither_draws_nor_was_trained_by_a_seed_runs_once() {
-        let seeds = |built_in| Entrant::BuiltIn(built_in).seeds(&[4, 5, 6]);
+    fn a_deterministic_policy_runs_with_one_seed() {
+        let seeds = |built_in| EntryPolicy::BuiltIn(built_in).seeds(&[4, 5, 6]);
         assert_eq!(seeds(BuiltIn::Random), [4, 5, 6]);
         assert_eq!(seeds(BuiltIn::Reactive), [4]);
     }

@@ -4,12 +4,13 @@
 //! random numbers) can draw houses. Each coordinate goes through the inverse of a cumulative distribution: the stock
 //! table's where it has the variable, given the vintage where the table tells vintages apart.
 
+use b2b_building::Parameter;
 use b2b_climate::{Location, Region};
 
-use super::parameters::{IMPERIAL_R, IMPERIAL_U};
+use super::parameters::{Foundation, Heater, Heating, House, IMPERIAL_R, IMPERIAL_U};
 use super::stock::{number, numbers, pick, share, shares};
-use super::{Foundation, Heater, Heating, House};
-use crate::{Error, Result};
+
+use crate::Result;
 
 /// Coordinates of the unit cube that make a house.
 pub const DIMENSIONS: usize = 18;
@@ -155,7 +156,7 @@ impl HouseSample {
     /// appliances, ventilation, system, heating oversizing, cooling oversizing.
     ///
     /// # Errors
-    /// [`Error::Parameter`] with the coordinate that is not from 0 to 1.
+    /// [`crate::Error::Parameter`] with the coordinate that is not from 0 to 1.
     pub fn from_unit(point: &[f64; DIMENSIONS]) -> Result<Self> {
         Self::from_unit_given(point, &Given::default())
     }
@@ -223,12 +224,8 @@ impl HouseSample {
 }
 
 fn check(point: &[f64; DIMENSIONS]) -> Result<()> {
-    match point.iter().find(|value| !(0.0..=1.0).contains(*value)) {
-        Some(&value) => {
-            Err(Error::Parameter { name: "a coordinate of the unit cube", value, low: 0.0, high: 1.0 })
-        }
-        None => Ok(()),
-    }
+    const COORDINATE: Parameter = Parameter::new("coordinate of the unit cube", "1", 0.0, 1.0);
+    Ok(point.iter().try_for_each(|value| COORDINATE.check(*value))?)
 }
 
 fn between([low, high]: [f64; 2], u: f64) -> f64 {

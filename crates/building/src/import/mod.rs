@@ -7,7 +7,7 @@
 //! What an imported building is:
 //!
 //! - Systems of the three kinds that an agent can drive are driven ([`crate::hvac`]). The others keep their own
-//!   thermostats, schedules and availability, and are told in [`crate::PreparedBuilding::left`].
+//!   thermostats, schedules and availability, and are told in [`crate::PreparedBuilding::uncontrolled`].
 //! - The temperature of every zone is observed; zones that an agent drives are judged.
 //! - Energy is that of all HVAC, also of what is left alone, over the floor of all conditioned zones.
 

@@ -1,16 +1,16 @@
-//! What has a spelling is text in a problem's file.
+//! Serde adapters that write values as text, by `Display` and `FromStr`.
 
 use std::fmt::Display;
 use std::str::FromStr;
 
 use serde::{Deserialize, Deserializer, Serializer, de::Error};
 
-/// Writes the spelling.
+/// Serializes a value as text.
 pub fn serialize<T: Display, S: Serializer>(value: &T, to: S) -> Result<S::Ok, S::Error> {
     to.collect_str(value)
 }
 
-/// Reads it.
+/// Deserializes a value from text.
 pub fn deserialize<'de, T, D>(from: D) -> Result<T, D::Error>
 where
     T: FromStr<Err: Display>,
@@ -19,16 +19,19 @@ where
     String::deserialize(from)?.parse().map_err(D::Error::custom)
 }
 
-/// The same for a list.
+/// The same for lists.
 pub mod list {
-    use super::*;
+    use std::fmt::Display;
+    use std::str::FromStr;
 
-    /// Writes the spellings.
+    use serde::{Deserialize, Deserializer, Serializer, de::Error};
+
+    /// Serializes values as a list of texts.
     pub fn serialize<T: Display, S: Serializer>(values: &[T], to: S) -> Result<S::Ok, S::Error> {
         to.collect_seq(values.iter().map(T::to_string))
     }
 
-    /// Reads them.
+    /// Deserializes values from a list of texts.
     pub fn deserialize<'de, T, D>(from: D) -> Result<Vec<T>, D::Error>
     where
         T: FromStr<Err: Display>,

@@ -1,25 +1,25 @@
-//! Sizing, once and for all: the engine sizes the untouched model, and its sizes become numbers in the model.
+//! Sizing: the engine sizes the unmodified model, and its sizes become numbers in the model.
 //!
 //! A model leaves capacities and flows to the engine by writing `Autosize`. The engine then simulates design
 //! days at every start, and an edit of the model changes its sizes. A *hard-sized* model has numbers
-//! instead: it starts faster, and edits leave its equipment as it was designed.
+//! instead: it starts faster, and edits do not change the size of its equipment.
 //!
 //! 1. [`Sizes::of`] runs the engine's sizing (no weather run) and reads the table `ComponentSizes` of its
-//!    SQLite output. Those are the engine's own doubles; the `.eio` file rounds them to five decimals.
+//!    SQLite output. The table has full precision; the `.eio` file rounds to five decimals.
 //! 2. [`Sizes::write_into`] writes them into the autosized fields and switches sizing off.
 //!
 //! Sizes belong to a model *and a weather file*: the engine takes latitude, longitude, time zone and
-//! elevation from the weather file, whatever `Site:Location` says, and with them the air's density and the
-//! design days' sun. They also depend on `Timestep`. Set both before sizing.
+//! elevation from the weather file, not from `Site:Location`, and with them the air density and the
+//! solar position of the design days. They also depend on `Timestep`. Set both before sizing.
 //!
-//! What a hard-sized model does differently: the cap on outdoor air of a `Controller:MechanicalVentilation`
-//! with the procedure `Standard62.1VentilationRateProcedureWithLimit` is lifted, because the engine knows it
-//! only from its own system sizing. In the medium office's first week of January that is up to 0.03 K.
+//! One difference of a hard-sized model: the cap on outdoor air of a `Controller:MechanicalVentilation`
+//! with the procedure `Standard62.1VentilationRateProcedureWithLimit` is lifted, because the engine knows it only from
+//! its own system sizing. In the medium office's first week of January that is up to 0.03 K.
 //!
-//! `Sizing:Zone`, `Sizing:System` and `Sizing:Plant` go: with sizing off the engine does not read them, and
-//! the results have the same bits without them. So a `Controller:MechanicalVentilation` must name its
-//! `DesignSpecification:OutdoorAir` itself; where it leaves that to `Sizing:Zone`, the engine takes its
-//! defaults instead and says so in a severe message. No model that comes with the engine does.
+//! `Sizing:Zone`, `Sizing:System` and `Sizing:Plant` are removed: with sizing off the engine does not read them, and
+//! the results are the same to the bit without them. So a `Controller:MechanicalVentilation` must name its
+//! `DesignSpecification:OutdoorAir` itself; where it leaves that to `Sizing:Zone`, the engine uses
+//! defaults and reports a severe message. No model that ships with the engine does.
 
 mod exceptions;
 
@@ -34,14 +34,14 @@ use crate::model::Fields;
 use crate::outputs;
 use crate::{Error, Model, Result};
 
-/// One size as the engine reports it.
+/// A size that the engine reports.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Size {
     /// EnergyPlus class of the object, for example `Fan:SystemModel`.
     pub class: String,
-    /// Name of the object, in capitals as the engine writes it.
+    /// Name of the object, in upper case as the engine writes it.
     pub object: String,
-    /// What it is the size of, in the engine's words, for example `Design Size Maximum Air Flow Rate`.
+    /// The engine's description of the size, for example `Design Size Maximum Air Flow Rate`.
     pub description: String,
     /// The size.
     pub value: f64,
@@ -56,14 +56,14 @@ pub struct Sizes {
 }
 
 impl Sizes {
-    /// Sizes a model with the site of a weather file (EPW). The model must still be autosized: sizes of an
-    /// edited model are those of the edited equipment.
+    /// Sizes a model with the site of a weather file (EPW). The model must still be autosized: an edited model has the sizes
+    /// of its edited equipment.
     ///
-    /// Costs the start of a run and the design days, without any weather run.
+    /// Takes the start of a run and the simulation of the design days; weather days are not simulated.
     ///
     /// # Errors
-    /// [`Error::Engine`] with the engine's words when it refuses the model; [`Error::SizeTable`] when its
-    /// output cannot be read; [`Error::Io`] when there is no place for temporary files.
+    /// [`Error::Engine`] with the engine's messages when it rejects the model; [`Error::SizeTable`] when its
+    /// output cannot be read; [`Error::Io`] when temporary files cannot be written.
     pub fn of(model: &Model, weather: &Path, library: &Library) -> Result<Self> {
         let folder = tempfile::Builder::new()
             .prefix("b2b-sizing-")
@@ -78,14 +78,14 @@ impl Sizes {
         Ok(Self { sizes })
     }
 
-    /// All sizes, in the order the engine reported them.
+    /// Returns all sizes, in the order of the engine's report.
     pub fn iter(&self) -> impl Iterator<Item = &Size> {
         self.sizes.iter()
     }
 
-    /// The size of one field of one object, in the engine's unit; `None` when the engine reports none.
+    /// Returns the size of a field of an object, in the engine's unit; `None` if the engine reports none.
     ///
-    /// Values that the model gave are not sizes: what the engine reports as `User-Specified` is left out.
+    /// Values that the model gives (`User-Specified`) are not sizes.
     pub fn get(&self, class: &str, object: &str, field: &str) -> Option<f64> {
         let of_object =
             |size: &&Size| size.class.eq_ignore_ascii_case(class) && size.object.eq_ignore_ascii_case(object);
@@ -98,10 +98,10 @@ impl Sizes {
     }
 
     /// Writes the sizes into every autosized field of the model, switches sizing off and removes what only
-    /// sizing reads. The model is left as it was when this fails.
+    /// sizing reads. On failure the model is not changed.
     ///
-    /// Fields on `Autocalculate` for which the engine reports no size stay: it computes them from other
-    /// fields, sizing or not (the volume of a zone, the view factors of a surface).
+    /// Fields with `Autocalculate` for which the engine reports no size are kept: it computes them from other fields without
+    /// sizing (the volume of a zone, the view factors of a surface).
     ///
     /// # Errors
     /// [`Error::Unsized`] with every autosized field for which there is no size.
@@ -125,7 +125,7 @@ impl Sizes {
         Ok(())
     }
 
-    /// Writes the sizes of one object; returns the autosized fields that have none.
+    /// Writes the sizes of an object and returns the autosized fields without one.
     fn write_into_object(&self, class: &str, object: &str, fields: &mut Fields) -> Vec<String> {
         for (_, field) in OPTIONAL.iter().filter(|(c, _)| c.eq_ignore_ascii_case(class)) {
             if self.get(class, object, field).is_some() {
@@ -147,8 +147,8 @@ impl Sizes {
         left
     }
 
-    /// The flows of the equipment under a setpoint scheme of a plant, in its order: the engine reports one for each that
-    /// is autosized, all under one description.
+    /// The flows of the equipment of a plant's setpoint scheme, in its order: the engine reports one for each that is
+    /// autosized, all under the same description.
     fn equipment_flows(&self, class: &str, object: &str) -> impl Iterator<Item = f64> {
         let is_scheme = class.eq_ignore_ascii_case("PlantEquipmentOperation:ComponentSetpoint");
         let of_scheme = move |s: &&Size| {
@@ -166,7 +166,7 @@ fn is_equipment_flow(field: &str) -> bool {
     field.starts_with("component_") && field.ends_with("_flow_rate")
 }
 
-/// Whether a model asks for sizing at all: a generated house comes with its sizes.
+/// Whether a model requests sizing; generated houses are hard-sized.
 pub fn wants_sizing(model: &Model) -> bool {
     let calculations = |fields: &Fields| {
         fields.iter().any(|(name, value)| name.ends_with("_sizing_calculation") && is_word(value, "Yes"))
@@ -174,10 +174,10 @@ pub fn wants_sizing(model: &Model) -> bool {
     model.objects("SimulationControl").iter().any(|(_, fields)| calculations(fields))
 }
 
-/// Classes that the engine reads only while it sizes.
+/// Classes that the engine reads only for sizing.
 const FOR_SIZING: [&str; 3] = ["Sizing:Zone", "Sizing:System", "Sizing:Plant"];
 
-/// The model with what is needed to size it, and nothing that costs more.
+/// The model reduced to what sizing needs.
 fn sizing_only(model: &Model) -> Model {
     let mut sizing = model.clone();
     outputs::write_only(&mut sizing, &["sqlite"]);
@@ -201,9 +201,8 @@ fn switch_sizing_off(model: &mut Model) {
     }
 }
 
-/// Says in the model what the engine does without system sizing: the ventilation rate procedure "with limit"
-/// caps outdoor air at the design flow of the sized system, which it then does not know, and so runs without
-/// the cap.
+/// Makes explicit what the engine does without system sizing: the ventilation rate procedure "with limit" caps outdoor air
+/// at the design flow of the sized system, which is then unknown, and so runs without the cap.
 fn lift_outdoor_air_limit(model: &mut Model) {
     const CLASS: &str = "Controller:MechanicalVentilation";
     const LIMITED: &str = "Standard62.1VentilationRateProcedureWithLimit";
@@ -217,7 +216,7 @@ fn lift_outdoor_air_limit(model: &mut Model) {
     }
 }
 
-/// The fields of the model's `SimulationControl`, which is made when there is none.
+/// Returns the fields of the model's `SimulationControl`, which is created if there is none.
 pub(crate) fn simulation_control(model: &mut Model) -> &mut Fields {
     const CLASS: &str = "SimulationControl";
     let name = model.names(CLASS).pop().unwrap_or_else(|| {
@@ -245,7 +244,7 @@ fn read_table(path: &Path) -> rusqlite::Result<Vec<Size>> {
 }
 
 /// The epJSON field that a description names: without `Design Size` and a unit in brackets, in snake case.
-/// `User-Specified …` and `Initial Design Size …` keep their prefix and so name no field.
+/// `User-Specified …` and `Initial Design Size …` keep their prefix and therefore match no field.
 fn field_name(description: &str) -> String {
     let description = description.strip_prefix("Design Size ").unwrap_or(description);
     let description = description.split(['[', '(']).next().unwrap_or_default();
@@ -253,24 +252,24 @@ fn field_name(description: &str) -> String {
     words.map(str::to_ascii_lowercase).collect::<Vec<_>>().join("_")
 }
 
-/// The value to write in an autosized field that this object does not use.
+/// Returns the value of an autosized field that the object does not use.
 fn unused(class: &str, field: &str) -> Option<f64> {
     let entry = UNUSED.iter().find(|u| starts_with(class, u.class) && u.field == field)?;
     Some(entry.value)
 }
 
-/// The least number that the engine takes for a field.
+/// Returns the minimum that the engine accepts for a field.
 fn least(class: &str, field: &str) -> f64 {
     let entry = POSITIVE.iter().find(|(c, f, _)| c.eq_ignore_ascii_case(class) && *f == field);
     entry.map_or(f64::NEG_INFINITY, |(_, _, least)| *least)
 }
 
-/// Whether the field is left to the engine. `Autosize` and `Autocalculate` may both be written by a size.
+/// Whether a field is sized or calculated by the engine.
 fn is_automatic(value: &Value) -> bool {
     is_word(value, "Autosize") || is_word(value, "Autocalculate")
 }
 
-/// Collects the paths of the fields on `Autosize`, those in lists too.
+/// Collects the paths of the fields with `Autosize`, also in lists.
 fn find_autosized(path: &str, value: &Value, found: &mut Vec<String>) {
     match value {
         Value::Array(items) => {
@@ -326,7 +325,7 @@ mod tests {
     }
 
     #[test]
-    fn sizes_are_written_where_the_model_leaves_them_to_the_engine_and_nowhere_else() {
+    fn sizes_are_written_to_autosized_fields_only() {
         let mut model =
             model(json!({"maximum_flow_rate": "autosize", "pressure_rise": 500, "end_use": "Autosized"}));
         let sizes = Sizes {
@@ -347,7 +346,7 @@ mod tests {
     }
 
     #[test]
-    fn every_field_without_a_size_is_named_and_the_model_is_left_alone() {
+    fn every_field_without_a_size_is_reported_and_the_model_does_not_change() {
         let shipped = model(json!({"maximum_flow_rate": "Autosize", "speeds": [{"ratio": "AUTOSIZE"}]}));
         let mut model = shipped.clone();
         let error = Sizes::default().write_into(&mut model).unwrap_err().to_string();
@@ -357,7 +356,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_engine_calculates_without_sizing_stays_and_what_only_sizing_reads_goes() {
+    fn calculated_fields_stay_and_sizing_objects_are_removed() {
         let mut model = Model::default();
         model.insert("Zone", "Attic", json!({"volume": "Autocalculate"}));
         model.insert("Sizing:System", "Loop", json!({"cooling_design_capacity": "Autosize"}));
@@ -367,7 +366,7 @@ mod tests {
     }
 
     #[test]
-    fn a_size_keeps_every_bit_through_the_document() {
+    fn a_size_round_trips_to_the_bit() {
         // Needs serde_json's `float_roundtrip`: its default parser is one bit off for many of these.
         for bits in
             (0..20_000_u64).map(|i| 0x3FB9_8A5C_C35D_1BE7 ^ i.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 2)

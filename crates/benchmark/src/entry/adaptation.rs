@@ -1,0 +1,70 @@
+//! Measures of adaptation to the test environments.
+
+use serde::{Deserialize, Serialize};
+
+use super::scores::{SeedScores, by_building, clusters};
+use crate::evaluation::Row;
+use crate::problem::Stage;
+use crate::statistics::{Aggregate, Interval, aggregate_clusters, median};
+
+/// The effect of training on the test environments.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Adaptation {
+    /// Jump-start: score of random actions minus the zero-shot score, interquartile mean over buildings.
+    pub jump_start: Interval,
+    /// Scores by number of training steps, from 0.
+    pub curve: Vec<Point>,
+    /// Steps after which half of the buildings are at the level of the reactive controllers or better; `None` if they
+    /// never are.
+    pub median_steps_to_baseline: Option<f64>,
+    /// Share of buildings that ever reach that level.
+    pub reach_baseline: f64,
+}
+
+/// Scores after a number of training steps.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Point {
+    /// Training steps on each test environment.
+    pub steps: u64,
+    /// The scores.
+    pub scores: Aggregate,
+}
+
+impl Adaptation {
+    /// Returns the measures of the stages; `None` without an untrained stage. `test` has the zero-shot scores.
+    pub(super) fn of(stages: &[(Stage, Vec<Row>)], test: &[SeedScores], seed: u64) -> Option<Self> {
+        let untrained = stages.iter().find(|(stage, _)| *stage == Stage::Untrained);
+        let untrained = by_building(&untrained?.1);
+        let adapted = stages.iter().filter_map(|(stage, rows)| match stage {
+            Stage::Adapted(steps) => Some((*steps, by_building(rows))),
+            _ => None,
+        });
+        let adapted: Vec<_> = adapted.collect();
+        let pairs = untrained.iter().zip(test);
+        let improvements: Vec<_> = pairs.map(|(untrained, test)| untrained.improvement(test)).collect();
+        let mut curve = vec![Point { steps: 0, scores: aggregate_clusters(&clusters(test), seed)? }];
+        for (steps, groups) in &adapted {
+            curve.push(Point { steps: *steps, scores: aggregate_clusters(&clusters(groups), seed)? });
+        }
+        let steps = steps_to_baseline(test, &adapted);
+        let reached = steps.iter().filter(|steps| steps.is_finite()).count();
+        Some(Self {
+            jump_start: aggregate_clusters(&clusters(&improvements), seed)?.interquartile_mean,
+            curve,
+            median_steps_to_baseline: Some(median(&steps)).filter(|steps| steps.is_finite()),
+            reach_baseline: reached as f64 / steps.len() as f64,
+        })
+    }
+}
+
+/// Returns for each building the steps after which its score first is 1 or less, sorted; infinite if it never is.
+fn steps_to_baseline(test: &[SeedScores], adapted: &[(u64, Vec<SeedScores>)]) -> Vec<f64> {
+    let first = |(number, group): (usize, &SeedScores)| {
+        let after = |(steps, groups): &(u64, Vec<SeedScores>)| Some((*steps, groups.get(number)?.mean()));
+        let mut scores = std::iter::once((0, group.mean())).chain(adapted.iter().filter_map(after));
+        scores.find(|(_, score)| *score <= 1.0).map_or(f64::INFINITY, |(steps, _)| steps as f64)
+    };
+    let mut steps: Vec<f64> = test.iter().enumerate().map(first).collect();
+    steps.sort_by(f64::total_cmp);
+    steps
+}

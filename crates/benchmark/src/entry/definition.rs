@@ -1,0 +1,78 @@
+//! A policy entered for a problem.
+
+use std::collections::BTreeMap;
+
+use super::entry_policy::EntryPolicy;
+use crate::policy::BuiltIn;
+use crate::problem::{Problem, Stage};
+use crate::{Episode, Error, Result};
+
+/// A policy entered for a problem.
+#[derive(Debug)]
+pub struct Entry {
+    /// The problem.
+    pub problem: Problem,
+    /// Name on the leaderboard.
+    pub name: String,
+    /// How the policy was made, in a line.
+    pub description: Option<String>,
+    /// Training steps, as declared by the user.
+    pub training_steps: Option<u64>,
+    /// The policy.
+    pub policy: EntryPolicy,
+    /// The policy for training buildings, if the sides have different spaces.
+    pub train_policy: Option<EntryPolicy>,
+    /// The policies by the number of training steps on each test environment.
+    pub adapted: BTreeMap<u64, EntryPolicy>,
+}
+
+impl Entry {
+    /// Errors unless the protocol of the problem allows the entry.
+    ///
+    /// # Errors
+    /// [`Error::Problem`] with the violation.
+    pub fn check(&self) -> Result<()> {
+        self.problem.check()?;
+        let protocol = &self.problem.protocol;
+        let violation = |why: String| Err(Error::Problem { name: self.problem.name.clone(), why });
+        if let Some(steps) = self.training_steps.filter(|steps| *steps > protocol.training_steps) {
+            let budget = protocol.training_steps;
+            return violation(format!("{} was trained for {steps} steps; the budget is {budget}", self.name));
+        }
+        if let Some(steps) = self.adapted.keys().find(|steps| !protocol.adaptation.contains(steps)) {
+            let known = &protocol.adaptation;
+            return violation(format!("no adaptation test after {steps} steps; expected one of {known:?}"));
+        }
+        Ok(())
+    }
+
+    /// Returns the stages in order.
+    pub fn stages(&self) -> Vec<Stage> {
+        let mut stages = vec![Stage::Test];
+        if self.problem.protocol.train_sample > 0 {
+            stages.push(Stage::Train);
+        }
+        if !self.adapted.is_empty() {
+            stages.push(Stage::Untrained);
+            stages.extend(self.adapted.keys().map(|steps| Stage::Adapted(*steps)));
+        }
+        stages
+    }
+
+    /// Returns the policy of a stage.
+    pub fn policy_of(&self, stage: Stage) -> &EntryPolicy {
+        const UNTRAINED: &EntryPolicy = &EntryPolicy::BuiltIn(BuiltIn::Random);
+        match stage {
+            Stage::Test => &self.policy,
+            Stage::Train => self.train_policy.as_ref().unwrap_or(&self.policy),
+            Stage::Untrained => UNTRAINED,
+            Stage::Adapted(steps) => self.adapted.get(&steps).unwrap_or(&self.policy),
+        }
+    }
+
+    /// Returns the episodes of a stage.
+    pub fn episodes(&self, stage: Stage) -> Vec<Episode> {
+        let seeds = self.policy_of(stage).seeds(&self.problem.protocol.seeds);
+        self.problem.episodes(stage, &seeds)
+    }
+}

@@ -1,0 +1,83 @@
+//! Runs an entry stage by stage.
+
+use std::path::Path;
+
+use super::definition::Entry;
+use super::result::{RunResult, Stages, UNFINISHED, check_new, find_result};
+use crate::error::at;
+use crate::evaluation::{Evaluation, Folder, Progress, Row};
+use crate::problem::{Stage, WrappedPolicy};
+use crate::results::Results;
+use crate::{Baselines, Result};
+
+/// The outcome of a run.
+#[derive(Debug)]
+pub enum RunOutcome {
+    /// The result, and its rows by stage.
+    Complete(Box<RunResult>, Stages),
+    /// The lost or unscored episodes; there is no result without them.
+    Incomplete(Vec<Row>),
+}
+
+impl Entry {
+    /// Runs the episodes that a folder does not contain yet, and writes the result to it. A folder with the result is left
+    /// as it is.
+    ///
+    /// # Errors
+    /// Those of [`Entry::check`]; [`Error::OtherEvaluation`] for the folder of another entry; those of
+    /// [`Folder::open`] and [`Results::of`].
+    pub fn run(
+        &self,
+        folder: &Path,
+        evaluation: &Evaluation<'_>,
+        baselines: &Baselines,
+        progress: &dyn Progress,
+    ) -> Result<RunOutcome> {
+        self.check()?;
+        if let Some((there, stages)) = find_result(folder)? {
+            let here = RunResult::of(self, &stages)?;
+            there.check_same(&here, folder)?;
+            clear(folder)?;
+            return Ok(RunOutcome::Complete(Box::new(there), stages));
+        }
+        check_new(folder)?;
+        let mut stages = Vec::new();
+        let mut lost = Vec::new();
+        for stage in self.stages() {
+            let rows = self.run_stage(stage, folder, evaluation, baselines, progress)?;
+            lost.extend(rows.iter().filter(|row| row.score().is_none()).cloned());
+            stages.push((stage, rows));
+        }
+        if !lost.is_empty() {
+            return Ok(RunOutcome::Incomplete(lost));
+        }
+        let result = RunResult::of(self, &stages)?;
+        result.write(self, &stages, folder)?;
+        clear(folder)?;
+        Ok(RunOutcome::Complete(Box::new(result), stages))
+    }
+
+    fn run_stage(
+        &self,
+        stage: Stage,
+        folder: &Path,
+        evaluation: &Evaluation<'_>,
+        baselines: &Baselines,
+        progress: &dyn Progress,
+    ) -> Result<Vec<Row>> {
+        let policy =
+            WrappedPolicy::new(self.policy_of(stage).policy(), &self.problem, self.problem.side(stage));
+        let episodes = self.episodes(stage);
+        let folder = Folder::open(&folder.join(UNFINISHED).join(stage.to_string()), &policy, &episodes)?;
+        Ok(Results::of(evaluation, &folder, &episodes, &policy, baselines, progress)?.rows)
+    }
+}
+
+/// Removes the folder of an unfinished run.
+fn clear(folder: &Path) -> Result<()> {
+    let unfinished = folder.join(UNFINISHED);
+    match unfinished.exists() {
+        true => std::fs::remove_dir_all(&unfinished).map_err(at(&unfinished)),
+        false => Ok(()),
+    }
+}

@@ -1,0 +1,41 @@
+//! An episode to run.
+
+use std::fmt;
+
+use b2b_building::RunPeriod;
+use b2b_env::Task;
+
+use crate::subject::Subject;
+
+/// An episode to run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Episode {
+    /// The building.
+    pub subject: Subject,
+    /// The task.
+    pub task: Task,
+    /// The run period.
+    pub period: RunPeriod,
+    /// Seed of the policy.
+    pub seed: u64,
+    /// Zone time steps per hour; each is one step of the environment.
+    pub steps_per_hour: u32,
+}
+
+impl Episode {
+    /// Returns the number of simulated days.
+    pub fn days(&self) -> u64 {
+        u64::from(self.period.days())
+    }
+
+    /// Returns the number of steps.
+    pub fn steps(&self) -> u64 {
+        self.days() * 24 * u64::from(self.steps_per_hour)
+    }
+}
+
+impl fmt::Display for Episode {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}, {}, {}, seed {}", self.subject.name, self.task, self.period, self.seed)
+    }
+}

@@ -1,0 +1,62 @@
+//! The record of an episode.
+
+use b2b_env::Spaces;
+use b2b_env::{EpisodeMetrics, Metrics};
+use serde::{Deserialize, Serialize};
+
+use super::deviations::Deviations;
+use super::hours::Hours;
+use super::info::EpisodeInfo;
+use super::recording::{Recording, controlled_zones};
+use crate::return_terms::ReturnTerms;
+
+/// A finished episode, or why it was lost.
+pub type Outcome = std::result::Result<Finished, Lost>;
+
+/// Why an episode was lost.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{reason}")]
+pub struct Lost {
+    /// The reason.
+    pub reason: String,
+}
+
+/// An episode that ran to its end, as it is kept on disk.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Finished {
+    /// What was run, and its metrics.
+    pub record: Record,
+    /// Sums from which the return follows for every weight.
+    pub terms: ReturnTerms,
+    /// Distribution of deviations from target.
+    pub deviations: Deviations,
+    /// Hourly values.
+    pub hours: Hours,
+}
+
+/// What was run, and its metrics.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Record {
+    /// What was run.
+    #[serde(flatten)]
+    pub info: EpisodeInfo,
+    /// Its metrics.
+    #[serde(flatten)]
+    pub metrics: EpisodeMetrics,
+    /// SHA-256 of every observation, action and penalty, as `b2b run` prints it.
+    pub trajectory_hash: String,
+}
+
+impl Finished {
+    /// Returns the record of a recorded episode.
+    pub(super) fn new(info: EpisodeInfo, spaces: &Spaces, metrics: &Metrics, recording: &Recording) -> Self {
+        let zones = controlled_zones(spaces);
+        let trajectory_hash = recording.trajectory.hash();
+        Self {
+            record: Record { info, metrics: metrics.into(), trajectory_hash },
+            terms: metrics.into(),
+            deviations: Deviations::of(recording, &zones),
+            hours: Hours::of(recording, &zones, spaces),
+        }
+    }
+}

@@ -1,0 +1,43 @@
+//! A recorded episode.
+
+use b2b_building::{Conditioning, Zone};
+use b2b_env::Spaces;
+use b2b_env::{Target, Trajectory};
+
+/// A recorded episode.
+pub(super) struct Recording {
+    /// The observation before the first step.
+    pub(super) first_observation: Vec<f64>,
+    /// All steps.
+    pub(super) trajectory: Trajectory,
+}
+
+/// A controlled zone in an observation.
+pub(super) struct ControlledZone {
+    /// Index of its temperature.
+    pub(super) slot: usize,
+    /// Its target.
+    pub(super) target: Target,
+    /// Whether it has both heating and cooling.
+    pub(super) fully_conditioned: bool,
+}
+
+impl Recording {
+    /// Returns the observations before and after each step.
+    pub(super) fn steps(&self) -> impl Iterator<Item = (&[f64], &[f64])> {
+        let ends = self.trajectory.observations.chunks_exact(self.first_observation.len());
+        std::iter::once(self.first_observation.as_slice()).chain(ends.clone()).zip(ends)
+    }
+}
+
+/// Returns the controlled zones of a building in model order.
+pub(super) fn controlled_zones(spaces: &Spaces) -> Vec<ControlledZone> {
+    let zones = spaces.building.zones.iter().enumerate();
+    let controlled = zones.filter(|(_, zone)| zone.conditioning != Conditioning::None);
+    let zone = |(number, (slot, zone)): (usize, (usize, &Zone))| ControlledZone {
+        slot,
+        target: spaces.observation.target(number),
+        fully_conditioned: zone.conditioning == Conditioning::HeatingAndCooling,
+    };
+    controlled.enumerate().map(zone).collect()
+}

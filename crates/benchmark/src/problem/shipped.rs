@@ -1,0 +1,99 @@
+//! The shipped problems, and problems from files and types.
+
+use std::path::Path;
+use std::sync::OnceLock;
+
+use b2b_building::BuildingType;
+
+use super::buildings::{Buildings, Subset};
+use super::definition::Problem;
+use super::list::joined;
+use super::side::Side;
+use crate::error::at;
+use crate::{Error, Result};
+
+/// The shipped problems.
+pub(super) const SHIPPED: [&str; 13] = [
+    include_str!("../../data/problems/goal-energy-weight.json"),
+    include_str!("../../data/problems/goal-setpoint-mode.json"),
+    include_str!("../../data/problems/goal-leave-one-out.json"),
+    include_str!("../../data/problems/dynamics-house.json"),
+    include_str!("../../data/problems/dynamics-office-small.json"),
+    include_str!("../../data/problems/dynamics-office-medium.json"),
+    include_str!("../../data/problems/unitary-5-10.json"),
+    include_str!("../../data/problems/unitary-10-5.json"),
+    include_str!("../../data/problems/central-33-36.json"),
+    include_str!("../../data/problems/central-36-33.json"),
+    include_str!("../../data/problems/retail-to-office-small.json"),
+    include_str!("../../data/problems/retail-to-warehouse.json"),
+    include_str!("../../data/problems/office-small-to-office-medium.json"),
+];
+
+impl Problem {
+    /// Returns the shipped problems, family by family.
+    pub fn all() -> &'static [Self] {
+        static ALL: OnceLock<Vec<Problem>> = OnceLock::new();
+        ALL.get_or_init(|| {
+            SHIPPED
+                .iter()
+                .map(|text| serde_json::from_str(text).expect("a test reads every shipped problem"))
+                .collect()
+        })
+    }
+
+    /// Returns the shipped problem of a name.
+    ///
+    /// # Errors
+    /// [`Error::UnknownProblem`] with similar names.
+    pub fn named(name: &str) -> Result<Self> {
+        let found = Self::all().iter().find(|problem| problem.name == name);
+        found.cloned().ok_or_else(|| {
+            let mut near: Vec<_> = Self::all().iter().map(|problem| problem.name.as_str()).collect();
+            let similarity =
+                |known: &str| strsim::jaro_winkler(known, &name.to_lowercase().replace('_', "-"));
+            near.sort_by(|a, b| similarity(b).total_cmp(&similarity(a)));
+            near.retain(|known| similarity(known) > 0.8);
+            near.truncate(2);
+            Error::UnknownProblem { text: name.to_owned(), near: near.join(" or ") }
+        })
+    }
+
+    /// Reads a problem from a JSON file of the shipped format.
+    ///
+    /// # Errors
+    /// [`Error::Io`]; [`Error::ProblemFile`]; those of [`Problem::check`].
+    pub fn read(path: &Path) -> Result<Self> {
+        let text = std::fs::read_to_string(path).map_err(at(path))?;
+        let problem: Self = serde_json::from_str(&text)
+            .map_err(|error| Error::ProblemFile { path: path.to_owned(), why: error.to_string() })?;
+        problem.check()?;
+        Ok(problem)
+    }
+
+    /// Returns a problem from some building types to others, with the protocol of the shipped cross-domain problems.
+    ///
+    /// # Errors
+    /// Those of [`Problem::check`].
+    pub fn cross_domain(train: &[BuildingType], test: &[BuildingType]) -> Result<Self> {
+        let like = Self::named("retail-to-office-small")?;
+        let side = |side: &Side, types: &[BuildingType], subset| {
+            let buildings = Buildings::Subset { types: types.to_vec(), subset };
+            Side { buildings, sizes: Vec::new(), ..side.clone() }
+        };
+        let names =
+            |types: &[BuildingType]| types.iter().map(|each| each.name()).collect::<Vec<_>>().join("+");
+        let problem = Self {
+            name: format!("{}-to-{}", names(train), names(test)),
+            question: format!(
+                "A policy has learned in buildings of {}: what does it do in those of {}?",
+                joined(train),
+                joined(test)
+            ),
+            train: side(&like.train, train, Subset::Train),
+            test: side(&like.test, test, Subset::Test),
+            ..like
+        };
+        problem.check()?;
+        Ok(problem)
+    }
+}

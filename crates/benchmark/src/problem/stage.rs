@@ -1,0 +1,46 @@
+//! The stages of a benchmark run.
+
+use std::fmt;
+use std::str::FromStr;
+
+/// A stage of a benchmark run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Stage {
+    /// Test environments, zero-shot: without a step of training on them.
+    Test,
+    /// A sample of the training environments.
+    Train,
+    /// Test environments under random actions: the level of an untrained policy.
+    Untrained,
+    /// Test environments, after a number of training steps on each.
+    Adapted(u64),
+}
+
+impl fmt::Display for Stage {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Test => f.write_str("test"),
+            Self::Train => f.write_str("train"),
+            Self::Untrained => f.write_str("untrained"),
+            Self::Adapted(steps) => write!(f, "adapted-{steps}"),
+        }
+    }
+}
+
+impl FromStr for Stage {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "test" => Ok(Self::Test),
+            "train" => Ok(Self::Train),
+            "untrained" => Ok(Self::Untrained),
+            _ => {
+                let steps = text.strip_prefix("adapted-").and_then(|steps| steps.parse().ok());
+                let unknown =
+                    || format!("unknown stage `{text}`; expected test, train, untrained or adapted-STEPS");
+                steps.map(Self::Adapted).ok_or_else(unknown)
+            }
+        }
+    }
+}

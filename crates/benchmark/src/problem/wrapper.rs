@@ -1,0 +1,167 @@
+//! A wrapper that gives a policy the observation and action spaces of a problem's side.
+
+use b2b_building::Description;
+use b2b_building::morphology::{COMMON, Morphology};
+use b2b_control::Controller;
+use b2b_energyplus::digest::sha256;
+
+use super::definition::Problem;
+use super::protocol::Attributes;
+use super::restriction::{Fallback, RestrictedAction};
+use super::side::Side;
+use crate::policy::{EpisodeContext, Interface, Policy};
+use crate::tuned::controller_parameters;
+use crate::{Error, Result};
+
+/// A policy behind the observation and action spaces of a problem's side: observations are zero-padded and extended by
+/// the building's attributes, and withheld actuators are controlled by their fallback.
+pub struct WrappedPolicy<'a> {
+    policy: &'a dyn Policy,
+    problem: &'a Problem,
+    side: &'a Side,
+}
+
+impl<'a> WrappedPolicy<'a> {
+    /// Wraps a policy for a side of a problem.
+    pub fn new(policy: &'a dyn Policy, problem: &'a Problem, side: &'a Side) -> Self {
+        Self { policy, problem, side }
+    }
+
+    /// Returns the common attributes of the building in the order of [`COMMON`]; unknown ones are 0.
+    fn attributes(&self, context: &EpisodeContext<'_>) -> Result<Vec<f64>> {
+        if self.problem.protocol.attributes == Attributes::Withheld {
+            return Ok(Vec::new());
+        }
+        let EpisodeContext { subject, spaces, .. } = context;
+        let origin = subject.placement.origin(&subject.name);
+        let description = Description::of(&spaces.building, &spaces.episode.weather, origin)?;
+        let or_zero = |value: f64| if value.is_finite() { value } else { 0.0 };
+        Ok(Morphology::of(&spaces.building, &description)
+            .common_attributes
+            .into_iter()
+            .map(or_zero)
+            .collect())
+    }
+
+    /// Returns the number of zeros that pad an observation of `slots` values.
+    fn padding(&self, slots: usize) -> Result<usize> {
+        let Some(width) = self.problem.protocol.observation_width else { return Ok(0) };
+        width.checked_sub(slots).ok_or_else(|| Error::Problem {
+            name: self.problem.name.clone(),
+            why: format!("an observation has {slots} values, more than observation_width, {width}"),
+        })
+    }
+}
+
+impl Policy for WrappedPolicy<'_> {
+    fn name(&self) -> String {
+        self.policy.name()
+    }
+
+    fn identity(&self) -> String {
+        let wrapper = (
+            &self.side.restriction,
+            self.problem.protocol.attributes,
+            self.problem.protocol.observation_width,
+        );
+        let wrapper = serde_json::to_vec(&wrapper).unwrap_or_default();
+        format!("{}, interface {}", self.policy.identity(), &sha256(wrapper)[..16])
+    }
+
+    fn is_baseline(&self) -> bool {
+        let pinned = self.side.restriction.is_some_and(|restriction| restriction.fallback == Fallback::Pin);
+        self.policy.is_baseline() && !pinned
+    }
+
+    fn controller(&self, context: EpisodeContext<'_>) -> Result<Box<dyn Controller>> {
+        let EpisodeContext { subject, site, spaces, seed, .. } = context;
+        let parameters = controller_parameters(subject, site);
+        let restricted = self.side.restriction.map(|each| each.apply(spaces, &parameters)).transpose()?;
+        let attributes = self.attributes(&context)?;
+        let slots = spaces.observation.slots();
+        let padding = self.padding(slots.len())?;
+        let action = match &restricted {
+            Some(restricted) => spaces.action.select(restricted.kept()),
+            None => spaces.action.clone(),
+        };
+        if let Some(building_type) = subject.name.building_type()
+            && let Some(why) = self.side.size_mismatch(building_type, spaces, action.len())
+        {
+            return Err(Error::Problem { name: self.problem.name.clone(), why });
+        }
+        let attribute_names = COMMON.iter().take(attributes.len()).map(|slot| attribute_name(slot.quantity));
+        let interface = Interface {
+            observation: slots
+                .iter()
+                .map(|slot| slot.name.clone())
+                .chain((0..padding).map(|_| "padding".to_owned()))
+                .chain(attribute_names)
+                .collect(),
+            action,
+        };
+        let mut padded = vec![0.0; slots.len() + padding];
+        padded.extend(attributes);
+        let bypass = self.policy.ignores_interface();
+        let partial_action = vec![0.0; interface.action.len()];
+        if bypass && restricted.is_some() && !self.policy.is_baseline() {
+            let why = format!(
+                "{} controls all actuators; it cannot run with some of them withheld",
+                self.policy.name()
+            );
+            return Err(Error::Problem { name: self.problem.name.clone(), why });
+        }
+        let inner = self.policy.controller(EpisodeContext {
+            subject,
+            site,
+            spaces,
+            interface: &interface,
+            seed,
+            ..context
+        })?;
+        Ok(Box::new(WrappedController { inner, bypass, restricted, padded, partial_action }))
+    }
+}
+
+/// The controller of a wrapped policy.
+struct WrappedController {
+    inner: Box<dyn Controller>,
+    /// Whether the inner controller observes and controls the whole building; withheld actuators are overwritten.
+    bypass: bool,
+    restricted: Option<RestrictedAction>,
+    /// Observation, zeros and attributes.
+    padded: Vec<f64>,
+    /// Action of the remaining actuators.
+    partial_action: Vec<f64>,
+}
+
+impl Controller for WrappedController {
+    fn reset(&mut self) {
+        self.inner.reset();
+        if let Some(restricted) = &mut self.restricted {
+            restricted.reset();
+        }
+    }
+
+    fn act(&mut self, observation: &[f64], action: &mut [f64]) {
+        if self.bypass {
+            self.inner.act(observation, action);
+            if let Some(restricted) = &mut self.restricted {
+                restricted.overwrite(observation, action);
+            }
+            return;
+        }
+        self.padded[..observation.len()].copy_from_slice(observation);
+        match &mut self.restricted {
+            None => self.inner.act(&self.padded, action),
+            Some(restricted) => {
+                self.inner.act(&self.padded, &mut self.partial_action);
+                restricted.complete(observation, &self.partial_action, action);
+            }
+        }
+    }
+}
+
+fn attribute_name(attribute: b2b_building::morphology::Attribute) -> String {
+    let name = serde_json::to_value(attribute).unwrap_or_default();
+    format!("building {}", name.as_str().unwrap_or_default())
+}

@@ -1,0 +1,72 @@
+//! Parts of charts that all reports share.
+
+use serde_json::{Value, json};
+
+use crate::evaluation::EpisodeInfo;
+
+/// Colors of series.
+const PALETTE: [&str; 8] =
+    ["#2563eb", "#e4572e", "#0f9d76", "#9333ea", "#d39b00", "#0891b2", "#db2777", "#65800f"];
+/// Ratio of the largest to the smallest value above which an axis is logarithmic.
+const WIDE: f64 = 20.0;
+
+/// A chart in a report.
+pub(super) struct Chart {
+    pub(super) title: String,
+    pub(super) note: String,
+    /// Height, pixels.
+    pub(super) height: u32,
+    /// Whether it takes the whole width of the page.
+    pub(super) wide: bool,
+    /// Plotly's traces.
+    pub(super) data: Value,
+    /// Plotly's layout.
+    pub(super) layout: Value,
+}
+
+impl Chart {
+    /// Returns the chart as the page reads it.
+    pub(super) fn json(mut self) -> Value {
+        self.layout["height"] = self.height.into();
+        let Self { title, note, wide, data, layout, .. } = self;
+        json!({"title": title, "note": note, "wide": wide, "data": data, "layout": layout})
+    }
+}
+
+/// Returns the color of a series by its number.
+pub(super) fn color(series: usize) -> &'static str {
+    PALETTE[series % PALETTE.len()]
+}
+
+/// Returns a dashed horizontal line across the chart.
+pub(super) fn horizontal_line(value: f64) -> Value {
+    json!({"type": "line", "xref": "paper", "x0": 0, "x1": 1, "y0": value, "y1": value,
+           "line": {"dash": "dash", "width": 1.3, "color": "#b45309"}})
+}
+
+/// Returns the range of values.
+pub(super) fn range(values: &[f64]) -> (f64, f64) {
+    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+    (low, values.iter().copied().fold(f64::NEG_INFINITY, f64::max))
+}
+
+/// Returns whether a range needs a logarithmic axis.
+pub(super) fn is_wide((low, high): (f64, f64)) -> bool {
+    low > 0.0 && high / low > WIDE
+}
+
+/// Returns a diamond at a mean, over the violin of its values.
+pub(super) fn mean_diamond(name: &str, values: &[f64], color: &str) -> Value {
+    let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+    json!({
+        "type": "scatter", "mode": "markers", "x": [name], "y": [mean], "showlegend": false,
+        "hovertemplate": "mean %{y:.2f} K<extra></extra>",
+        "marker": {"symbol": "diamond", "size": 11, "color": color, "line": {"width": 1.5, "color": "#fff"}},
+    })
+}
+
+/// Names an episode in two lines, for hover labels.
+pub(super) fn hover_name(info: &EpisodeInfo) -> String {
+    let EpisodeInfo { building, place, climate_zone, task, period, seed, .. } = info;
+    format!("{building} in {place} ({climate_zone})<br>{task}, {period}, seed {seed}")
+}

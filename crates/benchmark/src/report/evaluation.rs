@@ -1,0 +1,129 @@
+//! `report.html` of an evaluation.
+
+use std::io::Write;
+
+use serde_json::{Value, json};
+
+use super::evaluation_charts::{self, TypeDeviations};
+use super::hourly_chart;
+use super::page::write_page;
+use crate::evaluation::{Deviations, Finished, Row};
+use crate::results::Results;
+use crate::statistics::{Aggregate, Interval};
+use crate::summary::{Group, Summary, Window};
+
+/// Number of episodes with an hourly chart.
+const WORST: usize = 4;
+
+/// Writes the page. `read` returns the record of an episode by its number.
+///
+/// # Errors
+/// Those of the file.
+pub fn write(
+    file: &mut impl Write,
+    results: &Results,
+    summary: &Summary,
+    read: &dyn Fn(usize) -> Option<Finished>,
+) -> std::io::Result<()> {
+    let mut charts = evaluation_charts::all(results, &deviations(results, read));
+    charts.extend(
+        worst(results).into_iter().filter_map(|(number, row)| {
+            Some(hourly_chart::worst(&row.info, row.score(), &read(number)?.hours))
+        }),
+    );
+    let data = json!({
+        "title": format!("{} on {} episodes", summary.policy, summary.episodes),
+        "tiles": tiles(summary),
+        "tables": summary.windows.iter().map(table).collect::<Vec<_>>(),
+        "lost": summary.lost.iter().map(ToString::to_string).collect::<Vec<_>>(),
+        "drawings": charts,
+        "footer": footer(summary),
+    });
+    write_page(file, &data)
+}
+
+/// Returns the episodes with the highest scores; without scores, those with the largest deviations.
+fn worst(results: &Results) -> Vec<(usize, &Row)> {
+    let rows = results.rows.iter().enumerate();
+    let mut ran: Vec<_> = rows.filter_map(|(number, row)| Some((number, row, row.metrics()?))).collect();
+    ran.sort_by(|(_, a, a_metrics), (_, b, b_metrics)| {
+        let (a_score, b_score) = (a.score().unwrap_or(0.0), b.score().unwrap_or(0.0));
+        let by_deviation = || b_metrics.rms_deviation.total_cmp(&a_metrics.rms_deviation);
+        b_score.total_cmp(&a_score).then_with(by_deviation)
+    });
+    ran.into_iter().take(WORST).map(|(number, row, _)| (number, row)).collect()
+}
+
+fn deviations(results: &Results, read: &dyn Fn(usize) -> Option<Finished>) -> Vec<TypeDeviations> {
+    let mut types: Vec<TypeDeviations> = Vec::new();
+    for (number, row) in results.rows.iter().enumerate() {
+        let Some(Finished { deviations: Deviations { counts }, .. }) = read(number) else { continue };
+        let total = counts.iter().sum::<u64>() as f64;
+        if total == 0.0 {
+            continue;
+        }
+        let name = &row.info.building_type;
+        let index = types.iter().position(|each| each.building_type == *name).unwrap_or_else(|| {
+            types.push(TypeDeviations { building_type: name.clone(), shares: vec![0.0; counts.len()] });
+            types.len() - 1
+        });
+        for (share, count) in types[index].shares.iter_mut().zip(counts) {
+            *share += count as f64 / total;
+        }
+    }
+    types
+}
+
+/// Returns pairs of a label and a value.
+fn tiles(summary: &Summary) -> Value {
+    let mut tiles = Vec::new();
+    for Window { task, period, all, .. } in &summary.windows {
+        let which = if summary.windows.len() > 1 { format!(" · {task}, {period}") } else { String::new() };
+        if let Some(scores) = &all.scores {
+            let score = scores.interquartile_mean.to_string();
+            tiles.push(json!([format!("score, interquartile mean{which}"), score]));
+            let share = format!("{:.0} %", scores.beats_baseline_percent());
+            tiles.push(json!([format!("beats baseline{which}"), share]));
+        }
+        let deviation = format!("{:.2} K", all.rms_deviation_k);
+        tiles.push(json!([format!("RMS deviation, mean{which}"), deviation]));
+        let energy = format!("{:.1} kWh/m²", all.energy_wh_m2 / 1000.0);
+        tiles.push(json!([format!("HVAC energy, mean{which}"), energy]));
+    }
+    tiles.into()
+}
+
+fn table(window: &Window) -> Value {
+    let row = |group: &Group| {
+        let scores = group.scores.as_ref();
+        let of = |interval: fn(&Aggregate) -> Interval| {
+            scores.map_or("–".to_owned(), |scores| interval(scores).to_string())
+        };
+        json!([
+            group.name,
+            group.episodes().to_string(),
+            of(|scores| scores.interquartile_mean),
+            of(|scores| scores.median),
+            of(|scores| scores.mean),
+            scores.map_or("–".into(), |scores| format!("{:.0}", scores.beats_baseline_percent())),
+            format!("{:.2}", group.rms_deviation_k),
+            format!("{:.2}", group.energy_wh_m2 / 1000.0),
+            format!("{:.1}", group.daily_travel),
+        ])
+    };
+    let groups = window.types.iter().chain((window.types.len() > 1).then_some(&window.all));
+    json!({
+        "title": format!("{}, task {}; lower is better, 1 is the baseline", window.period, window.task),
+        "header": ["building type", "episodes", "interquartile mean", "median", "mean", "beats baseline (%)",
+                   "RMS deviation (K)", "HVAC energy (kWh/m²)", "actuator travel (strokes/day)"],
+        "rows": groups.map(row).collect::<Vec<_>>(),
+    })
+}
+
+fn footer(summary: &Summary) -> String {
+    format!(
+        "Score: the return divided by that of the reactive controllers (the baseline) for the same building, task and days; \
+         lower is better. In brackets: 95 % bootstrap confidence intervals over episodes, stratified by building type. {}.",
+        summary.versions
+    )
+}

@@ -1,0 +1,270 @@
+//! The charts of an evaluation's report.
+
+use b2b_env::EpisodeMetrics;
+use serde_json::{Value, json};
+
+use super::chart::{Chart, color, horizontal_line, hover_name, is_wide, mean_diamond, range};
+use crate::evaluation::{Deviations, EpisodeInfo, Row};
+use crate::results::Results;
+use crate::statistics::quantile;
+use crate::summary::type_label;
+
+/// Number of quantiles that represent a distribution.
+const QUANTILES: usize = 400;
+
+/// The distribution of deviations of a building type; every episode has the same weight.
+pub(super) struct TypeDeviations {
+    pub(super) building_type: String,
+    /// Share of each bin.
+    pub(super) shares: Vec<f64>,
+}
+
+/// An episode that was not lost.
+#[derive(Clone, Copy)]
+struct Ran<'a> {
+    info: &'a EpisodeInfo,
+    metrics: &'a EpisodeMetrics,
+    score: Option<f64>,
+}
+
+impl<'a> Ran<'a> {
+    fn of(row: &'a Row) -> Option<Self> {
+        let scored = row.outcome.as_ref().ok()?;
+        Some(Self { info: &row.info, metrics: &scored.metrics, score: scored.score })
+    }
+}
+
+/// Returns all charts in order.
+pub(super) fn all(results: &Results, deviations: &[TypeDeviations]) -> Vec<Value> {
+    let rows: Vec<Ran<'_>> = results.rows.iter().filter_map(Ran::of).collect();
+    let types = distinct(&rows, |row| row.info.building_type.clone());
+    let charts = [
+        scores_by_type(&rows, &types),
+        scores_by_zone(&rows, &types),
+        step_deviations(deviations, &types),
+        rms_deviations(&rows, &types),
+        energy_and_comfort(&rows, &types),
+    ];
+    charts.into_iter().map(Chart::json).collect()
+}
+
+fn distinct<K: PartialEq>(rows: &[Ran<'_>], key: impl Fn(&Ran<'_>) -> K) -> Vec<K> {
+    let mut keys = Vec::new();
+    for key in rows.iter().map(key) {
+        if !keys.contains(&key) {
+            keys.push(key);
+        }
+    }
+    keys
+}
+
+fn type_color(types: &[String], name: &str) -> &'static str {
+    color(types.iter().position(|each| each == name).unwrap_or_default())
+}
+
+fn of_type<'a>(rows: &[Ran<'a>], building_type: &str) -> Vec<Ran<'a>> {
+    rows.iter().filter(|row| row.info.building_type == building_type).copied().collect()
+}
+
+/// Returns the hover label of an episode.
+fn label(row: &Ran<'_>) -> String {
+    let score = row.score.map_or("no score".to_owned(), |score| format!("score {score:.3}"));
+    let EpisodeMetrics { episode_return, rms_deviation, .. } = row.metrics;
+    format!(
+        "{}<br>{score}, return {episode_return:.1}, RMS deviation {rms_deviation:.2} K",
+        hover_name(row.info)
+    )
+}
+
+fn labels(rows: &[Ran<'_>]) -> Vec<String> {
+    rows.iter().map(label).collect()
+}
+
+fn scores_by_type(rows: &[Ran<'_>], types: &[String]) -> Chart {
+    let (data, layout) = scores(rows, types, |row| type_label(&row.info.building_type).to_owned());
+    Chart {
+        title: "Scores by building type".into(),
+        note: "one point per episode; dashed: the reactive controllers".into(),
+        height: 360,
+        wide: false,
+        data,
+        layout,
+    }
+}
+
+fn scores_by_zone(rows: &[Ran<'_>], types: &[String]) -> Chart {
+    let mut rows = rows.to_vec();
+    rows.sort_by(|a, b| a.info.climate_zone.cmp(&b.info.climate_zone));
+    let (data, layout) = scores(&rows, types, |row| row.info.climate_zone.clone());
+    Chart {
+        title: "Scores by climate zone".into(),
+        note: "ASHRAE 169 climate zones, from hot to cold; dashed: the reactive controllers".into(),
+        height: 360,
+        wide: false,
+        data,
+        layout,
+    }
+}
+
+/// Draws a box per category, with its episodes in the colors of their types.
+fn scores(rows: &[Ran<'_>], types: &[String], category: impl Fn(&Ran<'_>) -> String) -> (Value, Value) {
+    let scored: Vec<Ran<'_>> =
+        rows.iter().copied().filter(|row| row.score.is_some_and(f64::is_finite)).collect();
+    let values: Vec<f64> = scored.iter().filter_map(|row| row.score).collect();
+    let mut data = vec![json!({
+        "type": "box", "x": scored.iter().map(&category).collect::<Vec<_>>(), "y": values,
+        "boxpoints": false, "line": {"color": "#9aa3af", "width": 1.2}, "fillcolor": "rgba(154,163,175,.12)",
+        "hoverinfo": "skip", "showlegend": false, "width": 0.6,
+    })];
+    for name in types {
+        let own = of_type(&scored, name);
+        let x = own.iter().map(|row| category(row).into()).collect();
+        let y = own.iter().map(|row| row.score.into()).collect();
+        data.push(points(&own, x, y, type_label(name), type_color(types, name)));
+    }
+    let mut layout = json!({
+        // Otherwise plotly orders the categories by the box.
+        "xaxis": {"type": "category", "categoryorder": "array", "categoryarray": distinct(&scored, &category)},
+        "yaxis": {"title": {"text": "score"}, "zeroline": false},
+        "shapes": [horizontal_line(1.0)],
+    });
+    let (low, high) = range(&values);
+    if is_wide((low, high)) {
+        layout["yaxis"]["type"] = "log".into();
+        layout["yaxis"]["dtick"] = "D1".into();
+    } else {
+        let (low, high) = (low.min(1.0), high.max(1.0));
+        // Leaves room around the line even if every score is on it.
+        let margin = ((high - low) * 0.08).max(0.02);
+        layout["yaxis"]["range"] = json!([low - margin, high + margin]);
+    }
+    (data.into(), layout)
+}
+
+fn points(rows: &[Ran<'_>], x: Vec<Value>, y: Vec<Value>, name: &str, color: &str) -> Value {
+    json!({
+        "type": "scatter", "mode": "markers", "x": x, "y": y, "name": name,
+        "text": labels(rows), "hovertemplate": "%{text}<extra></extra>",
+        "marker": {"size": 7, "color": color, "opacity": 0.8, "line": {"width": 0}},
+    })
+}
+
+/// Draws violins over evenly spaced quantiles of all steps.
+fn step_deviations(deviations: &[TypeDeviations], types: &[String]) -> Chart {
+    let mut extent: f64 = 0.5;
+    let mut data = Vec::new();
+    for each in deviations {
+        let values = quantiles(&each.shares);
+        // 99 % of the steps are within the range of the axis.
+        extent = extent.max(-quantile(&values, 0.005)).max(quantile(&values, 0.995));
+        let name = type_label(&each.building_type);
+        data.push(json!({
+            "type": "violin", "y": values, "x0": name, "name": name, "points": false, "hoverinfo": "y+name",
+            "line": {"color": type_color(types, &each.building_type), "width": 1.2}, "spanmode": "hard", "width": 0.85,
+            "meanline": {"visible": true}, "box": {"visible": true, "width": 0.12},
+        }));
+    }
+    let range = [-1.1 * extent, 1.1 * extent];
+    let layout = json!({
+        "yaxis": {"title": {"text": "deviation from target (K)"}, "range": range, "zeroline": false},
+        "xaxis": {"type": "category"}, "shapes": [horizontal_line(0.0)], "showlegend": false,
+    });
+    Chart {
+        title: "Deviation from target, all steps".into(),
+        note:
+            "zone temperature minus target; zones with heating and cooling, every building weighted equally"
+                .into(),
+        height: 340,
+        wide: false,
+        data: data.into(),
+        layout,
+    }
+}
+
+/// Returns evenly spaced quantiles of a histogram.
+fn quantiles(shares: &[f64]) -> Vec<f64> {
+    let total: f64 = shares.iter().sum();
+    let (mut bin, mut sum) = (0, shares.first().copied().unwrap_or_default());
+    let mut value = |index: usize| {
+        let wanted = (index as f64 + 0.5) / QUANTILES as f64 * total;
+        while sum < wanted && bin + 1 < shares.len() {
+            bin += 1;
+            sum += shares[bin];
+        }
+        // Linear within the bin.
+        let within = if shares[bin] > 0.0 { 1.0 - (sum - wanted) / shares[bin] } else { 0.5 };
+        Deviations::middle(bin) + (within.clamp(0.0, 1.0) - 0.5) * Deviations::WIDTH
+    };
+    (0..QUANTILES).map(&mut value).collect()
+}
+
+/// Draws violins with their episodes and means, as in the paper's figure.
+fn rms_deviations(rows: &[Ran<'_>], types: &[String]) -> Chart {
+    let mut data = Vec::new();
+    for name in types {
+        let own = of_type(rows, name);
+        let values: Vec<f64> = own.iter().map(|row| row.metrics.rms_deviation).collect();
+        let (label, color) = (type_label(name), type_color(types, name));
+        data.push(json!({
+            "type": "violin", "y": values, "x0": label, "name": label, "points": "all", "jitter": 0.4, "pointpos": 0,
+            "text": labels(&own), "hoveron": "points", "hovertemplate": "%{text}<extra></extra>",
+            "line": {"color": color, "width": 1.2}, "marker": {"size": 5, "opacity": 0.8}, "spanmode": "hard",
+            "width": 0.85,
+        }));
+        data.push(mean_diamond(label, &values, color));
+    }
+    let layout = json!({
+        "yaxis": {"title": {"text": "RMS deviation (K)"}, "rangemode": "tozero", "zeroline": false},
+        "xaxis": {"type": "category"}, "showlegend": false,
+    });
+    Chart {
+        title: "RMS deviation by building type".into(),
+        note: "one point per episode; diamond: mean".into(),
+        height: 340,
+        wide: false,
+        data: data.into(),
+        layout,
+    }
+}
+
+fn energy_and_comfort(rows: &[Ran<'_>], types: &[String]) -> Chart {
+    let mut data = Vec::new();
+    for name in types {
+        let own = of_type(rows, name);
+        let x = own.iter().map(|row| (row.metrics.energy() / 1000.0).into()).collect();
+        let y = own.iter().map(|row| row.metrics.rms_deviation.into()).collect();
+        data.push(points(&own, x, y, type_label(name), type_color(types, name)));
+    }
+    let layout = json!({
+        "xaxis": {"title": {"text": "HVAC energy (kWh/m²)"}, "rangemode": "tozero", "zeroline": false},
+        "yaxis": {"title": {"text": "RMS deviation (K)"}, "rangemode": "tozero", "zeroline": false},
+    });
+    Chart {
+        title: "Energy vs. comfort".into(),
+        note: "one point per episode; lower left is better".into(),
+        height: 400,
+        wide: true,
+        data: data.into(),
+        layout,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantiles_of_a_histogram_are_those_of_its_values() {
+        let mut deviations = Deviations::empty();
+        for step in 0..1000 {
+            deviations.add(-1.0 + f64::from(step) / 500.0);
+        }
+        let shares: Vec<f64> = deviations.counts.iter().map(|count| *count as f64).collect();
+        let values = quantiles(&shares);
+        assert_eq!(values.len(), QUANTILES);
+        assert!(values.is_sorted());
+        for (share, expected) in [(0.0, -1.0), (0.25, -0.5), (0.5, 0.0), (1.0, 1.0)] {
+            assert!((quantile(&values, share) - expected).abs() < 0.02, "{share}");
+        }
+    }
+}

@@ -1,0 +1,62 @@
+//! The hourly chart of one episode.
+
+use b2b_building::RunPeriod;
+use serde_json::{Value, json};
+
+use super::chart::Chart;
+use crate::evaluation::{EpisodeInfo, Hours};
+
+/// 1 January 2017, the calendar year of every episode, in milliseconds of Unix time.
+const YEAR_START_MS: i64 = 1_483_228_800_000;
+const HOUR_MS: i64 = 3_600_000;
+
+/// Returns the chart of one of the worst episodes: zones, outdoor air and HVAC power.
+pub(super) fn worst(info: &EpisodeInfo, score: Option<f64>, hours: &Hours) -> Value {
+    let score = score.map_or("no score".to_owned(), |score| format!("score {score:.2}"));
+    let EpisodeInfo { building, place, period, task, seed, .. } = info;
+    let chart = Chart {
+        title: format!("Worst episodes: {building} in {place}"),
+        note: format!("{score}, {period}, task {task}, seed {seed}; hourly means, drag to zoom"),
+        height: 460,
+        wide: true,
+        data: traces(&times(period, hours.mean.len()), hours),
+        layout: json!({
+            "xaxis": {"type": "date", "anchor": "y3", "hoverformat": "%a %e %b %H:00"},
+            "yaxis": {"domain": [0.5, 1], "title": {"text": "zones (°C)"}},
+            "yaxis2": {"domain": [0.26, 0.44], "title": {"text": "outdoors (°C)"}, "zeroline": false},
+            "yaxis3": {"domain": [0, 0.2], "title": {"text": "W/m²"}, "rangemode": "tozero"},
+            "hovermode": "x unified",
+        }),
+    };
+    chart.json()
+}
+
+/// Returns the beginnings of the hours, in milliseconds of Unix time.
+fn times(period: &str, hours: usize) -> Vec<i64> {
+    let first = period.parse::<RunPeriod>().map_or(1, |period| period.first().day_of_year());
+    let start = YEAR_START_MS + i64::from(first - 1) * 24 * HOUR_MS;
+    (0..hours as i64).map(|hour| start + hour * HOUR_MS).collect()
+}
+
+fn traces(times: &[i64], hours: &Hours) -> Value {
+    const ZONES: &str = "#2563eb";
+    let line = |name: &str, hundredths: &[i32], axis: &str, line: Value| {
+        let values: Vec<f64> = hundredths.iter().map(|value| f64::from(*value) / 100.0).collect();
+        json!({"type": "scatter", "mode": "lines", "x": times, "y": values, "name": name, "yaxis": axis, "line": line,
+               "hovertemplate": "%{y:.2f}"})
+    };
+    let invisible = || json!({"width": 0, "color": ZONES});
+    let mut coldest = line("coldest zone", &hours.coldest, "y", invisible());
+    coldest["showlegend"] = false.into();
+    let mut warmest = line("coldest to warmest zone", &hours.warmest, "y", invisible());
+    warmest["fill"] = "tonexty".into();
+    warmest["fillcolor"] = "rgba(37,99,235,.22)".into();
+    json!([
+        coldest,
+        warmest,
+        line("mean of zones", &hours.mean, "y", json!({"width": 1.2, "color": ZONES})),
+        line("mean target", &hours.target, "y", json!({"width": 1.2, "color": "#b45309", "dash": "dash"})),
+        line("outdoor air", &hours.outdoor, "y2", json!({"width": 1, "color": "#0891b2"})),
+        line("HVAC power", &hours.power, "y3", json!({"width": 1, "color": "#e4572e"})),
+    ])
+}

@@ -1,0 +1,181 @@
+//! The charts of the leaderboard.
+
+use serde_json::{Value, json};
+
+use super::chart::{Chart, color, horizontal_line, hover_name, is_wide, mean_diamond, range};
+use crate::entry::{RunResult, Stages};
+use crate::evaluation::{EpisodeInfo, Scored};
+use crate::problem::Stage;
+use crate::statistics::Interval;
+
+/// A result with its rows by stage.
+type Entry = (RunResult, Stages);
+
+/// Returns all charts of a problem's entries, in order.
+pub(super) fn all(board: &[&Entry]) -> Vec<Value> {
+    let charts = [returns(board), profiles(board), by_type(board), deviations(board)];
+    charts.into_iter().chain(curves(board)).map(Chart::json).collect()
+}
+
+fn chart(title: &str, note: &str, data: Vec<Value>, layout: Value) -> Chart {
+    Chart { title: title.into(), note: note.into(), height: 340, wide: false, data: data.into(), layout }
+}
+
+/// Draws a bar per entry, as in the paper's figure of returns.
+fn returns(board: &[&Entry]) -> Chart {
+    let bar = |(number, (result, _)): (usize, &&Entry)| {
+        let median = result.measures.test.median;
+        json!({
+            "type": "bar", "x": [result.name], "y": [median.value], "width": 0.55, "marker": {"color": color(number)},
+            "error_y": {"type": "data", "symmetric": false, "array": [median.high - median.value],
+                        "arrayminus": [median.value - median.low], "thickness": 1.4, "color": "#6b7280"},
+            "hovertemplate": "%{x}: %{y:.3f}<extra></extra>", "showlegend": false,
+        })
+    };
+    let values: Vec<f64> = board.iter().map(|(result, _)| result.measures.test.median.value).collect();
+    let mut layout = json!({
+        "xaxis": {"type": "category"}, "yaxis": {"title": {"text": "score, median"}, "zeroline": false},
+        "shapes": [horizontal_line(1.0)],
+    });
+    scale_y(&mut layout, &values);
+    let bars = board.iter().enumerate().map(bar).collect();
+    chart("Median score", "dashed: the reactive controllers; error bars: 95 % intervals", bars, layout)
+}
+
+/// Scales the vertical axis: logarithmic for widely spread values, else from 0. The baseline's 1 is in the range.
+fn scale_y(layout: &mut Value, values: &[f64]) {
+    let (low, high) = range(values);
+    if is_wide((low.min(1.0), high.max(1.0))) {
+        layout["yaxis"]["type"] = "log".into();
+        layout["yaxis"]["dtick"] = 1.into();
+    } else {
+        layout["yaxis"]["rangemode"] = "tozero".into();
+    }
+}
+
+/// Draws the share of buildings at or below a score, with its interval.
+fn profiles(board: &[&Entry]) -> Chart {
+    let mut data = Vec::new();
+    for (number, (result, _)) in board.iter().enumerate() {
+        let profile = &result.measures.profile;
+        let scores: Vec<f64> = profile.iter().map(|point| point.score).collect();
+        let of = |value: fn(&Interval) -> f64| {
+            profile.iter().map(|point| value(&point.share)).collect::<Vec<f64>>()
+        };
+        let there_and_back: Vec<f64> = scores.iter().chain(scores.iter().rev()).copied().collect();
+        let around: Vec<f64> =
+            of(|share| share.high).into_iter().chain(of(|share| share.low).into_iter().rev()).collect();
+        data.push(json!({
+            "type": "scatter", "x": there_and_back, "y": around, "mode": "lines", "fill": "toself",
+            "fillcolor": format!("{}2b", color(number)), "line": {"width": 0}, "hoverinfo": "skip", "showlegend": false,
+        }));
+        data.push(json!({
+            "type": "scatter", "x": scores, "y": of(|share| share.value), "mode": "lines", "name": result.name,
+            "line": {"color": color(number), "width": 2, "shape": "hv"},
+            "hovertemplate": "%{y:.0%} score %{x:.2f} or less<extra></extra>",
+        }));
+    }
+    let layout = json!({
+        "xaxis": {"title": {"text": "score τ"}, "zeroline": false, "range": [0, 3]},
+        "yaxis": {"title": {"text": "share of scores ≤ τ"}, "range": [-0.02, 1.02], "tickformat": ".0%", "zeroline": false},
+        "shapes": [{"type": "line", "yref": "paper", "y0": 0, "y1": 1, "x0": 1, "x1": 1,
+                    "line": {"dash": "dash", "width": 1.3, "color": "#b45309"}}],
+    });
+    chart("Performance profile", "upper left is better; bands: 95 % intervals", data, layout)
+}
+
+/// Returns the rows of the test stage; none of a result's rows is lost.
+fn test_rows(stages: &Stages) -> Vec<(&EpisodeInfo, &Scored)> {
+    let rows = stages.iter().filter(|(stage, _)| *stage == Stage::Test).flat_map(|(_, rows)| rows);
+    rows.filter_map(|row| Some((&row.info, row.outcome.as_ref().ok()?))).collect()
+}
+
+/// Returns the hover labels of episodes.
+fn labels(rows: &[(&EpisodeInfo, &Scored)]) -> Vec<String> {
+    let label = |(info, scored): &(&EpisodeInfo, &Scored)| {
+        let (score, rms) = (scored.score.unwrap_or(f64::NAN), scored.metrics.rms_deviation);
+        format!("{}<br>score {score:.3}, RMS deviation {rms:.2} K", hover_name(info))
+    };
+    rows.iter().map(label).collect()
+}
+
+/// Draws boxes with the episodes' scores by building type.
+fn by_type(board: &[&Entry]) -> Chart {
+    let mut values = Vec::new();
+    let mut data = Vec::new();
+    for (number, (result, stages)) in board.iter().enumerate() {
+        let rows = test_rows(stages);
+        let scores: Vec<f64> = rows.iter().filter_map(|(_, scored)| scored.score).collect();
+        data.push(json!({
+            "type": "box", "x": rows.iter().map(|(info, _)| &info.building_type).collect::<Vec<_>>(), "y": scores,
+            "name": result.name, "boxpoints": "all", "jitter": 0.5, "pointpos": 0,
+            "marker": {"size": 4.5, "opacity": 0.65, "color": color(number)}, "line": {"width": 1.2},
+            "fillcolor": format!("{}1a", color(number)), "text": labels(&rows),
+            "hoveron": "points", "hovertemplate": "%{text}<extra></extra>",
+        }));
+        values.extend(scores);
+    }
+    let mut layout = json!({
+        "xaxis": {"type": "category"}, "yaxis": {"title": {"text": "score"}, "zeroline": false},
+        "boxmode": "group", "shapes": [horizontal_line(1.0)],
+    });
+    scale_y(&mut layout, &values);
+    chart("Scores by building type", "one point per episode; dashed: the reactive controllers", data, layout)
+}
+
+/// Draws violins with their means, as in the paper's figure.
+fn deviations(board: &[&Entry]) -> Chart {
+    let mut data = Vec::new();
+    for (number, (result, stages)) in board.iter().enumerate() {
+        let rows = test_rows(stages);
+        let values: Vec<f64> = rows.iter().map(|(_, scored)| scored.metrics.rms_deviation).collect();
+        data.push(json!({
+            "type": "violin", "y": values, "x0": result.name, "name": result.name, "points": "all", "jitter": 0.4,
+            "pointpos": 0, "marker": {"size": 4, "opacity": 0.65}, "line": {"color": color(number), "width": 1.2},
+            "text": labels(&rows), "hoveron": "points",
+            "hovertemplate": "%{text}<extra></extra>", "spanmode": "hard", "width": 0.85, "showlegend": false,
+        }));
+        data.push(mean_diamond(&result.name, &values, color(number)));
+    }
+    let layout = json!({
+        "xaxis": {"type": "category"},
+        "yaxis": {"title": {"text": "RMS deviation (K)"}, "rangemode": "tozero", "zeroline": false},
+    });
+    chart("RMS deviation from target", "one point per episode; diamond: mean", data, layout)
+}
+
+/// Draws scores over the training steps on the test environments.
+fn curves(board: &[&Entry]) -> Option<Chart> {
+    let mut data = Vec::new();
+    let mut values = Vec::new();
+    for (number, (result, _)) in board.iter().enumerate() {
+        let Some(adaptation) = &result.measures.adaptation else { continue };
+        let of = |value: fn(&Interval) -> f64| {
+            let means = adaptation.curve.iter().map(|point| &point.scores.interquartile_mean);
+            means.map(value).collect::<Vec<f64>>()
+        };
+        let above: Vec<f64> = of(|each| each.high - each.value);
+        let below: Vec<f64> = of(|each| each.value - each.low);
+        values.extend(of(|each| each.value));
+        data.push(json!({
+            "type": "scatter", "mode": "lines+markers", "name": result.name,
+            "x": adaptation.curve.iter().map(|point| point.steps).collect::<Vec<_>>(), "y": of(|each| each.value),
+            "error_y": {"type": "data", "symmetric": false, "array": above, "arrayminus": below, "thickness": 1.2},
+            "line": {"color": color(number), "width": 2}, "marker": {"size": 7},
+        }));
+    }
+    if data.is_empty() {
+        return None;
+    }
+    let mut layout = json!({
+        "xaxis": {"title": {"text": "training steps on the test environment"}, "zeroline": false},
+        "yaxis": {"title": {"text": "score, interquartile mean"}, "zeroline": false}, "shapes": [horizontal_line(1.0)],
+    });
+    scale_y(&mut layout, &values);
+    Some(chart(
+        "Adaptation",
+        "scores after training on each test environment; dashed: the reactive controllers",
+        data,
+        layout,
+    ))
+}

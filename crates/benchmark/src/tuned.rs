@@ -1,0 +1,38 @@
+//! The tuned reactive controllers and the energy scale of a building's class: what every score is relative to.
+
+use b2b_building::Class;
+use b2b_control::ReactiveParameters;
+use b2b_energyplus::digest::sha256;
+use b2b_env::Task;
+
+use crate::subject::{SiteInfo, Subject};
+
+/// Returns the parameters of the reactive controllers for a building: those of its type and climate zone.
+pub fn controller_parameters(subject: &Subject, site: &SiteInfo) -> ReactiveParameters {
+    let prototype = subject.placement.leaves_prototype(&subject.name);
+    ReactiveParameters::tuned(subject.class(site), prototype)
+}
+
+/// Returns the task with the energy scale τ_E of the building's type and climate zone.
+pub fn task_for(subject: &Subject, site: &SiteInfo, task: &Task, steps_per_hour: u32) -> Task {
+    let scale = task.scale_for(subject.class(site), steps_per_hour);
+    Task { energy_scale: Some(scale), ..task.clone() }
+}
+
+/// Returns one hash of the parameters of all reactive controllers.
+pub(crate) fn controllers_hash() -> String {
+    let classes = Class::all().map(Some).chain([None]);
+    let all: String =
+        classes.map(|class| parameters_hash(&ReactiveParameters::tuned(class, false))).collect();
+    short(sha256(all))
+}
+
+/// Returns the hash of the parameters of one reactive controller.
+pub(crate) fn parameters_hash(parameters: &ReactiveParameters) -> String {
+    short(sha256(parameters.fingerprint()))
+}
+
+fn short(mut hash: String) -> String {
+    hash.truncate(16);
+    hash
+}

@@ -1,0 +1,57 @@
+//! The versions that a result depends on.
+
+use b2b_dataset::GENERATOR_VERSION;
+use b2b_energyplus::install::ENGINE_VERSION;
+use serde::{Deserialize, Serialize};
+
+use crate::tuned::controllers_hash;
+
+/// The versions that a result depends on, beside the policy.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Versions {
+    /// Version of this package.
+    pub package: String,
+    /// Version of the building generator and its dataset.
+    pub generator: String,
+    /// Version of EnergyPlus.
+    pub engine: String,
+    /// Hash of the parameters of the reactive controllers; empty where a file of an earlier version has none.
+    #[serde(default)]
+    pub controllers: String,
+}
+
+impl Versions {
+    /// Returns the versions of this program.
+    pub fn current() -> Self {
+        Self {
+            package: env!("CARGO_PKG_VERSION").to_owned(),
+            generator: GENERATOR_VERSION.to_owned(),
+            engine: ENGINE_VERSION.to_owned(),
+            controllers: controllers_hash(),
+        }
+    }
+
+    /// Describes where these versions differ from others, if they do: `dataset v0 there and v1 here`.
+    pub fn differences(&self, here: &Self) -> Option<String> {
+        let pairs = [
+            ("package", &self.package, &here.package),
+            ("dataset", &self.generator, &here.generator),
+            ("EnergyPlus", &self.engine, &here.engine),
+            ("reactive controllers", &self.controllers, &here.controllers),
+        ];
+        let different = pairs.into_iter().filter(|(_, there, here)| there != here);
+        let lines: Vec<_> =
+            different.map(|(what, there, here)| format!("{what} {there} there and {here} here")).collect();
+        (!lines.is_empty()).then(|| lines.join("; "))
+    }
+}
+
+impl std::fmt::Display for Versions {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { package, generator, engine, controllers } = self;
+        write!(
+            f,
+            "building2building {package}, dataset {generator}, EnergyPlus {engine}, reactive controllers {controllers}"
+        )
+    }
+}

@@ -1,0 +1,205 @@
+//! The layout of systems: their places in the action vector and the zones that they serve.
+//!
+//! The actuators of a building follow each other in the order of its systems. Within the range of a system, the offsets
+//! of its actuators have names: [`Unitary::FLOW`], [`AirLoop::damper`] and so on.
+
+use std::ops::Range;
+
+use serde::{Deserialize, Serialize};
+
+use super::actuator::Actuator;
+use super::system::{AirLoop, HeatingOnly, System, Unitary};
+use crate::{Error, Result};
+
+/// Place of a system in the action vector and in the zones of its building.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SystemLayout {
+    /// Range of its actuators in the action.
+    pub actions: Range<usize>,
+    /// Zones it serves: one, or those of the terminals of an air loop in their order.
+    pub zones: Vec<ServedZone>,
+}
+
+/// A zone that a system serves, by index.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ServedZone {
+    /// Index among all zones of the building.
+    pub index: usize,
+    /// Index among the controlled zones of the building.
+    pub controlled: usize,
+}
+
+impl Unitary {
+    /// Offset of the supply air flow.
+    pub const FLOW: usize = 0;
+    /// Offset of the supply air temperature.
+    pub const SUPPLY_TEMPERATURE: usize = 1;
+
+    fn actuators(&self) -> [&Actuator; 2] {
+        [&self.flow, &self.supply_temperature]
+    }
+}
+
+impl AirLoop {
+    /// Offset of the supply air temperature of the air handler.
+    pub const SUPPLY_TEMPERATURE: usize = 0;
+    /// Offset of the outdoor air flow.
+    pub const OUTDOOR_AIR: usize = 1;
+
+    /// Offset of the damper of a terminal.
+    pub const fn damper(terminal: usize) -> usize {
+        2 + 2 * terminal
+    }
+
+    /// Offset of the reheat setpoint of a terminal.
+    pub const fn reheat(terminal: usize) -> usize {
+        Self::damper(terminal) + 1
+    }
+
+    /// The terminal to which the actuator at an offset belongs; `None` for those of the air handler.
+    pub const fn terminal(offset: usize) -> Option<usize> {
+        if offset < Self::damper(0) { None } else { Some((offset - Self::damper(0)) / 2) }
+    }
+
+    fn actuators(&self) -> Vec<&Actuator> {
+        let terminals = self.terminals.iter().flat_map(|terminal| [&terminal.damper, &terminal.reheat]);
+        [&self.supply_temperature, &self.outdoor_air].into_iter().chain(terminals).collect()
+    }
+}
+
+impl HeatingOnly {
+    /// Offset of the heating setpoint.
+    pub const SETPOINT: usize = 0;
+}
+
+impl System {
+    /// Actuators of the system, in the order of the action.
+    pub fn actuators(&self) -> Vec<&Actuator> {
+        match self {
+            System::Unitary(unit) => unit.actuators().into(),
+            System::AirLoop(air_loop) => air_loop.actuators(),
+            System::HeatingOnly(heater) => vec![&heater.setpoint],
+        }
+    }
+}
+
+impl SystemLayout {
+    /// Returns the layouts of the systems of a building with these zones, by name in model order.
+    ///
+    /// # Errors
+    /// [`Error::MissingObject`] for a system whose zone is not among them.
+    pub(crate) fn of_all(systems: &[System], zones: &[&str]) -> Result<Vec<Self>> {
+        let served = |system: &System| system.zones().into_iter().map(|zone| find(zone, zones)).collect();
+        let served: Vec<Vec<usize>> = systems.iter().map(served).collect::<Result<_>>()?;
+        let controlled =
+            |index: usize| (0..index).filter(|zone| served.iter().flatten().any(|z| z == zone)).count();
+        let mut first = 0;
+        let layouts = systems.iter().zip(&served).map(|(system, served)| {
+            let actions = first..first + system.actuators().len();
+            first = actions.end;
+            let zones = served.iter().map(|&index| ServedZone { index, controlled: controlled(index) });
+            Self { actions, zones: zones.collect() }
+        });
+        Ok(layouts.collect())
+    }
+
+    /// Whether the system serves a zone, given its index in the building.
+    pub fn serves(&self, zone: usize) -> bool {
+        self.zones.iter().any(|served| served.index == zone)
+    }
+}
+
+fn find(name: &str, zones: &[&str]) -> Result<usize> {
+    let index = zones.iter().position(|zone| zone.eq_ignore_ascii_case(name));
+    index.ok_or_else(|| Error::MissingObject { class: "Zone".to_owned(), name: name.to_owned() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hvac::actuator::{EngineVariable, Quantity};
+    use crate::hvac::system::Terminal;
+
+    fn actuator(name: &str) -> Actuator {
+        Actuator {
+            name: name.to_owned(),
+            quantity: Quantity::SupplyAirFlow,
+            low: 0.0,
+            high: 1.0,
+            component: String::new(),
+            control: String::new(),
+            key: String::new(),
+            scale: 1.0,
+            effect: EngineVariable::new("", ""),
+            effect_scale: 1.0,
+            heat: None,
+        }
+    }
+
+    fn terminal(zone: &str) -> Terminal {
+        Terminal {
+            zone: zone.to_owned(),
+            damper: actuator(&format!("{zone} damper")),
+            reheat: actuator(&format!("{zone} reheat")),
+            design_flow: 1.0,
+            heating_opening: 1.0,
+        }
+    }
+
+    fn systems() -> [System; 3] {
+        let unit = Unitary {
+            zone: "core".to_owned(),
+            flow: actuator("flow"),
+            supply_temperature: actuator("unit supply"),
+        };
+        let air_loop = AirLoop {
+            name: "loop".to_owned(),
+            supply_temperature: actuator("supply"),
+            outdoor_air: actuator("outdoor"),
+            fan_flow: 1.0,
+            exhaust_flow: 0.0,
+            terminals: vec![terminal("East"), terminal("West")],
+        };
+        let heater = HeatingOnly { zone: "Hall".to_owned(), setpoint: actuator("setpoint") };
+        [System::Unitary(unit), System::AirLoop(air_loop), System::HeatingOnly(heater)]
+    }
+
+    const ZONES: [&str; 5] = ["Attic", "West", "Core", "Hall", "East"];
+
+    #[test]
+    fn named_offsets_are_those_of_the_actuators() {
+        let [unit, air_loop, heater] = systems();
+        let name = |system: &System, offset: usize| system.actuators()[offset].name.clone();
+        assert_eq!(name(&unit, Unitary::FLOW), "flow");
+        assert_eq!(name(&unit, Unitary::SUPPLY_TEMPERATURE), "unit supply");
+        assert_eq!(name(&air_loop, AirLoop::SUPPLY_TEMPERATURE), "supply");
+        assert_eq!(name(&air_loop, AirLoop::OUTDOOR_AIR), "outdoor");
+        for (index, zone) in ["East", "West"].into_iter().enumerate() {
+            assert_eq!(name(&air_loop, AirLoop::damper(index)), format!("{zone} damper"));
+            assert_eq!(name(&air_loop, AirLoop::reheat(index)), format!("{zone} reheat"));
+        }
+        assert_eq!(
+            [0, 1, 2, 3, 4, 5].map(AirLoop::terminal),
+            [None, None, Some(0), Some(0), Some(1), Some(1)]
+        );
+        assert_eq!(name(&heater, HeatingOnly::SETPOINT), "setpoint");
+    }
+
+    #[test]
+    fn ranges_follow_each_other_and_zones_are_resolved_whatever_their_case() {
+        let layouts = SystemLayout::of_all(&systems(), &ZONES).unwrap();
+        let ranges: Vec<_> = layouts.iter().map(|layout| layout.actions.clone()).collect();
+        assert_eq!(ranges, [0..2, 2..8, 8..9]);
+        let zones: Vec<Vec<[usize; 2]>> = layouts
+            .iter()
+            .map(|layout| layout.zones.iter().map(|zone| [zone.index, zone.controlled]).collect())
+            .collect();
+        assert_eq!(zones, [vec![[2, 1]], vec![[4, 3], [1, 0]], vec![[3, 2]]]);
+    }
+
+    #[test]
+    fn an_unknown_zone_is_an_error_with_its_name() {
+        let error = SystemLayout::of_all(&systems(), &ZONES[..4]).unwrap_err().to_string();
+        assert!(error.contains("Zone") && error.contains("`East`"), "{error}");
+    }
+}

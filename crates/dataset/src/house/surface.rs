@@ -1,0 +1,55 @@
+//! Surfaces of zones.
+
+use b2b_building::Model;
+use serde_json::{Value, json};
+
+use super::geometry::Point;
+
+/// The boundary condition of surfaces that meet the soil.
+const CONDITION: &str = "GroundFCfactorMethod";
+
+/// What is on the other side of a surface.
+pub(super) enum Faces<'a> {
+    /// Sun and wind.
+    Outdoors,
+    /// Soil.
+    Ground,
+    /// A surface of another zone.
+    Surface(&'a str),
+}
+
+pub(super) fn surface(
+    model: &mut Model,
+    name: &str,
+    zone: &str,
+    kind: &str,
+    construction: &str,
+    faces: Faces,
+    vertices: &[Point],
+) {
+    let (condition, other, sun, wind) = match faces {
+        Faces::Outdoors => ("Outdoors", "", "SunExposed", "WindExposed"),
+        Faces::Ground => (CONDITION, "", "NoSun", "NoWind"),
+        Faces::Surface(other) => ("Surface", other, "NoSun", "NoWind"),
+    };
+    let vertices: Vec<Value> = vertices
+        .iter()
+        .map(
+            |[x, y, z]| json!({"vertex_x_coordinate": x, "vertex_y_coordinate": y, "vertex_z_coordinate": z}),
+        )
+        .collect();
+    let mut fields = json!({
+        "surface_type": kind,
+        "construction_name": construction,
+        "zone_name": zone,
+        "outside_boundary_condition": condition,
+        "sun_exposure": sun,
+        "wind_exposure": wind,
+        "number_of_vertices": vertices.len(),
+        "vertices": vertices,
+    });
+    if !other.is_empty() {
+        fields["outside_boundary_condition_object"] = json!(other);
+    }
+    model.insert("BuildingSurface:Detailed", name, fields);
+}

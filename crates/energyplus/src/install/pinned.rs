@@ -1,0 +1,105 @@
+//! Packages pinned to a version, with their wheels and the files to unpack.
+
+use std::fmt;
+
+use super::error::{Error, Result};
+
+/// A package of the registry at one version. Only files that match [`Package::keep`] are unpacked.
+#[derive(Debug, PartialEq)]
+pub struct Package {
+    /// Name in the registry.
+    pub name: &'static str,
+    /// The pinned version.
+    pub version: &'static str,
+    /// Wheels, one per platform.
+    pub wheels: &'static [Wheel],
+    /// Paths of the wanted files in the wheel. A `*` matches any characters but `/`.
+    pub keep: &'static [&'static str],
+    /// Corrections of misspelled file names: the word in the wheel and the word after unpacking.
+    pub corrections: &'static [(&'static str, &'static str)],
+}
+
+/// A wheel of a package.
+#[derive(Debug, PartialEq)]
+pub struct Wheel {
+    /// Platform.
+    pub platform: Platform,
+    /// File name.
+    pub file_name: &'static str,
+    /// SHA-256, hexadecimal.
+    pub sha256: &'static str,
+    /// Size in bytes.
+    pub bytes: u64,
+}
+
+/// Platform of a wheel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Platform {
+    /// Any platform: data or pure Python.
+    Any,
+    /// Linux on x86-64, with glibc.
+    LinuxX86_64,
+    /// macOS on Apple silicon.
+    MacArm64,
+    /// Windows on x86-64.
+    WindowsX86_64,
+}
+
+impl Platform {
+    fn is_here(self) -> bool {
+        let (os, arch) = (std::env::consts::OS, std::env::consts::ARCH);
+        match self {
+            Self::Any => true,
+            Self::LinuxX86_64 => (os, arch) == ("linux", "x86_64"),
+            Self::MacArm64 => (os, arch) == ("macos", "aarch64"),
+            Self::WindowsX86_64 => (os, arch) == ("windows", "x86_64"),
+        }
+    }
+
+    /// Platform tag of the wheel (PEP 425); none for [`Platform::Any`].
+    pub(super) fn tag(self) -> Option<&'static str> {
+        match self {
+            Self::Any => None,
+            Self::LinuxX86_64 => Some("manylinux1_x86_64"),
+            Self::MacArm64 => Some("macosx_11_0_arm64"),
+            Self::WindowsX86_64 => Some("win_amd64"),
+        }
+    }
+}
+
+impl fmt::Display for Package {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}=={}", self.name, self.version)
+    }
+}
+
+impl Package {
+    /// Whether a file of the wheel is wanted.
+    pub(super) fn wants(&self, path: &str) -> bool {
+        self.keep.iter().any(|pattern| match pattern.split_once('*') {
+            None => *pattern == path,
+            Some((start, end)) => path
+                .strip_prefix(start)
+                .and_then(|rest| rest.strip_suffix(end))
+                .is_some_and(|middle| !middle.contains('/')),
+        })
+    }
+
+    /// Returns the path of a file after unpacking.
+    pub(super) fn corrected(&self, path: &str) -> String {
+        self.corrections.iter().fold(path.to_owned(), |path, (wrong, right)| path.replace(wrong, right))
+    }
+
+    /// Returns the wheel for this machine.
+    pub(super) fn wheel(&self) -> Result<&'static Wheel> {
+        self.wheels.iter().find(|wheel| wheel.platform.is_here()).ok_or_else(|| Error::NoWheel {
+            package: self.to_string(),
+            platform: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
+        })
+    }
+
+    /// Name of the package's folder in a cache.
+    pub(super) fn stem(&self) -> String {
+        format!("{}-{}", self.name, self.version)
+    }
+}
