@@ -16,6 +16,9 @@ use crate::reward::Reward;
 use crate::spaces::Spaces;
 use crate::{Error, Result};
 
+/// Copies of a template that may be lost before they attach, before the episode is.
+const FAILED_STARTS: u32 = 3;
+
 /// An environment in a worker process, which it owns: dropping it ends the process.
 ///
 /// - [`reset`](Environment::reset) copies the template of its setting, within milliseconds.
@@ -33,6 +36,8 @@ pub struct Episode {
     options: EpisodeOptions,
     place: Option<Place>,
     phase: Phase,
+    /// Copies that were made for the episode and never attached.
+    failed_starts: u32,
     observation: Vec<f64>,
     action: Vec<f64>,
     reward: Reward,
@@ -45,8 +50,8 @@ pub struct Episode {
 enum Phase {
     /// Before its first reset.
     New,
-    /// Waits for a copy of its template.
-    Starting,
+    /// Waits for a copy of its template; once that was made, until a deadline.
+    Starting(Option<Instant>),
     /// Ready for an action.
     Ready,
     /// In a step, until a deadline.
@@ -68,6 +73,7 @@ impl Episode {
             options: EpisodeOptions::default(),
             place: None,
             phase: Phase::New,
+            failed_starts: 0,
             reward: Reward::default(),
             metrics: None,
             report: None,
@@ -91,11 +97,16 @@ impl Episode {
     /// # Errors
     /// [`Error::Pool`] when no process can be started.
     pub fn begin(&mut self) -> Result<()> {
+        self.failed_starts = 0;
+        self.ask_for_copy()
+    }
+
+    fn ask_for_copy(&mut self) -> Result<()> {
         self.end();
         self.phase = Phase::New;
         (self.metrics, self.report, self.reward) = (None, None, Reward::default());
         self.place = Some(self.workers.lock().start(&self.setting, self.options)?);
-        self.phase = Phase::Starting;
+        self.phase = Phase::Starting(None);
         Ok(())
     }
 
@@ -174,6 +185,7 @@ impl Episode {
             options: self.options,
             place: Some(place),
             phase: Phase::Ready,
+            failed_starts: 0,
             observation: self.observation.clone(),
             action: self.action.clone(),
             reward: self.reward,
@@ -205,7 +217,7 @@ impl Episode {
 
     /// Whether the worker is busy with a step or with its start.
     pub fn is_busy(&self) -> bool {
-        matches!(self.phase, Phase::Starting | Phase::Stepping(_))
+        matches!(self.phase, Phase::Starting(_) | Phase::Stepping(_))
     }
 
     /// Whether the episode is at its end.
@@ -241,7 +253,7 @@ impl Episode {
 
     fn not_ready(&self) -> Error {
         match &self.phase {
-            Phase::Starting | Phase::Stepping(_) => Error::Busy,
+            Phase::Starting(_) | Phase::Stepping(_) => Error::Busy,
             Phase::Lost(why) => Error::Lost {
                 what: format!("the episode of {}", self.spaces.building.name),
                 why: why.clone(),
@@ -251,7 +263,7 @@ impl Episode {
     }
 
     pub(super) fn is_starting(&self) -> bool {
-        self.phase == Phase::Starting
+        matches!(self.phase, Phase::Starting(_))
     }
 
     /// Takes what the worker has reported, if it has. Whether the episode is not busy.
@@ -267,7 +279,7 @@ impl Episode {
             return true;
         }
         region.read_observation(slot, &mut self.observation);
-        if self.phase == Phase::Starting {
+        if matches!(self.phase, Phase::Starting(_)) {
             self.workers.lock().adopt(slot);
         } else {
             region.read_action(slot, &mut self.action);
@@ -296,15 +308,30 @@ impl Episode {
 
     /// Finds out whether the worker of a busy episode is gone or late.
     pub(super) fn look_after(&mut self) {
+        let Some(place) = self.place.filter(|_| self.is_busy()) else { return };
+        let mut pool = self.workers.lock();
+        if self.phase == Phase::Starting(None) && !pool.waits_for_template(place) {
+            self.phase = Phase::Starting(Some(Instant::now() + self.workers.step_time_limit()));
+        }
         let deadline = match self.phase {
-            Phase::Starting => None,
+            Phase::Starting(deadline) => deadline,
             Phase::Stepping(deadline) => Some(deadline),
             _ => return,
         };
-        let Some(Place { slot, .. }) = self.place else { return };
-        let gone = self.workers.lock().look_after(slot, deadline);
-        if let Some(why) = gone {
-            self.phase = Phase::Lost(why);
+        let gone = pool.look_after(place.slot, deadline);
+        drop(pool);
+        match gone {
+            None => {}
+            // A copy that never attached ran nothing: another takes its place.
+            Some(_)
+                if self.is_starting() && self.process().is_none() && self.failed_starts < FAILED_STARTS =>
+            {
+                self.failed_starts += 1;
+                if let Err(error) = self.ask_for_copy() {
+                    self.phase = Phase::Lost(error.to_string());
+                }
+            }
+            Some(why) => self.phase = Phase::Lost(why),
         }
     }
 

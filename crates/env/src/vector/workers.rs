@@ -110,6 +110,11 @@ impl Workers {
         self.lock().template_processes()
     }
 
+    /// The processes of the templates that are not ready yet.
+    pub fn preparing_processes(&self) -> Vec<u32> {
+        self.lock().preparing_processes()
+    }
+
     /// The temporary folder of everything that the processes write. Removed with the set.
     pub fn folder(&self) -> PathBuf {
         self.lock().folder().to_owned()

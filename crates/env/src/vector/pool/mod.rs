@@ -193,6 +193,14 @@ impl Pool {
         }
     }
 
+    /// Whether a slot waits for its template, and not for a copy that was made.
+    pub(super) fn waits_for_template(&self, place: Place) -> bool {
+        let template = self.templates.get(&place.template);
+        let mut requests =
+            template.iter().flat_map(|template| template.waiting.iter().chain(&template.copying));
+        requests.any(|request| request.slot == place.slot)
+    }
+
     /// Why the worker of a slot will not report any more, if it is gone or took longer than until its deadline.
     pub(super) fn look_after(&mut self, slot: u32, deadline: Option<Instant>) -> Option<String> {
         let ended = self.slots.has_ended(slot);
@@ -245,6 +253,13 @@ impl Pool {
     /// The processes of the templates.
     pub(super) fn template_processes(&self) -> Vec<u32> {
         self.templates.values().map(|template| template.process.child.id()).collect()
+    }
+
+    /// The processes of the templates that are not ready yet.
+    pub(super) fn preparing_processes(&self) -> Vec<u32> {
+        let preparing =
+            self.templates.values().filter(|template| matches!(template.phase, Phase::Preparing(_)));
+        preparing.map(|template| template.process.child.id()).collect()
     }
 
     /// The temporary folder of everything that its processes write.

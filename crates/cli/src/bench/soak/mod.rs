@@ -1,4 +1,6 @@
-//! `b2b bench soak`: many episodes of everything, to find what leaks or breaks.
+//! `b2b bench soak`: many episodes of all types, to find leaks and crashes.
+
+mod chaos;
 
 use anyhow::{Context, Result};
 use b2b_building::{BuildingType, RunPeriod};
@@ -10,22 +12,24 @@ use b2b_env::vector::{AnyOf, VecEnv, VecEnvOptions, Windows};
 use serde_json::json;
 use sha2::{Digest, Sha256};
 
+use self::chaos::{Chaos, Toll};
 use super::process::{open_files, resident_mb};
 use crate::arguments::location::Location;
 use crate::prepare::Prepared;
 use crate::progress::counter;
 use crate::{interrupt, stdout};
 
-/// Run episodes of all types at once, with random actions and random resets, and tell what became of them
+/// Run episodes of all types at once, with random actions and random resets, and report losses and leaks
 ///
 /// Every episode is of a random type, begins on one of a few days and lasts a random number of days. The hash is of
 /// every observation and reward: two runs with the same arguments give the same. Exit code 1 when an episode is
-/// lost.
+/// lost; with --chaos, when an episode is lost whose worker was not hit.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
   b2b bench soak --steps 20000
-  b2b bench soak --environments 14 --steps 1000000 --seed 1")]
+  b2b bench soak --environments 14 --steps 1000000 --seed 1
+  b2b bench soak --steps 200000 --chaos 1      kill and stop processes at random, in every phase")]
 pub struct Arguments {
     /// Environments at once
     #[arg(long, default_value_t = 14, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
@@ -33,10 +37,10 @@ pub struct Arguments {
     /// Steps of all environments together
     #[arg(long, default_value_t = 100_000, value_name = "N")]
     steps: u64,
-    /// Least and most days of an episode
-    #[arg(long, num_args = 2, default_values_t = [1, 3], value_names = ["LEAST", "MOST"])]
+    /// Minimum and maximum days of an episode
+    #[arg(long, num_args = 2, default_values_t = [1, 3], value_names = ["MIN", "MAX"])]
     days: Vec<u32>,
-    /// Days that an episode may begin on
+    /// Number of days that an episode may begin on
     #[arg(long, default_value_t = 3, value_name = "N")]
     starts: u32,
     /// Building types, or buildings of the dataset [default: every type]
@@ -45,62 +49,104 @@ pub struct Arguments {
     /// Seed of episodes and actions
     #[arg(long, default_value_t = 0)]
     seed: u64,
+    /// Kill and stop templates and workers at random, drawn by this seed
+    #[arg(long, value_name = "SEED")]
+    chaos: Option<u64>,
     /// Print JSON
     #[arg(long)]
     json: bool,
 }
 
+/// Counts of a soak.
+#[derive(Default)]
+struct Tally {
+    episodes: u64,
+    /// Reasons of the episodes that were lost.
+    lost: Vec<String>,
+    hash: Sha256,
+    /// Resident memory of this process after the first tenth and at the end, MB.
+    memory: Vec<f64>,
+}
+
 /// Runs the command.
 pub fn bench(arguments: &Arguments) -> Result<()> {
     let mut batch = arguments.batch()?;
-    let count = batch.len();
     batch.reset(arguments.seed)?;
-    let mut actors = Actors::new(&batch, arguments.seed);
-    let mut hash = Sha256::new();
-    let (mut episodes, mut lost) = (0u64, Vec::new());
-    let turns = arguments.steps.div_ceil(count as u64);
-    let bar = counter(turns as usize, "steps of each", arguments.json);
-    let mut memory = Vec::new();
     let files = open_files()?;
-    for turn in 0..turns {
-        interrupt::check()?;
-        // The first tenth is for caches to fill.
-        if turn == turns / 10 || turn + 1 == turns {
-            memory.push(resident_mb(std::process::id())?);
+    let chaos = arguments.chaos.map(|seed| Chaos::start(seed, batch.workers().clone()));
+    let tally = arguments.run(&mut batch);
+    let toll = chaos.map(Chaos::end);
+    arguments.report(tally?, toll.as_ref(), open_files()? as i64 - files as i64)
+}
+
+impl Arguments {
+    /// Steps of each environment.
+    fn turns(&self) -> u64 {
+        self.steps.div_ceil(u64::from(self.environments))
+    }
+
+    fn run(&self, batch: &mut VecEnv) -> Result<Tally> {
+        let mut actors = Actors::new(batch, self.seed);
+        let mut tally = Tally::default();
+        let turns = self.turns();
+        let bar = counter(turns as usize, "steps of each", self.json);
+        for turn in 0..turns {
+            interrupt::check()?;
+            // The first tenth is for caches to fill.
+            if turn == turns / 10 || turn + 1 == turns {
+                tally.memory.push(resident_mb(std::process::id())?);
+            }
+            batch.step(actors.act(batch))?;
+            tally.add(batch);
+            bar.inc(1);
         }
-        batch.step(actors.act(&batch))?;
+        bar.finish_and_clear();
+        Ok(tally)
+    }
+
+    fn report(&self, tally: Tally, toll: Option<&Toll>, files: i64) -> Result<()> {
+        let Tally { episodes, lost, hash, memory } = tally;
+        let hash = hex(&hash.finalize());
+        let growth = memory.last().context("no step")? - memory.first().context("no step")?;
+        let explained = |lost: &&String| toll.is_some_and(|toll| toll.explains(lost));
+        let unexplained: Vec<&String> = lost.iter().filter(|lost| !explained(lost)).collect();
+        let (steps, count) = (self.turns() * u64::from(self.environments), self.environments);
+        if self.json {
+            stdout::print_json(&json!({
+                "steps": steps, "episodes": episodes, "lost": lost, "unexplained": unexplained, "hash": hash,
+                "memory_mb": memory, "memory_growth_mb": growth, "open_files_growth": files, "chaos": toll,
+            }))?;
+        } else {
+            let chaos =
+                toll.map(|toll| format!("{}; {} losses are unexplained\n", toll.text(), unexplained.len()));
+            stdout::print(&format!(
+                "{steps} steps in {episodes} episodes of {count} environments, {} lost\n{}\
+                 memory of this process grew by {growth:.1} MB after the first tenth, its open files by {files}\n\
+                 hash {hash}",
+                lost.len(),
+                chaos.unwrap_or_default()
+            ))?;
+        }
+        match unexplained.first() {
+            None => Ok(()),
+            Some(why) => anyhow::bail!("{} episodes were lost; the first: {why}", unexplained.len()),
+        }
+    }
+}
+
+impl Tally {
+    /// Adds a step of every environment.
+    fn add(&mut self, batch: &VecEnv) {
         for value in batch.observations() {
-            hash.update(value.to_le_bytes());
+            self.hash.update(value.to_le_bytes());
         }
         for reward in batch.rewards() {
-            hash.update(reward.total().to_le_bytes());
+            self.hash.update(reward.total().to_le_bytes());
         }
-        for index in (0..count).filter(|index| batch.truncated()[*index]) {
-            episodes += 1;
-            lost.extend(batch.lost(index).map(str::to_owned));
+        for index in (0..batch.len()).filter(|index| batch.truncated()[*index]) {
+            self.episodes += 1;
+            self.lost.extend(batch.lost(index).map(str::to_owned));
         }
-        bar.inc(1);
-    }
-    bar.finish_and_clear();
-    let hash = hex(&hash.finalize());
-    let growth = memory.last().context("no step")? - memory.first().context("no step")?;
-    let files = open_files()? as i64 - files as i64;
-    let (steps, ended) = (turns * count as u64, lost.len());
-    if arguments.json {
-        stdout::print_json(&json!({
-            "steps": steps, "episodes": episodes, "lost": lost, "hash": hash,
-            "memory_mb": memory, "memory_growth_mb": growth, "open_files_growth": files,
-        }))?;
-    } else {
-        stdout::print(&format!(
-            "{steps} steps in {episodes} episodes of {count} environments, {ended} lost\n\
-             memory of this process grew by {growth:.1} MB after the first tenth, its open files by {files}\n\
-             hash {hash}"
-        ))?;
-    }
-    match lost.first() {
-        None => Ok(()),
-        Some(why) => anyhow::bail!("{ended} episodes were lost; the first: {why}"),
     }
 }
 
@@ -123,7 +169,10 @@ impl Arguments {
             .collect();
         let sampler =
             Windows { of: AnyOf(settings), days: (self.days[0], self.days[1]), starts: self.starts };
-        let options = VecEnvOptions { widths: Some(widths), ..prepared[0].vec_env_options()? };
+        let mut options = VecEnvOptions { widths: Some(widths), ..prepared[0].vec_env_options()? };
+        if self.chaos.is_some() {
+            options.workers = chaos::impatient(options.workers);
+        }
         Ok(VecEnv::new(self.environments as usize, Box::new(sampler), options)?)
     }
 }
