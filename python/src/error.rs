@@ -146,7 +146,9 @@ pub fn of_env(error: b2b_env::Error) -> PyErr {
     let exception = match &error {
         Error::Interrupted => return crate::pools::interrupt(),
         Error::ActionNotFinite { .. } | Error::ActionLength { .. } => Exception::Action,
-        Error::NotReset | Error::Gone { .. } => Exception::Episode,
+        Error::NotReset | Error::Busy | Error::Lost { .. } | Error::OtherSnapshot { .. } => {
+            Exception::Episode
+        }
         Error::Template { .. } | Error::TooWide { .. } => Exception::Building,
         Error::UnknownTask { .. } | Error::TaskFile { .. } | Error::TaskValue { .. } => Exception::Task,
         Error::StepsPerHour(_) | Error::Window { .. } | Error::NoEnvironment => Exception::Setting,

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use std::sync::Mutex;
 
 use b2b_energyplus::install::Progress;
-use b2b_env::vector::{Launcher, PoolOptions};
+use b2b_env::vector::{Launcher, WorkerOptions};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 
@@ -54,7 +54,7 @@ pub fn interrupt() -> PyErr {
 }
 
 /// Returns the options of a pool whose processes run this interpreter.
-pub fn options(py: Python<'_>) -> PyResult<PoolOptions> {
+pub fn options(py: Python<'_>) -> PyResult<WorkerOptions> {
     let text = |module: &str, name: &str| -> PyResult<String> {
         let value = py.import(module)?.getattr(name)?.extract::<Option<String>>()?;
         value.filter(|value| !value.is_empty()).ok_or_else(|| {
@@ -66,7 +66,7 @@ pub fn options(py: Python<'_>) -> PyResult<PoolOptions> {
         .into_iter()
         .fold(Launcher::new(text("sys", "executable")?), |launcher, argument| launcher.argument(argument));
     let library = py.detach(catalog::library)?;
-    Ok(PoolOptions { interrupted, template_memory: TEMPLATES, ..PoolOptions::new(launcher, library) })
+    Ok(WorkerOptions { interrupted, template_memory: TEMPLATES, ..WorkerOptions::new(launcher, library) })
 }
 
 /// The process that owns a resource; a forked copy must leave it alone.

@@ -21,7 +21,6 @@ pub struct VecEnv {
 }
 
 struct State {
-    owner: Owner,
     /// `None` once closed.
     envs: Option<Envs>,
     rescale: bool,
@@ -68,15 +67,15 @@ impl VecEnv {
             "Disabled" => Autoreset::Disabled,
             _ => return Err(Exception::Setting.new_err(format!("unknown autoreset mode `{autoreset}`"))),
         };
-        let mut pool = pools::options(py)?;
-        pool.template_memory = 2 << 30;
+        let mut workers = pools::options(py)?;
+        workers.template_memory = 2 << 30;
         let settings: Vec<Setting> = settings.iter().map(|setting| (*setting).clone()).collect();
         let all: Vec<_> = settings.iter().map(|setting| setting.setting.clone()).collect();
         let (state, spaces) = py.detach(|| -> PyResult<_> {
-            let options = VecEnvOptions { pool, autoreset, widths: None };
+            let options = VecEnvOptions { workers, autoreset, widths: None };
             let mut envs = Envs::new(count, sampler(all.clone(), any, window), options).map_err(of_env)?;
             let spaces = envs.prepare(&all).map_err(of_env)?;
-            Ok((State { owner: Owner::this(), envs: Some(envs), rescale }, spaces))
+            Ok((State { envs: Some(envs), rescale }, spaces))
         })?;
         let buildings = settings.into_iter().map(|setting| setting.building);
         Ok(Self {
@@ -196,14 +195,6 @@ impl State {
     fn envs(&mut self) -> PyResult<&mut Envs> {
         let closed = || Exception::Episode.new_err("the environments are closed");
         self.envs.as_mut().ok_or_else(closed)
-    }
-}
-
-impl Drop for State {
-    fn drop(&mut self) {
-        if !self.owner.is_here() {
-            std::mem::forget(self.envs.take());
-        }
     }
 }
 

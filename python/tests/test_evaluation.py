@@ -149,5 +149,5 @@ def test_invalid_policies_and_buildings_raise():
         b2b.evaluate(lambda observation: [0.0] * 7, HOUSES[0], name="seven", **day)
     with pytest.raises(errors.SettingError, match="to_epjson"):
         b2b.evaluate("reactive", b2b.generate("SingleFamilyHouse")[0], **day)
-    with pytest.raises(errors.SettingError, match="no episode"):
+    with pytest.raises(errors.SettingError, match="list of episodes is empty"):
         b2b.evaluate("reactive", [], **day)

@@ -192,9 +192,9 @@ fn episodes(id: BuildingId, periods: &[RunPeriod]) -> Result<Vec<Outcome>> {
 
 fn run_episode(prepared: &Prepared, period: RunPeriod) -> Result<Outcome> {
     let mut env = prepared.env(period, STEPS_PER_HOUR, Task::default())?;
-    let mut controller = reactive(&env, &Parameters::Default)?;
-    let rollout = roll_out(&mut env, &mut controller, true)?;
-    Outcome::of(&env, &rollout.trajectory)
+    let mut controller = reactive(env.spaces(), &Parameters::Default)?;
+    let recorded = roll_out(&mut env, &mut controller, true)?;
+    Outcome::of(&env, &recorded.trajectory)
 }
 
 /// Runs the episodes of a building in its own process. Returns the error message of that process if it fails.

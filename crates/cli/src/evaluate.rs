@@ -71,7 +71,7 @@ lists it, to an array [1, action]. Actions range from -1 to 1 between the bounds
 
 /// Runs the command.
 pub fn evaluate(arguments: &Arguments) -> Result<ExitCode> {
-    let policy = arguments.policy.policy()?;
+    let policy = arguments.policy.load()?;
     let episodes = arguments.episodes()?;
     let folder = Folder::open(&arguments.out, policy.as_ref(), &episodes)?;
     let catalog = Catalog::open(&mut Download::new(arguments.json))?;

@@ -7,7 +7,7 @@ use anyhow::{Context, Result};
 use b2b_building::{PreparedBuilding, RunPeriod};
 use b2b_dataset::{BuildingName, Catalog};
 use b2b_energyplus::Library;
-use b2b_env::{Env, EpisodeConfig, Task};
+use b2b_env::{Env, EpisodeConfig, Spaces, Task};
 
 use crate::arguments::location::Location;
 use crate::progress::{Download, spinner};
@@ -50,6 +50,13 @@ impl Prepared {
     pub fn env(&self, period: RunPeriod, steps_per_hour: u32, task: Task) -> Result<Env> {
         let episode = self.episode(period, steps_per_hour, task);
         Ok(Env::new(self.library.clone(), Arc::clone(&self.building), episode)?)
+    }
+
+    /// Returns the spaces of an episode of the building.
+    pub fn spaces(&self, period: RunPeriod, steps_per_hour: u32, task: Task) -> Result<Spaces> {
+        let episode = self.episode(period, steps_per_hour, task);
+        episode.check()?;
+        Ok(Spaces::new(Arc::clone(&self.building), episode))
     }
 
     /// Returns the configuration of an episode under this weather.

@@ -3,53 +3,112 @@
 use std::time::{Duration, Instant};
 
 use anyhow::{Result, bail};
-use b2b_control::Controller;
-use b2b_env::{Env, Trajectory};
+use b2b_env::{Controller, EngineReport, Environment, Metrics, Observer, Spaces, Step, Trajectory, rollout};
 use cpu_time::ProcessTime;
 
 use crate::interrupt;
+use crate::prepare::Prepared;
 use crate::progress::{Days, date_text};
 
-/// A complete episode.
+/// A complete episode with the report of its engine.
 pub struct Rollout {
+    /// Metrics of the episode.
+    pub metrics: Metrics,
     /// Every step.
     pub trajectory: Trajectory,
-    /// The controlled zones that are never occupied.
-    pub never_occupied: Vec<String>,
-    /// CPU time within `Env::reset` and `Env::step`: the engine, and what the environment adds to it.
+    /// Messages, meters and occupancy of the engine's run.
+    pub engine: EngineReport,
+    /// CPU time of the environment: the engine, and what the environment adds to it.
     pub env_cpu: Duration,
+    /// CPU time of this process and of the environment's.
+    pub total_cpu: Duration,
+    /// Wall-clock time from the first step to the last.
+    pub wall: Duration,
+}
+
+impl Prepared {
+    /// Runs an episode of this building to its end in a worker process, so that a crash of the engine is an error.
+    #[cfg(target_os = "linux")]
+    pub fn roll_out(&self, spaces: &Spaces, controller: &mut dyn Controller, quiet: bool) -> Result<Rollout> {
+        use anyhow::Context;
+        use b2b_env::vector::{EpisodeOptions, Workers};
+
+        let workers = Workers::new(self.worker_options()?)?;
+        let options = EpisodeOptions { finish_run: true, ..EpisodeOptions::default() };
+        let mut episode = workers.episode(&self.setting(spaces.episode.clone()))?.with_options(options);
+        let Recorded { metrics, trajectory, wall } = roll_out(&mut episode, controller, quiet)?;
+        let report = episode.report().context("the worker process left no report of the engine")?;
+        let (engine, env_cpu) = (report.engine.clone(), report.cpu);
+        let total_cpu = ProcessTime::now().as_duration() + env_cpu;
+        Ok(Rollout { metrics, trajectory, engine, env_cpu, total_cpu, wall })
+    }
+
+    /// Runs an episode of this building to its end in this process. The CPU time of the environment includes the
+    /// controller's.
+    #[cfg(not(target_os = "linux"))]
+    pub fn roll_out(&self, spaces: &Spaces, controller: &mut dyn Controller, quiet: bool) -> Result<Rollout> {
+        let b2b_env::EpisodeConfig { period, steps_per_hour, task, .. } = spaces.episode.clone();
+        let mut env = self.env(period, steps_per_hour, task)?;
+        let before = ProcessTime::now();
+        let Recorded { metrics, trajectory, wall } = roll_out(&mut env, controller, quiet)?;
+        let (env_cpu, total_cpu) = (before.elapsed(), ProcessTime::now().as_duration());
+        Ok(Rollout { metrics, trajectory, engine: env.engine_report(), env_cpu, total_cpu, wall })
+    }
+}
+
+/// A complete episode.
+pub struct Recorded {
+    /// Metrics of the episode.
+    pub metrics: Metrics,
+    /// Every step.
+    pub trajectory: Trajectory,
     /// Wall-clock time from the first step to the last.
     pub wall: Duration,
 }
 
 /// Runs an episode to its end. Errors if it is interrupted.
-pub fn roll_out(env: &mut Env, controller: &mut dyn Controller, quiet: bool) -> Result<Rollout> {
-    let days = Days::new(env.episode().period, env.episode().steps_per_hour, quiet);
-    let mut trajectory = Trajectory::for_episode(env.spaces());
-    let mut action = vec![0.0; env.action_space().len()];
-    let mut env_cpu = Duration::ZERO;
-    controller.reset();
-    let before = ProcessTime::now();
-    env.reset()?;
-    env_cpu += before.elapsed();
-    let never_occupied = env.never_occupied().map(str::to_owned).collect();
-    let mut observation = env.observation();
-    days.start();
-    let start = Instant::now();
-    loop {
-        if interrupt::requested() {
+pub fn roll_out(
+    environment: &mut dyn Environment,
+    controller: &mut dyn Controller,
+    quiet: bool,
+) -> Result<Recorded> {
+    let spaces = environment.spaces().clone();
+    let mut trajectory = Trajectory::for_episode(&spaces);
+    let days = Days::new(spaces.episode.period, spaces.episode.steps_per_hour, quiet);
+    let mut progress = Progress { days, steps: 0, began: Instant::now() };
+    match rollout(environment, controller, &mut (&mut trajectory, &mut progress)) {
+        Ok(metrics) => Ok(Recorded { metrics, trajectory, wall: progress.began.elapsed() }),
+        Err(b2b_env::Error::Interrupted) => {
             let steps = trajectory.len();
-            bail!("interrupted after {steps} steps ({})", date_text(days.date(steps)));
+            bail!("interrupted after {steps} steps ({})", date_text(progress.days.date(steps)))
         }
-        controller.act(observation, &mut action);
-        let before = ProcessTime::now();
-        let step = env.step(&action)?;
-        env_cpu += before.elapsed();
-        trajectory.push(&step);
-        days.step(trajectory.len());
-        if step.truncated {
-            return Ok(Rollout { trajectory, never_occupied, env_cpu, wall: start.elapsed() });
-        }
-        observation = step.observation;
+        Err(error) => Err(error.into()),
+    }
+}
+
+/// Shows the simulated days, and ends the episode at an interrupt.
+struct Progress {
+    days: Days,
+    steps: usize,
+    began: Instant,
+}
+
+impl Progress {
+    fn check_interrupt() -> b2b_env::Result<()> {
+        if interrupt::requested() { Err(b2b_env::Error::Interrupted) } else { Ok(()) }
+    }
+}
+
+impl Observer for Progress {
+    fn begin(&mut self, _: &[f64]) -> b2b_env::Result<()> {
+        self.days.start();
+        self.began = Instant::now();
+        Self::check_interrupt()
+    }
+
+    fn step(&mut self, _: &Step<'_>) -> b2b_env::Result<()> {
+        self.steps += 1;
+        self.days.step(self.steps);
+        Self::check_interrupt()
     }
 }

@@ -53,7 +53,7 @@ fn invalid_arguments_are_rejected_with_a_remedy() {
     let folder = tempfile::tempdir().unwrap();
     let refused = |arguments: &str, words: &[&str]| assert_rejected(folder.path(), arguments, words);
     std::fs::write(folder.path().join("no.onnx"), "this is no model").unwrap();
-    refused("evaluate --policy no.onnx --out x", &["no.onnx is no ONNX model"]);
+    refused("evaluate --policy no.onnx --out x", &["no.onnx is not a valid ONNX model"]);
     refused("evaluate --policy none.onnx --out x", &["none.onnx"]);
     refused("evaluate --policy reactiv --out x", &["`reactiv`", "planner", ".onnx"]);
     refused("evaluate --policy random --task constnt --out x", &["constnt", "occupancy"]);
@@ -69,7 +69,7 @@ fn invalid_arguments_are_rejected_with_a_remedy() {
     refused("evaluate --type Warehouse --zone 9 --policy random --out x", &["9", "1..=8"]);
     assert!(!folder.path().join("x").exists());
     std::fs::write(folder.path().join("thesis.tex"), "").unwrap();
-    refused("evaluate --policy random --out .", &["holds no evaluation"]);
+    refused("evaluate --policy random --out .", &["contains no evaluation"]);
     refused("score no.onnx", &["no.onnx is not a trajectory"]);
     refused("score none.parquet", &["cannot read none.parquet"]);
 }

@@ -203,7 +203,7 @@ impl Policy for Killer {
 
     fn controller(&self, context: EpisodeContext<'_>) -> b2b_benchmark::Result<Box<dyn Controller>> {
         let process = context.subject.name.to_string().ends_with("0014");
-        let process = process.then(|| context.pool.template_processes()[0]);
+        let process = process.then(|| context.episode.workers().template_processes()[0]);
         Ok(Box::new(Kills { process, inner: BuiltIn::Constant.controller(context)?, step: 0 }))
     }
 }

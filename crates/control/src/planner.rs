@@ -1,14 +1,16 @@
-//! A planner that tries actions on copies of the true simulation: what could be had, with perfect foresight of
-//! weather, occupants and physics.
+//! A planner that tries actions on copies of the true simulation: an upper bound, with perfect foresight of weather,
+//! occupants and physics.
 //!
-//! It varies what the reactive controller does. Every so often it draws variations for the next few steps, tries each
-//! on a copy of the simulation where it stands, with the reactive controller alone in the steps after, and narrows the
-//! draw to the best: the cross-entropy method (Rubinstein 1999) within a rollout (Bertsekas 1999). The best variation
-//! is carried out up to the next plan. None is among those tried, so that a plan is no worse than the reactive
-//! controller as far as it looks.
+//! It varies the actions of the reactive controller. At regular intervals it draws variations for the next few steps,
+//! tries each on a copy of the simulation at its current point, followed by the reactive controller alone, and narrows
+//! the draw to the best: the cross-entropy method (Rubinstein 1999) within a rollout (Bertsekas 1999). The best
+//! variation is carried out up to the next plan. The zero variation is among those tried, so that a plan is no worse
+//! than the reactive controller within its horizon.
 
-use b2b_env::vector::{Live, Pool};
-use b2b_env::{ActionSpace, Result};
+use std::sync::Arc;
+
+use b2b_env::vector::{Episode, step_all};
+use b2b_env::{ActionSpace, Environment, Result};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -71,30 +73,30 @@ impl Planner {
         Self { parameters, reactive, random: ChaCha8Rng::seed_from_u64(seed) }
     }
 
-    /// The actions of an episode that has just begun, one row a step, up to its end or so many steps. `step` is called
-    /// for each.
+    /// Resets an episode and plans it step by step. Returns the actions, one row per step, up to `steps` steps. `step` is
+    /// called for each.
     ///
     /// # Errors
-    /// What [`Pool`] says when a copy cannot be had or an episode is lost.
-    pub fn run(
+    /// Those of [`Episode`] when a copy cannot be made or an episode is lost.
+    pub fn plan_episode(
         &mut self,
-        pool: &mut Pool,
-        live: &mut Live,
+        episode: &mut Episode,
         steps: usize,
         mut step: impl FnMut(),
     ) -> Result<Vec<f64>> {
-        let space = live.spaces().action.clone();
+        let spaces = Arc::clone(episode.spaces());
+        let space = &spaces.action;
         let mut actions = Vec::new();
-        let mut observation = vec![0.0; live.spaces().observation.len()];
         self.reactive.reset();
+        episode.reset()?;
         for done in (0..steps).step_by(self.parameters.carried_out) {
             let left = steps - done;
-            let variation = self.plan(pool, live, &space, self.parameters.horizon.min(left))?;
+            let variation = self.plan(episode, space, self.parameters.horizon.min(left))?;
             for ahead in 0..self.parameters.carried_out.min(left) {
-                pool.observation(live, &mut observation);
-                let action = self.varied(&mut self.reactive.clone(), &observation, &variation, ahead, &space);
-                self.reactive.act(&observation, &mut vec![0.0; space.len()]);
-                act(pool, std::slice::from_mut(live), std::slice::from_ref(&action))?;
+                let observation = episode.observation();
+                let action = self.varied(&mut self.reactive.clone(), observation, &variation, ahead, space);
+                self.reactive.act(observation, &mut vec![0.0; space.len()]);
+                episode.step(&action)?;
                 actions.extend(action);
                 step();
             }
@@ -102,14 +104,8 @@ impl Planner {
         Ok(actions)
     }
 
-    /// The best variation found from where an episode stands.
-    fn plan(
-        &mut self,
-        pool: &mut Pool,
-        live: &Live,
-        space: &ActionSpace,
-        horizon: usize,
-    ) -> Result<Vec<f64>> {
+    /// The best variation found from the current point of an episode.
+    fn plan(&mut self, episode: &Episode, space: &ActionSpace, horizon: usize) -> Result<Vec<f64>> {
         let mut mean = vec![0.0; self.parameters.stretches * space.len()];
         let mut spread = vec![self.parameters.spread; mean.len()];
         let none = mean.clone();
@@ -117,7 +113,7 @@ impl Planner {
         for _ in 0..self.parameters.rounds {
             let mut variations = vec![none.clone()];
             variations.extend((0..self.parameters.candidates).map(|_| self.draw(&mean, &spread)));
-            let mut tried = self.try_all(pool, live, space, variations, horizon)?;
+            let mut tried = self.try_all(episode, space, variations, horizon)?;
             tried.sort_by(|a, b| b.total.total_cmp(&a.total));
             tried.truncate(self.parameters.elites);
             fit(&tried, &mut mean, &mut spread);
@@ -162,8 +158,7 @@ impl Planner {
     /// The returns of variations, each on a copy.
     fn try_all(
         &self,
-        pool: &mut Pool,
-        live: &Live,
+        episode: &Episode,
         space: &ActionSpace,
         variations: Vec<Vec<f64>>,
         horizon: usize,
@@ -171,20 +166,19 @@ impl Planner {
         let mut tried: Vec<Tried> =
             variations.into_iter().map(|variation| Tried { variation, total: 0.0 }).collect();
         let mut controllers = vec![self.reactive.clone(); tried.len()];
-        let mut copies = pool.branch(live, tried.len())?;
-        pool.wait(&mut copies, tried.len())?;
-        let mut observation = vec![0.0; live.spaces().observation.len()];
+        let mut copies = episode.branch(tried.len())?;
+        let mut actions = Vec::with_capacity(tried.len() * space.len());
         for ahead in 0..horizon {
-            let mut actions = Vec::with_capacity(tried.len());
+            actions.clear();
             for ((copy, controller), tried) in copies.iter().zip(&mut controllers).zip(&tried) {
-                pool.observation(copy, &mut observation);
-                actions.push(self.varied(controller, &observation, &tried.variation, ahead, space));
+                let observation = copy.observation();
+                actions.extend(self.varied(controller, observation, &tried.variation, ahead, space));
             }
-            for (tried, reward) in tried.iter_mut().zip(act(pool, &mut copies, &actions)?) {
-                tried.total += reward;
+            step_all(&mut copies, &actions)?;
+            for (tried, copy) in tried.iter_mut().zip(&copies) {
+                tried.total += copy.reward().total();
             }
         }
-        copies.into_iter().for_each(|copy| pool.stop(copy));
         Ok(tried)
     }
 }
@@ -196,17 +190,5 @@ fn fit(elites: &[Tried], mean: &mut [f64], spread: &mut [f64]) {
         let values = || elites.iter().map(|tried| tried.variation[index]);
         *mean = values().sum::<f64>() / count;
         *spread = (values().map(|value| (value - *mean).powi(2)).sum::<f64>() / count).sqrt();
-    }
-}
-
-/// One step of each, and its reward.
-fn act(pool: &mut Pool, lives: &mut [Live], actions: &[Vec<f64>]) -> Result<Vec<f64>> {
-    for (live, action) in lives.iter_mut().zip(actions) {
-        pool.send(live, action)?;
-    }
-    pool.wait(lives, lives.len())?;
-    match lives.iter().find_map(|live| live.lost()) {
-        Some(why) => Err(b2b_env::Error::Gone { what: "a copy that was tried", why: why.to_owned() }),
-        None => Ok(lives.iter().map(|live| pool.reward(live).total()).collect()),
     }
 }

@@ -1,4 +1,5 @@
-//! Generated commercial buildings on the engine: every climate and the ends of the parameters are held.
+//! Generated commercial buildings in EnergyPlus: the reactive controllers hold them in every climate and at the bounds of
+//! the parameters.
 
 use std::sync::Arc;
 
@@ -12,14 +13,14 @@ use b2b_energyplus::{Level, Library};
 use b2b_env::{Env, EpisodeConfig, Task};
 
 const STEPS_PER_HOUR: u32 = 12;
-/// Climate zones 1A, 5B and 8, each with ends of the bounds: 0 is the tightest and smallest building, 1 the leakiest and
-/// largest.
+/// Climate zones 1A, 5B and 8, at bounds of the parameters: 0 is the smallest and tightest building, 1 the largest and
+/// leakiest.
 const CASES: [(&str, f64); 5] =
     [("Miami", 0.0), ("Miami", 1.0), ("Denver", 1.0), ("Fairbanks", 0.0), ("Fairbanks", 1.0)];
 const PERIODS: [&str; 2] = ["01-08..01-09", "07-08..07-09"];
-/// No zone with heating gets colder, °C.
+/// Lowest temperature of any zone with heating, °C.
 const COLDEST: f64 = 12.0;
-/// No zone with cooling gets warmer, °C.
+/// Highest temperature of any zone with cooling, °C.
 const WARMEST: f64 = 32.0;
 
 fn site(place: &Place) -> Site {

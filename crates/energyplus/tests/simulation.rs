@@ -1,4 +1,4 @@
-//! Runs of the real engine, seen from outside.
+//! Runs of EnergyPlus through the public interface.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -75,7 +75,7 @@ impl Office {
 }
 
 #[test]
-fn an_engine_that_stops_in_mid_run_says_why() {
+fn a_run_that_terminates_reports_why() {
     let office = Office::new();
     let (mut simulation, _) = office.start();
     while simulation.advance().unwrap() != Some(Event::Step) {}
@@ -92,7 +92,7 @@ fn an_engine_that_stops_in_mid_run_says_why() {
 }
 
 #[test]
-fn a_file_that_is_not_there_is_named() {
+fn a_missing_file_is_reported_by_name() {
     let office = Office::new();
     let missing = Path::new("nowhere/file");
     for error in [
@@ -106,7 +106,7 @@ fn a_file_that_is_not_there_is_named() {
 }
 
 #[test]
-fn a_truncated_file_is_an_error_with_the_engine_s_words() {
+fn a_truncated_file_is_an_error_with_the_messages_of_energyplus() {
     let office = Office::new();
     // The engine's IDF reader takes half a file for a smaller model; with a tenth there is no building left.
     let idf = office.part_of(&office.idf, 10);
@@ -126,7 +126,7 @@ fn a_truncated_file_is_an_error_with_the_engine_s_words() {
 }
 
 #[test]
-fn an_actuator_a_variable_or_a_meter_that_is_not_there_is_named() {
+fn an_unknown_actuator_variable_or_meter_is_reported_by_name() {
     let (simulation, _) = Office::new().start();
     let errors = [
         simulation.actuator("Schedule:Constant", "Schedule Value", "No Such Schedule").map(drop),
@@ -139,7 +139,7 @@ fn an_actuator_a_variable_or_a_meter_that_is_not_there_is_named() {
 }
 
 #[test]
-fn a_run_that_is_not_interrupted_stops_around_warm_up_only() {
+fn an_uninterrupted_run_is_suspended_around_warm_up_only() {
     let office = Office::new();
     let mut simulation = office.run().stop_every(0).start(&office.library).unwrap();
     assert_eq!(simulation.advance().unwrap(), Some(Event::WarmedUp));
@@ -150,7 +150,7 @@ fn a_run_that_is_not_interrupted_stops_around_warm_up_only() {
 }
 
 #[test]
-fn two_runs_interleaved_on_a_thread_give_the_bits_of_one_alone() {
+fn two_runs_interleaved_on_a_thread_equal_a_single_run_bit_for_bit() {
     let office = Office::new();
     let alone = office.trace();
     assert_eq!(alone.len(), 2 * 24 * 4, "two days at four steps an hour");
@@ -177,7 +177,7 @@ fn two_runs_interleaved_on_a_thread_give_the_bits_of_one_alone() {
 }
 
 #[test]
-fn two_threads_at_once_give_the_bits_of_one_alone() {
+fn two_concurrent_threads_equal_a_single_run_bit_for_bit() {
     let office = Office::new();
     let alone = office.trace();
     let traces = std::thread::scope(|scope| {
@@ -187,9 +187,9 @@ fn two_threads_at_once_give_the_bits_of_one_alone() {
     assert_eq!(traces, [alone.clone(), alone]);
 }
 
-/// In a process of its own, so that an abort is seen and its temporary folder holds nothing else's files.
+/// Runs in a process of its own, so that an abort is visible and the temporary folder has no other files.
 #[test]
-fn a_run_dropped_in_mid_run_neither_aborts_nor_leaves_files() {
+fn dropping_a_run_neither_aborts_nor_leaves_files() {
     let temporary = tempfile::tempdir().unwrap();
     let mut child = Command::new(std::env::current_exe().unwrap());
     for variable in ["TMPDIR", "TMP", "TEMP"] {
@@ -203,7 +203,7 @@ fn a_run_dropped_in_mid_run_neither_aborts_nor_leaves_files() {
 }
 
 #[test]
-#[ignore = "run by a_run_dropped_in_mid_run_neither_aborts_nor_leaves_files"]
+#[ignore = "run by dropping_a_run_neither_aborts_nor_leaves_files"]
 fn drop_runs() {
     let office = Office::new();
     let files = || std::fs::read_dir(std::env::temp_dir()).unwrap().count();

@@ -65,16 +65,19 @@ pub enum Error {
         /// Reason.
         why: String,
     },
-    /// A process that has ended, or an episode that is over.
-    #[error("{what} has ended: {why}")]
-    Gone {
-        /// What has ended.
-        what: &'static str,
+    /// An episode or a template whose process died, hung or failed.
+    #[error("{what} was lost: {why}")]
+    Lost {
+        /// What was lost.
+        what: String,
         /// Reason.
         why: String,
     },
-    /// A building with more values than a worker slot holds.
-    #[error("{name} has {width} {what}; a worker slot holds at most {most}")]
+    /// An episode that is asked for a step while it is busy with another.
+    #[error("the episode is busy with another step: receive that first, or reset")]
+    Busy,
+    /// A building with more actuators or observation slots than there is room for.
+    #[error("{name} has {width} {what}; there is room for {most}")]
     TooWide {
         /// Name of the building.
         name: String,

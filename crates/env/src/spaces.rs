@@ -9,6 +9,10 @@ use serde::{Deserialize, Serialize};
 use crate::action::ActionSpace;
 use crate::observation::ObservationSpace;
 use crate::task::Task;
+use crate::{Error, Result};
+
+/// Zone time steps per hour that the engine accepts.
+const STEPS_PER_HOUR: [u32; 12] = [1, 2, 3, 4, 5, 6, 10, 12, 15, 20, 30, 60];
 
 /// What defines an episode, beside the building.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -24,6 +28,17 @@ pub struct EpisodeConfig {
 }
 
 impl EpisodeConfig {
+    /// Errors if the engine cannot run it, or the task has a value that cannot be.
+    ///
+    /// # Errors
+    /// [`Error::StepsPerHour`]; [`Error::TaskValue`].
+    pub fn check(&self) -> Result<()> {
+        if !STEPS_PER_HOUR.contains(&self.steps_per_hour) {
+            return Err(Error::StepsPerHour(self.steps_per_hour));
+        }
+        self.task.check()
+    }
+
     /// Steps of the whole run period.
     pub fn steps(&self) -> usize {
         (self.period.days() * 24 * self.steps_per_hour) as usize

@@ -1,6 +1,6 @@
 //! A step allocates nothing, whatever the task: Rust's allocations are counted, and the engine has its own.
 
-mod common;
+mod case;
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use b2b_building::BuildingType;
 use b2b_energyplus::Level;
 use b2b_env::Env;
-use common::{Case, Dice};
+use case::{Case, Dice};
 
 struct Counting;
 

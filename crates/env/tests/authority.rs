@@ -1,13 +1,13 @@
 //! Every actuator of every building type bites.
 
-mod common;
+mod case;
 
 use std::sync::Arc;
 
 use b2b_building::BuildingType;
 use b2b_building::hvac::{Quantity, System, Unitary};
 use b2b_env::authority::{Condition, Level, Report, Verdict, measure};
-use common::Case;
+use case::Case;
 
 /// Measures a building at home: every row follows or is at capacity, and capacity is the exception.
 fn every_actuator_bites(building_type: BuildingType) -> Report {

@@ -1,9 +1,9 @@
 //! Energy is the engine's own, and counted once.
 
-mod common;
+mod case;
 
 use b2b_building::BuildingType;
-use common::{Case, random_episode};
+use case::{Case, random_episode};
 
 fn energy_is_the_engine_s_own(building_type: BuildingType) {
     let case = Case::at_home(building_type);

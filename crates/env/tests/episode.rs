@@ -1,10 +1,10 @@
 //! What holds for every episode: its clock, its length, its reproducibility, and what it refuses.
 
-mod common;
+mod case;
 
 use b2b_building::BuildingType;
 use b2b_env::{Env, Error, Trajectory};
-use common::{Case, Dice, random_episode};
+use case::{Case, Dice, random_episode};
 
 fn house() -> Case {
     Case::at_home(BuildingType::SingleFamilyHouse)

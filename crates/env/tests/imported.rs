@@ -1,10 +1,10 @@
 //! A building of a user's own as an environment.
 
-mod common;
+mod case;
 
 use b2b_building::Conditioning;
 use b2b_energyplus::Level;
-use common::{Case, random_episode};
+use case::{Case, random_episode};
 
 #[test]
 fn zones_left_to_their_own_controls_are_held_by_them_and_not_judged() {

@@ -1,6 +1,6 @@
 //! Every slot of every type has one place in the morphology.
 
-mod common;
+mod case;
 
 use std::collections::HashSet;
 use std::sync::{Arc, OnceLock};
@@ -26,9 +26,9 @@ fn case(building_type: BuildingType) -> Case {
 
 /// The building is prepared once for all tests.
 fn case_of(building_type: BuildingType, task: Task) -> Case {
-    static PREPARED: [OnceLock<common::Case>; 6] = [const { OnceLock::new() }; 6];
-    let common::Case { library, building, weather } =
-        PREPARED[building_type as usize].get_or_init(|| common::Case::at_home(building_type));
+    static PREPARED: [OnceLock<case::Case>; 6] = [const { OnceLock::new() }; 6];
+    let case::Case { library, building, weather } =
+        PREPARED[building_type as usize].get_or_init(|| case::Case::at_home(building_type));
     let period = "01-01..01-01".parse().unwrap();
     let episode = EpisodeConfig { weather: weather.clone(), period, steps_per_hour: 12, task };
     let env = Env::new(library.clone(), Arc::clone(building), episode).unwrap();

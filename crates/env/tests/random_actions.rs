@@ -1,10 +1,10 @@
 //! Whatever an agent does, the engine goes on and stays finite.
 
-mod common;
+mod case;
 
 use b2b_building::BuildingType;
 use b2b_energyplus::Level;
-use common::{Case, random_episode};
+use case::{Case, random_episode};
 
 /// A random episode: finite throughout, without a severe message.
 fn random_actions_do_no_harm(case: &Case, period: &str) {

@@ -1,12 +1,12 @@
 //! Tasks on the engine: targets follow people or the dice, and rewards and metrics are those of the trajectory.
 
-mod common;
+mod case;
 
 use std::sync::Arc;
 
 use b2b_building::{BuildingType, Class, PreparedBuilding};
 use b2b_env::{EnergyScale, Env, Reward, RewardFunction, StepView, Trajectory};
-use common::{Case, Dice, random_episode};
+use case::{Case, Dice, random_episode};
 
 fn office() -> Case {
     Case::at_home(BuildingType::OfficeSmall)

@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use b2b_building::PreparedBuilding;
 use b2b_dataset::Catalog;
 use b2b_energyplus::install::Quiet;
-use b2b_env::vector::{Pool, PoolOptions, Setting, Source};
+use b2b_env::vector::{Setting, Source, WorkerOptions, Workers};
 
 use super::episode::Episode;
 use super::parallel::Evaluation;
@@ -34,7 +34,7 @@ pub(super) struct Located {
 
 /// A pool of processes with a building.
 pub(super) struct Bench {
-    pub(super) pool: Pool,
+    pub(super) workers: Workers,
     pub(super) located: Arc<Located>,
     /// Shared by its episodes, so that they share what is prepared.
     source: Arc<Source>,
@@ -97,13 +97,13 @@ impl Bench {
             Some(building) => Arc::new(Source::Prepared(Box::new(PreparedBuilding::clone(building)))),
             None => Arc::clone(&located.source),
         };
-        let options = PoolOptions {
+        let options = WorkerOptions {
             interrupted: evaluation.interrupted,
             // A template serves its episodes one after another, and goes when the next is made.
             template_memory: 0,
-            ..PoolOptions::new(evaluation.launcher.clone(), evaluation.catalog.library().path())
+            ..WorkerOptions::new(evaluation.launcher.clone(), evaluation.catalog.library().path())
         };
-        Ok(Self { pool: Pool::new(options)?, located, source, prepared: None })
+        Ok(Self { workers: Workers::new(options)?, located, source, prepared: None })
     }
 
     /// An episode of the building.

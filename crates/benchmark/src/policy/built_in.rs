@@ -4,7 +4,6 @@ use std::fmt;
 use std::str::FromStr;
 
 use b2b_control::{Constant, Controller, Planner, PlannerParameters, Random, Reactive, Replay};
-use b2b_env::vector::Start;
 
 use super::interface::{EpisodeContext, Policy};
 use crate::tuned::controller_parameters;
@@ -89,11 +88,8 @@ fn reactive(context: &EpisodeContext<'_>) -> Reactive {
 /// Plans the whole episode on copies of it; the plan is replayed afterwards.
 fn plan(context: EpisodeContext<'_>) -> Result<Replay> {
     let reactive = reactive(&context);
-    let EpisodeContext { spaces, seed, pool, template, .. } = context;
-    let mut live = pool.begin(template, Start::default())?;
-    pool.wait(std::slice::from_mut(&mut live), 1)?;
+    let EpisodeContext { spaces, seed, episode, .. } = context;
     let mut planner = Planner::new(PlannerParameters::default(), reactive, seed);
-    let actions = planner.run(pool, &mut live, spaces.episode_steps(), || {});
-    pool.stop(live);
-    Ok(Replay::new(actions?, spaces.action.len()))
+    let actions = planner.plan_episode(episode, spaces.episode_steps(), || {})?;
+    Ok(Replay::new(actions, spaces.action.len()))
 }

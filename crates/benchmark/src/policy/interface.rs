@@ -5,7 +5,7 @@ use std::sync::Arc;
 use b2b_control::Controller;
 use b2b_env::ActionSpace;
 use b2b_env::Spaces;
-use b2b_env::vector::{Pool, TemplateId};
+use b2b_env::vector;
 
 use crate::{Result, SiteInfo, Subject};
 
@@ -48,10 +48,8 @@ pub struct EpisodeContext<'a> {
     pub interface: &'a Interface,
     /// Seed of the episode.
     pub seed: u64,
-    /// The pool that runs the episode: a planner tries actions on copies in it.
-    pub pool: &'a mut Pool,
-    /// The episode's template in `pool`.
-    pub template: TemplateId,
+    /// The episode before its reset: a planner resets it and tries actions on copies of it.
+    pub episode: &'a mut vector::Episode,
 }
 
 /// What a policy observes and controls: all of an environment's spaces, or a problem's selection of them.

@@ -1,15 +1,15 @@
 //! Policies in ONNX files, as learning libraries export them.
 
-use std::io::Cursor;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use b2b_control::Controller;
 use b2b_energyplus::digest::sha256;
 use b2b_env::ActionSpace;
 use b2b_env::Spaces;
-use tract_onnx::prelude::*;
-use tract_onnx::tract_hir::internal::{DimLike, Factoid, format_err};
+use rten::{Dimension, Model, RunError, RunOptions, ThreadPool, ValueOrView};
+use rten_tensor::NdTensorView;
+use rten_tensor::prelude::*;
 
 use super::action_scale::ActionScale;
 use super::interface::{EpisodeContext, Interface, Policy};
@@ -24,9 +24,7 @@ pub struct OnnxPolicy {
     name: String,
     identity: String,
     scale: ActionScale,
-    model: InferenceModel,
-    /// The last optimized model with its width: buildings of one type share their shapes.
-    optimized: Mutex<Option<(usize, Arc<TypedRunnableModel>)>>,
+    model: Arc<Model>,
 }
 
 impl OnnxPolicy {
@@ -36,47 +34,24 @@ impl OnnxPolicy {
     /// [`Error::Io`]; [`Error::InvalidOnnx`]; [`Error::InvalidPolicy`] unless there is one input and at least one output.
     pub fn read(path: &Path, scale: ActionScale) -> Result<Self> {
         let bytes = std::fs::read(path).map_err(at(path))?;
+        let identity = format!("onnx {}, actions {scale:?}", sha256(&bytes)).to_lowercase();
         let invalid = |why: String| Error::InvalidOnnx { path: path.to_owned(), why };
-        let model = tract_onnx::onnx().model_for_read(&mut Cursor::new(&bytes));
-        let model = model.map_err(|error| invalid(chain(&error)))?;
-        if model.nodes().is_empty() {
-            return Err(invalid("it contains no graph".into()));
-        }
-        let inputs = model.input_outlets().map_err(|error| invalid(chain(&error)))?.len();
-        let outputs = model.output_outlets().map_err(|error| invalid(chain(&error)))?.len();
+        let model = Model::load(bytes).map_err(|error| invalid(one_line(&error)))?;
+        let (inputs, outputs) = (model.input_ids().len(), model.output_ids().len());
         if inputs != 1 || outputs == 0 {
             let why = format!("it has {inputs} inputs and {outputs} outputs");
             return Err(Error::InvalidPolicy { path: path.to_owned(), why });
         }
         let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        let identity = format!("onnx {}, actions {scale:?}", sha256(&bytes)).to_lowercase();
-        Ok(Self { path: path.to_owned(), name, identity, scale, model, optimized: Mutex::default() })
+        Ok(Self { path: path.to_owned(), name, identity, scale, model: Arc::new(model) })
     }
 
     /// Returns the width of the input, if the model declares it.
     fn input_width(&self) -> Option<usize> {
-        let fact = self.model.input_fact(0).ok()?;
-        let dimensions = fact.shape.dims().count();
-        let last = fact.shape.dims().nth(dimensions.checked_sub(1)?)?.concretize()?;
-        last.to_usize().ok()
-    }
-
-    /// Returns the model for observations of `width` values.
-    fn for_width(&self, width: usize) -> Result<Arc<TypedRunnableModel>> {
-        let mut optimized = self.optimized.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((known, model)) = &*optimized
-            && *known == width
-        {
-            return Ok(Arc::clone(model));
+        match self.model.input_shape(0)?.pop()? {
+            Dimension::Fixed(width) => Some(width),
+            Dimension::Symbolic(_) => None,
         }
-        let optimize = || -> TractResult<_> {
-            let input = InferenceFact::dt_shape(f32::datum_type(), tvec!(1, width));
-            self.model.clone().with_input_fact(0, input)?.into_optimized()?.into_runnable()
-        };
-        let model = optimize()
-            .map_err(|error| Error::InvalidPolicy { path: self.path.clone(), why: chain(&error) })?;
-        *optimized = Some((width, Arc::clone(&model)));
-        Ok(model)
     }
 
     fn check_observation(&self, spaces: &Spaces, interface: &Interface) -> Result<()> {
@@ -94,13 +69,11 @@ impl OnnxPolicy {
     }
 
     /// Runs the model once and checks the width of its output.
-    fn check_action(
-        &self,
-        model: &Arc<TypedRunnableModel>,
-        spaces: &Spaces,
-        interface: &Interface,
-    ) -> Result<()> {
-        let given = self.infer(model, &vec![0.0; interface.observation.len()])?.len();
+    fn check_action(&self, inference: &Inference, spaces: &Spaces, interface: &Interface) -> Result<()> {
+        let output = inference.run(&vec![0.0; interface.observation.len()]);
+        let given = output
+            .map_err(|error| Error::InvalidPolicy { path: self.path.clone(), why: one_line(&error) })?
+            .len();
         if given == interface.action.len() {
             return Ok(());
         }
@@ -110,11 +83,6 @@ impl OnnxPolicy {
             building: spaces.building.name.clone(),
             slots: interface.action.names().to_vec(),
         })
-    }
-
-    fn infer(&self, model: &Arc<TypedRunnableModel>, observation: &[f32]) -> Result<Vec<f32>> {
-        infer(model, observation)
-            .map_err(|error| Error::InvalidPolicy { path: self.path.clone(), why: chain(&error) })
     }
 }
 
@@ -130,10 +98,10 @@ impl Policy for OnnxPolicy {
     fn controller(&self, context: EpisodeContext<'_>) -> Result<Box<dyn Controller>> {
         let EpisodeContext { spaces, interface, .. } = context;
         self.check_observation(spaces, interface)?;
-        let model = self.for_width(interface.observation.len())?;
-        self.check_action(&model, spaces, interface)?;
+        let inference = Inference::new(&self.model);
+        self.check_action(&inference, spaces, interface)?;
         Ok(Box::new(OnnxController {
-            model,
+            inference,
             scale: self.scale,
             space: interface.action.clone(),
             observation: vec![0.0; interface.observation.len()],
@@ -143,7 +111,7 @@ impl Policy for OnnxPolicy {
 
 /// The controller of an ONNX policy in an episode.
 struct OnnxController {
-    model: Arc<TypedRunnableModel>,
+    inference: Inference,
     scale: ActionScale,
     space: ActionSpace,
     observation: Vec<f32>,
@@ -157,7 +125,7 @@ impl Controller for OnnxController {
             *single = *value as f32;
         }
         // The model ran on these shapes before; if it fails now, the environment names the action that is not a number.
-        let inferred = infer(&self.model, &self.observation).unwrap_or_default();
+        let inferred = self.inference.run(&self.observation).unwrap_or_default();
         action.fill(f64::NAN);
         for (value, inferred) in action.iter_mut().zip(inferred) {
             *value = f64::from(inferred);
@@ -166,17 +134,31 @@ impl Controller for OnnxController {
     }
 }
 
-fn infer(model: &Arc<TypedRunnableModel>, observation: &[f32]) -> TractResult<Vec<f32>> {
-    let input = Tensor::from_shape(&[1, observation.len()], observation)?;
-    let outputs = model.run(tvec!(input.into_tvalue()))?;
-    let output = outputs.first().ok_or_else(|| format_err!("the model has no output"))?;
-    Ok(output.to_plain_array_view::<f32>()?.iter().copied().collect())
+/// Runs a model on a thread of its own: sums then run in one order, whatever the number of cores.
+struct Inference {
+    model: Arc<Model>,
+    options: RunOptions,
 }
 
-/// Formats an error with its causes in one line.
-fn chain(error: &TractError) -> String {
-    let all: Vec<String> = error.chain().map(|cause| cause.to_string().replace('\n', " ")).collect();
-    all.join(": ")
+impl Inference {
+    fn new(model: &Arc<Model>) -> Self {
+        let thread = Arc::new(ThreadPool::with_num_threads(1));
+        Self { model: Arc::clone(model), options: RunOptions::default().with_thread_pool(Some(thread)) }
+    }
+
+    /// Returns the first output for an observation.
+    fn run(&self, observation: &[f32]) -> std::result::Result<Vec<f32>, RunError> {
+        let input = NdTensorView::from_data([1, observation.len()], observation);
+        let inputs = vec![(self.model.input_ids()[0], ValueOrView::from(input))];
+        let outputs = &self.model.output_ids()[..1];
+        let mut values = self.model.run(inputs, outputs, Some(self.options.clone()))?;
+        Ok(values.swap_remove(0).into_tensor::<f32>().map(|tensor| tensor.to_vec()).unwrap_or_default())
+    }
+}
+
+/// Formats an error in one line.
+fn one_line(error: &dyn std::error::Error) -> String {
+    error.to_string().replace('\n', " ")
 }
 
 #[cfg(test)]

@@ -21,7 +21,10 @@ where
 
 /// The same for lists.
 pub mod list {
-    use super::*;
+    use std::fmt::Display;
+    use std::str::FromStr;
+
+    use serde::{Deserialize, Deserializer, Serializer, de::Error};
 
     /// Serializes values as a list of texts.
     pub fn serialize<T: Display, S: Serializer>(values: &[T], to: S) -> Result<S::Ok, S::Error> {

@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use anyhow::{Result, bail};
 use b2b_control::{Constant, Controller, Random, Reactive, ReactiveParameters};
-use b2b_env::Env;
+use b2b_env::Spaces;
 
 use crate::prepare::Prepared;
 
@@ -55,34 +55,31 @@ impl ControllerArguments {
     }
 
     /// Returns a controller for the environment of a prepared building. The planner plans its episode here.
-    pub fn build(&self, prepared: &Prepared, env: &Env, quiet: bool) -> Result<Box<dyn Controller>> {
+    pub fn build(&self, prepared: &Prepared, spaces: &Spaces, quiet: bool) -> Result<Box<dyn Controller>> {
         Ok(match self.kind {
-            Kind::Reactive => Box::new(reactive(env, &self.parameters)?),
-            Kind::Random => Box::new(Random::new(env.action_space(), self.seed)),
-            Kind::Constant => Box::new(Constant::middle(env.action_space())),
+            Kind::Reactive => Box::new(reactive(spaces, &self.parameters)?),
+            Kind::Random => Box::new(Random::new(&spaces.action, self.seed)),
+            Kind::Constant => Box::new(Constant::middle(&spaces.action)),
             #[cfg(target_os = "linux")]
-            Kind::Planner => Box::new(self.plan(prepared, env, quiet)?),
+            Kind::Planner => Box::new(self.plan(prepared, spaces, quiet)?),
         })
     }
 
     /// Plans an episode on copies of the simulation, to be replayed in the environment itself.
     #[cfg(target_os = "linux")]
-    fn plan(&self, prepared: &Prepared, env: &Env, quiet: bool) -> Result<b2b_control::Replay> {
+    fn plan(&self, prepared: &Prepared, spaces: &Spaces, quiet: bool) -> Result<b2b_control::Replay> {
         use b2b_control::{Planner, PlannerParameters, Replay};
-        use b2b_env::vector::{Pool, Start};
+        use b2b_env::vector::Workers;
 
-        let steps = env.episode_steps();
+        let steps = spaces.episode_steps();
         let bar = crate::progress::counter(steps, "steps planned", quiet);
-        let mut pool = Pool::new(prepared.pool_options()?)?;
-        let setting = prepared.setting(env.episode().clone());
-        let template = pool.prepare(&setting)?;
-        let mut live = pool.begin(template, Start::default())?;
-        pool.wait(std::slice::from_mut(&mut live), 1)?;
-        let reactive = reactive(env, &self.parameters)?;
+        let workers = Workers::new(prepared.worker_options()?)?;
+        let mut episode = workers.episode(&prepared.setting(spaces.episode.clone()))?;
+        let reactive = reactive(spaces, &self.parameters)?;
         let mut planner = Planner::new(PlannerParameters::default(), reactive, self.seed);
-        let actions = planner.run(&mut pool, &mut live, steps, || bar.inc(1))?;
+        let actions = planner.plan_episode(&mut episode, steps, || bar.inc(1))?;
         bar.finish_and_clear();
-        Ok(Replay::new(actions, env.action_space().len()))
+        Ok(Replay::new(actions, spaces.action.len()))
     }
 }
 
@@ -114,17 +111,17 @@ impl FromStr for Parameters {
 
 impl Parameters {
     /// Returns the parameters for the building of an environment.
-    fn of(&self, env: &Env) -> Result<ReactiveParameters> {
+    fn of(&self, spaces: &Spaces) -> Result<ReactiveParameters> {
         Ok(match self {
             Self::Default => ReactiveParameters::default(),
-            Self::Tuned => ReactiveParameters::tuned_for(env.building()),
+            Self::Tuned => ReactiveParameters::tuned_for(&spaces.building),
             Self::File(path) => ReactiveParameters::read(path)?,
         })
     }
 }
 
 /// Returns the reactive controllers of a building.
-pub fn reactive(env: &Env, parameters: &Parameters) -> Result<Reactive> {
-    let (space, steps_per_hour) = (env.observation_space(), env.episode().steps_per_hour);
-    Ok(Reactive::new(env.building(), space, steps_per_hour, &parameters.of(env)?))
+pub fn reactive(spaces: &Spaces, parameters: &Parameters) -> Result<Reactive> {
+    let (space, steps_per_hour) = (&spaces.observation, spaces.episode.steps_per_hour);
+    Ok(Reactive::new(&spaces.building, space, steps_per_hour, &parameters.of(spaces)?))
 }

@@ -6,8 +6,8 @@ use b2b_benchmark::{ActionScale, Policy};
 #[derive(clap::Args)]
 pub struct PolicyArguments {
     /// Policy: reactive, random, constant, planner, or an ONNX file
-    #[arg(long = "policy", value_name = "POLICY")]
-    pub name: String,
+    #[arg(long, value_name = "POLICY")]
+    pub policy: String,
     /// Scale of the actions of an ONNX policy
     #[arg(long, value_enum, default_value_t = Actions::Rescaled)]
     actions: Actions,
@@ -32,7 +32,7 @@ impl PolicyArguments {
     }
 
     /// Returns the policy. Errors if it is unknown or cannot be read.
-    pub fn policy(&self) -> b2b_benchmark::Result<Box<dyn Policy>> {
-        <dyn Policy>::named(&self.name, self.scale())
+    pub fn load(&self) -> b2b_benchmark::Result<Box<dyn Policy>> {
+        <dyn Policy>::named(&self.policy, self.scale())
     }
 }

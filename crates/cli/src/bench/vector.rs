@@ -7,8 +7,8 @@ use std::time::Instant;
 use anyhow::{Context, Result};
 use b2b_building::{BuildingType, Date, RunPeriod};
 use b2b_dataset::BuildingName;
-use b2b_env::vector::{Fixed, Pool, Setting, Start, VecEnv};
-use b2b_env::{Env, Task};
+use b2b_env::vector::{Fixed, Setting, VecEnv, Workers};
+use b2b_env::{Env, Environment, Task};
 use cpu_time::ProcessTime;
 use serde::Serialize;
 
@@ -149,20 +149,15 @@ fn fresh_reset_ms(prepared: &Prepared, period: RunPeriod) -> Result<f64> {
 
 /// Times of resets from a template, ms, and the template's memory, MB.
 fn resets(prepared: &Prepared, setting: &Setting, count: u32) -> Result<(Vec<f64>, f64)> {
-    let mut pool = Pool::new(prepared.pool_options()?)?;
-    let template = pool.prepare(setting)?;
-    let spaces = pool.spaces(template)?;
-    let process = *pool.template_processes().first().context("the template is gone")?;
+    let workers = Workers::new(prepared.worker_options()?)?;
+    let mut episode = workers.episode(setting)?;
+    let process = *workers.template_processes().first().context("the template is gone")?;
     let template_mb = proportional_mb(process)?;
-    let mut observation = vec![0.0; spaces.observation.len()];
     let mut times = Vec::new();
     for _ in 0..count {
         let start = Instant::now();
-        let mut live = pool.begin(template, Start::default())?;
-        pool.wait(std::slice::from_mut(&mut live), 1)?;
-        pool.observation(&live, &mut observation);
+        episode.reset()?;
         times.push(start.elapsed().as_secs_f64() * 1e3);
-        pool.stop(live);
     }
     Ok((times, template_mb))
 }

@@ -94,7 +94,7 @@ fn note(name: &str, report: &Report) -> String {
         .map(|group| format!("{} × {}: {}", group.members.len(), group.class, group.reason))
         .collect();
     if let Some(trial) = &report.trial {
-        lines.extend(trial.severe_message.clone());
+        lines.extend(trial.severe_message.iter().map(|message| message.replace('\n', " ")));
         if trial.worst_zone_rms_k >= LARGE_DEVIATION {
             lines.push(format!("worst zone: {}", trial.worst_zone));
         }

@@ -2,13 +2,12 @@
 
 use anyhow::{Context, Result};
 use b2b_building::RunPeriod;
-use b2b_energyplus::Level;
 use b2b_env::Task;
 use serde::{Deserialize, Serialize};
 
 use crate::arguments::controller::{Parameters, reactive};
 use crate::prepare::Prepared;
-use crate::rollout::roll_out;
+use crate::rollout::Rollout;
 
 /// Temperature deviations and engine messages of a trial episode.
 #[derive(Serialize, Deserialize)]
@@ -28,21 +27,20 @@ pub struct Trial {
 impl Trial {
     /// Simulates a run period at a constant 21 °C.
     pub fn run(prepared: &Prepared, period: RunPeriod, quiet: bool) -> Result<Self> {
-        let mut env = prepared.env(period, 12, Task::default())?;
-        let mut controller = reactive(&env, &Parameters::Tuned)?;
-        roll_out(&mut env, &mut controller, quiet)?;
-        let metrics = env.metrics();
+        let spaces = prepared.spaces(period, 12, Task::default())?;
+        let mut controller = reactive(&spaces, &Parameters::Tuned)?;
+        let Rollout { metrics, engine, .. } = prepared.roll_out(&spaces, &mut controller, quiet)?;
         let rms = |zone: &b2b_env::ZoneMetrics| zone.rms_deviation(metrics.steps);
         let worst = metrics.zones.iter().max_by(|a, b| rms(a).total_cmp(&rms(b)));
         let worst = worst.context("no zone is controlled")?;
         Ok(Self {
             period: period.to_string(),
             rms_deviation_k: metrics.rms_deviation(),
-            worst_zone: env.building().zones[worst.slot].name.clone(),
+            worst_zone: spaces.building.zones[worst.slot].name.clone(),
             worst_zone_rms_k: rms(worst),
-            warnings: env.message_count(Level::Warning),
-            severes: env.message_count(Level::Severe),
-            severe_message: env.messages().at_least(Level::Severe).next().map(|m| m.text.clone()),
+            warnings: engine.warnings,
+            severes: engine.severes,
+            severe_message: engine.severe_messages.into_iter().next(),
         })
     }
 }

@@ -16,7 +16,6 @@ use crate::arguments::location::Location;
 use crate::arguments::task;
 use crate::output_folder::OutputFolder;
 use crate::prepare::Prepared;
-use crate::rollout::roll_out;
 use crate::{interrupt, stdout};
 use summary::{RunInfo, Summary};
 
@@ -83,10 +82,10 @@ On one machine, the same arguments give the same episode bit for bit: compare tr
 pub fn run(arguments: &Arguments) -> Result<()> {
     let prepared = Prepared::new(&arguments.building, &arguments.location, arguments.json)?;
     let period = arguments.run_period()?;
-    let mut env = prepared.env(period, arguments.steps_per_hour, arguments.task.clone())?;
+    let spaces = prepared.spaces(period, arguments.steps_per_hour, arguments.task.clone())?;
     let folder = OutputFolder::stage(&arguments.folder(&prepared.place, period))?;
-    let mut controller = arguments.controller.build(&prepared, &env, arguments.json)?;
-    let rollout = roll_out(&mut env, controller.as_mut(), arguments.json)?;
+    let mut controller = arguments.controller.build(&prepared, &spaces, arguments.json)?;
+    let rollout = prepared.roll_out(&spaces, controller.as_mut(), arguments.json)?;
 
     let info = RunInfo {
         place: prepared.place,
@@ -94,11 +93,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         seed: arguments.controller.seed(),
         files: folder.destinations(&[trajectory_file::NAME, Summary::NAME, picture::NAME]),
     };
-    let summary = Summary::of(&env, &rollout, info)?;
+    let summary = Summary::of(&spaces, &rollout, info);
     folder.write(trajectory_file::NAME, |file| {
-        trajectory_file::write(file, &env, &rollout.trajectory, &summary)
+        trajectory_file::write(file, &spaces, &rollout.trajectory, &summary)
     })?;
-    folder.write(picture::NAME, |file| picture::write(file, &env, &rollout.trajectory, &summary))?;
+    folder.write(picture::NAME, |file| picture::write(file, &spaces, &rollout.trajectory, &summary))?;
     folder.write(Summary::NAME, |file| Ok(serde_json::to_writer_pretty(file, &summary)?))?;
     interrupt::check()?;
     folder.keep()?;

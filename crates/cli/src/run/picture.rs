@@ -11,7 +11,7 @@ use b2b_benchmark::report;
 use b2b_building::hvac::Quantity;
 use b2b_building::morphology::Owner;
 use b2b_building::{Conditioning, PreparedBuilding};
-use b2b_env::{Env, Target, Trajectory};
+use b2b_env::{Spaces, Target, Trajectory};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use serde::Serialize;
@@ -53,13 +53,18 @@ struct Series {
 }
 
 /// Writes the page.
-pub fn write(file: &mut impl Write, env: &Env, trajectory: &Trajectory, summary: &Summary) -> Result<()> {
-    let picture = Picture { env, trajectory, span: trajectory.len().div_ceil(MAX_POINTS).max(1) };
+pub fn write(
+    file: &mut impl Write,
+    spaces: &Spaces,
+    trajectory: &Trajectory,
+    summary: &Summary,
+) -> Result<()> {
+    let picture = Picture { spaces, trajectory, span: trajectory.len().div_ceil(MAX_POINTS).max(1) };
     let data = json!({
         "title": summary.title(),
         "summary": summary,
-        "first_day": env.episode().period.first().day_of_year(),
-        "steps_per_hour": env.episode().steps_per_hour,
+        "first_day": spaces.episode.period.first().day_of_year(),
+        "steps_per_hour": spaces.episode.steps_per_hour,
         "span": picture.span,
         "points": trajectory.len().div_ceil(picture.span),
         "panels": picture.panels(),
@@ -68,7 +73,7 @@ pub fn write(file: &mut impl Write, env: &Env, trajectory: &Trajectory, summary:
 }
 
 struct Picture<'a> {
-    env: &'a Env,
+    spaces: &'a Spaces,
     trajectory: &'a Trajectory,
     /// Steps per point.
     span: usize,
@@ -90,19 +95,19 @@ impl Picture<'_> {
     }
 
     fn temperatures(&self) -> Panel {
-        let band = self.env.episode().task.comfort_band;
+        let band = self.spaces.episode.task.comfort_band;
         let series = self.zones(|conditioning| conditioning != Conditioning::None).collect();
-        let target = self.env.observation_space().constant_target();
+        let target = self.spaces.observation.constant_target();
         let band = target.map(|target| [target - band, target + band]);
         Panel { title: "Zone air temperature".into(), unit: "°C", series, band }
     }
 
     /// Returns the targets that vary over time.
     fn targets(&self) -> Panel {
-        let zones = self.env.building().zones.iter().enumerate();
+        let zones = self.spaces.building.zones.iter().enumerate();
         let controlled = zones.filter(|(_, zone)| zone.conditioning != Conditioning::None);
         let series = controlled.enumerate().filter_map(|(index, (number, zone))| {
-            match self.env.observation_space().target(index) {
+            match self.spaces.observation.target(index) {
                 Target::Slot(slot) => Some(self.slot(zone.name.clone(), number, slot, 1.0)),
                 Target::Always(_) => None,
             }
@@ -112,16 +117,17 @@ impl Picture<'_> {
 
     /// Returns the outdoor air with attics and plenums, which follow it more than any target.
     fn outdoor(&self) -> Panel {
-        let outdoor = self.env.observation_space().outdoor_temperature();
-        let mut series = vec![self.slot("outdoor air".into(), self.env.building().zones.len(), outdoor, 1.0)];
+        let outdoor = self.spaces.observation.outdoor_temperature();
+        let mut series =
+            vec![self.slot("outdoor air".into(), self.spaces.building.zones.len(), outdoor, 1.0)];
         series.extend(self.zones(|conditioning| conditioning == Conditioning::None));
         Panel { title: "Outdoor air and unconditioned zones".into(), unit: "°C", series, band: None }
     }
 
     /// Returns the temperatures of the zones whose equipment matches.
     fn zones(&self, matches: impl Fn(Conditioning) -> bool) -> impl Iterator<Item = Series> {
-        let zones = self.env.building().zones.iter().enumerate();
-        let slots = self.env.observation_space().zone_temperatures();
+        let zones = self.spaces.building.zones.iter().enumerate();
+        let slots = self.spaces.observation.zone_temperatures();
         zones
             .zip(slots)
             .filter(move |((_, zone), _)| matches(zone.conditioning))
@@ -129,8 +135,8 @@ impl Picture<'_> {
     }
 
     fn power(&self) -> Panel {
-        let space = self.env.observation_space();
-        let per_hour = f64::from(self.env.episode().steps_per_hour);
+        let space = &self.spaces.observation;
+        let per_hour = f64::from(self.spaces.episode.steps_per_hour);
         let series = vec![
             self.slot("electricity".into(), 0, space.electricity(), per_hour),
             self.slot("gas".into(), 1, space.gas(), per_hour),
@@ -139,7 +145,7 @@ impl Picture<'_> {
     }
 
     fn actions(&self, quantity: Quantity, what: &str) -> Panel {
-        let building = self.env.building();
+        let building = &self.spaces.building;
         let actuators = building.owned_actuators().enumerate();
         let series = actuators.filter(|(_, (_, actuator))| actuator.quantity == quantity).map(
             |(k, (owner, actuator))| {

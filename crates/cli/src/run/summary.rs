@@ -2,11 +2,8 @@
 
 use std::path::PathBuf;
 
-use anyhow::Result;
 use b2b_benchmark::Versions;
-use b2b_energyplus::Level;
-use b2b_env::{Env, EpisodeMetrics, Setpoints, Task};
-use cpu_time::ProcessTime;
+use b2b_env::{EpisodeMetrics, Metrics, Setpoints, Spaces, Task, ZoneMetrics};
 use serde::Serialize;
 
 use crate::rollout::Rollout;
@@ -52,9 +49,9 @@ pub struct Summary {
     pub severe_messages: Vec<String>,
     /// SHA-256 of all observations, actions and penalties: equal hashes mean equal episodes.
     pub trajectory_hash: String,
-    /// CPU time of the process up to the end of the episode, s.
+    /// CPU time up to the end of the episode, s.
     pub cpu_s: f64,
-    /// CPU time within `Env::reset` and `Env::step`, s.
+    /// CPU time of the environment, s: warm-up and steps.
     pub engine_cpu_s: f64,
     /// Steps per second of wall-clock time.
     pub steps_per_s: f64,
@@ -92,20 +89,15 @@ pub struct ZoneSummary {
     pub heating_and_cooling: bool,
 }
 
-/// Number of severe messages that are kept.
-const SEVERES_KEPT: usize = 5;
-
 impl Summary {
     /// Name of the file.
     pub const NAME: &str = "summary.json";
 
     /// Summarizes a finished episode.
-    pub fn of(env: &Env, rollout: &Rollout, info: RunInfo) -> Result<Self> {
-        let (metrics, episode) = (env.metrics(), env.episode());
-        let severes = env.messages();
-        let severes = severes.at_least(Level::Severe).take(SEVERES_KEPT);
-        Ok(Self {
-            building: env.building().name.clone(),
+    pub fn of(spaces: &Spaces, rollout: &Rollout, info: RunInfo) -> Self {
+        let (metrics, engine, episode) = (&rollout.metrics, &rollout.engine, &spaces.episode);
+        Self {
+            building: spaces.building.name.clone(),
             info,
             versions: Versions::current(),
             period: episode.period.to_string(),
@@ -113,20 +105,20 @@ impl Summary {
             task: episode.task.to_string(),
             task_hash: episode.task.hash(),
             task_definition: episode.task.clone(),
-            energy_scale: env.energy_scale(),
+            energy_scale: spaces.energy_scale(),
             metrics: metrics.into(),
-            never_occupied: rollout.never_occupied.clone(),
+            never_occupied: engine.never_occupied.clone(),
             travel: metrics.travel.clone(),
-            meter_relative_error: meter_relative_error(env)?,
-            engine_warnings: env.message_count(Level::Warning),
-            engine_severes: env.message_count(Level::Severe),
-            severe_messages: severes.map(|message| message.text.clone()).collect(),
+            meter_relative_error: meter_relative_error(metrics, engine.meters),
+            engine_warnings: engine.warnings,
+            engine_severes: engine.severes,
+            severe_messages: engine.severe_messages.clone(),
             trajectory_hash: rollout.trajectory.hash(),
-            cpu_s: ProcessTime::now().as_duration().as_secs_f64(),
+            cpu_s: rollout.total_cpu.as_secs_f64(),
             engine_cpu_s: rollout.env_cpu.as_secs_f64(),
             steps_per_s: metrics.steps as f64 / rollout.wall.as_secs_f64(),
-            zones: zones(env),
-        })
+            zones: zones(spaces, metrics),
+        }
     }
 
     /// Returns the text report.
@@ -243,10 +235,9 @@ impl Summary {
     }
 }
 
-fn zones(env: &Env) -> Vec<ZoneSummary> {
-    let metrics = env.metrics();
-    let zone = |zone: &b2b_env::ZoneMetrics| ZoneSummary {
-        name: env.building().zones[zone.slot].name.clone(),
+fn zones(spaces: &Spaces, metrics: &Metrics) -> Vec<ZoneSummary> {
+    let zone = |zone: &ZoneMetrics| ZoneSummary {
+        name: spaces.building.zones[zone.slot].name.clone(),
         rms_deviation_k: zone.rms_deviation(metrics.steps),
         mean_abs_deviation_k: zone.mean_abs_deviation(metrics.steps),
         hours_outside_band: metrics.zone_hours_outside_band(zone),
@@ -256,11 +247,11 @@ fn zones(env: &Env) -> Vec<ZoneSummary> {
     metrics.zones.iter().map(zone).collect()
 }
 
-/// Returns the largest relative mismatch of a fuel. A fuel that the building does not use has none.
-fn meter_relative_error(env: &Env) -> Result<f64> {
+/// Returns the largest relative mismatch of a fuel, NaN without the engine's meters. A fuel that the building does not use
+/// has none.
+fn meter_relative_error(metrics: &Metrics, meters: Option<[f64; 2]>) -> f64 {
     const TINY: f64 = 1e-9;
-    let ours = [env.metrics().electricity, env.metrics().gas];
-    let errors =
-        ours.iter().zip(env.engine_meters()?).map(|(ours, engine)| (ours - engine).abs() / engine.max(TINY));
-    Ok(errors.fold(0.0, f64::max))
+    let Some(meters) = meters else { return f64::NAN };
+    let errors = [metrics.electricity, metrics.gas].into_iter().zip(meters);
+    errors.map(|(ours, engine)| (ours - engine).abs() / engine.max(TINY)).fold(0.0, f64::max)
 }

@@ -9,7 +9,7 @@ use arrow_array::types::{Float64Type, UInt8Type, UInt32Type};
 use arrow_array::{ArrayRef, ArrowPrimitiveType, PrimitiveArray, RecordBatch};
 use arrow_schema::{Field, Schema};
 use b2b_building::Date;
-use b2b_env::{Env, Trajectory};
+use b2b_env::{Spaces, Trajectory};
 use parquet::arrow::ArrowWriter;
 use parquet::basic::Compression;
 use parquet::file::properties::WriterProperties;
@@ -22,16 +22,16 @@ pub const NAME: &str = "trajectory.parquet";
 /// Writes a trajectory. Columns are named after the slots of the spaces; units are in the field metadata.
 pub fn write(
     file: &mut (impl Write + Send),
-    env: &Env,
+    spaces: &Spaces,
     trajectory: &Trajectory,
     summary: &Summary,
 ) -> Result<()> {
     let mut columns = Columns::default();
-    columns.calendar(env, trajectory.len());
-    for (k, slot) in env.observation_space().slots().iter().enumerate() {
+    columns.calendar(spaces, trajectory.len());
+    for (k, slot) in spaces.observation.slots().iter().enumerate() {
         columns.push::<Float64Type>(&slot.name, slot.unit, trajectory.observed(k));
     }
-    let actions = env.action_space();
+    let actions = &spaces.action;
     for (k, (name, quantity)) in actions.names().iter().zip(actions.quantities()).enumerate() {
         columns.push::<Float64Type>(name, quantity.unit(), trajectory.acted(k));
     }
@@ -61,9 +61,9 @@ impl Columns {
     }
 
     /// Adds the step number, counted from 1, and the date and time at its end.
-    fn calendar(&mut self, env: &Env, steps: usize) {
-        let per_hour = env.episode().steps_per_hour as usize;
-        let first = env.episode().period.first().day_of_year() as usize;
+    fn calendar(&mut self, spaces: &Spaces, steps: usize) {
+        let per_hour = spaces.episode.steps_per_hour as usize;
+        let first = spaces.episode.period.first().day_of_year() as usize;
         let ends = || 1..=steps;
         let date = |step: usize| Date::of_day(((first - 1 + step / (24 * per_hour)) % 365 + 1) as u32);
         self.push::<UInt32Type>("step", "1", ends().map(|step| step as u32));

@@ -8,7 +8,7 @@ use b2b_dataset::Catalog;
 use b2b_env::Task;
 
 use crate::progress::Download;
-use crate::workers::pool_options;
+use crate::workers::worker_options;
 
 /// A winter week and a summer week: the default run periods.
 pub const WEEKS: [&str; 2] = ["01-08..01-14", "07-08..07-14"];
@@ -20,7 +20,7 @@ pub fn rollouts(
     periods: &[RunPeriod],
     tasks: &[Task],
 ) -> Result<Rollouts> {
-    let options = pool_options(catalog.library().path())
+    let options = worker_options(catalog.library().path())
         .map_err(|source| Error::Io { path: "this program".into(), source })?;
     Rollouts::new(options, catalog, ids, periods, tasks, &mut Download::new(true))
 }

@@ -1,63 +1,60 @@
-//! ONNX files to test with.
+//! ONNX files to test with, written field by field after `onnx.proto`.
 
-use prost::Message;
-use tract_onnx::pb::tensor_shape_proto::{Dimension, dimension};
-use tract_onnx::pb::{
-    GraphProto, ModelProto, NodeProto, OperatorSetIdProto, TensorProto, TensorShapeProto, TypeProto,
-    ValueInfoProto, type_proto,
-};
+const FLOAT: u64 = 1;
 
-const FLOAT: i32 = 1;
-
-/// A policy of one layer without weights, as learning libraries export it: one observation in a batch of any size, and
-/// the same number for every actuator.
+/// Returns a policy of one layer without weights, as learning libraries export it: one observation in a batch of any
+/// size, and the same value for every actuator.
 pub fn linear_policy(observation: usize, action: usize, bias: f32) -> Vec<u8> {
-    let node = NodeProto {
-        op_type: "Gemm".into(),
-        input: vec!["observation".into(), "weights".into(), "bias".into()],
-        output: vec!["action".into()],
-        ..NodeProto::default()
-    };
-    let graph = GraphProto {
-        name: "policy".into(),
-        node: vec![node],
-        initializer: vec![
-            tensor("weights", &[observation, action], vec![0.0; observation * action]),
-            tensor("bias", &[action], vec![bias; action]),
-        ],
-        input: vec![value("observation", observation)],
-        output: vec![value("action", action)],
-        ..GraphProto::default()
-    };
-    let version = OperatorSetIdProto { domain: String::new(), version: 17 };
-    let model = ModelProto {
-        ir_version: 8,
-        opset_import: vec![version],
-        graph: Some(graph),
-        ..ModelProto::default()
-    };
-    model.encode_to_vec()
+    let node =
+        [text(1, "observation"), text(1, "weights"), text(1, "bias"), text(2, "action"), text(4, "Gemm")]
+            .concat();
+    let graph = [
+        bytes(1, &node),
+        text(2, "policy"),
+        bytes(5, &tensor("weights", &[observation, action], &vec![0.0; observation * action])),
+        bytes(5, &tensor("bias", &[action], &vec![bias; action])),
+        bytes(11, &value("observation", observation)),
+        bytes(12, &value("action", action)),
+    ]
+    .concat();
+    let opset = [text(1, ""), integer(2, 17)].concat();
+    [integer(1, 8), bytes(7, &graph), bytes(8, &opset)].concat()
 }
 
-fn tensor(name: &str, shape: &[usize], values: Vec<f32>) -> TensorProto {
-    TensorProto {
-        name: name.into(),
-        dims: shape.iter().map(|each| *each as i64).collect(),
-        data_type: FLOAT,
-        float_data: values,
-        ..TensorProto::default()
+/// A `TensorProto` of single-precision numbers.
+fn tensor(name: &str, shape: &[usize], values: &[f32]) -> Vec<u8> {
+    let dims: Vec<u8> = shape.iter().flat_map(|size| integer(1, *size as u64)).collect();
+    let data: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
+    [dims, integer(2, FLOAT), text(8, name), bytes(9, &data)].concat()
+}
+
+/// A `ValueInfoProto` of shape [batch, width].
+fn value(name: &str, width: usize) -> Vec<u8> {
+    let shape = [bytes(1, &text(2, "batch")), bytes(1, &integer(1, width as u64))].concat();
+    let tensor_type = [integer(1, FLOAT), bytes(2, &shape)].concat();
+    [text(1, name), bytes(2, &bytes(1, &tensor_type))].concat()
+}
+
+/// A field of Protocol Buffers that holds a message, a string or bytes.
+fn bytes(field: u64, content: &[u8]) -> Vec<u8> {
+    [varint(field << 3 | 2), varint(content.len() as u64), content.to_vec()].concat()
+}
+
+fn text(field: u64, content: &str) -> Vec<u8> {
+    bytes(field, content.as_bytes())
+}
+
+/// A field of Protocol Buffers that holds an integer.
+fn integer(field: u64, value: u64) -> Vec<u8> {
+    [varint(field << 3), varint(value)].concat()
+}
+
+fn varint(mut value: u64) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    while value >= 0x80 {
+        bytes.push(value as u8 | 0x80);
+        value >>= 7;
     }
-}
-
-fn value(name: &str, width: usize) -> ValueInfoProto {
-    let of = |value| Dimension { value: Some(value), ..Dimension::default() };
-    let shape = TensorShapeProto {
-        dim: vec![
-            of(dimension::Value::DimParam("batch".into())),
-            of(dimension::Value::DimValue(width as i64)),
-        ],
-    };
-    let tensor = type_proto::Tensor { elem_type: FLOAT, shape: Some(shape) };
-    let of_type = TypeProto { value: Some(type_proto::Value::TensorType(tensor)), ..TypeProto::default() };
-    ValueInfoProto { name: name.into(), r#type: Some(of_type), ..ValueInfoProto::default() }
+    bytes.push(value as u8);
+    bytes
 }

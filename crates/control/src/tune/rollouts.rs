@@ -1,12 +1,12 @@
-//! Episodes of some buildings, again and again, each under another controller.
+//! Repeated episodes of some buildings, each time under another controller.
 
 use std::sync::Arc;
 
 use b2b_building::RunPeriod;
 use b2b_dataset::{BuildingId, Catalog};
 use b2b_energyplus::install::Progress;
-use b2b_env::vector::{Live, Pool, PoolOptions, Setting, Source, Start};
-use b2b_env::{EpisodeConfig, Metrics, Task};
+use b2b_env::vector::{Episode, Setting, Source, WorkerOptions, Workers, recv};
+use b2b_env::{Environment, EpisodeConfig, Metrics, Task};
 
 use crate::{Controller, Error, Reactive, ReactiveParameters, Result};
 
@@ -15,18 +15,16 @@ const STEPS_PER_HOUR: u32 = 12;
 /// Buildings whose templates stay alive, so that an episode begins within milliseconds.
 #[derive(Debug)]
 pub struct Rollouts {
-    pool: Pool,
+    workers: Workers,
     /// The settings of each building, for each task one for each period.
     settings: Vec<Vec<Setting>>,
 }
 
-/// An episode in progress and who acts in it.
+/// The controller of an episode in progress.
 struct Run {
     building: String,
     controller: Reactive,
-    observation: Vec<f64>,
     action: Vec<f64>,
-    metrics: Option<Metrics>,
 }
 
 impl Rollouts {
@@ -35,7 +33,7 @@ impl Rollouts {
     /// # Errors
     /// [`Error::Building`] when a model cannot be made, [`Error::Env`] when it cannot be prepared.
     pub fn new(
-        options: PoolOptions,
+        options: WorkerOptions,
         catalog: &Catalog,
         buildings: &[BuildingId],
         periods: &[RunPeriod],
@@ -56,18 +54,13 @@ impl Rollouts {
             let episodes = tasks.iter().flat_map(of_task);
             settings.push(episodes.map(|(task, period)| setting(task, period)).collect::<Vec<_>>());
         }
-        let mut pool = Pool::new(options)?;
+        let workers = Workers::new(options)?;
         // The first episode of a building sizes it for all.
         for episode in 0..periods.len() * tasks.len() {
-            let templates: Vec<_> = settings
-                .iter()
-                .map(|settings| pool.prepare(&settings[episode]))
-                .collect::<b2b_env::Result<_>>()?;
-            for template in templates {
-                pool.spaces(template)?;
-            }
+            let ones: Vec<Setting> = settings.iter().map(|settings| settings[episode].clone()).collect();
+            workers.prepare_all(&ones)?;
         }
-        Ok(Self { pool, settings })
+        Ok(Self { workers, settings })
     }
 
     /// The episodes of each building under the reactive controllers with some parameters: for each task one for each
@@ -76,60 +69,46 @@ impl Rollouts {
     /// # Errors
     /// [`Error::Lost`] when an episode is lost; [`Error::Env`].
     pub fn run(&mut self, parameters: &ReactiveParameters) -> Result<Vec<Vec<Metrics>>> {
-        let (mut lives, mut runs) = self.begin(parameters)?;
-        let outcome = self.finish(&mut lives, &mut runs);
-        lives.into_iter().for_each(|live| self.pool.stop(live));
-        outcome?;
-        let mut metrics = runs.into_iter().filter_map(|run| run.metrics);
+        let (mut episodes, mut runs) = self.begin(parameters)?;
+        finish(&mut episodes, &mut runs)?;
+        let mut metrics = episodes.iter().filter_map(|episode| episode.metrics().cloned());
         Ok(self.settings.iter().map(|settings| metrics.by_ref().take(settings.len()).collect()).collect())
     }
 
-    fn begin(&mut self, parameters: &ReactiveParameters) -> Result<(Vec<Live>, Vec<Run>)> {
-        let (mut lives, mut runs) = (Vec::new(), Vec::new());
-        for settings in &self.settings {
-            for setting in settings {
-                let template = self.pool.prepare(setting)?;
-                let live = self.pool.begin(template, Start::default())?;
-                let spaces = live.spaces();
-                let controller =
-                    Reactive::new(&spaces.building, &spaces.observation, STEPS_PER_HOUR, parameters);
-                runs.push(Run {
-                    building: setting.source.name().to_owned(),
-                    controller,
-                    observation: vec![0.0; spaces.observation.len()],
-                    action: vec![0.0; spaces.action.len()],
-                    metrics: None,
-                });
-                lives.push(live);
-            }
+    fn begin(&mut self, parameters: &ReactiveParameters) -> Result<(Vec<Episode>, Vec<Run>)> {
+        let (mut episodes, mut runs) = (Vec::new(), Vec::new());
+        for setting in self.settings.iter().flatten() {
+            let mut episode = self.workers.episode(setting)?;
+            episode.begin()?;
+            let spaces = episode.spaces();
+            let controller = Reactive::new(&spaces.building, &spaces.observation, STEPS_PER_HOUR, parameters);
+            let (building, action) = (setting.source.name().to_owned(), vec![0.0; spaces.action.len()]);
+            runs.push(Run { building, controller, action });
+            episodes.push(episode);
         }
-        Ok((lives, runs))
+        Ok((episodes, runs))
     }
+}
 
-    fn finish(&mut self, lives: &mut [Live], runs: &mut [Run]) -> Result<()> {
-        let mut done = 0;
-        while done < lives.len() {
-            // Half of them are enough to go on with: the others keep the processors busy meanwhile.
-            self.pool.wait(lives, done + (lives.len() - done).div_ceil(2))?;
-            for (live, run) in lives.iter_mut().zip(runs.iter_mut()) {
-                if let Some(why) = live.lost() {
-                    return Err(Error::Lost { building: run.building.clone(), why: why.to_owned() });
-                }
-                if live.is_busy() || run.metrics.is_some() {
-                    continue;
-                }
-                if live.is_truncated() {
-                    let gone =
-                        || Error::Lost { building: run.building.clone(), why: "it left no sums".into() };
-                    run.metrics = Some(self.pool.metrics(live).ok_or_else(gone)?);
-                    done += 1;
-                    continue;
-                }
-                self.pool.observation(live, &mut run.observation);
-                run.controller.act(&run.observation, &mut run.action);
-                self.pool.send(live, &run.action)?;
+/// Steps episodes to their ends, each as it comes.
+fn finish(episodes: &mut [Episode], runs: &mut [Run]) -> Result<()> {
+    let mut ready = Vec::new();
+    let mut busy = episodes.len();
+    while busy > 0 {
+        // Half of them are enough to continue with: the others keep the processors busy meanwhile.
+        recv(episodes, busy.div_ceil(2), &mut ready)?;
+        for index in &ready {
+            let (episode, run) = (&mut episodes[*index], &mut runs[*index]);
+            if let Some(why) = episode.lost() {
+                return Err(Error::Lost { building: run.building.clone(), why: why.to_owned() });
             }
+            if episode.is_truncated() {
+                busy -= 1;
+                continue;
+            }
+            run.controller.act(episode.observation(), &mut run.action);
+            episode.send(&run.action)?;
         }
-        Ok(())
     }
+    Ok(())
 }

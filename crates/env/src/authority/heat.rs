@@ -17,14 +17,14 @@ pub(super) fn heated_zones(building: &PreparedBuilding) -> Vec<(usize, usize)> {
     let mut found = Vec::new();
     for (system, layout) in building.laid_out_systems() {
         let first = layout.actions.start;
-        let zones = layout.zones.iter().map(|zone| zone.index).enumerate();
         match system {
             System::Unitary(_) => {}
-            System::HeatingOnly(_) => {
-                found.extend(zones.map(|(_, zone)| (first + HeatingOnly::SETPOINT, zone)))
-            }
+            System::HeatingOnly(_) => found.push((first + HeatingOnly::SETPOINT, layout.zones[0].index)),
             System::AirLoop(_) => {
-                found.extend(zones.map(|(terminal, zone)| (first + AirLoop::reheat(terminal), zone)));
+                let terminals = layout.zones.iter().enumerate();
+                found.extend(
+                    terminals.map(|(terminal, zone)| (first + AirLoop::reheat(terminal), zone.index)),
+                );
             }
         }
     }

@@ -9,7 +9,7 @@ use crate::{Error, Result};
 /// The meters that make up HVAC energy, electricity and gas; a building need not have both.
 pub(super) const METERS: [&str; 2] = ["Electricity:HVAC", "NaturalGas:HVAC"];
 /// The file that the engine writes them to.
-pub(crate) const METER_FILE: &str = "eplusout.mtr";
+pub(super) const METER_FILE: &str = "eplusout.mtr";
 pub(super) const JOULES_PER_WATT_HOUR: f64 = 3600.0;
 
 /// Has the engine write the HVAC meters of the run period to [`METER_FILE`].

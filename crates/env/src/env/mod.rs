@@ -1,7 +1,7 @@
 //! The environment in this process: reset and step.
 
 mod engine;
-pub(crate) mod meters;
+mod meters;
 mod observe;
 mod snapshot;
 mod warm_up;
@@ -27,8 +27,6 @@ use crate::task::Task;
 use crate::zones::{ControlledZone, controlled_zones};
 use crate::{Error, Result};
 
-/// Zone time steps per hour that the engine accepts.
-const STEPS_PER_HOUR: [u32; 12] = [1, 2, 3, 4, 5, 6, 10, 12, 15, 20, 30, 60];
 const MODEL_FILE: &str = "model.epJSON";
 /// Severe messages in an [`EngineReport`].
 const SEVERES_KEPT: usize = 5;
@@ -80,10 +78,7 @@ impl Env {
     /// # Errors
     /// [`Error::StepsPerHour`]; [`Error::TaskValue`]; [`Error::Io`] when the model cannot be written to the temporary folder.
     pub fn new(library: Library, building: Arc<PreparedBuilding>, episode: EpisodeConfig) -> Result<Self> {
-        if !STEPS_PER_HOUR.contains(&episode.steps_per_hour) {
-            return Err(Error::StepsPerHour(episode.steps_per_hour));
-        }
-        episode.task.check()?;
+        episode.check()?;
         let folder = tempfile::Builder::new()
             .prefix("b2b-env-")
             .tempdir()
@@ -328,9 +323,16 @@ impl Env {
 #[cfg(target_os = "linux")]
 impl Env {
     /// Copies this process at the current point of the episode: see [`Simulation::fork`](b2b_energyplus::Simulation::fork).
-    pub(crate) fn fork(&mut self) -> Result<b2b_energyplus::snapshot::Fork> {
+    /// The copy's engine writes its meters to a file of its own, if that is given, and nothing else.
+    pub(crate) fn fork(&mut self, meter_file: Option<&Path>) -> Result<b2b_energyplus::snapshot::Fork> {
+        use b2b_energyplus::snapshot::{Fork, KeptFile};
         let engine = self.engine.as_mut().ok_or(Error::NotReset)?;
-        Ok(engine.simulation.fork()?)
+        let kept = meter_file.map(|copy| KeptFile { name: meters::METER_FILE, copy });
+        let fork = engine.simulation.fork(kept)?;
+        if let (Fork::Copy(_), Some(path)) = (&fork, meter_file) {
+            self.meter_file = path.to_owned();
+        }
+        Ok(fork)
     }
 
     /// Truncates the episode after `steps` steps, or at the end of the run period.

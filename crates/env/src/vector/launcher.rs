@@ -1,14 +1,16 @@
-//! How the processes of a pool are started.
+//! How worker processes are started.
 
 use std::ffi::OsString;
+use std::fs::File;
 use std::io;
 use std::os::fd::OwnedFd;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
+use super::region::Ticket;
 use super::worker::FLAG;
 
-/// A program that calls [`run_if_worker`](super::run_if_worker), and what comes ahead of the worker's own arguments.
+/// A program that calls [`run_if_worker`](super::run_if_worker), and the arguments ahead of the worker's own.
 #[derive(Clone, Debug)]
 pub struct Launcher {
     program: PathBuf,
@@ -16,15 +18,15 @@ pub struct Launcher {
 }
 
 impl Launcher {
-    /// A program.
+    /// A launcher of a program.
     pub fn new(program: impl Into<PathBuf>) -> Self {
         Self { program: program.into(), arguments: Vec::new() }
     }
 
-    /// This program.
+    /// A launcher of this program.
     ///
     /// # Errors
-    /// When the system does not tell which that is.
+    /// When the system does not tell which program that is.
     pub fn this_program() -> io::Result<Self> {
         Ok(Self::new(std::env::current_exe()?))
     }
@@ -36,19 +38,25 @@ impl Launcher {
         self
     }
 
-    /// Starts a worker on some memory, in a seat, with an order. What it writes for a while goes to `folder`.
-    pub(super) fn start(&self, memory: OwnedFd, seat: u32, order: &Path, folder: &Path) -> io::Result<Child> {
+    /// Starts a worker on shared memory, in a slot, with an order. Its temporary files go to `folder`.
+    pub(super) fn start(
+        &self,
+        memory: OwnedFd,
+        Ticket { slot, generation }: Ticket,
+        order: &Path,
+        folder: &Path,
+        log: File,
+    ) -> io::Result<Child> {
         Command::new(&self.program)
             .args(&self.arguments)
             .arg(FLAG)
-            .arg(std::process::id().to_string())
-            .arg(seat.to_string())
+            .args([std::process::id(), slot, generation].map(|number| number.to_string()))
             .arg(order)
             .env("TMPDIR", folder)
             .env("GLIBC_TUNABLES", tunables())
             .stdin(Stdio::from(memory))
             .stdout(Stdio::null())
-            .stderr(Stdio::null())
+            .stderr(Stdio::from(log))
             .spawn()
     }
 

@@ -1,22 +1,33 @@
-//! Many environments at once, each in a process of its own, and copies of an environment where it stands.
+//! Environments in worker processes: one, or many at once, and copies in the middle of an episode.
 //!
-//! The engine runs once at a time in a process, and a crash of it takes the process along; so every episode has a
-//! process. A [`Pool`] starts one [template](Pool::prepare) a building, which warms it up and stands there; an
-//! [episode](Pool::begin) is a copy of the template by `fork`, in milliseconds, and a
-//! [snapshot](Pool::snapshot) is a copy of an episode. [`VecEnv`] is N environments on a pool.
+//! Only one engine runs at a time in a process, and a crash takes the process along; so every episode has a worker
+//! process. A set of [`Workers`] has a template for every building, which waits at the end of warm-up; an [`Episode`]
+//! is a copy of the template by `fork`, within milliseconds, and a [`Snapshot`] is a copy of an episode. [`VecEnv`] is
+//! a batch of N environments, and [`recv`] waits for several episodes at once.
 
+mod batch;
+mod episode;
+mod episode_options;
+mod episode_report;
 mod launcher;
-mod order;
 mod pool;
 mod region;
 mod sampler;
+mod setting;
+mod slots;
 mod vec_env;
 mod worker;
+mod worker_options;
+mod workers;
 
+pub use batch::{recv, step_all};
+pub use episode::{Episode, Snapshot};
+pub use episode_options::EpisodeOptions;
+pub use episode_report::EpisodeReport;
 pub use launcher::Launcher;
-pub use order::Source;
-pub use pool::{Held, Live, Pool, PoolOptions, Setting, TemplateId};
-pub use region::Start;
 pub use sampler::{AnyOf, Buildings, Draw, Fixed, Population, Sampler, Windows};
+pub use setting::{Setting, Source};
 pub use vec_env::{Autoreset, VecEnv, VecEnvOptions};
 pub use worker::run_if_worker;
+pub use worker_options::WorkerOptions;
+pub use workers::Workers;

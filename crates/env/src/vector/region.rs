@@ -1,7 +1,8 @@
-//! Memory that the owner of a pool and its processes share: a seat for every process.
+//! Memory that a pool shares with its workers: a slot for every worker.
 //!
-//! A seat belongs to one side at a time. It is the process's while a command stands in it, and the owner's
-//! otherwise; its state says which, and changes hands with release and acquire. Whoever waits sleeps on a futex.
+//! A slot belongs to one side at a time: to the worker while it is [`BUSY`], to the owner otherwise. The state changes
+//! hands with release and acquire, and whoever waits sleeps on a futex. A worker attaches to its slot with the
+//! generation that it was given, so that one that comes late, after its slot was given to another, finds out.
 //! This is the one module of the crate with unsafe code.
 
 use std::fs::File;
@@ -15,81 +16,107 @@ use memmap2::{MmapOptions, MmapRaw};
 use rustix::fs::{FallocateFlags, MemfdFlags};
 use rustix::thread::futex::{self, Timespec};
 
-/// Seats of a region: more processes than one machine holds.
-pub(super) const SEATS: usize = 2048;
-/// Most actuators of a building, and most slots of an observation.
+use super::episode_options::EpisodeOptions;
+
+/// How often a waiting owner looks whether the workers it waits for are alive.
+pub(super) const LOOK: Duration = Duration::from_millis(50);
+/// Slots of a region: more processes than one machine holds.
+pub(super) const SLOTS: usize = 2048;
+/// Maximum number of actuators of a building, and of slots of an observation.
 pub(super) const WIDTH: usize = 1024;
-/// Most bytes of a report.
+/// Maximum size of a report, bytes.
 const REPORT: usize = 48 * 1024;
-/// Most copies that one command makes.
+/// Maximum number of copies that one command makes.
 pub(super) const COPIES: usize = 128;
 
 const PAGE: usize = 4096;
-const SEAT: usize = (size_of::<Seat>() + 2 * WIDTH * size_of::<f64>() + REPORT).next_multiple_of(PAGE);
-const BYTES: usize = PAGE + SEATS * SEAT;
+const SLOT: usize = (size_of::<Slot>() + 2 * WIDTH * size_of::<f64>() + REPORT).next_multiple_of(PAGE);
+const BYTES: usize = PAGE + SLOTS * SLOT;
 
-/// What the owner asks of a process.
+/// A command to a worker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
 pub(super) enum Command {
-    /// One step with the action in the seat.
+    /// One step with the action in the slot.
     Step = 0,
-    /// A copy of itself for each seat listed.
+    /// A copy of the process for each slot listed.
     Copy = 1,
 }
 
-/// How a copy begins.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Start {
-    /// Steps after which its episode is truncated; all of the run period if `None`.
-    pub steps: Option<usize>,
-    /// The processor that its process keeps to, counted among those that it may use; any if `None`.
-    pub processor: Option<u32>,
-}
-
-/// How a process stands after its last command.
+/// Status of a worker after its last command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
-pub(super) enum Standing {
+pub(super) enum Status {
     /// In an episode.
     Running = 0,
     /// At the end of its episode; the report has its metrics.
     Truncated = 1,
-    /// Of no use any more; the report says why.
+    /// Failed; the report says why.
     Failed = 2,
 }
 
-/// A seat is waiting for the owner.
+/// A slot in its current use, as it is told to the worker that shall attach to it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Ticket {
+    pub(super) slot: u32,
+    pub(super) generation: u32,
+}
+
+impl Ticket {
+    /// The name of a file of this worker in the pool's folder.
+    pub(super) fn file(self, extension: &str) -> String {
+        format!("worker-{}-{}.{extension}", self.slot, self.generation)
+    }
+}
+
+/// The slot waits for the owner.
 const READY: u32 = 0;
 /// A command is being carried out.
 const BUSY: u32 = 1;
+/// Marks an exit status as known.
+const EXITED: u32 = 1 << 31;
 
 /// What both sides wait on.
 #[repr(C, align(64))]
 struct Bell {
-    /// Commands carried out by all processes; a futex.
+    /// Commands carried out by all workers; a futex.
     done: AtomicU32,
-    /// The bell rings when that many are.
+    /// The bell rings when `done` reaches this.
     wanted: AtomicU32,
+    /// Slots ever reserved.
+    slots: AtomicU32,
 }
 
-/// The fixed part of a seat; action, observation and report follow it.
+/// The fixed part of a slot; action, observation and report follow it.
 #[repr(C, align(64))]
-struct Seat {
+struct Slot {
     /// [`READY`] or [`BUSY`]; a futex.
     state: AtomicU32,
     command: AtomicU32,
-    standing: AtomicU32,
-    process: AtomicU32,
+    status: AtomicU32,
     report_bytes: AtomicU32,
-    copies: AtomicU32,
-    /// Steps after which the episode is over; 0 for all of the run period.
-    steps: AtomicU32,
-    /// The processor to keep to, from 1; 0 for any.
-    processor: AtomicU32,
+    /// Generation in the upper half, process in the lower; process 0 until one attaches.
+    occupant: AtomicU64,
     temperature_penalty: AtomicU64,
     energy_penalty: AtomicU64,
-    copy_seats: [AtomicU32; COPIES],
+    /// Wait status of a process that ended, and [`EXITED`].
+    exit: AtomicU32,
+    copies: AtomicU32,
+    /// Steps after which the episode is truncated; 0 for the whole run period.
+    steps: AtomicU32,
+    /// The processor that the worker is pinned to, from 1; 0 for none.
+    processor: AtomicU32,
+    /// Whether the engine finishes its run.
+    finish_run: AtomicU32,
+    copy_list: [AtomicU64; COPIES],
+}
+
+fn pack(generation: u32, process: u32) -> u64 {
+    u64::from(generation) << 32 | u64::from(process)
+}
+
+fn unpack(packed: u64) -> (u32, u32) {
+    ((packed >> 32) as u32, packed as u32)
 }
 
 /// The shared memory, on either side.
@@ -115,15 +142,17 @@ impl Region {
         Ok(Self { map, file: file.into() })
     }
 
-    /// A descriptor to give to a process.
+    /// A descriptor to give to a worker.
     pub(super) fn share(&self) -> std::io::Result<OwnedFd> {
         self.file.as_fd().try_clone_to_owned()
     }
 
-    /// Takes memory for a seat, so that none can be missing when it is written to.
-    pub(super) fn reserve(&self, seat: u32) -> std::io::Result<()> {
-        let begin = (PAGE + seat as usize * SEAT) as u64;
-        Ok(rustix::fs::fallocate(&self.file, FallocateFlags::empty(), begin, SEAT as u64)?)
+    /// Takes memory for a slot, so that none can be missing when it is written to.
+    pub(super) fn reserve(&self, slot: u32) -> std::io::Result<()> {
+        let begin = (PAGE + slot as usize * SLOT) as u64;
+        rustix::fs::fallocate(&self.file, FallocateFlags::empty(), begin, SLOT as u64)?;
+        self.bell().slots.fetch_max(slot + 1, Ordering::SeqCst);
+        Ok(())
     }
 
     fn bell(&self) -> &Bell {
@@ -132,154 +161,186 @@ impl Region {
         unsafe { &*self.map.as_ptr().cast() }
     }
 
-    fn seat(&self, seat: u32) -> &Seat {
+    fn slot(&self, slot: u32) -> &Slot {
         // SAFETY: as for the bell; `at` is within the region and aligned.
-        unsafe { &*self.at(seat, 0).cast() }
+        unsafe { &*self.at(slot, 0).cast() }
     }
 
-    fn at(&self, seat: u32, offset: usize) -> *mut u8 {
-        let seat = seat as usize;
-        assert!(seat < SEATS && offset < SEAT, "seat {seat} of {SEATS}");
+    fn at(&self, slot: u32, offset: usize) -> *mut u8 {
+        let slot = slot as usize;
+        assert!(slot < SLOTS && offset < SLOT, "slot {slot} of {SLOTS}");
         // SAFETY: within the mapping, as just checked.
-        unsafe { self.map.as_mut_ptr().add(PAGE + seat * SEAT + offset) }
+        unsafe { self.map.as_mut_ptr().add(PAGE + slot * SLOT + offset) }
     }
 
-    /// Numbers of a seat. The caller's side must hold the seat.
-    #[allow(clippy::mut_from_ref, reason = "the seat's state says who may write, not the borrow")]
-    unsafe fn numbers(&self, seat: u32, first: usize, count: usize) -> &mut [f64] {
+    /// Numbers of a slot. The caller's side must hold the slot.
+    #[allow(clippy::mut_from_ref, reason = "the slot's state says who may write, not the borrow")]
+    unsafe fn numbers(&self, slot: u32, first: usize, count: usize) -> &mut [f64] {
         assert!(count <= WIDTH, "{count} numbers where {WIDTH} have room");
-        let offset = size_of::<Seat>() + first * size_of::<f64>();
-        // SAFETY: within the seat, aligned, every bit pattern is a number, and by the caller's promise nobody else
+        let offset = size_of::<Slot>() + first * size_of::<f64>();
+        // SAFETY: within the slot, aligned, every bit pattern is a number, and by the caller's promise nobody else
         // touches it.
-        unsafe { slice::from_raw_parts_mut(self.at(seat, offset).cast(), count) }
+        unsafe { slice::from_raw_parts_mut(self.at(slot, offset).cast(), count) }
     }
 
-    /// The action of a seat that this side holds.
-    pub(super) fn write_action(&self, seat: u32, action: &[f64]) {
-        // SAFETY: the caller holds the seat, and the borrow ends here.
-        unsafe { self.numbers(seat, 0, action.len()) }.copy_from_slice(action);
+    /// The action of a slot that this side holds.
+    pub(super) fn write_action(&self, slot: u32, action: &[f64]) {
+        // SAFETY: the caller holds the slot, and the borrow ends here.
+        unsafe { self.numbers(slot, 0, action.len()) }.copy_from_slice(action);
     }
 
-    /// The action of a seat that this side holds.
-    pub(super) fn read_action(&self, seat: u32, action: &mut [f64]) {
+    /// The action of a slot that this side holds.
+    pub(super) fn read_action(&self, slot: u32, action: &mut [f64]) {
         // SAFETY: as for `write_action`.
-        action.copy_from_slice(unsafe { self.numbers(seat, 0, action.len()) });
+        action.copy_from_slice(unsafe { self.numbers(slot, 0, action.len()) });
     }
 
-    /// The observation of a seat that this side holds.
-    pub(super) fn write_observation(&self, seat: u32, observation: &[f64]) {
+    /// The observation of a slot that this side holds.
+    pub(super) fn write_observation(&self, slot: u32, observation: &[f64]) {
         // SAFETY: as for `write_action`.
-        unsafe { self.numbers(seat, WIDTH, observation.len()) }.copy_from_slice(observation);
+        unsafe { self.numbers(slot, WIDTH, observation.len()) }.copy_from_slice(observation);
     }
 
-    /// The observation of a seat that this side holds.
-    pub(super) fn read_observation(&self, seat: u32, observation: &mut [f64]) {
+    /// The observation of a slot that this side holds.
+    pub(super) fn read_observation(&self, slot: u32, observation: &mut [f64]) {
         // SAFETY: as for `write_action`.
-        observation.copy_from_slice(unsafe { self.numbers(seat, WIDTH, observation.len()) });
+        observation.copy_from_slice(unsafe { self.numbers(slot, WIDTH, observation.len()) });
     }
 
-    /// Leaves a text, cut to the room there is.
-    pub(super) fn write_report(&self, seat: u32, report: &[u8]) {
+    /// Writes a text, cut to the room there is.
+    pub(super) fn write_report(&self, slot: u32, report: &[u8]) {
         let report = &report[..report.len().min(REPORT)];
-        let offset = size_of::<Seat>() + 2 * WIDTH * size_of::<f64>();
-        // SAFETY: within the seat; the caller holds the seat, and the borrow ends here.
-        unsafe { slice::from_raw_parts_mut(self.at(seat, offset), report.len()) }.copy_from_slice(report);
-        self.seat(seat).report_bytes.store(report.len() as u32, Ordering::Relaxed);
+        let offset = size_of::<Slot>() + 2 * WIDTH * size_of::<f64>();
+        // SAFETY: within the slot; the caller holds the slot, and the borrow ends here.
+        unsafe { slice::from_raw_parts_mut(self.at(slot, offset), report.len()) }.copy_from_slice(report);
+        self.slot(slot).report_bytes.store(report.len() as u32, Ordering::Relaxed);
     }
 
-    /// The text left in a seat that this side holds.
-    pub(super) fn report(&self, seat: u32) -> Vec<u8> {
-        let bytes = (self.seat(seat).report_bytes.load(Ordering::Relaxed) as usize).min(REPORT);
-        let offset = size_of::<Seat>() + 2 * WIDTH * size_of::<f64>();
+    /// The text in a slot that this side holds.
+    pub(super) fn report(&self, slot: u32) -> Vec<u8> {
+        let bytes = (self.slot(slot).report_bytes.load(Ordering::Relaxed) as usize).min(REPORT);
+        let offset = size_of::<Slot>() + 2 * WIDTH * size_of::<f64>();
         // SAFETY: as for `write_report`.
-        unsafe { slice::from_raw_parts(self.at(seat, offset), bytes) }.to_vec()
+        unsafe { slice::from_raw_parts(self.at(slot, offset), bytes) }.to_vec()
     }
 
     /// The penalties of the last step.
-    pub(super) fn penalties(&self, seat: u32) -> [f64; 2] {
-        let seat = self.seat(seat);
-        [&seat.temperature_penalty, &seat.energy_penalty]
+    pub(super) fn penalties(&self, slot: u32) -> [f64; 2] {
+        let slot = self.slot(slot);
+        [&slot.temperature_penalty, &slot.energy_penalty]
             .map(|bits| f64::from_bits(bits.load(Ordering::Relaxed)))
     }
 
-    /// Leaves the penalties of a step.
-    pub(super) fn set_penalties(&self, seat: u32, [temperature, energy]: [f64; 2]) {
-        let seat = self.seat(seat);
-        seat.temperature_penalty.store(temperature.to_bits(), Ordering::Relaxed);
-        seat.energy_penalty.store(energy.to_bits(), Ordering::Relaxed);
+    /// Writes the penalties of a step.
+    pub(super) fn set_penalties(&self, slot: u32, [temperature, energy]: [f64; 2]) {
+        let slot = self.slot(slot);
+        slot.temperature_penalty.store(temperature.to_bits(), Ordering::Relaxed);
+        slot.energy_penalty.store(energy.to_bits(), Ordering::Relaxed);
     }
 
-    /// The process in a seat, 0 for none.
-    pub(super) fn process(&self, seat: u32) -> u32 {
-        self.seat(seat).process.load(Ordering::Relaxed)
+    /// The process attached to a slot, 0 for none.
+    pub(super) fn process(&self, slot: u32) -> u32 {
+        unpack(self.slot(slot).occupant.load(Ordering::Acquire)).1
     }
 
-    /// How many steps the episode of a seat has; 0 for all of the run period.
-    pub(super) fn steps(&self, seat: u32) -> u32 {
-        self.seat(seat).steps.load(Ordering::Relaxed)
+    /// A slot in its current use.
+    pub(super) fn ticket(&self, slot: u32) -> Ticket {
+        Ticket { slot, generation: unpack(self.slot(slot).occupant.load(Ordering::Acquire)).0 }
     }
 
-    /// The processor that the process of a seat keeps to; `None` for any.
-    pub(super) fn processor(&self, seat: u32) -> Option<u32> {
-        self.seat(seat).processor.load(Ordering::Relaxed).checked_sub(1)
-    }
-
-    /// How the process of a seat stands.
-    pub(super) fn standing(&self, seat: u32) -> Standing {
-        match self.seat(seat).standing.load(Ordering::Relaxed) {
-            0 => Standing::Running,
-            1 => Standing::Truncated,
-            _ => Standing::Failed,
+    /// How the episode of a slot is run.
+    pub(super) fn options(&self, slot: u32) -> EpisodeOptions {
+        let slot = self.slot(slot);
+        let steps = slot.steps.load(Ordering::Relaxed);
+        EpisodeOptions {
+            max_steps: (steps > 0).then_some(steps as usize),
+            processor: slot.processor.load(Ordering::Relaxed).checked_sub(1),
+            finish_run: slot.finish_run.load(Ordering::Relaxed) != 0,
         }
     }
 
-    /// Says how this process stands.
-    pub(super) fn set_standing(&self, seat: u32, standing: Standing) {
-        self.seat(seat).standing.store(standing as u32, Ordering::Relaxed);
+    /// Status of the worker of a slot.
+    pub(super) fn status(&self, slot: u32) -> Status {
+        match self.slot(slot).status.load(Ordering::Relaxed) {
+            0 => Status::Running,
+            1 => Status::Truncated,
+            _ => Status::Failed,
+        }
+    }
+
+    /// Sets the status of the worker of a slot.
+    pub(super) fn set_status(&self, slot: u32, status: Status) {
+        self.slot(slot).status.store(status as u32, Ordering::Relaxed);
+    }
+
+    /// Wait status of the process of a slot, once its parent has reaped it.
+    pub(super) fn exit(&self, slot: u32) -> Option<i32> {
+        let exit = self.slot(slot).exit.load(Ordering::Acquire);
+        (exit & EXITED != 0).then_some((exit & !EXITED) as i32)
     }
 }
 
-/// What the owner does.
+/// The owner's side.
 impl Region {
-    /// Lays a seat for a process to come: busy until it reports.
-    pub(super) fn lay(&self, seat: u32, start: Start) {
-        let place = self.seat(seat);
-        place.process.store(0, Ordering::Relaxed);
-        place.report_bytes.store(0, Ordering::Relaxed);
-        place.steps.store(start.steps.map_or(0, |steps| steps.max(1) as u32), Ordering::Relaxed);
-        place.processor.store(start.processor.map_or(0, |processor| processor + 1), Ordering::Relaxed);
-        place.standing.store(Standing::Running as u32, Ordering::Relaxed);
-        place.state.store(BUSY, Ordering::Release);
+    /// Initializes a slot for a worker to come: busy until the worker reports.
+    pub(super) fn init(&self, slot: u32, options: EpisodeOptions) {
+        let entry = self.slot(slot);
+        let Ticket { generation, .. } = self.ticket(slot);
+        entry.report_bytes.store(0, Ordering::Relaxed);
+        entry.exit.store(0, Ordering::Relaxed);
+        let steps = options.max_steps.map_or(0, |steps| steps.clamp(1, u32::MAX as usize) as u32);
+        entry.steps.store(steps, Ordering::Relaxed);
+        entry.processor.store(options.processor.map_or(0, |processor| processor + 1), Ordering::Relaxed);
+        entry.finish_run.store(options.finish_run.into(), Ordering::Relaxed);
+        entry.status.store(Status::Running as u32, Ordering::Relaxed);
+        entry.state.store(BUSY, Ordering::Relaxed);
+        entry.occupant.store(pack(generation.wrapping_add(1), 0), Ordering::Release);
     }
 
-    /// Gives a command to the process in a seat that is ready.
-    pub(super) fn command(&self, seat: u32, command: Command) {
-        let seat = self.seat(seat);
-        seat.command.store(command as u32, Ordering::Relaxed);
-        seat.state.store(BUSY, Ordering::Release);
-        wake(&seat.state);
+    /// Takes a slot back from a worker that has not attached yet and now never can. False if it has attached.
+    pub(super) fn revoke(&self, slot: u32) -> bool {
+        let Ticket { generation, .. } = self.ticket(slot);
+        let (awaited, next) = (pack(generation, 0), pack(generation.wrapping_add(1), 0));
+        let occupant = &self.slot(slot).occupant;
+        occupant.compare_exchange(awaited, next, Ordering::AcqRel, Ordering::Acquire).is_ok()
     }
 
-    /// Asks the process in a seat for copies of itself in other seats. The list is for [`Command::Copy`].
-    pub(super) fn list_copies(&self, seat: u32, seats: &[u32]) {
-        let place = self.seat(seat);
-        for (entry, seat) in place.copy_seats.iter().zip(seats) {
-            entry.store(*seat, Ordering::Relaxed);
+    /// Reports a failure in the name of a worker that never attached.
+    pub(super) fn fail(&self, slot: u32, why: &str) {
+        self.write_report(slot, why.as_bytes());
+        self.set_status(slot, Status::Failed);
+        self.slot(slot).state.store(READY, Ordering::Release);
+    }
+
+    /// Gives a command to the worker of a slot that is ready.
+    pub(super) fn command(&self, slot: u32, command: Command) {
+        let slot = self.slot(slot);
+        slot.command.store(command as u32, Ordering::Relaxed);
+        slot.state.store(BUSY, Ordering::Release);
+        wake(&slot.state);
+    }
+
+    /// Lists the slots for [`Command::Copy`].
+    pub(super) fn list_copies(&self, slot: u32, copies: &[u32]) {
+        let entry = self.slot(slot);
+        for (item, copy) in entry.copy_list.iter().zip(copies) {
+            let Ticket { slot, generation } = self.ticket(*copy);
+            item.store(pack(generation, slot), Ordering::Relaxed);
         }
-        place.copies.store(seats.len() as u32, Ordering::Relaxed);
+        entry.copies.store(copies.len() as u32, Ordering::Relaxed);
     }
 
-    /// Whether the owner holds a seat.
-    pub(super) fn is_ready(&self, seat: u32) -> bool {
-        self.seat(seat).state.load(Ordering::Acquire) == READY
+    /// Whether the owner holds a slot.
+    pub(super) fn is_ready(&self, slot: u32) -> bool {
+        self.slot(slot).state.load(Ordering::Acquire) == READY
     }
 
-    /// Commands carried out so far: to be read before seats are looked at, and given to [`Region::sleep`].
+    /// Commands carried out so far: to be read before slots are looked at, and given to [`Region::sleep`].
     pub(super) fn done(&self) -> u32 {
         self.bell().done.load(Ordering::SeqCst)
     }
 
-    /// Sleeps until so many more commands than `done` are carried out, or a time is over, or a signal comes.
+    /// Sleeps until `more` commands after `done` are carried out, or the time is over, or a signal comes.
     pub(super) fn sleep(&self, done: u32, more: u32, at_most: Duration) {
         let bell = self.bell();
         bell.wanted.store(done.wrapping_add(more), Ordering::SeqCst);
@@ -290,17 +351,19 @@ impl Region {
     }
 }
 
-/// What a process does.
+/// A worker's side.
 impl Region {
-    /// Takes a seat in the name of this process.
-    pub(super) fn sit(&self, seat: u32) {
-        self.seat(seat).process.store(std::process::id(), Ordering::Relaxed);
+    /// Attaches this process to a slot. False if the slot was given to another meanwhile.
+    pub(super) fn attach(&self, Ticket { slot, generation }: Ticket) -> bool {
+        let (awaited, own) = (pack(generation, 0), pack(generation, std::process::id()));
+        let occupant = &self.slot(slot).occupant;
+        occupant.compare_exchange(awaited, own, Ordering::AcqRel, Ordering::Acquire).is_ok()
     }
 
-    /// Hands the seat back to the owner, and rings the bell if that is the last it waits for.
-    pub(super) fn hand_back(&self, seat: u32) {
-        let place = self.seat(seat);
-        place.state.store(READY, Ordering::Release);
+    /// Hands the slot back to the owner, and rings the bell if that is the last it waits for.
+    pub(super) fn hand_back(&self, slot: u32) {
+        let slot = self.slot(slot);
+        slot.state.store(READY, Ordering::Release);
         let bell = self.bell();
         let done = bell.done.fetch_add(1, Ordering::SeqCst).wrapping_add(1);
         if done.wrapping_sub(bell.wanted.load(Ordering::SeqCst)) as i32 >= 0 {
@@ -308,26 +371,38 @@ impl Region {
         }
     }
 
-    /// Waits for a command; `None` when there is none for a time.
-    pub(super) fn next_command(&self, seat: u32, at_most: Duration) -> Option<Command> {
-        let place = self.seat(seat);
-        if place.state.load(Ordering::Acquire) == READY {
-            wait(&place.state, READY, at_most);
-            if place.state.load(Ordering::Acquire) == READY {
+    /// Waits for a command; `None` when there is none for a time, or a signal comes.
+    pub(super) fn next_command(&self, slot: u32, at_most: Duration) -> Option<Command> {
+        let slot = self.slot(slot);
+        if slot.state.load(Ordering::Acquire) == READY {
+            wait(&slot.state, READY, at_most);
+            if slot.state.load(Ordering::Acquire) == READY {
                 return None;
             }
         }
-        Some(match place.command.load(Ordering::Relaxed) {
+        Some(match slot.command.load(Ordering::Relaxed) {
             0 => Command::Step,
             _ => Command::Copy,
         })
     }
 
-    /// The seats listed for copies.
-    pub(super) fn copies(&self, seat: u32) -> Vec<u32> {
-        let place = self.seat(seat);
-        let count = place.copies.load(Ordering::Relaxed) as usize;
-        place.copy_seats.iter().take(count).map(|seat| seat.load(Ordering::Relaxed)).collect()
+    /// The slots listed for copies, those left out that were revoked meanwhile.
+    pub(super) fn copies(&self, slot: u32) -> Vec<Ticket> {
+        let entry = self.slot(slot);
+        let count = (entry.copies.load(Ordering::Relaxed) as usize).min(COPIES);
+        let listed = entry.copy_list.iter().take(count).map(|item| {
+            let (generation, slot) = unpack(item.load(Ordering::Relaxed));
+            Ticket { slot, generation }
+        });
+        listed.filter(|ticket| self.ticket(ticket.slot) == *ticket).collect()
+    }
+
+    /// Keeps the wait status of a process that was attached to a slot.
+    pub(super) fn record_exit(&self, process: u32, status: i32) {
+        let slots = self.bell().slots.load(Ordering::SeqCst);
+        if let Some(slot) = (0..slots).find(|slot| self.process(*slot) == process) {
+            self.slot(slot).exit.store(status as u32 | EXITED, Ordering::Release);
+        }
     }
 }
 
@@ -343,44 +418,4 @@ fn wake(word: &AtomicU32) {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_seat_changes_hands_with_what_was_written() {
-        let region = Region::new().unwrap();
-        region.reserve(3).unwrap();
-        region.lay(3, Start { steps: Some(7), processor: Some(1) });
-        assert!(!region.is_ready(3));
-        region.sit(3);
-        region.write_observation(3, &[1.0, 2.0]);
-        region.write_report(3, b"all is well");
-        region.hand_back(3);
-        assert!(region.is_ready(3));
-        let mut observation = [0.0; 2];
-        region.read_observation(3, &mut observation);
-        assert_eq!((observation, region.steps(3), region.done()), ([1.0, 2.0], 7, 1));
-        assert_eq!(region.processor(3), Some(1));
-        assert_eq!(region.report(3), b"all is well");
-        assert_eq!(region.process(3), std::process::id());
-    }
-
-    #[test]
-    fn the_owner_sleeps_until_the_last_of_those_it_waits_for() {
-        let region = Region::new().unwrap();
-        (0..3).for_each(|seat| region.lay(seat, Start::default()));
-        let done = region.done();
-        std::thread::scope(|scope| {
-            scope.spawn(|| {
-                for seat in 0..3 {
-                    std::thread::sleep(Duration::from_millis(5));
-                    region.hand_back(seat);
-                }
-            });
-            while !(0..3).all(|seat| region.is_ready(seat)) {
-                region.sleep(done, 3, Duration::from_secs(10));
-            }
-        });
-        assert_eq!(region.done(), 3);
-    }
-}
+mod tests;

@@ -8,8 +8,7 @@ use b2b_energyplus::install::Quiet;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use super::order::Source;
-use super::pool::Setting;
+use super::setting::{Setting, Source};
 use crate::spaces::EpisodeConfig;
 use crate::task::Task;
 use crate::{Error, Result};

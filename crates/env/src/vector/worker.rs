@@ -1,25 +1,30 @@
-//! The process side: an environment that stands somewhere, and does what its seat asks.
+//! The worker's side: an environment that carries out the commands in its slot.
 //!
-//! There is one kind of process. Started as a program, it prepares a building, warms it up and stands at the end
-//! of warm-up: a template. Every other is a copy of one that stands: of a template, an episode; of an episode, a
-//! snapshot. A copy sits in a seat of its own and takes commands there like its original.
+//! There is one kind of process. Started as a program, it prepares a building, warms it up and waits at the end of
+//! warm-up: a template. Every other is a copy of one that waits: of a template, an episode; of an episode, a
+//! snapshot. A copy attaches to a slot of its own and takes commands there like its original. What a worker writes to
+//! its standard error goes to a log in the pool's folder, for its last words.
 
 use std::cell::Cell;
 use std::error::Error;
 use std::ffi::OsString;
+use std::fs::File;
 use std::os::fd::{AsFd, OwnedFd};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
+use b2b_energyplus::Level;
 use b2b_energyplus::snapshot::{Fork, become_ancestor, give_back_memory, leave};
 use rustix::event::{EventfdFlags, PollFd, PollFlags, Timespec};
-use rustix::process::{Pid, PidfdFlags};
+use rustix::process::{Pid, PidfdFlags, WaitOptions};
 use rustix::thread::CpuSet;
+use rustix::time::{ClockId, clock_gettime};
 
-use super::order::Order;
-use super::region::{Command, Region, Standing};
+use super::episode_report::EpisodeReport;
+use super::region::{Command, Region, Status, Ticket};
+use super::setting::Order;
 use crate::env::Env;
 
 /// How often a process that waits looks for its owner.
@@ -28,8 +33,8 @@ const LOOK_FOR_OWNER: Duration = Duration::from_millis(500);
 /// The argument that makes a program a worker: see [`run_if_worker`].
 pub(super) const FLAG: &str = "--b2b-worker";
 
-/// Runs this process as a worker of a pool if it was started as one, and then never returns. A program that uses
-/// [`Launcher::this_program`](super::Launcher::this_program) calls it first of all, before it starts a thread.
+/// Runs this process as a worker if it was started as one, and then never returns. A program that uses
+/// [`Launcher::this_program`](super::Launcher::this_program) calls it first in `main`, before it starts a thread.
 pub fn run_if_worker() {
     let arguments: Vec<OsString> = std::env::args_os().collect();
     if let Some(flag) = arguments.iter().position(|argument| argument == FLAG) {
@@ -37,22 +42,33 @@ pub fn run_if_worker() {
     }
 }
 
-/// What the owner tells on the command line: its process, the seat, the order's file.
-fn parse(arguments: &[OsString]) -> Option<(i32, u32, PathBuf)> {
+/// The owner's arguments: its process, the slot and its generation, the order's file.
+fn parse(arguments: &[OsString]) -> Option<(i32, Ticket, PathBuf)> {
     let number = |index: usize| arguments.get(index)?.to_str();
-    Some((number(0)?.parse().ok()?, number(1)?.parse().ok()?, arguments.get(2)?.into()))
+    let ticket = Ticket { slot: number(1)?.parse().ok()?, generation: number(2)?.parse().ok()? };
+    Some((number(0)?.parse().ok()?, ticket, arguments.get(3)?.into()))
 }
 
 fn run(arguments: &[OsString]) -> ! {
-    let Some((owner, seat, order)) = parse(arguments) else {
-        eprintln!("{FLAG} is for the processes of a pool, which it starts by itself");
+    let Some((owner, ticket, order)) = parse(arguments) else {
+        eprintln!("{FLAG} is for worker processes, which are started automatically");
         leave(2)
     };
-    // The owner gives its memory in the place of the standard input.
+    // The owner passes its memory as the standard input.
     let region = std::io::stdin().as_fd().try_clone_to_owned().and_then(Region::open);
     let (Ok(region), Some(owner)) = (region, Owner::find(owner)) else { leave(1) };
+    if !region.attach(ticket) {
+        leave(1);
+    }
     let folder = order.parent().unwrap_or(Path::new("")).to_owned();
-    let worker = Worker { region, owner, folder, seat: Cell::new(seat) };
+    let worker = Worker {
+        region,
+        owner,
+        folder,
+        ticket: Cell::new(ticket),
+        warm_up_cpu: Cell::default(),
+        severes: Cell::default(),
+    };
     let outcome = catch_unwind(AssertUnwindSafe(|| {
         let env = worker.prepare(&order)?;
         worker.serve(env)
@@ -68,7 +84,7 @@ fn run(arguments: &[OsString]) -> ! {
     }
 }
 
-/// Why a process cannot go on.
+/// Why a worker cannot continue.
 type Failure = Box<dyn Error>;
 
 struct Worker {
@@ -76,18 +92,23 @@ struct Worker {
     owner: Owner,
     /// The pool's folder.
     folder: PathBuf,
-    /// Where this process sits; a copy moves.
-    seat: Cell<u32>,
+    /// The slot that this process is attached to; a copy has another.
+    ticket: Cell<Ticket>,
+    /// CPU time of the template's reset.
+    warm_up_cpu: Cell<Duration>,
+    /// Severe messages that are in the log.
+    severes: Cell<usize>,
 }
 
 impl Worker {
-    /// Prepares what is ordered up to the end of warm-up, and tells the owner what it is.
+    /// Prepares the building of an order up to the end of warm-up, and writes the prepared building for the owner.
     fn prepare(&self, order: &Path) -> Result<Env, Failure> {
         become_ancestor()?;
-        self.region.sit(self.seat.get());
         let watch = Watch::start(self.owner.process.try_clone()?, self.folder.clone())?;
         let mut env = serde_json::from_slice::<Order>(&std::fs::read(order)?)?.env()?;
+        let before = cpu_time();
         env.reset()?;
+        self.warm_up_cpu.set(cpu_time().saturating_sub(before));
         env.set_finish_run(false);
         // The engine keeps open what it still needs.
         std::fs::remove_dir_all(env.folder())?;
@@ -101,14 +122,18 @@ impl Worker {
         Ok(env)
     }
 
-    /// Does what the seat asks, until the episode is over or the owner gone.
+    fn slot(&self) -> u32 {
+        self.ticket.get().slot
+    }
+
+    /// Carries out the commands in the slot, until the episode is over or the owner gone.
     fn serve(&self, mut env: Env) -> Result<(), Failure> {
         let mut action = vec![0.0; env.action_space().len()];
-        self.stand(&env);
+        self.report_ready(&env);
         loop {
-            match self.region.next_command(self.seat.get(), LOOK_FOR_OWNER) {
+            match self.region.next_command(self.slot(), LOOK_FOR_OWNER) {
                 None if self.owner.is_gone() => return self.tidy(),
-                None => {}
+                None => self.reap(),
                 Some(Command::Step) if self.step(&mut env, &mut action)? => return Ok(()),
                 Some(Command::Step) => {}
                 Some(Command::Copy) => self.copy(&mut env)?,
@@ -116,64 +141,109 @@ impl Worker {
         }
     }
 
-    /// Says that it stands, and where.
-    fn stand(&self, env: &Env) {
-        let seat = self.seat.get();
-        self.region.sit(seat);
-        self.region.write_observation(seat, env.observation());
-        self.region.set_standing(seat, Standing::Running);
-        self.region.hand_back(seat);
+    /// Hands the slot back with the current observation.
+    fn report_ready(&self, env: &Env) {
+        let slot = self.slot();
+        self.region.write_observation(slot, env.observation());
+        self.region.set_status(slot, Status::Running);
+        self.region.hand_back(slot);
     }
 
     /// One step; whether it was the last.
     fn step(&self, env: &mut Env, action: &mut [f64]) -> Result<bool, Failure> {
-        let (region, seat) = (&self.region, self.seat.get());
-        region.read_action(seat, action);
+        let (region, slot) = (&self.region, self.slot());
+        region.read_action(slot, action);
         let step = env.step(action)?;
-        region.write_observation(seat, step.observation);
-        region.write_action(seat, step.action);
-        region.set_penalties(seat, [step.reward.temperature_penalty, step.reward.energy_penalty]);
+        region.write_observation(slot, step.observation);
+        region.write_action(slot, step.action);
+        region.set_penalties(slot, [step.reward.temperature_penalty, step.reward.energy_penalty]);
         let truncated = step.truncated;
         if truncated {
-            region.write_report(seat, &serde_json::to_vec(env.metrics())?);
-            region.set_standing(seat, Standing::Truncated);
+            self.write_reports(env)?;
+            region.set_status(slot, Status::Truncated);
         }
-        region.hand_back(seat);
+        self.log_severe_messages(env);
+        region.hand_back(slot);
         Ok(truncated)
     }
 
-    /// Copies this process for each seat listed. The copies return from here too, in their seats.
-    fn copy(&self, env: &mut Env) -> Result<(), Failure> {
-        let own = self.seat.get();
-        for seat in self.region.copies(own) {
-            match env.fork() {
-                Ok(Fork::Original) => {}
-                Ok(Fork::Copy(opened)) => {
-                    self.seat.set(seat);
-                    opened?;
-                    pin(self.region.processor(seat));
-                    if let steps @ 1.. = self.region.steps(seat) {
-                        env.truncate_after(steps as usize);
-                    }
-                    self.stand(env);
-                    return Ok(());
-                }
-                Err(error) => {
-                    self.seat.set(seat);
-                    self.report(&error.to_string());
-                    self.seat.set(own);
-                }
-            }
+    fn write_reports(&self, env: &Env) -> Result<(), Failure> {
+        let ticket = self.ticket.get();
+        self.region.write_report(ticket.slot, &serde_json::to_vec(env.metrics())?);
+        if self.region.options(ticket.slot).finish_run {
+            let cpu = self.warm_up_cpu.get() + cpu_time();
+            let report = EpisodeReport { engine: env.engine_report(), cpu };
+            std::fs::write(self.folder.join(ticket.file("json")), serde_json::to_vec(&report)?)?;
         }
-        self.region.hand_back(own);
         Ok(())
     }
 
+    /// Keeps in the log what the engine complains of, should it crash.
+    fn log_severe_messages(&self, env: &Env) {
+        let severes = env.message_count(Level::Severe);
+        if severes > self.severes.get() {
+            let messages = env.messages();
+            let new = messages.at_least(Level::Severe).skip(self.severes.get());
+            new.for_each(|message| eprintln!("{}: {}", message.level, message.text));
+            self.severes.set(severes);
+        }
+    }
+
+    /// Copies this process for each slot listed. The copies return from here too, in their slots.
+    fn copy(&self, env: &mut Env) -> Result<(), Failure> {
+        self.reap();
+        let own = self.ticket.get();
+        for ticket in self.region.copies(own.slot) {
+            let finish_run = self.region.options(ticket.slot).finish_run;
+            let meter_file = finish_run.then(|| self.folder.join(ticket.file("mtr")));
+            match env.fork(meter_file.as_deref()) {
+                Ok(Fork::Original) => {}
+                Ok(Fork::Copy(opened)) => return self.become_copy(env, ticket, opened.map_err(Into::into)),
+                Err(error) => {
+                    self.ticket.set(ticket);
+                    self.report(&error.to_string());
+                    self.ticket.set(own);
+                }
+            }
+        }
+        self.region.hand_back(own.slot);
+        Ok(())
+    }
+
+    /// The first acts of a copy.
+    fn become_copy(&self, env: &mut Env, ticket: Ticket, opened: Result<(), Failure>) -> Result<(), Failure> {
+        if !self.region.attach(ticket) {
+            leave(0);
+        }
+        self.ticket.set(ticket);
+        opened?;
+        rustix::stdio::dup2_stderr(File::create(self.folder.join(ticket.file("log")))?)?;
+        let options = self.region.options(ticket.slot);
+        pin(options.processor);
+        if let Some(steps) = options.max_steps {
+            env.truncate_after(steps);
+        }
+        if options.finish_run {
+            // The engine writes its last files by name.
+            std::fs::create_dir_all(env.folder())?;
+            env.set_finish_run(true);
+        }
+        self.report_ready(env);
+        Ok(())
+    }
+
+    /// Asks for the exit status of copies that have ended, for the owner.
+    fn reap(&self) {
+        while let Ok(Some((process, status))) = rustix::process::wait(WaitOptions::NOHANG) {
+            self.region.record_exit(process.as_raw_pid() as u32, status.as_raw());
+        }
+    }
+
     fn report(&self, why: &str) {
-        let seat = self.seat.get();
-        self.region.write_report(seat, why.as_bytes());
-        self.region.set_standing(seat, Standing::Failed);
-        self.region.hand_back(seat);
+        let slot = self.slot();
+        self.region.write_report(slot, why.as_bytes());
+        self.region.set_status(slot, Status::Failed);
+        self.region.hand_back(slot);
     }
 
     fn fail(&self, why: &str) -> ! {
@@ -188,7 +258,13 @@ impl Worker {
     }
 }
 
-/// Keeps this process to one of the processors it may use, so that it finds its caches warm. `None` for any.
+/// CPU time of this process.
+fn cpu_time() -> Duration {
+    let time = clock_gettime(ClockId::ProcessCPUTime);
+    Duration::new(time.tv_sec as u64, time.tv_nsec as u32)
+}
+
+/// Pins this process to one of the processors it may use, so that it finds its caches warm.
 fn pin(processor: Option<u32>) {
     let Some(processor) = processor else { return };
     let Ok(may) = rustix::thread::sched_getaffinity(None) else { return };
@@ -199,7 +275,7 @@ fn pin(processor: Option<u32>) {
     let _ = rustix::thread::sched_setaffinity(None, &one);
 }
 
-/// The process that a pool belongs to.
+/// The process that the pool belongs to.
 struct Owner {
     process: OwnedFd,
 }

@@ -1,6 +1,7 @@
-//! What a process is started for.
+//! What an episode is of: a building and the configuration of the episode.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use b2b_building::{Class, Model, PreparedBuilding};
 use b2b_dataset::{BuildingName, Found};
@@ -10,21 +11,21 @@ use serde::{Deserialize, Serialize};
 use crate::env::Env;
 use crate::spaces::EpisodeConfig;
 
-/// A building to make an environment of.
+/// A building to make an environment of, prepared or not.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Source {
-    /// One that is ready.
+    /// A prepared building.
     Prepared(Box<PreparedBuilding>),
-    /// One that has to be sized and made controllable first.
+    /// A model that has to be sized and made controllable first.
     Model {
         /// Its name.
         name: String,
-        /// What it is of.
+        /// Building type and climate zone, if known.
         class: Option<Class>,
-        /// Whether it is a prototype as it comes with the engine.
+        /// Whether it is a prototype that comes with the engine.
         prototype: bool,
-        /// Whether it is a user's own, of which as much is made controllable as can be.
+        /// Whether it is a user's own model, which is made controllable as far as possible.
         own: bool,
         /// The model as it was generated or read.
         model: Box<Model>,
@@ -44,7 +45,7 @@ impl From<Found> for Source {
 }
 
 impl Source {
-    /// A building of the generator, whose class is known.
+    /// A generated building, whose class is known.
     pub fn generated(name: String, class: Class, model: Model) -> Self {
         Self::Model { name, class: Some(class), prototype: false, own: false, model: Box::new(model) }
     }
@@ -74,7 +75,38 @@ impl Source {
     }
 }
 
-/// What a template is made of.
+/// What an episode is of: a building, its weather, its days and its task.
+#[derive(Clone, Debug)]
+pub struct Setting {
+    /// The building. Settings that share one share its preparation.
+    pub source: Arc<Source>,
+    /// Weather, period, time step and task.
+    pub episode: EpisodeConfig,
+}
+
+impl Setting {
+    /// A setting of its own building.
+    pub fn new(source: impl Into<Arc<Source>>, episode: EpisodeConfig) -> Self {
+        Self { source: source.into(), episode }
+    }
+
+    /// Whether both are of the same building and episode.
+    pub(super) fn is(&self, other: &Self) -> bool {
+        self.episode == other.episode && self.has_building_of(other)
+    }
+
+    /// Whether what was prepared for one serves the other.
+    pub(super) fn shares_preparation_with(&self, other: &Self) -> bool {
+        self.episode.weather == other.episode.weather && self.has_building_of(other)
+    }
+
+    fn has_building_of(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.source, &other.source)
+            || self.source.name() == other.source.name() && self.source == other.source
+    }
+}
+
+/// What a template process is started with.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Order {
     /// The engine's library.

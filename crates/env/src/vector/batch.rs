@@ -1,0 +1,82 @@
+//! Several episodes at once.
+
+use super::episode::Episode;
+use super::region::LOOK;
+use super::workers::Workers;
+use crate::{Error, Result};
+
+/// Waits until at least `count` of the busy episodes are no longer, and lists in `ready` which those are. All must be
+/// of one set of [`Workers`]. What became of each is in [`Episode::last_step`].
+///
+/// With [`Episode::send`] this steps several episodes at once: the others work on while those that are ready get their
+/// next actions.
+///
+/// # Errors
+/// [`Error::Interrupted`]; the episodes work on then.
+pub fn recv(episodes: &mut [Episode], count: usize, ready: &mut Vec<usize>) -> Result<()> {
+    ready.clear();
+    ready.extend((0..episodes.len()).filter(|index| episodes[*index].is_busy()));
+    let idle = episodes.len() - ready.len();
+    wait(episodes, idle + count.min(ready.len()))?;
+    ready.retain(|index| !episodes[*index].is_busy());
+    Ok(())
+}
+
+/// One step of every episode. `actions` has one action after another.
+///
+/// # Errors
+/// [`Error::ActionLength`] and those of [`Episode::send`]; [`Error::Lost`] when one is lost; [`Error::Interrupted`].
+pub fn step_all(episodes: &mut [Episode], actions: &[f64]) -> Result<()> {
+    let mut rest = actions;
+    for episode in episodes.iter_mut() {
+        let width = crate::Environment::spaces(episode).action.len();
+        let action = rest.split_off(..width);
+        episode.send(action.ok_or(Error::ActionLength { given: rest.len(), expected: width })?)?;
+    }
+    wait(episodes, episodes.len())?;
+    episodes.iter().try_for_each(|episode| episode.last_step().map(|_| ()))
+}
+
+/// Waits until at least `count` of these episodes are not busy.
+pub(super) fn wait(episodes: &mut [Episode], count: usize) -> Result<()> {
+    let Some(workers) = episodes.first().map(|episode| episode.workers().clone()) else { return Ok(()) };
+    let count = count.min(episodes.len());
+    loop {
+        let done = workers.region().done();
+        if rest(&workers, episodes, |episode| Some(episode), count, done)? >= count {
+            return Ok(());
+        }
+    }
+}
+
+/// Sleeps until `count` of these are not busy, or something else has happened since `done`, which is to be read before
+/// looking at any. How many are not busy; an item without an episode is not.
+pub(super) fn rest<T>(
+    workers: &Workers,
+    items: &mut [T],
+    episode: fn(&mut T) -> Option<&mut Episode>,
+    count: usize,
+    done: u32,
+) -> Result<usize> {
+    let settle = |items: &mut [T]| {
+        let settled = items.iter_mut().map(|item| episode(item).is_none_or(Episode::settle));
+        settled.map(usize::from).sum::<usize>()
+    };
+    let ready = settle(items);
+    if ready >= count {
+        return Ok(ready);
+    }
+    let starting = items.iter_mut().filter_map(episode).any(|episode| episode.is_starting());
+    if starting {
+        workers.lock().pump();
+    }
+    // A template that is ready, or done with copies, is an event of its own; steps are waited for together.
+    workers.region().sleep(done, if starting { 1 } else { (count - ready) as u32 }, LOOK);
+    let look = workers.lock().look_is_due();
+    if look {
+        workers.check_interrupt()?;
+        workers.lock().pump();
+        items.iter_mut().filter_map(episode).for_each(Episode::look_after);
+    }
+    Ok(settle(items))
+}

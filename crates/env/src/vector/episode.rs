@@ -1,0 +1,374 @@
+//! An episode in a worker process.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use super::batch::wait;
+use super::episode_options::EpisodeOptions;
+use super::episode_report::EpisodeReport;
+use super::pool::Place;
+use super::region::{Command, Status};
+use super::setting::Setting;
+use super::workers::Workers;
+use crate::environment::{Environment, Step};
+use crate::metrics::Metrics;
+use crate::reward::Reward;
+use crate::spaces::Spaces;
+use crate::{Error, Result};
+
+/// An environment in a worker process, which it owns: dropping it ends the process.
+///
+/// - [`reset`](Environment::reset) copies the template of its setting, within milliseconds.
+/// - [`Episode::snapshot`], [`Episode::restore`] and [`Episode::branch`] copy the process in the middle of an episode;
+///   every copy continues bit for bit.
+/// - A crash of the engine, a kill or a hang is [`Error::Lost`] with the reason; a reset begins anew.
+/// - [`Episode::begin`] and [`Episode::send`] do not wait, and [`recv`](super::recv) waits for several at once.
+///
+/// A step allocates nothing but at the end of an episode.
+#[derive(Debug)]
+pub struct Episode {
+    workers: Workers,
+    setting: Setting,
+    spaces: Arc<Spaces>,
+    options: EpisodeOptions,
+    place: Option<Place>,
+    phase: Phase,
+    observation: Vec<f64>,
+    action: Vec<f64>,
+    reward: Reward,
+    metrics: Option<Metrics>,
+    report: Option<EpisodeReport>,
+}
+
+/// Where an episode is.
+#[derive(Clone, Debug, PartialEq)]
+enum Phase {
+    /// Before its first reset.
+    New,
+    /// Waits for a copy of its template.
+    Starting,
+    /// Ready for an action.
+    Ready,
+    /// In a step, until a deadline.
+    Stepping(Instant),
+    /// At its end.
+    Truncated,
+    /// Gone, and why.
+    Lost(String),
+}
+
+impl Episode {
+    pub(super) fn new(workers: Workers, setting: Setting, spaces: Arc<Spaces>) -> Self {
+        Self {
+            observation: vec![0.0; spaces.observation.len()],
+            action: vec![0.0; spaces.action.len()],
+            workers,
+            setting,
+            spaces,
+            options: EpisodeOptions::default(),
+            place: None,
+            phase: Phase::New,
+            reward: Reward::default(),
+            metrics: None,
+            report: None,
+        }
+    }
+
+    /// Sets how the episode is run.
+    #[must_use]
+    pub fn with_options(mut self, options: EpisodeOptions) -> Self {
+        self.options = options;
+        self
+    }
+
+    /// Sets how the episode is run from its next reset on.
+    pub fn set_options(&mut self, options: EpisodeOptions) {
+        self.options = options;
+    }
+
+    /// Begins an episode as [`reset`](Environment::reset) does, but does not wait for its first observation.
+    ///
+    /// # Errors
+    /// [`Error::Pool`] when no process can be started.
+    pub fn begin(&mut self) -> Result<()> {
+        self.end();
+        self.phase = Phase::New;
+        (self.metrics, self.report, self.reward) = (None, None, Reward::default());
+        self.place = Some(self.workers.lock().start(&self.setting, self.options)?);
+        self.phase = Phase::Starting;
+        Ok(())
+    }
+
+    /// Gives an action to an episode that is ready, and does not wait for the step.
+    ///
+    /// # Errors
+    /// [`Error::ActionLength`] and [`Error::ActionNotFinite`] before anything is sent; [`Error::NotReset`];
+    /// [`Error::Busy`]; [`Error::Lost`].
+    pub fn send(&mut self, action: &[f64]) -> Result<()> {
+        let slot = self.slot()?;
+        self.spaces.action.check(action)?;
+        self.workers.region().write_action(slot, action);
+        self.workers.region().command(slot, Command::Step);
+        self.phase = Phase::Stepping(Instant::now() + self.workers.step_time_limit());
+        Ok(())
+    }
+
+    /// The outcome of the last step, of an episode that is not busy.
+    ///
+    /// # Errors
+    /// [`Error::Lost`] when the worker died, hung or failed; [`Error::Busy`]; [`Error::NotReset`].
+    pub fn last_step(&self) -> Result<Step<'_>> {
+        match &self.phase {
+            Phase::Ready | Phase::Truncated => Ok(Step {
+                observation: &self.observation,
+                action: &self.action,
+                reward: self.reward,
+                truncated: self.phase == Phase::Truncated,
+            }),
+            _ => Err(self.not_ready()),
+        }
+    }
+
+    /// A copy of the episode at its current point, to come back to.
+    ///
+    /// # Errors
+    /// [`Error::Lost`] when the copy cannot be made; [`Error::NotReset`] and [`Error::Busy`] when the episode is not
+    /// ready.
+    pub fn snapshot(&self) -> Result<Snapshot> {
+        Ok(Snapshot(self.copies(1)?.remove(0)))
+    }
+
+    /// Returns to where a snapshot was taken. The snapshot remains.
+    ///
+    /// # Errors
+    /// [`Error::OtherSnapshot`] when it was taken of another setting or set of workers; [`Error::Lost`] when the copy
+    /// cannot be made, and the episode remains where it is.
+    pub fn restore(&mut self, snapshot: &Snapshot) -> Result<&[f64]> {
+        let kept = &snapshot.0;
+        if !self.workers.are(&kept.workers) || !self.setting.is(&kept.setting) {
+            let [taken, here] = [kept, self].map(|episode| episode.spaces.building.name.clone());
+            return Err(Error::OtherSnapshot { taken, here });
+        }
+        let mut copy = kept.copies(1)?.remove(0);
+        copy.options = self.options;
+        *self = copy;
+        Ok(&self.observation)
+    }
+
+    /// `count` episodes that continue from the current point of this one.
+    ///
+    /// # Errors
+    /// As [`Episode::snapshot`].
+    pub fn branch(&self, count: usize) -> Result<Vec<Self>> {
+        self.copies(count)
+    }
+
+    fn copies(&self, count: usize) -> Result<Vec<Self>> {
+        self.slot()?;
+        let place = self.place.ok_or(Error::NotReset)?;
+        let places = self.workers.lock().branch(place, count)?;
+        let copy = |place| Self {
+            workers: self.workers.clone(),
+            setting: self.setting.clone(),
+            spaces: Arc::clone(&self.spaces),
+            options: self.options,
+            place: Some(place),
+            phase: Phase::Ready,
+            observation: self.observation.clone(),
+            action: self.action.clone(),
+            reward: self.reward,
+            metrics: None,
+            report: None,
+        };
+        Ok(places.into_iter().map(copy).collect())
+    }
+
+    /// The set of workers that it runs in.
+    pub fn workers(&self) -> &Workers {
+        &self.workers
+    }
+
+    /// The building, weather, period and task.
+    pub fn setting(&self) -> &Setting {
+        &self.setting
+    }
+
+    /// The state at the end of the last step, or at the start of the episode.
+    pub fn observation(&self) -> &[f64] {
+        &self.observation
+    }
+
+    /// The reward of the last step.
+    pub fn reward(&self) -> Reward {
+        self.reward
+    }
+
+    /// Whether the worker is busy with a step or with its start.
+    pub fn is_busy(&self) -> bool {
+        matches!(self.phase, Phase::Starting | Phase::Stepping(_))
+    }
+
+    /// Whether the episode is at its end.
+    pub fn is_truncated(&self) -> bool {
+        self.phase == Phase::Truncated
+    }
+
+    /// Why the episode was lost, if it was.
+    pub fn lost(&self) -> Option<&str> {
+        match &self.phase {
+            Phase::Lost(why) => Some(why),
+            _ => None,
+        }
+    }
+
+    /// The worker's report at the end of an episode with [`EpisodeOptions::finish_run`].
+    pub fn report(&self) -> Option<&EpisodeReport> {
+        self.report.as_ref()
+    }
+
+    /// The worker process. `None` before it has started.
+    pub fn process(&self) -> Option<u32> {
+        Some(self.workers.region().process(self.place?.slot)).filter(|process| *process != 0)
+    }
+
+    /// The slot of an episode that is ready.
+    fn slot(&self) -> Result<u32> {
+        match (&self.phase, self.place) {
+            (Phase::Ready, Some(place)) => Ok(place.slot),
+            _ => Err(self.not_ready()),
+        }
+    }
+
+    fn not_ready(&self) -> Error {
+        match &self.phase {
+            Phase::Starting | Phase::Stepping(_) => Error::Busy,
+            Phase::Lost(why) => Error::Lost {
+                what: format!("the episode of {}", self.spaces.building.name),
+                why: why.clone(),
+            },
+            Phase::New | Phase::Ready | Phase::Truncated => Error::NotReset,
+        }
+    }
+
+    pub(super) fn is_starting(&self) -> bool {
+        self.phase == Phase::Starting
+    }
+
+    /// Takes what the worker has reported, if it has. Whether the episode is not busy.
+    pub(super) fn settle(&mut self) -> bool {
+        let (true, Some(Place { slot, .. })) = (self.is_busy(), self.place) else { return true };
+        let region = self.workers.region();
+        if !region.is_ready(slot) {
+            return false;
+        }
+        let status = region.status(slot);
+        if status == Status::Failed {
+            self.phase = Phase::Lost(String::from_utf8_lossy(&region.report(slot)).into_owned());
+            return true;
+        }
+        region.read_observation(slot, &mut self.observation);
+        if self.phase == Phase::Starting {
+            self.workers.lock().adopt(slot);
+        } else {
+            region.read_action(slot, &mut self.action);
+            let [temperature_penalty, energy_penalty] = region.penalties(slot);
+            self.reward = Reward { temperature_penalty, energy_penalty };
+        }
+        self.phase = Phase::Ready;
+        if status == Status::Truncated {
+            self.take_metrics(slot);
+        }
+        true
+    }
+
+    fn take_metrics(&mut self, slot: u32) {
+        self.metrics = serde_json::from_slice(&self.workers.region().report(slot)).ok();
+        if self.options.finish_run {
+            let file = self.workers.lock().file(slot, "json");
+            let text = std::fs::read(file).ok();
+            self.report = text.and_then(|text| serde_json::from_slice(&text).ok());
+        }
+        self.phase = match self.metrics {
+            Some(_) => Phase::Truncated,
+            None => Phase::Lost("its worker left no metrics".into()),
+        };
+    }
+
+    /// Finds out whether the worker of a busy episode is gone or late.
+    pub(super) fn look_after(&mut self) {
+        let deadline = match self.phase {
+            Phase::Starting => None,
+            Phase::Stepping(deadline) => Some(deadline),
+            _ => return,
+        };
+        let Some(Place { slot, .. }) = self.place else { return };
+        let gone = self.workers.lock().look_after(slot, deadline);
+        if let Some(why) = gone {
+            self.phase = Phase::Lost(why);
+        }
+    }
+
+    /// Ends the worker.
+    pub(super) fn end(&mut self) {
+        if let Some(place) = self.place.take()
+            && self.workers.belong_here()
+        {
+            self.workers.lock().release(place);
+        }
+    }
+}
+
+impl Environment for Episode {
+    fn spaces(&self) -> &Arc<Spaces> {
+        &self.spaces
+    }
+
+    fn reset(&mut self) -> Result<&[f64]> {
+        self.begin()?;
+        wait(std::slice::from_mut(self), 1)?;
+        Ok(self.last_step()?.observation)
+    }
+
+    fn step(&mut self, action: &[f64]) -> Result<Step<'_>> {
+        self.send(action)?;
+        wait(std::slice::from_mut(self), 1)?;
+        self.last_step()
+    }
+
+    fn metrics(&self) -> Option<&Metrics> {
+        self.metrics.as_ref()
+    }
+}
+
+impl Drop for Episode {
+    fn drop(&mut self) {
+        self.end();
+    }
+}
+
+/// A point in an episode, kept as a process of its own that ends on drop.
+#[derive(Debug)]
+pub struct Snapshot(Episode);
+
+impl Snapshot {
+    /// `count` episodes that continue from this point.
+    ///
+    /// # Errors
+    /// As [`Episode::snapshot`].
+    pub fn branch(&self, count: usize) -> Result<Vec<Episode>> {
+        self.0.copies(count)
+    }
+
+    /// An episode that continues from this point.
+    ///
+    /// # Errors
+    /// As [`Episode::snapshot`].
+    pub fn episode(&self) -> Result<Episode> {
+        Ok(self.0.copies(1)?.remove(0))
+    }
+
+    /// The observation at this point.
+    pub fn observation(&self) -> &[f64] {
+        self.0.observation()
+    }
+}

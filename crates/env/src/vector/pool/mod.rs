@@ -1,0 +1,281 @@
+//! The owner's side: templates, the workers copied from them, and how each ends.
+//!
+//! A [`Pool`] owns processes of one thread each. A template waits at the end of a building's warm-up; an episode is
+//! its copy, and a snapshot is the copy of an episode. Actions and observations pass through shared memory, and
+//! nobody who waits uses a core. A worker that dies, hangs or is killed costs its episode alone, with a reason; a
+//! template that does is replaced.
+
+mod preparation;
+mod template;
+
+use std::collections::{BTreeMap, VecDeque};
+use std::io;
+use std::ops::Bound;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Instant;
+
+use b2b_building::PreparedBuilding;
+use tempfile::TempDir;
+
+pub(super) use self::template::TemplateId;
+use self::template::{Phase, Request, Template};
+use super::episode_options::EpisodeOptions;
+use super::region::{COPIES, Command, LOOK, Region};
+use super::setting::Setting;
+use super::slots::Slots;
+use super::worker_options::WorkerOptions;
+use crate::{Error, Result};
+
+/// Templates that may die or hang under an episode that waits to begin, before it is lost.
+const FAILURES: u32 = 3;
+
+/// A pool of worker processes.
+pub(super) struct Pool {
+    pub(super) options: WorkerOptions,
+    region: Arc<Region>,
+    slots: Slots,
+    templates: BTreeMap<TemplateId, Template>,
+    next_template: u64,
+    /// Buildings that were prepared, so that no other template has to.
+    prepared: VecDeque<(Setting, Arc<PreparedBuilding>)>,
+    clock: u64,
+    /// When to look after the busy workers next.
+    look: Instant,
+    /// Of everything that its processes write. Removed with the pool.
+    folder: TempDir,
+}
+
+/// An episode's place in a pool.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place {
+    pub(super) slot: u32,
+    pub(super) template: TemplateId,
+}
+
+impl Pool {
+    /// A pool without processes.
+    ///
+    /// # Errors
+    /// [`Error::Io`] when there is no temporary folder.
+    pub(super) fn new(options: WorkerOptions, region: Arc<Region>) -> Result<Self> {
+        let folder = tempfile::Builder::new()
+            .prefix("b2b-pool-")
+            .tempdir()
+            .map_err(|source| Error::Io { path: std::env::temp_dir(), source })?;
+        Ok(Self {
+            slots: Slots::new(Arc::clone(&region), folder.path()),
+            region,
+            options,
+            templates: BTreeMap::new(),
+            next_template: 0,
+            prepared: VecDeque::new(),
+            clock: 0,
+            look: Instant::now() + LOOK,
+            folder,
+        })
+    }
+
+    /// Has an episode begin at the end of its template's warm-up: its slot is ready once it does. Does not wait.
+    pub(super) fn start(&mut self, setting: &Setting, options: EpisodeOptions) -> Result<Place> {
+        let template = self.template_of(setting)?;
+        let slot = self.take_slot(options)?;
+        let entry = self.template_mut(template)?;
+        entry.users += 1;
+        entry.waiting.push_back(Request { slot, failures: 0 });
+        Ok(Place { slot, template })
+    }
+
+    /// Moves on everything that waits for a template.
+    pub(super) fn pump(&mut self) {
+        let mut next = self.waited_for(Bound::Unbounded);
+        while let Some(id) = next {
+            // Those who wait were told in their slots.
+            let _ = self.advance(id);
+            next = self.waited_for(Bound::Excluded(id));
+        }
+    }
+
+    /// The next template that somebody waits for.
+    fn waited_for(&self, after: Bound<TemplateId>) -> Option<TemplateId> {
+        let mut templates = self.templates.range((after, Bound::Unbounded));
+        let waited_for = |template: &Template| !template.waiting.is_empty() || !template.copying.is_empty();
+        templates.find(|(_, template)| waited_for(template)).map(|(id, _)| *id)
+    }
+
+    /// Moves a template on: takes its reply, has it copied, replaces it when it is gone.
+    fn advance(&mut self, id: TemplateId) -> Result<()> {
+        let Some(template) = self.templates.get(&id) else { return Ok(()) };
+        let (slot, phase) = (template.process.slot, template.phase);
+        let ended = self.slots.has_ended(slot);
+        let ready = self.region.is_ready(slot);
+        match phase {
+            Phase::Preparing(deadline) => return self.advance_preparation(id, ready, ended, deadline),
+            Phase::Copying(_) if ready => {
+                let template = self.template_mut(id)?;
+                template.copying.clear();
+                template.phase = Phase::Idle;
+            }
+            Phase::Copying(deadline) if !ended && Instant::now() < deadline => return Ok(()),
+            Phase::Copying(_) => return self.replace(id),
+            Phase::Idle => {}
+        }
+        match self.template_mut(id)?.waiting.is_empty() {
+            true => Ok(()),
+            false if ended => self.replace(id),
+            false => self.copy_for_those_waiting(id),
+        }
+    }
+
+    /// Has an idle template copied for the slots that wait.
+    fn copy_for_those_waiting(&mut self, id: TemplateId) -> Result<()> {
+        let deadline = Instant::now() + self.options.step_time_limit;
+        let template = self.template_mut(id)?;
+        let count = template.waiting.len().min(COPIES);
+        template.copying = template.waiting.drain(..count).collect();
+        template.phase = Phase::Copying(deadline);
+        let source = template.process.slot;
+        let slots: Vec<u32> = template.copying.iter().map(|request| request.slot).collect();
+        self.region.list_copies(source, &slots);
+        self.region.command(source, Command::Copy);
+        Ok(())
+    }
+
+    /// Copies of the worker in a slot, once they stand where it stands. It must be ready.
+    pub(super) fn branch(&mut self, of: Place, count: usize) -> Result<Vec<Place>> {
+        let mut places = Vec::with_capacity(count);
+        let outcome = self.try_branch(of, count, &mut places);
+        match outcome {
+            Ok(()) => Ok(places),
+            Err(error) => {
+                places.into_iter().for_each(|place| self.release(place));
+                Err(error)
+            }
+        }
+    }
+
+    fn try_branch(&mut self, of: Place, count: usize, places: &mut Vec<Place>) -> Result<()> {
+        while places.len() < count {
+            let first = places.len();
+            for _ in first..count.min(first + COPIES) {
+                let slot = self.take_slot(EpisodeOptions::default())?;
+                // The template may be gone: a copy of an episode does not need it.
+                if let Some(template) = self.templates.get_mut(&of.template) {
+                    template.users += 1;
+                }
+                places.push(Place { slot, template: of.template });
+            }
+            let slots: Vec<u32> = places[first..].iter().map(|place| place.slot).collect();
+            self.region.list_copies(of.slot, &slots);
+            self.region.command(of.slot, Command::Copy);
+            self.wait_until_ready(of.slot)?;
+        }
+        places.iter().try_for_each(|place| self.wait_until_ready(place.slot))
+    }
+
+    /// Waits for a worker that copies itself, or that is such a copy: milliseconds, so that it is not interrupted.
+    fn wait_until_ready(&mut self, slot: u32) -> Result<()> {
+        let deadline = Instant::now() + self.options.step_time_limit;
+        loop {
+            let done = self.region.done();
+            let ended = self.slots.has_ended(slot);
+            if self.region.is_ready(slot) {
+                self.slots.adopt(slot);
+                return Ok(());
+            }
+            if ended {
+                return Err(lost("an episode to copy", self.slots.epitaph(slot, None)));
+            }
+            if Instant::now() > deadline {
+                return Err(lost("an episode to copy", self.time_out(slot)));
+            }
+            self.region.sleep(done, 1, LOOK);
+        }
+    }
+
+    /// Why the worker of a slot will not report any more, if it is gone or took longer than until its deadline.
+    pub(super) fn look_after(&mut self, slot: u32, deadline: Option<Instant>) -> Option<String> {
+        let ended = self.slots.has_ended(slot);
+        // It may have reported before it died.
+        if self.region.is_ready(slot) {
+            return None;
+        }
+        if ended {
+            return Some(self.slots.epitaph(slot, None));
+        }
+        deadline.is_some_and(|deadline| Instant::now() > deadline).then(|| self.time_out(slot))
+    }
+
+    /// Kills the worker of a slot for taking too long.
+    fn time_out(&mut self, slot: u32) -> String {
+        self.slots.kill(slot);
+        let (process, limit) = (self.region.process(slot), self.options.step_time_limit);
+        format!("worker process {process} took longer than {limit:?} and was killed")
+    }
+
+    /// Whether it is time to look after the busy workers.
+    pub(super) fn look_is_due(&mut self) -> bool {
+        let due = Instant::now() >= self.look;
+        if due {
+            self.look = Instant::now() + LOOK;
+        }
+        due
+    }
+
+    /// Opens a handle of a worker that has reported for the first time.
+    pub(super) fn adopt(&mut self, slot: u32) {
+        self.slots.adopt(slot);
+    }
+
+    /// A file of the worker in a slot.
+    pub(super) fn file(&self, slot: u32, extension: &str) -> PathBuf {
+        self.slots.file(slot, extension)
+    }
+
+    /// Ends a worker, or a wait for one.
+    pub(super) fn release(&mut self, place: Place) {
+        if let Some(template) = self.templates.get_mut(&place.template) {
+            template.users = template.users.saturating_sub(1);
+            template.waiting.retain(|request| request.slot != place.slot);
+            template.copying.retain(|request| request.slot != place.slot);
+        }
+        self.slots.release(place.slot);
+    }
+
+    /// The processes of the templates.
+    pub(super) fn template_processes(&self) -> Vec<u32> {
+        self.templates.values().map(|template| template.process.child.id()).collect()
+    }
+
+    /// The temporary folder of everything that its processes write.
+    pub(super) fn folder(&self) -> &Path {
+        self.folder.path()
+    }
+
+    fn take_slot(&mut self, options: EpisodeOptions) -> Result<u32> {
+        self.slots.take(options).map_err(unavailable("a worker slot"))
+    }
+
+    fn template_mut(&mut self, id: TemplateId) -> Result<&mut Template> {
+        self.templates.get_mut(&id).ok_or_else(|| lost("a template", "it was dropped".into()))
+    }
+}
+
+impl Drop for Pool {
+    /// Ends every process: copies first, so that their templates reap them.
+    fn drop(&mut self) {
+        let templates: Vec<u32> = self.templates.values().map(|template| template.process.slot).collect();
+        self.slots.end_all_but(&templates);
+        for id in self.templates.keys().copied().collect::<Vec<_>>() {
+            self.drop_template(id);
+        }
+    }
+}
+
+fn unavailable(what: &str) -> impl Fn(io::Error) -> Error {
+    move |source| Error::Pool { what: what.to_owned(), source }
+}
+
+fn lost(what: &str, why: String) -> Error {
+    Error::Lost { what: what.to_owned(), why }
+}

@@ -1,0 +1,253 @@
+//! How templates are made, replaced and ended.
+
+use std::fs::File;
+use std::sync::Arc;
+use std::time::Instant;
+
+use b2b_building::PreparedBuilding;
+
+use super::template::{Phase, Request, Template, TemplateId, TemplateProcess};
+use super::{FAILURES, Pool, lost, unavailable};
+use crate::spaces::Spaces;
+use crate::vector::episode_options::EpisodeOptions;
+use crate::vector::region::{Status, WIDTH};
+use crate::vector::setting::{Order, Setting, Source};
+use crate::{Error, Result};
+
+/// Buildings whose preparation is remembered.
+const PREPARED: usize = 256;
+/// Times that a preparation is tried before it fails.
+const ATTEMPTS: u32 = 2;
+
+impl Pool {
+    /// The template of a setting; one is started if there is none. Does not wait for it.
+    ///
+    /// # Errors
+    /// Those of [`EpisodeConfig::check`](crate::EpisodeConfig::check); [`Error::Pool`] when no process can be started;
+    /// [`Error::Io`] for its order.
+    pub(in crate::vector) fn template_of(&mut self, setting: &Setting) -> Result<TemplateId> {
+        self.clock += 1;
+        let found = self.templates.iter_mut().find(|(_, template)| template.setting.is(setting));
+        if let Some((id, template)) = found {
+            template.used = self.clock;
+            return Ok(*id);
+        }
+        setting.episode.check()?;
+        self.make_room();
+        let process = self.start_process(setting)?;
+        let id = TemplateId(self.next_template);
+        self.next_template += 1;
+        let deadline = Instant::now() + self.options.preparation_time_limit;
+        self.templates.insert(id, Template::new(setting.clone(), process, deadline, self.clock));
+        Ok(id)
+    }
+
+    /// The spaces of a template once it is ready; does not wait.
+    ///
+    /// # Errors
+    /// [`Error::Template`] with the reason when the building cannot be made an environment; [`Error::Lost`] when its
+    /// preparation died or hung twice. The template is dropped then, and the next request tries again.
+    pub(in crate::vector) fn spaces_of(&mut self, id: TemplateId) -> Result<Option<Arc<Spaces>>> {
+        if self.template_mut(id)?.spaces.is_none() {
+            self.advance(id)?;
+        }
+        Ok(self.template_mut(id)?.spaces.clone())
+    }
+
+    pub(super) fn advance_preparation(
+        &mut self,
+        id: TemplateId,
+        ready: bool,
+        ended: bool,
+        deadline: Instant,
+    ) -> Result<()> {
+        if ready {
+            return match self.read_reply(id) {
+                Ok(()) => self.advance(id),
+                Err(error) => Err(self.give_up(id, error)),
+            };
+        }
+        if ended {
+            let template = self.template_mut(id)?;
+            let status = template.process.child.try_wait().ok().flatten();
+            let slot = template.process.slot;
+            let program = self.options.launcher.program().display().to_string();
+            let why = format!("{} (program {program})", self.slots.epitaph(slot, status));
+            return self.retry(id, why);
+        }
+        if Instant::now() > deadline {
+            let limit = self.options.preparation_time_limit;
+            return self.retry(id, format!("its preparation took longer than {limit:?} and was killed"));
+        }
+        Ok(())
+    }
+
+    /// Takes what a template that is ready says of itself.
+    fn read_reply(&mut self, id: TemplateId) -> Result<()> {
+        let Template { process, setting, .. } = self.template_mut(id)?;
+        let (slot, name) = (process.slot, setting.source.name().to_owned());
+        let (path, setting) = (process.order.with_extension("ready"), setting.clone());
+        if self.region.status(slot) == Status::Failed {
+            let why = String::from_utf8_lossy(&self.region.report(slot)).into_owned();
+            return Err(Error::Template { name, why });
+        }
+        let io = |source| Error::Io { path: path.clone(), source };
+        let text = std::fs::read(&path).map_err(io)?;
+        let building: PreparedBuilding = serde_json::from_slice(&text).map_err(|error| io(error.into()))?;
+        let building = Arc::new(building);
+        let spaces = Arc::new(Spaces::new(Arc::clone(&building), setting.episode.clone()));
+        check_widths(&spaces)?;
+        let template = self.template_mut(id)?;
+        template.process.remove_files();
+        template.memory = resident_memory(template.process.child.id()).unwrap_or(0);
+        template.spaces = Some(spaces);
+        template.phase = Phase::Idle;
+        self.prepared.retain(|(known, _)| !known.shares_preparation_with(&setting));
+        self.prepared.push_back((setting, building));
+        if self.prepared.len() > PREPARED {
+            self.prepared.pop_front();
+        }
+        Ok(())
+    }
+
+    /// Prepares once more what died or hung, or gives up.
+    fn retry(&mut self, id: TemplateId, why: String) -> Result<()> {
+        let template = self.template_mut(id)?;
+        if template.attempts >= ATTEMPTS {
+            let what = format!("the template of {}", template.setting.source.name());
+            return Err(self.give_up(id, lost(&what, why)));
+        }
+        template.attempts += 1;
+        self.restart(id)
+    }
+
+    /// Replaces a template that was ready and is gone: those who wait for a copy get one of its successor.
+    pub(super) fn replace(&mut self, id: TemplateId) -> Result<()> {
+        let template = self.template_mut(id)?;
+        template.attempts = 1;
+        let interrupted = std::mem::take(&mut template.copying);
+        for Request { slot, failures } in interrupted.into_iter().rev() {
+            // One that has attached no longer needs its template.
+            if !self.region.revoke(slot) {
+                continue;
+            }
+            if failures + 1 == FAILURES {
+                self.region.fail(slot, &format!("its template died or hung {FAILURES} times"));
+            } else {
+                self.template_mut(id)?.waiting.push_front(Request { slot, failures: failures + 1 });
+            }
+        }
+        self.restart(id)
+    }
+
+    /// Starts a new process for a template.
+    fn restart(&mut self, id: TemplateId) -> Result<()> {
+        let setting = self.template_mut(id)?.setting.clone();
+        let process = match self.start_process(&setting) {
+            Ok(process) => process,
+            Err(error) => return Err(self.give_up(id, error)),
+        };
+        let deadline = Instant::now() + self.options.preparation_time_limit;
+        let template = self.template_mut(id)?;
+        template.phase = Phase::Preparing(deadline);
+        let old = std::mem::replace(&mut template.process, process);
+        self.end_process(old);
+        Ok(())
+    }
+
+    /// Drops a template that cannot be made, and tells those who wait for it.
+    fn give_up(&mut self, id: TemplateId, error: Error) -> Error {
+        let Some(template) = self.templates.get_mut(&id) else { return error };
+        for Request { slot, .. } in template.waiting.drain(..) {
+            self.region.fail(slot, &error.to_string());
+        }
+        self.drop_template(id);
+        error
+    }
+
+    fn start_process(&mut self, setting: &Setting) -> Result<TemplateProcess> {
+        let known = self.prepared.iter().find(|(known, _)| known.shares_preparation_with(setting));
+        let source = match known {
+            Some((_, building)) => Source::Prepared(Box::new(PreparedBuilding::clone(building))),
+            None => Source::clone(&setting.source),
+        };
+        let order = Order { library: self.options.library.clone(), source, episode: setting.episode.clone() };
+        let slot = self.take_slot(EpisodeOptions::default())?;
+        let started = self.start_process_in(slot, &order);
+        if started.is_err() {
+            self.slots.release(slot);
+        }
+        started
+    }
+
+    fn start_process_in(&mut self, slot: u32, order: &Order) -> Result<TemplateProcess> {
+        let (path, log) = (self.slots.file(slot, "order"), self.slots.file(slot, "log"));
+        let text = serde_json::to_vec(order).expect("an order is plain data");
+        std::fs::write(&path, text).map_err(|source| Error::Io { path: path.clone(), source })?;
+        let log = File::create(&log).map_err(|source| Error::Io { path: log, source })?;
+        let memory = self.region.share().map_err(unavailable("a descriptor of the shared memory"))?;
+        let (launcher, ticket) = (&self.options.launcher, self.region.ticket(slot));
+        let child = launcher.start(memory, ticket, &path, self.folder.path(), log).map_err(|source| {
+            Error::Pool { what: format!("a process of {}", launcher.program().display()), source }
+        })?;
+        let process = TemplateProcess { slot, child, order: path };
+        if let Err(error) = self.slots.adopt_child(slot, process.child.id()) {
+            self.end_process(process);
+            return Err(unavailable("a handle of a process")(error));
+        }
+        Ok(process)
+    }
+
+    /// Ends the least recently used templates without users, until the rest is within budget.
+    fn make_room(&mut self) {
+        loop {
+            let memory: u64 = self.templates.values().map(|template| template.memory).sum();
+            let idle = self.templates.iter().filter(|(_, template)| template.is_idle());
+            let oldest = idle.min_by_key(|(_, template)| template.used).map(|(id, _)| *id);
+            match oldest {
+                Some(id) if memory > self.options.template_memory => self.drop_template(id),
+                _ => return,
+            }
+        }
+    }
+
+    pub(super) fn drop_template(&mut self, id: TemplateId) {
+        if let Some(template) = self.templates.remove(&id) {
+            self.end_process(template.process);
+        }
+    }
+
+    fn end_process(&mut self, mut process: TemplateProcess) {
+        // It may have ended already.
+        let _ = process.child.kill();
+        let _ = process.child.wait();
+        process.remove_files();
+        self.slots.release(process.slot);
+    }
+}
+
+impl TemplateProcess {
+    /// Removes what it was started with and what it replied, as far as they are there.
+    fn remove_files(&self) {
+        for path in [&self.order, &self.order.with_extension("ready"), &self.order.with_extension("aside")] {
+            let _ = std::fs::remove_file(path);
+        }
+    }
+}
+
+/// A worker must have room for the action and the observation.
+fn check_widths(spaces: &Spaces) -> Result<()> {
+    for (what, width) in [("actuators", spaces.action.len()), ("slots", spaces.observation.len())] {
+        if width > WIDTH {
+            let name = spaces.building.name.clone();
+            return Err(Error::TooWide { name, what, width, most: WIDTH });
+        }
+    }
+    Ok(())
+}
+
+/// Resident memory of a process, bytes.
+fn resident_memory(process: u32) -> Option<u64> {
+    let text = std::fs::read_to_string(format!("/proc/{process}/statm")).ok()?;
+    Some(text.split(' ').nth(1)?.parse::<u64>().ok()? * rustix::param::page_size() as u64)
+}

@@ -1,0 +1,318 @@
+//! N environments that step together, or as they come.
+
+mod succession;
+
+use std::sync::Arc;
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+use super::episode::Episode;
+use super::sampler::{Draw, Sampler};
+use super::setting::Setting;
+use super::worker_options::WorkerOptions;
+use super::workers::Workers;
+use crate::metrics::Metrics;
+use crate::reward::Reward;
+use crate::spaces::Spaces;
+use crate::{Environment, Error, Result};
+
+/// When an environment whose episode is over begins the next, after Gymnasium's `AutoresetMode`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Autoreset {
+    /// With the step after the last one: that step's action is ignored, its reward is 0.
+    #[default]
+    NextStep,
+    /// Within the last step: the observation is the first of the next episode; the last is in
+    /// [`VecEnv::final_observation`].
+    SameStep,
+    /// When asked to: [`VecEnv::reset_one`].
+    Disabled,
+}
+
+/// How a [`VecEnv`] is run.
+#[derive(Clone, Debug)]
+pub struct VecEnvOptions {
+    /// How its workers are run.
+    pub workers: WorkerOptions,
+    /// When the next episode begins.
+    pub autoreset: Autoreset,
+    /// Numbers in a row of actions and in a row of observations; those of the largest of the first buildings if
+    /// `None`. A building with fewer is padded with zeros, one with more is lost.
+    pub widths: Option<(usize, usize)>,
+}
+
+/// N environments, each in a worker process, over episodes that a [`Sampler`] draws.
+///
+/// - Observations: N rows, padded with zeros to one width, f64; see [`VecEnv::spaces`] for what is in a row.
+/// - Actions: N rows, padded to one width; what is behind a building's last actuator is not read.
+/// - An environment whose worker dies is *lost*: truncated with a reason, and reset like one that is over.
+/// - The same seed and actions give the same bits, however fast each environment is.
+///
+/// A step allocates nothing but at the end of an episode.
+pub struct VecEnv {
+    workers: Workers,
+    autoreset: Autoreset,
+    sampler: Box<dyn Sampler>,
+    widths: (usize, usize),
+    environments: Vec<One>,
+    observations: Vec<f64>,
+    rewards: Vec<Reward>,
+    truncated: Vec<bool>,
+}
+
+/// One environment.
+struct One {
+    episode: Option<Episode>,
+    state: State,
+    random: ChaCha8Rng,
+    next: Option<Draw>,
+    spaces: Option<Arc<Spaces>>,
+    lost: Option<String>,
+    final_observation: Vec<f64>,
+    final_metrics: Option<Metrics>,
+}
+
+/// What an environment waits for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum State {
+    /// An action.
+    Ready,
+    /// A reset: its episode is over.
+    Over,
+    /// The end of a step.
+    Stepping,
+    /// The preparation of its next episode.
+    Preparing,
+    /// The beginning of its next episode.
+    Starting,
+}
+
+impl One {
+    fn new() -> Self {
+        Self {
+            episode: None,
+            state: State::Over,
+            random: ChaCha8Rng::seed_from_u64(0),
+            next: None,
+            spaces: None,
+            lost: None,
+            final_observation: Vec::new(),
+            final_metrics: None,
+        }
+    }
+
+    fn is_busy(&self) -> bool {
+        matches!(self.state, State::Stepping | State::Preparing | State::Starting)
+    }
+}
+
+impl VecEnv {
+    /// Environments before their first reset.
+    ///
+    /// # Errors
+    /// [`Error::Pool`] when the system refuses what workers need; [`Error::NoEnvironment`].
+    pub fn new(count: usize, sampler: Box<dyn Sampler>, options: VecEnvOptions) -> Result<Self> {
+        if count == 0 {
+            return Err(Error::NoEnvironment);
+        }
+        let widths = options.widths.unwrap_or((0, 0));
+        Ok(Self {
+            workers: Workers::new(options.workers)?,
+            autoreset: options.autoreset,
+            sampler,
+            widths,
+            environments: (0..count).map(|_| One::new()).collect(),
+            observations: vec![0.0; count * widths.1],
+            rewards: vec![Reward::default(); count],
+            truncated: vec![false; count],
+        })
+    }
+
+    /// Prepares settings ahead of the first reset and returns their spaces.
+    ///
+    /// # Errors
+    /// [`Error::Template`] for a building that cannot be made an environment; [`Error::Pool`]; [`Error::Interrupted`].
+    pub fn prepare(&mut self, settings: &[Setting]) -> Result<Vec<Arc<Spaces>>> {
+        self.workers.prepare_all(settings)
+    }
+
+    /// Begins an episode in every environment; those in progress end.
+    ///
+    /// # Errors
+    /// [`Error::Template`] when the building of the first episode of one cannot be made an environment;
+    /// [`Error::Lost`] when one is lost; [`Error::Interrupted`].
+    pub fn reset(&mut self, seed: u64) -> Result<()> {
+        for index in 0..self.len() {
+            self.abandon(index);
+            let one = &mut self.environments[index];
+            one.random = ChaCha8Rng::seed_from_u64(seed);
+            one.random.set_stream(index as u64);
+            one.next = None;
+            one.lost = None;
+        }
+        for index in 0..self.len() {
+            self.draw(index)?;
+        }
+        if self.widths == (0, 0) {
+            self.measure()?;
+        }
+        (0..self.len()).for_each(|index| self.begin(index));
+        self.wait(self.len())?;
+        match self.environments.iter().find_map(|one| one.lost.as_ref()) {
+            None => Ok(()),
+            Some(why) => Err(Error::Lost { what: "an environment".into(), why: why.clone() }),
+        }
+    }
+
+    /// One step of every environment: [`VecEnv::send`] to each and [`VecEnv::recv`] of all. `actions` has a row for
+    /// each, of the width of [`VecEnv::widths`].
+    ///
+    /// # Errors
+    /// [`Error::ActionLength`] and [`Error::ActionNotFinite`] before any is sent; [`Error::Interrupted`].
+    pub fn step(&mut self, actions: &[f64]) -> Result<()> {
+        let width = self.widths.0;
+        if actions.len() != width * self.len() {
+            return Err(Error::ActionLength { given: actions.len(), expected: width * self.len() });
+        }
+        for (index, action) in actions.chunks_exact(width).enumerate() {
+            self.check(index, action)?;
+        }
+        for (index, action) in actions.chunks_exact(width).enumerate() {
+            self.act(index, action)?;
+        }
+        self.wait(self.len())
+    }
+
+    /// Sends one environment its action. It is busy until [`VecEnv::recv`] lists it.
+    ///
+    /// # Errors
+    /// [`Error::ActionNotFinite`], [`Error::ActionLength`]; [`Error::Busy`]; [`Error::NotReset`] when its episode is
+    /// over without autoreset.
+    pub fn send(&mut self, environment: usize, action: &[f64]) -> Result<()> {
+        self.check(environment, action)?;
+        self.act(environment, action)
+    }
+
+    /// Waits until at least `count` of the busy environments are no longer, and lists in `ready` which those are.
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`].
+    pub fn recv(&mut self, count: usize, ready: &mut Vec<usize>) -> Result<()> {
+        ready.clear();
+        ready.extend((0..self.len()).filter(|index| self.environments[*index].is_busy()));
+        let idle = self.len() - ready.len();
+        self.wait(idle + count.min(ready.len()))?;
+        ready.retain(|index| !self.environments[*index].is_busy());
+        Ok(())
+    }
+
+    /// Begins a new episode in one environment; it is busy until [`VecEnv::recv`] lists it.
+    ///
+    /// # Errors
+    /// Those of [`Sampler::draw`].
+    pub fn reset_one(&mut self, environment: usize) -> Result<()> {
+        self.abandon(environment);
+        self.environments[environment].lost = None;
+        self.draw(environment)?;
+        self.begin(environment);
+        Ok(())
+    }
+
+    /// Number of environments.
+    pub fn len(&self) -> usize {
+        self.environments.len()
+    }
+
+    /// Whether there is none: never.
+    pub fn is_empty(&self) -> bool {
+        self.environments.is_empty()
+    }
+
+    /// Numbers in a row of actions and in a row of observations.
+    pub fn widths(&self) -> (usize, usize) {
+        self.widths
+    }
+
+    /// The spaces of an environment's current episode. `None` before the first reset.
+    pub fn spaces(&self, environment: usize) -> Option<&Spaces> {
+        self.environments[environment].spaces.as_deref()
+    }
+
+    /// Observations, one row each; the first [`VecEnv::spaces`]`.observation.len()` numbers of a row are the building's,
+    /// the rest is padding. [`Decomposition::padded`](crate::Decomposition::padded) makes a row arrays of nodes.
+    pub fn observations(&self) -> &[f64] {
+        &self.observations
+    }
+
+    /// Rewards of the last steps.
+    pub fn rewards(&self) -> &[Reward] {
+        &self.rewards
+    }
+
+    /// Which episodes ended with the last step.
+    pub fn truncated(&self) -> &[bool] {
+        &self.truncated
+    }
+
+    /// Whether the episode of an environment is over and the next has not begun.
+    pub fn is_over(&self, environment: usize) -> bool {
+        self.environments[environment].state == State::Over
+    }
+
+    /// Why the last episode of an environment was lost, if it was.
+    pub fn lost(&self, environment: usize) -> Option<&str> {
+        self.environments[environment].lost.as_deref()
+    }
+
+    /// The last observation of the last episode that ended. Empty before.
+    pub fn final_observation(&self, environment: usize) -> &[f64] {
+        &self.environments[environment].final_observation
+    }
+
+    /// The metrics of the last episode that ended. `None` before, and when it was lost.
+    pub fn final_metrics(&self, environment: usize) -> Option<&Metrics> {
+        self.environments[environment].final_metrics.as_ref()
+    }
+
+    /// The worker process of an environment. `None` between episodes.
+    pub fn process(&self, environment: usize) -> Option<u32> {
+        self.environments[environment].episode.as_ref().and_then(Episode::process)
+    }
+
+    /// The workers.
+    pub fn workers(&self) -> &Workers {
+        &self.workers
+    }
+
+    fn check(&self, environment: usize, action: &[f64]) -> Result<()> {
+        let one = &self.environments[environment];
+        match (one.state, &one.spaces) {
+            (State::Ready, Some(spaces)) => {
+                let width = spaces.action.len();
+                let action = action.get(..width);
+                spaces.action.check(action.ok_or(Error::ActionLength { given: 0, expected: width })?)
+            }
+            (State::Over, _) if self.autoreset != Autoreset::Disabled => Ok(()),
+            (State::Over, _) => Err(Error::NotReset),
+            _ => Err(Error::Busy),
+        }
+    }
+
+    /// Sends an action that was checked, or begins the next episode.
+    fn act(&mut self, index: usize, action: &[f64]) -> Result<()> {
+        self.rewards[index] = Reward::default();
+        self.truncated[index] = false;
+        let one = &mut self.environments[index];
+        one.lost = None;
+        match (&mut one.episode, one.state) {
+            (Some(episode), State::Ready) => {
+                let width = episode.spaces().action.len();
+                episode.send(&action[..width])?;
+                one.state = State::Stepping;
+            }
+            _ => self.begin(index),
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,172 @@
+//! Which episode an environment runs, from its draw to its end.
+
+use std::sync::Arc;
+
+use super::{Autoreset, State, VecEnv};
+use crate::spaces::Spaces;
+use crate::vector::batch::rest;
+use crate::vector::episode::Episode;
+use crate::vector::episode_options::EpisodeOptions;
+use crate::vector::setting::Setting;
+use crate::{Environment, Error, Result};
+
+impl VecEnv {
+    /// Draws the next episode and has it prepared.
+    pub(super) fn draw(&mut self, index: usize) -> Result<()> {
+        let one = &mut self.environments[index];
+        if one.next.is_none() {
+            let draw = self.sampler.draw(index, &mut one.random)?;
+            self.workers.start_preparing(&draw.setting)?;
+            one.next = Some(draw);
+        }
+        Ok(())
+    }
+
+    /// Sets the widths to those of the largest of the episodes to come.
+    pub(super) fn measure(&mut self) -> Result<()> {
+        let next = self.environments.iter().filter_map(|one| one.next.as_ref());
+        let settings: Vec<Setting> = next.map(|draw| draw.setting.clone()).collect();
+        for spaces in self.workers.prepare_all(&settings)? {
+            self.widths.0 = self.widths.0.max(spaces.action.len());
+            self.widths.1 = self.widths.1.max(spaces.observation.len());
+        }
+        self.observations = vec![0.0; self.len() * self.widths.1];
+        Ok(())
+    }
+
+    /// Begins the next episode as soon as it is prepared.
+    pub(super) fn begin(&mut self, index: usize) {
+        self.abandon(index);
+        self.environments[index].state = State::Preparing;
+        if let Err(error) = self.draw(index) {
+            self.lose(index, error.to_string());
+        }
+    }
+
+    /// Begins the episodes whose preparation is done.
+    fn begin_prepared(&mut self) {
+        for index in 0..self.len() {
+            if self.environments[index].state != State::Preparing {
+                continue;
+            }
+            let Some(draw) = &self.environments[index].next else { continue };
+            match self.workers.try_prepare(&draw.setting) {
+                Ok(None) => {}
+                Ok(Some(spaces)) => {
+                    if let Err(error) = self.start(index, spaces) {
+                        self.lose(index, error.to_string());
+                    }
+                }
+                Err(error) => self.lose_those_like(index, &error),
+            }
+        }
+    }
+
+    /// Has the next episode of an environment begin.
+    fn start(&mut self, index: usize, spaces: Arc<Spaces>) -> Result<()> {
+        self.check_widths(&spaces)?;
+        let one = &mut self.environments[index];
+        let Some(draw) = one.next.take() else { return Ok(()) };
+        let options =
+            EpisodeOptions { max_steps: draw.steps, processor: Some(index as u32), finish_run: false };
+        let episode = Episode::new(self.workers.clone(), draw.setting, Arc::clone(&spaces));
+        let episode = one.episode.insert(episode.with_options(options));
+        episode.begin()?;
+        one.state = State::Starting;
+        one.spaces = Some(spaces);
+        // The episode after this one is prepared while this one runs. What cannot be drawn now is drawn again, and
+        // reported, when its turn comes.
+        let _ = self.draw(index);
+        Ok(())
+    }
+
+    fn check_widths(&self, spaces: &Spaces) -> Result<()> {
+        let (actions, observations) = self.widths;
+        for (what, width, most) in [
+            ("actuators", spaces.action.len(), actions),
+            ("observation slots", spaces.observation.len(), observations),
+        ] {
+            if width > most {
+                return Err(Error::TooWide { name: spaces.building.name.clone(), what, width, most });
+            }
+        }
+        Ok(())
+    }
+
+    /// Waits until `count` environments are not busy.
+    pub(super) fn wait(&mut self, count: usize) -> Result<()> {
+        loop {
+            let done = self.workers.region().done();
+            self.begin_prepared();
+            (0..self.len()).for_each(|index| self.take_back(index));
+            let busy = self.environments.iter().filter(|one| one.is_busy()).count();
+            if self.len() - busy >= count {
+                return Ok(());
+            }
+            let preparing = self.environments.iter().filter(|one| one.state == State::Preparing).count();
+            // A preparation that ends is an event of its own; steps are waited for together.
+            let enough = if preparing > 0 { self.len() - busy + preparing + 1 } else { count };
+            rest(&self.workers, &mut self.environments, |one| one.episode.as_mut(), enough, done)?;
+        }
+    }
+
+    /// Takes the outcome of an environment that is no longer busy.
+    fn take_back(&mut self, index: usize) {
+        let one = &mut self.environments[index];
+        let away = matches!(one.state, State::Stepping | State::Starting);
+        let Some(episode) = one.episode.as_ref().filter(|episode| away && !episode.is_busy()) else { return };
+        if let Some(why) = episode.lost() {
+            let why = why.to_owned();
+            return self.lose(index, why);
+        }
+        let observation = episode.observation();
+        let row = &mut self.observations[index * self.widths.1..][..self.widths.1];
+        row[..observation.len()].copy_from_slice(observation);
+        row[observation.len()..].fill(0.0);
+        if one.state == State::Stepping {
+            self.rewards[index] = episode.reward();
+        }
+        one.state = State::Ready;
+        if episode.is_truncated() {
+            self.truncated[index] = true;
+            one.final_metrics = episode.metrics().cloned();
+            one.final_observation.clear();
+            one.final_observation.extend_from_slice(episode.observation());
+            match self.autoreset {
+                Autoreset::SameStep => self.begin(index),
+                Autoreset::NextStep | Autoreset::Disabled => self.abandon(index),
+            }
+        }
+    }
+
+    /// Reports an episode as lost: truncated where it was last seen. The next begins as after any other, but never
+    /// within the same step, lest one that fails at once fail for ever.
+    fn lose(&mut self, index: usize, why: String) {
+        self.abandon(index);
+        let one = &mut self.environments[index];
+        one.lost = Some(why);
+        one.final_metrics = None;
+        one.next = None;
+        self.truncated[index] = true;
+    }
+
+    /// Loses every environment that waits for a preparation that failed.
+    fn lose_those_like(&mut self, first: usize, error: &Error) {
+        let Some(failed) = self.environments[first].next.as_ref().map(|draw| draw.setting.clone()) else {
+            return;
+        };
+        for index in first..self.len() {
+            let one = &self.environments[index];
+            let same = one.next.as_ref().is_some_and(|draw| draw.setting.is(&failed));
+            if one.state == State::Preparing && same {
+                self.lose(index, error.to_string());
+            }
+        }
+    }
+
+    pub(super) fn abandon(&mut self, index: usize) {
+        let one = &mut self.environments[index];
+        one.episode = None;
+        one.state = State::Over;
+    }
+}

@@ -1,0 +1,153 @@
+//! A shared set of worker processes.
+
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use super::episode::Episode;
+use super::pool::Pool;
+use super::region::{LOOK, Region};
+use super::setting::Setting;
+use super::worker_options::WorkerOptions;
+use crate::spaces::Spaces;
+use crate::{Error, Result};
+
+/// A shared set of worker processes: what episodes run in.
+///
+/// 1. [`Workers::prepare`] sizes and warms up a building in a process of its own, the *template* of a setting.
+/// 2. [`Workers::episode`] gives an episode of it; every reset is a copy of the template, within milliseconds.
+/// 3. All processes end when the last handle and the last episode are dropped, and when this process dies.
+///
+/// Clones share the processes. Handles and episodes may move between threads, but are quickest when one thread uses all
+/// of a set; threads that run episodes at the same time each want a set of their own. Belongs to the process that made
+/// it: in a fork of it, dropping does nothing.
+#[derive(Clone)]
+pub struct Workers {
+    shared: Arc<Shared>,
+}
+
+struct Shared {
+    /// `None` only while it is dropped.
+    pool: Option<Mutex<Pool>>,
+    region: Arc<Region>,
+    step_time_limit: Duration,
+    interrupted: fn() -> bool,
+    /// The process that it belongs to.
+    owner: u32,
+}
+
+impl std::fmt::Debug for Workers {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "Workers({} templates)", self.template_processes().len())
+    }
+}
+
+impl Workers {
+    /// A set without processes.
+    ///
+    /// # Errors
+    /// [`Error::Pool`] when there is no memory to share; [`Error::Io`] when there is no temporary folder.
+    pub fn new(options: WorkerOptions) -> Result<Self> {
+        let region = Region::new()
+            .map_err(|source| Error::Pool { what: "memory to share with workers".into(), source })?;
+        let region = Arc::new(region);
+        let (step_time_limit, interrupted) = (options.step_time_limit, options.interrupted);
+        let pool = Some(Mutex::new(Pool::new(options, Arc::clone(&region))?));
+        let shared = Shared { pool, region, step_time_limit, interrupted, owner: std::process::id() };
+        Ok(Self { shared: Arc::new(shared) })
+    }
+
+    /// Prepares a setting, unless it is prepared, and returns its spaces.
+    ///
+    /// # Errors
+    /// [`Error::Template`] with the reason when the building cannot be made an environment; [`Error::Lost`] when its
+    /// preparation died or hung twice; [`Error::Pool`]; [`Error::Interrupted`].
+    pub fn prepare(&self, setting: &Setting) -> Result<Arc<Spaces>> {
+        loop {
+            let done = self.region().done();
+            if let Some(spaces) = self.try_prepare(setting)? {
+                return Ok(spaces);
+            }
+            self.region().sleep(done, 1, LOOK);
+            self.check_interrupt()?;
+        }
+    }
+
+    /// Prepares several settings at the same time.
+    ///
+    /// # Errors
+    /// As [`Workers::prepare`].
+    pub fn prepare_all(&self, settings: &[Setting]) -> Result<Vec<Arc<Spaces>>> {
+        for setting in settings {
+            self.start_preparing(setting)?;
+        }
+        settings.iter().map(|setting| self.prepare(setting)).collect()
+    }
+
+    /// An episode of a setting, before its first reset. Prepares the setting.
+    ///
+    /// # Errors
+    /// As [`Workers::prepare`].
+    pub fn episode(&self, setting: &Setting) -> Result<Episode> {
+        let spaces = self.prepare(setting)?;
+        Ok(Episode::new(self.clone(), setting.clone(), spaces))
+    }
+
+    /// Starts to prepare a setting, unless it is prepared. Does not wait.
+    pub(super) fn start_preparing(&self, setting: &Setting) -> Result<()> {
+        self.lock().template_of(setting).map(|_| ())
+    }
+
+    /// The spaces of a setting if it is prepared; starts to prepare it otherwise. Does not wait.
+    pub(super) fn try_prepare(&self, setting: &Setting) -> Result<Option<Arc<Spaces>>> {
+        let mut pool = self.lock();
+        let template = pool.template_of(setting)?;
+        pool.spaces_of(template)
+    }
+
+    /// The processes of the templates.
+    pub fn template_processes(&self) -> Vec<u32> {
+        self.lock().template_processes()
+    }
+
+    /// The temporary folder of everything that the processes write. Removed with the set.
+    pub fn folder(&self) -> PathBuf {
+        self.lock().folder().to_owned()
+    }
+
+    pub(super) fn lock(&self) -> MutexGuard<'_, Pool> {
+        let pool = self.shared.pool.as_ref().expect("the pool is there until it is dropped");
+        pool.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    pub(super) fn region(&self) -> &Region {
+        &self.shared.region
+    }
+
+    pub(super) fn step_time_limit(&self) -> Duration {
+        self.shared.step_time_limit
+    }
+
+    pub(super) fn check_interrupt(&self) -> Result<()> {
+        if (self.shared.interrupted)() { Err(Error::Interrupted) } else { Ok(()) }
+    }
+
+    /// Whether both are the same set.
+    pub(super) fn are(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.shared, &other.shared)
+    }
+
+    /// Whether this is the process that it belongs to, and no fork of it.
+    pub(super) fn belong_here(&self) -> bool {
+        self.shared.owner == std::process::id()
+    }
+}
+
+impl Drop for Shared {
+    /// A fork of the process that it belongs to leaves the workers and their files alone.
+    fn drop(&mut self) {
+        if self.owner != std::process::id() {
+            std::mem::forget(self.pool.take());
+        }
+    }
+}

@@ -1,0 +1,13 @@
+//! Environments in worker processes, on the real engine.
+#![cfg(target_os = "linux")]
+
+mod batch;
+#[path = "../case/mod.rs"]
+mod case;
+mod copies;
+mod losses;
+mod processes;
+mod report;
+mod sampler;
+mod templates;
+mod workers;
