@@ -9,6 +9,8 @@ const PALETTE: [&str; 8] =
     ["#2563eb", "#e4572e", "#0f9d76", "#9333ea", "#d39b00", "#0891b2", "#db2777", "#65800f"];
 /// Ratio of the largest to the smallest value above which an axis is logarithmic.
 const WIDE: f64 = 20.0;
+/// The ratio above which a logarithmic axis is labeled at powers of ten only.
+const DECADES: f64 = 100.0;
 
 /// A chart in a report.
 pub(super) struct Chart {
@@ -50,9 +52,15 @@ pub(super) fn range(values: &[f64]) -> (f64, f64) {
     (low, values.iter().copied().fold(f64::NEG_INFINITY, f64::max))
 }
 
-/// Returns whether a range needs a logarithmic axis.
-pub(super) fn is_wide((low, high): (f64, f64)) -> bool {
-    low > 0.0 && high / low > WIDE
+/// Makes an axis logarithmic if the range of its values is wide; returns whether it is.
+pub(super) fn make_logarithmic(axis: &mut Value, (low, high): (f64, f64)) -> bool {
+    let wide = low > 0.0 && high / low > WIDE;
+    if wide {
+        axis["type"] = "log".into();
+        // Labels at powers of ten, and at 2 and 5 times these where there is room.
+        axis["dtick"] = if high / low > DECADES { 1.into() } else { "D2".into() };
+    }
+    wide
 }
 
 /// Returns a diamond at a mean, over the violin of its values.

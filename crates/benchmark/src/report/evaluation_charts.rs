@@ -3,7 +3,7 @@
 use b2b_env::EpisodeMetrics;
 use serde_json::{Value, json};
 
-use super::chart::{Chart, color, horizontal_line, hover_name, is_wide, mean_diamond, range};
+use super::chart::{Chart, color, horizontal_line, hover_name, make_logarithmic, mean_diamond, range};
 use crate::evaluation::{Deviations, EpisodeInfo, Row};
 use crate::results::Results;
 use crate::statistics::quantile;
@@ -129,10 +129,7 @@ fn scores(rows: &[Ran<'_>], types: &[String], category: impl Fn(&Ran<'_>) -> Str
         "shapes": [horizontal_line(1.0)],
     });
     let (low, high) = range(&values);
-    if is_wide((low, high)) {
-        layout["yaxis"]["type"] = "log".into();
-        layout["yaxis"]["dtick"] = "D1".into();
-    } else {
+    if !make_logarithmic(&mut layout["yaxis"], (low, high)) {
         let (low, high) = (low.min(1.0), high.max(1.0));
         // Leaves room around the line even if every score is on it.
         let margin = ((high - low) * 0.08).max(0.02);

@@ -38,7 +38,7 @@ pub fn write(file: &mut impl Write, results: &[Entry]) -> std::io::Result<()> {
     }
     let data = json!({
         "title": "Leaderboard",
-        "tiles": [["problems", boards.len().to_string()], ["results", results.len().to_string()]],
+        "tiles": [tile("problem", boards.len()), tile("result", results.len())],
         "tables": [], "lost": [], "drawings": [],
         "sections": boards.iter().map(|board| section(board)).collect::<Vec<_>>(),
         "footer": footer(results),
@@ -46,12 +46,17 @@ pub fn write(file: &mut impl Write, results: &[Entry]) -> std::io::Result<()> {
     write_page(file, &data)
 }
 
+fn tile(what: &str, count: usize) -> Value {
+    let plural = if count == 1 { "" } else { "s" };
+    json!([format!("{what}{plural}"), count.to_string()])
+}
+
 fn section(board: &[&Entry]) -> Value {
     let result = &board[0].0;
     let problem = &result.problem;
     let changed = match result.problem_changes.as_deref() {
         Some([]) => String::new(),
-        Some(changes) => format!(" · changes: {}", changes.join(", ")),
+        Some(changes) => format!(" · modified: {}", changes.join(", ")),
         None => " · custom problem".to_owned(),
     };
     let windows: Vec<_> = problem.protocol.windows.iter().map(ToString::to_string).collect();

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::chart::{Chart, color, horizontal_line, hover_name, is_wide, mean_diamond, range};
+use super::chart::{Chart, color, horizontal_line, hover_name, make_logarithmic, mean_diamond, range};
 use crate::entry::{RunResult, Stages};
 use crate::evaluation::{EpisodeInfo, Scored};
 use crate::problem::Stage;
@@ -45,10 +45,7 @@ fn returns(board: &[&Entry]) -> Chart {
 /// Scales the vertical axis: logarithmic for widely spread values, else from 0. The baseline's 1 is in the range.
 fn scale_y(layout: &mut Value, values: &[f64]) {
     let (low, high) = range(values);
-    if is_wide((low.min(1.0), high.max(1.0))) {
-        layout["yaxis"]["type"] = "log".into();
-        layout["yaxis"]["dtick"] = 1.into();
-    } else {
+    if !make_logarithmic(&mut layout["yaxis"], (low.min(1.0), high.max(1.0))) {
         layout["yaxis"]["rangemode"] = "tozero".into();
     }
 }
