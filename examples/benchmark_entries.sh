@@ -4,7 +4,7 @@
 #   examples/benchmark_entries.sh FOLDER            the problem as it is: 100 test houses, a winter, three seeds
 #   examples/benchmark_entries.sh FOLDER --small    a try: eight test houses, a week
 #
-# Whatever is there already is left as it is: run it again after an interrupt. The planner runs on a small setting alone,
+# Finished entries are kept: run it again to resume after an interrupt. The planner runs on a small setting alone,
 # because a simulated day costs it minutes. PPO comes where Stable-Baselines3 and the package are installed for `python3`
 # (or $PYTHON); STEPS is its budget.
 set -euo pipefail

@@ -31,7 +31,7 @@ const LOOK: Duration = Duration::from_millis(50);
 
 /// Set to end the running evaluation: on Ctrl-C, or on an exception of the policy.
 static STOP: AtomicBool = AtomicBool::new(false);
-/// Held by the running evaluation.
+/// Lock that the running evaluation owns.
 static RUNNING: Mutex<()> = Mutex::new(());
 
 fn stopped() -> bool {

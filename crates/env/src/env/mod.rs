@@ -340,7 +340,7 @@ impl Env {
         self.steps = steps.min(self.episode_steps());
     }
 
-    /// Whether the engine finishes its run after the last step, or is left as it is.
+    /// Sets whether the engine finishes its run after the last step, or stays suspended.
     pub(crate) fn set_finish_run(&mut self, finish_run: bool) {
         self.finish_run = finish_run;
     }

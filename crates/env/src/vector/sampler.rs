@@ -59,22 +59,22 @@ impl Sampler for AnyOf {
     }
 }
 
-/// Every episode is of another building, which is made when it is drawn: of the dataset, or of the generator.
+/// Draws a building for every episode, from the dataset or from the generator; it is generated when it is drawn.
 #[derive(Clone, Debug)]
 pub struct Buildings {
-    /// Makes them.
+    /// Generates the buildings.
     pub catalog: Arc<Catalog>,
-    /// What they are drawn from.
+    /// Distribution of the buildings.
     pub population: Population,
     /// Days of an episode.
     pub period: RunPeriod,
-    /// Zone time steps an hour.
+    /// Zone time steps per hour.
     pub steps_per_hour: u32,
-    /// What is asked.
+    /// Task of every episode.
     pub task: Task,
 }
 
-/// Buildings to draw from, each as likely as the others.
+/// Buildings to draw from, with equal probability.
 #[derive(Clone, Debug)]
 pub enum Population {
     /// These of the dataset.
