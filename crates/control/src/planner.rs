@@ -21,19 +21,19 @@ use crate::{Controller, Reactive};
 pub struct PlannerParameters {
     /// Steps that a plan looks ahead.
     pub horizon: usize,
-    /// Steps of it that are carried out.
+    /// Steps of a plan that are carried out.
     pub carried_out: usize,
-    /// Stretches of its beginning that are varied, each by a number for each actuator.
+    /// Stretches at the beginning of a plan that are varied, each by one number per actuator.
     pub stretches: usize,
     /// Steps of a stretch.
     pub stretch: usize,
-    /// Variations tried in a round.
+    /// Variations tried per round.
     pub candidates: usize,
-    /// Of those, the best that the next round is drawn from.
+    /// Number of best variations that the next round is drawn from.
     pub elites: usize,
-    /// Rounds.
+    /// Rounds per plan.
     pub rounds: usize,
-    /// First spread of the variations, as a share of an actuator's bounds.
+    /// Initial standard deviation of the variations, as a share of an actuator's range.
     pub spread: f64,
 }
 
@@ -60,7 +60,7 @@ pub struct Planner {
     random: ChaCha8Rng,
 }
 
-/// A variation, as shares of the bounds, one row for each stretch; and the return it had.
+/// A variation, as shares of the ranges, one row per stretch, and its return.
 #[derive(Clone, Debug)]
 struct Tried {
     variation: Vec<f64>,
@@ -68,7 +68,7 @@ struct Tried {
 }
 
 impl Planner {
-    /// A planner that starts from what a reactive controller does.
+    /// A planner that varies the actions of a reactive controller.
     pub fn new(parameters: PlannerParameters, reactive: Reactive, seed: u64) -> Self {
         Self { parameters, reactive, random: ChaCha8Rng::seed_from_u64(seed) }
     }
@@ -124,7 +124,7 @@ impl Planner {
         Ok(best.variation)
     }
 
-    /// What a reactive controller does so many steps after the plan, varied and within bounds.
+    /// The action of a reactive controller `ahead` steps after the plan, varied and within bounds.
     fn varied(
         &self,
         reactive: &mut Reactive,

@@ -2,14 +2,14 @@
 
 use std::sync::Arc;
 
+use crate::Result;
 use crate::metrics::Metrics;
 use crate::reward::Reward;
 use crate::spaces::Spaces;
-use crate::{Env, Result};
 
 /// An environment: a building whose HVAC is controlled step by step over a run period.
 ///
-/// [`Env`] runs the engine in this process; a [`vector::Episode`](crate::vector::Episode) runs it in a worker process
+/// [`Env`](crate::Env) runs the engine in this process; a [`vector::Episode`](crate::vector::Episode) runs it in a worker process
 /// of its own. Both give the same numbers, bit for bit. A wrapper implements the trait around another environment.
 pub trait Environment {
     /// The building with its observation and action spaces.
@@ -44,22 +44,4 @@ pub struct Step<'a> {
     pub reward: Reward,
     /// Whether the episode is over.
     pub truncated: bool,
-}
-
-impl Environment for Env {
-    fn spaces(&self) -> &Arc<Spaces> {
-        self.spaces()
-    }
-
-    fn reset(&mut self) -> Result<&[f64]> {
-        self.reset()
-    }
-
-    fn step(&mut self, action: &[f64]) -> Result<Step<'_>> {
-        self.step(action)
-    }
-
-    fn metrics(&self) -> Option<&Metrics> {
-        self.is_truncated().then(|| self.metrics())
-    }
 }

@@ -1,17 +1,17 @@
-//! `b2b bench`: what the environments cost.
+//! `b2b bench`: the cost of environments.
 
 #[cfg(target_os = "linux")]
 mod process;
 #[cfg(target_os = "linux")]
 mod soak;
 mod speed;
+mod statistics;
 #[cfg(target_os = "linux")]
 mod vector;
 
 use anyhow::Result;
-use b2b_env::ActionSpace;
 
-/// Measure what environments cost
+/// Measure the cost of environments
 #[derive(clap::Args)]
 pub struct Arguments {
     #[command(subcommand)]
@@ -36,20 +36,4 @@ pub fn bench(arguments: &Arguments) -> Result<()> {
         #[cfg(target_os = "linux")]
         What::Soak(arguments) => soak::bench(arguments),
     }
-}
-
-/// The value in the middle of some.
-fn median(values: Vec<f64>) -> f64 {
-    percentile(values, 50)
-}
-
-/// The value that so many per cent are under.
-fn percentile(mut values: Vec<f64>, percent: usize) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values[(values.len() * percent / 100).min(values.len() - 1)]
-}
-
-/// The middle of every bound.
-fn middle(space: &ActionSpace) -> Vec<f64> {
-    space.low().iter().zip(space.high()).map(|(low, high)| (low + high) / 2.0).collect()
 }

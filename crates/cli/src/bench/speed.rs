@@ -1,4 +1,4 @@
-//! `b2b bench speed`: what a step costs, and how much of it is the engine.
+//! `b2b bench speed`: the cost of a step, and the engine's share of it.
 
 use anyhow::{Result, bail};
 use b2b_building::hvac::{Actuator, Quantity};
@@ -10,23 +10,23 @@ use cpu_time::ProcessTime;
 use serde::Serialize;
 use tempfile::TempDir;
 
-use super::{median, middle};
+use super::statistics::{median, middle};
 use crate::arguments::location::Location;
 use crate::prepare::Prepared;
 use crate::table::Table;
 use crate::{interrupt, stdout};
 
-/// CPU time of a step: the bare engine, the engine stopped at every step, the whole environment
+/// Measure the CPU time of a step: bare engine, engine suspended at every step, whole environment
 ///
-/// Three runs of the same model, with every actuator held at the middle of its bounds, take turns in one
-/// process: one simulated day each, in changing order, so that a busy machine troubles all three alike. Times and
-/// ratios are medians over the days. The first days, which still remember warm-up, do not count.
+/// Three runs of the same model, with every actuator held at the middle of its range, alternate in one process: one
+/// simulated day each, in changing order, so that other load affects all three alike. Times and ratios are medians
+/// over the days. The first days, which warm-up still affects, do not count.
 #[derive(clap::Args)]
 #[command(after_help = "\
-Columns, milliseconds of CPU time a step:
-  engine     EnergyPlus runs through the day without a stop
-  advance    EnergyPlus stops at the end of every step, nothing is read (Simulation::advance)
-  env        action, step, observation, reward (Env::step)
+Columns, CPU time per step in milliseconds:
+  engine     EnergyPlus simulates the day without being suspended
+  advance    EnergyPlus is suspended at the end of every step, nothing is read (Simulation::advance)
+  env        action, step, observation and reward (Env::step)
 
 Examples:
   b2b bench speed
@@ -167,7 +167,7 @@ impl Way {
 fn step(simulation: &mut Simulation) -> Result<()> {
     match simulation.advance()? {
         Some(Event::Step) => Ok(()),
-        other => bail!("the engine stood at {other:?} instead of at the end of a step"),
+        other => bail!("the engine is at {other:?}, expected the end of a step"),
     }
 }
 
@@ -178,7 +178,7 @@ fn warmed_up(prepared: &Prepared, run: Run) -> Result<Simulation> {
     hold_middle(prepared, &mut simulation, |actuator| actuator.quantity != Quantity::DamperOpening)?;
     match simulation.advance()? {
         Some(Event::WarmedUp) => {}
-        other => bail!("the engine stood at {other:?} instead of at the end of warm-up"),
+        other => bail!("the engine is at {other:?}, expected the end of warm-up"),
     }
     hold_middle(prepared, &mut simulation, |_| true)?;
     Ok(simulation)
@@ -197,8 +197,15 @@ fn hold_middle(
 }
 
 fn text(speeds: &[Speed]) -> String {
-    let mut table =
-        Table::new(["type", "engine, ms", "advance, ms", "env, ms", "advance/engine", "env/engine", "steps"]);
+    let mut table = Table::new([
+        "building",
+        "engine (ms)",
+        "advance (ms)",
+        "env (ms)",
+        "advance/engine",
+        "env/engine",
+        "steps",
+    ]);
     for speed in speeds {
         table.row([
             speed.building.clone(),

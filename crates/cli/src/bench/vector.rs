@@ -1,4 +1,4 @@
-//! `b2b bench vector`: many environments at once.
+//! `b2b bench vector`: the cost of many environments at once.
 
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
@@ -13,30 +13,31 @@ use cpu_time::ProcessTime;
 use serde::Serialize;
 
 use super::process::{cpu_seconds, private_mb, proportional_mb};
-use super::{median, middle, percentile};
+use super::statistics::{median, middle, percentile};
 use crate::arguments::location::Location;
 use crate::prepare::Prepared;
 use crate::progress::spinner;
 use crate::table::Table;
 use crate::{interrupt, stdout};
 
-/// Throughput, resets and memory of many environments at once
+/// Measure throughput, resets and memory of many environments at once
 ///
-/// Every environment has a process of its own, copied from a template at the end of warm-up. Every actuator is held
-/// at the middle of its bounds. Environments on their own, one process for each processor and all at the same time,
-/// take turns with the batch, so that a busy machine troubles both alike; rates are medians over the turns.
+/// Every environment runs in its own process, copied from a template at the end of warm-up. Every actuator is held
+/// at the middle of its range. The batch alternates in rounds with single environments, one process per processor and
+/// all at the same time, so that other load affects both alike; rates are medians over the rounds.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Columns:
-  steps/CPU s    steps of all environments by the CPU time of their processes and of this one
-  single         the same of environments on their own
-  ratio          of the two
-  single, cold   single, with none of its memory in the processor's own cache when a step begins; and the ratio to that
-  steps/s        steps of all environments by the clock
-  reset, ms      from asking for an episode to its first observation: median, and 99 of 100
-  fresh, CPU ms  the same without a template
-  private, MB    memory that an environment shares with no other, at the end
-  template, MB   memory of a template without copies; what it shares with others in shares (PSS)
+  steps/CPU s      steps of all environments per CPU time of their processes and of this one
+  single           steps per CPU time of single environments
+  ratio            steps/CPU s divided by single
+  single, cold     single with a cold processor cache at every step; and the ratio to it
+  steps/s          steps of all environments per wall-clock second
+  owner (µs)       CPU time of this process per step of an environment
+  reset (ms)       from reset to the first observation: median and 99th percentile
+  fresh (CPU ms)   CPU time of a reset without a template
+  private (MB)     memory that an environment shares with no other, at the end
+  template (MB)    proportional memory (PSS) of a template without copies
 
 Examples:
   b2b bench vector
@@ -45,28 +46,28 @@ pub struct Arguments {
     /// Building types, or buildings of the dataset such as OfficeSmall-0042 [default: every type]
     #[arg(long = "type", value_name = "BUILDING", num_args = 1..)]
     buildings: Vec<BuildingName>,
-    /// Environments at once
+    /// Number of environments
     #[arg(long, default_value_t = 14, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     environments: u32,
-    /// Days that each simulates, from 1 January
+    /// Simulated days, from 1 January
     #[arg(long, default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..=365))]
     days: u32,
-    /// Resets to measure
+    /// Number of resets to measure
     #[arg(long, default_value_t = 200, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     resets: u32,
     /// Print JSON
     #[arg(long)]
     json: bool,
-    /// Step a building on its own for whoever asks on the standard input
+    /// Step a single environment for every line of the standard input
     #[arg(long, hide = true, value_name = "BUILDING", conflicts_with = "buildings")]
     single: Option<BuildingName>,
 }
 
 const STEPS_PER_HOUR: u32 = 12;
-/// Steps of each environment in a turn.
-const TURN: usize = 96;
+/// Steps of each environment per round.
+const ROUND: usize = 96;
 
-/// What was measured of one type.
+/// Measurements of one building type.
 #[derive(Serialize)]
 struct Measured {
     #[serde(rename = "type")]
@@ -74,12 +75,12 @@ struct Measured {
     environments: u32,
     steps_per_cpu_s: f64,
     single_steps_per_cpu_s: f64,
-    /// The same with nothing of the environment in the processor's own cache when a step begins.
+    /// The same with a cold processor cache at every step.
     single_cold_steps_per_cpu_s: f64,
     ratio: f64,
     ratio_to_cold: f64,
     steps_per_s: f64,
-    /// CPU time of this process for each step of an environment, microseconds.
+    /// CPU time of this process per step of an environment, microseconds.
     owner_us_per_step: f64,
     reset_ms_p50: f64,
     reset_ms_p99: f64,
@@ -119,7 +120,7 @@ fn measure(building: &BuildingName, arguments: &Arguments) -> Result<Measured> {
         single_cold_steps_per_cpu_s: median(rates.cold.clone()),
         ratio: ratio(&rates.batch, &rates.single),
         ratio_to_cold: ratio(&rates.batch, &rates.cold),
-        steps_per_s: median(rates.by_the_clock),
+        steps_per_s: median(rates.per_second),
         owner_us_per_step: median(rates.owner_us),
         reset_ms_p50: percentile(resets.clone(), 50),
         reset_ms_p99: percentile(resets, 99),
@@ -129,7 +130,7 @@ fn measure(building: &BuildingName, arguments: &Arguments) -> Result<Measured> {
     })
 }
 
-/// Median of the ratios, turn by turn.
+/// The median of the ratios of the rounds.
 fn ratio(batch: &[f64], single: &[f64]) -> f64 {
     median(batch.iter().zip(single).map(|(batch, single)| batch / single).collect())
 }
@@ -147,7 +148,7 @@ fn fresh_reset_ms(prepared: &Prepared, period: RunPeriod) -> Result<f64> {
     Ok(before.elapsed().as_secs_f64() * 1e3)
 }
 
-/// Times of resets from a template, ms, and the template's memory, MB.
+/// Wall-clock times of resets from a template, ms, and the template's memory, MB.
 fn resets(prepared: &Prepared, setting: &Setting, count: u32) -> Result<(Vec<f64>, f64)> {
     let workers = Workers::new(prepared.worker_options()?)?;
     let mut episode = workers.episode(setting)?;
@@ -162,12 +163,12 @@ fn resets(prepared: &Prepared, setting: &Setting, count: u32) -> Result<(Vec<f64
     Ok((times, template_mb))
 }
 
-/// Steps by CPU time and by the clock, turn by turn.
+/// Steps per CPU time and per wall-clock time of each round.
 struct Rates {
     batch: Vec<f64>,
     single: Vec<f64>,
     cold: Vec<f64>,
-    by_the_clock: Vec<f64>,
+    per_second: Vec<f64>,
     owner_us: Vec<f64>,
     private_mb: f64,
 }
@@ -182,7 +183,7 @@ impl Rates {
         let count = arguments.environments as usize;
         let mut batch = VecEnv::new(count, Box::new(Fixed(vec![setting])), prepared.vec_env_options()?)?;
         batch.reset(0)?;
-        let spaces = batch.spaces(0).context("no environment stands")?;
+        let spaces = batch.spaces(0).context("no environment was reset")?;
         let actions = middle(&spaces.action).repeat(count);
         let whole = spaces.episode_steps();
         let processors = std::thread::available_parallelism()?.get();
@@ -195,24 +196,24 @@ impl Rates {
             batch: vec![],
             single: vec![],
             cold: vec![],
-            by_the_clock: vec![],
+            per_second: vec![],
             owner_us: vec![],
             private_mb: 0.0,
         };
-        // The last step ends the processes, and what they used is gone with them.
-        for turn in 0..(whole - 1) / TURN {
+        // The last step ends the processes, and their CPU time is no longer readable.
+        for round in 0..(whole - 1) / ROUND {
             interrupt::check()?;
-            let [single, cold] = [Cache::Warm, Cache::Cold].map(|cache| Single::turn(&mut singles, cache));
+            let [single, cold] = [Cache::Warm, Cache::Cold].map(|cache| Single::round(&mut singles, cache));
             let (before, owner, start) = (cpu()?, ProcessTime::now(), Instant::now());
-            (0..TURN).try_for_each(|_| batch.step(&actions))?;
+            (0..ROUND).try_for_each(|_| batch.step(&actions))?;
             let (clock, owner) = (start.elapsed().as_secs_f64(), owner.elapsed().as_secs_f64());
-            let steps = (TURN * count) as f64;
-            // The first day still copies the memory of the template.
-            if turn >= (whole / TURN / 10).max(3) {
+            let steps = (ROUND * count) as f64;
+            // The first rounds still copy the template's memory.
+            if round >= (whole / ROUND / 10).max(3) {
                 rates.single.push(single?);
                 rates.cold.push(cold?);
                 rates.batch.push(steps / (cpu()? - before + owner));
-                rates.by_the_clock.push(steps / clock);
+                rates.per_second.push(steps / clock);
                 rates.owner_us.push(owner / steps * 1e6);
             }
         }
@@ -222,12 +223,12 @@ impl Rates {
     }
 }
 
-/// What an environment on its own finds in the processor's own cache when it steps.
+/// The processor cache of a single environment at a step.
 #[derive(Clone, Copy)]
 enum Cache {
-    /// What its last step left there.
+    /// Holds the memory of its last step.
     Warm,
-    /// What others left there, as in a batch.
+    /// Holds other memory, as in a batch.
     Cold,
 }
 
@@ -240,10 +241,10 @@ impl Cache {
     }
 }
 
-/// More than the cache that a processor has of its own, bytes.
+/// More than the size of a processor's own cache, bytes.
 const OTHERS: usize = 8 << 20;
 
-/// An environment on its own, in a process of its own.
+/// A single environment in its own process.
 struct Single {
     process: Child,
     ask: ChildStdin,
@@ -265,22 +266,22 @@ impl Single {
         Ok(single)
     }
 
-    /// A turn of all at once: steps by CPU time, of one.
-    fn turn(singles: &mut [Self], cache: Cache) -> Result<f64> {
+    /// Runs a round of all at once. Returns the steps per CPU time of one.
+    fn round(singles: &mut [Self], cache: Cache) -> Result<f64> {
         for single in &mut *singles {
-            writeln!(single.ask, "{}", cache.name()).context("an environment on its own has ended")?;
+            writeln!(single.ask, "{}", cache.name()).context("a single environment has ended")?;
         }
         let seconds = singles.iter_mut().map(Self::answer).sum::<Result<f64>>()?;
-        Ok((TURN * singles.len()) as f64 / seconds)
+        Ok((ROUND * singles.len()) as f64 / seconds)
     }
 
     fn answer(&mut self) -> Result<f64> {
         let mut line = String::new();
         self.answers.read_line(&mut line)?;
-        line.trim().parse().context("an environment on its own has ended")
+        line.trim().parse().context("a single environment has ended")
     }
 
-    /// The other side: says when it stands, then steps through a turn for each line and says what CPU time that took.
+    /// The process side: reports when it is ready, then steps through a round for each line and reports its CPU time.
     fn serve(building: &BuildingName, days: u32) -> Result<()> {
         let prepared = Prepared::new(building, &Location::default(), true)?;
         let mut env = prepared.env(period(days)?, STEPS_PER_HOUR, Task::default())?;
@@ -295,10 +296,10 @@ impl Single {
         Ok(())
     }
 
-    /// CPU time of a turn, s, without that of walking through the memory of others before each step.
+    /// CPU time of a round, s, without the time to replace the cache before each step.
     fn steps(env: &mut Env, action: &[f64], others: &mut [u8]) -> Result<f64> {
         let mut seconds = 0.0;
-        for _ in 0..TURN {
+        for _ in 0..ROUND {
             others.iter_mut().step_by(64).for_each(|line| *line = line.wrapping_add(1));
             let before = ProcessTime::now();
             env.step(action)?;
@@ -318,7 +319,7 @@ impl Drop for Single {
 
 fn text(measured: &[Measured]) -> String {
     let mut table = Table::new([
-        "type",
+        "building",
         "N",
         "steps/CPU s",
         "single",
@@ -326,12 +327,12 @@ fn text(measured: &[Measured]) -> String {
         "single, cold",
         "ratio",
         "steps/s",
-        "owner, µs",
-        "reset, ms",
-        "99 %, ms",
-        "fresh, CPU ms",
-        "private, MB",
-        "template, MB",
+        "owner (µs)",
+        "reset (ms)",
+        "99 % (ms)",
+        "fresh (CPU ms)",
+        "private (MB)",
+        "template (MB)",
     ]);
     for each in measured {
         table.row([

@@ -31,8 +31,8 @@ pub(super) fn read(path: &Path, floor_area: f64) -> Result<[f64; 2]> {
     Ok(METERS.map(|meter| run_period_value(&text, meter).unwrap_or(0.0) / JOULES_PER_WATT_HOUR / floor_area))
 }
 
-/// A run-period value from the text of a meter file: `12,1,Electricity:HVAC [J] !RunPeriod …` names the number
-/// under which the value stands, `12,123.4,…`.
+/// A run-period value from the text of a meter file: `12,1,Electricity:HVAC [J] !RunPeriod …` gives the number
+/// of the line with the value, `12,123.4,…`.
 fn run_period_value(text: &str, meter: &str) -> Option<f64> {
     let named = format!(",{meter} [J] !RunPeriod");
     let number = text.lines().find(|line| line.contains(&named))?.split(',').next()?;

@@ -17,7 +17,7 @@ use self::engine::Engine;
 pub use self::snapshot::Snapshot;
 use crate::action::ActionSpace;
 use crate::engine_report::EngineReport;
-use crate::environment::Step;
+use crate::environment::{Environment, Step};
 use crate::metrics::Metrics;
 use crate::observation::ObservationSpace;
 use crate::reward::{RewardFunction, ZoneStep};
@@ -316,6 +316,24 @@ impl Env {
 
     fn wrong_length(&self) -> Error {
         Error::EpisodeLength { done: self.metrics.steps, expected: self.episode_steps() }
+    }
+}
+
+impl Environment for Env {
+    fn spaces(&self) -> &Arc<Spaces> {
+        self.spaces()
+    }
+
+    fn reset(&mut self) -> Result<&[f64]> {
+        self.reset()
+    }
+
+    fn step(&mut self, action: &[f64]) -> Result<Step<'_>> {
+        self.step(action)
+    }
+
+    fn metrics(&self) -> Option<&Metrics> {
+        self.is_truncated().then(|| self.metrics())
     }
 }
 

@@ -29,7 +29,7 @@ pub fn recv(episodes: &mut [Episode], count: usize, ready: &mut Vec<usize>) -> R
 pub fn step_all(episodes: &mut [Episode], actions: &[f64]) -> Result<()> {
     let mut rest = actions;
     for episode in episodes.iter_mut() {
-        let width = crate::Environment::spaces(episode).action.len();
+        let width = episode.known_spaces().action.len();
         let action = rest.split_off(..width);
         episode.send(action.ok_or(Error::ActionLength { given: rest.len(), expected: width })?)?;
     }

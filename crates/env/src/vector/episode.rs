@@ -3,14 +3,13 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::batch::wait;
 use super::episode_options::EpisodeOptions;
 use super::episode_report::EpisodeReport;
 use super::pool::Place;
 use super::region::{Command, Status};
 use super::setting::Setting;
 use super::workers::Workers;
-use crate::environment::{Environment, Step};
+use crate::environment::Step;
 use crate::metrics::Metrics;
 use crate::reward::Reward;
 use crate::spaces::Spaces;
@@ -21,7 +20,7 @@ const FAILED_STARTS: u32 = 3;
 
 /// An environment in a worker process, which it owns: dropping it ends the process.
 ///
-/// - [`reset`](Environment::reset) copies the template of its setting, within milliseconds.
+/// - [`reset`](crate::Environment::reset) copies the template of its setting, within milliseconds.
 /// - [`Episode::snapshot`], [`Episode::restore`] and [`Episode::branch`] copy the process in the middle of an episode;
 ///   every copy continues bit for bit.
 /// - A crash of the engine, a kill or a hang is [`Error::Lost`] with the reason; a reset begins anew.
@@ -62,6 +61,17 @@ enum Phase {
     Lost(String),
 }
 
+impl Workers {
+    /// An episode of a setting, before its first reset. Prepares the setting.
+    ///
+    /// # Errors
+    /// As [`Workers::prepare`].
+    pub fn episode(&self, setting: &Setting) -> Result<Episode> {
+        let spaces = self.prepare(setting)?;
+        Ok(Episode::new(self.clone(), setting.clone(), spaces))
+    }
+}
+
 impl Episode {
     pub(super) fn new(workers: Workers, setting: Setting, spaces: Arc<Spaces>) -> Self {
         Self {
@@ -92,7 +102,7 @@ impl Episode {
         self.options = options;
     }
 
-    /// Begins an episode as [`reset`](Environment::reset) does, but does not wait for its first observation.
+    /// Begins an episode as [`reset`](crate::Environment::reset) does, but does not wait for its first observation.
     ///
     /// # Errors
     /// [`Error::Pool`] when no process can be started.
@@ -203,6 +213,16 @@ impl Episode {
     /// The building, weather, period and task.
     pub fn setting(&self) -> &Setting {
         &self.setting
+    }
+
+    /// The building with its observation and action spaces.
+    pub(super) fn known_spaces(&self) -> &Arc<Spaces> {
+        &self.spaces
+    }
+
+    /// The metrics of the episode once it is truncated.
+    pub(super) fn known_metrics(&self) -> Option<&Metrics> {
+        self.metrics.as_ref()
     }
 
     /// The state at the end of the last step, or at the start of the episode.
@@ -342,28 +362,6 @@ impl Episode {
         {
             self.workers.lock().release(place);
         }
-    }
-}
-
-impl Environment for Episode {
-    fn spaces(&self) -> &Arc<Spaces> {
-        &self.spaces
-    }
-
-    fn reset(&mut self) -> Result<&[f64]> {
-        self.begin()?;
-        wait(std::slice::from_mut(self), 1)?;
-        Ok(self.last_step()?.observation)
-    }
-
-    fn step(&mut self, action: &[f64]) -> Result<Step<'_>> {
-        self.send(action)?;
-        wait(std::slice::from_mut(self), 1)?;
-        self.last_step()
-    }
-
-    fn metrics(&self) -> Option<&Metrics> {
-        self.metrics.as_ref()
     }
 }
 

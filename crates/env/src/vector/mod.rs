@@ -6,6 +6,7 @@
 //! a batch of N environments, and [`recv`] waits for several episodes at once.
 
 mod batch;
+mod environment;
 mod episode;
 mod episode_options;
 mod episode_report;

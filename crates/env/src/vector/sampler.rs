@@ -1,4 +1,4 @@
-//! Which episode comes next.
+//! Samplers of episodes.
 
 use std::sync::Arc;
 
@@ -13,22 +13,22 @@ use crate::spaces::EpisodeConfig;
 use crate::task::Task;
 use crate::{Error, Result};
 
-/// An episode to come.
+/// A draw of a sampler: the next episode of an environment.
 #[derive(Clone, Debug)]
 pub struct Draw {
     /// Building, weather, days and task.
     pub setting: Setting,
-    /// Steps after which it is truncated; all of its run period if `None`.
+    /// Steps after which the episode is truncated; the whole run period if `None`.
     pub steps: Option<usize>,
 }
 
-/// Draws the episodes of environments. Every environment has a random stream of its own, so that what it gets does
-/// not depend on how fast the others are.
+/// Draws the episodes of environments. Every environment has its own random stream, so that its episodes do not depend
+/// on how fast the others are.
 pub trait Sampler: Send {
     /// The next episode of an environment.
     ///
     /// # Errors
-    /// What keeps it from being made; the environment is lost then, and asks again at its next reset.
+    /// When the episode cannot be made. The environment is lost then, and draws again at its next reset.
     fn draw(&mut self, environment: usize, random: &mut ChaCha8Rng) -> Result<Draw>;
 }
 
@@ -38,7 +38,7 @@ impl<F: FnMut(usize, &mut ChaCha8Rng) -> Result<Draw> + Send> Sampler for F {
     }
 }
 
-/// Every environment has a setting of its own, episode after episode.
+/// A setting for each environment, episode after episode.
 #[derive(Clone, Debug)]
 pub struct Fixed(pub Vec<Setting>);
 
@@ -48,7 +48,7 @@ impl Sampler for Fixed {
     }
 }
 
-/// Every episode is one of these settings, each as likely as the others.
+/// Settings to draw every episode from, with equal probability.
 #[derive(Clone, Debug)]
 pub struct AnyOf(pub Vec<Setting>);
 
@@ -59,31 +59,31 @@ impl Sampler for AnyOf {
     }
 }
 
-/// Draws a building for every episode, from the dataset or from the generator; it is generated when it is drawn.
+/// A population to draw the building of every episode from, generated when it is drawn.
 #[derive(Clone, Debug)]
 pub struct Buildings {
-    /// Generates the buildings.
+    /// Catalog that generates them.
     pub catalog: Arc<Catalog>,
-    /// Distribution of the buildings.
+    /// Population that they are drawn from.
     pub population: Population,
-    /// Days of an episode.
+    /// Run period of an episode.
     pub period: RunPeriod,
     /// Zone time steps per hour.
     pub steps_per_hour: u32,
-    /// Task of every episode.
+    /// Setpoints, comfort and reward.
     pub task: Task,
 }
 
 /// Buildings to draw from, with equal probability.
 #[derive(Clone, Debug)]
 pub enum Population {
-    /// These of the dataset.
+    /// Buildings of the dataset.
     Ids(Vec<BuildingId>),
-    /// Whatever the generator makes of a type. No two are the same.
+    /// New buildings of a type from the generator. No two are the same.
     Generated {
-        /// The type.
+        /// Building type.
         building_type: BuildingType,
-        /// Where they stand.
+        /// Places of the buildings.
         places: Places,
         /// Parameters that are fixed or drawn from a narrower range.
         settings: Vec<b2b_dataset::Setting>,
@@ -91,7 +91,7 @@ pub enum Population {
 }
 
 impl Population {
-    /// The buildings of a type that are to train or to test on.
+    /// The buildings of a type in the training or the test split.
     pub fn of_split(building_type: BuildingType, split: Split) -> Self {
         let rows = b2b_dataset::rows(building_type).iter().filter(|row| row.split == split);
         Self::Ids(rows.map(|row| row.id).collect())
@@ -126,15 +126,15 @@ impl Sampler for Buildings {
     }
 }
 
-/// Draws of another sampler, cut to random windows of so many days within their run periods. A window begins on one
-/// of a few days, since each needs a warm-up of its own.
+/// Draws of another sampler, cut to random windows within their run periods. A window begins on one of a few days,
+/// since each needs its own warm-up.
 #[derive(Clone, Debug)]
 pub struct Windows<S> {
-    /// What is cut.
+    /// Sampler whose draws are cut.
     pub of: S,
-    /// Least and most days of an episode.
+    /// Minimum and maximum days of an episode.
     pub days: (u32, u32),
-    /// How many first days there are, evenly spread.
+    /// Number of first days, evenly spread.
     pub starts: u32,
 }
 

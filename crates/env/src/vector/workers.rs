@@ -4,7 +4,6 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use super::episode::Episode;
 use super::pool::Pool;
 use super::region::{LOOK, Region};
 use super::setting::Setting;
@@ -82,15 +81,6 @@ impl Workers {
             self.start_preparing(setting)?;
         }
         settings.iter().map(|setting| self.prepare(setting)).collect()
-    }
-
-    /// An episode of a setting, before its first reset. Prepares the setting.
-    ///
-    /// # Errors
-    /// As [`Workers::prepare`].
-    pub fn episode(&self, setting: &Setting) -> Result<Episode> {
-        let spaces = self.prepare(setting)?;
-        Ok(Episode::new(self.clone(), setting.clone(), spaces))
     }
 
     /// Starts to prepare a setting, unless it is prepared. Does not wait.

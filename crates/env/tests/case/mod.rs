@@ -1,4 +1,4 @@
-//! Buildings on the real engine.
+//! A prepared building with its engine and weather.
 #![allow(dead_code, reason = "every test file takes what it needs")]
 
 use std::path::PathBuf;
@@ -12,7 +12,7 @@ use b2b_env::{ActionSpace, Env, EpisodeConfig, Task, Trajectory};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// A building where it stands.
+/// A building at a place.
 pub struct Case {
     pub library: Library,
     pub building: Arc<PreparedBuilding>,

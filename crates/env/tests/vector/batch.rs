@@ -112,7 +112,7 @@ fn what_is_drawn_depends_on_the_seed_alone() {
 }
 
 #[test]
-fn the_first_that_are_ready_are_received_while_another_stands_still() {
+fn ready_environments_are_received_while_another_is_stopped() {
     let case = Case::at_home(BuildingType::SingleFamilyHouse);
     let mut vec = vec_env(&case, vec![setting(&case, DAY); 3], Autoreset::NextStep);
     vec.reset(0).unwrap();

@@ -10,7 +10,7 @@ use rustix::process::Signal;
 use crate::case::Case;
 use crate::workers::{DAY, kill, options, setting, signal, started};
 
-/// Kills the first of two in mid-step; the other goes on, and the first begins anew.
+/// Stops the first of two during a step; the other is not affected, and the first begins anew.
 fn a_lost_episode_is_reported(what: impl Fn(u32), limit: Duration, why: &str) {
     let case = Case::at_home(BuildingType::SingleFamilyHouse);
     let workers = WorkerOptions { step_time_limit: limit, ..options(&case) };

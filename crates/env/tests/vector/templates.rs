@@ -69,7 +69,7 @@ fn a_template_that_hangs_while_it_prepares_is_prepared_once_more() {
 }
 
 #[test]
-fn a_killed_template_is_made_again_and_its_episodes_go_on() {
+fn a_killed_template_is_made_again_and_its_episodes_continue() {
     let case = Case::at_home(BuildingType::SingleFamilyHouse);
     let workers = Workers::new(options(&case)).unwrap();
     let setting = setting(&case, DAY);

@@ -90,13 +90,13 @@ impl Pool {
     pub(super) fn pump(&mut self) {
         let mut next = self.waited_for(Bound::Unbounded);
         while let Some(id) = next {
-            // Those who wait were told in their slots.
+            // An error is reported in the slots of the episodes that wait.
             let _ = self.advance(id);
             next = self.waited_for(Bound::Excluded(id));
         }
     }
 
-    /// The next template that somebody waits for.
+    /// The next template that an episode waits for.
     fn waited_for(&self, after: Bound<TemplateId>) -> Option<TemplateId> {
         let mut templates = self.templates.range((after, Bound::Unbounded));
         let waited_for = |template: &Template| !template.waiting.is_empty() || !template.copying.is_empty();
@@ -141,7 +141,7 @@ impl Pool {
         Ok(())
     }
 
-    /// Copies of the worker in a slot, once they stand where it stands. It must be ready.
+    /// Copies of the worker in a slot, which must be ready.
     pub(super) fn branch(&mut self, of: Place, count: usize) -> Result<Vec<Place>> {
         let mut places = Vec::with_capacity(count);
         let outcome = self.try_branch(of, count, &mut places);
@@ -193,7 +193,7 @@ impl Pool {
         }
     }
 
-    /// Whether a slot waits for its template, and not for a copy that was made.
+    /// Whether an episode waits for its template, and not for a copy that was made.
     pub(super) fn waits_for_template(&self, place: Place) -> bool {
         let template = self.templates.get(&place.template);
         let mut requests =
