@@ -49,7 +49,7 @@ impl EnvBuilder {
     /// Sets the task by its name, as on the command line: `constant`, `occupancy`, `occupancy+energy0.5`...
     #[must_use]
     pub fn task(self, name: &str) -> Self {
-        self.set(name.parse().map_err(Error::Environment), |builder, task| builder.task = task)
+        self.set(name.parse::<Task>().map_err(Error::from), |builder, task| builder.task = task)
     }
 
     /// Sets the task: setpoints, comfort and reward.
@@ -62,13 +62,15 @@ impl EnvBuilder {
     /// Sets the days of an episode: `winter` (the default), `summer`, `full_year` or `MM-DD..MM-DD`.
     #[must_use]
     pub fn period(self, period: &str) -> Self {
-        self.set(period.parse().map_err(Error::Building), |builder, period| builder.period = period)
+        self.set(period.parse::<RunPeriod>().map_err(Error::from), |builder, period| {
+            builder.period = period;
+        })
     }
 
     /// Moves the building to a known place, such as `Denver`. Buildings of the dataset have their own.
     #[must_use]
     pub fn place(self, name: &str) -> Self {
-        self.set(Place::find(name).map_err(Error::Climate), |builder, place| {
+        self.set(Place::find(name).map_err(Error::from), |builder, place| {
             builder.placement.place = Some(place)
         })
     }

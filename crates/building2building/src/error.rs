@@ -9,22 +9,45 @@ pub type Result<T, E = Error> = std::result::Result<T, E>;
 #[error(transparent)]
 pub enum Error {
     /// Downloading or finding the engine or a weather file.
-    Install(#[from] b2b_energyplus::install::Error),
+    Install(Box<b2b_energyplus::install::Error>),
     /// The engine.
-    Engine(#[from] b2b_energyplus::Error),
+    Engine(Box<b2b_energyplus::Error>),
     /// Places and weather.
-    Climate(#[from] b2b_climate::Error),
+    Climate(Box<b2b_climate::Error>),
     /// Building models and their preparation.
-    Building(#[from] b2b_building::Error),
+    Building(Box<b2b_building::Error>),
     /// The dataset, and names of buildings.
-    Dataset(#[from] b2b_dataset::Error),
+    Dataset(Box<b2b_dataset::Error>),
     /// Environments and tasks.
-    Environment(#[from] b2b_env::Error),
+    Environment(Box<b2b_env::Error>),
     /// Controllers.
-    Control(#[from] b2b_control::Error),
+    Control(Box<b2b_control::Error>),
     /// Evaluation and benchmark problems.
     #[cfg(target_os = "linux")]
-    Evaluation(#[from] b2b_benchmark::Error),
+    Evaluation(Box<b2b_benchmark::Error>),
     /// The system.
     System(#[from] std::io::Error),
 }
+
+/// Boxes the errors of a crate: an error is then small to return.
+macro_rules! boxed {
+    ($($variant:ident: $error:ty),*) => {$(
+        impl From<$error> for Error {
+            fn from(error: $error) -> Self {
+                Self::$variant(Box::new(error))
+            }
+        }
+    )*};
+}
+
+boxed!(
+    Install: b2b_energyplus::install::Error,
+    Engine: b2b_energyplus::Error,
+    Climate: b2b_climate::Error,
+    Building: b2b_building::Error,
+    Dataset: b2b_dataset::Error,
+    Environment: b2b_env::Error,
+    Control: b2b_control::Error
+);
+#[cfg(target_os = "linux")]
+boxed!(Evaluation: b2b_benchmark::Error);

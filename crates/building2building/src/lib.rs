@@ -22,7 +22,7 @@
 //!
 //! | module | contents |
 //! |---|---|
-//! | [`env`] | environments, spaces, tasks, rewards, metrics, batches in worker processes |
+//! | [`mod@env`] | environments, spaces, tasks, rewards, metrics, batches in worker processes |
 //! | [`control`] | reactive controllers, their tuning, and a planner |
 //! | [`evaluation`] | evaluation of policies, benchmark problems, scores and reports |
 //! | [`dataset`] | building types, generators, the 6,000 buildings of the dataset |
