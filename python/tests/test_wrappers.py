@@ -37,7 +37,7 @@ def test_normalized_observations_map_bounds_to_minus_one_and_one(make):
 def test_building_parameters_are_appended(make):
     observation = stepped(wrappers.AugmentObservationWithBuildingParams(make()))
     assert len(observation) > 15 and np.isfinite(observation).all() and observation[13:].any()
-    with pytest.raises(errors.SettingError, match="a building has no"):
+    with pytest.raises(errors.SettingError, match="unknown building attribute"):
         wrappers.AugmentObservationWithBuildingParams(make(), ["color"])
 
 
