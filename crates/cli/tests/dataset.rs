@@ -235,7 +235,7 @@ fn invalid_arguments_are_rejected_with_the_valid_ones() {
     for (arguments, words) in [
         ("run OfficeSmall-1001", ["1001", "OfficeSmall-1000"]),
         ("run OficeSmall-0042", ["OficeSmall", "OfficeSmall"]),
-        ("show Warehouse-x", ["`x`", "Warehouse-0001"]),
+        ("show Warehouse-x", ["`Warehouse-x`", "Warehouse-0001"]),
         ("check Warehouse", ["`Warehouse`", "OfficeSmall-0042"]),
         ("run OfficeSmall-0042 --place Denver", ["OfficeSmall-0042 is located in", "--weather"]),
         ("generate Warehouse --place Dever --out o", ["Dever", "Denver"]),

@@ -78,7 +78,7 @@ fn missing_or_invalid_files_are_reported_with_a_remedy() {
         (&["import", &model], ["RefBldgWarehouse", "--weather FILE.epw"]),
         (&["run", &model], ["RefBldgWarehouse", "--weather FILE.epw"]),
         (&["import", &model, "--weather", &noise], ["noise.epw", "hours of weather"]),
-        (&["import", "nowhere.idf", "--weather", &weather], ["nowhere.idf", "no such file"]),
+        (&["import", "nowhere.idf", "--weather", &weather], ["nowhere.idf", "does not exist"]),
         (&["import", &here, "--weather", &weather], [&here, "no model"]),
     ];
     for (arguments, words) in cases {
