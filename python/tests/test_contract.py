@@ -61,7 +61,7 @@ def test_an_episode_is_truncated_at_the_end_of_its_run_period(make):
         _, _, terminated, truncated, info = env.step(env.action_space.sample())
         assert not terminated and truncated == (step == 24)
     assert info["metrics"]["steps"] == 24
-    with pytest.raises(errors.EpisodeError, match="over"):
+    with pytest.raises(errors.EpisodeError, match="no episode is in progress"):
         env.step(env.action_space.sample())
 
 

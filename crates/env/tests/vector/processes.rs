@@ -44,7 +44,7 @@ fn a_refused_fork_is_reported() {
         refuse(libc::SYS_clone, libc::CLONE_VM as u32, libc::EAGAIN);
         let workers = Workers::new(options(&case)).unwrap();
         let why = workers.episode(&setting(&case, DAY)).unwrap().reset().unwrap_err().to_string();
-        assert!(why.contains("cannot be copied") && why.contains("temporarily unavailable"), "{why}");
+        assert!(why.contains("cannot copy") && why.contains("temporarily unavailable"), "{why}");
     })
     .join()
     .unwrap();
