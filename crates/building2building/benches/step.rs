@@ -23,8 +23,7 @@ struct Stepped {
 
 impl Stepped {
     fn new(env: Env) -> Self {
-        let bounds = env.action_space().low().iter().zip(env.action_space().high());
-        let action = bounds.map(|(low, high)| (low + high) / 2.0).collect();
+        let action = env.action_space().middle();
         Self { env, action, in_progress: false }
     }
 

@@ -17,8 +17,7 @@ fn main() -> building2building::Result<()> {
     let mut actions = Vec::new();
     for env in 0..envs.len() {
         let Some(spaces) = envs.spaces(env) else { continue };
-        let (low, high) = (spaces.action.low(), spaces.action.high());
-        actions.extend(low.iter().zip(high).map(|(low, high)| (low + high) / 2.0));
+        actions.extend(spaces.action.middle());
     }
     while !envs.is_over(0) {
         envs.step(&actions)?;

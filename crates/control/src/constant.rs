@@ -18,7 +18,7 @@ impl Constant {
 
     /// Creates a controller that repeats the middle of the bounds.
     pub fn middle(space: &ActionSpace) -> Self {
-        Self::new(space.low().iter().zip(space.high()).map(|(low, high)| (low + high) / 2.0).collect())
+        Self::new(space.middle())
     }
 }
 

@@ -81,6 +81,11 @@ impl ActionSpace {
         &self.high
     }
 
+    /// Returns the action with every actuator in the middle of its range.
+    pub fn middle(&self) -> Vec<f64> {
+        self.low.iter().zip(&self.high).map(|(low, high)| (low + high) / 2.0).collect()
+    }
+
     /// Checks the length of an action and that all values are finite.
     ///
     /// # Errors

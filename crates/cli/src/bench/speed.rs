@@ -10,7 +10,7 @@ use cpu_time::ProcessTime;
 use serde::Serialize;
 use tempfile::TempDir;
 
-use super::statistics::{median, middle};
+use super::statistics::median;
 use crate::arguments::location::Location;
 use crate::prepare::Prepared;
 use crate::table::Table;
@@ -131,7 +131,7 @@ impl Runs {
                 _ => {
                     let mut env = prepared.env(period, STEPS_PER_HOUR, Task::default())?;
                     env.reset()?;
-                    let action = middle(env.action_space());
+                    let action = env.action_space().middle();
                     Way::Env(Box::new(env), action)
                 }
             })

@@ -13,7 +13,7 @@ use cpu_time::ProcessTime;
 use serde::Serialize;
 
 use super::process::{cpu_seconds, private_mb, proportional_mb};
-use super::statistics::{median, middle, percentile};
+use super::statistics::{median, percentile};
 use crate::arguments::location::Location;
 use crate::prepare::Prepared;
 use crate::progress::spinner;
@@ -184,7 +184,7 @@ impl Rates {
         let mut batch = VecEnv::new(count, Box::new(Fixed(vec![setting])), prepared.vec_env_options()?)?;
         batch.reset(0)?;
         let spaces = batch.spaces(0).context("no environment was reset")?;
-        let actions = middle(&spaces.action).repeat(count);
+        let actions = spaces.action.middle().repeat(count);
         let whole = spaces.episode_steps();
         let processors = std::thread::available_parallelism()?.get();
         let mut singles = (0..processors)
@@ -285,7 +285,7 @@ impl Single {
     fn serve(building: &BuildingName, days: u32) -> Result<()> {
         let prepared = Prepared::new(building, &Location::default(), true)?;
         let mut env = prepared.env(period(days)?, STEPS_PER_HOUR, Task::default())?;
-        let action = middle(env.action_space());
+        let action = env.action_space().middle();
         env.reset()?;
         println!("0");
         let mut others = vec![0u8; 0];
