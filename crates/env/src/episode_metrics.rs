@@ -126,6 +126,10 @@ episode_metrics! {
     daily_travel: f64 = "daily_travel", "1/d", Metrics::daily_travel;
     /// Action values that were out of bounds and clamped.
     clamped_actions: usize = "clamped_actions", "1", |metrics| metrics.clamped_actions;
+    /// Steps in which the ventilation interlock raised an action.
+    ventilation_overrides: usize = "ventilation_overrides", "1", |metrics| metrics.ventilation_overrides;
+    /// Outdoor air per person while people are present, L/s; 0 where no system has outdoor air.
+    outdoor_air_per_person: f64 = "outdoor_air_l_s_person", "L/s", Metrics::outdoor_air_per_person;
 }
 
 impl EpisodeMetrics {

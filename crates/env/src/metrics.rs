@@ -46,8 +46,12 @@ pub struct Metrics {
     pub travel: Vec<f64>,
     /// Action values that were out of bounds and clamped.
     pub clamped_actions: usize,
+    /// Steps in which the ventilation interlock raised an action.
+    pub ventilation_overrides: usize,
     /// The controlled zones, in model order.
     pub zones: Vec<ZoneMetrics>,
+    /// Outdoor air of the systems with people in their zones, L/s, and these people, summed over the steps.
+    outdoor_air: [f64; 2],
     hours_per_step: f64,
     comfort_band: f64,
     last_action: Vec<f64>,
@@ -90,6 +94,19 @@ impl Metrics {
     /// Returns by how much a step's electricity (Wh/m²) would raise the peak demand so far, W/m².
     pub(crate) fn peak_rise(&self, electricity: f64) -> f64 {
         (electricity / self.hours_per_step - self.peak_electricity).max(0.0)
+    }
+
+    /// Adds the outdoor air of a step (L/s) and the people whom it reaches.
+    pub(crate) fn add_outdoor_air(&mut self, [flow, people]: [f64; 2]) {
+        self.outdoor_air[0] += flow;
+        self.outdoor_air[1] += people;
+    }
+
+    /// Returns the mean outdoor air per person, L/s, while people are in the zones of systems with outdoor air; 0 if
+    /// there are none.
+    pub fn outdoor_air_per_person(&self) -> f64 {
+        let [flow, people] = self.outdoor_air;
+        if people > 0.0 { flow / people } else { 0.0 }
     }
 
     /// Adds the step that `steps` already counts. `low` and `high` are the bounds of the action.

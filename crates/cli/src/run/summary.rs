@@ -178,6 +178,7 @@ impl Summary {
             ),
             ("peak electric demand", format!("{:.1} W/m²", metrics.peak_electricity)),
             ("actuator travel", format!("{:.1} full strokes/day", metrics.daily_travel)),
+            ("outdoor air per person", format!("{:.1} L/s", metrics.outdoor_air_per_person)),
         ]
     }
 
@@ -186,6 +187,7 @@ impl Summary {
         let other_cpu = self.cpu_s - self.engine_cpu_s;
         vec![
             ("clamped action values", self.metrics.clamped_actions.to_string()),
+            ("steps under the ventilation interlock", self.metrics.ventilation_overrides.to_string()),
             ("engine messages", format!("{} warnings, {} severe", self.engine_warnings, self.engine_severes)),
             (
                 "energy mismatch vs. EnergyPlus meters",
