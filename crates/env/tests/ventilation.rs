@@ -63,7 +63,9 @@ fn people_get_their_outdoor_air(building_type: BuildingType, place: &str) {
     let per_person = metrics.outdoor_air_per_person();
     let (free, free_env) = starve(&case, "constant+free-ventilation", "01-13..01-14");
     assert_eq!(free_env.metrics().ventilation_overrides, 0);
-    let starved = |steps: &[Vec<Air>]| steps.iter().flatten().any(|air| air.people > 0.0 && air.flow < 0.1 * air.minimum);
+    let starved = |steps: &[Vec<Air>]| {
+        steps.iter().flatten().any(|air| air.people > 0.0 && air.flow < 0.1 * air.minimum)
+    };
     assert!(starved(&free), "without the interlock the same commands bring no outdoor air");
     assert!(per_person > free_env.metrics().outdoor_air_per_person());
     eprintln!("{building_type} in {place}: {per_person:.1} L/s per person");

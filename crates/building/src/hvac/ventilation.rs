@@ -87,8 +87,7 @@ impl Ventilation {
 
 /// Returns the class and the fields of a schedule that an actuator can override.
 fn find_schedule(model: &Model, name: &str) -> Option<(String, Fields)> {
-    const CLASSES: [&str; 4] =
-        ["Schedule:Compact", "Schedule:Constant", "Schedule:Year", "Schedule:File"];
+    const CLASSES: [&str; 4] = ["Schedule:Compact", "Schedule:Constant", "Schedule:Year", "Schedule:File"];
     CLASSES.iter().find_map(|class| Some(((*class).to_owned(), model.get(class, name)?.clone())))
 }
 
@@ -111,7 +110,9 @@ fn zone_requirements(model: &Model, controller: &str) -> Result<f64> {
 /// Whether a zone or list of zones is, or has, a zone.
 fn covers(model: &Model, zone_or_list: &str, zone: &str) -> bool {
     let lists = |list: &Fields| {
-        items(list, "zones").filter_map(|item| text(item, "zone_name")).any(|name| name.eq_ignore_ascii_case(zone))
+        items(list, "zones")
+            .filter_map(|item| text(item, "zone_name"))
+            .any(|name| name.eq_ignore_ascii_case(zone))
     };
     zone_or_list.eq_ignore_ascii_case(zone) || model.get("ZoneList", zone_or_list).is_some_and(lists)
 }
@@ -119,9 +120,8 @@ fn covers(model: &Model, zone_or_list: &str, zone: &str) -> bool {
 /// Returns the specification that the sizing of a zone names.
 fn sizing_specification<'a>(model: &'a Model, zone: &str) -> Option<&'a str> {
     let sizing = model.objects("Sizing:Zone").into_iter();
-    let of_zone = |fields: &&Fields| {
-        covers(model, text(fields, "zone_or_zonelist_name").unwrap_or_default(), zone)
-    };
+    let of_zone =
+        |fields: &&Fields| covers(model, text(fields, "zone_or_zonelist_name").unwrap_or_default(), zone);
     let mut of_zone = sizing.map(|(_, fields)| fields).filter(of_zone);
     text(of_zone.next()?, "design_specification_outdoor_air_object_name")
 }
@@ -145,7 +145,11 @@ fn requirement(model: &Model, specification: &Fields, zone: &zone::Zone) -> f64 
 /// Returns the number of people in a zone at design occupancy.
 fn people(model: &Model, zone: &zone::Zone) -> f64 {
     let in_zone = |fields: &&Fields| {
-        covers(model, text(fields, "zone_or_zonelist_or_space_or_spacelist_name").unwrap_or_default(), &zone.name)
+        covers(
+            model,
+            text(fields, "zone_or_zonelist_or_space_or_spacelist_name").unwrap_or_default(),
+            &zone.name,
+        )
     };
     let count = |fields: &Fields| {
         let value = |field: &str| number(fields, field);
@@ -209,7 +213,10 @@ mod tests {
         let ventilation = Ventilation::of(&model, "OA", 1.2).unwrap().with_damper(&mut model, "OA").unwrap();
         let damper = ventilation.damper.unwrap();
         assert_eq!(damper.component, "Schedule:Constant");
-        assert_eq!(model.require(&damper.component, &damper.key).unwrap()["hourly_value"], shared["hourly_value"]);
+        assert_eq!(
+            model.require(&damper.component, &damper.key).unwrap()["hourly_value"],
+            shared["hourly_value"]
+        );
         let controller = model.require(CONTROLLER, "OA").unwrap();
         assert_eq!(controller[MINIMUM_SCHEDULE], damper.key);
         assert_eq!(controller["minimum_limit_type"], "FixedMinimum");

@@ -123,7 +123,9 @@ impl Engine {
     /// Opens the outdoor air dampers of the units with an occupied zone to their design minimum, and closes the others.
     pub(super) fn open_dampers(&mut self) {
         for index in 0..self.ventilated.len() {
-            let Some(Ventilated { zones, damper: Some(damper), .. }) = &self.ventilated[index] else { continue };
+            let Some(Ventilated { zones, damper: Some(damper), .. }) = &self.ventilated[index] else {
+                continue;
+            };
             let (open, damper) = (zones.iter().any(|&zone| self.occupied(zone)), *damper);
             self.simulation.set(damper, f64::from(u8::from(open)));
         }
