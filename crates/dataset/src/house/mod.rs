@@ -52,7 +52,7 @@ pub use geometry::Geometry;
 pub use household::Household;
 pub use parameters::{Foundation, Heater, Heating, House};
 pub use sample::{DIMENSIONS, Given, HouseSample, Vintage};
-pub use zones::{ATTIC, CRAWLSPACE, GARAGE, LIVING};
+pub use zones::{ATTIC, CRAWLSPACE, GARAGE, LIVING, ZoneRole};
 
 use b2b_building::Model;
 use b2b_climate::Site;
