@@ -26,7 +26,7 @@ from .env import BuildingEnv, unwrap
 from .errors import SettingError
 from .rollouts import ReactiveController, Trajectory, rollout
 from .vector import BuildingVectorEnv
-from .wrappers import AugmentObservationWithBuildingParams, PadObservation, action_of_shape
+from .wrappers import AugmentObservationWithBuildingParams, PadObservation, RoleObservation, action_of_shape
 
 __all__ = [
     "ActionSpaceTransfer",
@@ -187,7 +187,9 @@ class Problem:
         env: _Env = BuildingEnv(building_id=building_id, task=task, **arguments)
         if "restriction" in self.definition[side]:
             env = RestrictedAction(env, self, side)
-        if "observation_width" in protocol:
+        if protocol.get("observation", "roles") == "roles" and env.unwrapped.layout.spaces.roles is not None:
+            env = RoleObservation(env)
+        elif "observation_width" in protocol:
             env = PadObservation(env, protocol["observation_width"])
         if protocol["attributes"] == "given":
             env = AugmentObservationWithBuildingParams(env)
@@ -217,6 +219,8 @@ class Problem:
         spread = self._spread(n, building_ids)
         arguments = {"rescale_action": "restriction" not in train, **arguments}
         plain = "restriction" not in train and "observation_width" not in protocol and len(train["tasks"]) == 1
+        # The slots of houses have roles.
+        plain = plain and not any(building.startswith("SingleFamilyHouse") for building, _ in spread)
         if plain and protocol["attributes"] == "withheld":
             period = {"run_period": protocol["training_period"], "timesteps_per_hour": protocol["steps_per_hour"]}
             buildings = [building for building, _ in spread]

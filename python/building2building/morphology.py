@@ -34,6 +34,10 @@ class Morphology:
         self.node_types = {each.name: each for each in core.node_types}
         #: Attributes of the whole building by name; NaN where unknown.
         self.common_attributes = dict(core.common_attributes)
+        #: Bounds (low, high) of these attributes, which are the same for every building.
+        self.common_attribute_bounds = {each.quantity: (each.low, each.high) for each in core.common_attribute_slots}
+        #: Attributes of the whole building by name, scaled from their bounds to [-1, 1] and clipped; 0 where unknown.
+        self.scaled_common_attributes = dict(zip(self.common_attributes, core.scaled_common_attributes))
         #: Nodes, ordered by type.
         self.nodes = core.nodes
         #: Edges; undirected ones are listed once.

@@ -25,6 +25,7 @@ __all__ = [
     "PadObservation",
     "PriceSignal",
     "ResampleBuildingOnResetWrapper",
+    "RoleObservation",
     "SubsetAction",
     "SubsetObservation",
     "WeatherForecast",
@@ -76,7 +77,8 @@ def _box(env: _Env) -> Box:
 
 class PadObservation(_Wrapper):
     """Pads the observation with zeros to ``width`` slots, so that buildings with different numbers of zones can share a
-    policy."""
+    policy. The zones of houses stay in model order, so that the meaning of a slot differs between houses:
+    :class:`RoleObservation` gives houses a fixed width without this."""
 
     def __init__(self, env: _Env, width: int):
         super().__init__(env, width=width)
@@ -89,6 +91,44 @@ class PadObservation(_Wrapper):
 
     def observation(self, observation: Array) -> Array:
         return np.pad(observation, (0, self._padding))
+
+
+class RoleObservation(_Wrapper):
+    """Gives observations of houses a fixed width in which a slot means the same in every house and task.
+
+    The slots are the air temperatures of living area, attic, crawlspace and garage (0 if the house does not have it), weather,
+    calendar and energy, occupancy and target of the living area (constant in a task with constant targets), and the
+    presence of the four zones, 0 or 1. Wrap the environment before any wrapper that changes its observation.
+    """
+
+    def __init__(self, env: _Env):
+        super().__init__(env)
+        self._read()
+        roles = self._roles
+        if not _is_own(env):
+            raise SettingError("the observation was changed by another wrapper; apply RoleObservation first")
+        low, high = ([getattr(each, bound) for each in roles] for bound in ("low", "high"))
+        self.observation_space = Box(np.float32(low), np.float32(high), dtype=np.float32)
+        self._rename([each.name for each in roles], [each.unit for each in roles])
+
+    def _read(self) -> None:
+        self._building = self._core.building
+        roles = self._core.layout.spaces.roles
+        if roles is None:
+            raise SettingError(
+                f"{self._building.name} is not one of the generator's houses; buildings of other types have the same zones"
+            )
+        self._roles = roles
+        self._row = np.array([each.constant for each in roles], dtype=np.float32)
+        self._places = np.array([place for place, each in enumerate(roles) if each.slot is not None])
+        self._own = np.array([each.slot for each in roles if each.slot is not None])
+
+    def observation(self, observation: Array) -> Array:
+        if self._core.building is not self._building:
+            self._read()
+        row = self._row.copy()
+        row[self._places] = observation[self._own]
+        return row
 
 
 class NormalizeObservation(_Wrapper):
@@ -107,23 +147,29 @@ class NormalizeObservation(_Wrapper):
 
 
 class AugmentObservationWithBuildingParams(_Wrapper):
-    """Appends the common attributes of the building's morphology (size, climate, envelope), which are constant within
-    an episode. Unknown attributes are 0."""
+    """Appends the common attributes of the building's morphology (size, year, climate, envelope, numbers of systems and
+    actuators), which are constant within an episode.
 
-    def __init__(self, env: _Env, parameters: Sequence[str] | None = None):
-        super().__init__(env, parameters=parameters)
+    They are scaled from the bounds that all buildings share (``Morphology.common_attribute_bounds``) to [-1, 1]; without
+    ``scaled``, they are in physical units. Unknown attributes are 0.
+    """
+
+    def __init__(self, env: _Env, parameters: Sequence[str] | None = None, *, scaled: bool = True):
+        super().__init__(env, parameters=parameters, scaled=scaled)
+        self._scaled = scaled
         known = self._core.morphology.common_attributes
         self._names = list(known) if parameters is None else list(parameters)
         for name in self._names:
             if name not in known:
                 raise SettingError(f"unknown building attribute `{name}`; expected one of {', '.join(known)}")
         self._read()
-        unbounded = np.full(len(self._names), np.inf)
-        self._extend(-unbounded, unbounded, [f"building {name}" for name in self._names], ["1"] * len(self._names))
+        bound = np.full(len(self._names), 1.0 if scaled else np.inf)
+        self._extend(-bound, bound, [f"building {name}" for name in self._names], ["1"] * len(self._names))
 
     def _read(self) -> None:
         self._building = self._core.building
-        known = self._core.morphology.common_attributes
+        morphology = self._core.morphology
+        known = morphology.scaled_common_attributes if self._scaled else morphology.common_attributes
         self._values = np.nan_to_num(np.array([known[name] for name in self._names], dtype=np.float32))
 
     def observation(self, observation: Array) -> Array:
@@ -353,11 +399,19 @@ def action_of_shape(action: ArrayLike, shape: tuple[int, ...]) -> Array:
     return array
 
 
+def _is_own(env: _Env) -> bool:
+    """Whether no wrapper has changed the slots of the observation."""
+    return bool(env.metadata["observation_names"] == unwrap(env).metadata["observation_names"])
+
+
 def wrap_env_for_rl(env: _Env, *, width: int | None = None, parameters: bool = False) -> _Env:
     """Wraps an environment for learning: observations and actions in [-1, 1], with ``parameters`` the building's
-    attributes appended, and padded to ``width``."""
+    scaled attributes appended, and padded to ``width``. Houses have the slots of :class:`RoleObservation` unless ``width``
+    is given."""
     if not unwrap(env).rescale_action:
         env = gymnasium.wrappers.RescaleAction(env, np.float32(-1.0), np.float32(1.0))
+    if width is None and unwrap(env).layout.spaces.roles is not None and _is_own(env):
+        env = RoleObservation(env)
     env = NormalizeObservation(env)
     if parameters:
         env = AugmentObservationWithBuildingParams(env)

@@ -46,7 +46,7 @@ mod _core {
     #[pymodule_export]
     use super::owner::Owner;
     #[pymodule_export]
-    use super::spaces::{Actuator, Slot, Spaces, Zone};
+    use super::spaces::{Actuator, RoleSlot, Slot, Spaces, Zone};
     #[pymodule_export]
     use super::vector::VecEnv;
 

@@ -123,6 +123,18 @@ impl Morphology {
         COMMON.iter().map(name).zip(self.graph.common_attributes.iter().copied()).collect()
     }
 
+    /// The attributes of a whole building with their bounds, which are the same for every building.
+    #[getter]
+    fn common_attribute_slots(&self, py: Python<'_>) -> PyResult<Vec<Py<NodeSlot>>> {
+        slots(py, COMMON)
+    }
+
+    /// Attributes of the whole building, scaled from their bounds to [-1, 1] and clipped; 0 where unknown.
+    #[getter]
+    fn scaled_common_attributes(&self) -> Vec<f64> {
+        self.graph.scaled_common_attributes()
+    }
+
     /// The nodes, ordered by type.
     #[getter]
     fn nodes(&self, py: Python<'_>) -> PyResult<Vec<Node>> {

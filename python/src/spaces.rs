@@ -7,7 +7,7 @@ use b2b_building::description::shape::Face;
 use b2b_building::morphology::Owner as Part;
 use b2b_building::zone::SurfaceKind;
 use b2b_building::{Conditioning, Morphology as Graph};
-use b2b_env::{Decomposition, Target};
+use b2b_env::{Decomposition, RoleObservation, RoleValue, Target};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
@@ -41,6 +41,23 @@ pub struct Slot {
     owner: Py<Owner>,
     /// Where the value comes from.
     source: &'static str,
+}
+
+/// A slot of the fixed width of houses' observations.
+#[pyclass(frozen, get_all, module = "building2building._core")]
+pub struct RoleSlot {
+    /// Name, for example `garage air temperature`.
+    name: String,
+    /// SI unit.
+    unit: &'static str,
+    /// Lower bound.
+    low: f64,
+    /// Upper bound.
+    high: f64,
+    /// Slot of the building's own observation that it copies; `None` if it is constant.
+    slot: Option<usize>,
+    /// Its value if it is constant, else 0.
+    constant: f64,
 }
 
 /// A slot of the action.
@@ -128,6 +145,21 @@ impl Spaces {
             })
         };
         self.spaces.observation.slots().iter().map(slot).collect()
+    }
+
+    /// Slots of the fixed width, with a place for every role of a zone; `None` if the building is not one of the generator's
+    /// houses.
+    #[getter]
+    fn roles(&self) -> Option<Vec<RoleSlot>> {
+        let slot = |slot: &b2b_env::RoleSlot| {
+            let (own, constant) = match slot.value {
+                RoleValue::Slot(own) => (Some(own), 0.0),
+                RoleValue::Constant(constant) => (None, constant),
+            };
+            let (unit, low, high) = (slot.unit, slot.low, slot.high);
+            RoleSlot { name: slot.name.clone(), unit, low, high, slot: own, constant }
+        };
+        Some(RoleObservation::of(&self.spaces)?.slots().iter().map(slot).collect())
     }
 
     /// Lower bounds of the observation.

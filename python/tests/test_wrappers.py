@@ -36,9 +36,38 @@ def test_normalized_observations_map_bounds_to_minus_one_and_one(make):
 
 def test_building_parameters_are_appended(make):
     observation = stepped(wrappers.AugmentObservationWithBuildingParams(make()))
-    assert len(observation) > 15 and np.isfinite(observation).all() and observation[13:].any()
+    assert len(observation) > 15 and observation[13:].any() and np.abs(observation[13:]).max() <= 1
+    env = make()
+    morphology = env.unwrapped.morphology
+    for name, (low, high) in morphology.common_attribute_bounds.items():
+        value = morphology.common_attributes[name]
+        scaled = np.clip(2 * (value - low) / (high - low) - 1, -1, 1)
+        assert morphology.scaled_common_attributes[name] == pytest.approx(scaled), name
+    assert morphology.common_attributes["actuators"] == 10 and morphology.common_attributes["systems"] == 5
+    physical = stepped(wrappers.AugmentObservationWithBuildingParams(env, ["floor_area"], scaled=False))
+    assert physical[-1] == pytest.approx(morphology.common_attributes["floor_area"])
     with pytest.raises(errors.SettingError, match="unknown building attribute"):
         wrappers.AugmentObservationWithBuildingParams(make(), ["color"])
+
+
+def test_a_slot_has_the_same_role_in_every_house(make):
+    names = []
+    for house in ("SingleFamilyHouse-0064", "SingleFamilyHouse-0318"):
+        env = wrappers.RoleObservation(make(house))
+        observation = stepped(env)
+        own, slots = env.unwrapped.observation, env.metadata["observation_names"]
+        assert observation.shape == (17,)
+        outdoors = env.unwrapped.layout.outdoor_temperature
+        assert observation[slots.index("outdoor air temperature")] == np.float32(own[outdoors])
+        garage = [zone.temperature_slot for zone in env.unwrapped.layout.zones if zone.name == "Garage"]
+        assert observation[slots.index("garage present")] == len(garage)
+        expected = np.float32(own[garage[0]]) if garage else 0
+        assert observation[slots.index("garage air temperature")] == expected
+        names.append(slots)
+    assert names[0] == names[1]
+    assert b2b.wrap_env_for_rl(make("SingleFamilyHouse-0064")).observation_space.shape == (17,)
+    with pytest.raises(errors.SettingError, match="houses"):
+        wrappers.RoleObservation(make())
 
 
 def test_buildings_are_resampled_on_reset(make):

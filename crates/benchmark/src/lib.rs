@@ -33,7 +33,7 @@ pub use evaluation::{
     Deviations, Episode, EpisodeInfo, Evaluation, Finished, Folder, Hours, Lost, Outcome, Progress, Record,
     Row, Scored, StepRewards, episode_table, read_episodes, read_stages, write_episodes, write_stages,
 };
-pub use policy::{ActionScale, BuiltIn, EpisodeContext, Interface, OnnxPolicy, Policy};
+pub use policy::{ActionScale, BuiltIn, EpisodeContext, HouseForm, Interface, OnnxPolicy, Policy};
 pub use problem::Problem;
 pub use results::Results;
 pub use return_terms::ReturnTerms;

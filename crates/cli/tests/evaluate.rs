@@ -49,6 +49,29 @@ fn a_killed_evaluation_resumes_and_ends_with_the_same_bytes() {
 }
 
 #[test]
+fn evaluations_of_the_same_episodes_are_compared_on_one_page() {
+    let folder = tempfile::tempdir().unwrap();
+    for (policy, days) in
+        [("reactive", "01-10..01-10"), ("random", "01-10..01-10"), ("constant", "01-11..01-11")]
+    {
+        let evaluate =
+            format!("evaluate SingleFamilyHouse-0014 --policy {policy} --period {days} --out {policy}");
+        assert!(b2b(folder.path(), &evaluate).status.success());
+    }
+    assert!(b2b(folder.path(), "evaluate compare reactive random --out page.html").status.success());
+    let page = std::fs::read_to_string(folder.path().join("page.html")).unwrap();
+    assert!(page.contains("2 policies on 1 episodes") && page.contains("Rewards of single steps"));
+    let refused = |arguments: &str, words: &[&str]| assert_rejected(folder.path(), arguments, words);
+    refused(
+        "evaluate compare reactive constant",
+        &["`constant`", "01-11..01-11", "not an episode of reactive"],
+    );
+    refused("evaluate compare reactive nowhere", &["nowhere", "b2b evaluate"]);
+    refused("evaluate compare reactive", &["FOLDER"]);
+    refused("evaluate", &["--policy", "--out"]);
+}
+
+#[test]
 fn invalid_arguments_are_rejected_with_a_remedy() {
     let folder = tempfile::tempdir().unwrap();
     let refused = |arguments: &str, words: &[&str]| assert_rejected(folder.path(), arguments, words);

@@ -14,7 +14,7 @@ use b2b_control::{Controller, Reactive, ReactiveParameters};
 use b2b_dataset::Catalog;
 use b2b_energyplus::install::Quiet;
 use b2b_env::vector::Launcher;
-use b2b_env::{Env, Trajectory};
+use b2b_env::{Env, RoleObservation, Trajectory};
 use onnx_file::linear_policy;
 use tempfile::TempDir;
 
@@ -260,6 +260,22 @@ fn an_onnx_policy_of_zeros_is_the_middle_of_every_bound() {
     let clamped = case.run("physical", &physical, &episodes, &());
     assert_eq!(clamped.rows[0].metrics().unwrap().clamped_actions, 2 * 24 * 12);
     assert_ne!(physical.identity(), policy.identity());
+}
+
+/// These houses have 9 and 10 slots.
+#[test]
+fn one_onnx_policy_controls_houses_with_other_zones_by_roles_or_with_zeros_behind() {
+    let case = Case::new();
+    let houses = ["SingleFamilyHouse-0064", "SingleFamilyHouse-0318"];
+    let episodes = episodes(&houses, &["constant"], "01-10..01-10");
+    let middle = case.run("constant", &BuiltIn::Constant, &episodes, &());
+    for width in [RoleObservation::WIDTH, 20] {
+        let policy = onnx(&case, width, 2, 0.0, ActionScale::Rescaled);
+        let zeros = case.run(&format!("zeros-{width}"), &policy, &episodes, &());
+        for (zeros, middle) in zeros.rows.iter().zip(&middle.rows) {
+            assert_eq!(scored(zeros).trajectory_hash, scored(middle).trajectory_hash, "{width}");
+        }
+    }
 }
 
 #[test]

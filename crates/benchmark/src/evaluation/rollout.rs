@@ -10,21 +10,22 @@ use super::finished::Finished;
 use super::info::EpisodeInfo;
 use super::parallel::Work;
 use super::recording::Recording;
-use crate::policy::{EpisodeContext, Interface};
+use crate::policy::{self, EpisodeContext, Interface};
 use crate::{Error, Result};
 
 /// Runs an episode.
 pub(super) fn run(bench: &mut Bench, episode: &Episode, work: &Work<'_>) -> Result<Finished> {
     let mut environment = bench.workers.episode(&bench.setting(episode))?;
     let spaces = Arc::clone(environment.spaces());
-    let mut controller = work.policy.controller(EpisodeContext {
+    let context = EpisodeContext {
         subject: &bench.located.subject,
         site: &bench.located.site,
         spaces: &spaces,
         interface: &Interface::of(&spaces),
         seed: episode.seed,
         episode: &mut environment,
-    })?;
+    };
+    let mut controller = policy::controller(work.policy, context)?;
     let mut recorder = Recorder::new(&spaces, work);
     let metrics =
         rollout(&mut environment, controller.as_mut(), &mut recorder).map_err(|error| match error {

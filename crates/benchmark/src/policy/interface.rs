@@ -28,6 +28,11 @@ pub trait Policy: Sync {
         false
     }
 
+    /// Returns the width of the observations that the policy expects, if it is known.
+    fn observation_width(&self) -> Option<usize> {
+        None
+    }
+
     /// Makes a controller for one episode. The controller keeps the state it needs.
     ///
     /// # Errors

@@ -2,12 +2,15 @@
 
 mod action_scale;
 mod built_in;
+mod form;
 mod interface;
 mod named;
 mod onnx;
 
 pub use action_scale::ActionScale;
 pub use built_in::BuiltIn;
+pub use form::HouseForm;
+pub(crate) use form::{Form, controller};
 pub use interface::{EpisodeContext, Interface, Policy};
 pub(crate) use named::is_onnx;
 pub use onnx::OnnxPolicy;

@@ -95,6 +95,10 @@ impl Policy for OnnxPolicy {
         self.identity.clone()
     }
 
+    fn observation_width(&self) -> Option<usize> {
+        self.input_width()
+    }
+
     fn controller(&self, context: EpisodeContext<'_>) -> Result<Box<dyn Controller>> {
         let EpisodeContext { spaces, interface, .. } = context;
         self.check_observation(spaces, interface)?;

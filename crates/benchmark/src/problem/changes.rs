@@ -12,6 +12,7 @@ use super::definition::Problem;
 use super::protocol::Attributes;
 use super::restriction::Fallback;
 use super::side::Side;
+use crate::policy::HouseForm;
 use crate::{Error, Result};
 
 /// Changes to a problem; none by default.
@@ -43,6 +44,8 @@ pub struct Changes {
     pub steps_per_hour: Option<u32>,
     /// Whether observations include the building's attributes.
     pub attributes: Option<Attributes>,
+    /// Form of the observations of houses.
+    pub observation: Option<HouseForm>,
     /// Control of the withheld actuators.
     pub fallback: Option<Fallback>,
     /// Value at which withheld actuators are pinned.
@@ -98,6 +101,7 @@ impl Problem {
         }
         protocol.steps_per_hour = changes.steps_per_hour.unwrap_or(protocol.steps_per_hour);
         protocol.attributes = changes.attributes.unwrap_or(protocol.attributes);
+        protocol.observation = changes.observation.unwrap_or(protocol.observation);
         self.check()?;
         Ok(self)
     }

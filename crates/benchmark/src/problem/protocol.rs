@@ -6,6 +6,8 @@ use std::str::FromStr;
 use b2b_building::RunPeriod;
 use serde::{Deserialize, Serialize};
 
+use crate::policy::HouseForm;
+
 /// The protocol of a problem.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -26,12 +28,16 @@ pub struct Protocol {
     pub adaptation: Vec<u64>,
     /// Whether observations include the building's attributes.
     pub attributes: Attributes,
-    /// Width to which observations are zero-padded, so that all buildings have one shape.
+    /// Form of the observations of houses.
+    #[serde(default, skip_serializing_if = "HouseForm::is_roles")]
+    pub observation: HouseForm,
+    /// Width to which observations in model order are zero-padded, so that all buildings have one shape.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub observation_width: Option<usize>,
 }
 
-/// Whether the common attributes of a building's morphology (floor area, climate, envelope) follow the observation.
+/// Whether the common attributes of a building's morphology (floor area, climate, envelope), scaled to [-1, 1], follow the
+/// observation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Attributes {

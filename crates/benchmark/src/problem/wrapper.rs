@@ -4,17 +4,18 @@ use b2b_building::Description;
 use b2b_building::morphology::{COMMON, Morphology};
 use b2b_control::Controller;
 use b2b_energyplus::digest::sha256;
+use b2b_env::{RoleObservation, Spaces};
 
 use super::definition::Problem;
 use super::protocol::Attributes;
 use super::restriction::{Fallback, RestrictedAction};
 use super::side::Side;
-use crate::policy::{EpisodeContext, Interface, Policy};
+use crate::policy::{EpisodeContext, Form, Interface, Policy};
 use crate::tuned::controller_parameters;
 use crate::{Error, Result};
 
-/// A policy behind the observation and action spaces of a problem's side: observations are zero-padded and extended by
-/// the building's attributes, and withheld actuators are controlled by their fallback.
+/// A policy behind the observation and action spaces of a problem's side: observations have the problem's form, or the
+/// other one if the policy expects its width, and are extended by the building's attributes; withheld actuators are controlled by their fallback.
 pub struct WrappedPolicy<'a> {
     policy: &'a dyn Policy,
     problem: &'a Problem,
@@ -27,7 +28,7 @@ impl<'a> WrappedPolicy<'a> {
         Self { policy, problem, side }
     }
 
-    /// Returns the common attributes of the building in the order of [`COMMON`]; unknown ones are 0.
+    /// Returns the common attributes of the building in the order of [`COMMON`], scaled to [-1, 1].
     fn attributes(&self, context: &EpisodeContext<'_>) -> Result<Vec<f64>> {
         if self.problem.protocol.attributes == Attributes::Withheld {
             return Ok(Vec::new());
@@ -35,12 +36,18 @@ impl<'a> WrappedPolicy<'a> {
         let EpisodeContext { subject, spaces, .. } = context;
         let origin = subject.placement.origin(&subject.name);
         let description = Description::of(&spaces.building, &spaces.episode.weather, origin)?;
-        let or_zero = |value: f64| if value.is_finite() { value } else { 0.0 };
-        Ok(Morphology::of(&spaces.building, &description)
-            .common_attributes
-            .into_iter()
-            .map(or_zero)
-            .collect())
+        Ok(Morphology::of(&spaces.building, &description).scaled_common_attributes())
+    }
+
+    /// Returns the form of the observations of a building, to which `attributes` values are appended.
+    fn form(&self, spaces: &Spaces, attributes: usize) -> Result<Form> {
+        let roles = || RoleObservation::of(spaces).filter(|_| self.problem.protocol.observation.is_roles());
+        let default = match roles() {
+            Some(roles) => Form::Roles(roles),
+            None => Form::Raw { padding: self.padding(spaces.observation.len())? },
+        };
+        let width = self.policy.observation_width().and_then(|width| width.checked_sub(attributes));
+        Ok(Form::of_width(spaces, width, default))
     }
 
     /// Returns the number of zeros that pad an observation of `slots` values.
@@ -63,6 +70,7 @@ impl Policy for WrappedPolicy<'_> {
             &self.side.restriction,
             self.problem.protocol.attributes,
             self.problem.protocol.observation_width,
+            self.problem.protocol.observation,
         );
         let wrapper = serde_json::to_vec(&wrapper).unwrap_or_default();
         format!("{}, interface {}", self.policy.identity(), &sha256(wrapper)[..16])
@@ -78,8 +86,7 @@ impl Policy for WrappedPolicy<'_> {
         let parameters = controller_parameters(subject, site, &spaces.episode.task);
         let restricted = self.side.restriction.map(|each| each.apply(spaces, &parameters)).transpose()?;
         let attributes = self.attributes(&context)?;
-        let slots = spaces.observation.slots();
-        let padding = self.padding(slots.len())?;
+        let form = self.form(spaces, attributes.len())?;
         let action = match &restricted {
             Some(restricted) => spaces.action.select(restricted.kept()),
             None => spaces.action.clone(),
@@ -91,16 +98,11 @@ impl Policy for WrappedPolicy<'_> {
         }
         let attribute_names = COMMON.iter().take(attributes.len()).map(|slot| attribute_name(slot.quantity));
         let interface = Interface {
-            observation: slots
-                .iter()
-                .map(|slot| slot.name.clone())
-                .chain((0..padding).map(|_| "padding".to_owned()))
-                .chain(attribute_names)
-                .collect(),
+            observation: form.names(spaces).into_iter().chain(attribute_names).collect(),
             action,
         };
-        let mut padded = vec![0.0; slots.len() + padding];
-        padded.extend(attributes);
+        let mut row = vec![0.0; interface.observation.len() - attributes.len()];
+        row.extend(attributes);
         let bypass = self.policy.ignores_interface();
         let partial_action = vec![0.0; interface.action.len()];
         if bypass && restricted.is_some() && !self.policy.is_baseline() {
@@ -118,7 +120,7 @@ impl Policy for WrappedPolicy<'_> {
             seed,
             ..context
         })?;
-        Ok(Box::new(WrappedController { inner, bypass, restricted, padded, partial_action }))
+        Ok(Box::new(WrappedController { inner, bypass, restricted, form, row, partial_action }))
     }
 }
 
@@ -128,8 +130,9 @@ struct WrappedController {
     /// Whether the inner controller observes and controls the whole building; withheld actuators are overwritten.
     bypass: bool,
     restricted: Option<RestrictedAction>,
-    /// Observation, zeros and attributes.
-    padded: Vec<f64>,
+    form: Form,
+    /// Observation in its form, and attributes.
+    row: Vec<f64>,
     /// Action of the remaining actuators.
     partial_action: Vec<f64>,
 }
@@ -150,11 +153,11 @@ impl Controller for WrappedController {
             }
             return;
         }
-        self.padded[..observation.len()].copy_from_slice(observation);
+        self.form.write(observation, &mut self.row);
         match &mut self.restricted {
-            None => self.inner.act(&self.padded, action),
+            None => self.inner.act(&self.row, action),
             Some(restricted) => {
-                self.inner.act(&self.padded, &mut self.partial_action);
+                self.inner.act(&self.row, &mut self.partial_action);
                 restricted.complete(observation, &self.partial_action, action);
             }
         }

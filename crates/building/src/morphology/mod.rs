@@ -130,10 +130,22 @@ impl Morphology {
         let edges = edges(building, description, &nodes);
         Self {
             name: building.name.clone(),
-            common_attributes: values(COMMON, |attribute| common_attribute(description, attribute)),
+            common_attributes: values(COMMON, |attribute| match attribute {
+                Attribute::Actuators => building.actuators().count() as f64,
+                _ => common_attribute(description, attribute),
+            }),
             nodes,
             edges,
         }
+    }
+
+    /// Returns the common attributes scaled from their bounds to [-1, 1] and clipped; unknown ones are 0.
+    pub fn scaled_common_attributes(&self) -> Vec<f64> {
+        let scaled = |(slot, value): (&LocalSlot<Attribute>, &f64)| match slot.quantity {
+            Attribute::Year if *value == 0.0 => 0.0,
+            _ => slot.scaled(*value),
+        };
+        COMMON.iter().zip(&self.common_attributes).map(scaled).collect()
     }
 
     /// Returns the number of the node of an owner.

@@ -114,6 +114,8 @@ pub enum Attribute {
     Systems,
     /// Number of controlled zones.
     ControlledZones,
+    /// Number of actuators.
+    Actuators,
 }
 
 /// One slot of a space.
@@ -156,6 +158,16 @@ impl Universe {
     /// The universe of all buildings.
     pub fn new() -> Self {
         Self { common_attributes: COMMON, node_types: NodeType::ALL.map(NodeType::spaces).to_vec() }
+    }
+}
+
+impl<Q> LocalSlot<Q> {
+    /// Returns a value scaled from the bounds to [-1, 1] and clipped; 0 if it is unknown (not a number).
+    pub fn scaled(&self, value: f64) -> f64 {
+        if value.is_nan() {
+            return 0.0;
+        }
+        (2.0 * (value - self.low) / (self.high - self.low) - 1.0).clamp(-1.0, 1.0)
     }
 }
 
@@ -295,6 +307,7 @@ pub const COMMON: &[LocalSlot<Attribute>] = &[
     slot(Attribute::Infiltration, "1/h", 0.0, 2.0),
     slot(Attribute::Systems, "1", 0.0, 20.0),
     slot(Attribute::ControlledZones, "1", 0.0, 50.0),
+    slot(Attribute::Actuators, "1", 0.0, 100.0),
 ];
 
 const AIR_LOOP: &[LocalSlot<Attribute>] = &[
@@ -357,6 +370,13 @@ mod tests {
             check(spaces.observation);
             check(spaces.action);
         }
+    }
+
+    #[test]
+    fn a_scaled_value_is_relative_to_the_bounds_and_clipped() {
+        let area = slot((), "m²", 0.0, 12_000.0);
+        let scaled = [0.0, 6000.0, 12_000.0, 20_000.0, f64::NAN].map(|value| area.scaled(value));
+        assert_eq!(scaled, [-1.0, 0.0, 1.0, 1.0, 0.0]);
     }
 
     #[test]

@@ -96,7 +96,7 @@ fn text(problem: &Problem) -> String {
 fn rules(protocol: &Protocol) -> [(&'static str, String); 6] {
     let list = |values: &[u64]| values.iter().map(u64::to_string).collect::<Vec<_>>().join(", ");
     let windows: Vec<_> = protocol.windows.iter().map(ToString::to_string).collect();
-    let padding = protocol.observation_width.map(|width| format!(", zero-padded to {width} slots"));
+    let padding = protocol.observation_width.map(|width| format!("; zero-padded to {width} slots"));
     [
         (
             "training budget",
@@ -112,7 +112,12 @@ fn rules(protocol: &Protocol) -> [(&'static str, String); 6] {
         ("generalization gap", format!("sample of training buildings, size {}", protocol.train_sample)),
         (
             "observation",
-            format!("building attributes {}{}", protocol.attributes, padding.unwrap_or_default()),
+            format!(
+                "building attributes {}; form of houses: {}{}",
+                protocol.attributes,
+                protocol.observation,
+                padding.unwrap_or_default()
+            ),
         ),
     ]
 }

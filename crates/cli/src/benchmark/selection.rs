@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use anyhow::{Result, bail};
-use b2b_benchmark::Problem;
+use b2b_benchmark::{HouseForm, Problem};
+
 use b2b_benchmark::problem::{Attributes, Changes, Fallback};
 use b2b_building::{BuildingType, RunPeriod};
 use b2b_dataset::BuildingId;
@@ -58,9 +59,12 @@ struct ChangeArguments {
     /// Zone time steps per hour
     #[arg(long, value_name = "N")]
     steps_per_hour: Option<u32>,
-    /// Whether the observation includes the attributes of the building
+    /// Whether the observation includes the attributes of the building, scaled to [-1, 1]
     #[arg(long, value_name = "given|withheld")]
     attributes: Option<Attributes>,
+    /// Form of the observations of houses: a place for every role of a zone, or zones in model order and zeros behind
+    #[arg(long, value_name = "roles|raw")]
+    observation: Option<HouseForm>,
     /// What controls the actuators that are withheld from the policy: the reactive controllers, or a constant
     #[arg(long, value_name = "reactive|pin")]
     fallback: Option<Fallback>,
@@ -87,7 +91,7 @@ impl Selection {
 
 impl ChangeArguments {
     fn changes(&self) -> Changes {
-        let Self { attributes, fallback, pin, steps_per_hour, .. } = *self;
+        let Self { attributes, observation, fallback, pin, steps_per_hour, .. } = *self;
         Changes {
             buildings: self.buildings.clone(),
             train: self.train.clone(),
@@ -99,6 +103,7 @@ impl ChangeArguments {
             seeds: self.seeds.clone(),
             steps_per_hour,
             attributes,
+            observation,
             fallback,
             pin,
         }

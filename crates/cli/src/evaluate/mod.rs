@@ -5,7 +5,7 @@ mod compare;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use b2b_benchmark::statistics::Aggregate;
 use b2b_benchmark::{Baselines, Episode, Folder, Group, Results, Subject, Summary, Window};
 use b2b_building::RunPeriod;
@@ -39,8 +39,9 @@ use crate::table::Table;
 pub struct Arguments {
     #[command(subcommand)]
     command: Option<Command>,
+    /// Present unless there is a subcommand.
     #[command(flatten)]
-    run: Run,
+    run: Option<Run>,
 }
 
 #[derive(clap::Subcommand)]
@@ -93,9 +94,10 @@ lists it, to an array [1, action]. Actions range from -1 to 1 between the bounds
 
 /// Runs the command.
 pub fn evaluate(arguments: &Arguments) -> Result<ExitCode> {
-    match &arguments.command {
-        Some(Command::Compare(arguments)) => compare::compare(arguments),
-        None => run(&arguments.run),
+    match (&arguments.command, &arguments.run) {
+        (Some(Command::Compare(arguments)), _) => compare::compare(arguments),
+        (None, Some(arguments)) => run(arguments),
+        (None, None) => bail!("no policy; see `b2b evaluate --help`"),
     }
 }
 
