@@ -92,8 +92,10 @@ def test_the_reactive_controllers_score_one_and_others_do_not():
     problem = DynamicsAdaptation(1, **houses)
     reactive = problem.evaluate(b2b.ReactiveController)
     assert set(reactive.scores.values()) == {1.0} and reactive.interquartile_mean == 1.0
+    assert set(reactive.resolved_scores.values()) == {1.0} and reactive.relative_energy == 1.0
     random = problem.evaluate(b2b.RandomController)
-    assert random.interquartile_mean > 1
+    assert 1 < random.resolved_interquartile_mean < random.interquartile_mean
+    assert random.rms_deviation > reactive.rms_deviation
     assert list(reactive.scores) == [(each, "constant") for each in houses["test"]]
 
 
@@ -117,7 +119,7 @@ def test_measures_equal_those_computed_with_numpy():
         [list(random.lognormal(0.1, 0.4, size=3)) for _ in range(17)],
         [list(random.lognormal(0.4, 0.3, size=3)) for _ in range(9)],
     ]
-    measured = json.loads(_core.measures(strata))
+    measured = json.loads(_core.measures(strata, strata))
     scores = np.array([np.mean(seeds) for stratum in strata for seeds in stratum])
     expected = {
         "mean": np.mean(scores),
@@ -127,6 +129,10 @@ def test_measures_equal_those_computed_with_numpy():
     }
     for name, value in expected.items():
         assert abs(measured["test"][name]["value"] - value) < 1e-9, name
+    test = measured["test"]
+    assert (test["min"], test["max"]) == pytest.approx((scores.min(), scores.max()))
+    assert test["beats_baseline_count"] == np.sum(scores < 1)
+    assert test["resolved"] == {name: test[name] for name in test["resolved"]}
     for point in measured["profile"]:
         assert abs(point["share"]["value"] - np.mean(scores <= point["score"])) < 1e-9
 
