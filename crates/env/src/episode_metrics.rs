@@ -104,6 +104,10 @@ episode_metrics! {
     energy_penalty: f64 = "energy_penalty", "1", |metrics| metrics.energy_penalty;
     /// Root mean square deviation from target, K.
     rms_deviation: f64 = "rms_deviation_k", "K", Metrics::rms_deviation;
+    /// Root mean square deviation below target of the zones without cooling, K; 0 if there are none.
+    rms_heating_only: f64 = "rms_heating_only_k", "K", Metrics::rms_heating_only;
+    /// Zones that were never near their target: their rewarded deviation was outside the comfort band in every step.
+    zones_never_near_target: usize = "zones_never_near_target", "1", Metrics::zones_never_near_target;
     /// Mean absolute deviation from target, K.
     mean_abs_deviation: f64 = "mean_abs_deviation_k", "K", Metrics::mean_abs_deviation;
     /// Hours outside the task's comfort band.
@@ -126,6 +130,10 @@ episode_metrics! {
     daily_travel: f64 = "daily_travel", "1/d", Metrics::daily_travel;
     /// Action values that were out of bounds and clamped.
     clamped_actions: usize = "clamped_actions", "1", |metrics| metrics.clamped_actions;
+    /// Steps in which the ventilation interlock raised an action.
+    ventilation_overrides: usize = "ventilation_overrides", "1", |metrics| metrics.ventilation_overrides;
+    /// Outdoor air per person while people are present, L/s; 0 where no system has outdoor air.
+    outdoor_air_per_person: f64 = "outdoor_air_l_s_person", "L/s", Metrics::outdoor_air_per_person;
 }
 
 impl EpisodeMetrics {

@@ -31,6 +31,7 @@ mod task;
 mod trajectory;
 #[cfg(target_os = "linux")]
 pub mod vector;
+mod ventilation;
 mod warmup;
 mod zones;
 
@@ -52,3 +53,4 @@ pub use setpoints::{RandomDay, RandomHour, Setpoints};
 pub use spaces::{EpisodeConfig, Spaces};
 pub use task::{Fuels, HeatingOnlyZones, Hourly, Resource, Task};
 pub use trajectory::Trajectory;
+pub use ventilation::Ventilation;

@@ -15,8 +15,11 @@ pub struct ZoneMetrics {
     /// Thermal discomfort: the rewarded deviation outside the task's comfort band, integrated over time, K h.
     pub discomfort: f64,
     squares: f64,
+    penalized_squares: f64,
     absolutes: f64,
     steps_outside: usize,
+    /// Steps in which the rewarded deviation was outside the comfort band.
+    penalized_steps_outside: usize,
 }
 
 /// Sums over the steps of an episode. [`EpisodeMetrics`](crate::EpisodeMetrics) is what is reported of them.
@@ -46,8 +49,12 @@ pub struct Metrics {
     pub travel: Vec<f64>,
     /// Action values that were out of bounds and clamped.
     pub clamped_actions: usize,
+    /// Steps in which the ventilation interlock raised an action.
+    pub ventilation_overrides: usize,
     /// The controlled zones, in model order.
     pub zones: Vec<ZoneMetrics>,
+    /// Outdoor air of the systems with people in their zones, L/s, and these people, summed over the steps.
+    outdoor_air: [f64; 2],
     hours_per_step: f64,
     comfort_band: f64,
     last_action: Vec<f64>,
@@ -57,6 +64,17 @@ impl ZoneMetrics {
     /// Returns the root mean square deviation over `steps` steps, K.
     pub fn rms_deviation(&self, steps: usize) -> f64 {
         (self.squares / steps.max(1) as f64).sqrt()
+    }
+
+    /// Returns the root mean square of the rewarded deviation over `steps` steps, K: of a zone without cooling that below
+    /// target.
+    pub fn rms_penalized_deviation(&self, steps: usize) -> f64 {
+        (self.penalized_squares / steps.max(1) as f64).sqrt()
+    }
+
+    /// Whether the rewarded deviation was outside the task's comfort band in each of `steps` steps.
+    pub fn is_never_near_target(&self, steps: usize) -> bool {
+        steps > 0 && self.penalized_steps_outside == steps
     }
 
     /// Returns the mean absolute deviation over `steps` steps, K.
@@ -92,6 +110,19 @@ impl Metrics {
         (electricity / self.hours_per_step - self.peak_electricity).max(0.0)
     }
 
+    /// Adds the outdoor air of a step (L/s) and the people whom it reaches.
+    pub(crate) fn add_outdoor_air(&mut self, [flow, people]: [f64; 2]) {
+        self.outdoor_air[0] += flow;
+        self.outdoor_air[1] += people;
+    }
+
+    /// Returns the mean outdoor air per person, L/s, while people are in the zones of systems with outdoor air; 0 if
+    /// there are none.
+    pub fn outdoor_air_per_person(&self) -> f64 {
+        let [flow, people] = self.outdoor_air;
+        if people > 0.0 { flow / people } else { 0.0 }
+    }
+
     /// Adds the step that `steps` already counts. `low` and `high` are the bounds of the action.
     pub(crate) fn add(&mut self, reward: Reward, step: &StepView<'_>, low: &[f64], high: &[f64]) {
         self.episode_return += reward.total();
@@ -106,10 +137,13 @@ impl Metrics {
         self.add_travel(step.action, low, high);
         for (zone, step) in self.zones.iter_mut().zip(step.zones) {
             let deviation = step.temperature - step.target;
+            let penalized = step.deviation();
+            zone.penalized_squares += penalized * penalized;
+            zone.penalized_steps_outside += usize::from(penalized.abs() > self.comfort_band);
             zone.squares += deviation * deviation;
             zone.absolutes += deviation.abs();
             zone.steps_outside += usize::from(deviation.abs() > self.comfort_band);
-            zone.discomfort += (step.deviation().abs() - self.comfort_band).max(0.0) * self.hours_per_step;
+            zone.discomfort += (penalized.abs() - self.comfort_band).max(0.0) * self.hours_per_step;
         }
     }
 
@@ -156,6 +190,19 @@ impl Metrics {
         self.travel.iter().sum::<f64>()
             / self.travel.len().max(1) as f64
             / days.max(self.hours_per_step / 24.0)
+    }
+
+    /// Returns the root mean square of the rewarded deviation, K, averaged over the zones without cooling; 0 if there are
+    /// none.
+    pub fn rms_heating_only(&self) -> f64 {
+        let heated: Vec<_> = self.zones.iter().filter(|zone| !zone.fully_conditioned).collect();
+        heated.iter().map(|zone| zone.rms_penalized_deviation(self.steps)).sum::<f64>()
+            / heated.len().max(1) as f64
+    }
+
+    /// Returns the number of zones that were never near their target: see [`ZoneMetrics::is_never_near_target`].
+    pub fn zones_never_near_target(&self) -> usize {
+        self.zones.iter().filter(|zone| zone.is_never_near_target(self.steps)).count()
     }
 
     fn mean_over_zones(&self, value: impl Fn(&ZoneMetrics) -> f64) -> f64 {

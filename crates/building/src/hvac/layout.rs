@@ -119,6 +119,7 @@ mod tests {
     use super::*;
     use crate::hvac::actuator::{EngineVariable, Quantity};
     use crate::hvac::system::Terminal;
+    use crate::hvac::ventilation::Ventilation;
 
     fn actuator(name: &str) -> Actuator {
         Actuator {
@@ -151,6 +152,7 @@ mod tests {
             zone: "core".to_owned(),
             flow: actuator("flow"),
             supply_temperature: actuator("unit supply"),
+            ventilation: None,
         };
         let air_loop = AirLoop {
             name: "loop".to_owned(),
@@ -158,6 +160,11 @@ mod tests {
             outdoor_air: actuator("outdoor"),
             fan_flow: 1.0,
             exhaust_flow: 0.0,
+            ventilation: Ventilation {
+                min_outdoor_air: 0.1,
+                damper: None,
+                outdoor_air: EngineVariable::new("", ""),
+            },
             terminals: vec![terminal("East"), terminal("West")],
         };
         let heater = HeatingOnly { zone: "Hall".to_owned(), setpoint: actuator("setpoint") };

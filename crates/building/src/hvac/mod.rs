@@ -16,6 +16,7 @@ mod setpoint_managers;
 mod system;
 pub mod thermostat;
 pub mod unitary;
+mod ventilation;
 pub mod zone_equipment;
 
 pub use actuator::{Actuator, EngineVariable, Quantity};
@@ -24,3 +25,4 @@ pub use discovery::{Discovery, Uncontrolled};
 pub(crate) use discovery::{discover, has_own_controls};
 pub use layout::{ServedZone, SystemLayout};
 pub use system::{AirLoop, HeatingOnly, System, Terminal, Unitary};
+pub use ventilation::{MinimumDamper, Ventilation};

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::actuator::Actuator;
+use super::ventilation::Ventilation;
 
 /// A group of actuators that act together on their zones.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -17,6 +18,15 @@ pub enum System {
 }
 
 impl System {
+    /// Its outdoor air, if it has any.
+    pub fn ventilation(&self) -> Option<&Ventilation> {
+        match self {
+            System::Unitary(unit) => unit.ventilation.as_ref(),
+            System::AirLoop(air_loop) => Some(&air_loop.ventilation),
+            System::HeatingOnly(_) => None,
+        }
+    }
+
     /// The zones it serves.
     pub fn zones(&self) -> Vec<&str> {
         match self {
@@ -36,6 +46,8 @@ pub struct Unitary {
     pub flow: Actuator,
     /// [`Quantity::SupplyAirTemperature`](super::Quantity::SupplyAirTemperature).
     pub supply_temperature: Actuator,
+    /// Its outdoor air; `None` for a unit without any.
+    pub ventilation: Option<Ventilation>,
 }
 
 /// A central air loop.
@@ -51,6 +63,8 @@ pub struct AirLoop {
     pub fan_flow: f64,
     /// Design flow of the exhaust fans in its zones, kg/s. Outdoor air makes up for it, whatever is commanded.
     pub exhaust_flow: f64,
+    /// Its outdoor air.
+    pub ventilation: Ventilation,
     /// The terminals, in model order of their zones.
     pub terminals: Vec<Terminal>,
 }

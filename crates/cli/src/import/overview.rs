@@ -95,6 +95,9 @@ fn note(name: &str, report: &Report) -> String {
         .collect();
     if let Some(trial) = &report.trial {
         lines.extend(trial.severe_message.iter().map(|message| message.replace('\n', " ")));
+        if !trial.never_near_target.is_empty() {
+            lines.push(format!("never near target: {}", trial.never_near_target.join(", ")));
+        }
         if trial.worst_zone_rms_k >= LARGE_DEVIATION {
             lines.push(format!("worst zone: {}", trial.worst_zone));
         }

@@ -39,6 +39,9 @@ pub struct System {
     pub name: String,
     pub zones: Vec<String>,
     pub actuators: Vec<String>,
+    /// Design minimum of outdoor air, which the ventilation interlock keeps while a zone is occupied; `None` without
+    /// outdoor air.
+    pub min_outdoor_air_kg_s: Option<f64>,
 }
 
 #[derive(Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -126,6 +129,7 @@ impl System {
             name: name.clone(),
             zones: system.zones().into_iter().map(str::to_owned).collect(),
             actuators: system.actuators().into_iter().map(|actuator| actuator.name.clone()).collect(),
+            min_outdoor_air_kg_s: system.ventilation().map(|air| air.min_outdoor_air),
         }
     }
 }

@@ -29,13 +29,14 @@ pub fn text(report: &Report, model: &Path, location: &Location) -> String {
 }
 
 fn systems_text(report: &Report) -> String {
-    let mut table = Table::new(["system", "type", "zones", "actuators"]);
+    let mut table = Table::new(["system", "type", "zones", "actuators", "minimum outdoor air (kg/s)"]);
     for system in &report.systems {
         table.row([
             system.name.clone(),
             system.kind.name().to_owned(),
             system.zones.len().to_string(),
             system.actuators.len().to_string(),
+            system.min_outdoor_air_kg_s.map_or_else(|| "–".to_owned(), |flow| format!("{flow:.3}")),
         ]);
     }
     table.text()
@@ -68,11 +69,17 @@ fn zones_text(report: &Report) -> String {
 fn trial_text(trial: &Trial) -> String {
     let severe: String =
         trial.severe_message.iter().map(|m| format!("\n  severe: {}", m.replace('\n', " "))).collect();
+    let far = match &trial.never_near_target[..] {
+        [] => String::new(),
+        zones => format!("\n  warning: never within the comfort band of the target: {}", zones.join(", ")),
+    };
     format!(
         "Simulated {} under the reactive controller, target 21 °C\n  RMS deviation {:.2} K over the zones with heating \
-         and cooling; worst zone {}, {:.2} K\n  engine messages: {} warnings, {} severe{severe}",
+         and cooling, {:.2} K below target over those without cooling; worst zone {}, {:.2} K{far}\n  engine messages: {} \
+         warnings, {} severe{severe}",
         trial.period,
         trial.rms_deviation_k,
+        trial.rms_heating_only_k,
         trial.worst_zone,
         trial.worst_zone_rms_k,
         trial.warnings,

@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result};
 use b2b_building::RunPeriod;
-use b2b_env::Task;
+use b2b_env::{Task, ZoneMetrics};
 use serde::{Deserialize, Serialize};
 
 use crate::arguments::controller::{Parameters, reactive};
@@ -15,6 +15,10 @@ pub struct Trial {
     pub period: String,
     /// Over the controlled zones with heating and cooling.
     pub rms_deviation_k: f64,
+    /// Below target, over the controlled zones without cooling; 0 if there are none.
+    pub rms_heating_only_k: f64,
+    /// The controlled zones that were never within the comfort band of their target.
+    pub never_near_target: Vec<String>,
     /// The controlled zone with the largest deviation.
     pub worst_zone: String,
     pub worst_zone_rms_k: f64,
@@ -30,13 +34,17 @@ impl Trial {
         let spaces = prepared.spaces(period, 12, Task::default())?;
         let mut controller = reactive(&spaces, &Parameters::Tuned)?;
         let Rollout { metrics, engine, .. } = prepared.roll_out(&spaces, &mut controller, quiet)?;
-        let rms = |zone: &b2b_env::ZoneMetrics| zone.rms_deviation(metrics.steps);
+        let name = |zone: &ZoneMetrics| spaces.building.zones[zone.slot].name.clone();
+        let rms = |zone: &ZoneMetrics| zone.rms_penalized_deviation(metrics.steps);
+        let far = metrics.zones.iter().filter(|zone| zone.is_never_near_target(metrics.steps));
         let worst = metrics.zones.iter().max_by(|a, b| rms(a).total_cmp(&rms(b)));
         let worst = worst.context("no zone is controlled")?;
         Ok(Self {
             period: period.to_string(),
             rms_deviation_k: metrics.rms_deviation(),
-            worst_zone: spaces.building.zones[worst.slot].name.clone(),
+            rms_heating_only_k: metrics.rms_heating_only(),
+            never_near_target: far.map(name).collect(),
+            worst_zone: name(worst),
             worst_zone_rms_k: rms(worst),
             warnings: engine.warnings,
             severes: engine.severes,

@@ -85,6 +85,8 @@ pub struct ZoneSummary {
     pub hours_outside_band: f64,
     /// Discomfort outside the band, K·h.
     pub discomfort_k_h: f64,
+    /// Whether the rewarded deviation was outside the comfort band in every step.
+    pub never_near_target: bool,
     /// Whether it has both heating and cooling.
     pub heating_and_cooling: bool,
 }
@@ -127,11 +129,12 @@ impl Summary {
             self.severe_messages.iter().map(|m| format!("    severe: {}\n", m.replace('\n', " "))).collect();
         let files: Vec<_> = self.info.files.iter().map(|file| format!("  {}", file.display())).collect();
         format!(
-            "{}\n\n{}\n{severes}\n{}{}\n\n{}",
+            "{}\n\n{}\n{severes}\n{}{}{}\n\n{}",
             self.title(),
             self.metrics_text(),
             self.zone_table(),
             self.never_occupied_note(),
+            self.never_near_target_note(),
             files.join("\n")
         )
     }
@@ -164,7 +167,7 @@ impl Summary {
                 format!("{:.1}  (temperature {temperature:.1}, energy {energy:.1})", metrics.episode_return),
             ),
             ("mean absolute deviation", format!("{:.2} K", metrics.mean_abs_deviation)),
-            ("RMS deviation", format!("{:.2} K", metrics.rms_deviation)),
+            ("RMS deviation", self.rms_deviation_text()),
             (
                 "outside comfort band",
                 format!("{:.1} h of {hours:.0} h (±{band} K)", metrics.hours_outside_band),
@@ -178,7 +181,20 @@ impl Summary {
             ),
             ("peak electric demand", format!("{:.1} W/m²", metrics.peak_electricity)),
             ("actuator travel", format!("{:.1} full strokes/day", metrics.daily_travel)),
+            ("outdoor air per person", format!("{:.1} L/s", metrics.outdoor_air_per_person)),
         ]
+    }
+
+    /// Returns the deviation of the zones with heating and cooling, and that of the zones without cooling if there are any.
+    fn rms_deviation_text(&self) -> String {
+        let both = format!("{:.2} K", self.metrics.rms_deviation);
+        match self.zones.iter().filter(|zone| !zone.heating_and_cooling).count() {
+            0 => both,
+            heated => {
+                let below = self.metrics.rms_heating_only;
+                format!("{both}; {heated} zones without cooling: {below:.2} K below target")
+            }
+        }
     }
 
     /// Returns whether the run can be trusted, and what it cost to compute.
@@ -186,6 +202,7 @@ impl Summary {
         let other_cpu = self.cpu_s - self.engine_cpu_s;
         vec![
             ("clamped action values", self.metrics.clamped_actions.to_string()),
+            ("steps under the ventilation interlock", self.metrics.ventilation_overrides.to_string()),
             ("engine messages", format!("{} warnings, {} severe", self.engine_warnings, self.engine_severes)),
             (
                 "energy mismatch vs. EnergyPlus meters",
@@ -224,6 +241,11 @@ impl Summary {
         table.text()
     }
 
+    fn never_near_target_note(&self) -> String {
+        let warning = never_near_target(&self.zones, self.task_definition.comfort_band);
+        warning.map_or_else(String::new, |warning| format!("\n\n  warning: {warning}"))
+    }
+
     /// Returns a note on zones whose setpoint is always the unoccupied one.
     fn never_occupied_note(&self) -> String {
         let by_occupancy = matches!(self.task_definition.setpoints, Setpoints::Occupancy { .. });
@@ -235,6 +257,13 @@ impl Summary {
     }
 }
 
+/// Returns a warning of zones that were never within the comfort band.
+fn never_near_target(zones: &[ZoneSummary], band: f64) -> Option<String> {
+    let names: Vec<&str> =
+        zones.iter().filter(|zone| zone.never_near_target).map(|zone| zone.name.as_str()).collect();
+    (!names.is_empty()).then(|| format!("never within {band} K of target: {}", names.join(", ")))
+}
+
 fn zones(spaces: &Spaces, metrics: &Metrics) -> Vec<ZoneSummary> {
     let zone = |zone: &ZoneMetrics| ZoneSummary {
         name: spaces.building.zones[zone.slot].name.clone(),
@@ -242,6 +271,7 @@ fn zones(spaces: &Spaces, metrics: &Metrics) -> Vec<ZoneSummary> {
         mean_abs_deviation_k: zone.mean_abs_deviation(metrics.steps),
         hours_outside_band: metrics.zone_hours_outside_band(zone),
         discomfort_k_h: zone.discomfort,
+        never_near_target: zone.is_never_near_target(metrics.steps),
         heating_and_cooling: zone.fully_conditioned,
     };
     metrics.zones.iter().map(zone).collect()

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use b2b_building::PreparedBuilding;
-use b2b_building::hvac::EngineVariable;
+use b2b_building::hvac::{EngineVariable, System};
 use b2b_energyplus::{Actuator, Library, Meter, Run, Simulation, Variable};
 
 use super::meters::{JOULES_PER_WATT_HOUR, METERS};
@@ -15,6 +15,20 @@ const OUTDOOR: [&str; 2] = ["Site Outdoor Air Drybulb Temperature", "Site Outdoo
 const SITE: &str = "Environment";
 const PEOPLE: &str = "Zone People Occupant Count";
 
+/// Density of standard air, kg/m³ (ASHRAE Fundamentals), for volume flows that people compare.
+const STANDARD_AIR: f64 = 1.204;
+
+/// The outdoor air of a system.
+#[derive(Debug)]
+struct Ventilated {
+    /// Its zones, among the controlled zones.
+    zones: Vec<usize>,
+    /// Mass flow of its outdoor air, kg/s.
+    outdoor_air: Variable,
+    /// Schedule of the damper of a unit: 1 is open to the design minimum, 0 closed.
+    damper: Option<Actuator>,
+}
+
 /// A simulation in progress with the handles of what is read and set in it.
 #[derive(Debug)]
 pub(super) struct Engine {
@@ -25,6 +39,8 @@ pub(super) struct Engine {
     pub(super) people: Vec<Option<Variable>>,
     meters: [Option<Meter>; 2],
     actuators: Vec<(Actuator, f64)>,
+    /// For each system its outdoor air, if it has any.
+    ventilated: Vec<Option<Ventilated>>,
     /// What the actuators drive, if it is observed.
     pub(super) effects: Vec<Variable>,
     /// The heat that heating setpoints call for, if it is observed.
@@ -52,6 +68,9 @@ impl Engine {
         for name in controlled() {
             run = run.request(PEOPLE, name);
         }
+        for air in building.systems.iter().filter_map(System::ventilation) {
+            run = run.request(&air.outdoor_air.name, &air.outdoor_air.key);
+        }
         let observed: Vec<_> = building.actuators().filter(|_| observe_effects).collect();
         for variable in observed.iter().flat_map(|a| [Some(&a.effect), a.heat.as_ref()]).flatten() {
             run = run.request(&variable.name, &variable.key);
@@ -61,7 +80,21 @@ impl Engine {
             Ok((simulation.actuator(&a.component, &a.control, &a.key)?, a.scale))
         };
         let variable = |v: &EngineVariable| Ok(simulation.variable(&v.name, &v.key)?);
+        let mut ventilated = Vec::new();
+        for (system, layout) in building.laid_out_systems() {
+            let Some(air) = system.ventilation() else {
+                ventilated.push(None);
+                continue;
+            };
+            let damper = air.damper.as_ref().map(|d| simulation.actuator(&d.component, &d.control, &d.key));
+            ventilated.push(Some(Ventilated {
+                zones: layout.zones.iter().map(|zone| zone.controlled).collect(),
+                outdoor_air: variable(&air.outdoor_air)?,
+                damper: damper.transpose()?,
+            }));
+        }
         Ok(Self {
+            ventilated,
             temperatures: building
                 .zones
                 .iter()
@@ -87,9 +120,45 @@ impl Engine {
         }
     }
 
+    /// Opens the outdoor air dampers of the units with an occupied zone to their design minimum, and closes the others.
+    pub(super) fn open_dampers(&mut self) {
+        for index in 0..self.ventilated.len() {
+            let Some(Ventilated { zones, damper: Some(damper), .. }) = &self.ventilated[index] else {
+                continue;
+            };
+            let (open, damper) = (zones.iter().any(|&zone| self.occupied(zone)), *damper);
+            self.simulation.set(damper, f64::from(u8::from(open)));
+        }
+    }
+
     /// Whether a controlled zone is occupied.
     pub(super) fn occupied(&self, controlled_zone: usize) -> bool {
-        self.people[controlled_zone].is_some_and(|people| self.simulation.read(people) > 0.0)
+        self.people(controlled_zone) > 0.0
+    }
+
+    fn people(&self, controlled_zone: usize) -> f64 {
+        self.people[controlled_zone].map_or(0.0, |people| self.simulation.read(people))
+    }
+
+    /// Returns the outdoor air (L/s of standard air) of the systems with people in their zones, and the number of these
+    /// people.
+    pub(super) fn outdoor_air(&self) -> [f64; 2] {
+        let occupied = self.ventilated.iter().flatten().map(|air| self.flow_and_people(air));
+        let add = |sum: [f64; 2], [flow, people]: [f64; 2]| match people > 0.0 {
+            true => [sum[0] + flow / STANDARD_AIR * 1000.0, sum[1] + people],
+            false => sum,
+        };
+        occupied.fold([0.0; 2], add)
+    }
+
+    /// Returns the outdoor air of each system, kg/s, with the people in its zones.
+    pub(super) fn outdoor_air_by_system(&self) -> Vec<Option<[f64; 2]>> {
+        self.ventilated.iter().map(|air| air.as_ref().map(|air| self.flow_and_people(air))).collect()
+    }
+
+    fn flow_and_people(&self, system: &Ventilated) -> [f64; 2] {
+        let people = system.zones.iter().map(|&zone| self.people(zone)).sum();
+        [self.simulation.read(system.outdoor_air), people]
     }
 
     /// HVAC energy of the step by fuel, Wh/m².

@@ -24,6 +24,7 @@ use crate::reward::{RewardFunction, ZoneStep};
 use crate::setpoints::Targets;
 use crate::spaces::{EpisodeConfig, Spaces};
 use crate::task::Task;
+use crate::ventilation::{Interlock, Ventilation};
 use crate::zones::{ControlledZone, controlled_zones};
 use crate::{Error, Result};
 
@@ -34,7 +35,8 @@ const SEVERES_KEPT: usize = 5;
 /// A building as an environment, with the engine in this process.
 ///
 /// - Observation: [`ObservationSpace`], f64, the state at the end of the step.
-/// - Action: [`ActionSpace`], f64, physical units, clamped to its bounds.
+/// - Action: [`ActionSpace`], f64, physical units, clamped to its bounds, and raised by the interlock of
+///   [`Ventilation`] while zones are occupied.
 /// - Reward: [`Reward`](crate::Reward), the paper's two penalties or the terms of the [`Task`], judged by the targets
 ///   that were observed before the step.
 /// - End: truncated at the end of the run period; never terminated.
@@ -48,6 +50,7 @@ pub struct Env {
     zones: Vec<ControlledZone>,
     targets: Targets,
     reward: Box<dyn RewardFunction>,
+    interlock: Interlock,
     /// Of each controlled zone, whether it is occupied, and its target for the step to come, °C.
     asked: Vec<(bool, f64)>,
     /// The controlled zones in the last step.
@@ -98,6 +101,7 @@ impl Env {
             metrics: new_metrics(&zones, &spaces),
             targets: Targets::new(&task.setpoints, spaces.building.class, zones.len()),
             reward: Box::new(reward),
+            interlock: Interlock::new(&spaces.building, task.ventilation),
             asked: vec![(false, f64::NAN); zones.len()],
             zone_steps: Vec::with_capacity(zones.len()),
             engine: None,
@@ -171,12 +175,14 @@ impl Env {
         if let Some(history) = &mut self.history {
             history.extend_from_slice(action);
         }
+        self.metrics.ventilation_overrides += usize::from(self.ventilate(&mut engine));
         engine.act(&self.action);
         if engine.simulation.advance()? != Some(Event::Step) {
             return Err(self.wrong_length());
         }
         let energy = engine.energy(self.spaces.building.conditioned_floor_area);
         let began = self.moment();
+        self.metrics.add_outdoor_air(engine.outdoor_air());
         self.keep_targets();
         self.metrics.steps += 1;
         self.observe(&engine, energy)?;
@@ -292,6 +298,13 @@ impl Env {
         engine.heats.get(actuator).copied().flatten().map(|variable| engine.simulation.read(variable))
     }
 
+    /// The outdoor air mass flow of each system at the end of the last step, kg/s, and the people in its zones; `None` for
+    /// a system without outdoor air. Empty without an episode in progress.
+    pub fn outdoor_air(&self) -> Vec<Option<[f64; 2]>> {
+        let engine = self.engine.as_ref();
+        engine.map(Engine::outdoor_air_by_system).unwrap_or_default()
+    }
+
     /// The engine's own clock at the end of the last step; the observation's is the calendar's. `None` without
     /// an episode in progress.
     pub fn engine_clock(&self) -> Option<Clock> {
@@ -302,6 +315,15 @@ impl Env {
     /// target. Empty before the first episode.
     pub fn never_occupied(&self) -> impl Iterator<Item = &str> {
         self.never_occupied.iter().map(String::as_str)
+    }
+
+    /// Applies the ventilation interlock to the action. Returns whether it changed.
+    fn ventilate(&mut self, engine: &mut Engine) -> bool {
+        if self.spaces.episode.task.ventilation == Ventilation::Free {
+            return false;
+        }
+        engine.open_dampers();
+        self.interlock.apply(|zone| engine.occupied(zone), &mut self.action)
     }
 
     /// Lets the engine end its run: it must agree that the run period is over.

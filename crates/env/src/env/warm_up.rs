@@ -1,5 +1,7 @@
 //! The engine's warm-up under a small fixed controller.
 
+use std::sync::Arc;
+
 use b2b_energyplus::Event;
 
 use super::Env;
@@ -15,7 +17,7 @@ impl Env {
     /// Nothing is set before the first step: a terminal takes the value of its flow schedule at the start of the run
     /// for its minimum flow, and the prepared model has 0 there.
     pub(super) fn warm_up(&mut self, engine: &mut Engine) -> Result<()> {
-        let spaces = &self.spaces;
+        let spaces = Arc::clone(&self.spaces);
         let first_day = self.moment().day_of_year;
         loop {
             match engine.simulation.advance()? {
@@ -35,6 +37,7 @@ impl Env {
                         });
                     }
                     warmup::act(&spaces.building, &self.zone_steps, &mut self.action);
+                    self.ventilate(engine);
                     engine.act(&self.action);
                 }
                 Some(Event::WarmedUp) => return Ok(()),

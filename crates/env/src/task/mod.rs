@@ -14,20 +14,22 @@ use crate::comfort::Comfort;
 use crate::energy_scale::EnergyScale;
 use crate::limits::within;
 use crate::setpoints::Setpoints;
+use crate::ventilation::Ventilation;
 use crate::{Error, Result};
 use fuels::{EMISSIONS, PRICES};
 pub use fuels::{Fuels, Hourly};
 
 /// A comfort-energy task: target temperatures, comfort penalty and the weight of energy.
 ///
-/// Its short text form is `SETPOINTS[+COMFORT][+RESOURCE WEIGHT]`, such as `constant`, `occupancy+energy0.5` or
-/// `random:7+pmv+cost2`:
+/// Its short text form is `SETPOINTS[+COMFORT][+RESOURCE WEIGHT][+free-ventilation]`, such as `constant`,
+/// `occupancy+energy0.5` or `random:7+pmv+cost2`:
 ///
 /// | part | values |
 /// |---|---|
 /// | setpoints | `constant`, `constant:23` (°C), `occupancy`, `random`, `random:7` (seed) |
 /// | comfort | none (squared deviation, as in the paper), `deadband`, `deadband0.5` (K), `pmv` |
 /// | resource and its weight | none, `energy0.5`, `cost1`, `carbon1`, `peak1` |
+/// | ventilation | none (outdoor air for the people present), `free-ventilation` (as in the paper) |
 ///
 /// Anything beyond that is written as JSON: see [`Task::read`]. Fields left out of a file keep their defaults.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -46,6 +48,8 @@ pub struct Task {
     pub energy_scale: Option<f64>,
     /// Treatment of zones without cooling.
     pub heating_only_zones: HeatingOnlyZones,
+    /// Outdoor air that is required while zones are occupied.
+    pub ventilation: Ventilation,
     /// Half width of the comfort band around the target, K. Used by metrics only.
     pub comfort_band: f64,
     /// Energy prices, currency/kWh.
@@ -90,6 +94,7 @@ impl Default for Task {
             energy_weight: 0.0,
             energy_scale: None,
             heating_only_zones: HeatingOnlyZones::BelowTarget,
+            ventilation: Ventilation::Code,
             comfort_band: 1.0,
             prices: PRICES,
             emissions: EMISSIONS,

@@ -6,7 +6,11 @@ use std::str::FromStr;
 use super::{Resource, Task};
 use crate::comfort::{Comfort, Pmv};
 use crate::setpoints::Setpoints;
+use crate::ventilation::Ventilation;
 use crate::{Error, Result};
+
+/// The part of a task without the ventilation interlock.
+const FREE_VENTILATION: &str = "free-ventilation";
 
 impl Task {
     /// The text of the nearest task that has one.
@@ -25,13 +29,17 @@ impl Task {
             Comfort::Pmv(_) => "+pmv".to_owned(),
         };
         let resource = match self.resource {
-            Resource::Energy if self.energy_weight == 0.0 => return setpoints + &comfort,
-            Resource::Energy => "energy",
-            Resource::Cost => "cost",
-            Resource::Carbon => "carbon",
-            Resource::Peak => "peak",
+            Resource::Energy if self.energy_weight == 0.0 => String::new(),
+            Resource::Energy => format!("+energy{}", self.energy_weight),
+            Resource::Cost => format!("+cost{}", self.energy_weight),
+            Resource::Carbon => format!("+carbon{}", self.energy_weight),
+            Resource::Peak => format!("+peak{}", self.energy_weight),
         };
-        format!("{setpoints}{comfort}+{resource}{}", self.energy_weight)
+        let ventilation = match self.ventilation {
+            Ventilation::Code => String::new(),
+            Ventilation::Free => format!("+{FREE_VENTILATION}"),
+        };
+        format!("{setpoints}{comfort}{resource}{ventilation}")
     }
 }
 
@@ -55,8 +63,15 @@ impl FromStr for Task {
         let mut parts = text.split('+');
         let setpoints = parts.next().unwrap_or_default();
         let mut task = Self { setpoints: setpoints.parse().map_err(|()| unknown())?, ..Self::default() };
-        let (mut comfort, mut resource) = (false, false);
+        let (mut comfort, mut resource, mut ventilation) = (false, false, false);
         for part in parts {
+            if part == FREE_VENTILATION {
+                task.ventilation = Ventilation::Free;
+                if std::mem::replace(&mut ventilation, true) {
+                    return Err(unknown());
+                }
+                continue;
+            }
             let (word, number) = word_and_number(part).ok_or_else(unknown)?;
             let seen = if let Some(chosen) = comfort_of(word, number) {
                 task.comfort = chosen;
@@ -119,6 +134,8 @@ mod tests {
             "occupancy+deadband0.5+cost2",
             "random:3+pmv+carbon0.1",
             "constant+peak1",
+            "constant+free-ventilation",
+            "random:3+deadband+energy0.5+free-ventilation",
         ]) {
             assert_eq!(task(text).to_string(), text);
         }

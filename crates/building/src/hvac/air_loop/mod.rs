@@ -31,6 +31,7 @@ use super::availability::always_on;
 use super::references::Reference;
 use super::setpoint_managers::{is_referred_to, remove_setpoint_managers};
 use super::system::AirLoop;
+use super::ventilation::Ventilation;
 use crate::{Error, Model, Result};
 use branch::MainBranch;
 use components::FANS;
@@ -47,6 +48,7 @@ pub fn make_controllable(model: &mut Model, air_loop: &str, air_density: f64) ->
     let terminals = terminal::find(model, air_loop)?;
     let controller = outdoor_air::controller(model, &branch.outdoor_air)?;
     let fan_flow = fan_flow(model, &branch.fan)? * air_density;
+    let ventilation = Ventilation::of(model, &controller, air_density)?;
 
     always_on(model, air_loop)?;
     remove_setpoint_managers(model, &branch.nodes());
@@ -72,7 +74,7 @@ pub fn make_controllable(model: &mut Model, air_loop: &str, air_density: f64) ->
         .map(|(zone, terminal)| terminal::make_controllable(model, zone, &terminal, air_density))
         .collect::<Result<_>>()?;
     let name = air_loop.to_owned();
-    Ok(AirLoop { name, supply_temperature, outdoor_air, fan_flow, exhaust_flow, terminals })
+    Ok(AirLoop { name, supply_temperature, outdoor_air, fan_flow, exhaust_flow, ventilation, terminals })
 }
 
 /// Design flow of a fan, m³/s.

@@ -23,6 +23,7 @@ use super::thermostat::{OUT_OF_REACH, own_thermostat};
 use crate::Result;
 use crate::model::Model;
 use commands::{Schedules, follow_flow, follow_supply_temperature};
+use outdoor_air::OutdoorAir;
 use unit::{Unit, is_unit};
 
 /// Bounds of the supply air temperature, °C. The lower bound is what a cooling coil delivers without freezing; the upper
@@ -43,9 +44,10 @@ pub fn make_controllable(model: &mut Model, air_loop: &str, air_density: f64) ->
     own_thermostat(model, &unit.served.zone, 0.0, OUT_OF_REACH)?;
     let nodes = unit.rewrite(model)?;
     follow_supply_temperature(model, &unit, &nodes, &schedules.temperature);
-    if let Some(outdoor_air) = &unit.outdoor_air {
-        outdoor_air.follow(model, air_loop, [unit.inlet(), &nodes.fan], unit.outlet())?;
-    }
+    let follow = |air: &OutdoorAir| {
+        air.follow(model, air_loop, [unit.inlet(), &nodes.fan], unit.outlet(), air_density)
+    };
+    let ventilation = unit.outdoor_air.as_ref().map(follow).transpose()?;
     let terminal = follow_flow(model, &unit, &schedules.flow)?;
     let flow = Actuator {
         high: terminal.design_flow * air_density,
@@ -65,7 +67,7 @@ pub fn make_controllable(model: &mut Model, air_loop: &str, air_density: f64) ->
         [SUPPLY_TEMPERATURE.0, SUPPLY_TEMPERATURE.1],
         EngineVariable::new("System Node Temperature", unit.outlet()),
     );
-    Ok(Unitary { flow, supply_temperature, zone: unit.served.zone })
+    Ok(Unitary { flow, supply_temperature, ventilation, zone: unit.served.zone })
 }
 
 /// Whether an air loop has a unit or the parts of one.

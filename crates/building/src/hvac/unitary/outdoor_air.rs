@@ -3,6 +3,7 @@
 use serde_json::json;
 
 use crate::Result;
+use crate::hvac::ventilation::Ventilation;
 use crate::model::{Model, text};
 
 const CONTROLLER: &str = "Controller:OutdoorAir";
@@ -27,15 +28,16 @@ impl OutdoorAir {
         })
     }
 
-    /// Makes it follow the supply temperature at `outlet`, limited only by its own flows. `fan` is the inlet and the outlet
-    /// node of the fan.
+    /// Makes it follow the supply temperature at `outlet`, limited only by its own flows, and returns its requirements. `fan`
+    /// is the inlet and the outlet node of the fan.
     pub(super) fn follow(
         &self,
         model: &mut Model,
         air_loop: &str,
         fan: [&str; 2],
         outlet: &str,
-    ) -> Result<()> {
+        air_density: f64,
+    ) -> Result<Ventilation> {
         // Only for an economizer: the heat of the fan is known one iteration late, so that the engine computes the air
         // side about three times.
         if self.has_economizer {
@@ -44,7 +46,7 @@ impl OutdoorAir {
         // A limit on the outdoor air fraction makes the supply flow collapse where there is an exhaust fan.
         let controller = model.require_mut(CONTROLLER, &self.controller)?;
         controller.remove("maximum_fraction_of_outdoor_air_schedule_name");
-        Ok(())
+        Ventilation::of(model, &self.controller, air_density)?.with_damper(model, &self.controller)
     }
 }
 

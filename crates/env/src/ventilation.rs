@@ -1,0 +1,81 @@
+//! The ventilation interlock: outdoor air for the people in a building, whatever an agent commands.
+
+use b2b_building::PreparedBuilding;
+use b2b_building::hvac::{AirLoop, System, SystemLayout, Unitary};
+use serde::{Deserialize, Serialize};
+
+/// Outdoor air that a task requires.
+///
+/// While a zone of a system is occupied, its *design minimum* of outdoor air is required: the minimum flow of the model's
+/// outdoor air controller as sized, or what its zones require under mechanical ventilation
+/// ([`b2b_building::hvac::Ventilation`]), which follow ASHRAE 62.1 in the prototypes. The zones are
+/// those in which the model had people at the end of the previous step, so that a system follows within one step
+/// (ASHRAE 62.1 averages over short-term conditions).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Ventilation {
+    /// An interlock raises commands to the design minimum of outdoor air while a zone of the system is occupied: the supply
+    /// flow of a unit, the dampers and the outdoor air of a central air loop. While none is, outdoor air may be zero.
+    #[default]
+    Code,
+    /// Nothing is required (as in the paper): outdoor air follows the schedules of the model and the commands.
+    Free,
+}
+
+/// Lower limits of actions while zones are occupied.
+#[derive(Debug)]
+pub(crate) struct Interlock {
+    systems: Vec<Limits>,
+}
+
+/// Lower limits of the actions of one system.
+#[derive(Debug)]
+struct Limits {
+    /// Its zones, among the controlled zones.
+    zones: Vec<usize>,
+    /// Indices of actions with their lower limits.
+    lower: Vec<(usize, f64)>,
+}
+
+impl Interlock {
+    /// Returns the interlock of a building under a requirement.
+    pub(crate) fn new(building: &PreparedBuilding, required: Ventilation) -> Self {
+        let systems = building.laid_out_systems().filter(|_| required == Ventilation::Code);
+        Self { systems: systems.filter_map(|(system, layout)| Limits::of(system, layout)).collect() }
+    }
+
+    /// Raises an action to the limits of the systems with an occupied zone. Returns whether any value changed.
+    pub(crate) fn apply(&self, occupied: impl Fn(usize) -> bool, action: &mut [f64]) -> bool {
+        let mut acted = false;
+        for limits in self.systems.iter().filter(|limits| limits.zones.iter().any(|&zone| occupied(zone))) {
+            for &(index, lower) in &limits.lower {
+                acted |= action[index] < lower;
+                action[index] = action[index].max(lower);
+            }
+        }
+        acted
+    }
+}
+
+impl Limits {
+    fn of(system: &System, layout: &SystemLayout) -> Option<Self> {
+        let minimum = system.ventilation()?.min_outdoor_air;
+        let first = layout.actions.start;
+        let lower = match system {
+            System::Unitary(unit) => vec![(first + Unitary::FLOW, minimum.min(unit.flow.high))],
+            System::AirLoop(air_loop) => air_loop_limits(air_loop, minimum, first),
+            System::HeatingOnly(_) => return None,
+        };
+        let zones = layout.zones.iter().map(|zone| zone.controlled).collect();
+        (minimum > 0.0).then_some(Self { zones, lower })
+    }
+}
+
+/// Returns the limits of an air loop: its outdoor air, and a common opening of all dampers that passes it.
+fn air_loop_limits(air_loop: &AirLoop, minimum: f64, first: usize) -> Vec<(usize, f64)> {
+    let minimum = minimum.min(air_loop.fan_flow);
+    let design: f64 = air_loop.terminals.iter().map(|terminal| terminal.design_flow).sum();
+    let opening = (minimum / design).min(1.0);
+    let dampers = (0..air_loop.terminals.len()).map(|terminal| (first + AirLoop::damper(terminal), opening));
+    std::iter::once((first + AirLoop::OUTDOOR_AIR, minimum)).chain(dampers).collect()
+}
