@@ -1,10 +1,10 @@
 //! A wrapper that gives a policy the observation and action spaces of a problem's side.
 
-use b2b_building::Description;
-use b2b_building::morphology::{COMMON, Morphology};
+use b2b_building::morphology::COMMON;
 use b2b_control::Controller;
 use b2b_energyplus::digest::sha256;
 
+use super::attributes::{attribute_name, attributes};
 use super::definition::Problem;
 use super::protocol::Attributes;
 use super::restriction::{Fallback, RestrictedAction};
@@ -33,14 +33,7 @@ impl<'a> WrappedPolicy<'a> {
             return Ok(Vec::new());
         }
         let EpisodeContext { subject, spaces, .. } = context;
-        let origin = subject.placement.origin(&subject.name);
-        let description = Description::of(&spaces.building, &spaces.episode.weather, origin)?;
-        let or_zero = |value: f64| if value.is_finite() { value } else { 0.0 };
-        Ok(Morphology::of(&spaces.building, &description)
-            .common_attributes
-            .into_iter()
-            .map(or_zero)
-            .collect())
+        attributes(spaces, subject.placement.origin(&subject.name))
     }
 
     /// Returns the number of zeros that pad an observation of `slots` values.
@@ -159,9 +152,4 @@ impl Controller for WrappedController {
             }
         }
     }
-}
-
-fn attribute_name(attribute: b2b_building::morphology::Attribute) -> String {
-    let name = serde_json::to_value(attribute).unwrap_or_default();
-    format!("building {}", name.as_str().unwrap_or_default())
 }

@@ -4,7 +4,7 @@ use std::collections::HashSet;
 use std::sync::Arc;
 
 use b2b_building::{BuildingType, RunPeriod};
-use b2b_dataset::house::{Foundation, House};
+use b2b_dataset::house::{Foundation, HouseSample};
 use b2b_dataset::{Building, BuildingId, Catalog, Places, Split};
 use b2b_energyplus::install::Quiet;
 use rand::RngExt;
@@ -15,6 +15,9 @@ use super::setting::{Setting, Source};
 use crate::spaces::EpisodeConfig;
 use crate::task::Task;
 use crate::{Error, Result};
+
+/// Buildings of a generator among which every set of zones is looked for.
+const REPRESENTED: usize = 64;
 
 /// A population to draw the building of every episode from, generated when it is drawn.
 #[derive(Clone, Debug)]
@@ -93,16 +96,47 @@ impl Sampler for Buildings {
     }
 }
 
-/// A building of each form among these: two buildings of a form have the same zones and actuators, so that the spaces of
-/// all follow from a few.
-pub fn representatives(ids: &[BuildingId]) -> Vec<BuildingId> {
-    let mut known = HashSet::new();
-    let form = |id: &BuildingId| match &b2b_dataset::row(*id).building {
-        Building::House(sample) => {
-            let House { foundation, garage, .. } = &sample.house;
-            (id.building_type(), Some((*foundation == Foundation::Crawlspace, *garage)))
+/// The zones and actuators that a generated building has: two with the same ones have the same spaces, save bounds of
+/// actuators.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct Shape {
+    building_type: BuildingType,
+    /// Of a house.
+    crawlspace: bool,
+    /// Of a house.
+    garage: bool,
+}
+
+impl Shape {
+    fn of(building: &Building) -> Self {
+        let building_type = building.building_type();
+        match building {
+            Building::House(HouseSample { house, .. }) => {
+                let crawlspace = house.foundation == Foundation::Crawlspace;
+                Self { building_type, crawlspace, garage: house.garage }
+            }
+            Building::Commercial { .. } => Self { building_type, crawlspace: false, garage: false },
         }
-        Building::Commercial { building_type, .. } => (*building_type, None),
-    };
-    ids.iter().filter(|id| known.insert(form(id))).copied().collect()
+    }
+}
+
+impl Population {
+    /// Buildings, by name, from which the spaces of all follow: one of each set of zones.
+    ///
+    /// # Errors
+    /// Those of [`b2b_dataset::sample`].
+    pub fn representatives(&self) -> Result<Vec<(String, Building)>> {
+        let all: Vec<(String, Building)> = match self {
+            Self::Ids(ids) => {
+                ids.iter().map(|id| (id.to_string(), b2b_dataset::row(*id).building.clone())).collect()
+            }
+            Self::Generated { building_type, places, settings } => {
+                let drawn = b2b_dataset::sample(*building_type, REPRESENTED, 0, places, settings)?;
+                let name = |number| format!("{building_type}-seed0-{number:04}");
+                (1..).map(name).zip(drawn).collect()
+            }
+        };
+        let mut known = HashSet::new();
+        Ok(all.into_iter().filter(|(_, building)| known.insert(Shape::of(building))).collect())
+    }
 }

@@ -7,7 +7,7 @@ use b2b_dataset::{BuildingId, Catalog, Split};
 use b2b_env::Task;
 use b2b_env::vector::{
     Autoreset, Buildings, Draw, Kept, Launcher, Population, Sampler, Setting, VecEnv, VecEnvOptions,
-    Weighted, Windows, WithTask, WorkerOptions, Workers, representatives,
+    Weighted, Windows, WithTask, WorkerOptions, Workers,
 };
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -144,20 +144,27 @@ fn types_are_drawn_by_weight_and_tasks_alike() {
 
 #[test]
 fn the_representatives_of_houses_have_every_number_of_zones() {
-    let ids: Vec<_> = b2b_dataset::rows(HOUSE).iter().map(|row| row.id).collect();
     let catalog = catalog();
     let workers = Workers::new(options(&catalog)).unwrap();
-    let of = houses(&catalog, Population::Ids(Vec::new()));
-    let spaces = |id: &BuildingId| {
-        let setting = of.setting(id.to_string(), &b2b_dataset::row(*id).building).unwrap();
-        workers.spaces(&setting).unwrap().observation.len()
+    let population = Population::of_split(HOUSE, Split::Train);
+    let of = houses(&catalog, population.clone());
+    let generated = Population::Generated {
+        building_type: HOUSE,
+        places: b2b_dataset::Places::All,
+        settings: Vec::new(),
     };
-    let mut widths: Vec<_> = representatives(&ids).iter().map(spaces).collect();
-    widths.sort_unstable();
-    assert_eq!(widths, [9, 10, 10, 11]);
+    for population in [population, generated] {
+        let representatives = population.representatives().unwrap();
+        let spaces = |(name, building): &(String, b2b_dataset::Building)| {
+            workers.spaces(&of.setting(name.clone(), building).unwrap()).unwrap().observation.len()
+        };
+        let mut widths: Vec<_> = representatives.iter().map(spaces).collect();
+        widths.sort_unstable();
+        assert_eq!(widths, [9, 10, 10, 11]);
+    }
     // Prepared before, they need no process.
     let again = Workers::new(options(&catalog)).unwrap();
-    let id = representatives(&ids)[0];
-    again.spaces(&of.setting(id.to_string(), &b2b_dataset::row(id).building).unwrap()).unwrap();
+    let (name, building) = of.population.representatives().unwrap().remove(0);
+    again.spaces(&of.setting(name, &building).unwrap()).unwrap();
     assert!(again.template_processes().is_empty());
 }

@@ -275,6 +275,16 @@ impl VecEnv {
         self.environments[environment].spaces.as_deref()
     }
 
+    /// As [`VecEnv::spaces`], to be shared.
+    pub fn shared_spaces(&self, environment: usize) -> Option<&Arc<Spaces>> {
+        self.environments[environment].spaces.as_ref()
+    }
+
+    /// The form of an environment's current episode. `None` before the first reset.
+    pub fn form(&self, environment: usize) -> Option<&dyn EpisodeForm> {
+        self.environments[environment].form.as_deref()
+    }
+
     /// Observations, one row each; the first [`VecEnv::spaces`]`.observation.len()` numbers of a row are the building's,
     /// the rest is padding. [`Decomposition::padded`](crate::Decomposition::padded) makes a row arrays of nodes.
     pub fn observations(&self) -> &[f64] {
@@ -301,7 +311,7 @@ impl VecEnv {
         self.environments[environment].lost.as_deref()
     }
 
-    /// The last observation of the last episode that ended. Empty before.
+    /// The last observation of the last episode that ended, as a row. Empty before.
     pub fn final_observation(&self, environment: usize) -> &[f64] {
         &self.environments[environment].final_observation
     }

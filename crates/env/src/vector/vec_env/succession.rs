@@ -28,12 +28,11 @@ impl VecEnv {
     pub(super) fn measure(&mut self) -> Result<()> {
         let next = self.environments.iter().filter_map(|one| one.next.as_ref());
         let settings: Vec<Setting> = next.map(|next| next.draw.setting.clone()).collect();
-        for spaces in self.workers.prepare_all(&settings)? {
-            self.widths.0 = self.widths.0.max(spaces.action.len());
-            self.widths.1 = self.widths.1.max(spaces.observation.len());
-        }
+        let all = self.workers.prepare_all(&settings)?;
+        let form = Padded::fitting(all.iter().map(|spaces| &**spaces));
+        self.widths = form.widths;
         self.observations = vec![0.0; self.len() * self.widths.1];
-        self.form = Box::new(Padded { widths: self.widths });
+        self.form = Box::new(form);
         Ok(())
     }
 
@@ -139,7 +138,7 @@ impl VecEnv {
             self.truncated[index] = true;
             one.final_metrics = episode.metrics().cloned();
             one.final_observation.clear();
-            one.final_observation.extend_from_slice(episode.observation());
+            one.final_observation.extend_from_slice(row);
             match self.autoreset {
                 Autoreset::SameStep => self.begin(index),
                 Autoreset::NextStep | Autoreset::Disabled => self.abandon(index),

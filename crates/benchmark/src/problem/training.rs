@@ -1,0 +1,127 @@
+//! Training environments of a problem, as a batch that draws other buildings episode after episode.
+
+use std::sync::Arc;
+
+use b2b_building::morphology::COMMON;
+use b2b_control::ReactiveParameters;
+use b2b_dataset::{BuildingName, Placement};
+use b2b_env::vector::{EpisodeForm, Form, Padded, RowSlot};
+use b2b_env::{ActionSpace, Spaces};
+
+use super::attributes::{attribute_name, attributes};
+use super::definition::Problem;
+use super::protocol::Attributes;
+use super::restriction::{RestrictedAction, Restriction};
+
+/// The observations and actions of a problem's training side, as a policy that is tested on the problem sees them:
+/// padded, with the building's attributes if they are given, and without the withheld actuators.
+#[derive(Clone, Debug)]
+pub struct TrainingForm {
+    restriction: Option<Restriction>,
+    attributes: bool,
+    /// Numbers in a row of actions, and in a row of observations without attributes.
+    widths: (usize, usize),
+}
+
+impl TrainingForm {
+    /// The form of a problem that fits these buildings.
+    ///
+    /// # Errors
+    /// [`crate::Error::Problem`] if the problem's restriction does not apply to one of them.
+    pub fn new(problem: &Problem, buildings: &[Arc<Spaces>]) -> crate::Result<Self> {
+        let restriction = problem.train.restriction;
+        let (mut actions, observations) = Padded::fitting(buildings.iter().map(|spaces| &**spaces)).widths;
+        if let Some(restriction) = restriction {
+            let kept = |spaces: &Arc<Spaces>| {
+                let parameters = ReactiveParameters::tuned_for(&spaces.building);
+                Ok(restriction.apply(spaces, &parameters)?.kept().len())
+            };
+            let kept = buildings.iter().map(kept).collect::<crate::Result<Vec<usize>>>()?;
+            actions = kept.into_iter().max().unwrap_or(0);
+        }
+        let observations = problem.protocol.observation_width.unwrap_or(observations);
+        let attributes = problem.protocol.attributes == Attributes::Given;
+        Ok(Self { restriction, attributes, widths: (actions, observations) })
+    }
+
+    /// Returns the attributes of a building, which are those of the dataset for an id.
+    fn attributes(&self, spaces: &Spaces) -> crate::Result<Vec<f64>> {
+        if !self.attributes {
+            return Ok(Vec::new());
+        }
+        let name = spaces.building.name.parse::<BuildingName>();
+        let origin = name.map(|name| Placement::default().origin(&name)).unwrap_or_default();
+        attributes(spaces, origin)
+    }
+}
+
+impl Form for TrainingForm {
+    fn widths(&self) -> (usize, usize) {
+        let attributes = if self.attributes { COMMON.len() } else { 0 };
+        (self.widths.0, self.widths.1 + attributes)
+    }
+
+    fn episode(&mut self, spaces: &Arc<Spaces>) -> b2b_env::Result<Box<dyn EpisodeForm>> {
+        let wrong = |error: crate::Error| b2b_env::Error::Template {
+            name: spaces.building.name.clone(),
+            why: error.to_string(),
+        };
+        let parameters = ReactiveParameters::tuned_for(&spaces.building);
+        let restricted =
+            self.restriction.map(|each| each.apply(spaces, &parameters)).transpose().map_err(wrong)?;
+        let attributes = self.attributes(spaces).map_err(wrong)?;
+        let actions = match &restricted {
+            Some(restricted) => spaces.action.select(restricted.kept()),
+            None => spaces.action.clone(),
+        };
+        for (what, width, most) in [
+            ("actuators", actions.len(), self.widths.0),
+            ("observation slots", spaces.observation.len(), self.widths.1),
+        ] {
+            if width > most {
+                let name = spaces.building.name.clone();
+                return Err(b2b_env::Error::TooWide { name, what, width, most });
+            }
+        }
+        let spaces = Arc::clone(spaces);
+        Ok(Box::new(TrainingEpisode { spaces, actions, restricted, attributes, width: self.widths.1 }))
+    }
+}
+
+struct TrainingEpisode {
+    spaces: Arc<Spaces>,
+    actions: ActionSpace,
+    restricted: Option<RestrictedAction>,
+    attributes: Vec<f64>,
+    /// Numbers in a row of observations without attributes.
+    width: usize,
+}
+
+impl EpisodeForm for TrainingEpisode {
+    fn actions(&self) -> &ActionSpace {
+        &self.actions
+    }
+
+    fn slots(&self) -> Vec<RowSlot> {
+        let slots = self.spaces.observation.slots().iter().map(RowSlot::from);
+        let attribute = |name| RowSlot { name, unit: "1", low: f64::NEG_INFINITY, high: f64::INFINITY };
+        let attributes = COMMON.iter().take(self.attributes.len());
+        let attributes = attributes.map(|slot| attribute(attribute_name(slot.quantity)));
+        let padded = slots.chain(std::iter::repeat_with(RowSlot::padding)).take(self.width);
+        padded.chain(attributes).collect()
+    }
+
+    fn act(&mut self, observation: &[f64], row: &[f64], action: &mut [f64]) {
+        match &mut self.restricted {
+            None => action.copy_from_slice(&row[..action.len()]),
+            Some(restricted) => restricted.complete(observation, &row[..self.actions.len()], action),
+        }
+    }
+
+    fn observe(&self, observation: &[f64], row: &mut [f64]) {
+        let (padded, attributes) = row.split_at_mut(self.width);
+        padded[..observation.len()].copy_from_slice(observation);
+        padded[observation.len()..].fill(0.0);
+        attributes.copy_from_slice(&self.attributes);
+    }
+}
