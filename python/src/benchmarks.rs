@@ -86,7 +86,7 @@ impl Problem {
     fn restricted(&self, side: &str, spaces: &Spaces) -> PyResult<Option<Restriction>> {
         let Some(restriction) = self.side(side)?.restriction else { return Ok(None) };
         let inner = spaces.inner();
-        let parameters = ReactiveParameters::tuned_for(&inner.building);
+        let parameters = ReactiveParameters::tuned_for(&inner.building, &inner.episode.task);
         let restricted = restriction.apply(inner, &parameters).map_err(wrong)?;
         let widths = (inner.observation.len(), inner.action.len());
         Ok(Some(Restriction { restricted: Mutex::new(restricted), widths }))

@@ -47,7 +47,7 @@ impl Controller {
                 &inner.building,
                 &inner.observation,
                 inner.episode.steps_per_hour,
-                &ReactiveParameters::tuned_for(&inner.building),
+                &ReactiveParameters::tuned_for(&inner.building, &inner.episode.task),
             )),
             "random" => Kind::Random(Box::new(Random::new(&inner.action, seed))),
             "constant" => Kind::Constant(Constant::middle(&inner.action)),

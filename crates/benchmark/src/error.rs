@@ -122,6 +122,14 @@ pub enum Error {
         /// The differences.
         differences: String,
     },
+    /// Evaluations that cannot be compared.
+    #[error("cannot compare `{name}`: {why}; evaluate all policies with the same arguments")]
+    OtherEpisodes {
+        /// Name of the evaluation.
+        name: String,
+        /// The difference.
+        why: String,
+    },
     /// A folder that another process is writing to.
     #[error("{folder} is in use by another running evaluation; wait for it, or choose another folder")]
     Busy {

@@ -31,7 +31,7 @@ pub use baseline::{Baselines, Key};
 pub use error::{Error, Result};
 pub use evaluation::{
     Deviations, Episode, EpisodeInfo, Evaluation, Finished, Folder, Hours, Lost, Outcome, Progress, Record,
-    Row, Scored, episode_table, read_stages, write_episodes, write_stages,
+    Row, Scored, StepRewards, episode_table, read_episodes, read_stages, write_episodes, write_stages,
 };
 pub use policy::{ActionScale, BuiltIn, EpisodeContext, Interface, OnnxPolicy, Policy};
 pub use problem::Problem;

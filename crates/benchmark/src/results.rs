@@ -7,7 +7,9 @@ use b2b_env::Task;
 
 use crate::Result;
 use crate::baseline::{Baselines, Key};
-use crate::evaluation::{Episode, EpisodeInfo, Evaluation, Finished, Folder, Lost, Progress, Record, Row};
+use crate::evaluation::{
+    Episode, EpisodeInfo, Evaluation, Finished, Folder, Lost, Progress, Record, Row, StepRewards,
+};
 use crate::policy::Policy;
 use crate::tuned::task_for;
 
@@ -21,6 +23,7 @@ pub struct Results {
 /// An episode that ran but is not scored yet.
 struct Unscored {
     record: Record,
+    step_rewards: StepRewards,
     key: Key,
     task: Task,
 }
@@ -87,18 +90,18 @@ fn run_missing(
 impl Unscored {
     /// Prepares a finished episode for scoring. An episode of the reactive controllers is cached as a baseline.
     fn of(episode: &Episode, finished: Finished, policy: &dyn Policy, baselines: &Baselines) -> Result<Self> {
-        let Finished { record, terms, .. } = finished;
+        let Finished { record, terms, step_rewards, .. } = finished;
         let site = record.info.site();
         let key = Key::of(episode, &site)?;
         if policy.is_baseline() && baselines.get(&key).is_none() {
             baselines.keep(&key, terms)?;
         }
         let task = task_for(&episode.subject, &site, &episode.task, episode.steps_per_hour);
-        Ok(Self { record, key, task })
+        Ok(Self { record, step_rewards, key, task })
     }
 
     fn row(self, baselines: &Baselines) -> Row {
         let baseline = baselines.get(&self.key).map(|terms| terms.episode_return(&self.task));
-        Row::scored(self.record, baseline)
+        Row::scored(self.record, self.step_rewards, baseline)
     }
 }

@@ -165,7 +165,7 @@ fn alone(catalog: &Catalog, episode: &Episode) -> (String, f64) {
     };
     let building = found.prepare(catalog.library()).unwrap();
     let mut env = Env::new(catalog.library().clone(), building.into(), setting).unwrap();
-    let parameters = ReactiveParameters::tuned_for(env.building());
+    let parameters = ReactiveParameters::tuned_for(env.building(), &episode.task);
     let mut controller = Reactive::new(env.building(), env.observation_space(), 12, &parameters);
     let mut trajectory = Trajectory::for_episode(env.spaces());
     let mut action = vec![0.0; env.action_space().len()];

@@ -36,6 +36,12 @@ pub enum Error {
         /// Requested buildings.
         requested: usize,
     },
+    /// A text that names no objective.
+    #[error("unknown objective `{text}`; expected comfort or energy")]
+    UnknownObjective {
+        /// The text.
+        text: String,
+    },
     /// An episode that was lost.
     #[error("an episode of {building} was lost: {why}")]
     Lost {

@@ -3,6 +3,7 @@
 
 mod constant;
 mod error;
+mod objective;
 #[cfg(target_os = "linux")]
 mod planner;
 mod random;
@@ -15,6 +16,7 @@ mod tuned;
 pub use b2b_env::Controller;
 pub use constant::Constant;
 pub use error::{Error, Result};
+pub use objective::Objective;
 #[cfg(target_os = "linux")]
 pub use planner::{Planner, PlannerParameters};
 pub use random::Random;

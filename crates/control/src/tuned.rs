@@ -3,16 +3,22 @@
 use std::sync::LazyLock;
 
 use b2b_building::{Class, PreparedBuilding, RunPeriod};
+use b2b_env::Task;
 use serde::{Deserialize, Serialize};
 
-use crate::ReactiveParameters;
+use crate::{Objective, ReactiveParameters};
 
-/// Tuned parameters of a class, with their provenance.
+/// Parameters tuned for a class and an objective, with their provenance.
+///
+/// A class has up to two entries, one per [`Objective`]. The task of an episode selects between them:
+/// [`ReactiveParameters::tuned`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Tuned {
     /// Class of buildings.
     pub class: Class,
+    /// Objective.
+    pub objective: Objective,
     /// The parameters.
     pub parameters: ReactiveParameters,
     /// Measurements on the training buildings.
@@ -23,34 +29,38 @@ pub struct Tuned {
     pub seed: u64,
     /// Version of the dataset.
     pub dataset: String,
-    /// Ids of the training buildings.
+    /// Ids of the training buildings of the search.
     pub buildings: Vec<String>,
+    /// Ids of the training buildings of the validation.
+    pub validation: Vec<String>,
     /// Run periods of each building.
     pub periods: Vec<RunPeriod>,
-    /// Task, in its short text form.
-    pub task: String,
+    /// Energy scale τ_E of the loss, Wh/m² per step: the energy measured under the comfort set. `None` for comfort.
+    pub energy_scale: Option<f64>,
     /// Command that reproduces the entry.
     pub command: String,
 }
 
-/// Measurements of tuned and default parameters on training buildings.
+/// Measurements of tuned and default parameters on training buildings. A cell is a building under a setpoint mode: the
+/// buildings of the search under `occupancy`, those of the validation under `constant` and `occupancy`. Losses are those of
+/// the objective.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Measured {
-    /// Score of the default parameters: −1, up to rounding where the percentile is interpolated.
-    pub default_score: f64,
-    /// Score of the tuned parameters: the 25th percentile over the buildings of the return relative to the loss of the
-    /// defaults. 0 is perfect.
-    pub score: f64,
-    /// Mean penalty per step under the default parameters, averaged over the buildings, K².
-    pub default_penalty: f64,
-    /// Mean penalty per step under the tuned parameters, averaged over the buildings, K².
-    pub penalty: f64,
-    /// Actuator travel under the default parameters, averaged over the buildings, full strokes/day.
+    /// Loss relative to the default parameters: the median over the cells. 1 is as good as the defaults, 0 is perfect.
+    pub relative_loss: f64,
+    /// The same in the worst cell.
+    pub worst_relative_loss: f64,
+    /// Mean loss per step under the default parameters, averaged over the cells.
+    pub default_loss: f64,
+    /// Mean loss per step under the tuned parameters, averaged over the cells.
+    pub loss: f64,
+    /// Actuator travel under the default parameters in the worst cell, full strokes/day.
     pub default_daily_travel: f64,
-    /// Actuator travel under the tuned parameters, averaged over the buildings, full strokes/day.
+    /// Actuator travel under the tuned parameters in the worst cell, full strokes/day.
     pub daily_travel: f64,
-    /// Mean HVAC energy per step under the tuned parameters, averaged over the buildings, Wh/m²: τ_E of the class.
+    /// Mean HVAC energy per step under the tuned parameters, averaged over the cells with setpoints by occupancy, Wh/m².
+    /// Under the comfort set, this is τ_E of the class.
     pub energy: f64,
 }
 
@@ -58,10 +68,10 @@ impl Measured {
     /// All values, in order.
     pub fn values(&self) -> [f64; 7] {
         [
-            self.default_score,
-            self.score,
-            self.default_penalty,
-            self.penalty,
+            self.relative_loss,
+            self.worst_relative_loss,
+            self.default_loss,
+            self.loss,
             self.default_daily_travel,
             self.daily_travel,
             self.energy,
@@ -74,28 +84,29 @@ static SHIPPED: LazyLock<Vec<Tuned>> = LazyLock::new(|| {
 });
 
 impl Tuned {
-    /// Returns the entries of all tuned classes.
+    /// Returns all shipped entries.
     pub fn shipped() -> &'static [Self] {
         &SHIPPED
     }
 
-    /// Returns the entry of a class.
-    pub fn of(class: Class) -> Option<&'static Self> {
-        SHIPPED.iter().find(|tuned| tuned.class == class)
+    /// Returns the entry of a class for an objective.
+    pub fn of(class: Class, objective: Objective) -> Option<&'static Self> {
+        SHIPPED.iter().find(|tuned| tuned.class == class && tuned.objective == objective)
     }
 }
 
 impl ReactiveParameters {
-    /// Returns the parameters tuned for the class of a building: see [`ReactiveParameters::tuned`].
-    pub fn tuned_for(building: &PreparedBuilding) -> Self {
-        Self::tuned(building.class, building.prototype)
+    /// Returns the parameters tuned for the class of a building and the objective of a task: see
+    /// [`ReactiveParameters::tuned`].
+    pub fn tuned_for(building: &PreparedBuilding, task: &Task) -> Self {
+        Self::tuned(building.class, building.prototype, Objective::of(task))
     }
 
-    /// Returns the parameters tuned for a class, or the defaults for a class without an entry and for prototypes, whose
-    /// dynamics differ: the kitchen of the restaurant prototype has no thermal mass but its air, and oscillates under gains
-    /// that suit the buildings of the dataset.
-    pub fn tuned(class: Option<Class>, prototype: bool) -> Self {
-        let tuned = class.filter(|_| !prototype).and_then(Tuned::of);
+    /// Returns the parameters tuned for a class and an objective, or the defaults without an entry and for prototypes,
+    /// whose dynamics differ: the kitchen of the restaurant prototype has no thermal mass but its air, and oscillates under
+    /// gains that suit the buildings of the dataset.
+    pub fn tuned(class: Option<Class>, prototype: bool, objective: Objective) -> Self {
+        let tuned = class.filter(|_| !prototype).and_then(|class| Tuned::of(class, objective));
         tuned.map(|tuned| tuned.parameters.clone()).unwrap_or_default()
     }
 }
@@ -112,14 +123,31 @@ mod tests {
     fn shipped_parameters_are_valid_and_no_worse_than_the_defaults_on_training_buildings() {
         for tuned in Tuned::shipped() {
             tuned.parameters.check().unwrap();
-            assert!(tuned.measured.score >= tuned.measured.default_score, "{}", tuned.class);
+            assert!(tuned.measured.relative_loss <= 1.0, "{} {}", tuned.class, tuned.objective);
             assert_eq!(tuned.dataset, b2b_dataset::GENERATOR_VERSION);
-            for id in &tuned.buildings {
+            assert!(tuned.buildings.iter().all(|id| !tuned.validation.contains(id)), "{}", tuned.class);
+            for id in tuned.buildings.iter().chain(&tuned.validation) {
                 let row = b2b_dataset::row(id.parse().unwrap());
                 assert_eq!((row.split, row.building.class()), (Split::Train, tuned.class), "{id}");
             }
         }
-        let classes: BTreeSet<_> = Tuned::shipped().iter().map(|tuned| tuned.class).collect();
-        assert_eq!(classes.len(), Tuned::shipped().len(), "one entry per class");
+        let entries: BTreeSet<_> =
+            Tuned::shipped().iter().map(|tuned| (tuned.class, tuned.objective)).collect();
+        assert_eq!(entries.len(), Tuned::shipped().len(), "one entry per class and objective");
+    }
+
+    #[test]
+    fn the_task_selects_the_set_of_its_objective() {
+        for class in Class::all() {
+            for objective in Objective::ALL {
+                let shipped = Tuned::of(class, objective).map(|tuned| tuned.parameters.clone());
+                let expected = shipped.unwrap_or_default();
+                assert_eq!(ReactiveParameters::tuned(Some(class), false, objective), expected);
+                assert_eq!(
+                    ReactiveParameters::tuned(Some(class), true, objective),
+                    ReactiveParameters::default()
+                );
+            }
+        }
     }
 }

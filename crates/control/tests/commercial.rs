@@ -49,7 +49,7 @@ fn building(
     corner: f64,
     library: &Library,
 ) -> Arc<PreparedBuilding> {
-    let parameters = CommercialParameters::from_unit([corner; 8], building_type, place.ashrae_zone).unwrap();
+    let parameters = CommercialParameters::from_unit([corner; 9], building_type, place.ashrae_zone).unwrap();
     let model = generate(base, building_type, place, &site(place), &parameters).unwrap();
     let weather = place.epw(&mut Quiet).unwrap();
     Arc::new(PreparedBuilding::new(building_type.name(), model, &weather, library).unwrap())

@@ -1,17 +1,17 @@
 //! Reproducible Latin hypercube samples.
 
 use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
+use rand_chacha::rand_core::Rng;
 
-use crate::random::uniform;
+use crate::random::{stream, uniform};
 
 /// Returns `count` points of the unit cube, one in each of `count` equal intervals along every axis.
 ///
-/// Axes are independent, and the same name and seed give the same points. Only the first 24 bytes of the name are used.
+/// Axes are independent, and the same name and seed give the same points. The name is that of a [`stream`].
 pub(super) fn latin_hypercube<const D: usize>(name: &str, seed: u64, count: usize) -> Vec<[f64; D]> {
     let mut points = vec![[0.0; D]; count];
     for axis in 0..D {
-        let mut random = stream(name, seed, axis);
+        let mut random = stream(name, seed, axis as u64);
         for (point, slice) in points.iter_mut().zip(shuffled(count, &mut random)) {
             point[axis] = (slice as f64 + uniform(&mut random)) / count as f64;
         }
@@ -25,17 +25,7 @@ pub(super) fn permutation(name: &str, seed: u64, count: usize) -> Vec<usize> {
 }
 
 /// The stream of a permutation, distinct from those of axes.
-const PERMUTATION: usize = 1000;
-
-fn stream(name: &str, seed: u64, number: usize) -> ChaCha8Rng {
-    let mut key = [0; 32];
-    let (head, tail) = key.split_at_mut(24);
-    head.iter_mut().zip(name.bytes()).for_each(|(byte, letter)| *byte = letter);
-    tail.copy_from_slice(&seed.to_le_bytes());
-    let mut random = ChaCha8Rng::from_seed(key);
-    random.set_stream(number as u64);
-    random
-}
+const PERMUTATION: u64 = 1000;
 
 /// Fisher-Yates shuffle, implemented here because that of `rand` may change between versions.
 fn shuffled(count: usize, random: &mut ChaCha8Rng) -> Vec<usize> {

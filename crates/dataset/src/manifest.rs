@@ -58,8 +58,9 @@ const HEAD: [Column; 6] = [
 /// Split.
 const SPLIT: [Column; 2] = [column("split", Kind::Text, ""), column("test_small", Kind::Flag, "")];
 /// Parameters of the commercial types, of both, and of the house.
-const PARAMETERS: [Column; 31] = [
-    column("envelope", Kind::Number, "1"),
+const PARAMETERS: [Column; 32] = [
+    column("wall_u", Kind::Number, "W/m²K"),
+    column("roof_u", Kind::Number, "W/m²K"),
     column("infiltration", Kind::Number, "1"),
     column("x_scale", Kind::Number, "1"),
     column("y_scale", Kind::Number, "1"),
@@ -171,7 +172,8 @@ fn cells(name: &str, building: &Building) -> Cells {
 
 fn commercial(parameters: &CommercialParameters) -> Vec<(&'static str, String)> {
     let CommercialParameters {
-        envelope,
+        wall_u,
+        roof_u,
         window_u,
         window_shgc,
         window_to_wall,
@@ -181,7 +183,8 @@ fn commercial(parameters: &CommercialParameters) -> Vec<(&'static str, String)> 
         north_axis,
     } = parameters;
     vec![
-        ("envelope", envelope.to_string()),
+        ("wall_u", wall_u.to_string()),
+        ("roof_u", roof_u.to_string()),
         ("infiltration", infiltration.to_string()),
         ("x_scale", x_scale.to_string()),
         ("y_scale", y_scale.to_string()),

@@ -1,7 +1,18 @@
 //! Random numbers that are the same on every machine and with every version of the random-number crates.
 
 use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+
+/// Returns the stream of a name, a seed and a number. Only the first 24 bytes of the name are used.
+pub(crate) fn stream(name: &str, seed: u64, number: u64) -> ChaCha8Rng {
+    let mut key = [0; 32];
+    let (head, tail) = key.split_at_mut(24);
+    head.iter_mut().zip(name.bytes()).for_each(|(byte, letter)| *byte = letter);
+    tail.copy_from_slice(&seed.to_le_bytes());
+    let mut random = ChaCha8Rng::from_seed(key);
+    random.set_stream(number);
+    random
+}
 
 /// Draws a uniform number from 0 (included) to 1 (excluded), on 53 bits.
 pub fn uniform(random: &mut ChaCha8Rng) -> f64 {
@@ -19,8 +30,6 @@ pub fn standard_normal(random: &mut ChaCha8Rng) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use rand_chacha::rand_core::SeedableRng;
-
     use super::*;
 
     #[test]

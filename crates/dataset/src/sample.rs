@@ -5,7 +5,10 @@ use std::sync::Arc;
 use b2b_building::{BuildingType, Parameter};
 use b2b_climate::{Location, Place, Region, WeatherFile};
 
+use rand_chacha::rand_core::Rng;
+
 use super::hypercube::latin_hypercube;
+use super::random::stream;
 use super::setting::{self, FOUNDATIONS, rounded, rounded_within};
 use super::{Building, Setting};
 use crate::commercial::{self, CommercialParameters};
@@ -13,7 +16,10 @@ use crate::house::{DIMENSIONS, Given, Heater, Heating, House, HouseSample, NUMBE
 use crate::{Error, Result};
 
 /// Decimals of the commercial parameters, in their order. The window-to-wall ratio of a warehouse is less than 1 %.
-const DECIMALS: [i32; 8] = [4, 4, 4, 5, 4, 4, 4, 1];
+const DECIMALS: [i32; 9] = [4, 4, 4, 4, 5, 4, 4, 4, 1];
+
+/// The stream of the seeds of households, distinct from those of the hypercube.
+const HOUSEHOLDS: u64 = 2000;
 
 /// The places or regions of a sample.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,7 +52,7 @@ pub fn sample(
 /// [`sample`] with a named random stream.
 pub(super) fn draw(
     building_type: BuildingType,
-    stream: &str,
+    name: &str,
     count: usize,
     seed: u64,
     places: &Places,
@@ -55,10 +61,14 @@ pub(super) fn draw(
     setting::check(settings, building_type)?;
     let locations = locations(building_type, places)?;
     if building_type == BuildingType::SingleFamilyHouse {
-        let points = latin_hypercube::<DIMENSIONS>(stream, seed, count);
-        return points.iter().map(|point| house(point, &locations, settings)).collect();
+        let points = latin_hypercube::<DIMENSIONS>(name, seed, count);
+        let mut households = stream(name, seed, HOUSEHOLDS);
+        return points
+            .iter()
+            .map(|point| house(point, households.next_u64(), &locations, settings))
+            .collect();
     }
-    let points = latin_hypercube::<9>(stream, seed, count);
+    let points = latin_hypercube::<10>(name, seed, count);
     points.iter().map(|point| commercial(building_type, point, &locations, settings)).collect()
 }
 
@@ -80,7 +90,7 @@ fn locations(building_type: BuildingType, places: &Places) -> Result<Vec<Locatio
 /// same number of buildings.
 fn commercial(
     building_type: BuildingType,
-    point: &[f64; 9],
+    point: &[f64; 10],
     locations: &[Location],
     settings: &[Setting],
 ) -> Result<Building> {
@@ -108,7 +118,12 @@ fn at(location: &Location, source: Error) -> Error {
     Error::AtPlace { place: location.name().to_owned(), zone, source: Box::new(source) }
 }
 
-fn house(point: &[f64; DIMENSIONS], locations: &[Location], settings: &[Setting]) -> Result<Building> {
+fn house(
+    point: &[f64; DIMENSIONS],
+    household: u64,
+    locations: &[Location],
+    settings: &[Setting],
+) -> Result<Building> {
     let [first, last] = Vintage::YEARS.map(f64::from);
     let year = |setting: &Setting| setting.whole(point[1], Parameter::new("year", "1", first, last));
     let given = Given {
@@ -120,6 +135,7 @@ fn house(point: &[f64; DIMENSIONS], locations: &[Location], settings: &[Setting]
         sample.location = nth(locations, point[0]).clone();
     }
     let house = &mut sample.house;
+    house.household = household;
     round(house);
     if let Some(setting) = setting::of(settings, "storeys") {
         house.storeys = setting.whole(point[3], House::STOREYS)?;
@@ -261,11 +277,11 @@ mod tests {
     #[test]
     fn the_error_of_a_parameter_that_a_climate_does_not_allow_has_the_place() {
         let ask = |text: &str| sample(BuildingType::Warehouse, 50, 0, &Places::All, &set(&[text]));
-        let said = ask("envelope=0.5..0.7").unwrap_err().to_string();
-        for word in ["`envelope`", "0.7", "0.597", "Fairbanks", "zone 8"] {
+        let said = ask("infiltration=0.5..1.7").unwrap_err().to_string();
+        for word in ["`infiltration`", "1.7", "1.2", "Great Falls", "zone 6B"] {
             assert!(said.contains(word), "{said}");
         }
-        assert!(ask("envelope=0.5..0.59").is_ok());
+        assert!(ask("infiltration=0.5..1.2").is_ok());
     }
 
     #[test]
@@ -285,7 +301,7 @@ mod tests {
     #[test]
     fn invalid_settings_are_rejected() {
         let ask = |of, text: &str| sample(of, 0, 0, &Places::All, &set(&[text])).is_err();
-        assert!(ask(BuildingType::SingleFamilyHouse, "envelope=1"));
+        assert!(ask(BuildingType::SingleFamilyHouse, "wall_u=1"));
         assert!(ask(BuildingType::Warehouse, "windows=1"));
     }
 

@@ -221,7 +221,7 @@ mod tests {
         assert!(text.contains("did you mean window_to_wall?") && text.contains("infiltration"), "{text}");
         let text = said("floor_area=100", BuildingType::Warehouse);
         assert!(text.contains("Warehouse") && !text.contains("did you mean"), "{text}");
-        let text = said("envelope=1", BuildingType::SingleFamilyHouse);
+        let text = said("roof_u=1", BuildingType::SingleFamilyHouse);
         assert!(text.contains("wall_resistance"), "{text}");
         let twice = ["storeys=1", "storeys=2"].map(setting);
         assert!(check(&twice, BuildingType::SingleFamilyHouse).unwrap_err().to_string().contains("twice"));

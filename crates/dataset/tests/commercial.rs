@@ -21,13 +21,13 @@ const TYPES: [BuildingType; 5] = [
 /// Zones 1A, 3C, 5B and 8.
 const PLACES: [&str; 4] = ["Miami", "San Diego", "Denver", "Fairbanks"];
 /// Points of the unit cube: its middle, its corners, and some of each.
-const POINTS: [[f64; 8]; 6] = [
-    [0.5; 8],
-    [0.0; 8],
-    [1.0; 8],
-    [0.9, 0.1, 0.8, 1.0, 0.2, 0.0, 1.0, 0.3],
-    [0.1, 0.9, 0.2, 1.0, 0.7, 1.0, 0.0, 0.6],
-    [0.3, 0.7, 0.6, 0.0, 0.9, 0.1, 0.8, 0.1],
+const POINTS: [[f64; 9]; 6] = [
+    [0.5; 9],
+    [0.0; 9],
+    [1.0; 9],
+    [0.9, 0.0, 0.1, 0.8, 1.0, 0.2, 0.0, 1.0, 0.3],
+    [0.1, 1.0, 0.9, 0.2, 1.0, 0.7, 1.0, 0.0, 0.6],
+    [0.3, 0.6, 0.7, 0.6, 0.0, 0.9, 0.1, 0.8, 0.1],
 ];
 /// ASHRAE 90.1 wall and roof U of zones 1, 3, 5 and 8, Btu/h·ft²·°F.
 const CODE: [[f64; 2]; 4] = [[0.124, 0.048], [0.077, 0.039], [0.055, 0.032], [0.037, 0.028]];
@@ -214,13 +214,17 @@ fn windows_have_the_u_and_the_gain_of_the_parameters_and_skylights_their_own() {
 }
 
 #[test]
-fn walls_and_roofs_have_the_u_of_the_code_times_the_parameter() {
-    each(|label, model, _, parameters, [wall, roof]| {
+fn walls_and_roofs_have_the_u_of_the_parameters() {
+    each(|label, model, _, parameters, code| {
+        for (u, code) in [parameters.wall_u, parameters.roof_u].iter().zip(code) {
+            let share = u / (code * SI_PER_IP);
+            assert!((0.499..1.301).contains(&share), "{label}: {share}");
+        }
         let u = |surface: &Value, films: f64| {
             1.0 / (model.layers(surface["construction_name"].as_str().unwrap()).iter().sum::<f64>() + films)
         };
         for surface in model.facing("Wall", "Outdoors") {
-            within_a_percent(u(surface, 0.03 + 0.12), wall * SI_PER_IP * parameters.envelope, label);
+            within_a_percent(u(surface, 0.03 + 0.12), parameters.wall_u, label);
         }
         // The decks of attics are bare; the ceilings under them are insulated.
         let mut roofs = model.facing("Roof", "Outdoors");
@@ -228,7 +232,7 @@ fn walls_and_roofs_have_the_u_of_the_code_times_the_parameter() {
         roofs.extend(model.facing("Ceiling", "Surface"));
         assert!(!roofs.is_empty(), "{label}");
         for surface in roofs {
-            within_a_percent(u(surface, 0.03 + 0.11), roof * SI_PER_IP * parameters.envelope, label);
+            within_a_percent(u(surface, 0.03 + 0.11), parameters.roof_u, label);
         }
     });
 }
@@ -371,7 +375,7 @@ fn the_same_parameters_give_the_same_bytes() {
 fn a_parameter_out_of_bounds_is_refused_by_name() {
     let place = Place::find("Miami").unwrap();
     let (building_type, base) = &bases()[0];
-    let good = CommercialParameters::from_unit([0.5; 8], *building_type, "1A").unwrap();
+    let good = CommercialParameters::from_unit([0.5; 9], *building_type, "1A").unwrap();
     for bad in [f64::NAN, f64::NEG_INFINITY, 9.0] {
         let parameters = CommercialParameters { infiltration: bad, ..good };
         let error = generate(base, *building_type, place, &site(place), &parameters).unwrap_err().to_string();

@@ -72,6 +72,37 @@ fn an_office_is_kept_warm_for_its_people_and_let_go_without_them() {
     }
 }
 
+/// The sum of rewards of a winter day under the same random actions.
+fn episode_return(case: &Case, task: &str) -> f64 {
+    let mut env = case.env_for("01-03..01-03", task);
+    episode(&mut env, 1);
+    env.metrics().episode_return
+}
+
+#[test]
+fn the_occupancy_task_of_every_type_differs_from_its_constant_task() {
+    for building_type in BuildingType::ALL {
+        let case = Case::at_home(building_type);
+        let [constant, occupancy] = ["constant", "occupancy"].map(|task| episode_return(&case, task));
+        let difference = (occupancy - constant).abs();
+        assert!(difference > 0.01 * constant.abs(), "{building_type}: {constant} {occupancy}");
+    }
+}
+
+#[test]
+fn a_house_is_empty_at_times_and_occupied_at_night() {
+    let mut env = Case::at_home(BuildingType::SingleFamilyHouse).env_for("01-02..01-06", "occupancy");
+    let (occupancy, target) = (slots(&env, "occupancy"), slots(&env, "target"));
+    let (_, trajectory) = episode(&mut env, 1);
+    let there: Vec<bool> = trajectory.observed(occupancy[0]).map(|there| there == 1.0).collect();
+    let targets = trajectory.observed(target[0]);
+    assert!(there.iter().zip(targets).all(|(there, target)| target == if *there { 21.0 } else { 18.0 }));
+    for day in there.chunks_exact(288) {
+        assert!(day[..48].iter().all(|there| *there), "everyone is at home until four");
+    }
+    assert!(there.contains(&false), "the house is empty at times");
+}
+
 /// What is judged is the target that was observed when the action was chosen.
 #[test]
 fn rewards_and_metrics_are_those_of_the_trajectory() {

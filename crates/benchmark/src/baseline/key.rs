@@ -1,5 +1,6 @@
 //! What a baseline depends on.
 
+use b2b_control::Objective;
 use b2b_dataset::GENERATOR_VERSION;
 use b2b_energyplus::digest::sha256;
 use b2b_energyplus::install::ENGINE_VERSION;
@@ -21,6 +22,8 @@ pub struct Key {
     pub building: String,
     /// The task without its energy term: spelling, with a hash where it has none.
     pub task: String,
+    /// Objective of the controllers' parameters.
+    pub objective: Objective,
     /// Run period.
     pub period: String,
     /// Zone time steps per hour.
@@ -44,11 +47,12 @@ impl Key {
         Ok(Self {
             building: episode.subject.identity()?,
             task: without_energy(&episode.task).to_string(),
+            objective: Objective::of(&episode.task),
             period: episode.period.to_string(),
             steps_per_hour: episode.steps_per_hour,
             generator: GENERATOR_VERSION.to_owned(),
             engine: ENGINE_VERSION.to_owned(),
-            controller: parameters_hash(&controller_parameters(&episode.subject, site)),
+            controller: parameters_hash(&controller_parameters(&episode.subject, site, &episode.task)),
             revision: REVISION,
         })
     }
@@ -60,7 +64,7 @@ impl Key {
     }
 }
 
-/// Returns a task without what the reactive controllers ignore.
+/// Returns a task without what is not part of a baseline's key: energy term and comfort band.
 pub(super) fn without_energy(task: &Task) -> Task {
     let Task { energy_weight, energy_scale, resource, comfort_band, .. } = Task::default();
     Task { energy_weight, energy_scale, resource, comfort_band, ..task.clone() }

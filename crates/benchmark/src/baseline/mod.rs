@@ -1,7 +1,8 @@
 //! Returns of the reactive controllers: shipped for the small test split, cached for everything else once computed.
 //!
-//! The reactive controllers' actions depend on neither the weight of energy nor its scale, and comfort and energy are
-//! summed separately: one episode gives the return for every weight.
+//! A task is scored against the reactive controllers with the parameters of its objective: comfort alone, or comfort and
+//! energy. Within an objective, their actions depend on neither the weight of energy nor its scale, and comfort and energy
+//! are summed separately: one episode gives the return for every weight.
 
 mod key;
 mod store;

@@ -112,13 +112,18 @@ impl Baselines {
         Ok(lost.into_inner().unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// Returns the episodes whose baselines are unknown, once each and without their energy term, in their order.
+    /// Returns the episodes whose baselines are unknown, once each and with the energy term of their
+    /// objective, in their order.
     pub fn missing(&self, episodes: impl IntoIterator<Item = (Key, Episode)>) -> Vec<(Key, Episode)> {
         let mut seen = HashSet::new();
         let unknown =
             episodes.into_iter().filter(|(key, _)| seen.insert(key.clone()) && self.get(key).is_none());
         unknown
-            .map(|(key, episode)| (key, Episode { task: without_energy(&episode.task), seed: 0, ..episode }))
+            .map(|(key, episode)| {
+                let task = without_energy(&episode.task);
+                let task = key.objective.task(&task);
+                (key, Episode { task, seed: 0, ..episode })
+            })
             .collect()
     }
 
@@ -192,7 +197,8 @@ mod tests {
         assert_eq!(of("constant+cost2"), -TERMS.temperature_penalty - 2.0 * TERMS.cost);
         let scaled = Task { energy_scale: Some(0.25), ..episode("constant+energy0.5").task };
         assert_eq!(TERMS.episode_return(&scaled), -TERMS.temperature_penalty - 2.0 * TERMS.energy);
-        assert_eq!(key("occupancy"), key("occupancy+energy0.5"));
+        assert_eq!(key("occupancy+cost2"), key("occupancy+energy0.5"));
+        assert_ne!(key("occupancy"), key("occupancy+energy0.5"), "each objective has its own parameters");
         assert_ne!(key("occupancy"), key("constant"));
         assert_ne!(key("constant+deadband"), key("constant"), "comfort is judged otherwise");
         assert_ne!(key("random:1"), key("random:2"));
@@ -203,10 +209,11 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let baselines = Baselines::without_shipped(folder.path());
         let missing = baselines.missing([
-            (key("constant"), episode("constant")),
+            (key("constant+energy2"), episode("constant+energy2")),
             (key("constant+energy0.5"), episode("constant+energy0.5")),
         ]);
         assert_eq!(missing.len(), 1, "both weights are one episode");
+        assert_eq!(missing[0].1.task.to_string(), "constant+energy0.5");
         baselines.keep(&key("constant"), TERMS).unwrap();
         assert_eq!(baselines.get(&key("constant")), Some(TERMS));
         assert_eq!(baselines.get(&Key { revision: REVISION + 1, ..key("constant") }), None);

@@ -24,6 +24,8 @@ pub struct Entry {
     pub train_policy: Option<EntryPolicy>,
     /// The policies by the number of training steps on each test environment.
     pub adapted: BTreeMap<u64, EntryPolicy>,
+    /// The specialists, each trained on the test building that it is tested on: see [`Stage::UpperBound`].
+    pub upper_bound: Option<EntryPolicy>,
 }
 
 impl Entry {
@@ -56,6 +58,7 @@ impl Entry {
             stages.push(Stage::Untrained);
             stages.extend(self.adapted.keys().map(|steps| Stage::Adapted(*steps)));
         }
+        stages.extend(self.upper_bound.is_some().then_some(Stage::UpperBound));
         stages
     }
 
@@ -66,6 +69,7 @@ impl Entry {
             Stage::Test => &self.policy,
             Stage::Train => self.train_policy.as_ref().unwrap_or(&self.policy),
             Stage::Untrained => UNTRAINED,
+            Stage::UpperBound => self.upper_bound.as_ref().unwrap_or(&self.policy),
             Stage::Adapted(steps) => self.adapted.get(&steps).unwrap_or(&self.policy),
         }
     }

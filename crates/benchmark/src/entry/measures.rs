@@ -32,6 +32,10 @@ pub struct Measures {
     /// Generalization gap: interquartile mean on test minus that on training buildings; above 0 is worse on test.
     #[serde(rename = "generalisation_gap")]
     pub generalization_gap: Option<Interval>,
+    /// Scores of specialists on the test buildings that each was trained on, if there are any: an upper bound, which is not
+    /// ranked.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub upper_bound: Option<Aggregate>,
     /// Adaptation to the test environments, if the policy adapts.
     pub adaptation: Option<Adaptation>,
 }
@@ -73,6 +77,8 @@ impl Measures {
             scores: test.iter().map(SeedScores::score).collect(),
             generalization_gap: train.as_ref().and_then(|train| difference(&test_clusters, train, SEED)),
             train: train.and_then(|train| aggregate_clusters(&train, SEED)),
+            upper_bound: scores_of(Stage::UpperBound)
+                .and_then(|groups| aggregate_clusters(&clusters(&groups), SEED)),
             adaptation: Adaptation::of(stages, &test, SEED),
         })
     }

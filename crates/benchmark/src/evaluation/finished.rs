@@ -8,6 +8,7 @@ use super::deviations::Deviations;
 use super::hours::Hours;
 use super::info::EpisodeInfo;
 use super::recording::{Recording, controlled_zones};
+use super::step_rewards::StepRewards;
 use crate::return_terms::ReturnTerms;
 
 /// A finished episode, or why it was lost.
@@ -30,6 +31,8 @@ pub struct Finished {
     pub terms: ReturnTerms,
     /// Distribution of deviations from target.
     pub deviations: Deviations,
+    /// Distribution of the rewards of single steps.
+    pub step_rewards: StepRewards,
     /// Hourly values.
     pub hours: Hours,
 }
@@ -56,6 +59,7 @@ impl Finished {
             record: Record { info, metrics: metrics.into(), trajectory_hash },
             terms: metrics.into(),
             deviations: Deviations::of(recording, &zones),
+            step_rewards: StepRewards::of(&recording.trajectory),
             hours: Hours::of(recording, &zones, spaces),
         }
     }

@@ -17,6 +17,7 @@ mod recording;
 mod rollout;
 mod row;
 mod runner;
+mod step_rewards;
 mod table;
 
 pub use deviations::Deviations;
@@ -29,4 +30,5 @@ pub use info::EpisodeInfo;
 pub use parallel::Evaluation;
 pub use progress::Progress;
 pub use row::{Row, Scored};
-pub use table::{episode_table, read_stages, write_episodes, write_stages};
+pub use step_rewards::StepRewards;
+pub use table::{episode_table, read_episodes, read_stages, write_episodes, write_stages};

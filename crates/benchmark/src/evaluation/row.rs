@@ -4,6 +4,7 @@ use b2b_env::EpisodeMetrics;
 
 use super::finished::{Lost, Record};
 use super::info::EpisodeInfo;
+use super::step_rewards::StepRewards;
 use crate::scores::normalized_score;
 
 /// An episode in a results table.
@@ -20,6 +21,8 @@ pub struct Row {
 pub struct Scored {
     /// The metrics.
     pub metrics: EpisodeMetrics,
+    /// Distribution of the rewards of single steps.
+    pub step_rewards: StepRewards,
     /// SHA-256 of every observation, action and penalty.
     pub trajectory_hash: String,
     /// Return of the reactive controllers for the same episode, if known.
@@ -30,10 +33,10 @@ pub struct Scored {
 
 impl Row {
     /// Scores an episode against the return of the reactive controllers.
-    pub(crate) fn scored(record: Record, baseline_return: Option<f64>) -> Self {
+    pub(crate) fn scored(record: Record, step_rewards: StepRewards, baseline_return: Option<f64>) -> Self {
         let Record { info, metrics, trajectory_hash } = record;
         let score = baseline_return.and_then(|baseline| normalized_score(metrics.episode_return, baseline));
-        Self { info, outcome: Ok(Scored { metrics, trajectory_hash, baseline_return, score }) }
+        Self { info, outcome: Ok(Scored { metrics, step_rewards, trajectory_hash, baseline_return, score }) }
     }
 
     /// Returns the score, if the episode was not lost and has one.

@@ -6,7 +6,7 @@ use std::io::Write;
 use std::sync::Arc;
 
 use arrow_array::types::{Float64Type, UInt32Type, UInt64Type};
-use arrow_array::{Array, ArrayRef, ArrowPrimitiveType, PrimitiveArray, RecordBatch, StringArray};
+use arrow_array::{Array, ArrayRef, ArrowPrimitiveType, ListArray, PrimitiveArray, RecordBatch, StringArray};
 use arrow_schema::{DataType, Field, Schema};
 use b2b_env::{EpisodeMetrics, MetricColumn};
 use parquet::arrow::ArrowWriter;
@@ -18,6 +18,7 @@ use parquet::file::properties::WriterProperties;
 use super::finished::Lost;
 use super::info::EpisodeInfo;
 use super::row::{Row, Scored};
+use super::step_rewards::StepRewards;
 use crate::versions::Versions;
 
 /// The metric that is stored as an integer; all others are stored as floating-point numbers.
@@ -83,6 +84,21 @@ pub fn read_stages(file: File) -> Result<Vec<(String, Row)>> {
     Ok(rows)
 }
 
+/// Reads a table of [`write_episodes`].
+///
+/// # Errors
+/// Those of the Parquet library, also for a table with other columns.
+pub fn read_episodes(file: File) -> Result<Vec<Row>> {
+    let mut rows = Vec::new();
+    for batch in ParquetRecordBatchReaderBuilder::try_new(file)?.build()? {
+        let cells = Cells(batch.map_err(|error| ParquetError::General(error.to_string()))?);
+        for row in 0..cells.0.num_rows() {
+            rows.push(cells.row(row)?);
+        }
+    }
+    Ok(rows)
+}
+
 struct Columns<'a> {
     rows: &'a [Row],
     fields: Vec<Field>,
@@ -111,6 +127,7 @@ impl Columns<'_> {
         }
         self.push::<Float64Type>("baseline_return", "1", |row| row.outcome.as_ref().ok()?.baseline_return);
         self.push::<Float64Type>("score", "1", Row::score);
+        self.counts("step_rewards", |row| Some(&row.outcome.as_ref().ok()?.step_rewards));
         self.text("trajectory_hash", |row| Some(&row.outcome.as_ref().ok()?.trajectory_hash));
         self.text("lost", |row| Some(&row.outcome.as_ref().err()?.reason));
     }
@@ -124,6 +141,13 @@ impl Columns<'_> {
         let unit = HashMap::from([("unit".to_owned(), unit.to_owned())]);
         self.fields.push(Field::new(name, T::DATA_TYPE, true).with_metadata(unit));
         self.arrays.push(Arc::new(self.rows.iter().map(value).collect::<PrimitiveArray<T>>()));
+    }
+
+    fn counts(&mut self, name: &str, value: impl Fn(&Row) -> Option<&StepRewards>) {
+        let values = self.rows.iter().map(|row| Some(value(row)?.counts.iter().copied().map(Some)));
+        let array = ListArray::from_iter_primitive::<UInt32Type, _, _>(values);
+        self.fields.push(Field::new(name, array.data_type().clone(), true));
+        self.arrays.push(Arc::new(array));
     }
 
     fn text(&mut self, name: &str, value: impl Fn(&Row) -> Option<&String>) {
@@ -168,6 +192,13 @@ impl Cells {
         self.optional::<T>(name, row)?.ok_or_else(|| empty(name, row))
     }
 
+    fn counts(&self, name: &str, row: usize) -> Result<Vec<u32>> {
+        let column: &ListArray = self.column(name)?;
+        let values = column.is_valid(row).then(|| column.value(row)).ok_or_else(|| empty(name, row))?;
+        let values = values.as_any().downcast_ref::<PrimitiveArray<UInt32Type>>();
+        Ok(values.ok_or_else(|| empty(name, row))?.values().to_vec())
+    }
+
     fn row(&self, row: usize) -> Result<Row> {
         let outcome = match self.optional_text("lost", row)? {
             Some(reason) => Err(Lost { reason }),
@@ -204,6 +235,7 @@ impl Cells {
         }
         Ok(Scored {
             metrics,
+            step_rewards: StepRewards { counts: self.counts("step_rewards", row)? },
             trajectory_hash: self.text("trajectory_hash", row)?,
             baseline_return: self.optional::<Float64Type>("baseline_return", row)?,
             score: self.optional::<Float64Type>("score", row)?,
@@ -236,7 +268,9 @@ mod tests {
         }
         metrics.rms_deviation = 0.1 + 0.2;
         let trajectory_hash = "abc".to_owned();
-        let scored = Scored { metrics, trajectory_hash, baseline_return: Some(-10.0), score: Some(1.225) };
+        let step_rewards = StepRewards { counts: vec![0, 3, 1] };
+        let baseline_return = Some(-10.0);
+        let scored = Scored { metrics, step_rewards, trajectory_hash, baseline_return, score: Some(1.225) };
         let ran = Row { info: info.clone(), outcome: Ok(scored) };
         let lost = Row { info, outcome: Err(Lost { reason: "the worker crashed".into() }) };
         let file = tempfile::NamedTempFile::new().unwrap();

@@ -81,7 +81,7 @@ impl Policy for BuiltIn {
 
 fn reactive(context: &EpisodeContext<'_>) -> Reactive {
     let EpisodeContext { subject, site, spaces, .. } = context;
-    let parameters = controller_parameters(subject, site);
+    let parameters = controller_parameters(subject, site, &spaces.episode.task);
     Reactive::new(&spaces.building, &spaces.observation, spaces.episode.steps_per_hour, &parameters)
 }
 

@@ -28,6 +28,9 @@ pub enum Buildings {
         /// The subset.
         #[serde(rename = "split")]
         subset: Subset,
+        /// Number of buildings, spread evenly over the types and their locations; `None` for all.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        count: Option<usize>,
     },
 }
 
@@ -38,6 +41,7 @@ struct BuildingsFile {
     ids: Option<Vec<String>>,
     types: Option<Vec<String>>,
     split: Option<Subset>,
+    count: Option<usize>,
 }
 
 impl TryFrom<BuildingsFile> for Buildings {
@@ -45,13 +49,16 @@ impl TryFrom<BuildingsFile> for Buildings {
 
     fn try_from(file: BuildingsFile) -> Result<Self, String> {
         match file {
-            BuildingsFile { ids: Some(ids), types: None, split: None } => {
+            BuildingsFile { ids: Some(ids), types: None, split: None, count: None } => {
                 Ok(Self::Listed { ids: parsed(&ids)? })
             }
-            BuildingsFile { ids: None, types: Some(types), split: Some(subset) } => {
-                Ok(Self::Subset { types: parsed(&types)?, subset })
+            BuildingsFile { ids: None, types: Some(types), split: Some(subset), count } => {
+                Ok(Self::Subset { types: parsed(&types)?, subset, count })
             }
-            _ => Err(r#"expected {"ids": [...]} or {"types": [...], "split": "train"}"#.to_owned()),
+            _ => {
+                Err(r#"expected {"ids": [...]} or {"types": [...], "split": "train", "count": 20}"#
+                    .to_owned())
+            }
         }
     }
 }
@@ -77,9 +84,13 @@ impl Buildings {
     pub fn ids(&self) -> Vec<BuildingId> {
         match self {
             Self::Listed { ids } => ids.clone(),
-            Self::Subset { types, subset } => {
+            Self::Subset { types, subset, count } => {
                 let of_type = types.iter().flat_map(|building_type| b2b_dataset::rows(*building_type));
-                of_type.filter(|row| subset.contains(row)).map(|row| row.id).collect()
+                let all: Vec<_> = of_type.filter(|row| subset.contains(row)).map(|row| row.id).collect();
+                match count {
+                    Some(count) => spread(&all, types, *count),
+                    None => all,
+                }
             }
         }
     }
@@ -101,15 +112,19 @@ impl Buildings {
 
     /// Returns `count` of the buildings, spread evenly over each type; all if there are fewer.
     pub fn sample(&self, count: usize) -> Vec<BuildingId> {
-        let (all, types) = (self.ids(), self.types());
-        let share = |number: usize| count * (number + 1) / types.len() - count * number / types.len();
-        let spread = types.iter().enumerate().flat_map(|(number, building_type)| {
-            let own: Vec<_> = all.iter().filter(|id| id.building_type() == *building_type).collect();
-            let wanted = share(number).min(own.len());
-            (0..wanted).map(move |place| *own[(2 * place + 1) * own.len() / (2 * wanted)]).collect::<Vec<_>>()
-        });
-        spread.collect()
+        spread(&self.ids(), &self.types(), count)
     }
+}
+
+/// Returns `count` of some buildings of these types, spread evenly over each type; all if there are fewer.
+fn spread(all: &[BuildingId], types: &[BuildingType], count: usize) -> Vec<BuildingId> {
+    let share = |number: usize| count * (number + 1) / types.len() - count * number / types.len();
+    let of_type = types.iter().enumerate().flat_map(|(number, building_type)| {
+        let own: Vec<_> = all.iter().filter(|id| id.building_type() == *building_type).collect();
+        let wanted = share(number).min(own.len());
+        (0..wanted).map(move |place| *own[(2 * place + 1) * own.len() / (2 * wanted)]).collect::<Vec<_>>()
+    });
+    of_type.collect()
 }
 
 impl Subset {
@@ -136,7 +151,7 @@ impl fmt::Display for Buildings {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Listed { ids } => write!(f, "{}", joined(ids)),
-            Self::Subset { types, subset } => {
+            Self::Subset { types, subset, .. } => {
                 write!(f, "{}, {subset} split ({} buildings)", joined(types), self.ids().len())
             }
         }
@@ -150,7 +165,7 @@ mod tests {
     #[test]
     fn a_sample_is_spread_evenly_and_of_every_type() {
         let types = vec![BuildingType::Warehouse, BuildingType::OfficeSmall];
-        let buildings = Buildings::Subset { types, subset: Subset::Train };
+        let buildings = Buildings::Subset { types, subset: Subset::Train, count: None };
         let sample = buildings.sample(20);
         assert_eq!(sample.len(), 20);
         assert_eq!(sample.iter().filter(|id| id.building_type() == BuildingType::Warehouse).count(), 10);

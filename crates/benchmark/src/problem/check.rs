@@ -68,9 +68,12 @@ impl Problem {
 
     fn types_fault(&self) -> Option<String> {
         let (train, test) = (self.train.buildings.types(), self.test.buildings.types());
-        let both = common(&train, &test);
         match self.family {
-            Family::CrossDomain => overlap("types", &both),
+            Family::CrossDomain if train.len() == 1 && train == test => Some(format!(
+                "it trains and tests on {} alone; choose several types, or a problem of dynamics adaptation",
+                joined(&train)
+            )),
+            Family::CrossDomain => None,
             _ if train != test => {
                 Some(format!("it trains on {} and tests on {}", joined(&train), joined(&test)))
             }

@@ -41,7 +41,7 @@ pub enum Family {
     DynamicsAdaptation,
     /// The actuators, in the same building under the same task.
     ActionSpaceTransfer,
-    /// The type of building.
+    /// The types of buildings, or the building where one policy controls several types.
     CrossDomain,
 }
 
@@ -57,7 +57,7 @@ impl Problem {
     pub fn side(&self, stage: Stage) -> &Side {
         match stage {
             Stage::Train => &self.train,
-            Stage::Test | Stage::Untrained | Stage::Adapted(_) => &self.test,
+            Stage::Test | Stage::Untrained | Stage::Adapted(_) | Stage::UpperBound => &self.test,
         }
     }
 

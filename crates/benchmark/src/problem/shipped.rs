@@ -13,7 +13,7 @@ use crate::error::at;
 use crate::{Error, Result};
 
 /// The shipped problems.
-pub(super) const SHIPPED: [&str; 13] = [
+pub(super) const SHIPPED: [&str; 15] = [
     include_str!("../../data/problems/goal-energy-weight.json"),
     include_str!("../../data/problems/goal-setpoint-mode.json"),
     include_str!("../../data/problems/goal-leave-one-out.json"),
@@ -27,6 +27,8 @@ pub(super) const SHIPPED: [&str; 13] = [
     include_str!("../../data/problems/retail-to-office-small.json"),
     include_str!("../../data/problems/retail-to-warehouse.json"),
     include_str!("../../data/problems/office-small-to-office-medium.json"),
+    include_str!("../../data/problems/four-types.json"),
+    include_str!("../../data/problems/small-to-offices.json"),
 ];
 
 impl Problem {
@@ -77,7 +79,7 @@ impl Problem {
     pub fn cross_domain(train: &[BuildingType], test: &[BuildingType]) -> Result<Self> {
         let like = Self::named("retail-to-office-small")?;
         let side = |side: &Side, types: &[BuildingType], subset| {
-            let buildings = Buildings::Subset { types: types.to_vec(), subset };
+            let buildings = Buildings::Subset { types: types.to_vec(), subset, count: None };
             Side { buildings, sizes: Vec::new(), ..side.clone() }
         };
         let names =

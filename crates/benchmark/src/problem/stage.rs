@@ -14,6 +14,9 @@ pub enum Stage {
     Untrained,
     /// Test environments, after a number of training steps on each.
     Adapted(u64),
+    /// Test environments, each with a specialist trained on it alone for the budget of the problem: an upper bound for
+    /// policies that generalize, and not ranked with them.
+    UpperBound,
 }
 
 impl fmt::Display for Stage {
@@ -23,6 +26,7 @@ impl fmt::Display for Stage {
             Self::Train => f.write_str("train"),
             Self::Untrained => f.write_str("untrained"),
             Self::Adapted(steps) => write!(f, "adapted-{steps}"),
+            Self::UpperBound => f.write_str("upper-bound"),
         }
     }
 }
@@ -35,10 +39,14 @@ impl FromStr for Stage {
             "test" => Ok(Self::Test),
             "train" => Ok(Self::Train),
             "untrained" => Ok(Self::Untrained),
+            "upper-bound" => Ok(Self::UpperBound),
             _ => {
                 let steps = text.strip_prefix("adapted-").and_then(|steps| steps.parse().ok());
-                let unknown =
-                    || format!("unknown stage `{text}`; expected test, train, untrained or adapted-STEPS");
+                let unknown = || {
+                    format!(
+                        "unknown stage `{text}`; expected test, train, untrained, adapted-STEPS or upper-bound"
+                    )
+                };
                 steps.map(Self::Adapted).ok_or_else(unknown)
             }
         }

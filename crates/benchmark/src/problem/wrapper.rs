@@ -68,7 +68,7 @@ impl Policy for WrappedPolicy<'_> {
 
     fn controller(&self, context: EpisodeContext<'_>) -> Result<Box<dyn Controller>> {
         let EpisodeContext { subject, site, spaces, seed, .. } = context;
-        let parameters = controller_parameters(subject, site);
+        let parameters = controller_parameters(subject, site, &spaces.episode.task);
         let restricted = self.side.restriction.map(|each| each.apply(spaces, &parameters)).transpose()?;
         let attributes = self.attributes(&context)?;
         let slots = spaces.observation.slots();

@@ -3,6 +3,7 @@
 use serde_json::{Value, json};
 
 use super::chart::{Chart, color, horizontal_line, hover_name, make_logarithmic, mean_diamond, range};
+use super::reward_chart::{Series, step_rewards};
 use crate::entry::{RunResult, Stages};
 use crate::evaluation::{EpisodeInfo, Scored};
 use crate::problem::Stage;
@@ -13,7 +14,8 @@ type Entry = (RunResult, Stages);
 
 /// Returns all charts of a problem's entries, in order.
 pub(super) fn all(board: &[&Entry]) -> Vec<Value> {
-    let charts = [returns(board), profiles(board), by_type(board), deviations(board)];
+    let charts =
+        [returns(board), profiles(board), by_type(board), step_rewards(&series(board)), deviations(board)];
     charts.into_iter().chain(curves(board)).map(Chart::json).collect()
 }
 
@@ -94,6 +96,11 @@ fn labels(rows: &[(&EpisodeInfo, &Scored)]) -> Vec<String> {
         format!("{}<br>score {score:.3}, RMS deviation {rms:.2} K", hover_name(info))
     };
     rows.iter().map(label).collect()
+}
+
+/// Returns the entries with the episodes of the test stage.
+fn series<'a>(board: &[&'a Entry]) -> Vec<Series<'a>> {
+    board.iter().map(|(result, stages)| Series { name: &result.name, episodes: test_rows(stages) }).collect()
 }
 
 /// Draws boxes with the episodes' scores by building type.

@@ -4,12 +4,15 @@
 //! the page.
 
 mod chart;
+mod comparison;
 mod evaluation;
 mod evaluation_charts;
 mod hourly_chart;
 pub mod leaderboard;
 mod leaderboard_charts;
 mod page;
+mod reward_chart;
 
+pub use comparison::{Compared, write as write_comparison};
 pub use evaluation::write;
 pub use page::fill;

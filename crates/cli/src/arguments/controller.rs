@@ -15,7 +15,8 @@ pub struct ControllerArguments {
     /// Controller
     #[arg(long = "controller", value_enum, default_value_t = Kind::Reactive)]
     kind: Kind,
-    /// Parameters of the reactive controller: default, tuned (for the building type and climate zone), or a JSON file
+    /// Parameters of the reactive controller: default, tuned (for the building type, the climate zone and the
+    /// task's objective: comfort, or comfort and energy), or a JSON file
     #[arg(long, default_value = "tuned", value_name = "default|tuned|FILE.json")]
     parameters: Parameters,
     /// Random seed of the random controller and of the planner
@@ -88,7 +89,8 @@ impl ControllerArguments {
 pub enum Parameters {
     /// Default parameters, equal for all buildings.
     Default,
-    /// Parameters tuned for the building's type and climate zone. The defaults where no tuning is available, and for prototypes.
+    /// Parameters tuned for the building's type and climate zone and the objective of the task. The defaults where no tuning
+    /// is available, and for prototypes.
     Tuned,
     /// Read from a JSON file.
     File(PathBuf),
@@ -110,11 +112,11 @@ impl FromStr for Parameters {
 }
 
 impl Parameters {
-    /// Returns the parameters for the building of an environment.
+    /// Returns the parameters for the building and the task of an environment.
     fn of(&self, spaces: &Spaces) -> Result<ReactiveParameters> {
         Ok(match self {
             Self::Default => ReactiveParameters::default(),
-            Self::Tuned => ReactiveParameters::tuned_for(&spaces.building),
+            Self::Tuned => ReactiveParameters::tuned_for(&spaces.building, &spaces.episode.task),
             Self::File(path) => ReactiveParameters::read(path)?,
         })
     }

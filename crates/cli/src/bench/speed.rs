@@ -27,6 +27,7 @@ Columns, CPU time per step in milliseconds:
   engine     EnergyPlus simulates the day without being suspended
   advance    EnergyPlus is suspended at the end of every step, nothing is read (Simulation::advance)
   env        action, step, observation and reward (Env::step)
+  mean, standard deviation: of single steps of the environment, over 10,000 of them in an episode of its own
 
 Examples:
   b2b bench speed
@@ -47,6 +48,8 @@ const STEPS_PER_HOUR: u32 = 12;
 const STEPS_PER_DAY: u32 = 24 * STEPS_PER_HOUR;
 /// Days that do not count.
 const FIRST_DAYS: u32 = 2;
+/// Steps whose times are measured one by one, as in the paper.
+const SINGLE_STEPS: u32 = 10_000;
 /// Ways to run the model.
 const WAYS: usize = 3;
 
@@ -61,6 +64,9 @@ struct Speed {
     advance_to_engine: f64,
     env_to_engine: f64,
     steps: u32,
+    /// Mean and standard deviation of single steps of the environment.
+    env_mean_ms: f64,
+    env_deviation_ms: f64,
 }
 
 /// Runs the command.
@@ -87,6 +93,7 @@ fn speed(building: &BuildingName, arguments: &Arguments) -> Result<Speed> {
             }
         }
     }
+    let (env_mean_ms, env_deviation_ms) = mean_and_deviation(&single_steps(&prepared)?);
     let of_days = |value: fn(&[f64; 3]) -> f64| median(days.iter().map(value).collect());
     Ok(Speed {
         building: building.to_string(),
@@ -96,7 +103,37 @@ fn speed(building: &BuildingName, arguments: &Arguments) -> Result<Speed> {
         advance_to_engine: of_days(|ms| ms[1] / ms[0]),
         env_to_engine: of_days(|ms| ms[2] / ms[0]),
         steps: WAYS as u32 * (arguments.days - FIRST_DAYS) * STEPS_PER_DAY,
+        env_mean_ms,
+        env_deviation_ms,
     })
+}
+
+/// Returns the CPU time of each of [`SINGLE_STEPS`] steps of an environment, ms.
+fn single_steps(prepared: &Prepared) -> Result<Vec<f64>> {
+    let days = FIRST_DAYS + SINGLE_STEPS.div_ceil(STEPS_PER_DAY);
+    let period = RunPeriod::new(Date::of_day(1), Date::of_day(days))?;
+    let mut env = prepared.env(period, STEPS_PER_HOUR, Task::default())?;
+    env.reset()?;
+    let action = env.action_space().middle();
+    let mut times = Vec::with_capacity(SINGLE_STEPS as usize);
+    for step in 0..FIRST_DAYS * STEPS_PER_DAY + SINGLE_STEPS {
+        let start = ProcessTime::now();
+        env.step(&action)?;
+        if step >= FIRST_DAYS * STEPS_PER_DAY {
+            times.push(start.elapsed().as_secs_f64() * 1e3);
+        }
+        if step % STEPS_PER_DAY == 0 {
+            interrupt::check()?;
+        }
+    }
+    Ok(times)
+}
+
+fn mean_and_deviation(values: &[f64]) -> (f64, f64) {
+    let count = values.len().max(1) as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / count;
+    (mean, variance.sqrt())
 }
 
 /// One building, run in three ways at once, in the order of the table's columns.
@@ -205,6 +242,8 @@ fn text(speeds: &[Speed]) -> String {
         "advance/engine",
         "env/engine",
         "steps",
+        "mean of a step (ms)",
+        "standard deviation (ms)",
     ]);
     for speed in speeds {
         table.row([
@@ -215,6 +254,8 @@ fn text(speeds: &[Speed]) -> String {
             format!("{:.3}", speed.advance_to_engine),
             format!("{:.3}", speed.env_to_engine),
             speed.steps.to_string(),
+            format!("{:.4}", speed.env_mean_ms),
+            format!("{:.4}", speed.env_deviation_ms),
         ]);
     }
     table.text()

@@ -35,6 +35,9 @@ pub struct Arguments {
     /// Policy after STEPS of training in each test environment
     #[arg(long, value_name = "STEPS=POLICY", num_args = 1.., value_parser = adapted)]
     adapted: Vec<(u64, String)>,
+    /// Specialists, each trained in one test environment: an upper bound that is reported and not ranked
+    #[arg(long, value_name = "POLICY")]
+    upper_bound: Option<String>,
     /// Number of training steps of the policy
     #[arg(long, value_name = "N")]
     trained_steps: Option<u64>,
@@ -62,6 +65,7 @@ Examples:
   b2b benchmark run dynamics-house --policy reactive --out results/reactive
   b2b benchmark run dynamics-house --policy ppo-{seed}.onnx --trained-steps 4000000 --out results/ppo
   b2b benchmark run dynamics-house --policy ppo.onnx --adapted 2016=week/{building}.onnx --out results/tuned
+  b2b benchmark run dynamics-house --policy ppo-{seed}.onnx --upper-bound own/{building}.onnx --out results/bound
   b2b benchmark run cross-domain --train-type Warehouse RetailStandalone --test-type OfficeSmall --policy my.onnx --out x
   b2b benchmark run dynamics-house --period 01-10..01-11 --policy random --out try        a modified problem
 
@@ -109,6 +113,9 @@ impl Arguments {
                 bail!("--adapted is given twice for {steps} steps");
             }
         }
+        let upper_bound = self.upper_bound.as_ref();
+        let upper_bound =
+            upper_bound.map(|text| self.entry_policy(&problem, text, Stage::UpperBound)).transpose()?;
         Ok(Entry {
             name: self.entry.clone().unwrap_or_else(|| policy.name()),
             description: self.description.clone(),
@@ -117,6 +124,7 @@ impl Arguments {
             policy,
             train_policy,
             adapted,
+            upper_bound,
         })
     }
 
@@ -178,6 +186,9 @@ fn aggregate_table(measures: &Measures) -> String {
     row(&mut table, "test".into(), &measures.test);
     if let Some(train) = &measures.train {
         row(&mut table, "train".into(), train);
+    }
+    if let Some(specialists) = &measures.upper_bound {
+        row(&mut table, "test, specialists (upper bound)".into(), specialists);
     }
     for point in measures.adaptation.iter().flat_map(|adaptation| adaptation.curve.iter().skip(1)) {
         row(&mut table, format!("test, after {} steps", point.steps), &point.scores);

@@ -22,9 +22,8 @@ enum Command {
     Manifest(ManifestArguments),
     /// Print the range of every parameter by type and climate zone, next to the building code; houses by vintage
     #[command(after_help = "\
-U-values are in W/(m²·K), with the requirement of ASHRAE 90.1 in parentheses. One parameter, envelope, multiplies
-the required U-values of walls and roofs; infiltration multiplies that of the prototype. The units of house
-parameters are in docs/dataset.md.")]
+U-values are in W/(m²·K), with the requirement of ASHRAE 90.1 in parentheses. The infiltration multiplies that of
+the prototype. The units of house parameters are in docs/dataset.md.")]
     Ranges,
 }
 

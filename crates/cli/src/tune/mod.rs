@@ -20,17 +20,19 @@ pub struct Arguments {
 const LONG_ABOUT: &str = "\
 Tune the reactive controllers on training buildings
 
-For each building type and climate zone, optimizes eight controller parameters by Bayesian optimization. Each
-candidate is simulated on training buildings for a winter and a summer week, with setpoints that follow occupancy
-and no energy term in the reward. Its score is the 25th percentile, over the buildings, of the return divided by
-the loss under the default parameters: -1 is as good as the defaults, 0 is perfect. The best candidate is chosen
-among those whose actuator travel is at most five full strokes per day in every building, or no more than under the
-defaults; it is never worse than the defaults. Every evaluation is kept in a file: the same command resumes an
-interrupted tuning. The parameters that ship with b2b are FOLDER/tuned.json of a run with the default options.";
+For each building type and climate zone, optimizes the controller parameters for two objectives: comfort (no weight
+of energy) and energy (weight 0.5, relative to the energy use under the comfort set). Each candidate is simulated on
+training buildings from a Sunday to a Tuesday in winter and in summer, with setpoints that follow occupancy. Its loss
+is divided by that of the default parameters: 1 is as good as the defaults, 0 is perfect. A candidate that cannot win
+is dropped after the first buildings. The best ones are validated on other training buildings, also with constant
+setpoints, and the one with the least median loss is chosen, provided that actuators travel at most five full strokes
+per day on every building, or no more than under the defaults, and that it is on no building clearly worse than the
+defaults. Every evaluation is kept in a file: the same command resumes an interrupted tuning. The parameters that ship
+with b2b are FOLDER/tuned.json of a run with the default options.";
 
 const EXAMPLES: &str = "\
 Examples:
-  b2b tune                                       all types and zones: one to two hours
+  b2b tune                                       all types and zones: one to two hours on two cores
   b2b tune --type OfficeSmall --zone 5
   b2b tune --type SingleFamilyHouse --buildings 8 --evaluations 50 --seed 1 --out mine
   b2b tune check --type SingleFamilyHouse        reproduce the shipped results

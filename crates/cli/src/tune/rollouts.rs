@@ -1,17 +1,60 @@
 //! Episodes of tuning, in worker processes.
 
 use b2b_building::RunPeriod;
-use b2b_control::tune::Rollouts;
-use b2b_control::{Error, Result};
-use b2b_dataset::BuildingId;
-use b2b_dataset::Catalog;
+use b2b_control::tune::{Building, Cells, Outcome, Plan, Rollouts, TrainingBuildings};
+use b2b_control::{Error, ReactiveParameters, Result};
+use b2b_dataset::{BuildingId, Catalog};
 use b2b_env::Task;
 
 use crate::progress::Download;
 use crate::workers::worker_options;
 
-/// A winter week and a summer week: the default run periods.
-pub const WEEKS: [&str; 2] = ["01-08..01-14", "07-08..07-14"];
+/// Sunday to Tuesday, in winter and in summer: the change from a weekend to weekdays. The default run periods of tuning.
+pub const DAYS: [&str; 2] = ["01-08..01-10", "07-09..07-11"];
+
+/// The episodes of a class on its training buildings. They are prepared on first use: a finished plan needs none.
+pub struct TrainingRollouts<'a> {
+    catalog: &'a Catalog,
+    buildings: &'a TrainingBuildings,
+    periods: &'a [RunPeriod],
+    search: Option<Rollouts>,
+    validation: Option<Rollouts>,
+}
+
+impl<'a> TrainingRollouts<'a> {
+    /// Creates the episodes of these buildings, which are not prepared yet.
+    pub fn new(catalog: &'a Catalog, buildings: &'a TrainingBuildings, periods: &'a [RunPeriod]) -> Self {
+        Self { catalog, buildings, periods, search: None, validation: None }
+    }
+
+    /// Returns the outcomes of a building: one for the search, one per setpoint mode for the validation.
+    pub fn simulate(&mut self, parameters: &ReactiveParameters, building: Building) -> Result<Vec<Outcome>> {
+        let tasks = Plan::tasks()?;
+        let (kept, ids, tasks, index) = match building {
+            Building::Search(index) => {
+                (&mut self.search, &self.buildings.search, &tasks[tasks.len() - 1..], index)
+            }
+            Building::Validation(index) => {
+                (&mut self.validation, &self.buildings.validation, &tasks[..], index)
+            }
+        };
+        let ready = match kept {
+            Some(ready) => ready,
+            none => none.insert(rollouts(self.catalog, ids, self.periods, tasks)?),
+        };
+        let episodes = ready.run(parameters, index)?;
+        Ok(episodes.chunks(self.periods.len()).map(Outcome::of).collect())
+    }
+
+    /// Returns the outcomes of all buildings.
+    pub fn cells(&mut self, parameters: &ReactiveParameters) -> Result<Cells> {
+        let (search, validation) = (self.buildings.search.len(), self.buildings.validation.len());
+        let search = (0..search).map(|index| self.simulate(parameters, Building::Search(index)));
+        let search = search.collect::<Result<Vec<_>>>()?.concat();
+        let validation = (0..validation).map(|index| self.simulate(parameters, Building::Validation(index)));
+        Ok(Cells { search, validation: validation.collect::<Result<_>>()? })
+    }
+}
 
 /// Returns the episodes of these buildings, ready to run. Waiting for them ends with an interrupt.
 pub fn rollouts(

@@ -2,17 +2,19 @@
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use anyhow::{Context, Result};
 use b2b_building::{Class, RunPeriod};
-use b2b_control::tune::{self, Outcome, Plan};
-use b2b_control::{ReactiveParameters, Tuned};
+use b2b_control::tune::{self, Plan, TrainingBuildings};
+use b2b_control::{Objective, Tuned};
 use b2b_dataset::Catalog;
-use b2b_env::Task;
 use indicatif::ProgressBar;
 
-use super::rollouts::{WEEKS, rollouts};
+use super::rollouts::{DAYS, TrainingRollouts};
 use crate::arguments::buildings::Classes;
+use crate::arguments::jobs::Jobs;
 use crate::output_folder::OutputFolder;
 use crate::progress::{Download, counter};
 use crate::table::Table;
@@ -23,19 +25,28 @@ use crate::{interrupt, stdout};
 pub struct Arguments {
     #[command(flatten)]
     classes: Classes,
-    /// Number of training buildings per type and climate zone
-    #[arg(long, default_value_t = 3, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    /// Objectives: comfort (no weight of energy), energy (weight 0.5). The energy search needs the result of the comfort
+    /// search, which runs first unless the folder has it
+    #[arg(long = "objective", value_name = "OBJECTIVE", num_args = 1.., default_values_t = Objective::ALL)]
+    objectives: Vec<Objective>,
+    /// Number of training buildings per type and climate zone in the search
+    #[arg(long, default_value_t = 5, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     buildings: u32,
-    /// Number of parameter sets to evaluate, including the defaults
-    #[arg(long, default_value_t = 16, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    /// Number of other training buildings on which the best parameter sets are validated
+    #[arg(long, default_value_t = 5, value_name = "N")]
+    validation: u32,
+    /// Number of parameter sets to evaluate for each objective, including the defaults
+    #[arg(long, default_value_t = 100, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     evaluations: u32,
     /// Random seed of the choice of buildings and of the search
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
     /// Run period; repeat the option for several
-    #[arg(long = "period", value_name = "PERIOD", default_values = WEEKS)]
+    #[arg(long = "period", value_name = "PERIOD", default_values = DAYS)]
     periods: Vec<RunPeriod>,
-    /// Folder for the evaluations and tuned.json
+    #[command(flatten)]
+    jobs: Jobs,
+    /// Folder for the evaluations, tuned.json and energy_scale.json
     #[arg(long, default_value = "b2b-tuning", value_name = "FOLDER")]
     out: PathBuf,
     /// Print JSON
@@ -43,92 +54,156 @@ pub struct Arguments {
     json: bool,
 }
 
-/// The task of the tuning.
-const TASK: &str = "occupancy";
 /// The files of results.
 const TUNED: &str = "tuned.json";
 const ENERGY: &str = "energy_scale.json";
 
-/// The energy scale of a class: its energy use under its tuned controllers.
+/// The energy scale of a class: its energy use under its comfort set.
 #[derive(serde::Serialize)]
-struct Energy<'a> {
+struct Energy {
     class: Class,
     /// HVAC energy per step, Wh/m².
     energy_scale: f64,
-    command: &'a str,
+    command: String,
 }
 
-impl<'a> Energy<'a> {
-    fn of(tuned: &'a Tuned) -> Self {
-        Self { class: tuned.class, energy_scale: tuned.measured.energy, command: &tuned.command }
-    }
+/// The results of a class.
+struct Found {
+    /// Position of the class in the list.
+    number: usize,
+    comfort: Tuned,
+    energy: Option<Tuned>,
 }
 
-/// Tunes every selected class.
+/// Tunes every selected class; as many at a time as there are jobs.
 pub fn search(arguments: &Arguments) -> Result<()> {
     let classes = arguments.classes.list()?;
     let folder = arguments.out.join("evaluations");
     std::fs::create_dir_all(&folder)
         .with_context(|| format!("cannot write the folder {}", folder.display()))?;
-    let mut download = Download::new(arguments.json);
-    let catalog = Catalog::open(&mut download)?;
-    let bar = counter(classes.len() * arguments.evaluations as usize, "evaluations", arguments.json);
-    let mut found = Vec::new();
-    for class in classes {
-        found.push(arguments.tune_one(&catalog, class, &folder, &bar)?);
-        write(&arguments.out, &found)?;
-    }
+    let catalog = Catalog::open(&mut Download::new(arguments.json))?;
+    let each = arguments.evaluations as usize * arguments.searched().count();
+    let bar = counter(classes.len() * each, "evaluations", arguments.json);
+    let (next, failed) = (AtomicUsize::new(0), AtomicBool::new(false));
+    let found = Mutex::new(Vec::new());
+    let work = || -> Result<()> {
+        loop {
+            let number = next.fetch_add(1, Ordering::Relaxed);
+            let (Some(class), false) = (classes.get(number), failed.load(Ordering::Relaxed)) else {
+                return Ok(());
+            };
+            let result = arguments.tune_class(&catalog, *class, &folder, &bar);
+            let (comfort, energy) = result.inspect_err(|_| failed.store(true, Ordering::Relaxed))?;
+            let mut found = found.lock().expect("no thread panics while it writes results");
+            found.push(Found { number, comfort, energy });
+            found.sort_by_key(|found| found.number);
+            arguments.write(&found)?;
+        }
+    };
+    std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..arguments.jobs.count()?).map(|_| scope.spawn(work)).collect();
+        let ended = threads.into_iter().map(|thread| thread.join().expect("a thread of the search panicked"));
+        // All threads are joined before the first error is returned.
+        ended.collect::<Vec<_>>().into_iter().collect::<Result<()>>()
+    })?;
     bar.finish_and_clear();
-    stdout::print_result(arguments.json, &found, || arguments.text(&found))
+    let found = found.into_inner().expect("all threads have ended");
+    let results = arguments.selected(&found);
+    stdout::print_result(arguments.json, &results, || arguments.text(&results))
 }
 
 impl Arguments {
-    fn tune_one(&self, catalog: &Catalog, class: Class, folder: &Path, bar: &ProgressBar) -> Result<Tuned> {
-        let task: Task = TASK.parse()?;
-        let ids = tune::training_buildings(class, self.buildings as usize, self.seed)?;
-        let plan = Plan::new(class, &ids, &self.periods, &task, self.seed);
-        let file = folder.join(format!("{}.jsonl", class.to_string().replace(" in zone ", "-")));
-        let before = bar.position();
-        // Created on first use: a finished plan needs no engine.
-        let mut kept = None;
-        let evaluate = |parameters: &ReactiveParameters| {
-            let ready = match &mut kept {
-                Some(ready) => ready,
-                none => none.insert(rollouts(catalog, &ids, &self.periods, std::slice::from_ref(&task))?),
-            };
-            let episodes = ready.run(parameters)?;
-            Ok(episodes.iter().map(|episodes| Outcome::of(episodes)).collect())
-        };
-        let done = |evaluations: usize, _: f64| bar.set_position(before + evaluations as u64);
-        let evaluations = self.evaluations as usize;
-        let tuned = tune::tune(&plan, evaluations, &file, &self.command(class), evaluate, done);
-        interrupt::check()?;
-        tuned.with_context(|| format!("cannot tune {class}"))
+    /// The objectives that are searched: comfort is the basis of energy.
+    fn searched(&self) -> impl Iterator<Item = Objective> {
+        let energy = self.objectives.contains(&Objective::Energy);
+        Objective::ALL.into_iter().filter(move |objective| energy || *objective == Objective::Comfort)
     }
 
-    /// Returns the command that reproduces the tuning of one class.
-    fn command(&self, class: Class) -> String {
+    fn tune_class(
+        &self,
+        catalog: &Catalog,
+        class: Class,
+        folder: &Path,
+        bar: &ProgressBar,
+    ) -> Result<(Tuned, Option<Tuned>)> {
+        let (search, validation) = (self.buildings as usize, self.validation as usize);
+        let buildings = TrainingBuildings::draw(class, search, validation, self.seed)?;
+        let mut rollouts = TrainingRollouts::new(catalog, &buildings, &self.periods);
+        let plan = Plan::comfort(class, &buildings, &self.periods, self.seed);
+        let comfort = self.tune_one(&plan, &mut rollouts, folder, bar)?;
+        if !self.objectives.contains(&Objective::Energy) {
+            return Ok((comfort, None));
+        }
+        let plan = plan.energy(&comfort.parameters, comfort.measured.energy);
+        let energy = self.tune_one(&plan, &mut rollouts, folder, bar)?;
+        Ok((comfort, Some(energy)))
+    }
+
+    fn tune_one(
+        &self,
+        plan: &Plan,
+        rollouts: &mut TrainingRollouts,
+        folder: &Path,
+        bar: &ProgressBar,
+    ) -> Result<Tuned> {
+        let (class, objective) = (plan.class, plan.objective);
+        let file =
+            folder.join(format!("{}-{objective}.jsonl", class.to_string().replace(" in zone ", "-")));
+        let tuned = tune::tune(
+            plan,
+            self.evaluations as usize,
+            &file,
+            &self.command(class, objective),
+            |parameters, building| rollouts.simulate(parameters, building),
+            |_| bar.inc(1),
+        );
+        interrupt::check()?;
+        tuned.with_context(|| format!("cannot tune {class} for {objective}"))
+    }
+
+    /// Returns the command that reproduces the tuning of one class for one objective.
+    fn command(&self, class: Class, objective: Objective) -> String {
         let zone = class.climate_zone.map(|zone| format!(" --zone {zone}")).unwrap_or_default();
         let mut command = format!(
-            "b2b tune --type {}{zone} --buildings {} --evaluations {} --seed {}",
-            class.building_type, self.buildings, self.evaluations, self.seed
+            "b2b tune --type {}{zone} --objective {objective} --buildings {} --validation {} --evaluations {} --seed {}",
+            class.building_type, self.buildings, self.validation, self.evaluations, self.seed
         );
         let periods: Vec<String> = self.periods.iter().map(RunPeriod::to_string).collect();
-        if periods != WEEKS {
+        if periods != DAYS {
             periods.iter().for_each(|period| command += &format!(" --period {period}"));
         }
         command
     }
 
-    fn text(&self, found: &[Tuned]) -> String {
+    /// Returns the results for the selected objectives.
+    fn selected<'a>(&self, found: &'a [Found]) -> Vec<&'a Tuned> {
+        let all = found.iter().flat_map(|found| std::iter::once(&found.comfort).chain(&found.energy));
+        all.filter(|tuned| self.objectives.contains(&tuned.objective)).collect()
+    }
+
+    /// Writes the results so far. The files appear complete or not at all.
+    fn write(&self, found: &[Found]) -> Result<()> {
+        let staged = OutputFolder::stage(&self.out)?;
+        write_list(&staged, TUNED, &self.selected(found))?;
+        let scale = |found: &Found| Energy {
+            class: found.comfort.class,
+            energy_scale: found.comfort.measured.energy,
+            command: found.comfort.command.clone(),
+        };
+        write_list(&staged, ENERGY, &found.iter().map(scale).collect::<Vec<_>>())?;
+        staged.keep()
+    }
+
+    fn text(&self, found: &[&Tuned]) -> String {
         let mut table = Table::new([
             "type",
             "zone",
-            "buildings",
+            "objective",
             "evaluations",
-            "score (default -1)",
-            "default penalty (K²)",
-            "tuned penalty (K²)",
+            "relative loss (default 1)",
+            "worst relative loss",
+            "default loss",
+            "tuned loss",
             "default travel (strokes/day)",
             "tuned travel (strokes/day)",
             "tuned energy (Wh/m² per step)",
@@ -137,11 +212,12 @@ impl Arguments {
             table.row([
                 tuned.class.building_type.to_string(),
                 tuned.class.climate_zone.map_or_else(String::new, |zone| zone.to_string()),
-                tuned.buildings.len().to_string(),
+                tuned.objective.to_string(),
                 tuned.evaluations.to_string(),
-                format!("{:.3}", tuned.measured.score),
-                format!("{:.3}", tuned.measured.default_penalty),
-                format!("{:.3}", tuned.measured.penalty),
+                format!("{:.3}", tuned.measured.relative_loss),
+                format!("{:.3}", tuned.measured.worst_relative_loss),
+                format!("{:.4}", tuned.measured.default_loss),
+                format!("{:.4}", tuned.measured.loss),
                 format!("{:.2}", tuned.measured.default_daily_travel),
                 format!("{:.2}", tuned.measured.daily_travel),
                 format!("{:.3}", tuned.measured.energy),
@@ -149,14 +225,6 @@ impl Arguments {
         }
         format!("{}\n\n  {}", table.text(), self.out.join(TUNED).display())
     }
-}
-
-/// Writes the results. The files appear complete or not at all.
-fn write(folder: &Path, found: &[Tuned]) -> Result<()> {
-    let staged = OutputFolder::stage(folder)?;
-    write_list(&staged, TUNED, found)?;
-    write_list(&staged, ENERGY, &found.iter().map(Energy::of).collect::<Vec<_>>())?;
-    staged.keep()
 }
 
 fn write_list(folder: &OutputFolder, name: &str, entries: &[impl serde::Serialize]) -> Result<()> {

@@ -16,7 +16,7 @@ pub struct AirLoopParameters {
     pub gains: Gains,
     /// Change of a zone's target within a step that resets the integral term of its loop, K; 0.1 to 50.
     pub restart_jump: f64,
-    /// Minimum damper opening; 0.01 to 1.
+    /// Minimum damper opening; 0 to 1.
     pub min_opening: f64,
     /// Maximum supply air temperature, °C; 10 to 30.
     pub max_supply_temperature: f64,
@@ -139,8 +139,10 @@ impl AirLoop {
         self.reset = rule.step(self.reset, requests, self.hours, range);
         let supply = self.parameters.max_supply_temperature - self.reset;
         action[hvac::AirLoop::SUPPLY_TEMPERATURE] = supply;
+        // With all dampers closed nothing is mixed.
+        let return_air = if flow > 0.0 { heat / flow } else { supply };
         action[hvac::AirLoop::OUTDOOR_AIR] =
-            self.outdoor_air(flow.min(self.fan_flow), heat / flow, observation, supply);
+            self.outdoor_air(flow.min(self.fan_flow), return_air, observation, supply);
     }
 
     /// Returns the outdoor air flow of the economizer, kg/s: the flow that mixes with return air (°C) to the supply air

@@ -69,10 +69,11 @@ impl Reactive {
         Self { systems: building.laid_out_systems().map(control).collect() }
     }
 
-    /// Creates controllers for an environment, with the parameters tuned for its class of buildings.
+    /// Creates controllers for an environment, with the parameters tuned for its class of buildings and the objective of its
+    /// task.
     pub fn for_env(environment: &dyn Environment) -> Self {
         let spaces = environment.spaces();
-        let parameters = ReactiveParameters::tuned_for(&spaces.building);
+        let parameters = ReactiveParameters::tuned_for(&spaces.building, &spaces.episode.task);
         Self::new(&spaces.building, &spaces.observation, spaces.episode.steps_per_hour, &parameters)
     }
 }

@@ -11,7 +11,8 @@ use super::unitary::UnitaryParameters;
 use crate::{Error, Result};
 
 /// Parameters of the reactive controllers. The defaults hold 21 °C in every prototype building and are not tuned to any of
-/// them. [`ReactiveParameters::tuned_for`] returns parameters tuned for a class of buildings.
+/// them. [`ReactiveParameters::tuned_for`] returns parameters tuned for a class of buildings and the
+/// objective of a task.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ReactiveParameters {
@@ -66,7 +67,7 @@ impl ReactiveParameters {
         parameter!(air_loop.gains.proportional, "1/K", 0.0, 10.0),
         parameter!(air_loop.gains.integral, "1/(K h)", 0.0, 100.0),
         parameter!(air_loop.restart_jump, "K", 0.1, 50.0),
-        parameter!(air_loop.min_opening, "1", 0.01, 1.0),
+        parameter!(air_loop.min_opening, "1", 0.0, 1.0),
         parameter!(air_loop.max_supply_temperature, "°C", 10.0, 30.0),
         parameter!(air_loop.min_supply_temperature, "°C", 5.0, 20.0),
         parameter!(air_loop.trim_respond.respond, "K/h", 0.0, 100.0),

@@ -1,82 +1,190 @@
-//! Tuning of the reactive controllers: one set of parameters for a class of buildings, optimized on training buildings.
+//! Tuning of the reactive controllers: one set of parameters for a class of buildings and an objective, optimized on
+//! training buildings.
 //!
-//! 1. [`training_buildings`] draws training buildings of a class for a [`Plan`].
-//! 2. [`Rollouts`] keeps their templates ready for episodes over a winter and a summer week.
-//! 3. [`tune`] evaluates the default parameters, then proposals of a Bayesian search. The return of a building is divided
-//!    by its loss under the defaults, so that buildings have equal weight, and the score is the 25th percentile over the
-//!    buildings, as in the paper (which tunes on its test buildings; no test building is used here). The search maximizes
-//!    a score penalized by actuator travel, and the best set is chosen among those under which no actuators hunt.
+//! 1. [`TrainingBuildings::draw`] draws training buildings of a class for the search and for the validation of a [`Plan`].
+//! 2. [`Rollouts`] keeps their templates ready for episodes of three days in winter and three in summer.
+//! 3. [`tune`] evaluates the default parameters, then proposals of a search. The loss of a building is divided by that of
+//!    the defaults, so that buildings have equal weight; the score is the 75th percentile over the buildings (the 25th of
+//!    the return, as in the paper, which tunes on its test buildings; no test building is used here), multiplied by a
+//!    factor if actuators hunt on the worst building. Buildings are simulated one after another, and a proposal that cannot
+//!    win is dropped: most are, after one building.
+//! 4. The best sets and the defaults are validated on other training buildings under other setpoints, and the one with the
+//!    least median loss over all of them is chosen, unless actuators hunt or it is clearly worse than the defaults
+//!    anywhere.
 //!
 //! Every evaluation is appended to a file: a tuning run with the same plan resumes from there and returns the same result.
 
 mod outcome;
 mod plan;
+mod race;
 mod record;
 mod rollouts;
 mod search;
+mod selection;
 mod space;
 
 use std::path::Path;
 
-pub use outcome::{Outcome, measured};
-use outcome::{is_calm, score, search_score};
-pub use plan::{Plan, training_buildings};
+pub use outcome::Outcome;
+use outcome::{is_calm, relative_losses, travel_factor};
+pub use plan::{Plan, TrainingBuildings};
+use race::Best;
 use record::{Evaluation, Record};
 pub use rollouts::Rollouts;
 use search::Search;
+pub use selection::{Cells, measured};
+use selection::{FINALISTS, select};
 
 use crate::{ReactiveParameters, Result, Tuned};
 
-/// Evaluates up to `evaluations` sets of parameters, including those in the file, and returns the best. The first set is
-/// the defaults, so that the result is at least as good. `evaluate` returns the outcome of each building of the plan;
-/// `done` is called after each evaluation with their number and the best score. `command` is stored in the result.
+/// A building of a plan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Building {
+    /// A building of the search, by its index.
+    Search(usize),
+    /// A building of the validation, by its index.
+    Validation(usize),
+}
+
+/// Evaluates up to `evaluations` sets of parameters, including those in the file, validates the best and returns the one
+/// chosen. The first set is the defaults, so that the result is at least as good. `simulate` returns the outcomes of a
+/// building: one for the search, one per setpoint mode for the validation. `done` is called after each evaluation with
+/// their number. `command` is stored in the result.
 ///
 /// # Errors
 /// [`Error::OtherTuning`](crate::Error::OtherTuning) if the file belongs to another plan; [`Error::Io`](crate::Error::Io);
-/// errors of `evaluate`.
+/// errors of `simulate`.
 pub fn tune(
     plan: &Plan,
     evaluations: usize,
     file: &Path,
     command: &str,
-    mut evaluate: impl FnMut(&ReactiveParameters) -> Result<Vec<Outcome>>,
-    mut done: impl FnMut(usize, f64),
+    mut simulate: impl FnMut(&ReactiveParameters, Building) -> Result<Vec<Outcome>>,
+    done: impl FnMut(usize),
 ) -> Result<Tuned> {
-    let axes = space::axes(plan.class);
     let mut record = Record::open(file, plan)?;
-    let mut search = Search::new(axes, plan.seed)?;
-    let mut best = (0, f64::NEG_INFINITY);
-    for number in 0..evaluations.max(1) {
-        if number == record.evaluations.len() {
-            let values = match number {
-                0 => axes.iter().map(|axis| axis.of(&ReactiveParameters::default())).collect(),
-                _ => search.propose()?,
-            };
-            let outcomes = evaluate(&space::parameters(axes, &values))?;
-            record.push(Evaluation { values, outcomes })?;
-        }
-        let evaluation = &record.evaluations[number];
-        let defaults = &record.evaluations[0].outcomes;
-        search.tell(&evaluation.values, search_score(defaults, &evaluation.outcomes))?;
-        let score = score(defaults, &evaluation.outcomes);
-        if score > best.1 && is_calm(defaults, &evaluation.outcomes) {
-            best = (number, score);
-        }
-        done(number + 1, best.1);
-    }
-    let [default, chosen] = [0, best.0].map(|number| &record.evaluations[number]);
+    search(plan, evaluations.max(1), &mut record, &mut simulate, done)?;
+    let sets = validate(plan, evaluations.max(1), &mut record, &mut simulate)?;
+    let cells: Vec<Cells> = sets.iter().map(|(_, cells)| cells.clone()).collect();
+    let chosen = select(plan, &cells);
     Ok(Tuned {
         class: plan.class,
-        parameters: space::parameters(axes, &chosen.values),
-        measured: measured(&default.outcomes, &chosen.outcomes),
+        objective: plan.objective,
+        parameters: space::parameters(plan.axes(), &sets[chosen].0),
+        measured: measured(plan, &cells[0], &cells[chosen]),
         evaluations: evaluations.max(1),
         seed: plan.seed,
         dataset: plan.dataset.to_owned(),
         buildings: plan.buildings.clone(),
+        validation: plan.validation.clone(),
         periods: plan.periods.clone(),
-        task: plan.task.clone(),
+        energy_scale: plan.energy_scale,
         command: command.to_owned(),
     })
+}
+
+/// Fills the record up to a number of evaluations.
+fn search(
+    plan: &Plan,
+    evaluations: usize,
+    record: &mut Record,
+    simulate: &mut impl FnMut(&ReactiveParameters, Building) -> Result<Vec<Outcome>>,
+    mut done: impl FnMut(usize),
+) -> Result<()> {
+    let mut search = Search::new(plan.axes(), plan.seed)?;
+    let mut best: Option<Best> = None;
+    for number in 0..evaluations {
+        if number == record.evaluations.len() {
+            let values = match (plan.starts.get(number), &best) {
+                (Some(start), _) => start.clone(),
+                (None, best) => {
+                    search.propose(best.as_ref().map(|best| &record.evaluations[best.number].values[..]))?
+                }
+            };
+            let outcomes = race(plan, record, best.as_ref(), &values, simulate)?;
+            record.push(Evaluation { values, outcomes })?;
+        }
+        let Evaluation { values, outcomes } = &record.evaluations[number];
+        let defaults = &record.evaluations[0].outcomes;
+        let losses = penalized_losses(plan, defaults, outcomes);
+        let is_complete = outcomes.len() == plan.buildings.len();
+        let candidate = Best { number, losses };
+        let score = match &best {
+            Some(best) if !is_complete => best.estimate(&candidate.losses),
+            _ => candidate.score(),
+        };
+        search.tell(values, score)?;
+        let is_better = best.as_ref().is_none_or(|best| score < best.score());
+        if is_complete && is_better && is_calm(defaults, outcomes) {
+            best = Some(candidate);
+        }
+        done(number + 1);
+    }
+    Ok(())
+}
+
+/// Simulates the buildings of the search one after another, until the set is out of the race.
+fn race(
+    plan: &Plan,
+    record: &Record,
+    best: Option<&Best>,
+    values: &[f64],
+    simulate: &mut impl FnMut(&ReactiveParameters, Building) -> Result<Vec<Outcome>>,
+) -> Result<Vec<Outcome>> {
+    let parameters = space::parameters(plan.axes(), values);
+    let mut outcomes = Vec::new();
+    for building in 0..plan.buildings.len() {
+        outcomes.extend(simulate(&parameters, Building::Search(building))?);
+        if let (Some(best), Some(defaults)) = (best, record.evaluations.first())
+            && best.is_beyond(&penalized_losses(plan, &defaults.outcomes, &outcomes))
+        {
+            break;
+        }
+    }
+    Ok(outcomes)
+}
+
+/// Returns the relative losses of the buildings, each with the factor for actuator travel on the worst of them.
+fn penalized_losses(plan: &Plan, defaults: &[Outcome], outcomes: &[Outcome]) -> Vec<f64> {
+    let factor = travel_factor(defaults, outcomes);
+    relative_losses(plan, defaults, outcomes).into_iter().map(|loss| loss * factor).collect()
+}
+
+/// Returns the cells of the defaults and of the best sets of the search, which are validated unless the record has them.
+fn validate(
+    plan: &Plan,
+    evaluations: usize,
+    record: &mut Record,
+    simulate: &mut impl FnMut(&ReactiveParameters, Building) -> Result<Vec<Outcome>>,
+) -> Result<Vec<(Vec<f64>, Cells)>> {
+    let mut sets = Vec::new();
+    for number in finalists(plan, &record.evaluations[..evaluations]) {
+        let Evaluation { values, outcomes: search } = record.evaluations[number].clone();
+        let parameters = space::parameters(plan.axes(), &values);
+        let validation = record.validation(&values, || {
+            (0..plan.validation.len())
+                .map(|building| simulate(&parameters, Building::Validation(building)))
+                .collect()
+        })?;
+        sets.push((values, Cells { search, validation }));
+    }
+    Ok(sets)
+}
+
+/// Returns the numbers of the defaults and of the best complete evaluations under which no actuators hunt.
+fn finalists(plan: &Plan, evaluations: &[Evaluation]) -> Vec<usize> {
+    let defaults = &evaluations[0].outcomes;
+    let mut ranked: Vec<(f64, usize)> = Vec::new();
+    for (number, evaluation) in evaluations.iter().enumerate().skip(1) {
+        let Evaluation { values, outcomes } = evaluation;
+        let is_repeated = evaluations[..number].iter().any(|other| other.values == *values);
+        if outcomes.len() == plan.buildings.len() && is_calm(defaults, outcomes) && !is_repeated {
+            let losses = relative_losses(plan, defaults, outcomes);
+            ranked.push((outcome::percentile_75(&losses), number));
+        }
+    }
+    ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+    std::iter::once(0).chain(ranked.into_iter().take(FINALISTS).map(|(_, number)| number)).collect()
 }
 
 #[cfg(test)]

@@ -1,20 +1,20 @@
-//! Outcomes of a set of parameters on the buildings of a plan, and the score over them.
+//! Outcomes of a set of parameters on the cells of a plan, and the losses that follow from them.
 
 use b2b_env::Metrics;
 use serde::{Deserialize, Serialize};
 
-use crate::Measured;
+use super::plan::Plan;
 
-/// Sums over the episodes of a building.
+/// The outcome in a cell: sums over the episodes of a building under one setpoint mode.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Outcome {
-    /// Return, summed over the episodes.
-    pub episode_return: f64,
-    /// Steps.
-    pub steps: usize,
+    /// Temperature penalty, summed over the episodes, K².
+    pub temperature_penalty: f64,
     /// HVAC energy, Wh/m².
     pub energy: f64,
-    /// Actuator travel, full strokes/day, averaged over actuators and episodes.
+    /// Steps.
+    pub steps: usize,
+    /// Actuator travel, full strokes/day, averaged over the actuators, in the episode with the most.
     pub daily_travel: f64,
 }
 
@@ -25,86 +25,59 @@ const MAX_TRAVEL: f64 = 5.0;
 impl Outcome {
     /// Sums up the metrics of some episodes.
     pub fn of(episodes: &[Metrics]) -> Self {
-        let share = 1.0 / episodes.len().max(1) as f64;
         episodes.iter().fold(Self::default(), |sum, metrics| Self {
-            episode_return: sum.episode_return + metrics.episode_return,
-            steps: sum.steps + metrics.steps,
+            temperature_penalty: sum.temperature_penalty + metrics.temperature_penalty,
             energy: sum.energy + metrics.electricity + metrics.gas,
-            daily_travel: sum.daily_travel + share * metrics.daily_travel(),
+            steps: sum.steps + metrics.steps,
+            daily_travel: sum.daily_travel.max(metrics.daily_travel()),
         })
     }
 
-    /// The return, penalized by actuator travel: twice as bad where actuators begin to hunt.
-    fn penalized_return(&self) -> f64 {
-        self.episode_return * (1.0 + (self.daily_travel / MAX_TRAVEL).powi(2))
+    /// Returns the loss per step: the negated return of the objective's task.
+    pub(super) fn loss(&self, plan: &Plan) -> f64 {
+        let energy = plan.objective.energy_weight() / plan.energy_scale.unwrap_or(1.0) * self.energy;
+        (self.temperature_penalty + energy) / self.steps.max(1) as f64
+    }
+
+    /// Returns the actuator travel relative to the limit, given the outcome of the defaults in the same cell.
+    fn relative_travel(&self, default: &Self) -> f64 {
+        self.daily_travel / default.daily_travel.max(MAX_TRAVEL)
     }
 }
 
-/// Compares outcomes with those of the default parameters.
-pub fn measured(defaults: &[Outcome], outcomes: &[Outcome]) -> Measured {
-    Measured {
-        default_score: score(defaults, defaults),
-        score: score(defaults, outcomes),
-        default_penalty: mean_penalty(defaults),
-        penalty: mean_penalty(outcomes),
-        default_daily_travel: mean_travel(defaults),
-        daily_travel: mean_travel(outcomes),
-        energy: mean_energy(outcomes),
-    }
-}
-
-/// Returns the 25th percentile over the buildings of the return relative to the loss of the defaults: −1 is as good as
-/// the defaults, 0 is perfect.
-pub(super) fn score(defaults: &[Outcome], outcomes: &[Outcome]) -> f64 {
-    percentile_of(|outcome| outcome.episode_return, defaults, outcomes)
-}
-
-/// Returns the score that the search maximizes: that of the returns penalized by actuator travel.
-pub(super) fn search_score(defaults: &[Outcome], outcomes: &[Outcome]) -> f64 {
-    percentile_of(Outcome::penalized_return, defaults, outcomes)
-}
-
-fn percentile_of(value: fn(&Outcome) -> f64, defaults: &[Outcome], outcomes: &[Outcome]) -> f64 {
+/// Returns the loss of each cell relative to that of the defaults.
+pub(super) fn relative_losses(plan: &Plan, defaults: &[Outcome], outcomes: &[Outcome]) -> Vec<f64> {
     let relative = |(outcome, default): (&Outcome, &Outcome)| {
-        value(outcome) / value(default).abs().max(f64::MIN_POSITIVE)
+        outcome.loss(plan) / default.loss(plan).max(f64::MIN_POSITIVE)
     };
-    percentile_25(outcomes.iter().zip(defaults).map(relative).collect())
+    outcomes.iter().zip(defaults).map(relative).collect()
 }
 
-/// Whether the actuators of no building hunt. A mean over buildings would hide one that does.
+/// Returns the actuator travel relative to the limit in the worst of the given cells.
+pub(super) fn worst_travel(defaults: &[Outcome], outcomes: &[Outcome]) -> f64 {
+    let relative = outcomes.iter().zip(defaults).map(|(outcome, default)| outcome.relative_travel(default));
+    relative.fold(0.0, f64::max)
+}
+
+/// Returns whether the actuators hunt in no cell. A mean over buildings would hide one that does.
 pub(super) fn is_calm(defaults: &[Outcome], outcomes: &[Outcome]) -> bool {
-    let calm = |(outcome, default): (&Outcome, &Outcome)| {
-        outcome.daily_travel <= default.daily_travel.max(MAX_TRAVEL)
-    };
-    outcomes.iter().zip(defaults).all(calm)
+    worst_travel(defaults, outcomes) <= 1.0
 }
 
-/// Returns the 25th percentile, interpolated between neighbors.
-fn percentile_25(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let place = 0.25 * (values.len() - 1) as f64;
-    let (below, above) = (values[place.floor() as usize], values[place.ceil() as usize]);
+/// Returns the factor on the loss of a set of parameters under which actuators hunt: the square of the travel relative to
+/// the limit, on the worst building.
+pub(super) fn travel_factor(defaults: &[Outcome], outcomes: &[Outcome]) -> f64 {
+    worst_travel(defaults, outcomes).max(1.0).powi(2)
+}
+
+/// Returns the 75th percentile of relative losses, interpolated between neighbors. With five buildings, this is the second
+/// worst: a set has to be good on all but one.
+pub(super) fn percentile_75(losses: &[f64]) -> f64 {
+    let mut sorted = losses.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let place = 0.75 * (sorted.len() - 1) as f64;
+    let (below, above) = (sorted[place.floor() as usize], sorted[place.ceil() as usize]);
     below + place.fract() * (above - below)
-}
-
-/// Mean penalty per step, averaged over the buildings.
-fn mean_penalty(outcomes: &[Outcome]) -> f64 {
-    mean_per_step(outcomes, |outcome| -outcome.episode_return)
-}
-
-/// Mean energy per step, averaged over the buildings, Wh/m².
-fn mean_energy(outcomes: &[Outcome]) -> f64 {
-    mean_per_step(outcomes, |outcome| outcome.energy)
-}
-
-/// Actuator travel, averaged over the buildings, full strokes/day.
-fn mean_travel(outcomes: &[Outcome]) -> f64 {
-    outcomes.iter().map(|outcome| outcome.daily_travel).sum::<f64>() / outcomes.len() as f64
-}
-
-fn mean_per_step(outcomes: &[Outcome], sum: impl Fn(&Outcome) -> f64) -> f64 {
-    outcomes.iter().map(|outcome| sum(outcome) / outcome.steps.max(1) as f64).sum::<f64>()
-        / outcomes.len() as f64
 }
 
 #[cfg(test)]
@@ -112,14 +85,20 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_score_is_a_percentile_over_equally_weighted_buildings() {
-        let outcomes = |returns: [f64; 5]| {
-            returns.map(|episode_return| Outcome { episode_return, ..Outcome::default() })
-        };
-        let defaults = outcomes([-1.0, -10.0, -100.0, -1.0, -2.0]);
-        assert_eq!(score(&defaults, &defaults), -1.0);
-        // Relative: -2, -1, -0.5, -0.5, -0.5.
-        assert_eq!(score(&defaults, &outcomes([-2.0, -10.0, -50.0, -0.5, -1.0])), -1.0);
-        assert_eq!(percentile_25(vec![-3.0, -1.0]), -2.5);
+    fn the_percentile_of_five_buildings_is_the_second_worst() {
+        assert_eq!(percentile_75(&[2.0, 1.0, 0.5, 0.5, 0.4]), 1.0);
+        assert_eq!(percentile_75(&[1.0, 3.0]), 2.5);
+        assert_eq!(percentile_75(&[0.7]), 0.7);
+    }
+
+    #[test]
+    fn travel_is_limited_on_the_worst_building_unless_the_defaults_travel_more() {
+        let outcomes =
+            |travel: [f64; 2]| travel.map(|daily_travel| Outcome { daily_travel, ..Outcome::default() });
+        let defaults = outcomes([1.0, 8.0]);
+        assert!(is_calm(&defaults, &outcomes([5.0, 8.0])));
+        assert!(!is_calm(&defaults, &outcomes([0.0, 8.1])) && !is_calm(&defaults, &outcomes([5.1, 0.0])));
+        assert_eq!(travel_factor(&defaults, &outcomes([4.0, 4.0])), 1.0);
+        assert_eq!(travel_factor(&defaults, &outcomes([10.0, 0.0])), 4.0);
     }
 }

@@ -1,4 +1,4 @@
-//! The plan of a tuning run: class, training buildings, periods and task.
+//! The plan of a tuning run: class, objective, training buildings and run periods.
 
 use b2b_building::{Class, RunPeriod};
 use b2b_dataset::{BuildingId, GENERATOR_VERSION, Split};
@@ -7,64 +7,126 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
-use super::space;
-use crate::{Error, Result};
+use super::space::{self, Axis};
+use crate::{Error, Objective, ReactiveParameters, Result};
 
 /// What to tune, and on which episodes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Plan {
     /// Class to tune for.
     pub class: Class,
+    /// Objective.
+    pub objective: Objective,
+    /// Energy scale τ_E of the loss, Wh/m² per step; `None` for comfort.
+    pub energy_scale: Option<f64>,
     /// Version of the dataset.
     pub dataset: &'static str,
-    /// Ids of the training buildings.
+    /// Ids of the training buildings of the search.
     pub buildings: Vec<String>,
+    /// Ids of the training buildings of the validation.
+    pub validation: Vec<String>,
     /// Run periods of each building.
     pub periods: Vec<RunPeriod>,
-    /// Task, in its short text form.
-    pub task: String,
     /// Seed of the buildings and the search.
     pub seed: u64,
     /// Names of the searched parameters.
     pub parameters: Vec<&'static str>,
+    /// Values of the sets that are evaluated before the search proposes any. The first is the defaults.
+    pub starts: Vec<Vec<f64>>,
+}
+
+/// The training buildings of a tuning run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TrainingBuildings {
+    /// For the search.
+    pub search: Vec<BuildingId>,
+    /// For the validation.
+    pub validation: Vec<BuildingId>,
 }
 
 impl Plan {
-    /// Creates a plan for a class on these training buildings.
-    pub fn new(
-        class: Class,
-        buildings: &[BuildingId],
-        periods: &[RunPeriod],
-        task: &Task,
-        seed: u64,
-    ) -> Self {
+    /// Setpoint modes of the validation. The search uses the last.
+    pub const VALIDATION_SETPOINTS: [&str; 2] = ["constant", "occupancy"];
+
+    /// Creates the plan of the comfort objective.
+    pub fn comfort(class: Class, buildings: &TrainingBuildings, periods: &[RunPeriod], seed: u64) -> Self {
+        let names = |ids: &[BuildingId]| ids.iter().map(ToString::to_string).collect();
         Self {
             class,
+            objective: Objective::Comfort,
+            energy_scale: None,
             dataset: GENERATOR_VERSION,
-            buildings: buildings.iter().map(ToString::to_string).collect(),
+            buildings: names(&buildings.search),
+            validation: names(&buildings.validation),
             periods: periods.to_vec(),
-            task: task.to_string(),
             seed,
-            parameters: space::axes(class).iter().map(space::Axis::name).collect(),
+            parameters: Vec::new(),
+            starts: Vec::new(),
         }
+        .starting_from(&[ReactiveParameters::default()])
+    }
+
+    /// Creates the plan of the energy objective from that of the comfort objective, the comfort set and the energy scale
+    /// τ_E measured under it. The search starts from the defaults and the comfort set, each also with less air.
+    pub fn energy(self, comfort: &ReactiveParameters, energy_scale: f64) -> Self {
+        let default = ReactiveParameters::default();
+        let starts =
+            [default.clone(), comfort.clone(), space::with_less_air(&default), space::with_less_air(comfort)];
+        let plan = Self { objective: Objective::Energy, energy_scale: Some(energy_scale), ..self };
+        plan.starting_from(&starts)
+    }
+
+    fn starting_from(self, starts: &[ReactiveParameters]) -> Self {
+        let axes = self.axes();
+        let values = |set: &ReactiveParameters| axes.iter().map(|axis| axis.of(set)).collect();
+        Self {
+            parameters: axes.iter().map(Axis::name).collect(),
+            starts: starts.iter().map(values).collect(),
+            ..self
+        }
+    }
+
+    /// Returns the searched parameters.
+    pub(super) fn axes(&self) -> &'static [Axis] {
+        space::axes(self.class, self.objective)
+    }
+
+    /// Returns the tasks of the validation, without an energy term: actions do not depend on it, and comfort and energy
+    /// are summed separately.
+    ///
+    /// # Errors
+    /// [`Error::Env`].
+    pub fn tasks() -> Result<Vec<Task>> {
+        Ok(Self::VALIDATION_SETPOINTS.iter().map(|text| text.parse()).collect::<std::result::Result<_, _>>()?)
     }
 }
 
-/// Draws `count` training buildings of a class by a seed. Returns them in the order of their ids.
-///
-/// # Errors
-/// [`Error::TooFewBuildings`].
-pub fn training_buildings(class: Class, count: usize, seed: u64) -> Result<Vec<BuildingId>> {
-    let rows = b2b_dataset::rows(class.building_type).iter();
-    let of_class = rows.filter(|row| row.split == Split::Train && row.building.class() == class);
-    let mut left: Vec<BuildingId> = of_class.map(|row| row.id).collect();
-    if count == 0 || count > left.len() {
-        let class = class.to_string();
-        return Err(Error::TooFewBuildings { class, available: left.len(), requested: count });
+impl TrainingBuildings {
+    /// Draws training buildings of a class by a seed. Returns them in the order of their ids.
+    ///
+    /// # Errors
+    /// [`Error::TooFewBuildings`].
+    pub fn draw(class: Class, search: usize, validation: usize, seed: u64) -> Result<Self> {
+        let rows = b2b_dataset::rows(class.building_type).iter();
+        let of_class = rows.filter(|row| row.split == Split::Train && row.building.class() == class);
+        let mut left: Vec<BuildingId> = of_class.map(|row| row.id).collect();
+        let requested = search + validation;
+        if search == 0 || requested > left.len() {
+            let class = class.to_string();
+            return Err(Error::TooFewBuildings { class, available: left.len(), requested });
+        }
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut draw = |count: usize| {
+            let mut drawn: Vec<_> =
+                (0..count).map(|_| left.swap_remove(random.random_range(0..left.len()))).collect();
+            drawn.sort_by_key(|id| id.number());
+            drawn
+        };
+        Ok(Self { search: draw(search), validation: draw(validation) })
     }
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let mut drawn: Vec<_> =
-        (0..count).map(|_| left.swap_remove(random.random_range(0..left.len()))).collect();
-    drawn.sort_by_key(|id| id.number());
-    Ok(drawn)
+
+    /// Returns all buildings: those of the search, then those of the validation.
+    pub fn all(&self) -> Vec<BuildingId> {
+        self.search.iter().chain(&self.validation).copied().collect()
+    }
 }

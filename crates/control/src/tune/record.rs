@@ -10,13 +10,32 @@ use super::outcome::Outcome;
 use super::plan::Plan;
 use crate::{Error, Result};
 
-/// A set of parameters and its outcomes.
+/// A set of parameters and its outcomes on the buildings of the search.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(super) struct Evaluation {
     /// Values of the searched parameters.
     pub(super) values: Vec<f64>,
-    /// Outcome of each building.
+    /// Outcome of each building; of the first ones, if the set was dropped.
     pub(super) outcomes: Vec<Outcome>,
+}
+
+/// A set of parameters and its outcomes on the buildings of the validation.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Validation {
+    /// Values of the searched parameters.
+    pub(super) values: Vec<f64>,
+    /// Outcomes of each building, one per setpoint mode.
+    pub(super) outcomes: Vec<Vec<Outcome>>,
+}
+
+/// A line of the file.
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Line {
+    Evaluation(Evaluation),
+    Validation(Validation),
 }
 
 /// The evaluations of a plan, appended to a file.
@@ -24,6 +43,7 @@ pub(super) struct Record {
     path: PathBuf,
     file: File,
     pub(super) evaluations: Vec<Evaluation>,
+    validations: Vec<Validation>,
 }
 
 impl Record {
@@ -36,9 +56,9 @@ impl Record {
             text => text.map_err(io)?,
         };
         let whole = &text[..text.rfind('\n').map_or(0, |end| end + 1)];
-        let evaluations = match whole.strip_prefix(head.as_str()) {
-            Some(lines) => lines.lines().map(|line| read(path, plan, line)).collect::<Result<_>>()?,
-            None if whole.is_empty() => Vec::new(),
+        let lines = match whole.strip_prefix(head.as_str()) {
+            Some(lines) => lines,
+            None if whole.is_empty() => "",
             None => {
                 let why = format!("it starts with {}", whole.lines().next().unwrap_or_default());
                 return Err(Error::OtherTuning { path: path.to_owned(), why });
@@ -49,24 +69,63 @@ impl Record {
         if whole.is_empty() {
             file.write_all(head.as_bytes()).map_err(io)?;
         }
-        Ok(Self { path: path.to_owned(), file, evaluations })
+        let (evaluations, validations) = (Vec::new(), Vec::new());
+        let mut record = Self { path: path.to_owned(), file, evaluations, validations };
+        lines.lines().try_for_each(|line| record.read(plan, line))?;
+        Ok(record)
     }
 
+    /// Appends an evaluation.
     pub(super) fn push(&mut self, evaluation: Evaluation) -> Result<()> {
-        let line = serde_json::to_string(&evaluation).expect("an evaluation is plain data") + "\n";
-        let written = self.file.write_all(line.as_bytes());
-        written.map_err(|source| Error::Io { path: self.path.clone(), source })?;
-        self.evaluations.push(evaluation);
+        let line = self.append(Line::Evaluation(evaluation))?;
+        self.keep(line);
         Ok(())
     }
-}
 
-fn read(path: &Path, plan: &Plan, line: &str) -> Result<Evaluation> {
-    let other = |why: String| Error::OtherTuning { path: path.to_owned(), why };
-    let evaluation: Evaluation = serde_json::from_str(line).map_err(|error| other(error.to_string()))?;
-    if evaluation.outcomes.len() != plan.buildings.len() {
-        let (found, expected) = (evaluation.outcomes.len(), plan.buildings.len());
-        return Err(other(format!("an evaluation has {found} buildings; expected {expected}")));
+    /// Returns the validation of a set of parameters, made and appended if it is not in the file.
+    pub(super) fn validation(
+        &mut self,
+        values: &[f64],
+        make: impl FnOnce() -> Result<Vec<Vec<Outcome>>>,
+    ) -> Result<Vec<Vec<Outcome>>> {
+        if let Some(known) = self.validations.iter().find(|known| known.values == values) {
+            return Ok(known.outcomes.clone());
+        }
+        let outcomes = make()?;
+        let line = Validation { values: values.to_vec(), outcomes: outcomes.clone() };
+        let line = self.append(Line::Validation(line))?;
+        self.keep(line);
+        Ok(outcomes)
     }
-    Ok(evaluation)
+
+    fn append(&mut self, line: Line) -> Result<Line> {
+        let text = serde_json::to_string(&line).expect("an evaluation is plain data") + "\n";
+        let written = self.file.write_all(text.as_bytes());
+        written.map_err(|source| Error::Io { path: self.path.clone(), source })?;
+        Ok(line)
+    }
+
+    fn keep(&mut self, line: Line) {
+        match line {
+            Line::Evaluation(evaluation) => self.evaluations.push(evaluation),
+            Line::Validation(validation) => self.validations.push(validation),
+        }
+    }
+
+    fn read(&mut self, plan: &Plan, text: &str) -> Result<()> {
+        let other = |why: String| Error::OtherTuning { path: self.path.clone(), why };
+        let line: Line = serde_json::from_str(text).map_err(|error| other(error.to_string()))?;
+        let (found, expected) = match &line {
+            Line::Evaluation(evaluation) => (evaluation.outcomes.len(), 1..=plan.buildings.len()),
+            Line::Validation(validation) => {
+                (validation.outcomes.len(), plan.validation.len()..=plan.validation.len())
+            }
+        };
+        if !expected.contains(&found) {
+            let expected = format!("{} to {}", expected.start(), expected.end());
+            return Err(other(format!("an evaluation has {found} buildings; expected {expected}")));
+        }
+        self.keep(line);
+        Ok(())
+    }
 }

@@ -63,21 +63,14 @@ impl Rollouts {
         Ok(Self { workers, settings })
     }
 
-    /// The episodes of each building under the reactive controllers with some parameters: for each task one for each
-    /// period.
+    /// Runs the episodes of a building, by its index, under the reactive controllers with some parameters: for each task
+    /// one for each period.
     ///
     /// # Errors
     /// [`Error::Lost`] when an episode is lost; [`Error::Env`].
-    pub fn run(&mut self, parameters: &ReactiveParameters) -> Result<Vec<Vec<Metrics>>> {
-        let (mut episodes, mut runs) = self.begin(parameters)?;
-        finish(&mut episodes, &mut runs)?;
-        let mut metrics = episodes.iter().filter_map(|episode| episode.metrics().cloned());
-        Ok(self.settings.iter().map(|settings| metrics.by_ref().take(settings.len()).collect()).collect())
-    }
-
-    fn begin(&mut self, parameters: &ReactiveParameters) -> Result<(Vec<Episode>, Vec<Run>)> {
+    pub fn run(&mut self, parameters: &ReactiveParameters, building: usize) -> Result<Vec<Metrics>> {
         let (mut episodes, mut runs) = (Vec::new(), Vec::new());
-        for setting in self.settings.iter().flatten() {
+        for setting in &self.settings[building] {
             let mut episode = self.workers.episode(setting)?;
             episode.begin()?;
             let spaces = episode.spaces();
@@ -86,7 +79,8 @@ impl Rollouts {
             runs.push(Run { building, controller, action });
             episodes.push(episode);
         }
-        Ok((episodes, runs))
+        finish(&mut episodes, &mut runs)?;
+        Ok(episodes.iter().filter_map(|episode| episode.metrics().cloned()).collect())
     }
 }
 

@@ -1,9 +1,9 @@
-//! The search space of a class of buildings: some parameters of its controllers, each with a range.
+//! The search space of a class of buildings and an objective: some parameters of its controllers, each with a range.
 
 use b2b_building::parameter::Field;
 use b2b_building::{BuildingType, Class};
 
-use crate::ReactiveParameters;
+use crate::{Objective, ReactiveParameters};
 
 /// A searched parameter.
 #[derive(Clone, Copy, Debug)]
@@ -23,7 +23,7 @@ const fn logarithmic(name: &'static str, low: f64, high: f64) -> Axis {
     Axis { name, low, high, logarithmic: true }
 }
 
-/// Parameters of unitary systems.
+/// Parameters of unitary systems that matter for comfort.
 const UNITARY: [Axis; 8] = [
     logarithmic("unitary.gains.proportional", 0.05, 2.0),
     logarithmic("unitary.gains.integral", 0.1, 10.0),
@@ -35,22 +35,69 @@ const UNITARY: [Axis; 8] = [
     linear("unitary.trim_respond.threshold", 0.3, 0.95),
 ];
 
-/// Parameters of central air loops. The deadband is not searched: with an energy weight of 0 the search would remove it,
-/// and zones would be cooled and reheated at once.
-const AIR_LOOP: [Axis; 8] = [
+/// The same, and those that matter for energy: air flow down to none (while a zone is occupied, the ventilation of the
+/// environment is the minimum), the deadband between heating and cooling, and how fast resets are trimmed.
+const UNITARY_ENERGY: [Axis; 10] = [
+    UNITARY[0],
+    UNITARY[1],
+    UNITARY[2],
+    linear("unitary.min_flow", 0.0, 0.8),
+    UNITARY[4],
+    UNITARY[5],
+    UNITARY[6],
+    UNITARY[7],
+    linear("unitary.deadband", 0.0, 0.5),
+    logarithmic("unitary.trim_respond.trim", 2.0, 50.0),
+];
+
+/// Parameters of central air loops that matter for comfort. The deadband is not among them: with an energy weight of 0 the
+/// search would remove it, and zones would be cooled and reheated at once.
+const AIR_LOOP: [Axis; 9] = [
     logarithmic("air_loop.gains.proportional", 0.1, 4.0),
     logarithmic("air_loop.gains.integral", 0.2, 20.0),
     linear("air_loop.min_opening", 0.03, 0.4),
     linear("air_loop.max_supply_temperature", 15.0, 21.0),
+    linear("air_loop.min_supply_temperature", 8.0, 14.0),
     logarithmic("air_loop.trim_respond.respond", 1.0, 40.0),
     logarithmic("air_loop.trim_respond.trim", 1.0, 20.0),
     linear("air_loop.trim_respond.threshold", 0.3, 0.95),
     logarithmic("air_loop.heating_gain", 0.1, 4.0),
 ];
 
-/// Returns the axes of a class. All types but the medium office have unitary systems.
-pub(super) fn axes(class: Class) -> &'static [Axis] {
-    if class.building_type == BuildingType::OfficeMedium { &AIR_LOOP } else { &UNITARY }
+/// The same, and those that matter for energy: dampers down to closed, outdoor air down to none, and the deadband between
+/// cooling and reheat.
+const AIR_LOOP_ENERGY: [Axis; 11] = [
+    AIR_LOOP[0],
+    AIR_LOOP[1],
+    linear("air_loop.min_opening", 0.0, 0.4),
+    AIR_LOOP[3],
+    AIR_LOOP[4],
+    AIR_LOOP[5],
+    AIR_LOOP[6],
+    AIR_LOOP[7],
+    AIR_LOOP[8],
+    linear("air_loop.min_outdoor_air", 0.0, 0.4),
+    linear("air_loop.deadband", 0.0, 0.5),
+];
+
+/// Returns the axes of a class and an objective. All types but the medium office have unitary systems. The ranges of the
+/// energy objective include those of the comfort objective.
+pub(super) fn axes(class: Class, objective: Objective) -> &'static [Axis] {
+    match (class.building_type, objective) {
+        (BuildingType::OfficeMedium, Objective::Comfort) => &AIR_LOOP,
+        (BuildingType::OfficeMedium, Objective::Energy) => &AIR_LOOP_ENERGY,
+        (_, Objective::Comfort) => &UNITARY,
+        (_, Objective::Energy) => &UNITARY_ENERGY,
+    }
+}
+
+/// Returns parameters with little air flow and outdoor air where there is no demand: where to start looking for less energy.
+pub(super) fn with_less_air(parameters: &ReactiveParameters) -> ReactiveParameters {
+    let mut parameters = parameters.clone();
+    parameters.unitary.min_flow = 0.1;
+    parameters.air_loop.min_opening = 0.02;
+    parameters.air_loop.min_outdoor_air = 0.0;
+    parameters
 }
 
 impl Axis {
@@ -100,10 +147,13 @@ pub(super) fn parameters(axes: &[Axis], values: &[f64]) -> ReactiveParameters {
 mod tests {
     use super::*;
 
+    fn all() -> impl Iterator<Item = (Class, &'static [Axis])> {
+        Class::all().flat_map(|class| Objective::ALL.map(|objective| (class, axes(class, objective))))
+    }
+
     #[test]
     fn every_axis_is_a_parameter_whose_range_is_within_its_bounds() {
-        for class in Class::all() {
-            let axes = axes(class);
+        for (_, axes) in all() {
             for end in [0, 1] {
                 let values: Vec<f64> = axes.iter().map(|axis| axis.to_value(axis.range()[end])).collect();
                 parameters(axes, &values).check().unwrap();
@@ -115,6 +165,19 @@ mod tests {
                 assert!((axis.low..=axis.high).contains(value), "{} {value}", axis.name);
                 assert_eq!(axis.to_value(axis.to_search(*value)), *value, "{}", axis.name);
             }
+        }
+    }
+
+    #[test]
+    fn the_energy_search_contains_the_comfort_search_and_its_own_starts() {
+        for class in Class::all() {
+            let wide = axes(class, Objective::Energy);
+            for axis in axes(class, Objective::Comfort) {
+                let of_energy = wide.iter().find(|other| other.name == axis.name).unwrap();
+                assert!(of_energy.low <= axis.low && axis.high <= of_energy.high, "{}", axis.name);
+            }
+            let start = with_less_air(&ReactiveParameters::default());
+            assert!(wide.iter().all(|axis| (axis.low..=axis.high).contains(&axis.of(&start))));
         }
     }
 }

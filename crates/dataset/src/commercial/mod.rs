@@ -1,11 +1,11 @@
-//! The five commercial types as functions of eight parameters and a place.
+//! The five commercial types as functions of nine parameters and a place.
 //!
 //! [`generate`] modifies the ASHRAE 90.1-2019 prototype for Denver to the building of [`CommercialParameters`] at another
 //! place:
 //!
 //! 1. `relocate`: site, design days, ground and mains water of the weather file.
 //! 2. `geometry` and `loads`: the building is stretched, and loads given per zone are scaled with the floor area.
-//! 3. `opaque`, `glazing`, `windows` and `infiltration`: the envelope, relative to the code's requirements
+//! 3. `opaque`, `glazing`, `windows` and `infiltration`: the envelope, whose bounds follow the code's requirements
 //!    in the climate zone (`prescriptive`).
 //! 4. `economizer`, `recovery`, `capacity` and `kitchen`: equipment that the code and the climate require.
 //!
@@ -111,13 +111,12 @@ fn build(
     site: &Site,
     parameters: &CommercialParameters,
 ) -> Result<Model> {
-    let code = Prescriptive::of(ashrae_zone)?;
     let mut model = base.clone();
     relocate::relocate(&mut model, site);
     geometry::stretch(&mut model, parameters.x_scale, parameters.y_scale)?;
     geometry::turn(&mut model, parameters.north_axis);
     loads::scale(&mut model, parameters.x_scale * parameters.y_scale);
-    opaque::insulate(&mut model, code.wall_u * parameters.envelope, code.roof_u * parameters.envelope)?;
+    opaque::insulate(&mut model, parameters.wall_u, parameters.roof_u)?;
     glazing::glaze(&mut model, parameters.window_u, parameters.window_shgc)?;
     windows::resize(&mut model, parameters.window_to_wall)?;
     infiltration::scale(&mut model, parameters.infiltration);

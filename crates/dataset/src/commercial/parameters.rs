@@ -6,11 +6,13 @@ use serde::{Deserialize, Serialize};
 use super::Prescriptive;
 use crate::{Error, Result};
 
-/// The eight parameters of a commercial building. [`bounds`] depend on type and climate zone.
+/// The nine parameters of a commercial building. [`bounds`] depend on type and climate zone.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CommercialParameters {
-    /// Multiplier of the code's wall and roof U-factors. From 0.5 to between 2 (zone 1) and 0.597 (zone 8).
-    pub envelope: f64,
+    /// U-factor of the exterior walls, W/m²K: 0.5 to 1.3 times that of the code.
+    pub wall_u: f64,
+    /// U-factor of the roofs, W/m²K: 0.5 to 1.3 times that of the code.
+    pub roof_u: f64,
     /// U-factor of the windows, W/m²K: 0.8 to 1.3 times that of the code.
     pub window_u: f64,
     /// Solar heat gain coefficient of the windows: 0.15 to that of the code + 0.10.
@@ -36,22 +38,26 @@ const WINDOW_TO_WALL: [(BuildingType, f64); 5] = [
     (BuildingType::RestaurantFastFood, 0.1400),
     (BuildingType::Warehouse, 0.00707),
 ];
+/// Wall and roof U-factors relative to the maximum of the code in the climate zone. Above 1 stands for older stock; half
+/// the maximum is what the code asks of walls about three zones further north.
+const OPAQUE_U: [f64; 2] = [0.5, 1.3];
 /// Window-to-wall ratio relative to the prototype.
 const WINDOW_SHARE: (f64, f64) = (0.5, 1.5);
 /// Maximum window-to-wall ratio of the prescriptive path (ASHRAE 90.1, 5.5.4.2.1).
 const MAX_WINDOW_TO_WALL: f64 = 0.40;
 
 /// Returns the bounds of the parameters of a type in a climate zone, for example `5B`; in the order of the fields of
-/// [`CommercialParameters`]. Ranges of the paper's appendix on dataset generation.
+/// [`CommercialParameters`]. Ranges of the paper's appendix on dataset generation, except for those of walls and roofs.
 ///
 /// # Errors
 /// [`Error::ClimateZone`] for a zone outside 1 to 8; [`Error::NotCommercial`] for a house.
-pub fn bounds(building_type: BuildingType, ashrae_zone: &str) -> Result<[Parameter; 8]> {
+pub fn bounds(building_type: BuildingType, ashrae_zone: &str) -> Result<[Parameter; 9]> {
     let code = Prescriptive::of(ashrae_zone)?;
     let windows = prototype_window_to_wall(building_type)?;
     let window_to_wall = [WINDOW_SHARE.0 * windows, (WINDOW_SHARE.1 * windows).min(MAX_WINDOW_TO_WALL)];
     Ok([
-        Parameter::new("envelope", "1", 0.5, code.envelope),
+        opaque("wall_u", code.wall_u),
+        opaque("roof_u", code.roof_u),
         Parameter::new("window_u", "W/m²K", 0.8 * code.window_u, 1.3 * code.window_u),
         Parameter::new("window_shgc", "1", 0.15, (code.window_shgc + 0.10).clamp(0.10, 0.80)),
         Parameter::new("window_to_wall", "1", window_to_wall[0], window_to_wall[1]),
@@ -62,6 +68,11 @@ pub fn bounds(building_type: BuildingType, ashrae_zone: &str) -> Result<[Paramet
     ])
 }
 
+/// The bounds of a U-factor with this maximum in the code.
+const fn opaque(name: &'static str, code: f64) -> Parameter {
+    Parameter::new(name, "W/m²K", OPAQUE_U[0] * code, OPAQUE_U[1] * code)
+}
+
 fn prototype_window_to_wall(building_type: BuildingType) -> Result<f64> {
     let found = WINDOW_TO_WALL.into_iter().find(|(known, _)| *known == building_type);
     found.map(|(_, ratio)| ratio).ok_or(Error::NotCommercial { building_type })
@@ -69,8 +80,9 @@ fn prototype_window_to_wall(building_type: BuildingType) -> Result<f64> {
 
 impl CommercialParameters {
     /// Names of the parameters, in the order of the fields.
-    pub const NAMES: [&str; 8] = [
-        "envelope",
+    pub const NAMES: [&str; 9] = [
+        "wall_u",
+        "roof_u",
         "window_u",
         "window_shgc",
         "window_to_wall",
@@ -84,9 +96,9 @@ impl CommercialParameters {
     ///
     /// # Errors
     /// As [`bounds`]; [`Error::Parameter`] when a coordinate is not within 0 and 1.
-    pub fn from_unit(unit: [f64; 8], building_type: BuildingType, ashrae_zone: &str) -> Result<Self> {
+    pub fn from_unit(unit: [f64; 9], building_type: BuildingType, ashrae_zone: &str) -> Result<Self> {
         let bounds = bounds(building_type, ashrae_zone)?;
-        let mut values = [0.0; 8];
+        let mut values = [0.0; 9];
         for ((value, share), bound) in values.iter_mut().zip(unit).zip(&bounds) {
             Parameter::new(bound.name, "1", 0.0, 1.0).check(share)?;
             *value = bound.at(share);
@@ -96,21 +108,40 @@ impl CommercialParameters {
 
     /// The parameters with these values, in the order of the fields. [`CommercialParameters::check`] checks the
     /// bounds.
-    pub fn from_values(values: [f64; 8]) -> Self {
-        let [envelope, window_u, window_shgc, window_to_wall, infiltration, x_scale, y_scale, north_axis] =
-            values;
-        Self { envelope, window_u, window_shgc, window_to_wall, infiltration, x_scale, y_scale, north_axis }
+    pub fn from_values(values: [f64; 9]) -> Self {
+        let [
+            wall_u,
+            roof_u,
+            window_u,
+            window_shgc,
+            window_to_wall,
+            infiltration,
+            x_scale,
+            y_scale,
+            north_axis,
+        ] = values;
+        Self {
+            wall_u,
+            roof_u,
+            window_u,
+            window_shgc,
+            window_to_wall,
+            infiltration,
+            x_scale,
+            y_scale,
+            north_axis,
+        }
     }
 
-    /// Returns the code's requirements in a climate zone, with the geometry, window areas and leakage of the prototype. In
-    /// cold zones they are outside [`bounds`], where the generator insulates better.
+    /// Returns the code's requirements in a climate zone, with the geometry, window areas and leakage of the prototype.
     ///
     /// # Errors
     /// As [`bounds`].
     pub fn of_code(building_type: BuildingType, ashrae_zone: &str) -> Result<Self> {
         let code = Prescriptive::of(ashrae_zone)?;
         Ok(Self {
-            envelope: 1.0,
+            wall_u: code.wall_u,
+            roof_u: code.roof_u,
             window_u: code.window_u,
             window_shgc: code.window_shgc,
             window_to_wall: prototype_window_to_wall(building_type)?,
@@ -122,9 +153,10 @@ impl CommercialParameters {
     }
 
     /// Returns the values, in the order of the fields.
-    pub fn values(&self) -> [f64; 8] {
+    pub fn values(&self) -> [f64; 9] {
         [
-            self.envelope,
+            self.wall_u,
+            self.roof_u,
             self.window_u,
             self.window_shgc,
             self.window_to_wall,
@@ -156,7 +188,7 @@ mod tests {
         for zone in ["1A", "2B", "3C", "4A", "5B", "6A", "7", "8"] {
             let bounds = bounds(TYPE, zone).unwrap();
             for share in [0.0, 1.0] {
-                let corner = CommercialParameters::from_unit([share; 8], TYPE, zone).unwrap();
+                let corner = CommercialParameters::from_unit([share; 9], TYPE, zone).unwrap();
                 corner.check(TYPE, zone).unwrap();
                 let expected = bounds.map(|bound| if share == 0.0 { bound.low } else { bound.high });
                 assert_eq!(corner.values(), expected);
@@ -171,24 +203,35 @@ mod tests {
 
     #[test]
     fn bounds_follow_the_climate_and_the_type() {
-        let envelope = |zone| bounds(TYPE, zone).unwrap()[0].high;
-        assert_eq!((envelope("1A"), envelope("8")), (2.0, 0.597));
-        let windows = |of| bounds(of, "5B").unwrap()[3];
+        let infiltration = |zone| bounds(TYPE, zone).unwrap()[5].high;
+        assert_eq!((infiltration("1A"), infiltration("8")), (2.0, 1.2));
+        let windows = |of| bounds(of, "5B").unwrap()[4];
         assert!(windows(TYPE).high < windows(BuildingType::OfficeMedium).low);
         assert_eq!(windows(BuildingType::OfficeMedium).high, 0.40);
     }
 
     #[test]
+    fn walls_and_roofs_range_from_half_to_1_3_times_the_code_in_every_zone() {
+        for zone in ["1A", "2B", "3C", "4A", "5B", "6A", "7", "8"] {
+            let [wall, roof, ..] = bounds(TYPE, zone).unwrap();
+            let code = Prescriptive::of(zone).unwrap();
+            for (bound, code) in [(wall, code.wall_u), (roof, code.roof_u)] {
+                assert_eq!((bound.low, bound.high), (0.5 * code, 1.3 * code));
+            }
+        }
+    }
+
+    #[test]
     fn a_parameter_out_of_bounds_is_named_with_them() {
-        let middle = CommercialParameters::from_unit([0.5; 8], TYPE, "8").unwrap();
-        let error = CommercialParameters { envelope: 0.7, ..middle }.check(TYPE, "8").unwrap_err();
+        let middle = CommercialParameters::from_unit([0.5; 9], TYPE, "8").unwrap();
+        let error = CommercialParameters { infiltration: 1.7, ..middle }.check(TYPE, "8").unwrap_err();
         let text = error.to_string();
-        assert!(text.contains("envelope") && text.contains("0.7") && text.contains("0.597"), "{text}");
+        assert!(text.contains("infiltration") && text.contains("1.7") && text.contains("1.2"), "{text}");
         for bad in [f64::NAN, f64::INFINITY, -1.0] {
             let error = CommercialParameters { x_scale: bad, ..middle }.check(TYPE, "8").unwrap_err();
             assert!(error.to_string().contains("x_scale"), "{error}");
-            let error = CommercialParameters::from_unit([bad; 8], TYPE, "8").unwrap_err();
-            assert!(error.to_string().contains("envelope"), "{error}");
+            let error = CommercialParameters::from_unit([bad; 9], TYPE, "8").unwrap_err();
+            assert!(error.to_string().contains("wall_u"), "{error}");
         }
     }
 

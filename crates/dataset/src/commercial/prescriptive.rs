@@ -5,8 +5,8 @@ use crate::{Error, Result};
 /// W/m²K in one Btu/h·ft²·°F.
 pub(super) const SI_PER_IP: f64 = 5.678_263;
 
-/// Prescriptive maxima of ASHRAE 90.1 for non-residential spaces in one climate zone, and the limits of
-/// the generator relative to them.
+/// Prescriptive maxima of ASHRAE 90.1 for non-residential spaces in one climate zone, and the limit of the
+/// generator on infiltration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Prescriptive {
     /// U-factor of fixed windows, W/m²K.
@@ -19,21 +19,18 @@ pub struct Prescriptive {
     pub roof_u: f64,
     /// Maximum multiplier of infiltration.
     pub infiltration: f64,
-    /// Maximum multiplier of wall and roof U-factors.
-    pub envelope: f64,
 }
 
-/// Zones 1 to 8: window U, SHGC, wall U, roof U (IP units as published), highest infiltration and envelope
-/// multipliers. ASHRAE 90.1-2022 tables 5.5-1 to 5.5-8 and the paper's appendix on dataset generation.
-const TABLE: [[f64; 6]; 8] = [
-    [0.50, 0.23, 0.124, 0.048, 2.0, 2.0],
-    [0.45, 0.25, 0.084, 0.039, 2.0, 1.355],
-    [0.42, 0.25, 0.077, 0.039, 2.0, 1.242],
-    [0.36, 0.36, 0.064, 0.032, 1.5, 1.032],
-    [0.36, 0.38, 0.055, 0.032, 1.5, 0.887],
-    [0.34, 0.38, 0.049, 0.032, 1.2, 0.790],
-    [0.29, 0.40, 0.049, 0.028, 1.2, 0.790],
-    [0.26, 0.40, 0.037, 0.028, 1.2, 0.597],
+/// Zones 1 to 8: window U, SHGC, wall U, roof U (IP units as published) and highest infiltration multiplier. ASHRAE 90.1-2022 tables 5.5-1 to 5.5-8 and the paper's appendix on dataset generation.
+const TABLE: [[f64; 5]; 8] = [
+    [0.50, 0.23, 0.124, 0.048, 2.0],
+    [0.45, 0.25, 0.084, 0.039, 2.0],
+    [0.42, 0.25, 0.077, 0.039, 2.0],
+    [0.36, 0.36, 0.064, 0.032, 1.5],
+    [0.36, 0.38, 0.055, 0.032, 1.5],
+    [0.34, 0.38, 0.049, 0.032, 1.2],
+    [0.29, 0.40, 0.049, 0.028, 1.2],
+    [0.26, 0.40, 0.037, 0.028, 1.2],
 ];
 
 impl Prescriptive {
@@ -43,7 +40,7 @@ impl Prescriptive {
     /// [`Error::ClimateZone`] when it is outside 1 to 8.
     pub fn of(ashrae_zone: &str) -> Result<Self> {
         let row = thermal_zone(ashrae_zone).and_then(|zone| TABLE.get(zone.checked_sub(1)?));
-        let &[window_u, window_shgc, wall_u, roof_u, infiltration, envelope] =
+        let &[window_u, window_shgc, wall_u, roof_u, infiltration] =
             row.ok_or_else(|| Error::ClimateZone { zone: ashrae_zone.to_owned() })?;
         Ok(Self {
             window_u: window_u * SI_PER_IP,
@@ -51,7 +48,6 @@ impl Prescriptive {
             wall_u: wall_u * SI_PER_IP,
             roof_u: roof_u * SI_PER_IP,
             infiltration,
-            envelope,
         })
     }
 }
@@ -71,7 +67,7 @@ mod tests {
         let denver = Prescriptive::of("5B").unwrap();
         assert!((denver.window_u - 2.044).abs() < 1e-3);
         assert_eq!(denver, Prescriptive::of("5A").unwrap());
-        assert_eq!(Prescriptive::of("8").unwrap().envelope, 0.597);
+        assert_eq!(Prescriptive::of("8").unwrap().infiltration, 1.2);
     }
 
     #[test]

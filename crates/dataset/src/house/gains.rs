@@ -19,17 +19,7 @@ const APPLIANCES: [f64; 2] = [7.0, 3.0];
 const APPLIANCES_LOST: f64 = 0.2;
 const APPLIANCES_LATENT: f64 = 0.1;
 
-/// Share of the occupants at home, by hour: away on working days, asleep at night (engineering judgment, as are the
-/// two shapes below).
-const HOME_WEEKDAY: [f64; 24] = [
-    1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.8, 0.4, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 0.5, 0.8, 0.9, 0.9, 0.9,
-    1.0, 1.0, 1.0,
-];
-const HOME_WEEKEND: [f64; 24] = [
-    1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.9, 0.8, 0.7, 0.7, 0.7, 0.6, 0.6, 0.6, 0.7, 0.8, 0.8, 0.8, 0.8,
-    0.9, 1.0, 1.0,
-];
-/// Lighting over its daily mean.
+/// Lighting over its daily mean (engineering judgment, as is the shape below).
 const LIGHTS: [f64; 24] = [
     0.2, 0.1, 0.1, 0.1, 0.1, 0.4, 1.0, 1.2, 0.8, 0.5, 0.4, 0.4, 0.4, 0.4, 0.4, 0.6, 1.3, 2.2, 2.6, 2.9, 3.0,
     2.6, 1.6, 0.7,
@@ -52,12 +42,13 @@ pub(super) fn mean(house: &House) -> f64 {
 }
 
 fn people(model: &mut Model, house: &House) {
-    schedules::daily(model, "Occupancy", &HOME_WEEKDAY, &HOME_WEEKEND);
+    let household = house.draw_household();
+    schedules::occupancy(model, "Occupancy", &household);
     schedules::constant(model, "Activity", ACTIVITY);
     let people = json!({
         "zone_or_zonelist_or_space_or_spacelist_name": LIVING,
         "number_of_people_calculation_method": "People",
-        "number_of_people": house.occupants,
+        "number_of_people": household.people(),
         "number_of_people_schedule_name": "Occupancy",
         "activity_level_schedule_name": "Activity",
     });
@@ -65,7 +56,7 @@ fn people(model: &mut Model, house: &House) {
 }
 
 fn lights(model: &mut Model, house: &House) {
-    schedules::daily(model, "Lighting", &LIGHTS, &LIGHTS);
+    schedules::daily(model, "Lighting", &LIGHTS);
     let lights = json!({
         "zone_or_zonelist_or_space_or_spacelist_name": LIVING,
         "schedule_name": "Lighting",
@@ -78,7 +69,7 @@ fn lights(model: &mut Model, house: &House) {
 }
 
 fn appliances(model: &mut Model, house: &House) {
-    schedules::daily(model, "Appliances", &APPLIANCE_USE, &APPLIANCE_USE);
+    schedules::daily(model, "Appliances", &APPLIANCE_USE);
     let appliances = json!({
         "zone_or_zonelist_or_space_or_spacelist_name": LIVING,
         "schedule_name": "Appliances",

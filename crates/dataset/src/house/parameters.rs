@@ -1,6 +1,7 @@
 //! The parameters of a house.
 
 use super::capacities::Capacities;
+use super::household::Household;
 
 /// One Btu-based R (h·ft²·°F/Btu) in m²K/W.
 pub(super) const IMPERIAL_R: f64 = 0.1761;
@@ -17,6 +18,9 @@ const ATTIC_EFFECTIVENESS: f64 = 0.9;
 /// Effective over nominal resistance of a finished basement wall: 89 mm studs lose as the walls above do, and many
 /// are insulated over a part of their height (engineering judgment).
 const FOUNDATION_EFFECTIVENESS: f64 = 0.8;
+
+/// A household of two who are both out on every weekday.
+const COUPLE_AT_WORK: u64 = 17;
 
 /// A detached house. SI units; resistances are nominal, as in surveys.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,8 +52,10 @@ pub struct House {
     pub window_u: f64,
     /// Window solar heat gain coefficient.
     pub window_shgc: f64,
-    /// Number of occupants.
+    /// Number of occupants, rounded to whole people.
     pub occupants: f64,
+    /// Seed of the occupants' week: who of them is at home when ([`Household::draw`]).
+    pub household: u64,
     /// Lighting and appliance energy over that of the standard operating conditions.
     pub appliance_use: f64,
     /// Mean flow of exhaust fans, opened windows or a balanced ventilator, L/s.
@@ -136,6 +142,7 @@ impl Default for House {
             window_u: 0.49 * IMPERIAL_U,
             window_shgc: 0.56,
             occupants: 2.0,
+            household: COUPLE_AT_WORK,
             appliance_use: 1.0,
             ventilation: 25.0,
             heat_recovery: 0.0,
@@ -163,6 +170,11 @@ impl House {
     /// without soil, m²K/W.
     pub fn effective_foundation_resistance(&self) -> f64 {
         self.foundation_resistance * FOUNDATION_EFFECTIVENESS
+    }
+
+    /// Returns the occupants and their week.
+    pub fn draw_household(&self) -> Household {
+        Household::draw(self.occupants.round() as u32, self.household)
     }
 
     /// Returns the ventilation without heat recovery, L/s.

@@ -209,6 +209,7 @@ impl HouseSample {
             window_u,
             window_shgc,
             occupants: pick(&numbers("Nombre_Personnes", ""), people).0,
+            household: 0,
             appliance_use: between(APPLIANCE_USE, usage),
             ventilation,
             heat_recovery,

@@ -1,5 +1,7 @@
 //! `b2b evaluate`: a policy on many buildings.
 
+mod compare;
+
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -28,8 +30,27 @@ use crate::table::Table;
 /// is better, below 1 beats the baseline. Finished episodes are kept: the same command resumes an interrupted
 /// evaluation. Exits with code 1 if an episode fails.
 #[derive(clap::Args)]
-#[command(verbatim_doc_comment, after_help = EXAMPLES)]
+#[command(
+    verbatim_doc_comment,
+    args_conflicts_with_subcommands = true,
+    subcommand_negates_reqs = true,
+    after_help = EXAMPLES
+)]
 pub struct Arguments {
+    #[command(subcommand)]
+    command: Option<Command>,
+    #[command(flatten)]
+    run: Run,
+}
+
+#[derive(clap::Subcommand)]
+enum Command {
+    Compare(compare::Arguments),
+}
+
+/// The evaluation of a policy.
+#[derive(clap::Args)]
+struct Run {
     #[command(flatten)]
     policy: PolicyArguments,
     #[command(flatten)]
@@ -63,6 +84,7 @@ Examples:
   b2b evaluate --policy reactive --out b2b-out/reactive    one winter in each of the 48 buildings of test_small
   b2b evaluate --policy ppo.onnx --type OfficeSmall --task constant occupancy --period winter summer --out ppo
   b2b evaluate --policy random --seed 0 1 2 --split test --out random
+  b2b evaluate compare reactive ppo                        several evaluations on one page
   b2b evaluate --policy planner OfficeSmall-0042 --period 01-01..01-01 --out planner
 
 An ONNX policy maps a float32 array [1, observation], unscaled and ordered as `b2b show BUILDING --observations`
@@ -71,6 +93,13 @@ lists it, to an array [1, action]. Actions range from -1 to 1 between the bounds
 
 /// Runs the command.
 pub fn evaluate(arguments: &Arguments) -> Result<ExitCode> {
+    match &arguments.command {
+        Some(Command::Compare(arguments)) => compare::compare(arguments),
+        None => run(&arguments.run),
+    }
+}
+
+fn run(arguments: &Run) -> Result<ExitCode> {
     let policy = arguments.policy.load()?;
     let episodes = arguments.episodes()?;
     let folder = Folder::open(&arguments.out, policy.as_ref(), &episodes)?;
@@ -87,7 +116,7 @@ pub fn evaluate(arguments: &Arguments) -> Result<ExitCode> {
     Ok(if summary.lost.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-impl Arguments {
+impl Run {
     /// Returns the episodes, building by building, so that a prepared building serves all its episodes.
     fn episodes(&self) -> Result<Vec<Episode>> {
         let mut episodes = Vec::new();

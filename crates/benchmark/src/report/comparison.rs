@@ -1,0 +1,190 @@
+//! The page that compares several policies on the same episodes.
+
+use std::io::Write;
+
+use serde_json::{Value, json};
+
+use super::chart::{Chart, color, hover_name, mean_diamond};
+use super::page::write_page;
+use super::reward_chart::{Series, step_rewards};
+use crate::evaluation::{EpisodeInfo, Row, Scored};
+use crate::{Error, Result};
+
+/// The episodes of a policy.
+#[derive(Debug)]
+pub struct Compared {
+    /// Name of the policy on the page.
+    pub name: String,
+    /// Its episodes.
+    pub rows: Vec<Row>,
+}
+
+impl Compared {
+    fn ran(&self) -> Vec<(&EpisodeInfo, &Scored)> {
+        self.rows.iter().filter_map(|row| Some((&row.info, row.outcome.as_ref().ok()?))).collect()
+    }
+}
+
+/// Writes the page.
+///
+/// # Errors
+/// [`Error::OtherEpisodes`] unless all policies ran the same episodes, none of them lost.
+pub fn write(file: &mut impl Write, all: &[Compared]) -> Result<()> {
+    check_same(all)?;
+    let episodes = all.first().map_or(0, |compared| compared.rows.len());
+    let series: Vec<_> =
+        all.iter().map(|compared| Series { name: &compared.name, episodes: compared.ran() }).collect();
+    let charts = [step_rewards(&series), rms_deviations(all), energy_and_comfort(all)];
+    let data = json!({
+        "title": format!("{} policies on {episodes} episodes", all.len()),
+        "tiles": [],
+        "tables": [table(all)],
+        "lost": [],
+        "drawings": charts.map(Chart::json),
+        "footer": "Means over episodes. Score: the return divided by that of the reactive controllers for the same building, \
+                   task and days; lower is better.",
+    });
+    write_page(file, &data).map_err(|source| Error::Io { path: "comparison".into(), source })
+}
+
+fn check_same(all: &[Compared]) -> Result<()> {
+    let Some(first) = all.first() else { return Ok(()) };
+    for compared in all {
+        if let Some(row) = compared.rows.iter().find(|row| row.outcome.is_err()) {
+            let why = format!("{} was lost", hover_name(&row.info).replace("<br>", ", "));
+            return Err(Error::OtherEpisodes { name: compared.name.clone(), why });
+        }
+        let key = |row: &Row| {
+            let EpisodeInfo { building, place, task_hash, period, steps_per_hour, seed, .. } = &row.info;
+            (building.clone(), place.clone(), task_hash.clone(), period.clone(), *steps_per_hour, *seed)
+        };
+        let differs = |(ours, theirs): (&Row, &Row)| (key(ours) != key(theirs)).then(|| theirs.info.clone());
+        let why = match first.rows.iter().zip(&compared.rows).find_map(differs) {
+            Some(info) => {
+                format!("{} is not an episode of {}", hover_name(&info).replace("<br>", ", "), first.name)
+            }
+            None if first.rows.len() != compared.rows.len() => {
+                format!("it has {} episodes, {} has {}", compared.rows.len(), first.name, first.rows.len())
+            }
+            None => continue,
+        };
+        return Err(Error::OtherEpisodes { name: compared.name.clone(), why });
+    }
+    Ok(())
+}
+
+fn table(all: &[Compared]) -> Value {
+    let row = |compared: &Compared| {
+        let ran = compared.ran();
+        let mean = |value: &dyn Fn(&Scored) -> f64| {
+            ran.iter().map(|(_, scored)| value(scored)).sum::<f64>() / ran.len().max(1) as f64
+        };
+        let scores: Vec<f64> = ran.iter().filter_map(|(_, scored)| scored.score).collect();
+        let score = match scores.len() == ran.len() && !ran.is_empty() {
+            true => format!("{:.3}", scores.iter().sum::<f64>() / scores.len() as f64),
+            false => "–".to_owned(),
+        };
+        json!([
+            compared.name,
+            format!("{:.1}", mean(&|scored| scored.metrics.episode_return)),
+            score,
+            format!("{:.2}", mean(&|scored| scored.metrics.rms_deviation)),
+            format!("{:.2}", mean(&|scored| scored.metrics.energy() / 1000.0)),
+            format!("{:.1}", mean(&|scored| scored.metrics.daily_travel)),
+        ])
+    };
+    json!({
+        "title": "means over episodes",
+        "header": ["policy", "return", "score", "RMS deviation (K)", "HVAC energy (kWh/m²)",
+                   "actuator travel (strokes/day)"],
+        "rows": all.iter().map(row).collect::<Vec<_>>(),
+    })
+}
+
+fn labels(ran: &[(&EpisodeInfo, &Scored)]) -> Vec<String> {
+    ran.iter().map(|(info, _)| hover_name(info)).collect()
+}
+
+fn rms_deviations(all: &[Compared]) -> Chart {
+    let mut data = Vec::new();
+    for (number, compared) in all.iter().enumerate() {
+        let ran = compared.ran();
+        let values: Vec<f64> = ran.iter().map(|(_, scored)| scored.metrics.rms_deviation).collect();
+        data.push(json!({
+            "type": "violin", "y": values, "x0": compared.name, "name": compared.name, "points": "all", "jitter": 0.4,
+            "pointpos": 0, "text": labels(&ran), "hoveron": "points", "hovertemplate": "%{text}<br>%{y:.2f} K<extra></extra>",
+            "line": {"color": color(number), "width": 1.2}, "marker": {"size": 5, "opacity": 0.8}, "spanmode": "hard",
+            "width": 0.85, "showlegend": false,
+        }));
+        data.push(mean_diamond(&compared.name, &values, color(number)));
+    }
+    let layout = json!({
+        "yaxis": {"title": {"text": "RMS deviation (K)"}, "rangemode": "tozero", "zeroline": false},
+        "xaxis": {"type": "category"},
+    });
+    Chart {
+        title: "RMS deviation from target".into(),
+        note: "one point per episode; diamond: mean".into(),
+        height: 340,
+        wide: false,
+        data: data.into(),
+        layout,
+    }
+}
+
+fn energy_and_comfort(all: &[Compared]) -> Chart {
+    let trace = |(number, compared): (usize, &Compared)| {
+        let ran = compared.ran();
+        json!({
+            "type": "scatter", "mode": "markers", "name": compared.name,
+            "x": ran.iter().map(|(_, scored)| scored.metrics.energy() / 1000.0).collect::<Vec<_>>(),
+            "y": ran.iter().map(|(_, scored)| scored.metrics.rms_deviation).collect::<Vec<_>>(),
+            "text": labels(&ran), "hovertemplate": "%{text}<br>%{x:.1f} kWh/m², %{y:.2f} K<extra></extra>",
+            "marker": {"size": 7, "color": color(number), "opacity": 0.8},
+        })
+    };
+    let layout = json!({
+        "xaxis": {"title": {"text": "HVAC energy (kWh/m²)"}, "rangemode": "tozero", "zeroline": false},
+        "yaxis": {"title": {"text": "RMS deviation (K)"}, "rangemode": "tozero", "zeroline": false},
+    });
+    Chart {
+        title: "Energy vs. comfort".into(),
+        note: "one point per episode; lower left is better".into(),
+        height: 340,
+        wide: false,
+        data: all.iter().enumerate().map(trace).collect(),
+        layout,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{BuiltIn, Episode, Subject};
+
+    fn compared(name: &str, numbers: &[u32]) -> Compared {
+        let row = |number: &u32| {
+            let episode = Episode {
+                subject: Subject::at_home(format!("OfficeSmall-{number}").parse().unwrap()),
+                task: "constant".parse().unwrap(),
+                period: "01-01..01-02".parse().unwrap(),
+                seed: 0,
+                steps_per_hour: 12,
+            };
+            Row { info: EpisodeInfo::of(&episode, &BuiltIn::Random), outcome: Ok(Scored::default()) }
+        };
+        Compared { name: name.into(), rows: numbers.iter().map(row).collect() }
+    }
+
+    #[test]
+    fn policies_are_compared_on_the_same_episodes_alone() {
+        let mut page = Vec::new();
+        write(&mut page, &[compared("a", &[1, 2]), compared("b", &[1, 2])]).unwrap();
+        assert!(String::from_utf8(page).unwrap().contains("2 policies on 2 episodes"));
+        for (other, word) in [(&[1, 3][..], "OfficeSmall-0003"), (&[1][..], "1 episodes")] {
+            let pair = [compared("a", &[1, 2]), compared("b", other)];
+            let said = write(&mut Vec::new(), &pair).unwrap_err().to_string();
+            assert!(said.contains("`b`") && said.contains(word), "{said}");
+        }
+    }
+}

@@ -1,0 +1,53 @@
+//! `b2b evaluate compare`: several evaluations on one page.
+
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use anyhow::{Context, Result};
+use b2b_benchmark::Row;
+use b2b_benchmark::read_episodes;
+use b2b_benchmark::report::{Compared, write_comparison};
+
+use crate::output_folder::OutputFolder;
+use crate::stdout;
+
+/// Compare evaluations of the same episodes on one page
+///
+/// Writes one HTML page that needs no network: the distributions of the rewards of single steps, RMS deviations, and
+/// energy vs. comfort of every policy.
+#[derive(clap::Args)]
+#[command(
+    verbatim_doc_comment,
+    after_help = "\
+Examples:
+  b2b evaluate --policy reactive --type OfficeSmall --out reactive
+  b2b evaluate --policy ppo.onnx --type OfficeSmall --out ppo
+  b2b evaluate compare reactive ppo --out comparison.html"
+)]
+pub struct Arguments {
+    /// Output folders of `b2b evaluate`
+    #[arg(value_name = "FOLDER", required = true, num_args = 2..)]
+    folders: Vec<PathBuf>,
+    /// HTML file to write
+    #[arg(long, value_name = "FILE", default_value = "comparison.html")]
+    out: PathBuf,
+}
+
+/// Runs the command.
+pub fn compare(arguments: &Arguments) -> Result<ExitCode> {
+    let all = arguments.folders.iter().map(|folder| read(folder)).collect::<Result<Vec<_>>>()?;
+    OutputFolder::write_file(&arguments.out, |file| Ok(write_comparison(file, &all)?))?;
+    stdout::print(&arguments.out.display().to_string())?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Reads the episodes of an evaluation; its name is that of the folder.
+fn read(folder: &Path) -> Result<Compared> {
+    let path = folder.join("episodes.parquet");
+    let file = File::open(&path)
+        .with_context(|| format!("{} is not the folder of a finished `b2b evaluate`", folder.display()))?;
+    let rows: Vec<Row> = read_episodes(file).with_context(|| format!("cannot read {}", path.display()))?;
+    let name = folder.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    Ok(Compared { name, rows })
+}
