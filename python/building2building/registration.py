@@ -49,6 +49,7 @@ def make_vec(building_type: str | None = None, num_envs: int = 1, **arguments: A
     - ``resample``: ``True`` has every episode draw a building, ``k`` every ``k`` episodes: of ``buildings``, or of the
       type's ``split``. ``weights={type: weight}`` weighs the building types.
     - ``task`` may be a list; with ``resample``, tasks are drawn with the buildings.
+    - ``by_role``: observations of houses have a place for every role of a zone, the same in every house.
     - ``normalize``: observations in [-1, 1] by fixed bounds.
     - ``autoreset_mode``: ``NextStep`` (Gymnasium's default), ``SameStep`` or ``Disabled``.
     """

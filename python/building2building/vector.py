@@ -74,6 +74,7 @@ class BuildingVectorEnv(VectorEnv[Any, Any, Any]):
         timesteps_per_hour: int = 12,
         rescale_action: bool = False,
         normalize: bool = False,
+        by_role: bool = False,
         window_days: int | None = None,
         window_starts: int = 8,
         reward: Callable[[dict[str, Any]], ArrayLike] | None = None,
@@ -118,6 +119,7 @@ class BuildingVectorEnv(VectorEnv[Any, Any, Any]):
             weights,
             None if window_days is None else (window_days, window_starts),
             problem,
+            by_role,
         )
         close_at_exit(self)
         #: Layouts of the buildings; with ``resample``, of some that represent the others.
@@ -126,8 +128,8 @@ class BuildingVectorEnv(VectorEnv[Any, Any, Any]):
         slots, actuators = core.slots(), core.actuators()
         #: Fixed bounds by which observations are normalized: those of everything that a place of the row may hold.
         self.scale = Scale.of_all(slots)
-        self._plain = len(slots) == 1
-        bounds = np.array([[(low, high) for _, low, high in row] for row in slots], dtype=np.float32)
+        self._plain = len(slots) == 1 and not by_role
+        bounds = np.array([[_bounds(*slot) for slot in row] for row in slots], dtype=np.float32)
         box = Box(bounds[..., 0].min(axis=0), bounds[..., 1].max(axis=0), dtype=np.float32)
         self.single_observation_space = self.scale.space if normalize else box
         self.single_action_space = _action_space(actuators, core.widths[0], rescale_action)
@@ -298,6 +300,11 @@ def _autoreset_mode(given: str | AutoresetMode) -> AutoresetMode:
             return mode
     expected = ", ".join(mode.value for mode in AutoresetMode)
     raise SettingError(f"unknown autoreset_mode `{given}`; expected one of {expected}")
+
+
+def _bounds(name: str, low: float, high: float) -> tuple[float, float]:
+    """Returns the bounds of a slot. Those of a building's attributes are typical ones, for scaling."""
+    return (-np.inf, np.inf) if name.startswith("building ") else (low, high)
 
 
 def _candidate(given: Building | Generator | str, lazily: bool) -> Building | Generator | str:

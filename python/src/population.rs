@@ -1,6 +1,6 @@
 //! Buildings to draw episodes from: listed, or made by the generator.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use b2b_building::{BuildingType, RunPeriod};
 use b2b_climate::WeatherFile;
 use b2b_dataset::{BuildingId, Places};
 use b2b_env::vector::{
-    AnyOf, Buildings, Fixed, Kept, Population, Sampler, Setting, Weighted, Windows, WithTask,
+    AnyOf, Buildings, Fixed, Kept, Population, Sampler, Setting, Source, Weighted, Windows, WithTask,
 };
 use b2b_env::{EpisodeConfig, Spaces, Task};
 use pyo3::prelude::*;
@@ -157,7 +157,13 @@ impl Episodes {
 
     /// Returns buildings from which the spaces of all follow.
     pub fn representatives(&self) -> PyResult<Vec<Setting>> {
-        let mut settings = self.found_settings(&self.found);
+        let mut known = BTreeSet::new();
+        let differs = |building: &&Arc<Inner>| match building.building_type() {
+            None => true,
+            Some(building_type) => known.insert((building_type, zones(&building.source()))),
+        };
+        let found: Vec<_> = self.found.iter().filter(differs).cloned().collect();
+        let mut settings = self.found_settings(&found);
         for population in self.populations.values().flatten() {
             let of = self.generated(population)?;
             for (name, building) in population.representatives().map_err(of_env)? {
@@ -217,6 +223,14 @@ impl Episodes {
     }
 }
 
+/// Returns the names of the zones of a building.
+fn zones(source: &Source) -> Vec<String> {
+    match source {
+        Source::Prepared(building) => building.zones.iter().map(|zone| zone.name.clone()).collect(),
+        Source::Model { model, .. } => model.names("Zone"),
+    }
+}
+
 /// Returns a sampler that repeats a setting in each environment.
 pub fn fixed(settings: Vec<Setting>, window: Option<(u32, u32)>) -> Box<dyn Sampler> {
     windowed(Fixed(settings), window)
@@ -231,7 +245,7 @@ fn windowed(of: impl Sampler + 'static, window: Option<(u32, u32)>) -> Box<dyn S
 
 /// Divides the weight of each type among its groups in proportion to their numbers of buildings.
 fn weigh(groups: &mut [(&str, f64, Box<dyn Sampler>)], weights: &BTreeMap<String, f64>) -> PyResult<()> {
-    let known: std::collections::BTreeSet<String> = groups.iter().map(|(name, ..)| (*name).into()).collect();
+    let known: BTreeSet<String> = groups.iter().map(|(name, ..)| (*name).into()).collect();
     if let Some(unknown) = weights.keys().find(|name| !known.contains(*name)) {
         let known = known.into_iter().collect::<Vec<_>>().join(", ");
         return Err(

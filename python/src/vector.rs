@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex};
 
 use b2b_benchmark::problem::TrainingForm;
 use b2b_env::ActionSpace;
-use b2b_env::vector::{Autoreset, Form, Padded, RowSlot, VecEnv as Envs, VecEnvOptions};
+use b2b_env::vector::{Arrangement, Autoreset, Form, Padded, RowSlot, VecEnv as Envs, VecEnvOptions};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 
@@ -63,11 +63,12 @@ type Ended<'py> = (Bound<'py, PyArray1<f64>>, Option<Bound<'py, PyAny>>, Option<
 impl VecEnv {
     /// Prepares the buildings. With `resample`, environments draw a building every so many episodes, by the weights of
     /// their types; otherwise environment i repeats pair i of a building and a task. `window` is the length of an episode
-    /// in days and the number of first days to draw from. A `problem` has the form of observations and actions.
+    /// in days and the number of first days to draw from. A `problem` has the form of observations and actions;
+    /// `by_role` arranges observations of houses by the roles of their zones.
     #[new]
     #[pyo3(signature = (
         buildings, tasks, run_period, timesteps_per_hour, count, autoreset, rescale, resample=None, weights=None,
-        window=None, problem=None
+        window=None, problem=None, by_role=false
     ))]
     #[expect(clippy::too_many_arguments, reason = "they are those of the Python class, which names them")]
     fn new(
@@ -83,6 +84,7 @@ impl VecEnv {
         weights: Option<BTreeMap<String, f64>>,
         window: Option<(u32, u32)>,
         problem: Option<&Problem>,
+        by_role: bool,
     ) -> PyResult<Self> {
         let autoreset = match autoreset {
             "NextStep" => Autoreset::NextStep,
@@ -103,8 +105,8 @@ impl VecEnv {
                     let sampler = episodes.sampler(episodes_each, weights.as_ref(), window)?;
                     let envs = Envs::new(count, sampler, options).map_err(of_env)?;
                     let mut spaces = Vec::new();
-                    for setting in episodes.representatives()? {
-                        let found = envs.workers().spaces(&setting).map_err(of_env)?;
+                    let representatives = episodes.representatives()?;
+                    for found in envs.workers().spaces(&representatives).map_err(of_env)? {
                         let building = Arc::new(Inner::of_spaces(&found));
                         let all = episodes.under_every_task(&found).into_iter();
                         spaces.extend(all.map(|spaces| (spaces, Arc::clone(&building))));
@@ -120,7 +122,8 @@ impl VecEnv {
                     (envs, spaces.into_iter().zip(buildings).collect())
                 }
             };
-            Self::with_form(made.0, made.1, problem, rescale)
+            let arrangement = if by_role { Arrangement::ByRole } else { Arrangement::InOrder };
+            Self::with_form(made.0, made.1, problem, arrangement, rescale)
         })
     }
 
@@ -301,12 +304,13 @@ impl VecEnv {
         envs: Envs,
         spaces: Vec<(Arc<b2b_env::Spaces>, Arc<Inner>)>,
         problem: Option<&b2b_benchmark::Problem>,
+        arrangement: Arrangement,
         rescale: bool,
     ) -> PyResult<Self> {
         let all: Vec<_> = spaces.iter().map(|(spaces, _)| Arc::clone(spaces)).collect();
         let mut form: Box<dyn Form> = match problem {
-            Some(problem) => Box::new(TrainingForm::new(problem, &all).map_err(of_benchmark)?),
-            None => Box::new(Padded::fitting(all.iter().map(|spaces| &**spaces))),
+            Some(problem) => Box::new(TrainingForm::new(problem, &all, arrangement).map_err(of_benchmark)?),
+            None => Box::new(Padded::fitting(&all, arrangement)),
         };
         let episodes = all.iter().map(|spaces| form.episode(spaces).map_err(of_env));
         let episodes = episodes.collect::<PyResult<Vec<_>>>()?;

@@ -213,3 +213,18 @@ def test_observations_are_normalized_by_the_same_bounds_for_all_buildings(make_v
         seen = [step[0] for step in steps]
         if ends.any():
             np.testing.assert_array_equal(raw.scale(info["final_obs"][0]), other["final_obs"][0])
+
+
+def test_a_place_means_the_same_in_every_house_by_role(make_vec):
+    houses = [f"SingleFamilyHouse-{number:04}" for number in range(1, 21)]
+    options = {"buildings": houses, "resample": True, "rescale_action": True, "run_period": "01-01..01-01"}
+    envs = make_vec(None, 4, by_role=True, **options)
+    observations, _ = envs.reset(seed=2)
+    assert observations.shape == (4, 17) and envs.observation_space.contains(observations)
+    names = [name for name, _, _ in envs._core.slots()[0]]
+    assert all([name for name, _, _ in row] == names for row in envs._core.slots())
+    for environment, row in enumerate(observations):
+        zones = [zone.name.lower() for zone in envs.layout_of(environment).zones]
+        present = [name.split()[0] for name, value in zip(names, row) if name.endswith(" present") and value]
+        assert present == zones
+    assert (observations[:, names.index("time of day")] == observations[0, names.index("time of day")]).all()

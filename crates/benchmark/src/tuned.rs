@@ -23,9 +23,8 @@ pub fn task_for(subject: &Subject, site: &SiteInfo, task: &Task, steps_per_hour:
 /// Returns one hash of the parameters of all reactive controllers.
 pub(crate) fn controllers_hash() -> String {
     let classes = Class::all().map(Some).chain([None]);
-    let sets = classes.flat_map(|class| {
-        Objective::ALL.map(|objective| ReactiveParameters::tuned(class, false, objective))
-    });
+    let sets = classes
+        .flat_map(|class| Objective::ALL.map(|objective| ReactiveParameters::tuned(class, false, objective)));
     let all: String = sets.map(|set| parameters_hash(&set)).collect();
     short(sha256(all))
 }

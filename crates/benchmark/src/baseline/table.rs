@@ -12,7 +12,17 @@ const HEADER: &str = "building,task,objective,period,steps_per_hour,generator,en
 pub fn text(rows: &[(Key, ReturnTerms)]) -> String {
     let mut text = format!("{HEADER}\n");
     for (key, terms) in rows {
-        let Key { building, task, objective, period, steps_per_hour, generator, engine, controller, revision } = key;
+        let Key {
+            building,
+            task,
+            objective,
+            period,
+            steps_per_hour,
+            generator,
+            engine,
+            controller,
+            revision,
+        } = key;
         let ReturnTerms { temperature_penalty, energy, cost, emissions, peak } = terms;
         write!(
             text,
@@ -36,7 +46,8 @@ pub fn read(text: &str) -> Option<Vec<(Key, ReturnTerms)>> {
 fn row(line: &str) -> Option<(Key, ReturnTerms)> {
     let cells: Vec<&str> = line.split(',').collect();
     let (key, numbers) = cells.split_at_checked(9)?;
-    let [building, task, objective, period, steps_per_hour, generator, engine, controller, revision] = *key else {
+    let [building, task, objective, period, steps_per_hour, generator, engine, controller, revision] = *key
+    else {
         return None;
     };
     let numbers: Vec<f64> = numbers.iter().map(|cell| cell.parse().ok()).collect::<Option<_>>()?;

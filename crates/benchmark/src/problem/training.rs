@@ -5,7 +5,7 @@ use std::sync::Arc;
 use b2b_building::morphology::COMMON;
 use b2b_control::ReactiveParameters;
 use b2b_dataset::{BuildingName, Placement};
-use b2b_env::vector::{EpisodeForm, Form, Padded, RowSlot};
+use b2b_env::vector::{Arranged, Arrangement, EpisodeForm, Form, Padded, RowSlot, check_width};
 use b2b_env::{ActionSpace, Spaces};
 
 use super::attributes::{attribute_name, attributes};
@@ -19,29 +19,37 @@ use super::restriction::{RestrictedAction, Restriction};
 pub struct TrainingForm {
     restriction: Option<Restriction>,
     attributes: bool,
+    arrangement: Arrangement,
     /// Numbers in a row of actions, and in a row of observations without attributes.
     widths: (usize, usize),
 }
 
 impl TrainingForm {
-    /// The form of a problem that fits these buildings.
+    /// The form of a problem that fits these buildings. The problem's own width is that of observations in order.
     ///
     /// # Errors
     /// [`crate::Error::Problem`] if the problem's restriction does not apply to one of them.
-    pub fn new(problem: &Problem, buildings: &[Arc<Spaces>]) -> crate::Result<Self> {
+    pub fn new(
+        problem: &Problem,
+        buildings: &[Arc<Spaces>],
+        arrangement: Arrangement,
+    ) -> crate::Result<Self> {
         let restriction = problem.train.restriction;
-        let (mut actions, observations) = Padded::fitting(buildings.iter().map(|spaces| &**spaces)).widths;
+        let (mut actions, observations) = Padded::fitting(buildings, arrangement).widths;
         if let Some(restriction) = restriction {
             let kept = |spaces: &Arc<Spaces>| {
-                let parameters = ReactiveParameters::tuned_for(&spaces.building);
+                let parameters = ReactiveParameters::tuned_for(&spaces.building, &spaces.episode.task);
                 Ok(restriction.apply(spaces, &parameters)?.kept().len())
             };
             let kept = buildings.iter().map(kept).collect::<crate::Result<Vec<usize>>>()?;
             actions = kept.into_iter().max().unwrap_or(0);
         }
-        let observations = problem.protocol.observation_width.unwrap_or(observations);
+        let observations = match arrangement {
+            Arrangement::InOrder => problem.protocol.observation_width.unwrap_or(observations),
+            Arrangement::ByRole => observations,
+        };
         let attributes = problem.protocol.attributes == Attributes::Given;
-        Ok(Self { restriction, attributes, widths: (actions, observations) })
+        Ok(Self { restriction, attributes, arrangement, widths: (actions, observations) })
     }
 
     /// Returns the attributes of a building, which are those of the dataset for an id.
@@ -66,7 +74,7 @@ impl Form for TrainingForm {
             name: spaces.building.name.clone(),
             why: error.to_string(),
         };
-        let parameters = ReactiveParameters::tuned_for(&spaces.building);
+        let parameters = ReactiveParameters::tuned_for(&spaces.building, &spaces.episode.task);
         let restricted =
             self.restriction.map(|each| each.apply(spaces, &parameters)).transpose().map_err(wrong)?;
         let attributes = self.attributes(spaces).map_err(wrong)?;
@@ -74,22 +82,15 @@ impl Form for TrainingForm {
             Some(restricted) => spaces.action.select(restricted.kept()),
             None => spaces.action.clone(),
         };
-        for (what, width, most) in [
-            ("actuators", actions.len(), self.widths.0),
-            ("observation slots", spaces.observation.len(), self.widths.1),
-        ] {
-            if width > most {
-                let name = spaces.building.name.clone();
-                return Err(b2b_env::Error::TooWide { name, what, width, most });
-            }
-        }
-        let spaces = Arc::clone(spaces);
-        Ok(Box::new(TrainingEpisode { spaces, actions, restricted, attributes, width: self.widths.1 }))
+        let arranged = self.arrangement.of(spaces);
+        check_width(spaces, "actuators", actions.len(), self.widths.0)?;
+        check_width(spaces, "observation slots", arranged.width(), self.widths.1)?;
+        Ok(Box::new(TrainingEpisode { arranged, actions, restricted, attributes, width: self.widths.1 }))
     }
 }
 
 struct TrainingEpisode {
-    spaces: Arc<Spaces>,
+    arranged: Arranged,
     actions: ActionSpace,
     restricted: Option<RestrictedAction>,
     attributes: Vec<f64>,
@@ -103,10 +104,13 @@ impl EpisodeForm for TrainingEpisode {
     }
 
     fn slots(&self) -> Vec<RowSlot> {
-        let slots = self.spaces.observation.slots().iter().map(RowSlot::from);
-        let attribute = |name| RowSlot { name, unit: "1", low: f64::NEG_INFINITY, high: f64::INFINITY };
-        let attributes = COMMON.iter().take(self.attributes.len());
-        let attributes = attributes.map(|slot| attribute(attribute_name(slot.quantity)));
+        let slots = self.arranged.slots().into_iter();
+        let attributes = COMMON.iter().take(self.attributes.len()).map(|slot| RowSlot {
+            name: attribute_name(slot.quantity),
+            unit: slot.unit,
+            low: slot.low,
+            high: slot.high,
+        });
         let padded = slots.chain(std::iter::repeat_with(RowSlot::padding)).take(self.width);
         padded.chain(attributes).collect()
     }
@@ -120,8 +124,7 @@ impl EpisodeForm for TrainingEpisode {
 
     fn observe(&self, observation: &[f64], row: &mut [f64]) {
         let (padded, attributes) = row.split_at_mut(self.width);
-        padded[..observation.len()].copy_from_slice(observation);
-        padded[observation.len()..].fill(0.0);
+        self.arranged.write(observation, padded);
         attributes.copy_from_slice(&self.attributes);
     }
 }

@@ -71,8 +71,7 @@ fn difference(catalog: &Catalog, class: Class, objective: Objective) -> Result<O
 /// Measures the shipped parameters on their training buildings.
 fn measure(catalog: &Catalog, tuned: &Tuned) -> Result<Measured> {
     let ids = |names: &[String]| names.iter().map(|id| id.parse()).collect::<Result<Vec<BuildingId>, _>>();
-    let buildings =
-        TrainingBuildings { search: ids(&tuned.buildings)?, validation: ids(&tuned.validation)? };
+    let buildings = TrainingBuildings { search: ids(&tuned.buildings)?, validation: ids(&tuned.validation)? };
     let mut plan = Plan::comfort(tuned.class, &buildings, &tuned.periods, tuned.seed);
     if let Some(energy_scale) = tuned.energy_scale {
         plan = plan.energy(&ReactiveParameters::default(), energy_scale);

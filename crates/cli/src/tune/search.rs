@@ -147,8 +147,7 @@ impl Arguments {
         bar: &ProgressBar,
     ) -> Result<Tuned> {
         let (class, objective) = (plan.class, plan.objective);
-        let file =
-            folder.join(format!("{}-{objective}.jsonl", class.to_string().replace(" in zone ", "-")));
+        let file = folder.join(format!("{}-{objective}.jsonl", class.to_string().replace(" in zone ", "-")));
         let tuned = tune::tune(
             plan,
             self.evaluations as usize,

@@ -97,7 +97,10 @@ impl Plan {
     /// # Errors
     /// [`Error::Env`].
     pub fn tasks() -> Result<Vec<Task>> {
-        Ok(Self::VALIDATION_SETPOINTS.iter().map(|text| text.parse()).collect::<std::result::Result<_, _>>()?)
+        Ok(Self::VALIDATION_SETPOINTS
+            .iter()
+            .map(|text| text.parse())
+            .collect::<std::result::Result<_, _>>()?)
     }
 }
 

@@ -41,9 +41,8 @@ impl Best {
 
     /// Returns the mean logarithm of the losses relative to those of the best set.
     fn excess(&self, losses: &[f64]) -> f64 {
-        let relative = |(loss, best): (&f64, &f64)| {
-            (loss.max(f64::MIN_POSITIVE) / best.max(f64::MIN_POSITIVE)).ln()
-        };
+        let relative =
+            |(loss, best): (&f64, &f64)| (loss.max(f64::MIN_POSITIVE) / best.max(f64::MIN_POSITIVE)).ln();
         losses.iter().zip(&self.losses).map(relative).sum::<f64>() / losses.len() as f64
     }
 }

@@ -61,7 +61,8 @@ pub fn measured(plan: &Plan, defaults: &Cells, chosen: &Cells) -> Measured {
     let mean = |outcomes: &[Outcome], value: fn(&Outcome, &Plan) -> f64| {
         outcomes.iter().map(|outcome| value(outcome, plan)).sum::<f64>() / outcomes.len().max(1) as f64
     };
-    let travel = |outcomes: &[Outcome]| outcomes.iter().map(|outcome| outcome.daily_travel).fold(0.0, f64::max);
+    let travel =
+        |outcomes: &[Outcome]| outcomes.iter().map(|outcome| outcome.daily_travel).fold(0.0, f64::max);
     Measured {
         worst_relative_loss: relative.iter().copied().fold(0.0, f64::max),
         relative_loss: median(relative),

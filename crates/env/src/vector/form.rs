@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use crate::action::ActionSpace;
 use crate::observation::Slot;
+use crate::role_observation::{RoleObservation, RoleSlot};
 use crate::spaces::Spaces;
 use crate::{Error, Result};
 
@@ -54,26 +55,87 @@ impl RowSlot {
     }
 }
 
+impl From<&RoleSlot> for RowSlot {
+    fn from(slot: &RoleSlot) -> Self {
+        Self { name: slot.name.clone(), unit: slot.unit, low: slot.low, high: slot.high }
+    }
+}
+
 impl From<&Slot> for RowSlot {
     fn from(slot: &Slot) -> Self {
         Self { name: slot.name.clone(), unit: slot.unit, low: slot.low, high: slot.high }
     }
 }
 
-/// The vectors of a building as they are, followed by zeros.
+/// How an observation of a building is arranged in a row.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Arrangement {
+    /// As it is. A place can hold different quantities in houses with different zones.
+    #[default]
+    InOrder,
+    /// Of a house, by the roles of its zones: see [`RoleObservation`]. Of another building, as it is.
+    ByRole,
+}
+
+/// The arrangement of a building's observations.
+#[derive(Clone, Debug)]
+pub struct Arranged {
+    spaces: Arc<Spaces>,
+    roles: Option<RoleObservation>,
+}
+
+impl Arrangement {
+    /// The arrangement of a building's observations.
+    pub fn of(self, spaces: &Arc<Spaces>) -> Arranged {
+        let roles = match self {
+            Self::InOrder => None,
+            Self::ByRole => RoleObservation::of(spaces),
+        };
+        Arranged { spaces: Arc::clone(spaces), roles }
+    }
+}
+
+impl Arranged {
+    /// Names and bounds of the slots.
+    pub fn slots(&self) -> Vec<RowSlot> {
+        match &self.roles {
+            None => self.spaces.observation.slots().iter().map(RowSlot::from).collect(),
+            Some(roles) => roles.slots().iter().map(RowSlot::from).collect(),
+        }
+    }
+
+    /// Number of slots.
+    pub fn width(&self) -> usize {
+        self.roles.as_ref().map_or(self.spaces.observation.len(), |roles| roles.slots().len())
+    }
+
+    /// Writes an observation, followed by zeros.
+    pub fn write(&self, observation: &[f64], row: &mut [f64]) {
+        let (values, padding) = row.split_at_mut(self.width());
+        match &self.roles {
+            None => values.copy_from_slice(observation),
+            Some(roles) => roles.write(observation, values),
+        }
+        padding.fill(0.0);
+    }
+}
+
+/// The vectors of a building, followed by zeros.
 #[derive(Clone, Copy, Debug)]
 pub struct Padded {
     /// Numbers in a row of actions and in a row of observations.
     pub widths: (usize, usize),
+    /// How observations are arranged.
+    pub arrangement: Arrangement,
 }
 
 impl Padded {
     /// The form that fits the largest of some buildings.
-    pub fn fitting<'a>(all: impl IntoIterator<Item = &'a Spaces>) -> Self {
-        let largest = |(actions, observations): (usize, usize), spaces: &Spaces| {
-            (actions.max(spaces.action.len()), observations.max(spaces.observation.len()))
+    pub fn fitting<'a>(all: impl IntoIterator<Item = &'a Arc<Spaces>>, arrangement: Arrangement) -> Self {
+        let largest = |(actions, observations): (usize, usize), spaces: &Arc<Spaces>| {
+            (actions.max(spaces.action.len()), observations.max(arrangement.of(spaces).width()))
         };
-        Self { widths: all.into_iter().fold((0, 0), largest) }
+        Self { widths: all.into_iter().fold((0, 0), largest), arrangement }
     }
 }
 
@@ -84,31 +146,35 @@ impl Form for Padded {
 
     fn episode(&mut self, spaces: &Arc<Spaces>) -> Result<Box<dyn EpisodeForm>> {
         let (actions, observations) = self.widths;
-        for (what, width, most) in [
-            ("actuators", spaces.action.len(), actions),
-            ("observation slots", spaces.observation.len(), observations),
-        ] {
-            if width > most {
-                return Err(Error::TooWide { name: spaces.building.name.clone(), what, width, most });
-            }
-        }
-        Ok(Box::new(PaddedEpisode { spaces: Arc::clone(spaces), width: observations }))
+        let arranged = self.arrangement.of(spaces);
+        check_width(spaces, "actuators", spaces.action.len(), actions)?;
+        check_width(spaces, "observation slots", arranged.width(), observations)?;
+        Ok(Box::new(PaddedEpisode { arranged, width: observations }))
     }
 }
 
+/// Errors if a building has more than a row has room for.
+///
+/// # Errors
+/// [`Error::TooWide`].
+pub fn check_width(spaces: &Spaces, what: &'static str, width: usize, most: usize) -> Result<()> {
+    let name = || spaces.building.name.clone();
+    if width > most { Err(Error::TooWide { name: name(), what, width, most }) } else { Ok(()) }
+}
+
 struct PaddedEpisode {
-    spaces: Arc<Spaces>,
+    arranged: Arranged,
     /// Numbers in a row of observations.
     width: usize,
 }
 
 impl EpisodeForm for PaddedEpisode {
     fn actions(&self) -> &ActionSpace {
-        &self.spaces.action
+        &self.arranged.spaces.action
     }
 
     fn slots(&self) -> Vec<RowSlot> {
-        let slots = self.spaces.observation.slots().iter().map(RowSlot::from);
+        let slots = self.arranged.slots().into_iter();
         slots.chain(std::iter::repeat_with(RowSlot::padding)).take(self.width).collect()
     }
 
@@ -117,8 +183,6 @@ impl EpisodeForm for PaddedEpisode {
     }
 
     fn observe(&self, observation: &[f64], row: &mut [f64]) {
-        let (values, padding) = row.split_at_mut(observation.len());
-        values.copy_from_slice(observation);
-        padding.fill(0.0);
+        self.arranged.write(observation, row);
     }
 }

@@ -28,7 +28,7 @@ pub use batch::{recv, step_all};
 pub use episode::{Episode, Snapshot};
 pub use episode_options::EpisodeOptions;
 pub use episode_report::EpisodeReport;
-pub use form::{EpisodeForm, Form, Padded, RowSlot};
+pub use form::{Arranged, Arrangement, EpisodeForm, Form, Padded, RowSlot, check_width};
 pub use launcher::Launcher;
 pub use population::{Buildings, Population};
 pub use sampler::{AnyOf, Draw, Fixed, Kept, Sampler, Weighted, Windows, WithTask};

@@ -103,17 +103,28 @@ impl Workers {
         Ok(Reservation { workers: self.clone(), template })
     }
 
-    /// The spaces of a setting from the cache of prepared buildings, without starting a process; prepares it otherwise.
+    /// The spaces of settings, from the cache of prepared buildings without starting a process where they are there;
+    /// prepares the others.
     ///
     /// # Errors
     /// As [`Workers::prepare`].
-    pub fn spaces(&self, setting: &Setting) -> Result<Arc<Spaces>> {
-        setting.episode.check()?;
+    pub fn spaces(&self, settings: &[Setting]) -> Result<Vec<Arc<Spaces>>> {
         let library = self.lock().options.library.clone();
-        match setting.source.cached(&setting.episode.weather, &Library::load(&library)?) {
-            Some(building) => Ok(Arc::new(Spaces::new(Arc::new(building), setting.episode.clone()))),
-            None => self.prepare(setting),
+        let library = Library::load(&library)?;
+        let mut cached = Vec::with_capacity(settings.len());
+        for Setting { source, episode } in settings {
+            episode.check()?;
+            let building = source.cached(&episode.weather, &library);
+            cached.push(building.map(|building| Arc::new(Spaces::new(Arc::new(building), episode.clone()))));
         }
+        for (setting, _) in settings.iter().zip(&cached).filter(|(_, cached)| cached.is_none()) {
+            self.start_preparing(setting)?;
+        }
+        settings
+            .iter()
+            .zip(cached)
+            .map(|(setting, cached)| cached.map_or_else(|| self.prepare(setting), Ok))
+            .collect()
     }
 
     /// The processes of the templates.

@@ -155,16 +155,17 @@ fn the_representatives_of_houses_have_every_number_of_zones() {
     };
     for population in [population, generated] {
         let representatives = population.representatives().unwrap();
-        let spaces = |(name, building): &(String, b2b_dataset::Building)| {
-            workers.spaces(&of.setting(name.clone(), building).unwrap()).unwrap().observation.len()
-        };
-        let mut widths: Vec<_> = representatives.iter().map(spaces).collect();
+        let setting =
+            |(name, building): &(String, b2b_dataset::Building)| of.setting(name.clone(), building).unwrap();
+        let settings: Vec<_> = representatives.iter().map(setting).collect();
+        let spaces = workers.spaces(&settings).unwrap();
+        let mut widths: Vec<_> = spaces.iter().map(|spaces| spaces.observation.len()).collect();
         widths.sort_unstable();
         assert_eq!(widths, [9, 10, 10, 11]);
     }
     // Prepared before, they need no process.
     let again = Workers::new(options(&catalog)).unwrap();
     let (name, building) = of.population.representatives().unwrap().remove(0);
-    again.spaces(&of.setting(name, &building).unwrap()).unwrap();
+    again.spaces(&[of.setting(name, &building).unwrap()]).unwrap();
     assert!(again.template_processes().is_empty());
 }

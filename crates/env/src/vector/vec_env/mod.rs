@@ -9,7 +9,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use super::episode::Episode;
-use super::form::{EpisodeForm, Form, Padded};
+use super::form::{Arrangement, EpisodeForm, Form, Padded};
 use super::sampler::{Draw, Sampler};
 use super::setting::Setting;
 use super::statistics::Statistics;
@@ -143,7 +143,7 @@ impl VecEnv {
             workers: Workers::new(options.workers)?,
             autoreset: options.autoreset,
             sampler,
-            form: Box::new(Padded { widths }),
+            form: Box::new(Padded { widths, arrangement: Arrangement::InOrder }),
             widths,
             statistics: Statistics::default(),
             environments: (0..count).map(|_| One::new()).collect(),

@@ -8,7 +8,7 @@ use crate::spaces::Spaces;
 use crate::vector::batch::rest;
 use crate::vector::episode::Episode;
 use crate::vector::episode_options::EpisodeOptions;
-use crate::vector::form::Padded;
+use crate::vector::form::{Arrangement, Padded};
 use crate::vector::setting::Setting;
 use crate::{Environment, Error, Result};
 
@@ -29,7 +29,7 @@ impl VecEnv {
         let next = self.environments.iter().filter_map(|one| one.next.as_ref());
         let settings: Vec<Setting> = next.map(|next| next.draw.setting.clone()).collect();
         let all = self.workers.prepare_all(&settings)?;
-        let form = Padded::fitting(all.iter().map(|spaces| &**spaces));
+        let form = Padded::fitting(&all, Arrangement::InOrder);
         self.widths = form.widths;
         self.observations = vec![0.0; self.len() * self.widths.1];
         self.form = Box::new(form);
