@@ -53,6 +53,9 @@ struct Batch {
     shape: [usize; 2],
 }
 
+/// For each environment, which numbers of its row of observations and of its row of actions are not padding.
+type Masks = (Vec<Vec<bool>>, Vec<Vec<bool>>);
+
 /// Buildings that fit in memory as templates, per environment: more are prepared anew when they are drawn.
 const KEPT_BUILDINGS: usize = 2;
 
@@ -164,7 +167,7 @@ impl VecEnv {
     }
 
     /// Returns for each environment which numbers of a row of observations and of a row of actions are not padding.
-    fn masks(&self, py: Python<'_>) -> PyResult<(Vec<Vec<bool>>, Vec<Vec<bool>>)> {
+    fn masks(&self, py: Python<'_>) -> PyResult<Masks> {
         self.owner.with(py, &self.state, |state| {
             let envs = state.envs()?;
             let (actions, observations) = envs.widths();
