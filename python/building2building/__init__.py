@@ -25,7 +25,7 @@ from .buildings import (
 )
 from .env import BuildingEnv
 from .errors import Error
-from .evaluation import EpisodeContext, Evaluation, compute_normalized_score, evaluate
+from .evaluation import EpisodeContext, Evaluation, compute_normalized_score, compute_resolved_score, evaluate
 from .morphology import Morphology
 from .registration import make_env, make_vec, register_envs
 from .rollouts import (
@@ -63,6 +63,7 @@ __all__ = [
     "callable_controller",
     "collect",
     "compute_normalized_score",
+    "compute_resolved_score",
     "evaluate",
     "find_building",
     "generate",

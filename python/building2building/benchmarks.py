@@ -11,6 +11,7 @@ results.
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -23,7 +24,7 @@ from numpy.typing import ArrayLike
 from . import _core
 from .env import BuildingEnv, unwrap
 from .errors import SettingError
-from .rollouts import ReactiveController, rollout
+from .rollouts import ReactiveController, Trajectory, rollout
 from .vector import BuildingVectorEnv
 from .wrappers import AugmentObservationWithBuildingParams, PadObservation, RoleObservation, action_of_shape
 
@@ -88,9 +89,11 @@ class Result:
 
     #: Name of the problem.
     problem: str
-    #: One dictionary per test environment: building, task, return, baseline_return, score, and the episode's metrics.
+    #: One dictionary per test environment: building, task, return, baseline_return, score, resolved_score,
+    #: relative_energy, and the episode's metrics.
     episodes: list[dict[str, Any]] = field(repr=False)
-    #: Interquartile mean, median, mean and share below 1, each with its 95 % confidence interval.
+    #: Of the scores and, under ``resolved``, of the resolved scores: interquartile mean, median, mean and share below 1, each
+    #: with its 95 % confidence interval, minimum, maximum, and the number below 1.
     measures: dict[str, Any]
 
     @property
@@ -99,9 +102,29 @@ class Result:
         return self.measures["test"]["interquartile_mean"]["value"]
 
     @property
+    def resolved_interquartile_mean(self) -> float:
+        """Interquartile mean of the resolved scores, which ranks the leaderboard: lower is better."""
+        return self.measures["test"]["resolved"]["interquartile_mean"]["value"]
+
+    @property
+    def rms_deviation(self) -> float:
+        """RMS deviation from target, mean over episodes, K."""
+        return sum(each["rms_deviation_k"] for each in self.episodes) / len(self.episodes)
+
+    @property
+    def relative_energy(self) -> float:
+        """HVAC energy over that of the reactive controllers, mean over episodes."""
+        return sum(each["relative_energy"] for each in self.episodes) / len(self.episodes)
+
+    @property
     def scores(self) -> dict[tuple[str, str], float]:
         """Score by building and task."""
         return {(each["building"], each["task"]): each["score"] for each in self.episodes}
+
+    @property
+    def resolved_scores(self) -> dict[tuple[str, str], float]:
+        """Resolved score by building and task."""
+        return {(each["building"], each["task"]): each["resolved_score"] for each in self.episodes}
 
 
 class Problem:
@@ -232,24 +255,35 @@ class Problem:
         """
         episodes: list[dict[str, Any]] = []
         strata: dict[tuple[str, str], list[list[float]]] = {}
+        resolved: dict[tuple[str, str], list[list[float]]] = {}
         for building, task in self._tests()[:n]:
             made = self._make("test", building, task, **arguments)
             try:
                 env = made if wrap is None else wrap(made)
-                baseline = rollout(made, ReactiveController(made)).episode_return
+                baseline = rollout(made, ReactiveController(made))
                 trajectory = rollout(env, policy(made) if isinstance(policy, type) else policy)
             finally:
                 made.close()
-            score = _core.normalized_score(trajectory.episode_return, baseline)
+            returns = (trajectory.episode_return, baseline.episode_return)
+            score, resolved_score = _core.normalized_score(*returns), _core.resolved_score(*returns, len(trajectory))
             row = {"building": building, "task": task, "return": trajectory.episode_return}
-            row |= {"baseline_return": baseline, "score": score}
+            row |= {"baseline_return": baseline.episode_return, "score": score, "resolved_score": resolved_score}
+            row["relative_energy"] = _energy(trajectory) / (_energy(baseline) or math.nan)
             episodes.append({**(trajectory.metrics or {}), **row})
-            if score is not None:
-                strata.setdefault((building.split("-")[0], task), []).append([score])
-        return Result(self.name, episodes, json.loads(_core.measures(list(strata.values()))))
+            if score is not None and resolved_score is not None:
+                stratum = (building.split("-")[0], task)
+                strata.setdefault(stratum, []).append([score])
+                resolved.setdefault(stratum, []).append([resolved_score])
+        measures = _core.measures(list(strata.values()), list(resolved.values()))
+        return Result(self.name, episodes, json.loads(measures))
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self.name}>"
+
+
+def _energy(trajectory: Trajectory) -> float:
+    metrics = trajectory.metrics or {}
+    return metrics.get("electricity_wh_m2", math.nan) + metrics.get("gas_wh_m2", math.nan)
 
 
 _LISTS = {"buildings", "train", "test", "train_tasks", "test_tasks", "windows"}

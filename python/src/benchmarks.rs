@@ -158,9 +158,16 @@ pub fn normalized_score(episode_return: f64, baseline_return: f64) -> Option<f64
     b2b_benchmark::normalized_score(episode_return, baseline_return)
 }
 
-/// Returns aggregate measures as JSON text; `strata` holds buildings, each with the scores of its seeds.
+/// Returns the resolved score of a return over a number of steps; `None` if the ratio is undefined.
 #[pyfunction]
-pub fn measures(strata: Vec<Vec<Vec<f64>>>) -> PyResult<String> {
-    let measures = measure_scores(&strata).ok_or_else(|| wrong("no score to aggregate"))?;
+pub fn resolved_score(episode_return: f64, baseline_return: f64, steps: usize) -> Option<f64> {
+    b2b_benchmark::resolved_score(episode_return, baseline_return, steps)
+}
+
+/// Returns aggregate measures as JSON text; `strata` holds buildings, each with the scores of its seeds, and `resolved`
+/// their resolved scores.
+#[pyfunction]
+pub fn measures(strata: Vec<Vec<Vec<f64>>>, resolved: Vec<Vec<Vec<f64>>>) -> PyResult<String> {
+    let measures = measure_scores(&strata, &resolved).ok_or_else(|| wrong("no score to aggregate"))?;
     Ok(measures.to_string())
 }

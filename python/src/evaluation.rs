@@ -10,7 +10,7 @@ use arrow_array::cast::AsArray;
 use arrow_array::types::{Float64Type, UInt32Type, UInt64Type};
 use b2b_benchmark::{
     ActionScale, Baselines, Episode, EpisodeContext, Evaluation, Folder, Policy, Progress, Results, Subject,
-    episode_table, normalized_score,
+    episode_table,
 };
 use b2b_climate::Place;
 use b2b_control::Controller;
@@ -102,13 +102,10 @@ pub fn evaluate<'py>(
     Ok((columns(py, &table)?, summary))
 }
 
-/// Returns a return over that of the reactive controllers, which are run if their return is unknown.
+/// Returns the return of the reactive controllers in an episode, their HVAC energy (Wh/m²) and the number of steps; runs them
+/// if they are unknown.
 #[pyfunction]
-pub fn compute_normalized_score(
-    py: Python<'_>,
-    episode_return: f64,
-    episode: Asked,
-) -> PyResult<Option<f64>> {
+pub fn baseline(py: Python<'_>, episode: Asked) -> PyResult<(f64, f64, u64)> {
     let _running = running()?;
     let episode = self::episode(episode)?;
     let launcher = pools::options(py)?.launcher;
@@ -118,10 +115,10 @@ pub fn compute_normalized_score(
         let run = || {
             let evaluation = Evaluation { catalog: &catalog, launcher, jobs: 1, interrupted: stopped };
             let site = episode.subject.locate(&catalog, &mut Quiet)?;
-            Baselines::open()?.episode_return(&evaluation, &episode, &site, &counter)
+            Baselines::open()?.baseline(&evaluation, &episode, &site, &counter)
         };
-        let baseline_return = wait_for(run, &counter, None).map_err(of_benchmark)?;
-        Ok(normalized_score(episode_return, baseline_return))
+        let baseline = wait_for(run, &counter, None).map_err(of_benchmark)?;
+        Ok((baseline.episode_return, baseline.energy, episode.steps()))
     })
 }
 

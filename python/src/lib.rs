@@ -30,7 +30,7 @@ mod _core {
     use super::*;
 
     #[pymodule_export]
-    use super::benchmarks::{Problem, Restriction, measures, normalized_score};
+    use super::benchmarks::{Problem, Restriction, measures, normalized_score, resolved_score};
     #[pymodule_export]
     use super::catalog::{
         Building, Setting, TypeInfo, building_types, dataset_rows, find_building, generate, places,
@@ -40,7 +40,7 @@ mod _core {
     #[pymodule_export]
     use super::env::Env;
     #[pymodule_export]
-    use super::evaluation::{compute_normalized_score, evaluate};
+    use super::evaluation::{baseline, evaluate};
     #[pymodule_export]
     use super::local::LocalEnv;
     #[pymodule_export]

@@ -37,7 +37,7 @@ pub use policy::{ActionScale, BuiltIn, EpisodeContext, HouseForm, Interface, Onn
 pub use problem::Problem;
 pub use results::Results;
 pub use return_terms::ReturnTerms;
-pub use scores::normalized_score;
+pub use scores::{Baseline, RESOLUTION, normalized_score, resolved_score};
 pub use subject::{SiteInfo, Subject};
 pub use summary::{Group, LostEpisode, Summary, Window};
 pub use tuned::{controller_parameters, task_for};

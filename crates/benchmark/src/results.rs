@@ -101,7 +101,7 @@ impl Unscored {
     }
 
     fn row(self, baselines: &Baselines) -> Row {
-        let baseline = baselines.get(&self.key).map(|terms| terms.episode_return(&self.task));
+        let baseline = baselines.get(&self.key).map(|terms| terms.baseline(&self.task));
         Row::scored(self.record, self.step_rewards, baseline)
     }
 }

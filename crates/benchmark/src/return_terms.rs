@@ -3,6 +3,8 @@
 use b2b_env::{Metrics, Resource, Task};
 use serde::{Deserialize, Serialize};
 
+use crate::scores::Baseline;
+
 /// The sums from which the return of an episode follows for every weight and every resource.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ReturnTerms {
@@ -28,6 +30,11 @@ impl ReturnTerms {
             Resource::Peak => self.peak,
         };
         -self.temperature_penalty - task.energy_weight / task.energy_scale.unwrap_or(1.0) * used
+    }
+
+    /// Returns the baseline of these sums under a task's weight and scale.
+    pub fn baseline(&self, task: &Task) -> Baseline {
+        Baseline { episode_return: self.episode_return(task), energy: self.energy }
     }
 
     /// Returns all terms in the order of the fields.

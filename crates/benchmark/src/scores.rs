@@ -1,4 +1,4 @@
-//! The normalized score.
+//! The scores of an episode: the paper's normalized score, and the resolved score.
 
 /// Returns the normalized score of an episode: its return divided by that of the reactive controllers for the same
 /// building, task and days (the paper's `compute_normalized_score`). Returns are negated sums of penalties: a lower score
@@ -24,6 +24,45 @@ pub fn normalized_score(episode_return: f64, baseline: f64) -> Option<f64> {
     })
 }
 
+/// Deviation that a score resolves, K: the accuracy that ISO 7726:1998 (table 2, class C, comfort) calls desirable for an air
+/// temperature sensor; 0.5 K is required.
+pub const RESOLUTION: f64 = 0.2;
+
+/// What an episode is scored against: the reactive controllers for the same building, task and days.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Baseline {
+    /// Their return.
+    pub episode_return: f64,
+    /// Their HVAC energy, Wh/m².
+    pub energy: f64,
+}
+
+impl Baseline {
+    /// Returns the [`normalized_score`] of a return.
+    pub fn score(&self, episode_return: f64) -> Option<f64> {
+        normalized_score(episode_return, self.episode_return)
+    }
+
+    /// Returns the [`resolved_score`] of a return over `steps` steps.
+    pub fn resolved_score(&self, episode_return: f64, steps: usize) -> Option<f64> {
+        resolved_score(episode_return, self.episode_return, steps)
+    }
+}
+
+/// Returns the resolved score of an episode: (P + n r²) / (P₀ + n r²), where P is its penalty (the negated return, with the
+/// energy penalty if the task has one), P₀ that of the reactive controllers, n its number of steps and r = 0.2 K
+/// ([`RESOLUTION`]). As if every zone deviated by another 0.2 K, independently: below what a thermometer could tell apart,
+/// a policy and the baseline score alike. Lower is better, and below 1 beats the baseline, exactly where the normalized
+/// score is below 1.
+///
+/// There is no score if the denominator is not above 0, which requires negative prices, or if either return is not a
+/// number.
+pub fn resolved_score(episode_return: f64, baseline: f64, steps: usize) -> Option<f64> {
+    let floor = steps as f64 * RESOLUTION * RESOLUTION;
+    let (penalty, baseline) = (floor - episode_return, floor - baseline);
+    (baseline > 0.0 && !penalty.is_nan()).then(|| penalty / baseline)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -44,5 +83,22 @@ mod tests {
         assert_eq!(normalized_score(-1.0, 5.0), None);
         assert_eq!(normalized_score(f64::NAN, -1.0), None);
         assert_eq!(normalized_score(-1.0, f64::NAN), None);
+    }
+
+    #[test]
+    fn the_resolved_score_does_not_tell_deviations_apart_that_no_thermometer_could() {
+        let of = |deviation: f64| -1000.0 * deviation * deviation;
+        let [normalized, resolved] =
+            [normalized_score(of(0.1), of(0.03)).unwrap(), resolved_score(of(0.1), of(0.03), 1000).unwrap()];
+        assert!((normalized - 11.1).abs() < 0.1, "{normalized}");
+        assert!((resolved - 1.22).abs() < 0.01, "{resolved}");
+        // Where deviations are large, both agree.
+        let [normalized, resolved] =
+            [normalized_score(of(2.0), of(4.0)).unwrap(), resolved_score(of(2.0), of(4.0), 1000).unwrap()];
+        assert!((normalized - resolved).abs() < 0.01, "{normalized} {resolved}");
+        assert_eq!(resolved_score(of(0.03), of(0.03), 1000), Some(1.0));
+        assert_eq!(resolved_score(0.0, 0.0, 10), Some(1.0));
+        assert_eq!(resolved_score(-1.0, 5.0, 10), None);
+        assert_eq!(resolved_score(f64::NAN, -1.0, 10), None);
     }
 }

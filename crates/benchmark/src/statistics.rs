@@ -37,14 +37,26 @@ pub struct Aggregate {
     pub median: Interval,
     /// Interquartile mean: mean without the lowest and the highest quarter.
     pub interquartile_mean: Interval,
+    /// Lowest score.
+    pub min: f64,
+    /// Highest score.
+    pub max: f64,
     /// Share of scores below 1.
     pub beats_baseline: Interval,
+    /// Number of scores below 1.
+    pub beats_baseline_count: usize,
 }
 
 impl Aggregate {
     /// Returns the share of scores that beat the baseline, in percent.
     pub fn beats_baseline_percent(&self) -> f64 {
         100.0 * self.beats_baseline.value
+    }
+
+    /// Returns the same with the number of scores: `75 (6 of 8)`.
+    pub fn beats_baseline_text(&self) -> String {
+        let Self { beats_baseline_count, episodes, .. } = self;
+        format!("{:.0} ({beats_baseline_count} of {episodes})", self.beats_baseline_percent())
     }
 }
 
@@ -89,8 +101,17 @@ pub fn aggregate_clusters(strata: &[Vec<Cluster>], seed: u64) -> Option<Aggregat
     let [mean, median, interquartile_mean, beats_baseline] = intervals[..] else {
         return None;
     };
-    let episodes = strata.iter().map(Vec::len).sum();
-    Some(Aggregate { episodes, mean, median, interquartile_mean, beats_baseline })
+    let scores: Vec<f64> = strata.iter().flatten().map(|seeds| self::mean(seeds)).collect();
+    Some(Aggregate {
+        episodes: scores.len(),
+        mean,
+        median,
+        interquartile_mean,
+        min: scores.iter().copied().fold(f64::INFINITY, f64::min),
+        max: scores.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+        beats_baseline,
+        beats_baseline_count: scores.iter().filter(|score| **score < 1.0).count(),
+    })
 }
 
 /// Returns the performance profile: for each bound the share of buildings with a score at or below it.

@@ -3,7 +3,7 @@
 use b2b_env::EpisodeMetrics;
 use serde::Serialize;
 
-use crate::evaluation::Row;
+use crate::evaluation::{Row, relative_energy};
 use crate::policy::Policy;
 use crate::results::Results;
 use crate::statistics::{Aggregate, aggregate};
@@ -61,12 +61,16 @@ pub struct Window {
 pub struct Group {
     /// Name of the group.
     pub name: String,
-    /// Aggregated scores; `None` if no episode has a score.
+    /// Aggregated scores, as in the paper; `None` if no episode has a score.
     pub scores: Option<Aggregate>,
+    /// Aggregated resolved scores; `None` if no episode has one.
+    pub resolved_scores: Option<Aggregate>,
     /// Root mean square deviation from target, mean over episodes, K.
     pub rms_deviation_k: f64,
     /// HVAC energy, mean over episodes, Wh/m².
     pub energy_wh_m2: f64,
+    /// HVAC energy over that of the baseline; `None` if the latter is unknown.
+    pub relative_energy: Option<f64>,
     /// Actuator travel, mean over episodes, full strokes/day.
     pub daily_travel: f64,
 }
@@ -113,8 +117,10 @@ impl Window {
 
 impl Group {
     fn of(name: String, strata: &[&[&Row]]) -> Self {
-        let scores: Vec<Vec<f64>> =
-            strata.iter().map(|rows| rows.iter().filter_map(|row| row.score()).collect()).collect();
+        let aggregated = |score: fn(&Row) -> Option<f64>| {
+            let of_stratum = |rows: &&[&Row]| rows.iter().filter_map(|row| score(row)).collect();
+            aggregate(&strata.iter().map(of_stratum).collect::<Vec<Vec<f64>>>(), SEED)
+        };
         let mean = |value: fn(&EpisodeMetrics) -> f64| {
             let metrics = strata.iter().copied().flatten().filter_map(|row| row.metrics());
             let values: Vec<f64> = metrics.map(value).collect();
@@ -122,9 +128,11 @@ impl Group {
         };
         Self {
             name,
-            scores: aggregate(&scores, SEED),
+            scores: aggregated(Row::score),
+            resolved_scores: aggregated(Row::resolved_score),
             rms_deviation_k: mean(|metrics| metrics.rms_deviation),
             energy_wh_m2: mean(EpisodeMetrics::energy),
+            relative_energy: relative_energy(strata.iter().copied().flatten().copied()),
             daily_travel: mean(|metrics| metrics.daily_travel),
         }
     }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use arrow_array::types::Float64Type;
 use arrow_array::{Array, PrimitiveArray};
-use b2b_benchmark::{Baselines, Episode, SiteInfo, Subject, Versions, normalized_score};
+use b2b_benchmark::{Baselines, Episode, SiteInfo, Subject, Versions};
 use b2b_building::RunPeriod;
 use b2b_climate::Place;
 use b2b_dataset::{BuildingName, Catalog};
@@ -71,6 +71,7 @@ struct Score {
     episode_return: f64,
     baseline_return: f64,
     score: Option<f64>,
+    resolved_score: Option<f64>,
 }
 
 /// Runs the command.
@@ -86,7 +87,7 @@ pub fn score(arguments: &Arguments) -> Result<()> {
     let baselines = Baselines::open()?;
     let bars = Bars::new(arguments.json);
     let evaluation = evaluation(&catalog, 1)?;
-    let baseline_return = baselines.episode_return(&evaluation, &episode, &site, &bars)?;
+    let baseline = baselines.baseline(&evaluation, &episode, &site, &bars)?;
     drop(bars);
     let episode_return = -trajectory.temperature_penalty - trajectory.energy_penalty;
     let score = Score {
@@ -97,8 +98,9 @@ pub fn score(arguments: &Arguments) -> Result<()> {
         steps_per_hour,
         controller: trajectory.controller.clone(),
         episode_return,
-        baseline_return,
-        score: normalized_score(episode_return, baseline_return),
+        baseline_return: baseline.episode_return,
+        score: baseline.score(episode_return),
+        resolved_score: baseline.resolved_score(episode_return, trajectory.steps),
     };
     stdout::print_result(arguments.json, &score, || score.text())
 }
@@ -126,12 +128,19 @@ fn check_versions(path: &Path, theirs: &Versions) -> Result<()> {
 
 impl Score {
     fn text(&self) -> String {
-        let score = self.score.map_or("undefined".to_owned(), |score| format!("{score:.4}"));
+        let text = |score: Option<f64>| score.map_or("undefined".to_owned(), |score| format!("{score:.4}"));
         let Self { building, place, period, task, controller, .. } = self;
         format!(
             "{building} in {place}, {period}, task {task}, {controller} controller\n\n  {:<18}{:.1}\n  {:<18}{:.1}\n  \
-             {:<18}{score}",
-            "return", self.episode_return, "baseline return", self.baseline_return, "score"
+             {:<18}{}\n  {:<18}{}",
+            "return",
+            self.episode_return,
+            "baseline return",
+            self.baseline_return,
+            "score",
+            text(self.score),
+            "resolved score",
+            text(self.resolved_score)
         )
     }
 }

@@ -334,7 +334,11 @@ fn a_tampered_result_fails_verification() {
             let scored = scored(row);
             scored.metrics.episode_return /= 2.0;
             scored.metrics.temperature_penalty /= 2.0;
-            scored.score = scored.baseline_return.map(|baseline| scored.metrics.episode_return / baseline);
+            let (episode_return, steps) = (scored.metrics.episode_return, scored.metrics.steps);
+            scored.score = scored.baseline_return.map(|baseline| episode_return / baseline);
+            scored.resolved_score = scored
+                .baseline_return
+                .and_then(|baseline| b2b_benchmark::resolved_score(episode_return, baseline, steps));
         }
     };
     let said = judged.after(halve, 0);

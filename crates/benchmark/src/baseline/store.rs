@@ -13,6 +13,7 @@ use super::table;
 use crate::error::at;
 use crate::evaluation::{Episode, Evaluation, Lost, Progress};
 use crate::return_terms::ReturnTerms;
+use crate::scores::Baseline;
 use crate::tuned::task_for;
 use crate::{BuiltIn, Error, Result, SiteInfo};
 
@@ -127,17 +128,17 @@ impl Baselines {
             .collect()
     }
 
-    /// Returns the return of the reactive controllers for an episode's building, task and days, computed if unknown.
+    /// Returns return and energy of the reactive controllers for an episode's building, task and days, computed if unknown.
     ///
     /// # Errors
     /// [`Error::NoBaseline`] if their episode is lost; [`Error::Interrupted`]; [`Error::Io`].
-    pub fn episode_return(
+    pub fn baseline(
         &self,
         evaluation: &Evaluation<'_>,
         episode: &Episode,
         site: &SiteInfo,
         progress: &dyn Progress,
-    ) -> Result<f64> {
+    ) -> Result<Baseline> {
         let Episode { subject, task, period, steps_per_hour, .. } = episode;
         let key = Key::of(episode, site)?;
         let missing = self.missing([(key.clone(), episode.clone())]);
@@ -151,7 +152,7 @@ impl Baselines {
             period: period.to_string(),
             why: lost.remove(&key).map_or_else(String::new, |lost| lost.reason),
         })?;
-        Ok(terms.episode_return(&task_for(subject, site, task, *steps_per_hour)))
+        Ok(terms.baseline(&task_for(subject, site, task, *steps_per_hour)))
     }
 }
 

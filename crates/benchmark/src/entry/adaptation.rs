@@ -34,9 +34,9 @@ impl Adaptation {
     /// Returns the measures of the stages; `None` without an untrained stage. `test` has the zero-shot scores.
     pub(super) fn of(stages: &[(Stage, Vec<Row>)], test: &[SeedScores], seed: u64) -> Option<Self> {
         let untrained = stages.iter().find(|(stage, _)| *stage == Stage::Untrained);
-        let untrained = by_building(&untrained?.1);
+        let untrained = by_building(&untrained?.1, Row::score);
         let adapted = stages.iter().filter_map(|(stage, rows)| match stage {
-            Stage::Adapted(steps) => Some((*steps, by_building(rows))),
+            Stage::Adapted(steps) => Some((*steps, by_building(rows, Row::score))),
             _ => None,
         });
         let adapted: Vec<_> = adapted.collect();

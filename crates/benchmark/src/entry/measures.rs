@@ -4,10 +4,10 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::adaptation::Adaptation;
-use super::scores::{Score, SeedScores, StratumKey, by_building, clusters, strata};
+use super::scores::{Performance, Score, StratumKey, building_scores, by_building, clusters, is_in, strata};
 use crate::evaluation::Row;
 use crate::problem::Stage;
-use crate::statistics::{Aggregate, Cluster, Interval, Share, aggregate_clusters, difference, profile};
+use crate::statistics::{Cluster, Interval, Share, aggregate_clusters, difference, profile};
 
 /// Seed of the bootstrap.
 const SEED: u64 = 0;
@@ -15,32 +15,33 @@ const SEED: u64 = 0;
 /// The measures of a run.
 ///
 /// A *score* is that of a building under a task in a run period: the mean over seeds of the return divided by that of the
-/// tuned reactive controllers. Lower is better, and below 1 beats the baseline. A stratum of the bootstrap is a building
-/// type under a task in a run period.
+/// tuned reactive controllers, as in the paper. Lower is better, and below 1 beats the baseline. Beside it stand the
+/// resolved score, RMS deviation and energy; profile, gap and adaptation are those of the paper's score. A stratum of the
+/// bootstrap is a building type under a task in a run period.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Measures {
-    /// Zero-shot scores on the test environments.
-    pub test: Aggregate,
-    /// The same scores by stratum, if there are several.
+    /// Zero-shot performance on the test environments.
+    pub test: Performance,
+    /// The same by stratum, if there are several.
     pub strata: Vec<Stratum>,
     /// Performance profile: the share of test scores at or below each score.
     pub profile: Vec<Share>,
     /// The individual test scores.
     pub scores: Vec<Score>,
-    /// Scores on training buildings, if it was tested on any.
-    pub train: Option<Aggregate>,
+    /// Performance on training buildings, if it was tested on any.
+    pub train: Option<Performance>,
     /// Generalization gap: interquartile mean on test minus that on training buildings; above 0 is worse on test.
     #[serde(rename = "generalisation_gap")]
     pub generalization_gap: Option<Interval>,
-    /// Scores of specialists on the test buildings that each was trained on, if there are any: an upper bound, which is not
+    /// Performance of specialists on the test buildings that each was trained on, if there are any: an upper bound, which is not
     /// ranked.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub upper_bound: Option<Aggregate>,
+    pub upper_bound: Option<Performance>,
     /// Adaptation to the test environments, if the policy adapts.
     pub adaptation: Option<Adaptation>,
 }
 
-/// The scores of a stratum.
+/// The performance in a stratum.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Stratum {
     /// The building type.
@@ -49,8 +50,8 @@ pub struct Stratum {
     pub task: String,
     /// The run period.
     pub period: String,
-    /// Their scores.
-    pub scores: Aggregate,
+    /// Performance.
+    pub performance: Performance,
 }
 
 /// Returns the scores at which a profile is evaluated: 0 to 3 in steps of 0.05.
@@ -61,39 +62,45 @@ fn bounds() -> Vec<f64> {
 impl Measures {
     /// Returns the measures over the rows of every stage; `None` if the test stage has no score.
     pub fn of(stages: &[(Stage, Vec<Row>)]) -> Option<Self> {
-        let scores_of = |wanted: Stage| {
-            stages.iter().find(|(stage, _)| *stage == wanted).map(|(_, rows)| by_building(rows))
+        let rows_of = |wanted: Stage| {
+            stages.iter().find(|(stage, _)| *stage == wanted).map(|(_, rows)| rows.as_slice())
         };
-        let test = scores_of(Stage::Test)?;
+        let clusters_of = |rows: &[Row]| clusters(&by_building(rows, Row::score));
+        let test_rows = rows_of(Stage::Test)?;
+        let test = by_building(test_rows, Row::score);
         let test_clusters = clusters(&test);
-        let train = scores_of(Stage::Train).map(|groups| clusters(&groups));
+        let train = rows_of(Stage::Train).map(clusters_of);
         let strata = strata(&test);
         let several = strata.len() > 1;
         let strata = strata.into_iter().filter(|_| several);
+        let performance_of = |stage| rows_of(stage).and_then(|rows| Performance::of(rows, SEED));
         Some(Self {
-            test: aggregate_clusters(&test_clusters, SEED)?,
-            strata: strata.filter_map(|(key, clusters)| Stratum::of(key, clusters)).collect(),
+            test: performance_of(Stage::Test)?,
+            strata: strata.filter_map(|(key, _)| Stratum::of(key, test_rows)).collect(),
             profile: profile(&test_clusters, &bounds(), SEED),
-            scores: test.iter().map(SeedScores::score).collect(),
+            scores: building_scores(test_rows),
             generalization_gap: train.as_ref().and_then(|train| difference(&test_clusters, train, SEED)),
-            train: train.and_then(|train| aggregate_clusters(&train, SEED)),
-            upper_bound: scores_of(Stage::UpperBound)
-                .and_then(|groups| aggregate_clusters(&clusters(&groups), SEED)),
+            train: performance_of(Stage::Train),
+            upper_bound: performance_of(Stage::UpperBound),
             adaptation: Adaptation::of(stages, &test, SEED),
         })
     }
 }
 
 impl Stratum {
-    fn of((building_type, task, period): StratumKey, clusters: Vec<Cluster>) -> Option<Self> {
-        let scores = aggregate_clusters(&[clusters], SEED)?;
-        Some(Self { building_type, task, period, scores })
+    fn of(key: StratumKey, rows: &[Row]) -> Option<Self> {
+        let own: Vec<&Row> = rows.iter().filter(|row| is_in(row, &key)).collect();
+        let performance = Performance::of(own.iter().copied(), SEED)?;
+        let (building_type, task, period) = key;
+        Some(Self { building_type, task, period, performance })
     }
 }
 
-/// Returns aggregate and profile of scores by stratum, building and seed, as in [`Measures`]; `None` without scores.
-pub fn measure_scores(strata: &[Vec<Cluster>]) -> Option<Value> {
-    let test = aggregate_clusters(strata, SEED)?;
+/// Returns aggregates and profile of scores by stratum, building and seed, as in [`Measures`]; `None` without scores.
+/// `resolved` has the resolved scores in the same order.
+pub fn measure_scores(strata: &[Vec<Cluster>], resolved: &[Vec<Cluster>]) -> Option<Value> {
+    let mut test = json!(aggregate_clusters(strata, SEED)?);
+    test["resolved"] = json!(aggregate_clusters(resolved, SEED)?);
     Some(json!({"test": test, "profile": profile(strata, &bounds(), SEED)}))
 }
 
@@ -115,7 +122,8 @@ mod tests {
                 seed,
                 steps_per_hour: 12,
             };
-            let scored = Scored { score: Some(score(number, seed)), ..Scored::default() };
+            let score = Some(score(number, seed));
+            let scored = Scored { score, resolved_score: score, ..Scored::default() };
             Row { info: EpisodeInfo::of(&episode, &BuiltIn::Random), outcome: Ok(scored) }
         };
         places.map(row).collect()
@@ -160,13 +168,20 @@ mod tests {
         ];
         let measures = Measures::of(&stages).unwrap();
         let scores = means(test);
-        near(measures.test.mean.value, scores.iter().sum::<f64>() / 17.0);
-        near(measures.test.interquartile_mean.value, trimmed(&scores));
+        near(measures.test.scores.mean.value, scores.iter().sum::<f64>() / 17.0);
+        near(measures.test.scores.interquartile_mean.value, trimmed(&scores));
         let below = |score: f64| scores.iter().filter(|other| **other < score).count();
-        near(measures.test.median.value, *scores.iter().find(|score| below(**score) == 8).unwrap());
-        near(measures.test.beats_baseline.value, below(1.0) as f64 / 17.0);
+        near(measures.test.scores.median.value, *scores.iter().find(|score| below(**score) == 8).unwrap());
+        near(measures.test.scores.beats_baseline.value, below(1.0) as f64 / 17.0);
+        let sorted = |of: fn(f64, f64) -> f64| scores.iter().copied().reduce(of).unwrap();
+        assert_eq!(measures.test.scores.beats_baseline_count, below(1.0));
         assert_eq!(
-            (measures.scores.len(), measures.strata.len(), measures.strata[1].scores.episodes),
+            (measures.test.scores.min, measures.test.scores.max),
+            (sorted(f64::min), sorted(f64::max))
+        );
+        assert_eq!(measures.test.resolved, measures.test.scores);
+        assert_eq!(
+            (measures.scores.len(), measures.strata.len(), measures.strata[1].performance.scores.episodes),
             (17, 2, 6)
         );
         near(measures.scores[12].score, scores[12]);

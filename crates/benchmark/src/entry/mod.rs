@@ -22,5 +22,5 @@ pub use entry_policy::{EntryPolicy, PolicyDescription};
 pub use measures::{Measures, Stratum, measure_scores};
 pub use result::{RunResult, Stages, read_result};
 pub use run::RunOutcome;
-pub use scores::Score;
+pub use scores::{Performance, Score};
 pub use verify::{Check, Sample, verify};

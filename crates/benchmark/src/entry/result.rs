@@ -27,7 +27,7 @@ pub(super) const POLICY: &str = "policy";
 /// The folder of stages that have not all ended.
 pub(super) const UNFINISHED: &str = "unfinished";
 /// Raised when the format of a result changes.
-const FORMAT: u32 = 1;
+const FORMAT: u32 = 2;
 
 /// The result of a run: `result.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

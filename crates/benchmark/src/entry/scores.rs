@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::evaluation::Row;
-use crate::statistics::Cluster;
+use crate::evaluation::{Row, relative_energy};
+use crate::statistics::{Aggregate, Cluster, aggregate_clusters};
 
 /// Building type, task and run period.
 pub(super) type StratumKey = (String, String, String);
@@ -17,8 +17,50 @@ pub struct Score {
     pub task: String,
     /// The run period.
     pub period: String,
-    /// Mean over seeds.
+    /// Score as in the paper, mean over seeds.
     pub score: f64,
+    /// Resolved score, mean over seeds.
+    pub resolved_score: f64,
+    /// RMS deviation from target, mean over seeds, K.
+    pub rms_deviation_k: f64,
+    /// HVAC energy over that of the baseline; `None` if the latter is 0.
+    pub relative_energy: Option<f64>,
+}
+
+/// The performance in a set of episodes. The fields of the paper's score are those of the set itself in JSON.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Performance {
+    /// Scores as in the paper.
+    #[serde(flatten)]
+    pub scores: Aggregate,
+    /// Resolved scores.
+    pub resolved: Aggregate,
+    /// RMS deviation from target, mean over episodes, K.
+    pub rms_deviation_k: f64,
+    /// HVAC energy over that of the baseline; `None` if the latter is 0.
+    pub relative_energy: Option<f64>,
+}
+
+impl Performance {
+    /// Returns the performance in some rows; `None` if none has a score.
+    pub(super) fn of<'a>(rows: impl IntoIterator<Item = &'a Row> + Clone, seed: u64) -> Option<Self> {
+        let aggregate = |score: fn(&Row) -> Option<f64>| {
+            aggregate_clusters(&clusters(&by_building(rows.clone(), score)), seed)
+        };
+        Some(Self {
+            scores: aggregate(Row::score)?,
+            resolved: aggregate(Row::resolved_score)?,
+            rms_deviation_k: mean_deviation(rows.clone()),
+            relative_energy: relative_energy(rows),
+        })
+    }
+}
+
+/// Returns the mean over the rows that were not lost, K.
+fn mean_deviation<'a>(rows: impl IntoIterator<Item = &'a Row>) -> f64 {
+    let metrics = rows.into_iter().filter_map(Row::metrics);
+    let values: Vec<f64> = metrics.map(|metrics| metrics.rms_deviation).collect();
+    values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
 /// The scores of a building under a task in a run period, one per seed.
@@ -36,10 +78,9 @@ impl SeedScores {
         self.seeds.iter().sum::<f64>() / self.seeds.len() as f64
     }
 
-    /// Returns the mean over seeds with what it belongs to.
-    pub(super) fn score(&self) -> Score {
-        let Self { building, task, period, .. } = self;
-        Score { building: building.clone(), task: task.clone(), period: period.clone(), score: self.mean() }
+    /// Returns whether a row is of the same building, task and run period.
+    fn has(&self, row: &Row) -> bool {
+        self.building == row.info.building && self.task == row.info.task && self.period == row.info.period
     }
 
     /// Returns by how much the mean of `other` is lower, as the scores of the same building.
@@ -59,15 +100,15 @@ impl SeedScores {
 }
 
 /// Groups the scores of rows by building, task and run period, in the order of the rows.
-pub(super) fn by_building(rows: &[Row]) -> Vec<SeedScores> {
+pub(super) fn by_building<'a>(
+    rows: impl IntoIterator<Item = &'a Row>,
+    score: fn(&Row) -> Option<f64>,
+) -> Vec<SeedScores> {
     let mut groups: Vec<SeedScores> = Vec::new();
     for row in rows {
-        let (info, Some(score)) = (&row.info, row.score()) else { continue };
+        let (info, Some(score)) = (&row.info, score(row)) else { continue };
         // Seeds of a building are adjacent.
-        let known = groups.iter_mut().rev().find(|group| {
-            group.building == info.building && group.task == info.task && group.period == info.period
-        });
-        match known {
+        match groups.iter_mut().rev().find(|group| group.has(row)) {
             Some(group) => group.seeds.push(score),
             None => groups.push(SeedScores {
                 building: info.building.clone(),
@@ -79,6 +120,30 @@ pub(super) fn by_building(rows: &[Row]) -> Vec<SeedScores> {
         }
     }
     groups
+}
+
+/// Returns the scores of every building, means over seeds.
+pub(super) fn building_scores(rows: &[Row]) -> Vec<Score> {
+    let resolved = by_building(rows, Row::resolved_score);
+    let score = |group: &SeedScores| {
+        let own: Vec<&Row> = rows.iter().filter(|row| group.has(row)).collect();
+        let same = |other: &&SeedScores| own.first().is_some_and(|row| other.has(row));
+        Some(Score {
+            building: group.building.clone(),
+            task: group.task.clone(),
+            period: group.period.clone(),
+            score: group.mean(),
+            resolved_score: resolved.iter().find(same)?.mean(),
+            rms_deviation_k: mean_deviation(own.iter().copied()),
+            relative_energy: relative_energy(own.iter().copied()),
+        })
+    };
+    by_building(rows, Row::score).iter().filter_map(score).collect()
+}
+
+/// Returns whether a row belongs to a stratum.
+pub(super) fn is_in(row: &Row, (building_type, task, period): &StratumKey) -> bool {
+    row.info.building_type == *building_type && row.info.task == *task && row.info.period == *period
 }
 
 /// Groups scores by stratum, in order of first appearance.

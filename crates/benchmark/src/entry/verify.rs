@@ -13,7 +13,7 @@ use super::measures::Measures;
 use super::result::{POLICY, RunResult, read_result};
 use crate::evaluation::{Episode, EpisodeInfo, Evaluation, Outcome, Progress, Row};
 use crate::problem::{Problem, Stage, WrappedPolicy};
-use crate::scores::normalized_score;
+use crate::scores::Baseline;
 use crate::versions::Versions;
 use crate::{Baselines, Error, Result};
 
@@ -165,9 +165,17 @@ fn score(row: &Row) -> std::result::Result<(), String> {
     if !near(episode_return, sum) {
         return Err(format!("the return is {episode_return}; its penalties sum to {sum}"));
     }
-    let score = scored.baseline_return.and_then(|baseline| normalized_score(episode_return, baseline));
+    let (Some(baseline_return), Some(energy)) = (scored.baseline_return, scored.baseline_energy) else {
+        return Err("its baseline is missing".into());
+    };
+    let baseline = Baseline { episode_return: baseline_return, energy };
+    let score = baseline.score(episode_return);
     if score.is_none() || score != scored.score {
         return Err(format!("the score is {:?}; return over baseline is {score:?}", scored.score));
+    }
+    let resolved = baseline.resolved_score(episode_return, scored.metrics.steps);
+    if resolved.is_none() || resolved != scored.resolved_score {
+        return Err(format!("the resolved score is {:?}; expected {resolved:?}", scored.resolved_score));
     }
     Ok(())
 }
@@ -247,13 +255,16 @@ fn compare(
     let site = here.info.site();
     let cache = tempfile::tempdir().map_err(|source| Error::Io { path: std::env::temp_dir(), source })?;
     let baselines = Baselines::without_shipped(cache.path());
-    let baseline = match baselines.episode_return(evaluation, episode, &site, progress) {
+    let baseline = match baselines.baseline(evaluation, episode, &site, progress) {
         Err(Error::NoBaseline { why, .. }) => return Ok(Err(format!("its baseline was lost: {why}"))),
         baseline => baseline?,
     };
-    let there = there.baseline_return.unwrap_or(f64::NAN);
-    if near(there, baseline) {
-        return Ok(Ok(String::new()));
+    let returns = (there.baseline_return.unwrap_or(f64::NAN), baseline.episode_return);
+    let energies = (there.baseline_energy.unwrap_or(f64::NAN), baseline.energy);
+    for (what, (there, here)) in [("return", returns), ("energy", energies)] {
+        if !near(there, here) {
+            return Ok(Err(format!("the {what} of its baseline is {there} there and {here} here")));
+        }
     }
-    Ok(Err(format!("its baseline is {there} there and {baseline} here")))
+    Ok(Ok(String::new()))
 }

@@ -29,6 +29,7 @@ pub use hours::Hours;
 pub use info::EpisodeInfo;
 pub use parallel::Evaluation;
 pub use progress::Progress;
+pub(crate) use row::relative_energy;
 pub use row::{Row, Scored};
 pub use step_rewards::StepRewards;
 pub use table::{episode_table, read_episodes, read_stages, write_episodes, write_stages};

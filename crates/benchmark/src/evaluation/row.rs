@@ -5,7 +5,7 @@ use b2b_env::EpisodeMetrics;
 use super::finished::{Lost, Record};
 use super::info::EpisodeInfo;
 use super::step_rewards::StepRewards;
-use crate::scores::normalized_score;
+use crate::scores::Baseline;
 
 /// An episode in a results table.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,16 +27,29 @@ pub struct Scored {
     pub trajectory_hash: String,
     /// Return of the reactive controllers for the same episode, if known.
     pub baseline_return: Option<f64>,
-    /// Return over that of the reactive controllers: see [`normalized_score`].
+    /// HVAC energy of the reactive controllers in the same episode, Wh/m², if known.
+    pub baseline_energy: Option<f64>,
+    /// Return over that of the reactive controllers, as in the paper: see [`normalized_score`](crate::normalized_score).
     pub score: Option<f64>,
+    /// See [`resolved_score`](crate::resolved_score).
+    pub resolved_score: Option<f64>,
 }
 
 impl Row {
-    /// Scores an episode against the return of the reactive controllers.
-    pub(crate) fn scored(record: Record, step_rewards: StepRewards, baseline_return: Option<f64>) -> Self {
+    /// Scores an episode against the reactive controllers.
+    pub(crate) fn scored(record: Record, step_rewards: StepRewards, baseline: Option<Baseline>) -> Self {
         let Record { info, metrics, trajectory_hash } = record;
-        let score = baseline_return.and_then(|baseline| normalized_score(metrics.episode_return, baseline));
-        Self { info, outcome: Ok(Scored { metrics, step_rewards, trajectory_hash, baseline_return, score }) }
+        let EpisodeMetrics { episode_return, steps, .. } = metrics;
+        let scored = Scored {
+            baseline_return: baseline.map(|baseline| baseline.episode_return),
+            baseline_energy: baseline.map(|baseline| baseline.energy),
+            score: baseline.and_then(|baseline| baseline.score(episode_return)),
+            resolved_score: baseline.and_then(|baseline| baseline.resolved_score(episode_return, steps)),
+            metrics,
+            step_rewards,
+            trajectory_hash,
+        };
+        Self { info, outcome: Ok(scored) }
     }
 
     /// Returns the score, if the episode was not lost and has one.
@@ -44,8 +57,33 @@ impl Row {
         self.outcome.as_ref().ok()?.score
     }
 
+    /// Returns the resolved score, if the episode was not lost and has one.
+    pub fn resolved_score(&self) -> Option<f64> {
+        self.outcome.as_ref().ok()?.resolved_score
+    }
+
     /// Returns the metrics, unless the episode was lost.
     pub fn metrics(&self) -> Option<&EpisodeMetrics> {
         Some(&self.outcome.as_ref().ok()?.metrics)
     }
+}
+
+impl Scored {
+    /// Returns HVAC energy over that of the reactive controllers; `None` if theirs is unknown or 0.
+    pub fn relative_energy(&self) -> Option<f64> {
+        let baseline = self.baseline_energy.filter(|energy| *energy > 0.0)?;
+        Some(self.metrics.energy() / baseline)
+    }
+}
+
+/// Returns the sum of HVAC energy over that of the reactive controllers; `None` if theirs is unknown or 0. Of sums, so that
+/// an episode with next to no energy counts next to nothing.
+pub(crate) fn relative_energy<'a>(rows: impl IntoIterator<Item = &'a Row>) -> Option<f64> {
+    let (mut energy, mut baseline) = (0.0, 0.0);
+    for scored in rows.into_iter().filter_map(|row| row.outcome.as_ref().ok()) {
+        let Some(of_baseline) = scored.baseline_energy else { continue };
+        energy += scored.metrics.energy();
+        baseline += of_baseline;
+    }
+    (baseline > 0.0).then(|| energy / baseline)
 }

@@ -126,7 +126,12 @@ impl Columns<'_> {
             }
         }
         self.push::<Float64Type>("baseline_return", "1", |row| row.outcome.as_ref().ok()?.baseline_return);
+        self.push::<Float64Type>("baseline_energy_wh_m2", "Wh/m2", |row| {
+            row.outcome.as_ref().ok()?.baseline_energy
+        });
         self.push::<Float64Type>("score", "1", Row::score);
+        self.push::<Float64Type>("resolved_score", "1", Row::resolved_score);
+        self.push::<Float64Type>("relative_energy", "1", |row| row.outcome.as_ref().ok()?.relative_energy());
         self.counts("step_rewards", |row| Some(&row.outcome.as_ref().ok()?.step_rewards));
         self.text("trajectory_hash", |row| Some(&row.outcome.as_ref().ok()?.trajectory_hash));
         self.text("lost", |row| Some(&row.outcome.as_ref().err()?.reason));
@@ -238,7 +243,9 @@ impl Cells {
             step_rewards: StepRewards { counts: self.counts("step_rewards", row)? },
             trajectory_hash: self.text("trajectory_hash", row)?,
             baseline_return: self.optional::<Float64Type>("baseline_return", row)?,
+            baseline_energy: self.optional::<Float64Type>("baseline_energy_wh_m2", row)?,
             score: self.optional::<Float64Type>("score", row)?,
+            resolved_score: self.optional::<Float64Type>("resolved_score", row)?,
         })
     }
 }
@@ -270,7 +277,15 @@ mod tests {
         let trajectory_hash = "abc".to_owned();
         let step_rewards = StepRewards { counts: vec![0, 3, 1] };
         let baseline_return = Some(-10.0);
-        let scored = Scored { metrics, step_rewards, trajectory_hash, baseline_return, score: Some(1.225) };
+        let scored = Scored {
+            metrics,
+            step_rewards,
+            trajectory_hash,
+            baseline_return,
+            baseline_energy: Some(4.5),
+            score: Some(1.225),
+            resolved_score: Some(1.125),
+        };
         let ran = Row { info: info.clone(), outcome: Ok(scored) };
         let lost = Row { info, outcome: Err(Lost { reason: "the worker crashed".into() }) };
         let file = tempfile::NamedTempFile::new().unwrap();

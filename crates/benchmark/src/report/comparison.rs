@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use super::chart::{Chart, color, hover_name, mean_diamond};
 use super::page::write_page;
 use super::reward_chart::{Series, step_rewards};
-use crate::evaluation::{EpisodeInfo, Row, Scored};
+use crate::evaluation::{EpisodeInfo, Row, Scored, relative_energy};
 use crate::{Error, Result};
 
 /// The episodes of a policy.
@@ -42,7 +42,7 @@ pub fn write(file: &mut impl Write, all: &[Compared]) -> Result<()> {
         "lost": [],
         "drawings": charts.map(Chart::json),
         "footer": "Means over episodes. Score: the return divided by that of the reactive controllers for the same building, \
-                   task and days; lower is better.",
+                   task and days; lower is better. Resolved score: the same after adding 0.2 K of RMS deviation to both.",
     });
     write_page(file, &data).map_err(|source| Error::Io { path: "comparison".into(), source })
 }
@@ -79,24 +79,29 @@ fn table(all: &[Compared]) -> Value {
         let mean = |value: &dyn Fn(&Scored) -> f64| {
             ran.iter().map(|(_, scored)| value(scored)).sum::<f64>() / ran.len().max(1) as f64
         };
-        let scores: Vec<f64> = ran.iter().filter_map(|(_, scored)| scored.score).collect();
-        let score = match scores.len() == ran.len() && !ran.is_empty() {
-            true => format!("{:.3}", scores.iter().sum::<f64>() / scores.len() as f64),
-            false => "–".to_owned(),
+        let score = |value: fn(&Scored) -> Option<f64>| {
+            let scores: Vec<f64> = ran.iter().filter_map(|(_, scored)| value(scored)).collect();
+            match scores.len() == ran.len() && !ran.is_empty() {
+                true => format!("{:.3}", scores.iter().sum::<f64>() / scores.len() as f64),
+                false => "–".to_owned(),
+            }
         };
+        let energy = relative_energy(&compared.rows);
         json!([
             compared.name,
             format!("{:.1}", mean(&|scored| scored.metrics.episode_return)),
-            score,
+            score(|scored| scored.resolved_score),
+            score(|scored| scored.score),
             format!("{:.2}", mean(&|scored| scored.metrics.rms_deviation)),
+            energy.map_or("–".to_owned(), |ratio| format!("{ratio:.2}")),
             format!("{:.2}", mean(&|scored| scored.metrics.energy() / 1000.0)),
             format!("{:.1}", mean(&|scored| scored.metrics.daily_travel)),
         ])
     };
     json!({
         "title": "means over episodes",
-        "header": ["policy", "return", "score", "RMS deviation (K)", "HVAC energy (kWh/m²)",
-                   "actuator travel (strokes/day)"],
+        "header": ["policy", "return", "resolved score", "score", "RMS deviation (K)", "energy / baseline",
+                   "HVAC energy (kWh/m²)", "actuator travel (strokes/day)"],
         "rows": all.iter().map(row).collect::<Vec<_>>(),
     })
 }

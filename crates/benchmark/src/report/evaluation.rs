@@ -9,7 +9,8 @@ use super::hourly_chart;
 use super::page::write_page;
 use crate::evaluation::{Deviations, Finished, Row};
 use crate::results::Results;
-use crate::statistics::{Aggregate, Interval};
+use crate::scores::RESOLUTION;
+use crate::statistics::Aggregate;
 use crate::summary::{Group, Summary, Window};
 
 /// Number of episodes with an hourly chart.
@@ -79,34 +80,45 @@ fn tiles(summary: &Summary) -> Value {
     let mut tiles = Vec::new();
     for Window { task, period, all, .. } in &summary.windows {
         let which = if summary.windows.len() > 1 { format!(" · {task}, {period}") } else { String::new() };
+        if let Some(scores) = &all.resolved_scores {
+            let score = scores.interquartile_mean.to_string();
+            tiles.push(json!([format!("resolved score, interquartile mean{which}"), score]));
+        }
         if let Some(scores) = &all.scores {
             let score = scores.interquartile_mean.to_string();
             tiles.push(json!([format!("score, interquartile mean{which}"), score]));
-            let share = format!("{:.0} %", scores.beats_baseline_percent());
-            tiles.push(json!([format!("beats baseline{which}"), share]));
+            let share = scores.beats_baseline_text();
+            tiles.push(json!([format!("beats baseline (%){which}"), share]));
         }
         let deviation = format!("{:.2} K", all.rms_deviation_k);
         tiles.push(json!([format!("RMS deviation, mean{which}"), deviation]));
         let energy = format!("{:.1} kWh/m²", all.energy_wh_m2 / 1000.0);
         tiles.push(json!([format!("HVAC energy, mean{which}"), energy]));
+        if let Some(ratio) = all.relative_energy {
+            tiles.push(json!([format!("energy / baseline{which}"), format!("{ratio:.2}")]));
+        }
     }
     tiles.into()
 }
 
 fn table(window: &Window) -> Value {
     let row = |group: &Group| {
-        let scores = group.scores.as_ref();
-        let of = |interval: fn(&Aggregate) -> Interval| {
-            scores.map_or("–".to_owned(), |scores| interval(scores).to_string())
+        let cell = |scores: &Option<Aggregate>, text: fn(&Aggregate) -> String| {
+            scores.as_ref().map_or("–".to_owned(), text)
         };
+        let of = |text: fn(&Aggregate) -> String| cell(&group.scores, text);
         json!([
             group.name,
             group.episodes().to_string(),
-            of(|scores| scores.interquartile_mean),
-            of(|scores| scores.median),
-            of(|scores| scores.mean),
-            scores.map_or("–".into(), |scores| format!("{:.0}", scores.beats_baseline_percent())),
+            cell(&group.resolved_scores, |scores| scores.interquartile_mean.to_string()),
+            of(|scores| scores.interquartile_mean.to_string()),
+            of(|scores| scores.median.to_string()),
+            of(|scores| scores.mean.to_string()),
+            of(|scores| format!("{:.3}", scores.min)),
+            of(|scores| format!("{:.3}", scores.max)),
+            of(Aggregate::beats_baseline_text),
             format!("{:.2}", group.rms_deviation_k),
+            group.relative_energy.map_or("–".to_owned(), |ratio| format!("{ratio:.2}")),
             format!("{:.2}", group.energy_wh_m2 / 1000.0),
             format!("{:.1}", group.daily_travel),
         ])
@@ -114,16 +126,18 @@ fn table(window: &Window) -> Value {
     let groups = window.types.iter().chain((window.types.len() > 1).then_some(&window.all));
     json!({
         "title": format!("{}, task {}; lower is better, 1 is the baseline", window.period, window.task),
-        "header": ["building type", "episodes", "interquartile mean", "median", "mean", "beats baseline (%)",
-                   "RMS deviation (K)", "HVAC energy (kWh/m²)", "actuator travel (strokes/day)"],
+        "header": ["building type", "episodes", "resolved score, interquartile mean", "score, interquartile mean",
+                   "score, median", "score, mean", "score, min", "score, max", "beats baseline (%)",
+                   "RMS deviation (K)", "energy / baseline", "HVAC energy (kWh/m²)", "actuator travel (strokes/day)"],
         "rows": groups.map(row).collect::<Vec<_>>(),
     })
 }
 
 fn footer(summary: &Summary) -> String {
     format!(
-        "Score: the return divided by that of the reactive controllers (the baseline) for the same building, task and days; \
-         lower is better. In brackets: 95 % bootstrap confidence intervals over episodes, stratified by building type. {}.",
+        "Score: the return divided by that of the reactive controllers (the baseline) for the same building, task and days, as \
+         in the paper; lower is better. Resolved score: the same after adding {RESOLUTION} K of RMS deviation, the accuracy of \
+         an air temperature sensor, to both. In brackets: 95 % bootstrap confidence intervals over episodes, stratified by building type. {}.",
         summary.versions
     )
 }

@@ -6,16 +6,37 @@ use serde_json::{Value, json};
 
 use super::leaderboard_charts;
 use super::page::write_page;
-use crate::entry::{Measures, RunResult, Stages};
+use crate::entry::{Measures, Performance, RunResult, Stages};
+use crate::scores::RESOLUTION;
+use crate::statistics::Aggregate;
 
 /// A result with its rows by stage.
 type Entry = (RunResult, Stages);
+
+/// The score whose interquartile mean ranks the entries.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum RankBy {
+    /// The resolved score.
+    #[default]
+    Resolved,
+    /// The paper's score.
+    Paper,
+}
+
+impl RankBy {
+    fn scores(self, performance: &Performance) -> &Aggregate {
+        match self {
+            Self::Resolved => &performance.resolved,
+            Self::Paper => &performance.scores,
+        }
+    }
+}
 
 /// Writes the page.
 ///
 /// # Errors
 /// Those of the file.
-pub fn write(file: &mut impl Write, results: &[Entry]) -> std::io::Result<()> {
+pub fn write(file: &mut impl Write, results: &[Entry], rank_by: RankBy) -> std::io::Result<()> {
     let mut boards: Vec<Vec<&Entry>> = Vec::new();
     for entry in results {
         let hash = &entry.0.problem_hash;
@@ -33,7 +54,7 @@ pub fn write(file: &mut impl Write, results: &[Entry]) -> std::io::Result<()> {
     };
     boards.sort_by_cached_key(|board| key(board));
     for board in &mut boards {
-        let score = |entry: &Entry| entry.0.measures.test.interquartile_mean.value;
+        let score = |entry: &Entry| rank_by.scores(&entry.0.measures.test).interquartile_mean.value;
         board.sort_by(|a, b| score(a).total_cmp(&score(b)).then_with(|| a.0.name.cmp(&b.0.name)));
     }
     let data = json!({
@@ -41,7 +62,7 @@ pub fn write(file: &mut impl Write, results: &[Entry]) -> std::io::Result<()> {
         "tiles": [tile("problem", boards.len()), tile("result", results.len())],
         "tables": [], "lost": [], "drawings": [],
         "sections": boards.iter().map(|board| section(board)).collect::<Vec<_>>(),
-        "footer": footer(results),
+        "footer": footer(results, rank_by),
     });
     write_page(file, &data)
 }
@@ -86,24 +107,32 @@ fn scores(board: &[&Entry]) -> Value {
         let steps = result.training_steps.map_or("–".to_owned(), |steps| steps.to_string());
         json!([
             format!("{}. {}", rank + 1, result.name),
-            test.interquartile_mean.to_string(),
-            test.median.to_string(),
-            test.mean.to_string(),
-            format!("{:.0}", test.beats_baseline_percent()),
+            test.resolved.interquartile_mean.to_string(),
+            test.scores.interquartile_mean.to_string(),
+            test.scores.median.to_string(),
+            test.scores.mean.to_string(),
+            format!("{:.3}", test.scores.min),
+            format!("{:.3}", test.scores.max),
+            test.scores.beats_baseline_text(),
+            format!("{:.2}", test.rms_deviation_k),
+            ratio(test.relative_energy),
             generalization_gap.map_or("–".to_owned(), |gap| gap.to_string()),
-            test.episodes.to_string(),
             steps,
             result.description.clone().unwrap_or_default(),
         ])
     };
     let header = [
         "entry",
-        "interquartile mean",
-        "median",
-        "mean",
+        "resolved score, interquartile mean",
+        "score, interquartile mean",
+        "score, median",
+        "score, mean",
+        "score, min",
+        "score, max",
         "beats baseline (%)",
+        "RMS deviation (K)",
+        "energy / baseline",
         "generalization gap",
-        "scores",
         "training steps",
         "description",
     ];
@@ -120,13 +149,35 @@ fn strata(board: &[&Entry]) -> Option<Value> {
                 stratum.building_type,
                 stratum.task,
                 stratum.period,
-                stratum.scores.interquartile_mean.to_string(),
-                format!("{:.0}", stratum.scores.beats_baseline_percent()),
+                stratum.performance.resolved.interquartile_mean.to_string(),
+                stratum.performance.scores.interquartile_mean.to_string(),
+                format!("{:.3}", stratum.performance.scores.min),
+                format!("{:.3}", stratum.performance.scores.max),
+                stratum.performance.scores.beats_baseline_text(),
+                format!("{:.2}", stratum.performance.rms_deviation_k),
+                ratio(stratum.performance.relative_energy),
             ])
         })
         .collect();
-    let header = ["entry", "building type", "task", "run period", "interquartile mean", "beats baseline (%)"];
+    let header = [
+        "entry",
+        "building type",
+        "task",
+        "run period",
+        "resolved score, interquartile mean",
+        "score, interquartile mean",
+        "score, min",
+        "score, max",
+        "beats baseline (%)",
+        "RMS deviation (K)",
+        "energy / baseline",
+    ];
     (!rows.is_empty()).then(|| table("by building type and task", &header, rows))
+}
+
+/// Returns a ratio of energies; a dash without a baseline.
+fn ratio(relative_energy: Option<f64>) -> String {
+    relative_energy.map_or("–".to_owned(), |ratio| format!("{ratio:.2}"))
 }
 
 fn adaptation(board: &[&Entry]) -> Option<Value> {
@@ -155,7 +206,11 @@ fn adaptation(board: &[&Entry]) -> Option<Value> {
     (!rows.is_empty()).then(|| table("adaptation", &header, rows))
 }
 
-fn footer(results: &[Entry]) -> String {
+fn footer(results: &[Entry], rank_by: RankBy) -> String {
+    let ranked = match rank_by {
+        RankBy::Resolved => "resolved score",
+        RankBy::Paper => "score",
+    };
     let mut versions: Vec<String> = Vec::new();
     for (result, _) in results {
         let line = result.versions.to_string();
@@ -165,8 +220,9 @@ fn footer(results: &[Entry]) -> String {
     }
     let several = if versions.len() > 1 { "Results of different versions are not comparable: " } else { "" };
     format!(
-        "Score: the return of a building under a task divided by that of the tuned reactive controllers (the baseline) for the \
-         same days, mean over seeds. In brackets: 95 % bootstrap confidence intervals over buildings, stratified by building \
+        "Entries are ranked by the interquartile mean of the {ranked}. Score: the return of a building under a task divided by \
+         that of the tuned reactive controllers (the baseline) for the same days, as in the paper, mean over seeds. Resolved \
+         score: the same after adding {RESOLUTION} K of RMS deviation, the accuracy of an air temperature sensor, to both. In brackets: 95 % bootstrap confidence intervals over buildings, stratified by building \
          type and task. Generalization gap: interquartile mean on test minus that on training buildings. {several}{}.",
         versions.join("; ")
     )

@@ -26,7 +26,7 @@ fn chart(title: &str, note: &str, data: Vec<Value>, layout: Value) -> Chart {
 /// Draws a bar per entry, as in the paper's figure of returns.
 fn returns(board: &[&Entry]) -> Chart {
     let bar = |(number, (result, _)): (usize, &&Entry)| {
-        let median = result.measures.test.median;
+        let median = result.measures.test.scores.median;
         json!({
             "type": "bar", "x": [result.name], "y": [median.value], "width": 0.55, "marker": {"color": color(number)},
             "error_y": {"type": "data", "symmetric": false, "array": [median.high - median.value],
@@ -34,7 +34,7 @@ fn returns(board: &[&Entry]) -> Chart {
             "hovertemplate": "%{x}: %{y:.3f}<extra></extra>", "showlegend": false,
         })
     };
-    let values: Vec<f64> = board.iter().map(|(result, _)| result.measures.test.median.value).collect();
+    let values: Vec<f64> = board.iter().map(|(result, _)| result.measures.test.scores.median.value).collect();
     let mut layout = json!({
         "xaxis": {"type": "category"}, "yaxis": {"title": {"text": "score, median"}, "zeroline": false},
         "shapes": [horizontal_line(1.0)],
@@ -93,7 +93,8 @@ fn test_rows(stages: &Stages) -> Vec<(&EpisodeInfo, &Scored)> {
 fn labels(rows: &[(&EpisodeInfo, &Scored)]) -> Vec<String> {
     let label = |(info, scored): &(&EpisodeInfo, &Scored)| {
         let (score, rms) = (scored.score.unwrap_or(f64::NAN), scored.metrics.rms_deviation);
-        format!("{}<br>score {score:.3}, RMS deviation {rms:.2} K", hover_name(info))
+        let resolved = scored.resolved_score.unwrap_or(f64::NAN);
+        format!("{}<br>score {score:.3}, resolved {resolved:.3}, RMS deviation {rms:.2} K", hover_name(info))
     };
     rows.iter().map(label).collect()
 }

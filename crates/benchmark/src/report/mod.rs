@@ -15,4 +15,5 @@ mod reward_chart;
 
 pub use comparison::{Compared, write as write_comparison};
 pub use evaluation::write;
+pub use leaderboard::RankBy;
 pub use page::fill;

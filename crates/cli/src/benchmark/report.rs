@@ -4,15 +4,15 @@ use std::path::PathBuf;
 
 use anyhow::{Result, bail};
 use b2b_benchmark::entry::{RunResult, read_result};
-use b2b_benchmark::report::leaderboard;
+use b2b_benchmark::report::{RankBy, leaderboard};
 
 use crate::output_folder::OutputFolder;
 use crate::stdout;
 
 /// Write a leaderboard of results
 ///
-/// Writes one HTML page that needs no network. For every problem it shows a table of the entries with confidence
-/// intervals, performance profiles, scores by building type, deviations from the target temperature, and the effect of
+/// Writes one HTML page that needs no network. For every problem it shows a table of the entries, ranked by the
+/// interquartile mean of the resolved score or of the paper's, with confidence intervals, performance profiles, scores by building type, deviations from the target temperature, and the effect of
 /// adaptation. Results of modified problems are listed separately.
 #[derive(clap::Args)]
 #[command(
@@ -25,9 +25,30 @@ pub struct Arguments {
     /// Result folders
     #[arg(value_name = "FOLDER", required = true)]
     folders: Vec<PathBuf>,
+    /// Score that ranks the entries
+    #[arg(long, value_enum, default_value_t = Ranking::Resolved)]
+    rank_by: Ranking,
     /// HTML file to write
     #[arg(long, value_name = "FILE", default_value = "leaderboard.html")]
     out: PathBuf,
+}
+
+/// A score that ranks entries.
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum Ranking {
+    /// The resolved score: differences below the accuracy of a thermometer count little
+    Resolved,
+    /// The paper's score: the ratio of the returns
+    Paper,
+}
+
+impl From<Ranking> for RankBy {
+    fn from(ranking: Ranking) -> Self {
+        match ranking {
+            Ranking::Resolved => Self::Resolved,
+            Ranking::Paper => Self::Paper,
+        }
+    }
 }
 
 /// Runs the command.
@@ -47,6 +68,8 @@ pub fn report(arguments: &Arguments) -> Result<()> {
         }
         results.push((result, stages));
     }
-    OutputFolder::write_file(&arguments.out, |file| Ok(leaderboard::write(file, &results)?))?;
+    OutputFolder::write_file(&arguments.out, |file| {
+        Ok(leaderboard::write(file, &results, arguments.rank_by.into())?)
+    })?;
     stdout::print(&arguments.out.display().to_string())
 }

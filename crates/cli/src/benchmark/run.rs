@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::{Context, Result, bail};
-use b2b_benchmark::entry::{Entry, EntryPolicy, Measures, RunOutcome, RunResult};
+use b2b_benchmark::entry::{Entry, EntryPolicy, Measures, Performance, RunOutcome, RunResult};
 use b2b_benchmark::problem::{Problem, Stage};
 use b2b_benchmark::statistics::Aggregate;
 use b2b_benchmark::{Baselines, Row};
@@ -14,6 +14,7 @@ use b2b_dataset::Catalog;
 use super::selection::Selection;
 use crate::arguments::jobs::Jobs;
 use crate::arguments::policy::PolicyArguments;
+use crate::evaluate::ratio;
 use crate::evaluation::{Bars, evaluation, fetch_weather};
 use crate::progress::Download;
 use crate::stdout;
@@ -156,7 +157,7 @@ fn text(result: &RunResult, arguments: &Arguments) -> String {
         None => ", custom problem".to_owned(),
     };
     format!(
-        "{} on {}{modified}\nnormalized score (lower is better, reactive controllers = 1)\n\n{}\n\n{}\n\n{}  \
+        "{} on {}{modified}\nresolved and normalized score: interquartile means (lower is better, reactive controllers = 1)\n\n{}\n\n{}\n\n{}  \
          [95 % confidence intervals: bootstrap over buildings, stratified by type and task]\n\n  {}",
         result.name,
         result.problem.name,
@@ -168,30 +169,56 @@ fn text(result: &RunResult, arguments: &Arguments) -> String {
 }
 
 fn score_table(measures: &Measures) -> String {
-    let mut table = Table::new(["building", "task", "period", "score"]);
+    let mut table = Table::new([
+        "building",
+        "task",
+        "period",
+        "resolved score",
+        "score",
+        "RMS deviation (K)",
+        "energy / baseline",
+    ]);
     for each in &measures.scores {
-        let score = format!("{:.3}", each.score);
-        table.row([each.building.clone(), each.task.clone(), each.period.clone(), score]);
+        table.row([
+            each.building.clone(),
+            each.task.clone(),
+            each.period.clone(),
+            format!("{:.3}", each.resolved_score),
+            format!("{:.3}", each.score),
+            format!("{:.2}", each.rms_deviation_k),
+            ratio(each.relative_energy),
+        ]);
     }
     table.text()
 }
 
 fn aggregate_table(measures: &Measures) -> String {
-    let mut table =
-        Table::new(["environments", "scores", "interquartile mean", "median", "mean", "beats baseline (%)"]);
+    let mut table = Table::new([
+        "environments",
+        "scores",
+        "resolved score",
+        "score",
+        "median",
+        "mean",
+        "min",
+        "max",
+        "beats baseline (%)",
+        "RMS deviation (K)",
+        "energy / baseline",
+    ]);
     for stratum in &measures.strata {
         let name = format!("{}, {}, {}", stratum.building_type, stratum.task, stratum.period);
-        row(&mut table, name, &stratum.scores);
+        row(&mut table, name, &stratum.performance.scores, Some(&stratum.performance));
     }
-    row(&mut table, "test".into(), &measures.test);
+    row(&mut table, "test".into(), &measures.test.scores, Some(&measures.test));
     if let Some(train) = &measures.train {
-        row(&mut table, "train".into(), train);
+        row(&mut table, "train".into(), &train.scores, Some(train));
     }
     if let Some(specialists) = &measures.upper_bound {
-        row(&mut table, "test, specialists (upper bound)".into(), specialists);
+        row(&mut table, "test, specialists (upper bound)".into(), &specialists.scores, Some(specialists));
     }
     for point in measures.adaptation.iter().flat_map(|adaptation| adaptation.curve.iter().skip(1)) {
-        row(&mut table, format!("test, after {} steps", point.steps), &point.scores);
+        row(&mut table, format!("test, after {} steps", point.steps), &point.scores, None);
     }
     table.text()
 }
@@ -212,13 +239,19 @@ fn generalization_text(measures: &Measures) -> String {
     text
 }
 
-fn row(table: &mut Table, name: String, scores: &Aggregate) {
+fn row(table: &mut Table, name: String, scores: &Aggregate, performance: Option<&Performance>) {
+    let of = |text: &dyn Fn(&Performance) -> String| performance.map_or("–".to_owned(), text);
     table.row([
         name,
         scores.episodes.to_string(),
+        of(&|each| each.resolved.interquartile_mean.to_string()),
         scores.interquartile_mean.to_string(),
         scores.median.to_string(),
         scores.mean.to_string(),
-        format!("{:.0}", scores.beats_baseline_percent()),
+        format!("{:.3}", scores.min),
+        format!("{:.3}", scores.max),
+        scores.beats_baseline_text(),
+        of(&|each| format!("{:.2}", each.rms_deviation_k)),
+        of(&|each| ratio(each.relative_energy)),
     ]);
 }

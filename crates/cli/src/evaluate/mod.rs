@@ -159,8 +159,8 @@ fn window_text(policy: &str, window: &Window) -> String {
     let groups = || window.types.iter().chain(several.then_some(&window.all));
     let episodes: usize = window.types.iter().map(Group::episodes).sum();
     format!(
-        "{policy}, {episodes} episodes, {}, task {}\nnormalized score (lower is better, reactive controllers = 1)\n\n\
-         {}\n\n  [95 % confidence intervals: bootstrap over episodes, stratified by type]\n\n",
+        "{policy}, {episodes} episodes, {}, task {}\nresolved and normalized score: interquartile means (lower is better, \
+         reactive controllers = 1)\n\n{}\n\n  [95 % confidence intervals: bootstrap over episodes, stratified by type]\n\n",
         window.period,
         window.task,
         table(groups())
@@ -171,27 +171,43 @@ fn table<'a>(groups: impl Iterator<Item = &'a Group>) -> String {
     let mut table = Table::new([
         "type",
         "episodes",
-        "interquartile mean",
+        "resolved score",
+        "score",
         "median",
         "mean",
+        "min",
+        "max",
         "beats baseline (%)",
         "RMS deviation (K)",
+        "energy / baseline",
         "HVAC energy (kWh/m²)",
         "actuator travel (strokes/day)",
     ]);
     for group in groups {
-        let cell = |of: fn(&Aggregate) -> String| group.scores.as_ref().map_or("–".to_owned(), of);
+        let text = |scores: &Option<Aggregate>, of: fn(&Aggregate) -> String| {
+            scores.as_ref().map_or("–".to_owned(), of)
+        };
+        let cell = |of: fn(&Aggregate) -> String| text(&group.scores, of);
         table.row([
             group.name.clone(),
             group.episodes().to_string(),
+            text(&group.resolved_scores, |scores| scores.interquartile_mean.to_string()),
             cell(|scores| scores.interquartile_mean.to_string()),
             cell(|scores| scores.median.to_string()),
             cell(|scores| scores.mean.to_string()),
-            cell(|scores| format!("{:.0}", scores.beats_baseline_percent())),
+            cell(|scores| format!("{:.3}", scores.min)),
+            cell(|scores| format!("{:.3}", scores.max)),
+            cell(Aggregate::beats_baseline_text),
             format!("{:.2}", group.rms_deviation_k),
+            ratio(group.relative_energy),
             format!("{:.2}", group.energy_wh_m2 / 1000.0),
             format!("{:.1}", group.daily_travel),
         ]);
     }
     table.text()
+}
+
+/// Returns a ratio of energies; a dash without a baseline.
+pub fn ratio(relative_energy: Option<f64>) -> String {
+    relative_energy.map_or("–".to_owned(), |ratio| format!("{ratio:.2}"))
 }

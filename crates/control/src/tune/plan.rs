@@ -10,6 +10,9 @@ use serde::Serialize;
 use super::space::{self, Axis};
 use crate::{Error, Objective, ReactiveParameters, Result};
 
+/// Raised when the search changes, so that evaluations of an earlier one are not resumed from.
+const REVISION: u32 = 2;
+
 /// What to tune, and on which episodes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Plan {
@@ -21,6 +24,8 @@ pub struct Plan {
     pub energy_scale: Option<f64>,
     /// Version of the dataset.
     pub dataset: &'static str,
+    /// Revision of the search.
+    pub revision: u32,
     /// Ids of the training buildings of the search.
     pub buildings: Vec<String>,
     /// Ids of the training buildings of the validation.
@@ -56,6 +61,7 @@ impl Plan {
             objective: Objective::Comfort,
             energy_scale: None,
             dataset: GENERATOR_VERSION,
+            revision: REVISION,
             buildings: names(&buildings.search),
             validation: names(&buildings.validation),
             periods: periods.to_vec(),

@@ -4,7 +4,7 @@ use super::outcome::percentile_75;
 
 /// Mean relative excess of a proposal's loss over that of the best set, beyond which it is dropped after one, two, three
 /// and more buildings.
-const MARGINS: [f64; 4] = [0.25, 0.15, 0.10, 0.05];
+const MARGINS: [f64; 4] = [0.10, 0.05, 0.03, 0.02];
 
 /// The best set so far.
 #[derive(Clone, Debug, PartialEq)]
@@ -65,9 +65,9 @@ mod tests {
 
     #[test]
     fn a_clearly_worse_proposal_is_dropped_after_the_first_building_and_a_slightly_worse_one_later() {
-        assert!(best().is_beyond(&[0.7]) && !best().is_beyond(&[0.6]));
-        assert!(best().is_beyond(&[0.6, 0.7]) && !best().is_beyond(&[0.5, 0.68]));
-        assert!(best().is_beyond(&[0.53, 0.64, 0.74, 0.85]));
+        assert!(best().is_beyond(&[0.56]) && !best().is_beyond(&[0.54]));
+        assert!(best().is_beyond(&[0.54, 0.63]) && !best().is_beyond(&[0.52, 0.61]));
+        assert!(best().is_beyond(&[0.52, 0.62, 0.72, 0.82]));
     }
 
     #[test]

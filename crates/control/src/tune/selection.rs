@@ -5,7 +5,7 @@ use super::plan::Plan;
 use crate::Measured;
 
 /// Number of the best sets that are validated beside the defaults.
-pub(super) const FINALISTS: usize = 5;
+pub(super) const FINALISTS: usize = 4;
 
 /// Deviation below which differences of the loss do not count as worse, K: the accuracy of an air temperature sensor.
 const RESOLUTION: f64 = 0.2;
