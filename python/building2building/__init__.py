@@ -12,6 +12,7 @@ from typing import Any
 from . import _core, benchmarks, wrappers
 from .buildings import (
     Building,
+    Generator,
     building_parameters,
     find_building,
     generate,
@@ -51,6 +52,7 @@ __all__ = [
     "EpisodeContext",
     "Error",
     "Evaluation",
+    "Generator",
     "Morphology",
     "RandomController",
     "ReactiveController",

@@ -316,17 +316,39 @@ class LocalEnv:
     def close(self) -> None: ...
 
 @final
+class Generator:
+    def __new__(
+        cls,
+        building_type: str,
+        places: Sequence[str],
+        weather: Sequence[str | PathLike[str]],
+        settings: Sequence[str],
+    ) -> Generator: ...
+
+@final
 class VecEnv:
     def __new__(
         cls,
-        settings: Sequence[Setting],
+        buildings: Sequence[Building | Generator | str],
+        tasks: Sequence[str],
+        run_period: str,
+        timesteps_per_hour: int,
         count: int,
         autoreset: str,
         rescale: bool,
-        any: bool,
+        resample: int | None = None,
+        weights: dict[str, float] | None = None,
         window: tuple[int, int] | None = None,
+        problem: Problem | None = None,
+        by_role: bool = False,
     ) -> VecEnv: ...
     def spaces(self) -> list[Spaces]: ...
+    def slots(self) -> list[list[tuple[str, float, float]]]: ...
+    def actuators(self) -> list[list[tuple[str, float, float]]]: ...
+    def spaces_of(self, environment: int) -> Spaces: ...
+    def masks(self) -> tuple[list[list[bool]], list[list[bool]]]: ...
+    def statistics(self) -> tuple[int, int, int, float]: ...
+    def processes(self) -> list[int]: ...
     def reset(self, seed: int) -> NDArray[np.float32]: ...
     def reset_some(self, which: Sequence[int]) -> NDArray[np.float32]: ...
     def step(

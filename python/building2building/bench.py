@@ -7,12 +7,14 @@ order.
 from __future__ import annotations
 
 import argparse
+import datetime
+import os
 import random
 import subprocess
 import sys
 import time
 from collections import defaultdict
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any
 
@@ -129,6 +131,71 @@ def vector(building_type: str, count: int, days: int, turns: int) -> tuple[float
     return python, rust
 
 
+def _memory(processes: list[int]) -> float:
+    """Returns the memory of processes, in which what they share counts once, MB."""
+    total = 0.0
+    for process in processes:
+        try:
+            with open(f"/proc/{process}/smaps_rollup") as file:
+                total += sum(int(line.split()[1]) for line in file if line.startswith("Pss:")) / 1e3
+        except (FileNotFoundError, ProcessLookupError):  # it has ended since it was listed
+            continue
+    return total
+
+
+def resampling(problem: str, count: int, days: int, changes: int) -> Iterator[dict[str, float]]:
+    """Trains on all buildings of a problem and on one of them in turn, a round of ``days`` each, until ``count``
+    environments have changed their building ``changes`` times. Yields the measurements after each round.
+
+    ``first_step``: time from the call of ``make_train_vec`` to the end of the first step, s; ``many``, ``one``: steps
+    per second; ``memory``: of this process and all workers of the many, MB; ``waits`` and ``waited``: episodes that
+    waited for a building, and how long in all, s.
+    """
+    made = b2b.benchmarks.Problem(problem)
+    period: dict[str, Any] = {"run_period": f"01-01..{datetime.date(2023, 1, 1) + datetime.timedelta(days - 1):%m-%d}"}
+    start = time.perf_counter()
+    many = made.make_train_vec(count, **period)
+    many.reset(seed=0)
+    actions = np.zeros(many.action_space.shape or (), dtype=np.float32)
+    many.step(actions)
+    first_step = time.perf_counter() - start
+    one = made.make_train_vec(count, building_ids=made.train_building_ids(1), resample=False, **period)
+    one.reset(seed=0)
+    steps = one.layouts[0].episode_steps + 1
+    while True:
+        rates = []
+        for envs in (many, one):
+            start = time.perf_counter()
+            for _ in range(steps):
+                envs.step(actions)
+            rates.append(steps * count / (time.perf_counter() - start))
+        assert many._core is not None
+        statistics = many.statistics
+        yield {
+            "first_step": first_step,
+            "many": rates[0],
+            "one": rates[1],
+            "memory": _memory([os.getpid(), *many._core.processes()]),
+            **statistics,
+        }
+        if statistics["building_changes"] >= changes:
+            break
+    many.close()
+    one.close()
+
+
+def _print_resampling(arguments: argparse.Namespace) -> None:
+    print("changes  many, steps/s  one, steps/s  ratio  memory, MB  waits  waited, s")
+    for row in resampling(arguments.resample, arguments.count, arguments.days, arguments.changes):
+        print(
+            f"{row['building_changes']:7.0f}  {row['many']:13.0f}  {row['one']:12.0f}  "
+            f"{row['many'] / row['one']:5.2f}  "
+            f"{row['memory']:10.0f}  {row['waits']:5.0f}  {row['waited']:9.1f}",
+            flush=True,
+        )
+    print(f"\nfirst step of {arguments.resample} with {arguments.count} environments: {row['first_step']:.1f} s")
+
+
 def importing(turns: int = 5) -> float:
     """Returns the median time of ``import building2building`` in a new interpreter, s."""
     code = "import time; t = time.perf_counter(); import building2building; print(time.perf_counter() - t)"
@@ -158,10 +225,16 @@ def main() -> None:
     """Measures the cost of steps, resets and imports."""
     parser = argparse.ArgumentParser(prog="python -m building2building.bench", description=main.__doc__)
     parser.add_argument("types", nargs="*", default=b2b.list_building_types(), metavar="TYPE")
-    parser.add_argument("--days", type=int, default=7, help="days per episode, up to 31")
+    parser.add_argument("--days", type=int, default=7, help="days per episode, up to 31; up to 365 with --resample")
     parser.add_argument("--turns", type=int, default=5, help="repetitions of every measurement")
     parser.add_argument("--count", type=int, default=14, help="environments in the vector environment")
+    parser.add_argument(
+        "--resample", metavar="PROBLEM", help="compare training on all buildings of a problem with training on one"
+    )
+    parser.add_argument("--changes", type=int, default=200, help="building changes after which --resample ends")
     arguments = parser.parse_args()
+    if arguments.resample:
+        return _print_resampling(arguments)
     print(f"import building2building: {importing():.2f} s\n")
     print("type                Rust, µs  + Python, µs  main, µs  worker, µs  wall, µs  reset, ms  private memory, MB")
     for each in arguments.types:

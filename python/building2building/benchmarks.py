@@ -207,28 +207,34 @@ class Problem:
         return [self._make("test", *each, **arguments) for each in self._tests()[:n]]
 
     def make_train_vec(
-        self, n: int, building_ids: Sequence[str] | None = None, **arguments: Any
-    ) -> gymnasium.vector.VectorEnv[Any, Any, Any]:
-        """Makes the environments of :meth:`make_train_envs` as one vector environment.
+        self,
+        n: int,
+        building_ids: Sequence[str] | None = None,
+        *,
+        resample: bool | int = True,
+        **arguments: Any,
+    ) -> BuildingVectorEnv:
+        """Makes ``n`` training environments as one vector environment.
 
-        It is a :class:`BuildingVectorEnv` if the problem has one training task and does not change the spaces, else
-        Gymnasium's ``SyncVectorEnv``. Actions are in [-1, 1], so that all buildings share one action space; in physical
-        units if actuators are restricted.
+        Every episode draws a training building and a training task; with ``resample=k``, every ``k`` episodes;
+        ``weights={type: weight}`` weighs the building types. With ``resample=False``, environments repeat those of
+        :meth:`make_train_envs`. Observations are those that a policy is tested with: padded, with the building's
+        attributes if the problem gives them. Actions are in [-1, 1], so that all buildings share one action space, and
+        actuators that the problem withholds are not among them. Further arguments are those of :func:`make_vec`.
         """
-        protocol, train = self.definition["protocol"], self.definition["train"]
-        spread = self._spread(n, building_ids)
-        arguments = {"rescale_action": "restriction" not in train, **arguments}
-        plain = "restriction" not in train and "observation_width" not in protocol and len(train["tasks"]) == 1
-        # The slots of houses have roles.
-        plain = plain and not any(building.startswith("SingleFamilyHouse") for building, _ in spread)
-        if plain and protocol["attributes"] == "withheld":
-            period = {"run_period": protocol["training_period"], "timesteps_per_hour": protocol["steps_per_hour"]}
-            buildings = [building for building, _ in spread]
-            options = {"task": train["tasks"][0], **period, **arguments}
-            return BuildingVectorEnv(num_envs=n, buildings=buildings, **options)
-        makers = [lambda each=each: self._make("train", *each, **arguments) for each in spread]
-        # Not all houses have an attic and a garage, so bounds of slots differ.
-        return gymnasium.vector.SyncVectorEnv(makers, observation_mode="different")
+        protocol = self.definition["protocol"]
+        spread = [building for building, _ in self._spread(n, building_ids)]
+        known = self.train_building_ids() if building_ids is None else list(building_ids)
+        options = {
+            "task": self.definition["train"]["tasks"],
+            "run_period": protocol["training_period"],
+            "timesteps_per_hour": protocol["steps_per_hour"],
+            "rescale_action": True,
+            "by_role": protocol.get("observation", "roles") == "roles",
+            **arguments,
+        }
+        buildings = known if resample else list(dict.fromkeys(spread))
+        return BuildingVectorEnv(None, n, buildings=buildings, resample=resample, problem=self._core, **options)
 
     def _tests(self) -> list[tuple[str, str]]:
         tasks = self.definition["test"]["tasks"]

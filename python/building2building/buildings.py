@@ -210,12 +210,50 @@ def generate(
     ``parameters`` fixes parameters (``{"window_to_wall": 0.3}``) or narrows their ranges
     (``{"infiltration": (0.5, 1.0)}``). The same arguments give the same models, byte for byte.
     """
+    made = _core.generate(building_type, count, seed, *_generator_arguments(places, weather, parameters))
+    options = {"seed": seed, "places": places, "weather": weather, "parameters": parameters}
+    return [Building(core, Generated(number, building_type, count, options)) for number, core in enumerate(made)]
+
+
+class Generator:
+    """New buildings of a type, no two of which are the same: one of the ``buildings`` of :func:`make_vec` with
+    ``resample=True``. The arguments are those of :func:`generate`; the seed is that of ``reset``."""
+
+    def __init__(
+        self,
+        building_type: str,
+        *,
+        places: Sequence[str] | str | None = None,
+        weather: Sequence[PathLike] | PathLike | None = None,
+        parameters: dict[str, Any] | None = None,
+    ):
+        self.building_type = building_type
+        self._core = _core.Generator(building_type, *_generator_arguments(places, weather, parameters))
+
+    @property
+    def name(self) -> str:
+        """Name, such as ``generated Warehouse``."""
+        return f"generated {self.building_type}"
+
+    def __repr__(self) -> str:
+        return f"Generator({self.building_type!r})"
+
+
+def _generator_arguments(
+    places: Sequence[str] | str | None,
+    weather: Sequence[PathLike] | PathLike | None,
+    parameters: dict[str, Any] | None,
+) -> tuple[list[str], list[PathLike], list[str]]:
     settings = [f"{name}={_setting_text(value)}" for name, value in (parameters or {}).items()]
     names = [places] if isinstance(places, str) else list(places or [])
     files = [weather] if isinstance(weather, (str, os.PathLike)) else list(weather or [])
-    made = _core.generate(building_type, count, seed, names, files, settings)
-    options = {"seed": seed, "places": places, "weather": weather, "parameters": parameters}
-    return [Building(core, Generated(number, building_type, count, options)) for number, core in enumerate(made)]
+    return names, files, settings
+
+
+def is_dataset_id(name: str) -> bool:
+    """Returns whether a name is an id of the dataset, such as ``OfficeSmall-0042``."""
+    building_type, _, number = name.partition("-")
+    return number.isdecimal() and building_type.lower() in (each.lower() for each in list_building_types())
 
 
 def _setting_text(value: Any) -> str:

@@ -201,7 +201,8 @@ class BuildingEnv(gymnasium.Env[Any, Any]):
         return self._penalties
 
     def applied_action(self) -> NDArray[np.float64]:
-        """Returns the last action as applied: f64, physical units, clamped to its bounds and raised by the ventilation interlock."""
+        """Returns the last action as applied: f64, physical units, clamped to its bounds and raised by the ventilation
+        interlock."""
         return self._open_core().applied_action()
 
     def physical(self, action: ArrayLike) -> NDArray[np.float64]:

@@ -77,12 +77,7 @@ class Layout:
 
     def action_bounds(self) -> tuple[Array, Array]:
         """Returns the bounds of the action as f32, rounded inward so that they are never clamped."""
-        low, high = self.action_low, self.action_high
-        single = low.astype(np.float32)
-        low32 = np.where(single < low, np.nextafter(single, np.float32(np.inf)), single)
-        single = high.astype(np.float32)
-        high32 = np.where(single > high, np.nextafter(single, np.float32(-np.inf)), single)
-        return low32, np.maximum(low32, high32)
+        return rounded_inward(self.action_low, self.action_high)
 
     def observation_space(self) -> Box:
         """Returns the observation space, f32."""
@@ -95,6 +90,15 @@ class Layout:
             return Box(-1.0, 1.0, (len(self.action_low),), dtype=np.float32)
         low, high = self.action_bounds()
         return Box(low, high, dtype=np.float32)
+
+
+def rounded_inward(low: Array, high: Array) -> tuple[Array, Array]:
+    """Returns bounds as f32, rounded inward."""
+    single = low.astype(np.float32)
+    low32 = np.where(single < low, np.nextafter(single, np.float32(np.inf)), single)
+    single = high.astype(np.float32)
+    high32 = np.where(single > high, np.nextafter(single, np.float32(-np.inf)), single)
+    return low32, np.maximum(low32, high32)
 
 
 def index_of(names: list[str], what: str, name: str) -> int:

@@ -45,8 +45,12 @@ def make_env(building_type: str | None = None, **arguments: Any) -> BuildingEnv:
 def make_vec(building_type: str | None = None, num_envs: int = 1, **arguments: Any) -> BuildingVectorEnv:
     """Makes a vector environment. It takes the arguments of :func:`make_env` and these:
 
-    - ``buildings``: a list of :class:`Building` or ids. Environment i repeats the i-th; with ``resample=True`` every
-      episode draws one.
+    - ``buildings``: a list of :class:`Building`, :class:`Generator` or ids. Environment i repeats the i-th.
+    - ``resample``: ``True`` has every episode draw a building, ``k`` every ``k`` episodes: of ``buildings``, or of the
+      type's ``split``. ``weights={type: weight}`` weighs the building types.
+    - ``task`` may be a list; with ``resample``, tasks are drawn with the buildings.
+    - ``by_role``: observations of houses have a place for every role of a zone, the same in every house.
+    - ``normalize``: observations in [-1, 1] by fixed bounds.
     - ``autoreset_mode``: ``NextStep`` (Gymnasium's default), ``SameStep`` or ``Disabled``.
     """
     if building_type is None:

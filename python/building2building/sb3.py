@@ -37,9 +37,10 @@ class SB3VecEnv(VecEnv):
             )
         self.envs = envs
         space = envs.single_observation_space
-        self._scale = _scale(envs) if normalize else None
-        if self._scale is not None:
-            space = self._scale.space
+        #: Normalization of the observations that the policy sees; ``None`` without.
+        self.scale = envs.scale if normalize or envs.normalize else None
+        if self.scale is not None:
+            space = self.scale.space
         self._seed: int | None = None
         #: The infos of the last step, computed when they are read, so that learners do not pay for them.
         self.infos: dict[str, Any] = {}
@@ -49,7 +50,7 @@ class SB3VecEnv(VecEnv):
         super().__init__(envs.num_envs, space, envs.single_action_space)
 
     def _scaled(self, observations: Any) -> Any:
-        return observations if self._scale is None else self._scale(observations)
+        return observations if self.scale is None or self.envs.normalize else self.scale(observations)
 
     def reset(self) -> Any:
         observations, _ = self.envs.reset(seed=self._seed)
@@ -98,20 +99,20 @@ class SB3VecEnv(VecEnv):
         return [False for _ in self._get_indices(indices)]
 
 
-def _scale(envs: BuildingVectorEnv) -> Scale:
-    if len({len(each.observation_low) for each in envs.layouts}) > 1:
-        raise SettingError(
-            "the buildings differ in their observations; pass normalize=False and normalize in the policy"
-        )
-    box = envs.single_observation_space
-    return Scale([slot.name for slot in envs.layouts[0].observation], box.low, box.high)
-
-
 def make_sb3_vec(
-    building_type: str | None = None, num_envs: int = 1, *, normalize: bool = True, **arguments: Any
+    building_type: str | BuildingVectorEnv | None = None,
+    num_envs: int = 1,
+    *,
+    normalize: bool = True,
+    **arguments: Any,
 ) -> SB3VecEnv:
     """Makes environments for Stable-Baselines3, with actions in [-1, 1] and observations normalized by fixed bounds.
-    Takes the arguments of :func:`make_vec`."""
+
+    Takes the arguments of :func:`make_vec`, or a vector environment with ``autoreset_mode="SameStep"``, such as that of
+    :meth:`Problem.make_train_vec <building2building.benchmarks.Problem.make_train_vec>`.
+    """
+    if isinstance(building_type, BuildingVectorEnv):
+        return SB3VecEnv(building_type, normalize)
     arguments.setdefault("rescale_action", True)
     return SB3VecEnv(make_vec(building_type, num_envs, autoreset_mode="SameStep", **arguments), normalize)
 
@@ -132,7 +133,7 @@ def export_onnx(model: Any, path: str | os.PathLike[str]) -> None:
     if not envs.envs.rescale_action:
         raise SettingError("the model's actions are in physical units; make the environments with rescale_action=True")
     slots = envs.envs.single_observation_space.shape[0]
-    actor = _actor(model.policy, envs._scale).to(model.device).eval()
+    actor = _actor(model.policy, envs.scale).to(model.device).eval()
     example = torch.zeros(1, slots, device=model.device)
     partial = f"{os.fspath(path)}.partial"
     try:

@@ -38,10 +38,28 @@ class Scale:
             matches = [words for words in bounds if name.endswith(words)]
             if matches:
                 lower[index], upper[index] = bounds[max(matches, key=len)]
-        #: Lower bounds, f32.
-        self.low = lower.astype(np.float32)
+        #: Lower and upper bounds, f32.
+        self.low, self.high = lower.astype(np.float32), upper.astype(np.float32)
         #: Differences between upper and lower bounds, f32.
         self.span = np.where(upper > lower, upper - lower, 1.0).astype(np.float32)
+
+    @classmethod
+    def of_all(cls, slots: Sequence[Sequence[tuple[str, float, float]]]) -> Scale:
+        """Returns the scale of rows in which each place has the bounds of everything that it may hold.
+
+        ``slots`` has name and bounds of each place, once per building. Padding remains 0, and so does a place without
+        finite bounds as it is.
+        """
+        width = len(slots[0])
+        low, high = np.full(width, np.inf), np.full(width, -np.inf)
+        for row in slots:
+            names, lower, upper = zip(*row)
+            each = cls(names, lower, upper)
+            used = np.array([name != "padding" for name in names])
+            low = np.where(used, np.minimum(low, each.low), low)
+            high = np.where(used, np.maximum(high, each.high), high)
+        bounded = np.isfinite(low) & np.isfinite(high)
+        return cls([], np.where(bounded, low, -1.0), np.where(bounded, high, 1.0), {})
 
     @property
     def space(self) -> Box:

@@ -15,21 +15,36 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
-from .buildings import Building, PathLike, find_building, select_building
+from .buildings import (
+    Building,
+    Generator,
+    PathLike,
+    find_building,
+    is_dataset_id,
+    list_buildings,
+    select_building,
+)
 from .errors import EpisodeError, SettingError
 from .info import Info
-from .layout import Layout
+from .layout import Layout, rounded_inward
 from .open_envs import close_at_exit
+from .scaling import Scale
 
 Array = NDArray[Any]
+_Task = str | dict[str, Any]
 
 
 class BuildingVectorEnv(VectorEnv[Any, Any, Any]):
     """N environments stepped together, each in its own process; :func:`make_vec` makes one.
 
-    - Observations: f32 ``[N, slots]``, padded with zeros to the width of the largest building.
-    - Actions: f32 or f64 ``[N, actuators]``, padded as well; padding is not read.
+    - Observations: f32 ``[N, slots]``, padded with zeros to the width of the largest building; with ``normalize=True``
+      in [-1, 1] by fixed bounds (:attr:`scale`).
+    - Actions: f32 or f64 ``[N, actuators]``, padded as well; padding is not read. :meth:`observation_mask` and
+      :meth:`action_mask` say what is not padding.
     - Buildings with different bounds need ``rescale_action=True``, which gives them one action space.
+    - With ``resample``, the building of every environment's next episode is prepared while the current episode runs, so
+      that hundreds of buildings take the time and the memory of a few. Which buildings an environment runs depends on
+      the seed alone; if the next is not ready in time, the environment waits (:attr:`statistics`).
     - Autoreset: ``metadata["autoreset_mode"]``. With ``SAME_STEP``, ``infos["final_obs"]`` and ``infos["final_info"]``
       describe the end of an episode, as in Gymnasium.
     - An environment whose process dies is truncated; ``infos["lost"]`` has the reason, and the next episode begins as
@@ -49,51 +64,87 @@ class BuildingVectorEnv(VectorEnv[Any, Any, Any]):
         index: int | None = None,
         building_id: str | None = None,
         building: Building | None = None,
-        buildings: Sequence[Building | str] | None = None,
-        resample: bool = False,
+        buildings: Sequence[Building | Generator | str] | None = None,
+        resample: bool | int = False,
+        weights: dict[str, float] | None = None,
         place: str | None = None,
         weather: PathLike | None = None,
-        task: str | dict[str, Any] = "constant",
+        task: _Task | Sequence[_Task] = "constant",
         run_period: str = "winter",
         timesteps_per_hour: int = 12,
         rescale_action: bool = False,
+        normalize: bool = False,
+        by_role: bool = False,
         window_days: int | None = None,
         window_starts: int = 8,
         reward: Callable[[dict[str, Any]], ArrayLike] | None = None,
         autoreset_mode: str | AutoresetMode = AutoresetMode.NEXT_STEP,
         render_mode: str | None = None,
+        problem: _core.Problem | None = None,
     ):
         self._core: _core.VecEnv | None = None
         if render_mode is not None:
             raise SettingError("a vector environment cannot render; make a single environment with render_mode")
         if num_envs < 1:
             raise SettingError(f"num_envs is {num_envs}; expected 1 or more")
+        if weights is not None and not resample:
+            raise SettingError("weights are those of the draws; pass resample=True")
+        if buildings is None and resample and building_type and index is None and (building_id or building) is None:
+            buildings = list_buildings(building_type, split)
         if buildings is None:
             buildings = [select_building(building_type, split, index, building_id, place, weather, building)]
-        self.buildings = [each if isinstance(each, Building) else find_building(each) for each in buildings]
-        task = json.dumps(task) if isinstance(task, dict) else str(task)
-        settings = [_core.Setting(each._core, run_period, timesteps_per_hour, task) for each in self.buildings]
+        if not buildings:
+            raise SettingError("buildings is empty; pass at least one")
+        #: Buildings that environments repeat; with ``resample``, those to draw from.
+        self.buildings = [
+            _candidate(each, bool(resample)) for each in (buildings if resample else buildings[:num_envs])
+        ]
+        tasks = [task] if isinstance(task, (str, dict)) else list(task)
         self.num_envs = num_envs
         self.render_mode = None
         self.rescale_action = rescale_action
+        self.normalize = normalize
         self.autoreset_mode = _autoreset_mode(autoreset_mode)
         self._reward = reward
-        window = None if window_days is None else (window_days, window_starts)
         self._process = os.getpid()
-        self._core = _core.VecEnv(settings, num_envs, self.autoreset_mode.value, rescale_action, resample, window)
+        self._core = core = _core.VecEnv(
+            [each if isinstance(each, str) else each._core for each in self.buildings],
+            [json.dumps(each) if isinstance(each, dict) else str(each) for each in tasks],
+            run_period,
+            timesteps_per_hour,
+            num_envs,
+            self.autoreset_mode.value,
+            rescale_action,
+            int(resample) or None,
+            weights,
+            None if window_days is None else (window_days, window_starts),
+            problem,
+            by_role,
+        )
         close_at_exit(self)
-        self.layouts = [Layout(spaces) for spaces in self._core.spaces()]
-        self._resample = resample
-        self.single_observation_space = _padded_box([each.observation_bounds() for each in self.layouts])
-        self.single_action_space = _action_space(self.layouts, rescale_action)
+        #: Layouts of the buildings; with ``resample``, of some that represent the others.
+        self.layouts = [Layout(spaces) for spaces in core.spaces()]
+        self._resample = bool(resample)
+        slots, actuators = core.slots(), core.actuators()
+        #: Fixed bounds by which observations are normalized: those of everything that a place of the row may hold.
+        self.scale = Scale.of_all(slots)
+        self._plain = len(slots) == 1 and not by_role
+        bounds = np.array([[_bounds(*slot) for slot in row] for row in slots], dtype=np.float32)
+        box = Box(bounds[..., 0].min(axis=0), bounds[..., 1].max(axis=0), dtype=np.float32)
+        self.single_observation_space = self.scale.space if normalize else box
+        self.single_action_space = _action_space(actuators, core.widths[0], rescale_action)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
         self.metadata = {
             **type(self).metadata,
             "autoreset_mode": self.autoreset_mode,
-            **(self.layouts[0].metadata() if len(self.layouts) == 1 else {}),
-            "buildings": [each.name for each in self.buildings],
+            **(self.layouts[0].metadata() if self._plain else {}),
+            "buildings": [each if isinstance(each, str) else each.name for each in self.buildings],
         }
+        if self._plain:
+            self.metadata["observation_names"] = [name for name, _, _ in slots[0]]
+            self.metadata["action_names"] = [name for name, _, _ in actuators[0]]
+        self._names = np.full(num_envs, None, dtype=object)
         self._observations = np.zeros(self.observation_space.shape or (), dtype=np.float32)
         self._done = np.zeros(num_envs, dtype=bool)
 
@@ -101,8 +152,21 @@ class BuildingVectorEnv(VectorEnv[Any, Any, Any]):
         """Returns the layout of the building that an environment runs now."""
         if not self._resample:
             return self.layouts[environment % len(self.layouts)]
-        name = self._open_core().buildings()[environment]
-        return next(each for each in self.layouts if each.spaces.name == name)
+        return Layout(self._open_core().spaces_of(environment))
+
+    @property
+    def statistics(self) -> dict[str, Any]:
+        """Numbers of ``episodes``, of ``building_changes``, of ``waits`` for a building that was not prepared when its
+        episode was to begin, and the time of these (``waited``, s)."""
+        return dict(zip(("episodes", "building_changes", "waits", "waited"), self._open_core().statistics()))
+
+    def observation_mask(self) -> Array:
+        """Returns which numbers of the observations are not padding, ``[N, slots]``."""
+        return np.array(self._open_core().masks()[0])
+
+    def action_mask(self) -> Array:
+        """Returns which numbers of the actions are read, ``[N, actuators]``."""
+        return np.array(self._open_core().masks()[1])
 
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
@@ -125,7 +189,14 @@ class BuildingVectorEnv(VectorEnv[Any, Any, Any]):
             observations = core.reset(self._episode_seed(seed))
             self._done[:] = False
         self._observations = observations
-        return observations, Info(lambda: {"building": np.array(core.buildings(), dtype=object)})
+        self._names = self._current_names()
+        return self._seen(observations), {"building": self._names.copy()}
+
+    def _current_names(self) -> Array:
+        return np.array(self._open_core().buildings(), dtype=object)
+
+    def _seen(self, observations: Array) -> Array:
+        return self.scale(observations) if self.normalize else observations
 
     def _episode_seed(self, seed: int | Sequence[int | None] | None) -> int:
         if isinstance(seed, (int, np.integer)):
@@ -144,30 +215,42 @@ class BuildingVectorEnv(VectorEnv[Any, Any, Any]):
         observations, rewards, penalties, truncated = self._open_core().step(actions)
         before, self._observations = self._observations, observations
         reset, self._done = self._done, truncated
+        if reset.any():
+            self._names = self._current_names()
+        names = self._names
         if truncated.any():
             info = Info()
-            info.update(self._step_info(before, observations, penalties, truncated))
+            info.update(self._step_info(names, before, self._at_end(observations, truncated), penalties))
             self._add_final_info(info, truncated)
+            if self.autoreset_mode == AutoresetMode.SAME_STEP:
+                self._names = self._current_names()
         else:
-            info = Info(lambda: self._step_info(before, observations, penalties, truncated))
+            info = Info(lambda: self._step_info(names, before, observations, penalties))
         if self._reward is not None:
             # The step after an episode only resets; Gymnasium gives it no reward.
             rewards = np.where(reset, 0.0, np.asarray(self._reward(info), dtype=np.float64))
-        return observations, rewards, np.zeros(self.num_envs, dtype=bool), truncated.copy(), info
+        terminated = np.zeros(self.num_envs, dtype=bool)
+        return self._seen(observations), rewards, terminated, truncated.copy(), info
 
-    def _step_info(self, before: Array, after: Array, penalties: Array, truncated: Array) -> dict[str, Any]:
+    def _at_end(self, observations: Array, truncated: Array) -> Array:
+        """Returns the observations, with the last of an episode where the next has begun."""
+        if self.autoreset_mode != AutoresetMode.SAME_STEP:
+            return observations
+        core, observations = self._open_core(), np.array(observations, dtype=np.float64)
+        for environment in np.flatnonzero(truncated):
+            final = core.ended(int(environment))[0]
+            observations[environment, : len(final)] = final
+        return observations
+
+    def _step_info(self, names: Array, before: Array, after: Array, penalties: Array) -> dict[str, Any]:
         """Computes the info of a step. Where the next episode has begun, it describes the one that ended."""
         after = np.array(after, dtype=np.float64)
-        if self.autoreset_mode == AutoresetMode.SAME_STEP:
-            core = self._open_core()
-            for environment in np.flatnonzero(truncated):
-                final = core.ended(int(environment))[0]
-                after[environment, : len(final)] = final
         info: dict[str, Any] = {
+            "building": names.copy(),
             "reward_terms": {"temperature": -penalties[:, 0], "energy": -penalties[:, 1]},
             "observation": after,
         }
-        if len(self.layouts) == 1:
+        if self._plain:
             layout = self.layouts[0]
             temperatures, targets = after[:, layout.temperatures], layout.targets_in(before)
             info["energy"] = {"electricity": after[:, layout.electricity], "gas": after[:, layout.gas]}
@@ -185,7 +268,8 @@ class BuildingVectorEnv(VectorEnv[Any, Any, Any]):
             final, episode_metrics, reason = core.ended(int(environment))
             row = np.zeros(self._observations.shape[1:], dtype=np.float32)
             row[: len(final)] = final
-            metrics[environment], final_obs[environment], lost[environment] = episode_metrics, row, reason
+            metrics[environment], lost[environment] = episode_metrics, reason
+            final_obs[environment] = self._seen(row)
         if any(reason is not None for reason in lost):
             info["lost"], info["_lost"] = lost, np.array([reason is not None for reason in lost])
         if self.autoreset_mode == AutoresetMode.SAME_STEP:
@@ -218,25 +302,26 @@ def _autoreset_mode(given: str | AutoresetMode) -> AutoresetMode:
     raise SettingError(f"unknown autoreset_mode `{given}`; expected one of {expected}")
 
 
-def _action_space(layouts: list[Layout], rescale: bool) -> Box:
+def _bounds(name: str, low: float, high: float) -> tuple[float, float]:
+    """Returns the bounds of a slot. Those of a building's attributes are typical ones, for scaling."""
+    return (-np.inf, np.inf) if name.startswith("building ") else (low, high)
+
+
+def _candidate(given: Building | Generator | str, lazily: bool) -> Building | Generator | str:
+    """Returns a building; with ``lazily``, an id stays an id until it is drawn."""
+    if isinstance(given, Generator) and not lazily:
+        raise SettingError("a generator has no building to repeat; pass resample=True")
+    if not isinstance(given, str) or (lazily and is_dataset_id(given)):
+        return given
+    return find_building(given)
+
+
+def _action_space(actuators: list[list[tuple[str, float, float]]], width: int, rescale: bool) -> Box:
     """Returns the action space that all buildings share."""
     if rescale:
-        return Box(-1.0, 1.0, (max(len(each.action_low) for each in layouts),), dtype=np.float32)
-    low, high = layouts[0].action_bounds()
-    for each in layouts:
-        if not (np.array_equal(each.action_bounds()[0], low) and np.array_equal(each.action_bounds()[1], high)):
-            raise SettingError(
-                "the buildings differ in actuators or bounds; pass rescale_action=True for one action space"
-            )
-    return Box(low, high, dtype=np.float32)
-
-
-def _padded_box(bounds: list[tuple[Array, Array]]) -> Box:
-    """Returns the smallest box that contains these boxes padded with zeros."""
-    width = max(len(low) for low, _ in bounds)
-    low, high = np.full(width, np.inf, np.float32), np.full(width, -np.inf, np.float32)
-    for each_low, each_high in bounds:
-        padding = width - len(each_low)
-        low = np.minimum(low, np.pad(each_low, (0, padding)))
-        high = np.maximum(high, np.pad(each_high, (0, padding)))
+        return Box(-1.0, 1.0, (width,), dtype=np.float32)
+    bounds = [[(low, high) for _, low, high in row] for row in actuators]
+    if any(each != bounds[0] for each in bounds):
+        raise SettingError("the buildings differ in actuators or bounds; pass rescale_action=True for one action space")
+    low, high = rounded_inward(*np.array(bounds[0], dtype=np.float64).T)
     return Box(low, high, dtype=np.float32)

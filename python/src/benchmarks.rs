@@ -22,7 +22,8 @@ fn wrong(error: impl std::fmt::Display) -> PyErr {
 /// A benchmark problem.
 #[pyclass(frozen, module = "building2building._core")]
 pub struct Problem {
-    inner: b2b_benchmark::Problem,
+    /// The problem as the crates have it.
+    pub inner: b2b_benchmark::Problem,
 }
 
 #[pymethods]

@@ -1,13 +1,13 @@
 //! Buildings: found by name, generated, or imported by the user.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use b2b_benchmark::{SiteInfo, Subject};
 use b2b_building::description::Origin;
 use b2b_building::{BuildingType, Class};
-use b2b_climate::{Place, WeatherFile};
-use b2b_dataset::{BuildingName, Catalog, Placement, Places, manifest};
+use b2b_climate::Place;
+use b2b_dataset::{BuildingName, Catalog, Placement, manifest};
 use b2b_energyplus::install::look_in;
 use b2b_env::vector::{AnyOf, Draw, Sampler, Source, Windows};
 use b2b_env::{EpisodeConfig, Task, vector};
@@ -17,6 +17,7 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::error::{Exception, of_building, of_env};
 use crate::pools::Signals;
+use crate::population::{read_places, read_settings};
 use crate::table::{self, Row};
 
 /// Locks a mutex, also after a panic of another thread that held it.
@@ -90,8 +91,32 @@ impl Inner {
         Self { name, class, place, weather, origin, parameters: Row::new(), source }
     }
 
-    fn source(&self) -> Arc<Source> {
+    /// Returns the model, prepared or not.
+    pub fn source(&self) -> Arc<Source> {
         Arc::clone(&locked(&self.source))
+    }
+
+    /// Returns the weather file.
+    pub fn weather(&self) -> &Path {
+        &self.weather
+    }
+
+    /// Returns the building type; `None` for an imported model.
+    pub fn building_type(&self) -> Option<&'static str> {
+        self.class.map(|class| class.building_type.name())
+    }
+
+    /// Creates a building from its spaces.
+    pub fn of_spaces(spaces: &b2b_env::Spaces) -> Self {
+        let source = Source::Prepared(Box::new((*spaces.building).clone()));
+        let (class, weather) = (spaces.building.class, spaces.episode.weather.clone());
+        let Ok(name @ BuildingName::Id(id)) = spaces.building.name.parse() else {
+            let place = weather.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            return Self::new(source, class, place, weather, Origin::default());
+        };
+        let building = &b2b_dataset::row(id).building;
+        let (place, origin) = (building.place().to_owned(), building.origin());
+        Self::new(source, class, place, weather, origin).with_parameters(&name)
     }
 
     /// Keeps the prepared model, so that other environments need not prepare it again.
@@ -114,7 +139,7 @@ impl Building {
     /// Building type; `None` for an imported model.
     #[getter]
     fn building_type(&self) -> Option<&'static str> {
-        self.inner.class.map(|class| class.building_type.name())
+        self.inner.building_type()
     }
 
     /// Name of the place, or of the weather file.
@@ -273,17 +298,9 @@ pub fn generate(
     settings: Vec<String>,
 ) -> PyResult<Vec<Building>> {
     let building_type: BuildingType = building_type.parse().map_err(of_building)?;
-    let settings =
-        settings.iter().map(|text| text.parse()).collect::<Result<Vec<_>, _>>().map_err(of_building)?;
+    let settings = read_settings(&settings)?;
     let make = || -> PyResult<Vec<Building>> {
-        let read = |path: &PathBuf| WeatherFile::read(path, None).map(Arc::new);
-        let places = match (places.as_slice(), weather.as_slice()) {
-            ([], []) => Places::All,
-            (names, []) => Places::Named(names.to_vec()),
-            (_, files) => {
-                Places::Files(files.iter().map(read).collect::<Result<_, _>>().map_err(of_building)?)
-            }
-        };
+        let places = read_places(places, &weather)?;
         let buildings =
             b2b_dataset::sample(building_type, count, seed, &places, &settings).map_err(of_building)?;
         let catalog = catalog()?;

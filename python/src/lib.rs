@@ -1,7 +1,8 @@
 //! `building2building._core`: the Rust crates as Python classes.
 //!
 //! Only conversions live here. [`catalog`] finds buildings and [`table`] converts the dataset's rows; [`spaces`] and
-//! [`morphology`] describe observations and actions; [`env`] is an environment in its own process, [`vector`] a batch,
+//! [`morphology`] describe observations and actions; [`env`] is an environment in its own process, [`vector`] a batch
+//! over the buildings of [`population`],
 //! [`local`] one in this process; [`control`] has the built-in controllers, [`evaluation`] evaluates a policy on many
 //! buildings, [`benchmarks`] has the benchmark problems; [`error`] defines the exceptions.
 
@@ -16,6 +17,7 @@ mod local;
 mod morphology;
 mod owner;
 mod pools;
+mod population;
 mod spaces;
 mod table;
 mod vector;
@@ -45,6 +47,8 @@ mod _core {
     use super::morphology::{Edge, Morphology, Node, NodeSlot, NodeType};
     #[pymodule_export]
     use super::owner::Owner;
+    #[pymodule_export]
+    use super::population::Generator;
     #[pymodule_export]
     use super::spaces::{Actuator, RoleSlot, Slot, Spaces, Zone};
     #[pymodule_export]

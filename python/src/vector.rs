@@ -1,14 +1,19 @@
 //! A batch of environments.
 
+use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
 
-use b2b_env::vector::{AnyOf, Autoreset, Fixed, Sampler, VecEnv as Envs, VecEnvOptions, Windows};
+use b2b_benchmark::problem::TrainingForm;
+use b2b_env::ActionSpace;
+use b2b_env::vector::{Arrangement, Autoreset, Form, Padded, RowSlot, VecEnv as Envs, VecEnvOptions};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 
-use crate::catalog::{Inner, Setting, locked};
-use crate::error::{Exception, of_env};
+use crate::benchmarks::Problem;
+use crate::catalog::{Inner, locked};
+use crate::error::{Exception, of_benchmark, of_env};
 use crate::pools::{self, Owner};
+use crate::population::{Candidate, Episodes, fixed};
 use crate::spaces::Spaces;
 use crate::{arrays, control};
 
@@ -17,7 +22,12 @@ use crate::{arrays, control};
 pub struct VecEnv {
     owner: Owner,
     state: Mutex<State>,
+    /// Buildings of the environments, or representatives of those that are drawn from.
     spaces: Vec<(Arc<b2b_env::Spaces>, Arc<Inner>)>,
+    /// Of each of these, what the numbers in a row of observations are.
+    slots: Vec<Vec<RowSlot>>,
+    /// Of each of these, what the numbers in a row of actions are.
+    actions: Vec<ActionSpace>,
 }
 
 struct State {
@@ -43,23 +53,41 @@ struct Batch {
     shape: [usize; 2],
 }
 
+/// For each environment, which numbers of its row of observations and of its row of actions are not padding.
+type Masks = (Vec<Vec<bool>>, Vec<Vec<bool>>);
+
+/// Buildings that fit in memory as templates, per environment: more are prepared anew when they are drawn.
+const KEPT_BUILDINGS: usize = 2;
+
 /// The end of an episode: last observation, metrics, and the reason if it was lost.
 type Ended<'py> = (Bound<'py, PyArray1<f64>>, Option<Bound<'py, PyAny>>, Option<String>);
 
 #[pymethods]
 impl VecEnv {
-    /// Prepares the buildings. With `any`, every episode is drawn from all settings; otherwise environment i repeats
-    /// setting i. `window` is the length of an episode in days and the number of first days to draw from.
+    /// Prepares the buildings. With `resample`, environments draw a building every so many episodes, by the weights of
+    /// their types; otherwise environment i repeats pair i of a building and a task. `window` is the length of an episode
+    /// in days and the number of first days to draw from. A `problem` has the form of observations and actions;
+    /// `by_role` arranges observations of houses by the roles of their zones.
     #[new]
-    #[pyo3(signature = (settings, count, autoreset, rescale, any, window=None))]
+    #[pyo3(signature = (
+        buildings, tasks, run_period, timesteps_per_hour, count, autoreset, rescale, resample=None, weights=None,
+        window=None, problem=None, by_role=false
+    ))]
+    #[expect(clippy::too_many_arguments, reason = "they are those of the Python class, which names them")]
     fn new(
         py: Python<'_>,
-        settings: Vec<PyRef<'_, Setting>>,
+        buildings: Vec<Candidate<'_>>,
+        tasks: Vec<String>,
+        run_period: &str,
+        timesteps_per_hour: u32,
         count: usize,
         autoreset: &str,
         rescale: bool,
-        any: bool,
+        resample: Option<u32>,
+        weights: Option<BTreeMap<String, f64>>,
         window: Option<(u32, u32)>,
+        problem: Option<&Problem>,
+        by_role: bool,
     ) -> PyResult<Self> {
         let autoreset = match autoreset {
             "NextStep" => Autoreset::NextStep,
@@ -67,28 +95,110 @@ impl VecEnv {
             "Disabled" => Autoreset::Disabled,
             _ => return Err(Exception::Setting.new_err(format!("unknown autoreset mode `{autoreset}`"))),
         };
+        let many = buildings.len() > KEPT_BUILDINGS * count;
+        let generated = buildings.iter().any(|each| matches!(each, Candidate::Generator(_)));
         let mut workers = pools::options(py)?;
-        workers.template_memory = 2 << 30;
-        let settings: Vec<Setting> = settings.iter().map(|setting| (*setting).clone()).collect();
-        let all: Vec<_> = settings.iter().map(|setting| setting.setting.clone()).collect();
-        let (state, spaces) = py.detach(|| -> PyResult<_> {
-            let options = VecEnvOptions { workers, autoreset, widths: None };
-            let mut envs = Envs::new(count, sampler(all.clone(), any, window), options).map_err(of_env)?;
-            let spaces = envs.prepare(&all).map_err(of_env)?;
-            Ok((State { envs: Some(envs), rescale }, spaces))
-        })?;
-        let buildings = settings.into_iter().map(|setting| setting.building);
-        Ok(Self {
-            owner: Owner::this(),
-            state: Mutex::new(state),
-            spaces: spaces.into_iter().zip(buildings).collect(),
+        workers.template_memory = if resample.is_some() && (many || generated) { 0 } else { 2 << 30 };
+        let episodes = Episodes::new(&buildings, &tasks, run_period, timesteps_per_hour)?;
+        let options = VecEnvOptions { workers, autoreset, widths: None };
+        let problem = problem.map(|problem| &problem.inner);
+        py.detach(|| {
+            let made = match resample {
+                Some(episodes_each) => {
+                    let sampler = episodes.sampler(episodes_each, weights.as_ref(), window)?;
+                    let envs = Envs::new(count, sampler, options).map_err(of_env)?;
+                    let mut spaces = Vec::new();
+                    let representatives = episodes.representatives()?;
+                    for found in envs.workers().spaces(&representatives).map_err(of_env)? {
+                        let building = Arc::new(Inner::of_spaces(&found));
+                        let all = episodes.under_every_task(&found).into_iter();
+                        spaces.extend(all.map(|spaces| (spaces, Arc::clone(&building))));
+                    }
+                    (envs, spaces)
+                }
+                None => {
+                    let (settings, buildings): (Vec<_>, Vec<_>) =
+                        episodes.repeated(count).into_iter().unzip();
+                    let mut envs =
+                        Envs::new(count, fixed(settings.clone(), window), options).map_err(of_env)?;
+                    let spaces = envs.prepare(&settings).map_err(of_env)?;
+                    (envs, spaces.into_iter().zip(buildings).collect())
+                }
+            };
+            let arrangement = if by_role { Arrangement::ByRole } else { Arrangement::InOrder };
+            Self::with_form(made.0, made.1, problem, arrangement, rescale)
         })
     }
 
-    /// Returns the spaces of each setting.
+    /// Returns the spaces of each building and task; with `resample`, of those that represent the others.
     fn spaces(&self) -> Vec<Spaces> {
         let spaces = self.spaces.iter();
         spaces.map(|(spaces, building)| Spaces::new(Arc::clone(spaces), Arc::clone(building))).collect()
+    }
+
+    /// Returns names and bounds of the numbers in a row of observations, for each of [`VecEnv::spaces`].
+    fn slots(&self) -> Vec<Vec<(String, f64, f64)>> {
+        let slot = |slot: &RowSlot| (slot.name.clone(), slot.low, slot.high);
+        self.slots.iter().map(|slots| slots.iter().map(slot).collect()).collect()
+    }
+
+    /// Returns names and bounds of the numbers in a row of actions, in physical units, as [`VecEnv::slots`].
+    fn actuators(&self) -> Vec<Vec<(String, f64, f64)>> {
+        let of = |space: &ActionSpace| {
+            let bounds = space.low().iter().zip(space.high());
+            space.names().iter().zip(bounds).map(|(name, (low, high))| (name.clone(), *low, *high)).collect()
+        };
+        self.actions.iter().map(of).collect()
+    }
+
+    /// Returns the spaces of the building that an environment runs.
+    fn spaces_of(&self, py: Python<'_>, environment: usize) -> PyResult<Spaces> {
+        let spaces = self.owner.with(py, &self.state, |state| {
+            let spaces = state.envs()?.shared_spaces(environment).map(Arc::clone);
+            spaces.ok_or_else(|| Exception::Episode.new_err("no episode has begun; call reset first"))
+        })?;
+        let same =
+            |known: &&(Arc<b2b_env::Spaces>, Arc<Inner>)| known.0.building.name == spaces.building.name;
+        let building = match self.spaces.iter().find(same) {
+            Some((_, building)) => Arc::clone(building),
+            None => Arc::new(Inner::of_spaces(&spaces)),
+        };
+        Ok(Spaces::new(spaces, building))
+    }
+
+    /// Returns for each environment which numbers of a row of observations and of a row of actions are not padding.
+    fn masks(&self, py: Python<'_>) -> PyResult<Masks> {
+        self.owner.with(py, &self.state, |state| {
+            let envs = state.envs()?;
+            let (actions, observations) = envs.widths();
+            let forms = (0..envs.len()).map(|environment| envs.form(environment));
+            let masks = forms.map(|form| match form {
+                None => (vec![false; observations], vec![false; actions]),
+                Some(form) => {
+                    let slots = form.slots().iter().map(|slot| *slot != RowSlot::padding()).collect();
+                    (slots, (0..actions).map(|number| number < form.actions().len()).collect())
+                }
+            });
+            Ok(masks.unzip())
+        })
+    }
+
+    /// Returns the numbers of episodes, of building changes and of waits for a building, and the time of these, s.
+    fn statistics(&self, py: Python<'_>) -> PyResult<(u64, u64, u64, f64)> {
+        self.owner.with(py, &self.state, |state| {
+            let statistics = state.envs()?.statistics();
+            let waited = statistics.waited.as_secs_f64();
+            Ok((statistics.episodes, statistics.building_changes, statistics.waits, waited))
+        })
+    }
+
+    /// Returns the ids of all worker processes.
+    fn processes(&self, py: Python<'_>) -> PyResult<Vec<u32>> {
+        self.owner.with(py, &self.state, |state| {
+            let envs = state.envs()?;
+            let episodes = (0..envs.len()).filter_map(|environment| envs.process(environment));
+            Ok(episodes.chain(envs.workers().template_processes()).collect())
+        })
     }
 
     /// Begins an episode in every environment.
@@ -131,8 +241,8 @@ impl VecEnv {
             }
             if rescale {
                 for (index, action) in actions.chunks_exact_mut(expected[1]).enumerate() {
-                    if let Some(spaces) = envs.spaces(index) {
-                        spaces.action.rescale(action);
+                    if let Some(form) = envs.form(index) {
+                        form.actions().rescale(action);
                     }
                 }
             }
@@ -191,6 +301,29 @@ impl VecEnv {
     }
 }
 
+impl VecEnv {
+    /// Gives the environments the form of a problem, or pads them to the largest of the buildings.
+    fn with_form(
+        envs: Envs,
+        spaces: Vec<(Arc<b2b_env::Spaces>, Arc<Inner>)>,
+        problem: Option<&b2b_benchmark::Problem>,
+        arrangement: Arrangement,
+        rescale: bool,
+    ) -> PyResult<Self> {
+        let all: Vec<_> = spaces.iter().map(|(spaces, _)| Arc::clone(spaces)).collect();
+        let mut form: Box<dyn Form> = match problem {
+            Some(problem) => Box::new(TrainingForm::new(problem, &all, arrangement).map_err(of_benchmark)?),
+            None => Box::new(Padded::fitting(&all, arrangement)),
+        };
+        let episodes = all.iter().map(|spaces| form.episode(spaces).map_err(of_env));
+        let episodes = episodes.collect::<PyResult<Vec<_>>>()?;
+        let slots = episodes.iter().map(|episode| episode.slots()).collect();
+        let actions = episodes.iter().map(|episode| episode.actions().clone()).collect();
+        let state = Mutex::new(State { envs: Some(envs.with_form(form)), rescale });
+        Ok(Self { owner: Owner::this(), state, spaces, slots, actions })
+    }
+}
+
 impl State {
     fn envs(&mut self) -> PyResult<&mut Envs> {
         let closed = || Exception::Episode.new_err("the environments are closed");
@@ -207,21 +340,6 @@ impl Batch {
             penalties: envs.rewards().iter().flat_map(penalties).collect(),
             truncated: envs.truncated().to_vec(),
             shape: [envs.len(), envs.widths().1],
-        }
-    }
-}
-
-fn sampler(
-    settings: Vec<b2b_env::vector::Setting>,
-    any: bool,
-    window: Option<(u32, u32)>,
-) -> Box<dyn Sampler> {
-    match (any, window) {
-        (true, None) => Box::new(AnyOf(settings)),
-        (false, None) => Box::new(Fixed(settings)),
-        (true, Some((days, starts))) => Box::new(Windows { of: AnyOf(settings), days: (days, days), starts }),
-        (false, Some((days, starts))) => {
-            Box::new(Windows { of: Fixed(settings), days: (days, days), starts })
         }
     }
 }

@@ -108,6 +108,56 @@ def test_training_environments_have_one_shape(closing):
     assert given.observation_space.shape == (36,)
 
 
+def test_the_documented_training_environments_step(closing):
+    envs = closing(DynamicsAdaptation("house").make_train_vec(8))
+    observations, infos = envs.reset(seed=0)
+    for _ in range(3):
+        observations, rewards, terminated, truncated, infos = envs.step(envs.action_space.sample())
+    assert observations.shape == (8, 20) and np.isfinite(rewards).all()
+    assert len(set(infos["building"])) > 4, "houses are drawn from the whole split"
+
+
+@pytest.mark.parametrize(
+    "problem",
+    [
+        GoalAdaptation("setpoint-mode", **DAY),
+        DynamicsAdaptation("house", attributes="given", **DAY),
+        ActionSpaceTransfer("unitary", "more", **DAY),
+        CrossDomainGeneralization(
+            train_types=["SingleFamilyHouse", "Warehouse"], test_types=["RestaurantFastFood"], **DAY
+        ),
+    ],
+    ids=lambda problem: problem.name,
+)
+def test_every_family_trains_in_the_native_vector_environment(problem, closing):
+    envs = closing(problem.make_train_vec(2, building_ids=problem.train_building_ids(2)))
+    assert isinstance(envs, b2b.BuildingVectorEnv)
+    observations, _ = envs.reset(seed=1)
+    single = closing(problem.make_train_envs(1))[0]
+    if problem.definition["family"] != "cross_domain":
+        assert observations.shape[1] >= single.observation_space.shape[0]
+        assert envs.single_action_space.shape == single.action_space.shape
+    for _ in range(290):
+        observations, rewards, _, _, info = envs.step(envs.action_space.sample())
+    assert np.isfinite(observations).all() and np.isfinite(rewards).all()
+    assert envs.statistics["episodes"] == 4
+
+
+def test_withheld_actuators_follow_their_fallback_in_the_vector_environment(closing):
+    problem = ActionSpaceTransfer("unitary", "more", **DAY)
+    envs = closing(problem.make_train_vec(1, resample=False))
+    single = closing(problem.make_train_envs(1))[0]
+    low, high = single.action_space.low, single.action_space.high
+    np.testing.assert_array_equal(envs.reset(seed=0)[0][0], single.reset(seed=0)[0])
+    random = np.random.default_rng(0)
+    for _ in range(30):
+        action = random.uniform(-1, 1, envs.action_space.shape)
+        ours, reward, *_ = envs.step(action)
+        theirs, expected, *_ = single.step(low + (action[0] + 1) / 2 * (high.astype(np.float64) - low))
+        np.testing.assert_allclose(ours[0], theirs, rtol=1e-5)
+        assert reward[0] == pytest.approx(expected, rel=1e-4)
+
+
 def interquartile_mean(scores):
     cut = len(scores) // 4
     return np.sort(scores)[cut : len(scores) - cut].mean()

@@ -113,3 +113,24 @@ def test_a_policy_is_exported_and_evaluated_without_python(algorithm, b2b_comman
     (row,) = b2b.evaluate(tmp_path / "policy.onnx", building, run_periods=period, folder=tmp_path / "rust").rows
     assert row["return"] == pytest.approx(rolled.episode_return, rel=1e-4)
     assert row["clamped_actions"] == 0
+
+
+def test_a_policy_trained_on_many_buildings_is_exported_with_its_normalization(tmp_path):
+    import stable_baselines3
+    from building2building.benchmarks import DynamicsAdaptation
+    from building2building.sb3 import export_onnx, make_sb3_vec
+
+    problem = DynamicsAdaptation("house", windows=["01-10..01-10"])
+    envs = make_sb3_vec(problem.make_train_vec(2, autoreset_mode="SameStep"))
+    model = stable_baselines3.PPO("MlpPolicy", envs, seed=0, device="cpu", n_steps=320, batch_size=64)
+    model.learn(640)
+    assert len({*envs.envs.reset()[1]["building"], *envs.envs.reset()[1]["building"]}) > 1
+    export_onnx(model, tmp_path / "policy.onnx")
+    raw, _ = envs.envs.reset(seed=1)
+    expected, _ = model.predict(envs.scale(raw), deterministic=True)
+    from onnx.reference import ReferenceEvaluator
+
+    session = ReferenceEvaluator(str(tmp_path / "policy.onnx"))
+    actions = np.concatenate([session.run(None, {"observation": each[None]})[0] for each in raw])
+    np.testing.assert_allclose(actions, expected, atol=1e-5)
+    envs.close()

@@ -145,3 +145,86 @@ def test_invalid_actions_raise_before_any_environment_steps(make_vec):
     with pytest.raises(errors.ActionError, match="finite"):
         envs.step(bad)
     envs.step(envs.action_space.sample())
+
+
+def test_infos_say_what_was_true_when_they_were_made(make_vec):
+    houses = [f"SingleFamilyHouse-{number:04}" for number in range(1, 40)]
+    envs = make_vec(None, 2, buildings=houses, resample=True, rescale_action=True, autoreset_mode="SameStep")
+    _, began = envs.reset(seed=1)
+    infos = [envs.step(envs.action_space.sample())[-1] for _ in range(25)]
+    names = [list(info["building"]) for info in infos]
+    assert names[:24] == [list(began["building"])] * 24 and names[24] != names[0]
+    _, again = envs.reset(seed=2)
+    kept = list(began["building"])
+    unread = envs.step(envs.action_space.sample())[-1]
+    expected = [envs.layout_of(index).spaces.name for index in range(2)]
+    envs.close()
+    assert list(began["building"]) == kept
+    assert list(again["building"]) == expected == list(unread["building"])
+    assert unread["reward_terms"]["temperature"].shape == (2,)
+
+
+def test_buildings_of_a_split_are_drawn_by_the_seed_in_few_processes(make_vec):
+    envs = make_vec("SingleFamilyHouse", 2, split="train", resample=2, rescale_action=True)
+    assert len(envs.buildings) == 900 and envs.single_observation_space.shape == (11,)
+
+    def drawn():
+        names = []
+        _, info = envs.reset(seed=3)
+        for _ in range(4):
+            names.append(tuple(info["building"]))
+            for _ in range(25):
+                *_, info = envs.step(envs.action_space.sample())
+            assert len(envs._core.processes()) <= 8
+        return names
+
+    names = drawn()
+    assert names[0] == names[1] != names[2] == names[3] and set(sum(names, ())) <= set(envs.buildings)
+    assert names == drawn()
+    statistics = envs.statistics
+    assert statistics["building_changes"] >= 4 and statistics["episodes"] >= 8
+
+
+def test_weights_tasks_and_the_generator_are_drawn_from(make_vec):
+    sources = [b2b.Generator("SingleFamilyHouse", parameters={"floor_area": (100, 120)}), "Warehouse-0001"]
+    options = {"resample": True, "rescale_action": True, "task": ["constant", "occupancy"]}
+    envs = make_vec(None, 2, buildings=sources, weights={"SingleFamilyHouse": 1, "Warehouse": 0}, **options)
+    observations, info = envs.reset(seed=0)
+    assert all(name.startswith("SingleFamilyHouse-seed") for name in info["building"])
+    assert envs.observation_space.contains(observations)
+    mask, actions = envs.observation_mask(), envs.action_mask()
+    assert mask.shape == observations.shape and not observations[~mask].any()
+    assert actions.sum(axis=1).tolist() == [2, 2] and actions.shape == envs.action_space.shape
+    with pytest.raises(errors.SettingError, match="Warehous"):
+        make_vec(None, 1, buildings=sources, weights={"Warehous": 1}, **options)
+    with pytest.raises(errors.SettingError, match="resample=True"):
+        make_vec(None, 1, buildings=sources, rescale_action=True)
+
+
+def test_observations_are_normalized_by_the_same_bounds_for_all_buildings(make_vec):
+    options = {"resample": True, "rescale_action": True, "autoreset_mode": "SameStep"}
+    raw, normalized = (make_vec("SingleFamilyHouse", 2, normalize=each, **options) for each in (False, True))
+    seen = [envs.reset(seed=5)[0] for envs in (raw, normalized)]
+    for _ in range(26):
+        np.testing.assert_array_equal(raw.scale(seen[0]), seen[1])
+        assert normalized.observation_space.contains(seen[1])
+        action = raw.action_space.sample()
+        (*_, ends, info), (*_, other) = steps = raw.step(action), normalized.step(action)
+        seen = [step[0] for step in steps]
+        if ends.any():
+            np.testing.assert_array_equal(raw.scale(info["final_obs"][0]), other["final_obs"][0])
+
+
+def test_a_place_means_the_same_in_every_house_by_role(make_vec):
+    houses = [f"SingleFamilyHouse-{number:04}" for number in range(1, 21)]
+    options = {"buildings": houses, "resample": True, "rescale_action": True, "run_period": "01-01..01-01"}
+    envs = make_vec(None, 4, by_role=True, **options)
+    observations, _ = envs.reset(seed=2)
+    assert observations.shape == (4, 17) and envs.observation_space.contains(observations)
+    names = [name for name, _, _ in envs._core.slots()[0]]
+    assert all([name for name, _, _ in row] == names for row in envs._core.slots())
+    for environment, row in enumerate(observations):
+        zones = [zone.name.lower() for zone in envs.layout_of(environment).zones]
+        present = [name.split()[0] for name, value in zip(names, row) if name.endswith(" present") and value]
+        assert present == zones
+    assert (observations[:, names.index("time of day")] == observations[0, names.index("time of day")]).all()

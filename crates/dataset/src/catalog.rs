@@ -12,7 +12,7 @@ use b2b_climate::{ClimateYear, Place, Site, epw};
 use b2b_energyplus::Library;
 use b2b_energyplus::install::{Cache, Engine, Progress};
 
-use crate::{Building, BuildingId};
+use crate::{Building, BuildingId, Preparation};
 use crate::{Error, Result, archetype, commercial};
 
 /// The name of a building: `OfficeSmall`, `OfficeSmall-0042` or `my.idf`.
@@ -191,16 +191,22 @@ impl Found {
     /// Sizes it and makes it controllable: every system, or the supported ones of a user's model.
     ///
     /// # Errors
-    /// Those of [`PreparedBuilding::new`].
+    /// Those of [`Preparation::run`].
     pub fn prepare(self, library: &Library) -> Result<PreparedBuilding> {
-        let make = match self.name {
-            BuildingName::Model(_) => PreparedBuilding::as_far_as_possible,
-            BuildingName::Type(_) | BuildingName::Id(_) => PreparedBuilding::new,
-        };
-        let mut building =
-            make(&self.name.to_string(), self.model, &self.weather, library)?.of_class(self.class);
-        building.prototype = self.prototype;
-        Ok(building)
+        let weather = self.weather.clone();
+        Preparation::from(self).run(&weather, library)
+    }
+}
+
+impl From<Found> for Preparation {
+    fn from(found: Found) -> Self {
+        Self {
+            own: matches!(found.name, BuildingName::Model(_)),
+            name: found.name.to_string(),
+            class: found.class,
+            prototype: found.prototype,
+            model: found.model,
+        }
     }
 }
 

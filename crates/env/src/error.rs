@@ -104,6 +104,11 @@ pub enum Error {
     /// A vector environment of size 0.
     #[error("a vector environment needs at least one environment")]
     NoEnvironment,
+    /// A weight of a sampler that is not a probability, or weights that sum to 0.
+    #[error(
+        "a weight of the sampler is {0}; expected finite weights of 0 or more, at least one of them above 0"
+    )]
+    Weight(f64),
     /// Windows that do not fit their run period.
     #[error("windows of {least} to {most} days do not fit a run period of {whole} days")]
     Window {

@@ -13,7 +13,7 @@ use crate::{Result, SiteInfo};
 
 /// Raised when a change to preparation, environments or controllers changes the reactive controllers' returns, so that
 /// baselines cached before are not reused.
-pub(super) const REVISION: u32 = 3;
+pub(super) const REVISION: u32 = 4;
 
 /// Everything that a baseline depends on.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]

@@ -4,9 +4,11 @@
 //!    The named ones are JSON files under `data/problems`; a user's own file has the same format.
 //! 2. [`Problem::check`] rejects a problem that cannot measure generalization, such as one that trains on test buildings.
 //! 3. [`Changes`] derive another problem, for example with other run periods; its [`Problem::hash`] differs.
-//! 4. [`WrappedPolicy`] gives a policy the observation and action spaces of a side.
+//! 4. [`WrappedPolicy`] gives a policy the observation and action spaces of a side, and [`TrainingForm`] gives those of the
+//!    training side to a batch of environments.
 
 mod as_text;
+mod attributes;
 mod buildings;
 mod changes;
 mod check;
@@ -17,6 +19,7 @@ mod restriction;
 mod shipped;
 mod side;
 mod stage;
+mod training;
 mod wrapper;
 
 pub use buildings::{Buildings, Subset};
@@ -27,6 +30,7 @@ pub use protocol::{Attributes, Protocol};
 pub use restriction::{Fallback, RestrictedAction, Restriction};
 pub use side::{Side, Size};
 pub use stage::Stage;
+pub use training::TrainingForm;
 pub use wrapper::WrappedPolicy;
 
 #[cfg(test)]

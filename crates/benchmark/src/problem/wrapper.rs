@@ -1,11 +1,11 @@
 //! A wrapper that gives a policy the observation and action spaces of a problem's side.
 
-use b2b_building::Description;
-use b2b_building::morphology::{COMMON, Morphology};
+use b2b_building::morphology::COMMON;
 use b2b_control::Controller;
 use b2b_energyplus::digest::sha256;
 use b2b_env::{RoleObservation, Spaces};
 
+use super::attributes::{attribute_name, attributes};
 use super::definition::Problem;
 use super::protocol::Attributes;
 use super::restriction::{Fallback, RestrictedAction};
@@ -34,9 +34,7 @@ impl<'a> WrappedPolicy<'a> {
             return Ok(Vec::new());
         }
         let EpisodeContext { subject, spaces, .. } = context;
-        let origin = subject.placement.origin(&subject.name);
-        let description = Description::of(&spaces.building, &spaces.episode.weather, origin)?;
-        Ok(Morphology::of(&spaces.building, &description).scaled_common_attributes())
+        attributes(spaces, subject.placement.origin(&subject.name))
     }
 
     /// Returns the form of the observations of a building, to which `attributes` values are appended.
@@ -162,9 +160,4 @@ impl Controller for WrappedController {
             }
         }
     }
-}
-
-fn attribute_name(attribute: b2b_building::morphology::Attribute) -> String {
-    let name = serde_json::to_value(attribute).unwrap_or_default();
-    format!("building {}", name.as_str().unwrap_or_default())
 }

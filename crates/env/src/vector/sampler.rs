@@ -1,15 +1,10 @@
 //! Samplers of episodes.
 
-use std::sync::Arc;
-
-use b2b_building::{BuildingType, Date, RunPeriod};
-use b2b_dataset::{BuildingId, Catalog, Places, Split};
-use b2b_energyplus::install::Quiet;
+use b2b_building::{Date, RunPeriod};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use super::setting::{Setting, Source};
-use crate::spaces::EpisodeConfig;
+use super::setting::Setting;
 use crate::task::Task;
 use crate::{Error, Result};
 
@@ -30,6 +25,19 @@ pub trait Sampler: Send {
     /// # Errors
     /// When the episode cannot be made. The environment is lost then, and draws again at its next reset.
     fn draw(&mut self, environment: usize, random: &mut ChaCha8Rng) -> Result<Draw>;
+
+    /// Forgets earlier draws: the random streams begin anew.
+    fn restart(&mut self) {}
+}
+
+impl Sampler for Box<dyn Sampler> {
+    fn draw(&mut self, environment: usize, random: &mut ChaCha8Rng) -> Result<Draw> {
+        (**self).draw(environment, random)
+    }
+
+    fn restart(&mut self) {
+        (**self).restart();
+    }
 }
 
 impl<F: FnMut(usize, &mut ChaCha8Rng) -> Result<Draw> + Send> Sampler for F {
@@ -59,70 +67,98 @@ impl Sampler for AnyOf {
     }
 }
 
-/// A population to draw the building of every episode from, generated when it is drawn.
-#[derive(Clone, Debug)]
-pub struct Buildings {
-    /// Catalog that generates them.
-    pub catalog: Arc<Catalog>,
-    /// Population that they are drawn from.
-    pub population: Population,
-    /// Run period of an episode.
-    pub period: RunPeriod,
-    /// Zone time steps per hour.
-    pub steps_per_hour: u32,
-    /// Setpoints, comfort and reward.
-    pub task: Task,
-}
+/// Several samplers, one of which makes each draw, with a probability in proportion to its weight.
+pub struct Weighted(Vec<(f64, Box<dyn Sampler>)>);
 
-/// Buildings to draw from, with equal probability.
-#[derive(Clone, Debug)]
-pub enum Population {
-    /// Buildings of the dataset.
-    Ids(Vec<BuildingId>),
-    /// New buildings of a type from the generator. No two are the same.
-    Generated {
-        /// Building type.
-        building_type: BuildingType,
-        /// Places of the buildings.
-        places: Places,
-        /// Parameters that are fixed or drawn from a narrower range.
-        settings: Vec<b2b_dataset::Setting>,
-    },
-}
-
-impl Population {
-    /// The buildings of a type in the training or the test split.
-    pub fn of_split(building_type: BuildingType, split: Split) -> Self {
-        let rows = b2b_dataset::rows(building_type).iter().filter(|row| row.split == split);
-        Self::Ids(rows.map(|row| row.id).collect())
-    }
-
-    fn draw(&self, random: &mut ChaCha8Rng) -> Result<(String, b2b_dataset::Building)> {
-        match self {
-            Self::Ids(ids) if ids.is_empty() => Err(Error::NoBuilding),
-            Self::Ids(ids) => {
-                let id = ids[random.random_range(0..ids.len())];
-                Ok((id.to_string(), b2b_dataset::row(id).building.clone()))
-            }
-            Self::Generated { building_type, places, settings } => {
-                let seed = random.random();
-                let mut drawn = b2b_dataset::sample(*building_type, 1, seed, places, settings)?;
-                let building = drawn.pop().ok_or(Error::NoBuilding)?;
-                Ok((format!("{building_type}-seed{seed}-0001"), building))
-            }
+impl Weighted {
+    /// Samplers with their weights.
+    ///
+    /// # Errors
+    /// [`Error::Weight`] for a weight that is negative or not finite, and if all are 0.
+    pub fn new(of: Vec<(f64, Box<dyn Sampler>)>) -> Result<Self> {
+        let is_valid = |weight: f64| weight.is_finite() && weight >= 0.0;
+        let wrong = of.iter().map(|(weight, _)| *weight).find(|weight| !is_valid(*weight));
+        let total: f64 = of.iter().map(|(weight, _)| weight).sum();
+        match wrong.or((total <= 0.0).then_some(total)) {
+            Some(weight) => Err(Error::Weight(weight)),
+            None => Ok(Self(of)),
         }
     }
 }
 
-impl Sampler for Buildings {
-    fn draw(&mut self, _: usize, random: &mut ChaCha8Rng) -> Result<Draw> {
-        let (name, building) = self.population.draw(random)?;
-        let (model, weather) = self.catalog.generate(&building, &mut Quiet)?;
-        let source = Source::generated(name, building.class(), model);
-        let task = self.task.clone();
-        let episode =
-            EpisodeConfig { weather, period: self.period, steps_per_hour: self.steps_per_hour, task };
-        Ok(Draw { setting: Setting { source: Arc::new(source), episode }, steps: None })
+impl Sampler for Weighted {
+    fn draw(&mut self, environment: usize, random: &mut ChaCha8Rng) -> Result<Draw> {
+        let total: f64 = self.0.iter().map(|(weight, _)| weight).sum();
+        let mut left = random.random_range(0.0..total);
+        let drawn = self.0.iter().position(|(weight, _)| {
+            left -= weight;
+            left < 0.0
+        });
+        let last = self.0.len() - 1;
+        self.0[drawn.unwrap_or(last)].1.draw(environment, random)
+    }
+
+    fn restart(&mut self) {
+        self.0.iter_mut().for_each(|(_, sampler)| sampler.restart());
+    }
+}
+
+/// Draws of another sampler, each with one of several tasks.
+#[derive(Clone, Debug)]
+pub struct WithTask<S> {
+    /// Sampler whose draws get a task.
+    pub of: S,
+    /// Tasks, with equal probability.
+    pub tasks: Vec<Task>,
+}
+
+impl<S: Sampler> Sampler for WithTask<S> {
+    fn draw(&mut self, environment: usize, random: &mut ChaCha8Rng) -> Result<Draw> {
+        let mut draw = self.of.draw(environment, random)?;
+        if !self.tasks.is_empty() {
+            let index = random.random_range(0..self.tasks.len());
+            draw.setting.episode.task = self.tasks[index].clone();
+        }
+        Ok(draw)
+    }
+
+    fn restart(&mut self) {
+        self.of.restart();
+    }
+}
+
+/// Draws of another sampler, each of which an environment keeps for several episodes.
+#[derive(Clone, Debug)]
+pub struct Kept<S> {
+    of: S,
+    episodes: u32,
+    /// Of each environment, the draw and the number of episodes that it has left.
+    current: Vec<Option<(Draw, u32)>>,
+}
+
+impl<S> Kept<S> {
+    /// Draws of `of`, each for `episodes` episodes; 0 counts as 1.
+    pub fn new(of: S, episodes: u32) -> Self {
+        Self { of, episodes: episodes.max(1), current: Vec::new() }
+    }
+}
+
+impl<S: Sampler> Sampler for Kept<S> {
+    fn draw(&mut self, environment: usize, random: &mut ChaCha8Rng) -> Result<Draw> {
+        if self.current.len() <= environment {
+            self.current.resize_with(environment + 1, || None);
+        }
+        let (draw, left) = match self.current[environment].take() {
+            Some((draw, left)) if left > 0 => (draw, left),
+            _ => (self.of.draw(environment, random)?, self.episodes),
+        };
+        self.current[environment] = Some((draw.clone(), left - 1));
+        Ok(draw)
+    }
+
+    fn restart(&mut self) {
+        self.current.clear();
+        self.of.restart();
     }
 }
 
@@ -156,5 +192,9 @@ impl<S: Sampler> Sampler for Windows<S> {
         episode.period = RunPeriod::new(first, last).unwrap_or(episode.period);
         draw.steps = Some((days * 24 * episode.steps_per_hour) as usize);
         Ok(draw)
+    }
+
+    fn restart(&mut self) {
+        self.of.restart();
     }
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use b2b_building::{Class, Model, PreparedBuilding};
-use b2b_dataset::{BuildingName, Found};
+use b2b_dataset::{Found, Preparation};
 use b2b_energyplus::Library;
 use serde::{Deserialize, Serialize};
 
@@ -34,13 +34,8 @@ pub enum Source {
 
 impl From<Found> for Source {
     fn from(found: Found) -> Self {
-        Self::Model {
-            own: matches!(found.name, BuildingName::Model(_)),
-            name: found.name.to_string(),
-            class: found.class,
-            prototype: found.prototype,
-            model: Box::new(found.model),
-        }
+        let Preparation { name, class, prototype, own, model } = found.into();
+        Self::Model { name, class, prototype, own, model: Box::new(model) }
     }
 }
 
@@ -53,15 +48,25 @@ impl Source {
     /// The building, sized under a weather file and made controllable if it is not yet.
     ///
     /// # Errors
-    /// Those of [`PreparedBuilding::new`].
+    /// Those of [`Preparation::run`].
     pub fn prepare(self, weather: &Path, library: &Library) -> b2b_dataset::Result<PreparedBuilding> {
         match self {
             Self::Prepared(building) => Ok(*building),
             Self::Model { name, class, prototype, own, model } => {
-                let make = if own { PreparedBuilding::as_far_as_possible } else { PreparedBuilding::new };
-                let mut building = make(&name, *model, weather, library)?.of_class(class);
-                building.prototype = prototype;
-                Ok(building)
+                Preparation { name, class, prototype, own, model: *model }.run(weather, library)
+            }
+        }
+    }
+
+    /// The prepared building, if this is one or an earlier preparation is in the cache on disk.
+    pub fn cached(&self, weather: &Path, library: &Library) -> Option<PreparedBuilding> {
+        match self {
+            Self::Prepared(building) => Some(PreparedBuilding::clone(building)),
+            Self::Model { name, class, prototype, own, model } => {
+                let (name, model) = (name.clone(), Model::clone(model));
+                let preparation =
+                    Preparation { name, class: *class, prototype: *prototype, own: *own, model };
+                preparation.cached(weather, library)
             }
         }
     }

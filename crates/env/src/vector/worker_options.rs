@@ -14,6 +14,8 @@ pub struct WorkerOptions {
     pub library: PathBuf,
     /// Memory that templates without episodes may hold, bytes. The least recently used is ended first.
     pub template_memory: u64,
+    /// Templates that are prepared at the same time; others wait for their turn, those that an episode waits for first.
+    pub preparations: usize,
     /// A worker that takes longer for a step, or to copy itself, counts as hung and is killed; its episode is lost.
     pub step_time_limit: Duration,
     /// A template that takes longer to size and warm up its building counts as hung and is killed. A template that
@@ -24,12 +26,14 @@ pub struct WorkerOptions {
 }
 
 impl WorkerOptions {
-    /// 2 GiB for templates, half a minute for a step, ten minutes for a preparation, and no interrupts.
+    /// 2 GiB for templates, a preparation per processor, half a minute for a step, ten minutes for a preparation, and no
+    /// interrupts.
     pub fn new(launcher: Launcher, library: impl Into<PathBuf>) -> Self {
         Self {
             launcher,
             library: library.into(),
             template_memory: 2 << 30,
+            preparations: std::thread::available_parallelism().map_or(1, usize::from),
             step_time_limit: Duration::from_secs(30),
             preparation_time_limit: Duration::from_secs(600),
             interrupted: || false,

@@ -4,7 +4,9 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use super::pool::Pool;
+use b2b_energyplus::Library;
+
+use super::pool::{Pool, TemplateId};
 use super::region::{LOOK, Region};
 use super::setting::Setting;
 use super::worker_options::WorkerOptions;
@@ -95,6 +97,36 @@ impl Workers {
         pool.spaces_of(template)
     }
 
+    /// Has a setting prepared and keeps its template for an episode to come. Does not wait.
+    pub(super) fn reserve(&self, setting: &Setting) -> Result<Reservation> {
+        let template = self.lock().reserve(setting)?;
+        Ok(Reservation { workers: self.clone(), template })
+    }
+
+    /// The spaces of settings, from the cache of prepared buildings without starting a process where they are there;
+    /// prepares the others.
+    ///
+    /// # Errors
+    /// As [`Workers::prepare`].
+    pub fn spaces(&self, settings: &[Setting]) -> Result<Vec<Arc<Spaces>>> {
+        let library = self.lock().options.library.clone();
+        let library = Library::load(&library)?;
+        let mut cached = Vec::with_capacity(settings.len());
+        for Setting { source, episode } in settings {
+            episode.check()?;
+            let building = source.cached(&episode.weather, &library);
+            cached.push(building.map(|building| Arc::new(Spaces::new(Arc::new(building), episode.clone()))));
+        }
+        for (setting, _) in settings.iter().zip(&cached).filter(|(_, cached)| cached.is_none()) {
+            self.start_preparing(setting)?;
+        }
+        settings
+            .iter()
+            .zip(cached)
+            .map(|(setting, cached)| cached.map_or_else(|| self.prepare(setting), Ok))
+            .collect()
+    }
+
     /// The processes of the templates.
     pub fn template_processes(&self) -> Vec<u32> {
         self.lock().template_processes()
@@ -135,6 +167,37 @@ impl Workers {
     /// Whether this is the process that it belongs to, and no fork of it.
     pub(super) fn belong_here(&self) -> bool {
         self.shared.owner == std::process::id()
+    }
+}
+
+/// A template that is kept for an episode to come, until it is dropped.
+pub(super) struct Reservation {
+    workers: Workers,
+    template: TemplateId,
+}
+
+impl Reservation {
+    /// Whether its preparation is over, with or without success.
+    pub(super) fn is_prepared(&self) -> bool {
+        self.workers.lock().is_prepared(self.template)
+    }
+
+    /// The spaces of the setting if it is prepared. Does not wait.
+    pub(super) fn spaces(&self) -> Result<Option<Arc<Spaces>>> {
+        self.workers.lock().spaces_of(self.template)
+    }
+
+    /// Whether both are of one template.
+    pub(super) fn is(&self, other: &Self) -> bool {
+        self.template == other.template
+    }
+}
+
+impl Drop for Reservation {
+    fn drop(&mut self) {
+        if self.workers.belong_here() {
+            self.workers.lock().cancel(self.template);
+        }
     }
 }
 

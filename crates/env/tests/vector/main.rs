@@ -9,5 +9,6 @@ mod losses;
 mod processes;
 mod report;
 mod sampler;
+mod succession;
 mod templates;
 mod workers;

@@ -13,7 +13,7 @@ use std::io;
 use std::ops::Bound;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use b2b_building::PreparedBuilding;
 use tempfile::TempDir;
@@ -29,6 +29,8 @@ use crate::{Error, Result};
 
 /// Templates that may die or hang under an episode that waits to begin, before it is lost.
 const FAILURES: u32 = 3;
+/// How often preparations in the background are looked after.
+const BACKGROUND: Duration = Duration::from_millis(5);
 
 /// A pool of worker processes.
 pub(super) struct Pool {
@@ -42,6 +44,8 @@ pub(super) struct Pool {
     clock: u64,
     /// When to look after the busy workers next.
     look: Instant,
+    /// When to look after the preparations in the background next.
+    background: Instant,
     /// Of everything that its processes write. Removed with the pool.
     folder: TempDir,
 }
@@ -72,13 +76,18 @@ impl Pool {
             prepared: VecDeque::new(),
             clock: 0,
             look: Instant::now() + LOOK,
+            background: Instant::now(),
             folder,
         })
     }
 
     /// Has an episode begin at the end of its template's warm-up: its slot is ready once it does. Does not wait.
     pub(super) fn start(&mut self, setting: &Setting, options: EpisodeOptions) -> Result<Place> {
-        let template = self.template_of(setting)?;
+        let mut template = self.template_of(setting)?;
+        if self.template_mut(template)?.phase == Phase::Failed {
+            self.drop_template(template);
+            template = self.template_of(setting)?;
+        }
         let slot = self.take_slot(options)?;
         let entry = self.template_mut(template)?;
         entry.users += 1;
@@ -86,59 +95,66 @@ impl Pool {
         Ok(Place { slot, template })
     }
 
-    /// Moves on everything that waits for a template.
+    /// Moves on everything that waits for a template, and the preparations.
     pub(super) fn pump(&mut self) {
-        let mut next = self.waited_for(Bound::Unbounded);
+        let mut next = self.underway(Bound::Unbounded);
         while let Some(id) = next {
-            // An error is reported in the slots of the episodes that wait.
-            let _ = self.advance(id);
-            next = self.waited_for(Bound::Excluded(id));
+            self.advance(id);
+            next = self.underway(Bound::Excluded(id));
+        }
+        self.start_queued();
+    }
+
+    /// Moves on the preparations in the background, now and then.
+    pub(super) fn pump_when_due(&mut self) {
+        let now = Instant::now();
+        if now >= self.background {
+            self.background = now + BACKGROUND;
+            if self.templates.values().any(Template::is_unprepared) {
+                self.pump();
+            }
         }
     }
 
-    /// The next template that an episode waits for.
-    fn waited_for(&self, after: Bound<TemplateId>) -> Option<TemplateId> {
+    /// The next template whose process has something to report.
+    fn underway(&self, after: Bound<TemplateId>) -> Option<TemplateId> {
         let mut templates = self.templates.range((after, Bound::Unbounded));
-        let waited_for = |template: &Template| !template.waiting.is_empty() || !template.copying.is_empty();
-        templates.find(|(_, template)| waited_for(template)).map(|(id, _)| *id)
+        templates.find(|(_, template)| template.is_underway()).map(|(id, _)| *id)
     }
 
     /// Moves a template on: takes its reply, has it copied, replaces it when it is gone.
-    fn advance(&mut self, id: TemplateId) -> Result<()> {
-        let Some(template) = self.templates.get(&id) else { return Ok(()) };
-        let (slot, phase) = (template.process.slot, template.phase);
-        let ended = self.slots.has_ended(slot);
-        let ready = self.region.is_ready(slot);
-        match phase {
+    fn advance(&mut self, id: TemplateId) {
+        let Some(template) = self.templates.get_mut(&id) else { return };
+        let Some(slot) = template.process.as_ref().map(|process| process.slot) else { return };
+        let (ended, ready) = (self.slots.has_ended(slot), self.region.is_ready(slot));
+        match template.phase {
             Phase::Preparing(deadline) => return self.advance_preparation(id, ready, ended, deadline),
             Phase::Copying(_) if ready => {
-                let template = self.template_mut(id)?;
                 template.copying.clear();
                 template.phase = Phase::Idle;
             }
-            Phase::Copying(deadline) if !ended && Instant::now() < deadline => return Ok(()),
+            Phase::Copying(deadline) if !ended && Instant::now() < deadline => return,
             Phase::Copying(_) => return self.replace(id),
-            Phase::Idle => {}
+            Phase::Queued | Phase::Idle | Phase::Failed => {}
         }
-        match self.template_mut(id)?.waiting.is_empty() {
-            true => Ok(()),
+        match template.waiting.is_empty() {
+            true => {}
             false if ended => self.replace(id),
             false => self.copy_for_those_waiting(id),
         }
     }
 
     /// Has an idle template copied for the slots that wait.
-    fn copy_for_those_waiting(&mut self, id: TemplateId) -> Result<()> {
+    fn copy_for_those_waiting(&mut self, id: TemplateId) {
         let deadline = Instant::now() + self.options.step_time_limit;
-        let template = self.template_mut(id)?;
+        let Some(template) = self.templates.get_mut(&id) else { return };
+        let Some(source) = template.process.as_ref().map(|process| process.slot) else { return };
         let count = template.waiting.len().min(COPIES);
         template.copying = template.waiting.drain(..count).collect();
         template.phase = Phase::Copying(deadline);
-        let source = template.process.slot;
         let slots: Vec<u32> = template.copying.iter().map(|request| request.slot).collect();
         self.region.list_copies(source, &slots);
         self.region.command(source, Command::Copy);
-        Ok(())
     }
 
     /// Copies of the worker in a slot, which must be ready.
@@ -240,6 +256,30 @@ impl Pool {
         self.slots.file(slot, extension)
     }
 
+    /// Keeps the template of a setting for an episode to come; one is queued if there is none.
+    ///
+    /// # Errors
+    /// As [`Pool::template_of`].
+    pub(super) fn reserve(&mut self, setting: &Setting) -> Result<TemplateId> {
+        let id = self.template_of(setting)?;
+        self.template_mut(id)?.users += 1;
+        Ok(id)
+    }
+
+    /// Gives a reservation back. A preparation that has not started and that nobody else waits for is dropped.
+    pub(super) fn cancel(&mut self, id: TemplateId) {
+        let Some(template) = self.templates.get_mut(&id) else { return };
+        template.users = template.users.saturating_sub(1);
+        if template.users == 0 && template.phase == Phase::Queued {
+            self.drop_template(id);
+        }
+    }
+
+    /// Whether a template is ready, so that an episode of it begins within milliseconds.
+    pub(super) fn is_prepared(&self, id: TemplateId) -> bool {
+        self.templates.get(&id).is_some_and(|template| !template.is_unprepared())
+    }
+
     /// Ends a worker, or a wait for one.
     pub(super) fn release(&mut self, place: Place) {
         if let Some(template) = self.templates.get_mut(&place.template) {
@@ -252,14 +292,14 @@ impl Pool {
 
     /// The processes of the templates.
     pub(super) fn template_processes(&self) -> Vec<u32> {
-        self.templates.values().map(|template| template.process.child.id()).collect()
+        self.templates.values().filter_map(Template::process_id).collect()
     }
 
     /// The processes of the templates that are not ready yet.
     pub(super) fn preparing_processes(&self) -> Vec<u32> {
         let preparing =
             self.templates.values().filter(|template| matches!(template.phase, Phase::Preparing(_)));
-        preparing.map(|template| template.process.child.id()).collect()
+        preparing.filter_map(Template::process_id).collect()
     }
 
     /// The temporary folder of everything that its processes write.
@@ -279,7 +319,8 @@ impl Pool {
 impl Drop for Pool {
     /// Ends every process: copies first, so that their templates reap them.
     fn drop(&mut self) {
-        let templates: Vec<u32> = self.templates.values().map(|template| template.process.slot).collect();
+        let processes = self.templates.values().filter_map(|template| template.process.as_ref());
+        let templates: Vec<u32> = processes.map(|process| process.slot).collect();
         self.slots.end_all_but(&templates);
         for id in self.templates.keys().copied().collect::<Vec<_>>() {
             self.drop_template(id);

@@ -14,17 +14,16 @@ use crate::vector::region::{Status, WIDTH};
 use crate::vector::setting::{Order, Setting, Source};
 use crate::{Error, Result};
 
-/// Buildings whose preparation is remembered.
-const PREPARED: usize = 256;
+/// Buildings whose preparation is remembered; those of more are on disk.
+const PREPARED: usize = 16;
 /// Times that a preparation is tried before it fails.
 const ATTEMPTS: u32 = 2;
 
 impl Pool {
-    /// The template of a setting; one is started if there is none. Does not wait for it.
+    /// The template of a setting; one is queued if there is none. Does not wait for it.
     ///
     /// # Errors
-    /// Those of [`EpisodeConfig::check`](crate::EpisodeConfig::check); [`Error::Pool`] when no process can be started;
-    /// [`Error::Io`] for its order.
+    /// Those of [`EpisodeConfig::check`](crate::EpisodeConfig::check).
     pub(in crate::vector) fn template_of(&mut self, setting: &Setting) -> Result<TemplateId> {
         self.clock += 1;
         let found = self.templates.iter_mut().find(|(_, template)| template.setting.is(setting));
@@ -34,11 +33,10 @@ impl Pool {
         }
         setting.episode.check()?;
         self.make_room();
-        let process = self.start_process(setting)?;
         let id = TemplateId(self.next_template);
         self.next_template += 1;
-        let deadline = Instant::now() + self.options.preparation_time_limit;
-        self.templates.insert(id, Template::new(setting.clone(), process, deadline, self.clock));
+        self.templates.insert(id, Template::new(setting.clone(), self.clock));
+        self.start_queued();
         Ok(id)
     }
 
@@ -46,12 +44,53 @@ impl Pool {
     ///
     /// # Errors
     /// [`Error::Template`] with the reason when the building cannot be made an environment; [`Error::Lost`] when its
-    /// preparation died or hung twice. The template is dropped then, and the next request tries again.
+    /// preparation died or hung twice; [`Error::Pool`] when no process can be started; [`Error::Io`] for its order. The
+    /// template is dropped then, and the next request tries again.
     pub(in crate::vector) fn spaces_of(&mut self, id: TemplateId) -> Result<Option<Arc<Spaces>>> {
-        if self.template_mut(id)?.spaces.is_none() {
-            self.advance(id)?;
+        let template = self.template_mut(id)?;
+        template.is_urgent = true;
+        if template.is_unprepared() {
+            self.pump();
         }
-        Ok(self.template_mut(id)?.spaces.clone())
+        let template = self.template_mut(id)?;
+        match template.failure.take() {
+            None => Ok(template.spaces.clone()),
+            Some(error) => {
+                self.drop_template(id);
+                Err(error)
+            }
+        }
+    }
+
+    /// Starts preparations as far as they may run at the same time: first those that are waited for, then in the order
+    /// of the requests.
+    pub(super) fn start_queued(&mut self) {
+        loop {
+            let preparing = |template: &&Template| matches!(template.phase, Phase::Preparing(_));
+            if self.templates.values().filter(preparing).count() >= self.options.preparations.max(1) {
+                return;
+            }
+            let queued = self.templates.iter().filter(|(_, template)| template.phase == Phase::Queued);
+            let urgent = |template: &Template| template.is_urgent || !template.waiting.is_empty();
+            let Some(id) = queued.min_by_key(|(id, template)| (!urgent(template), **id)).map(|(id, _)| *id)
+            else {
+                return;
+            };
+            if let Err(error) = self.start_preparation(id) {
+                self.give_up(id, error);
+            }
+        }
+    }
+
+    fn start_preparation(&mut self, id: TemplateId) -> Result<()> {
+        let setting = self.template_mut(id)?.setting.clone();
+        let process = self.start_process(&setting)?;
+        let deadline = Instant::now() + self.options.preparation_time_limit;
+        let template = self.template_mut(id)?;
+        template.process = Some(process);
+        template.phase = Phase::Preparing(deadline);
+        template.attempts += 1;
+        Ok(())
     }
 
     pub(super) fn advance_preparation(
@@ -60,32 +99,37 @@ impl Pool {
         ready: bool,
         ended: bool,
         deadline: Instant,
-    ) -> Result<()> {
+    ) {
         if ready {
             return match self.read_reply(id) {
                 Ok(()) => self.advance(id),
-                Err(error) => Err(self.give_up(id, error)),
+                Err(error) => self.give_up(id, error),
             };
         }
         if ended {
-            let template = self.template_mut(id)?;
-            let status = template.process.child.try_wait().ok().flatten();
-            let slot = template.process.slot;
-            let program = self.options.launcher.program().display().to_string();
-            let why = format!("{} (program {program})", self.slots.epitaph(slot, status));
+            let why = self.how_it_ended(id);
             return self.retry(id, why);
         }
         if Instant::now() > deadline {
             let limit = self.options.preparation_time_limit;
-            return self.retry(id, format!("its preparation took longer than {limit:?} and was killed"));
+            self.retry(id, format!("its preparation took longer than {limit:?} and was killed"));
         }
-        Ok(())
+    }
+
+    /// How the process of a template ended.
+    fn how_it_ended(&mut self, id: TemplateId) -> String {
+        let process = self.templates.get_mut(&id).and_then(|template| template.process.as_mut());
+        let Some(process) = process else { return "its process is gone".into() };
+        let status = process.child.try_wait().ok().flatten();
+        let program = self.options.launcher.program().display();
+        format!("{} (program {program})", self.slots.epitaph(process.slot, status))
     }
 
     /// Takes what a template that is ready says of itself.
     fn read_reply(&mut self, id: TemplateId) -> Result<()> {
         let Template { process, setting, .. } = self.template_mut(id)?;
-        let (slot, name) = (process.slot, setting.source.name().to_owned());
+        let Some(process) = process else { return Ok(()) };
+        let (slot, child, name) = (process.slot, process.child.id(), setting.source.name().to_owned());
         let (path, setting) = (process.order.with_extension("ready"), setting.clone());
         if self.region.status(slot) == Status::Failed {
             let why = String::from_utf8_lossy(&self.region.report(slot)).into_owned();
@@ -98,8 +142,8 @@ impl Pool {
         let spaces = Arc::new(Spaces::new(Arc::clone(&building), setting.episode.clone()));
         check_widths(&spaces)?;
         let template = self.template_mut(id)?;
-        template.process.remove_files();
-        template.memory = resident_memory(template.process.child.id()).unwrap_or(0);
+        template.process.iter().for_each(TemplateProcess::remove_files);
+        template.memory = resident_memory(child).unwrap_or(0);
         template.spaces = Some(spaces);
         template.phase = Phase::Idle;
         self.prepared.retain(|(known, _)| !known.shares_preparation_with(&setting));
@@ -111,20 +155,19 @@ impl Pool {
     }
 
     /// Prepares once more what died or hung, or gives up.
-    fn retry(&mut self, id: TemplateId, why: String) -> Result<()> {
-        let template = self.template_mut(id)?;
+    fn retry(&mut self, id: TemplateId, why: String) {
+        let Some(template) = self.templates.get(&id) else { return };
         if template.attempts >= ATTEMPTS {
             let what = format!("the template of {}", template.setting.source.name());
-            return Err(self.give_up(id, lost(&what, why)));
+            return self.give_up(id, lost(&what, why));
         }
-        template.attempts += 1;
-        self.restart(id)
+        self.restart(id);
     }
 
     /// Replaces a template that was ready and is gone: those who wait for a copy get one of its successor.
-    pub(super) fn replace(&mut self, id: TemplateId) -> Result<()> {
-        let template = self.template_mut(id)?;
-        template.attempts = 1;
+    pub(super) fn replace(&mut self, id: TemplateId) {
+        let Some(template) = self.templates.get_mut(&id) else { return };
+        template.attempts = 0;
         let interrupted = std::mem::take(&mut template.copying);
         for Request { slot, failures } in interrupted.into_iter().rev() {
             // One that has attached no longer needs its template.
@@ -134,35 +177,34 @@ impl Pool {
             if failures + 1 == FAILURES {
                 self.region.fail(slot, &format!("its template died or hung {FAILURES} times"));
             } else {
-                self.template_mut(id)?.waiting.push_front(Request { slot, failures: failures + 1 });
+                template.waiting.push_front(Request { slot, failures: failures + 1 });
             }
         }
-        self.restart(id)
+        self.restart(id);
     }
 
-    /// Starts a new process for a template.
-    fn restart(&mut self, id: TemplateId) -> Result<()> {
-        let setting = self.template_mut(id)?.setting.clone();
-        let process = match self.start_process(&setting) {
-            Ok(process) => process,
-            Err(error) => return Err(self.give_up(id, error)),
-        };
-        let deadline = Instant::now() + self.options.preparation_time_limit;
-        let template = self.template_mut(id)?;
-        template.phase = Phase::Preparing(deadline);
-        let old = std::mem::replace(&mut template.process, process);
-        self.end_process(old);
-        Ok(())
+    /// Queues a template for a new process.
+    fn restart(&mut self, id: TemplateId) {
+        let Some(template) = self.templates.get_mut(&id) else { return };
+        template.phase = Phase::Queued;
+        template.is_urgent = true;
+        if let Some(process) = template.process.take() {
+            self.end_process(process);
+        }
+        self.start_queued();
     }
 
-    /// Drops a template that cannot be made, and tells those who wait for it.
-    fn give_up(&mut self, id: TemplateId, error: Error) -> Error {
-        let Some(template) = self.templates.get_mut(&id) else { return error };
+    /// Keeps why a template cannot be made, and tells those who wait for it.
+    fn give_up(&mut self, id: TemplateId, error: Error) {
+        let Some(template) = self.templates.get_mut(&id) else { return };
         for Request { slot, .. } in template.waiting.drain(..) {
             self.region.fail(slot, &error.to_string());
         }
-        self.drop_template(id);
-        error
+        template.phase = Phase::Failed;
+        template.failure = Some(error);
+        if let Some(process) = template.process.take() {
+            self.end_process(process);
+        }
     }
 
     fn start_process(&mut self, setting: &Setting) -> Result<TemplateProcess> {
@@ -212,8 +254,8 @@ impl Pool {
     }
 
     pub(super) fn drop_template(&mut self, id: TemplateId) {
-        if let Some(template) = self.templates.remove(&id) {
-            self.end_process(template.process);
+        if let Some(process) = self.templates.remove(&id).and_then(|template| template.process) {
+            self.end_process(process);
         }
     }
 

@@ -6,6 +6,7 @@ use std::process::Child;
 use std::sync::Arc;
 use std::time::Instant;
 
+use crate::Error;
 use crate::spaces::Spaces;
 use crate::vector::setting::Setting;
 
@@ -16,15 +17,20 @@ pub(in crate::vector) struct TemplateId(pub(super) u64);
 /// A building at the end of its warm-up, or on the way there.
 pub(super) struct Template {
     pub(super) setting: Setting,
-    pub(super) process: TemplateProcess,
+    /// `None` until its preparation starts, and once it has failed.
+    pub(super) process: Option<TemplateProcess>,
     pub(super) phase: Phase,
+    /// Why it cannot be made, until that is asked for.
+    pub(super) failure: Option<Error>,
     pub(super) spaces: Option<Arc<Spaces>>,
     /// Preparations tried in a row.
     pub(super) attempts: u32,
     /// Resident memory, bytes.
     pub(super) memory: u64,
-    /// Slots that belong to copies of it, or to episodes that wait for one.
+    /// Copies of it, episodes that wait for one, and reservations.
     pub(super) users: usize,
+    /// Whether its preparation is waited for, and not ahead of its use.
+    pub(super) is_urgent: bool,
     /// When it was last asked for.
     pub(super) used: u64,
     /// Slots that wait for a copy.
@@ -43,12 +49,16 @@ pub(super) struct TemplateProcess {
 /// What the process of a template does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Phase {
+    /// Waits for its turn to be prepared.
+    Queued,
     /// Sizing and warm-up, until a deadline.
     Preparing(Instant),
     /// Waits to be copied.
     Idle,
     /// Copies itself, until a deadline.
     Copying(Instant),
+    /// Cannot be made.
+    Failed,
 }
 
 /// A slot that waits for a copy.
@@ -60,15 +70,18 @@ pub(super) struct Request {
 }
 
 impl Template {
-    pub(super) fn new(setting: Setting, process: TemplateProcess, deadline: Instant, used: u64) -> Self {
+    /// A template that waits for its turn.
+    pub(super) fn new(setting: Setting, used: u64) -> Self {
         Self {
             setting,
-            process,
-            phase: Phase::Preparing(deadline),
+            process: None,
+            phase: Phase::Queued,
+            failure: None,
             spaces: None,
-            attempts: 1,
+            attempts: 0,
             memory: 0,
             users: 0,
+            is_urgent: false,
             used,
             waiting: VecDeque::new(),
             copying: Vec::new(),
@@ -77,6 +90,21 @@ impl Template {
 
     /// Whether it may be ended to make room.
     pub(super) fn is_idle(&self) -> bool {
-        self.phase == Phase::Idle && self.users == 0
+        matches!(self.phase, Phase::Idle | Phase::Failed) && self.users == 0
+    }
+
+    /// Whether it waits for its turn or is being prepared.
+    pub(super) fn is_unprepared(&self) -> bool {
+        matches!(self.phase, Phase::Queued | Phase::Preparing(_))
+    }
+
+    /// Whether there is something to do once its process reports or ends.
+    pub(super) fn is_underway(&self) -> bool {
+        matches!(self.phase, Phase::Preparing(_)) || !self.waiting.is_empty() || !self.copying.is_empty()
+    }
+
+    /// Its process and the worker slot of that.
+    pub(super) fn process_id(&self) -> Option<u32> {
+        self.process.as_ref().map(|process| process.child.id())
     }
 }

@@ -3,19 +3,22 @@
 mod succession;
 
 use std::sync::Arc;
+use std::time::Instant;
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use super::episode::Episode;
+use super::form::{Arrangement, EpisodeForm, Form, Padded};
 use super::sampler::{Draw, Sampler};
 use super::setting::Setting;
+use super::statistics::Statistics;
 use super::worker_options::WorkerOptions;
-use super::workers::Workers;
+use super::workers::{Reservation, Workers};
 use crate::metrics::Metrics;
 use crate::reward::Reward;
 use crate::spaces::Spaces;
-use crate::{Environment, Error, Result};
+use crate::{Error, Result};
 
 /// When an environment whose episode is over begins the next, after Gymnasium's `AutoresetMode`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -46,6 +49,9 @@ pub struct VecEnvOptions {
 ///
 /// - Observations: N rows, padded with zeros to one width, f64; see [`VecEnv::spaces`] for what is in a row.
 /// - Actions: N rows, padded to one width; what is behind a building's last actuator is not read.
+/// - A [`Form`] arranges both otherwise: see [`VecEnv::with_form`].
+/// - The building of each environment's next episode is prepared while the current episode runs. If it is not ready in
+///   time, the environment waits for it: see [`VecEnv::statistics`].
 /// - An environment whose worker dies is *lost*: truncated with a reason, and reset like one that is over.
 /// - The same seed and actions give the same bits, however fast each environment is.
 ///
@@ -54,7 +60,9 @@ pub struct VecEnv {
     workers: Workers,
     autoreset: Autoreset,
     sampler: Box<dyn Sampler>,
+    form: Box<dyn Form>,
     widths: (usize, usize),
+    statistics: Statistics,
     environments: Vec<One>,
     observations: Vec<f64>,
     rewards: Vec<Reward>,
@@ -66,11 +74,22 @@ struct One {
     episode: Option<Episode>,
     state: State,
     random: ChaCha8Rng,
-    next: Option<Draw>,
+    next: Option<Next>,
+    /// When it began to wait for a preparation.
+    waiting: Option<Instant>,
     spaces: Option<Arc<Spaces>>,
+    form: Option<Box<dyn EpisodeForm>>,
+    /// The last action, in physical units.
+    action: Vec<f64>,
     lost: Option<String>,
     final_observation: Vec<f64>,
     final_metrics: Option<Metrics>,
+}
+
+/// The next episode of an environment, and its template.
+struct Next {
+    draw: Draw,
+    reservation: Reservation,
 }
 
 /// What an environment waits for.
@@ -95,7 +114,10 @@ impl One {
             state: State::Over,
             random: ChaCha8Rng::seed_from_u64(0),
             next: None,
+            waiting: None,
             spaces: None,
+            form: None,
+            action: Vec::new(),
             lost: None,
             final_observation: Vec::new(),
             final_metrics: None,
@@ -121,12 +143,23 @@ impl VecEnv {
             workers: Workers::new(options.workers)?,
             autoreset: options.autoreset,
             sampler,
+            form: Box::new(Padded { widths, arrangement: Arrangement::InOrder }),
             widths,
+            statistics: Statistics::default(),
             environments: (0..count).map(|_| One::new()).collect(),
             observations: vec![0.0; count * widths.1],
             rewards: vec![Reward::default(); count],
             truncated: vec![false; count],
         })
+    }
+
+    /// Arranges observations and actions by a form, before the first reset.
+    #[must_use]
+    pub fn with_form(mut self, form: Box<dyn Form>) -> Self {
+        self.widths = form.widths();
+        self.observations = vec![0.0; self.len() * self.widths.1];
+        self.form = form;
+        self
     }
 
     /// Prepares settings ahead of the first reset and returns their spaces.
@@ -143,12 +176,15 @@ impl VecEnv {
     /// [`Error::Template`] when the building of the first episode of one cannot be made an environment;
     /// [`Error::Lost`] when one is lost; [`Error::Interrupted`].
     pub fn reset(&mut self, seed: u64) -> Result<()> {
+        self.sampler.restart();
         for index in 0..self.len() {
             self.abandon(index);
             let one = &mut self.environments[index];
             one.random = ChaCha8Rng::seed_from_u64(seed);
             one.random.set_stream(index as u64);
             one.next = None;
+            one.waiting = None;
+            one.form = None;
             one.lost = None;
         }
         for index in 0..self.len() {
@@ -239,6 +275,16 @@ impl VecEnv {
         self.environments[environment].spaces.as_deref()
     }
 
+    /// As [`VecEnv::spaces`], to be shared.
+    pub fn shared_spaces(&self, environment: usize) -> Option<&Arc<Spaces>> {
+        self.environments[environment].spaces.as_ref()
+    }
+
+    /// The form of an environment's current episode. `None` before the first reset.
+    pub fn form(&self, environment: usize) -> Option<&dyn EpisodeForm> {
+        self.environments[environment].form.as_deref()
+    }
+
     /// Observations, one row each; the first [`VecEnv::spaces`]`.observation.len()` numbers of a row are the building's,
     /// the rest is padding. [`Decomposition::padded`](crate::Decomposition::padded) makes a row arrays of nodes.
     pub fn observations(&self) -> &[f64] {
@@ -265,7 +311,7 @@ impl VecEnv {
         self.environments[environment].lost.as_deref()
     }
 
-    /// The last observation of the last episode that ended. Empty before.
+    /// The last observation of the last episode that ended, as a row. Empty before.
     pub fn final_observation(&self, environment: usize) -> &[f64] {
         &self.environments[environment].final_observation
     }
@@ -280,6 +326,11 @@ impl VecEnv {
         self.environments[environment].episode.as_ref().and_then(Episode::process)
     }
 
+    /// Counts of episodes, building changes and waits for preparations.
+    pub fn statistics(&self) -> Statistics {
+        self.statistics
+    }
+
     /// The workers.
     pub fn workers(&self) -> &Workers {
         &self.workers
@@ -287,11 +338,11 @@ impl VecEnv {
 
     fn check(&self, environment: usize, action: &[f64]) -> Result<()> {
         let one = &self.environments[environment];
-        match (one.state, &one.spaces) {
-            (State::Ready, Some(spaces)) => {
-                let width = spaces.action.len();
-                let action = action.get(..width);
-                spaces.action.check(action.ok_or(Error::ActionLength { given: 0, expected: width })?)
+        match (one.state, &one.form) {
+            (State::Ready, Some(form)) => {
+                let space = form.actions();
+                let action = action.get(..space.len());
+                space.check(action.ok_or(Error::ActionLength { given: 0, expected: space.len() })?)
             }
             (State::Over, _) if self.autoreset != Autoreset::Disabled => Ok(()),
             (State::Over, _) => Err(Error::NotReset),
@@ -305,10 +356,10 @@ impl VecEnv {
         self.truncated[index] = false;
         let one = &mut self.environments[index];
         one.lost = None;
-        match (&mut one.episode, one.state) {
-            (Some(episode), State::Ready) => {
-                let width = episode.spaces().action.len();
-                episode.send(&action[..width])?;
+        match (&mut one.episode, &mut one.form, one.state) {
+            (Some(episode), Some(form), State::Ready) => {
+                form.act(episode.observation(), action, &mut one.action);
+                episode.send(&one.action)?;
                 one.state = State::Stepping;
             }
             _ => self.begin(index),

@@ -1,12 +1,14 @@
 //! Which episode an environment runs, from its draw to its end.
 
 use std::sync::Arc;
+use std::time::Instant;
 
-use super::{Autoreset, State, VecEnv};
+use super::{Autoreset, Next, State, VecEnv};
 use crate::spaces::Spaces;
 use crate::vector::batch::rest;
 use crate::vector::episode::Episode;
 use crate::vector::episode_options::EpisodeOptions;
+use crate::vector::form::{Arrangement, Padded};
 use crate::vector::setting::Setting;
 use crate::{Environment, Error, Result};
 
@@ -16,8 +18,8 @@ impl VecEnv {
         let one = &mut self.environments[index];
         if one.next.is_none() {
             let draw = self.sampler.draw(index, &mut one.random)?;
-            self.workers.start_preparing(&draw.setting)?;
-            one.next = Some(draw);
+            let reservation = self.workers.reserve(&draw.setting)?;
+            one.next = Some(Next { draw, reservation });
         }
         Ok(())
     }
@@ -25,12 +27,12 @@ impl VecEnv {
     /// Sets the widths to those of the largest of the episodes to come.
     pub(super) fn measure(&mut self) -> Result<()> {
         let next = self.environments.iter().filter_map(|one| one.next.as_ref());
-        let settings: Vec<Setting> = next.map(|draw| draw.setting.clone()).collect();
-        for spaces in self.workers.prepare_all(&settings)? {
-            self.widths.0 = self.widths.0.max(spaces.action.len());
-            self.widths.1 = self.widths.1.max(spaces.observation.len());
-        }
+        let settings: Vec<Setting> = next.map(|next| next.draw.setting.clone()).collect();
+        let all = self.workers.prepare_all(&settings)?;
+        let form = Padded::fitting(&all, Arrangement::InOrder);
+        self.widths = form.widths;
         self.observations = vec![0.0; self.len() * self.widths.1];
+        self.form = Box::new(form);
         Ok(())
     }
 
@@ -39,7 +41,14 @@ impl VecEnv {
         self.abandon(index);
         self.environments[index].state = State::Preparing;
         if let Err(error) = self.draw(index) {
-            self.lose(index, error.to_string());
+            return self.lose(index, error.to_string());
+        }
+        let one = &mut self.environments[index];
+        // The first episode after a reset has nothing to be prepared during.
+        let is_late = one.next.as_ref().is_some_and(|next| !next.reservation.is_prepared());
+        if is_late && one.form.is_some() {
+            one.waiting = Some(Instant::now());
+            self.statistics.waits += 1;
         }
     }
 
@@ -49,8 +58,8 @@ impl VecEnv {
             if self.environments[index].state != State::Preparing {
                 continue;
             }
-            let Some(draw) = &self.environments[index].next else { continue };
-            match self.workers.try_prepare(&draw.setting) {
+            let Some(next) = &self.environments[index].next else { continue };
+            match next.reservation.spaces() {
                 Ok(None) => {}
                 Ok(Some(spaces)) => {
                     if let Err(error) = self.start(index, spaces) {
@@ -64,32 +73,28 @@ impl VecEnv {
 
     /// Has the next episode of an environment begin.
     fn start(&mut self, index: usize, spaces: Arc<Spaces>) -> Result<()> {
-        self.check_widths(&spaces)?;
+        let form = self.form.episode(&spaces)?;
         let one = &mut self.environments[index];
-        let Some(draw) = one.next.take() else { return Ok(()) };
+        // Its template is kept until the episode waits for a copy of it.
+        let Some(Next { draw, reservation }) = one.next.take() else { return Ok(()) };
         let options =
             EpisodeOptions { max_steps: draw.steps, processor: Some(index as u32), finish_run: false };
         let episode = Episode::new(self.workers.clone(), draw.setting, Arc::clone(&spaces));
         let episode = one.episode.insert(episode.with_options(options));
         episode.begin()?;
+        drop(reservation);
         one.state = State::Starting;
-        one.spaces = Some(spaces);
+        one.form = Some(form);
+        one.action.resize(spaces.action.len(), 0.0);
+        let before = one.spaces.replace(spaces);
+        let changes =
+            before.zip(one.spaces.as_ref()).is_some_and(|(old, new)| old.building.name != new.building.name);
+        self.statistics.episodes += 1;
+        self.statistics.building_changes += u64::from(changes);
+        self.statistics.waited += one.waiting.take().map(|since| since.elapsed()).unwrap_or_default();
         // The episode after this one is prepared while this one runs. What cannot be drawn now is drawn again, and
         // reported, when its turn comes.
         let _ = self.draw(index);
-        Ok(())
-    }
-
-    fn check_widths(&self, spaces: &Spaces) -> Result<()> {
-        let (actions, observations) = self.widths;
-        for (what, width, most) in [
-            ("actuators", spaces.action.len(), actions),
-            ("observation slots", spaces.observation.len(), observations),
-        ] {
-            if width > most {
-                return Err(Error::TooWide { name: spaces.building.name.clone(), what, width, most });
-            }
-        }
         Ok(())
     }
 
@@ -97,6 +102,7 @@ impl VecEnv {
     pub(super) fn wait(&mut self, count: usize) -> Result<()> {
         loop {
             let done = self.workers.region().done();
+            self.workers.lock().pump_when_due();
             self.begin_prepared();
             (0..self.len()).for_each(|index| self.take_back(index));
             let busy = self.environments.iter().filter(|one| one.is_busy()).count();
@@ -121,8 +127,9 @@ impl VecEnv {
         }
         let observation = episode.observation();
         let row = &mut self.observations[index * self.widths.1..][..self.widths.1];
-        row[..observation.len()].copy_from_slice(observation);
-        row[observation.len()..].fill(0.0);
+        if let Some(form) = &one.form {
+            form.observe(observation, row);
+        }
         if one.state == State::Stepping {
             self.rewards[index] = episode.reward();
         }
@@ -131,7 +138,7 @@ impl VecEnv {
             self.truncated[index] = true;
             one.final_metrics = episode.metrics().cloned();
             one.final_observation.clear();
-            one.final_observation.extend_from_slice(episode.observation());
+            one.final_observation.extend_from_slice(row);
             match self.autoreset {
                 Autoreset::SameStep => self.begin(index),
                 Autoreset::NextStep | Autoreset::Disabled => self.abandon(index),
@@ -147,19 +154,24 @@ impl VecEnv {
         one.lost = Some(why);
         one.final_metrics = None;
         one.next = None;
+        one.waiting = None;
         self.truncated[index] = true;
     }
 
-    /// Loses every environment that waits for a preparation that failed.
+    /// Loses every environment that waits for the preparation that failed.
     fn lose_those_like(&mut self, first: usize, error: &Error) {
-        let Some(failed) = self.environments[first].next.as_ref().map(|draw| draw.setting.clone()) else {
-            return;
-        };
-        for index in first..self.len() {
-            let one = &self.environments[index];
-            let same = one.next.as_ref().is_some_and(|draw| draw.setting.is(&failed));
-            if one.state == State::Preparing && same {
+        let Some(failed) = self.environments[first].next.take() else { return };
+        self.lose(first, error.to_string());
+        for index in 0..self.len() {
+            let one = &mut self.environments[index];
+            let Some(next) = one.next.as_mut().filter(|next| next.reservation.is(&failed.reservation)) else {
+                continue;
+            };
+            if one.state == State::Preparing {
                 self.lose(index, error.to_string());
+            } else if let Ok(again) = self.workers.reserve(&next.draw.setting) {
+                // It is tried once more for an episode that is still to come.
+                next.reservation = again;
             }
         }
     }

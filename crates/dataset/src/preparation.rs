@@ -1,0 +1,69 @@
+//! Preparation of a building, which takes the engine a run to size it, through a cache on disk.
+
+use std::path::Path;
+
+use b2b_building::{Class, Model, PreparedBuilding};
+use b2b_energyplus::Library;
+
+use crate::Result;
+use crate::preparation_cache::PreparationCache;
+
+/// A model to be prepared for control.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Preparation {
+    /// Name of the building.
+    pub name: String,
+    /// Building type and climate zone, if known.
+    pub class: Option<Class>,
+    /// Whether the model is an unmodified prototype that ships with the engine.
+    pub prototype: bool,
+    /// Whether it is a user's model, whose unsupported systems keep their own controls.
+    pub own: bool,
+    /// The model before sizing.
+    pub model: Model,
+}
+
+impl Preparation {
+    /// Sizes the model for a weather file and makes it controllable, or takes the result of an earlier preparation from
+    /// the cache.
+    ///
+    /// # Errors
+    /// Those of [`PreparedBuilding::new`].
+    pub fn run(self, weather: &Path, library: &Library) -> Result<PreparedBuilding> {
+        let cache = PreparationCache::from_env();
+        let key = cache.as_ref().and_then(|_| self.key(weather, library));
+        let (Some(cache), Some(key)) = (cache, key) else { return self.run_anew(weather, library) };
+        if let Some(building) = cache.read(&key) {
+            return Ok(building);
+        }
+        let building = self.run_anew(weather, library)?;
+        cache.write(&key, &building);
+        Ok(building)
+    }
+
+    /// Returns the prepared building if the cache has it, without running the engine.
+    pub fn cached(&self, weather: &Path, library: &Library) -> Option<PreparedBuilding> {
+        PreparationCache::from_env()?.read(&self.key(weather, library)?)
+    }
+
+    fn run_anew(self, weather: &Path, library: &Library) -> Result<PreparedBuilding> {
+        let make = if self.own { PreparedBuilding::as_far_as_possible } else { PreparedBuilding::new };
+        let mut building = make(&self.name, self.model, weather, library)?.of_class(self.class);
+        building.prototype = self.prototype;
+        Ok(building)
+    }
+
+    /// Returns the digest of everything that the result depends on; `None` if the weather file cannot be read.
+    fn key(&self, weather: &Path, library: &Library) -> Option<String> {
+        use b2b_energyplus::digest::sha256;
+        let Self { name, class, prototype, own, model } = self;
+        let inputs = (
+            concat!(env!("CARGO_PKG_VERSION"), " ", env!("B2B_PREPARATION_SOURCES")),
+            library.version(),
+            sha256(std::fs::read(weather).ok()?),
+            sha256(serde_json::to_vec(model).ok()?),
+            (name, class, prototype, own),
+        );
+        Some(sha256(serde_json::to_vec(&inputs).ok()?))
+    }
+}
