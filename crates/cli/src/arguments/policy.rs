@@ -6,8 +6,8 @@ use b2b_benchmark::{ActionScale, Policy};
 #[derive(clap::Args)]
 pub struct PolicyArguments {
     /// Policy: reactive, random, constant, planner, or an ONNX file
-    #[arg(long, value_name = "POLICY")]
-    pub policy: String,
+    #[arg(long, value_name = "POLICY", required = true)]
+    policy: Option<String>,
     /// Scale of the actions of an ONNX policy
     #[arg(long, value_enum, default_value_t = Actions::Rescaled)]
     actions: Actions,
@@ -31,8 +31,13 @@ impl PolicyArguments {
         }
     }
 
+    /// Returns the text of the policy; empty only where a subcommand lifts the requirement.
+    pub fn text(&self) -> &str {
+        self.policy.as_deref().unwrap_or_default()
+    }
+
     /// Returns the policy. Errors if it is unknown or cannot be read.
     pub fn load(&self) -> b2b_benchmark::Result<Box<dyn Policy>> {
-        <dyn Policy>::named(&self.policy, self.scale())
+        <dyn Policy>::named(self.text(), self.scale())
     }
 }

@@ -103,7 +103,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
 impl Arguments {
     fn entry(&self) -> Result<Entry> {
         let problem = self.selection.problem()?;
-        let policy = self.entry_policy(&problem, &self.policy.policy, Stage::Test)?;
+        let policy = self.entry_policy(&problem, self.policy.text(), Stage::Test)?;
         let train_policy = self.train_policy.as_ref();
         let train_policy =
             train_policy.map(|text| self.entry_policy(&problem, text, Stage::Train)).transpose()?;

@@ -5,7 +5,7 @@ mod compare;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use anyhow::{Result, bail};
+use anyhow::{Context, Result};
 use b2b_benchmark::statistics::Aggregate;
 use b2b_benchmark::{Baselines, Episode, Folder, Group, Results, Subject, Summary, Window};
 use b2b_building::RunPeriod;
@@ -39,9 +39,9 @@ use crate::table::Table;
 pub struct Arguments {
     #[command(subcommand)]
     command: Option<Command>,
-    /// Present unless there is a subcommand.
+    // Not an `Option`: clap would never fill it, because it flattens other arguments.
     #[command(flatten)]
-    run: Option<Run>,
+    run: Run,
 }
 
 #[derive(clap::Subcommand)]
@@ -73,8 +73,8 @@ struct Run {
     #[command(flatten)]
     jobs: Jobs,
     /// Output folder
-    #[arg(long, value_name = "FOLDER")]
-    out: PathBuf,
+    #[arg(long, value_name = "FOLDER", required = true)]
+    out: Option<PathBuf>,
     /// Print one JSON object instead of the text report
     #[arg(long)]
     json: bool,
@@ -94,17 +94,17 @@ lists it, to an array [1, action]. Actions range from -1 to 1 between the bounds
 
 /// Runs the command.
 pub fn evaluate(arguments: &Arguments) -> Result<ExitCode> {
-    match (&arguments.command, &arguments.run) {
-        (Some(Command::Compare(arguments)), _) => compare::compare(arguments),
-        (None, Some(arguments)) => run(arguments),
-        (None, None) => bail!("no policy; see `b2b evaluate --help`"),
+    match &arguments.command {
+        Some(Command::Compare(arguments)) => compare::compare(arguments),
+        None => run(&arguments.run),
     }
 }
 
 fn run(arguments: &Run) -> Result<ExitCode> {
     let policy = arguments.policy.load()?;
     let episodes = arguments.episodes()?;
-    let folder = Folder::open(&arguments.out, policy.as_ref(), &episodes)?;
+    let out = arguments.out.as_deref().context("--out is required")?;
+    let folder = Folder::open(out, policy.as_ref(), &episodes)?;
     let catalog = Catalog::open(&mut Download::new(arguments.json))?;
     fetch_weather(&episodes, arguments.json)?;
     let evaluation = evaluation(&catalog, arguments.jobs.count()?)?;
