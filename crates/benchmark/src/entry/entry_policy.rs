@@ -224,6 +224,12 @@ impl Policy for Files {
         format!("onnx {}, {} files, actions {:?}", sha256(all), self.files.len(), self.scale)
     }
 
+    fn observation_width(&self) -> Option<usize> {
+        let mut widths = self.files.values().map(|file| file.policy.observation_width());
+        let first = widths.next()??;
+        widths.all(|width| width == Some(first)).then_some(first)
+    }
+
     fn controller(&self, context: EpisodeContext<'_>) -> Result<Box<dyn Controller>> {
         let EpisodeContext { subject, spaces, seed, .. } = &context;
         // The energy scale is the building's: the task that was asked for has none.
