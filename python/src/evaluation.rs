@@ -2,12 +2,12 @@
 
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard};
+use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 use std::time::Duration;
 
-use arrow_array::RecordBatch;
 use arrow_array::cast::AsArray;
 use arrow_array::types::{Float64Type, UInt32Type, UInt64Type};
+use arrow_array::{ArrayRef, RecordBatch};
 use b2b_benchmark::{
     ActionScale, Baselines, Episode, EpisodeContext, Evaluation, Folder, Policy, Progress, Results, Subject,
     episode_table,
@@ -126,7 +126,12 @@ pub fn baseline(py: Python<'_>, episode: Asked) -> PyResult<(f64, f64, u64)> {
 fn running() -> PyResult<MutexGuard<'static, ()>> {
     let one_at_a_time =
         || Exception::Process.new_err("an evaluation is already running in this process; wait until it ends");
-    let running = RUNNING.try_lock().map_err(|_| one_at_a_time())?;
+    let running = match RUNNING.try_lock() {
+        Ok(running) => running,
+        // An evaluation that panicked is over.
+        Err(TryLockError::Poisoned(over)) => over.into_inner(),
+        Err(TryLockError::WouldBlock) => return Err(one_at_a_time()),
+    };
     STOP.store(false, Ordering::Relaxed);
     Ok(running)
 }
@@ -282,6 +287,9 @@ fn columns<'py>(py: Python<'py>, table: &RecordBatch) -> PyResult<Bound<'py, PyD
             PyList::new(py, numbers)?
         } else if let Some(numbers) = column.as_primitive_opt::<UInt64Type>() {
             PyList::new(py, numbers)?
+        } else if let Some(lists) = column.as_list_opt::<i32>() {
+            let counts = |list: Option<ArrayRef>| Some(list?.as_primitive::<UInt32Type>().values().to_vec());
+            PyList::new(py, lists.iter().map(counts))?
         } else {
             PyList::new(py, column.as_primitive::<UInt32Type>())?
         };
