@@ -53,7 +53,7 @@ def test_building_parameters_are_appended(make):
 def test_a_slot_has_the_same_role_in_every_house(make):
     names = []
     for house in ("SingleFamilyHouse-0064", "SingleFamilyHouse-0318"):
-        env = wrappers.RoleObservation(make(house))
+        env = wrappers.RoleObservation(make(None, building_id=house))
         observation = stepped(env)
         own, slots = env.unwrapped.observation, env.metadata["observation_names"]
         assert observation.shape == (17,)
@@ -65,7 +65,7 @@ def test_a_slot_has_the_same_role_in_every_house(make):
         assert observation[slots.index("garage air temperature")] == expected
         names.append(slots)
     assert names[0] == names[1]
-    assert b2b.wrap_env_for_rl(make("SingleFamilyHouse-0064")).observation_space.shape == (17,)
+    assert b2b.wrap_env_for_rl(make(None, building_id="SingleFamilyHouse-0064")).observation_space.shape == (17,)
     with pytest.raises(errors.SettingError, match="houses"):
         wrappers.RoleObservation(make())
 
