@@ -92,8 +92,8 @@ class Result:
     #: One dictionary per test environment: building, task, return, baseline_return, score, resolved_score,
     #: relative_energy, and the episode's metrics.
     episodes: list[dict[str, Any]] = field(repr=False)
-    #: Of the scores and, under ``resolved``, of the resolved scores: interquartile mean, median, mean and share below 1, each
-    #: with its 95 % confidence interval, minimum, maximum, and the number below 1.
+    #: Of the scores and, under ``resolved``, of the resolved scores: interquartile mean, median, mean and share
+    #: below 1, each with its 95 % confidence interval, minimum, maximum, and the number below 1.
     measures: dict[str, Any]
 
     @property
@@ -184,10 +184,11 @@ class Problem:
         protocol = self.definition["protocol"]
         period = protocol["training_period"] if side == "train" else protocol["windows"][0]
         arguments = {"run_period": period, "timesteps_per_hour": protocol["steps_per_hour"], **arguments}
-        env: _Env = BuildingEnv(building_id=building_id, task=task, **arguments)
+        building_env = BuildingEnv(building_id=building_id, task=task, **arguments)
+        env: _Env = building_env
         if "restriction" in self.definition[side]:
             env = RestrictedAction(env, self, side)
-        if protocol.get("observation", "roles") == "roles" and env.unwrapped.layout.spaces.roles is not None:
+        if protocol.get("observation", "roles") == "roles" and building_env.layout.spaces.roles is not None:
             env = RoleObservation(env)
         elif "observation_width" in protocol:
             env = PadObservation(env, protocol["observation_width"])

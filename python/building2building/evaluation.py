@@ -194,7 +194,8 @@ def compute_resolved_score(
 ) -> float | None:
     """Returns the resolved score: as :func:`compute_normalized_score`, after adding an RMS deviation of 0.2 K to both.
 
-    0.2 K is the accuracy that ISO 7726 calls desirable for an air temperature sensor: differences below it count little.
+    0.2 K is the accuracy that ISO 7726 calls desirable for an air temperature sensor: differences below it count
+    little.
     """
     episode = (*_found(building, place, weather), _task_text(task), run_period, 0, timesteps_per_hour)
     baseline, _, steps = _core.baseline(episode)

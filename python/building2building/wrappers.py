@@ -96,9 +96,9 @@ class PadObservation(_Wrapper):
 class RoleObservation(_Wrapper):
     """Gives observations of houses a fixed width in which a slot means the same in every house and task.
 
-    The slots are the air temperatures of living area, attic, crawlspace and garage (0 if the house does not have it), weather,
-    calendar and energy, occupancy and target of the living area (constant in a task with constant targets), and the
-    presence of the four zones, 0 or 1. Wrap the environment before any wrapper that changes its observation.
+    The slots are the air temperatures of living area, attic, crawlspace and garage (0 if the house does not have it),
+    weather, calendar and energy, occupancy and target of the living area (constant in a task with constant targets),
+    and the presence of the four zones, 0 or 1. Wrap the environment before any wrapper that changes its observation.
     """
 
     def __init__(self, env: _Env):
@@ -107,8 +107,9 @@ class RoleObservation(_Wrapper):
         roles = self._roles
         if not _is_own(env):
             raise SettingError("the observation was changed by another wrapper; apply RoleObservation first")
-        low, high = ([getattr(each, bound) for each in roles] for bound in ("low", "high"))
-        self.observation_space = Box(np.float32(low), np.float32(high), dtype=np.float32)
+        low = np.array([each.low for each in roles], np.float32)
+        high = np.array([each.high for each in roles], np.float32)
+        self.observation_space = Box(low, high, dtype=np.float32)
         self._rename([each.name for each in roles], [each.unit for each in roles])
 
     def _read(self) -> None:
@@ -116,7 +117,8 @@ class RoleObservation(_Wrapper):
         roles = self._core.layout.spaces.roles
         if roles is None:
             raise SettingError(
-                f"{self._building.name} is not one of the generator's houses; buildings of other types have the same zones"
+                f"{self._building.name} is not one of the generator's houses; "
+                "buildings of other types have the same zones"
             )
         self._roles = roles
         self._row = np.array([each.constant for each in roles], dtype=np.float32)
@@ -150,8 +152,8 @@ class AugmentObservationWithBuildingParams(_Wrapper):
     """Appends the common attributes of the building's morphology (size, year, climate, envelope, numbers of systems and
     actuators), which are constant within an episode.
 
-    They are scaled from the bounds that all buildings share (``Morphology.common_attribute_bounds``) to [-1, 1]; without
-    ``scaled``, they are in physical units. Unknown attributes are 0.
+    They are scaled from the bounds that all buildings share (``Morphology.common_attribute_bounds``) to [-1, 1];
+    without ``scaled``, they are in physical units. Unknown attributes are 0.
     """
 
     def __init__(self, env: _Env, parameters: Sequence[str] | None = None, *, scaled: bool = True):
@@ -406,8 +408,8 @@ def _is_own(env: _Env) -> bool:
 
 def wrap_env_for_rl(env: _Env, *, width: int | None = None, parameters: bool = False) -> _Env:
     """Wraps an environment for learning: observations and actions in [-1, 1], with ``parameters`` the building's
-    scaled attributes appended, and padded to ``width``. Houses have the slots of :class:`RoleObservation` unless ``width``
-    is given."""
+    scaled attributes appended, and padded to ``width``. Houses have the slots of :class:`RoleObservation` unless
+    ``width`` is given."""
     if not unwrap(env).rescale_action:
         env = gymnasium.wrappers.RescaleAction(env, np.float32(-1.0), np.float32(1.0))
     if width is None and unwrap(env).layout.spaces.roles is not None and _is_own(env):
