@@ -38,10 +38,10 @@ struct Limits {
 }
 
 impl Interlock {
-    /// Returns the interlock of a building under a requirement.
-    pub(crate) fn new(building: &PreparedBuilding, required: Ventilation) -> Self {
-        let systems = building.laid_out_systems().filter(|_| required == Ventilation::Code);
-        Self { systems: systems.filter_map(|(system, layout)| Limits::of(system, layout)).collect() }
+    /// Returns the interlock of a building.
+    pub(crate) fn new(building: &PreparedBuilding) -> Self {
+        let limits = building.laid_out_systems().filter_map(|(system, layout)| Limits::of(system, layout));
+        Self { systems: limits.collect() }
     }
 
     /// Raises an action to the limits of the systems with an occupied zone. Returns whether any value changed.

@@ -74,14 +74,7 @@ pub fn write_stages(
 /// # Errors
 /// Those of the Parquet library, also for a table with other columns.
 pub fn read_stages(file: File) -> Result<Vec<(String, Row)>> {
-    let mut rows = Vec::new();
-    for batch in ParquetRecordBatchReaderBuilder::try_new(file)?.build()? {
-        let cells = Cells(batch.map_err(|error| ParquetError::General(error.to_string()))?);
-        for row in 0..cells.0.num_rows() {
-            rows.push((cells.text("stage", row)?, cells.row(row)?));
-        }
-    }
-    Ok(rows)
+    read(file, |cells, row| Ok((cells.text("stage", row)?, cells.row(row)?)))
 }
 
 /// Reads a table of [`write_episodes`].
@@ -89,14 +82,19 @@ pub fn read_stages(file: File) -> Result<Vec<(String, Row)>> {
 /// # Errors
 /// Those of the Parquet library, also for a table with other columns.
 pub fn read_episodes(file: File) -> Result<Vec<Row>> {
-    let mut rows = Vec::new();
+    read(file, Cells::row)
+}
+
+/// Reads a value from every row.
+fn read<T>(file: File, value: impl Fn(&Cells, usize) -> Result<T>) -> Result<Vec<T>> {
+    let mut values = Vec::new();
     for batch in ParquetRecordBatchReaderBuilder::try_new(file)?.build()? {
         let cells = Cells(batch.map_err(|error| ParquetError::General(error.to_string()))?);
         for row in 0..cells.0.num_rows() {
-            rows.push(cells.row(row)?);
+            values.push(value(&cells, row)?);
         }
     }
-    Ok(rows)
+    Ok(values)
 }
 
 struct Columns<'a> {

@@ -15,7 +15,8 @@ use crate::tuned::controller_parameters;
 use crate::{Error, Result};
 
 /// A policy behind the observation and action spaces of a problem's side: observations have the problem's form, or the
-/// other one if the policy expects its width, and are extended by the building's attributes; withheld actuators are controlled by their fallback.
+/// other one if the policy expects its width, and are extended by the building's attributes; withheld actuators are
+/// controlled by their fallback.
 pub struct WrappedPolicy<'a> {
     policy: &'a dyn Policy,
     problem: &'a Problem,

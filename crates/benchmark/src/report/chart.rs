@@ -73,6 +73,16 @@ pub(super) fn mean_diamond(name: &str, values: &[f64], color: &str) -> Value {
     })
 }
 
+/// Returns the chart of HVAC energy and RMS deviation, with these traces.
+pub(super) fn energy_vs_comfort(data: Value, height: u32, wide: bool) -> Chart {
+    let layout = json!({
+        "xaxis": {"title": {"text": "HVAC energy (kWh/m²)"}, "rangemode": "tozero", "zeroline": false},
+        "yaxis": {"title": {"text": "RMS deviation (K)"}, "rangemode": "tozero", "zeroline": false},
+    });
+    let note = "one point per episode; lower left is better";
+    Chart { title: "Energy vs. comfort".into(), note: note.into(), height, wide, data, layout }
+}
+
 /// Names an episode in two lines, for hover labels.
 pub(super) fn hover_name(info: &EpisodeInfo) -> String {
     let EpisodeInfo { building, place, climate_zone, task, period, seed, .. } = info;

@@ -4,9 +4,10 @@ use std::io::Write;
 
 use serde_json::{Value, json};
 
-use super::chart::{Chart, color, hover_name, mean_diamond};
+use super::chart::{Chart, color, energy_vs_comfort, hover_name};
 use super::page::write_page;
-use super::reward_chart::{Series, step_rewards};
+use super::reward_chart::step_rewards;
+use super::series::{Series, rms_deviations};
 use crate::evaluation::{EpisodeInfo, Row, Scored, relative_energy};
 use crate::{Error, Result};
 
@@ -34,7 +35,7 @@ pub fn write(file: &mut impl Write, all: &[Compared]) -> Result<()> {
     let episodes = all.first().map_or(0, |compared| compared.rows.len());
     let series: Vec<_> =
         all.iter().map(|compared| Series { name: &compared.name, episodes: compared.ran() }).collect();
-    let charts = [step_rewards(&series), rms_deviations(all), energy_and_comfort(all)];
+    let charts = [step_rewards(&series), rms_deviations(&series), energy_and_comfort(all)];
     let data = json!({
         "title": format!("{} policies on {episodes} episodes", all.len()),
         "tiles": [],
@@ -106,37 +107,6 @@ fn table(all: &[Compared]) -> Value {
     })
 }
 
-fn labels(ran: &[(&EpisodeInfo, &Scored)]) -> Vec<String> {
-    ran.iter().map(|(info, _)| hover_name(info)).collect()
-}
-
-fn rms_deviations(all: &[Compared]) -> Chart {
-    let mut data = Vec::new();
-    for (number, compared) in all.iter().enumerate() {
-        let ran = compared.ran();
-        let values: Vec<f64> = ran.iter().map(|(_, scored)| scored.metrics.rms_deviation).collect();
-        data.push(json!({
-            "type": "violin", "y": values, "x0": compared.name, "name": compared.name, "points": "all", "jitter": 0.4,
-            "pointpos": 0, "text": labels(&ran), "hoveron": "points", "hovertemplate": "%{text}<br>%{y:.2f} K<extra></extra>",
-            "line": {"color": color(number), "width": 1.2}, "marker": {"size": 5, "opacity": 0.8}, "spanmode": "hard",
-            "width": 0.85, "showlegend": false,
-        }));
-        data.push(mean_diamond(&compared.name, &values, color(number)));
-    }
-    let layout = json!({
-        "yaxis": {"title": {"text": "RMS deviation (K)"}, "rangemode": "tozero", "zeroline": false},
-        "xaxis": {"type": "category"},
-    });
-    Chart {
-        title: "RMS deviation from target".into(),
-        note: "one point per episode; diamond: mean".into(),
-        height: 340,
-        wide: false,
-        data: data.into(),
-        layout,
-    }
-}
-
 fn energy_and_comfort(all: &[Compared]) -> Chart {
     let trace = |(number, compared): (usize, &Compared)| {
         let ran = compared.ran();
@@ -144,22 +114,12 @@ fn energy_and_comfort(all: &[Compared]) -> Chart {
             "type": "scatter", "mode": "markers", "name": compared.name,
             "x": ran.iter().map(|(_, scored)| scored.metrics.energy() / 1000.0).collect::<Vec<_>>(),
             "y": ran.iter().map(|(_, scored)| scored.metrics.rms_deviation).collect::<Vec<_>>(),
-            "text": labels(&ran), "hovertemplate": "%{text}<br>%{x:.1f} kWh/m², %{y:.2f} K<extra></extra>",
+            "text": ran.iter().map(|(info, _)| hover_name(info)).collect::<Vec<_>>(),
+            "hovertemplate": "%{text}<br>%{x:.1f} kWh/m², %{y:.2f} K<extra></extra>",
             "marker": {"size": 7, "color": color(number), "opacity": 0.8},
         })
     };
-    let layout = json!({
-        "xaxis": {"title": {"text": "HVAC energy (kWh/m²)"}, "rangemode": "tozero", "zeroline": false},
-        "yaxis": {"title": {"text": "RMS deviation (K)"}, "rangemode": "tozero", "zeroline": false},
-    });
-    Chart {
-        title: "Energy vs. comfort".into(),
-        note: "one point per episode; lower left is better".into(),
-        height: 340,
-        wide: false,
-        data: all.iter().enumerate().map(trace).collect(),
-        layout,
-    }
+    energy_vs_comfort(all.iter().enumerate().map(trace).collect(), 340, false)
 }
 
 #[cfg(test)]

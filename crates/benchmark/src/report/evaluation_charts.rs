@@ -3,7 +3,10 @@
 use b2b_env::EpisodeMetrics;
 use serde_json::{Value, json};
 
-use super::chart::{Chart, color, horizontal_line, hover_name, make_logarithmic, mean_diamond, range};
+use super::chart::{
+    Chart, color, energy_vs_comfort, horizontal_line, hover_name, make_logarithmic, mean_diamond, range,
+};
+use super::histogram;
 use crate::evaluation::{Deviations, EpisodeInfo, Row};
 use crate::results::Results;
 use crate::statistics::quantile;
@@ -178,21 +181,10 @@ fn step_deviations(deviations: &[TypeDeviations], types: &[String]) -> Chart {
     }
 }
 
-/// Returns evenly spaced quantiles of a histogram.
+/// Returns evenly spaced quantiles of a histogram of deviations, linear within its bins.
 fn quantiles(shares: &[f64]) -> Vec<f64> {
-    let total: f64 = shares.iter().sum();
-    let (mut bin, mut sum) = (0, shares.first().copied().unwrap_or_default());
-    let mut value = |index: usize| {
-        let wanted = (index as f64 + 0.5) / QUANTILES as f64 * total;
-        while sum < wanted && bin + 1 < shares.len() {
-            bin += 1;
-            sum += shares[bin];
-        }
-        // Linear within the bin.
-        let within = if shares[bin] > 0.0 { 1.0 - (sum - wanted) / shares[bin] } else { 0.5 };
-        Deviations::middle(bin) + (within.clamp(0.0, 1.0) - 0.5) * Deviations::WIDTH
-    };
-    (0..QUANTILES).map(&mut value).collect()
+    let value = |(bin, within): (usize, f64)| Deviations::middle(bin) + (within - 0.5) * Deviations::WIDTH;
+    histogram::quantiles(shares, QUANTILES).map(value).collect()
 }
 
 /// Draws violins with their episodes and means, as in the paper's figure.
@@ -232,18 +224,7 @@ fn energy_and_comfort(rows: &[Ran<'_>], types: &[String]) -> Chart {
         let y = own.iter().map(|row| row.metrics.rms_deviation.into()).collect();
         data.push(points(&own, x, y, type_label(name), type_color(types, name)));
     }
-    let layout = json!({
-        "xaxis": {"title": {"text": "HVAC energy (kWh/m²)"}, "rangemode": "tozero", "zeroline": false},
-        "yaxis": {"title": {"text": "RMS deviation (K)"}, "rangemode": "tozero", "zeroline": false},
-    });
-    Chart {
-        title: "Energy vs. comfort".into(),
-        note: "one point per episode; lower left is better".into(),
-        height: 400,
-        wide: true,
-        data: data.into(),
-        layout,
-    }
+    energy_vs_comfort(data.into(), 400, true)
 }
 
 #[cfg(test)]

@@ -2,8 +2,9 @@
 
 use serde_json::{Value, json};
 
-use super::chart::{Chart, color, horizontal_line, hover_name, make_logarithmic, mean_diamond, range};
-use super::reward_chart::{Series, step_rewards};
+use super::chart::{Chart, color, horizontal_line, make_logarithmic, range};
+use super::reward_chart::step_rewards;
+use super::series::{Series, labels, rms_deviations};
 use crate::entry::{RunResult, Stages};
 use crate::evaluation::{EpisodeInfo, Scored};
 use crate::problem::Stage;
@@ -14,8 +15,13 @@ type Entry = (RunResult, Stages);
 
 /// Returns all charts of a problem's entries, in order.
 pub(super) fn all(board: &[&Entry]) -> Vec<Value> {
-    let charts =
-        [returns(board), profiles(board), by_type(board), step_rewards(&series(board)), deviations(board)];
+    let charts = [
+        returns(board),
+        profiles(board),
+        by_type(board),
+        step_rewards(&series(board)),
+        rms_deviations(&series(board)),
+    ];
     charts.into_iter().chain(curves(board)).map(Chart::json).collect()
 }
 
@@ -89,16 +95,6 @@ fn test_rows(stages: &Stages) -> Vec<(&EpisodeInfo, &Scored)> {
     rows.filter_map(|row| Some((&row.info, row.outcome.as_ref().ok()?))).collect()
 }
 
-/// Returns the hover labels of episodes.
-fn labels(rows: &[(&EpisodeInfo, &Scored)]) -> Vec<String> {
-    let label = |(info, scored): &(&EpisodeInfo, &Scored)| {
-        let (score, rms) = (scored.score.unwrap_or(f64::NAN), scored.metrics.rms_deviation);
-        let resolved = scored.resolved_score.unwrap_or(f64::NAN);
-        format!("{}<br>score {score:.3}, resolved {resolved:.3}, RMS deviation {rms:.2} K", hover_name(info))
-    };
-    rows.iter().map(label).collect()
-}
-
 /// Returns the entries with the episodes of the test stage.
 fn series<'a>(board: &[&'a Entry]) -> Vec<Series<'a>> {
     board.iter().map(|(result, stages)| Series { name: &result.name, episodes: test_rows(stages) }).collect()
@@ -126,27 +122,6 @@ fn by_type(board: &[&Entry]) -> Chart {
     });
     scale_y(&mut layout, &values);
     chart("Scores by building type", "one point per episode; dashed: the reactive controllers", data, layout)
-}
-
-/// Draws violins with their means, as in the paper's figure.
-fn deviations(board: &[&Entry]) -> Chart {
-    let mut data = Vec::new();
-    for (number, (result, stages)) in board.iter().enumerate() {
-        let rows = test_rows(stages);
-        let values: Vec<f64> = rows.iter().map(|(_, scored)| scored.metrics.rms_deviation).collect();
-        data.push(json!({
-            "type": "violin", "y": values, "x0": result.name, "name": result.name, "points": "all", "jitter": 0.4,
-            "pointpos": 0, "marker": {"size": 4, "opacity": 0.65}, "line": {"color": color(number), "width": 1.2},
-            "text": labels(&rows), "hoveron": "points",
-            "hovertemplate": "%{text}<extra></extra>", "spanmode": "hard", "width": 0.85, "showlegend": false,
-        }));
-        data.push(mean_diamond(&result.name, &values, color(number)));
-    }
-    let layout = json!({
-        "xaxis": {"type": "category"},
-        "yaxis": {"title": {"text": "RMS deviation (K)"}, "rangemode": "tozero", "zeroline": false},
-    });
-    chart("RMS deviation from target", "one point per episode; diamond: mean", data, layout)
 }
 
 /// Draws scores over the training steps on the test environments.

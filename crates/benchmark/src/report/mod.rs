@@ -7,11 +7,13 @@ mod chart;
 mod comparison;
 mod evaluation;
 mod evaluation_charts;
+mod histogram;
 mod hourly_chart;
 pub mod leaderboard;
 mod leaderboard_charts;
 mod page;
 mod reward_chart;
+mod series;
 
 pub use comparison::{Compared, write as write_comparison};
 pub use evaluation::write;

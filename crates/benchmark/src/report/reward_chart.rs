@@ -3,19 +3,15 @@
 use serde_json::json;
 
 use super::chart::{Chart, color};
-use crate::evaluation::{EpisodeInfo, Scored, StepRewards};
+use super::histogram;
+use super::series::Series;
+use crate::evaluation::StepRewards;
 use crate::summary::type_label;
 
 /// Number of quantiles that represent a distribution.
 const QUANTILES: usize = 300;
 /// Share of the steps beyond the axis on either side.
 const CUT: f64 = 0.002;
-
-/// A policy with its episodes.
-pub(super) struct Series<'a> {
-    pub(super) name: &'a str,
-    pub(super) episodes: Vec<(&'a EpisodeInfo, &'a Scored)>,
-}
 
 /// Draws a violin per policy and building type, as in the paper's figures; every episode has the same weight.
 pub(super) fn step_rewards(series: &[Series<'_>]) -> Chart {
@@ -77,20 +73,10 @@ fn pooled<'a>(histograms: impl Iterator<Item = &'a StepRewards>) -> Vec<f64> {
 
 /// Returns evenly spaced quantiles of a histogram, as decimal logarithms of penalties.
 fn quantiles(shares: &[f64]) -> Vec<f64> {
-    let total: f64 = shares.iter().sum();
-    if total == 0.0 {
+    if shares.iter().sum::<f64>() == 0.0 {
         return Vec::new();
     }
-    let (mut bin, mut sum) = (0, shares[0]);
-    let mut value = |index: usize| {
-        let wanted = (index as f64 + 0.5) / QUANTILES as f64 * total;
-        while sum < wanted && bin + 1 < shares.len() {
-            bin += 1;
-            sum += shares[bin];
-        }
-        StepRewards::log10_middle(bin)
-    };
-    (0..QUANTILES).map(&mut value).collect()
+    histogram::quantiles(shares, QUANTILES).map(|(bin, _)| StepRewards::log10_middle(bin)).collect()
 }
 
 #[cfg(test)]

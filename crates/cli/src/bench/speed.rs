@@ -10,7 +10,7 @@ use cpu_time::ProcessTime;
 use serde::Serialize;
 use tempfile::TempDir;
 
-use super::statistics::median;
+use super::statistics::{mean_and_deviation, median};
 use crate::arguments::location::Location;
 use crate::prepare::Prepared;
 use crate::table::Table;
@@ -127,13 +127,6 @@ fn single_steps(prepared: &Prepared) -> Result<Vec<f64>> {
         }
     }
     Ok(times)
-}
-
-fn mean_and_deviation(values: &[f64]) -> (f64, f64) {
-    let count = values.len().max(1) as f64;
-    let mean = values.iter().sum::<f64>() / count;
-    let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / count;
-    (mean, variance.sqrt())
 }
 
 /// One building, run in three ways at once, in the order of the table's columns.

@@ -21,7 +21,8 @@ pub struct Prescriptive {
     pub infiltration: f64,
 }
 
-/// Zones 1 to 8: window U, SHGC, wall U, roof U (IP units as published) and highest infiltration multiplier. ASHRAE 90.1-2022 tables 5.5-1 to 5.5-8 and the paper's appendix on dataset generation.
+/// Zones 1 to 8: window U, SHGC, wall U, roof U (IP units as published) and highest infiltration multiplier. ASHRAE
+/// 90.1-2022 tables 5.5-1 to 5.5-8 and the paper's appendix on dataset generation.
 const TABLE: [[f64; 5]; 8] = [
     [0.50, 0.23, 0.124, 0.048, 2.0],
     [0.45, 0.25, 0.084, 0.039, 2.0],

@@ -101,7 +101,7 @@ impl Env {
             metrics: new_metrics(&zones, &spaces),
             targets: Targets::new(&task.setpoints, spaces.building.class, zones.len()),
             reward: Box::new(reward),
-            interlock: Interlock::new(&spaces.building, task.ventilation),
+            interlock: Interlock::new(&spaces.building),
             asked: vec![(false, f64::NAN); zones.len()],
             zone_steps: Vec::with_capacity(zones.len()),
             engine: None,

@@ -29,12 +29,13 @@ impl Task {
             Comfort::Pmv(_) => "+pmv".to_owned(),
         };
         let resource = match self.resource {
-            Resource::Energy if self.energy_weight == 0.0 => String::new(),
-            Resource::Energy => format!("+energy{}", self.energy_weight),
-            Resource::Cost => format!("+cost{}", self.energy_weight),
-            Resource::Carbon => format!("+carbon{}", self.energy_weight),
-            Resource::Peak => format!("+peak{}", self.energy_weight),
+            Resource::Energy if self.energy_weight == 0.0 => None,
+            Resource::Energy => Some("energy"),
+            Resource::Cost => Some("cost"),
+            Resource::Carbon => Some("carbon"),
+            Resource::Peak => Some("peak"),
         };
+        let resource = resource.map_or(String::new(), |word| format!("+{word}{}", self.energy_weight));
         let ventilation = match self.ventilation {
             Ventilation::Code => String::new(),
             Ventilation::Free => format!("+{FREE_VENTILATION}"),

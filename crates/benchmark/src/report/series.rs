@@ -1,0 +1,49 @@
+//! The episodes of several policies, and the deviations in them.
+
+use serde_json::json;
+
+use super::chart::{Chart, color, hover_name, mean_diamond};
+use crate::evaluation::{EpisodeInfo, Scored};
+
+/// A policy with its episodes.
+pub(super) struct Series<'a> {
+    pub(super) name: &'a str,
+    pub(super) episodes: Vec<(&'a EpisodeInfo, &'a Scored)>,
+}
+
+/// Returns the hover labels of episodes.
+pub(super) fn labels(rows: &[(&EpisodeInfo, &Scored)]) -> Vec<String> {
+    let label = |(info, scored): &(&EpisodeInfo, &Scored)| {
+        let (score, rms) = (scored.score.unwrap_or(f64::NAN), scored.metrics.rms_deviation);
+        let resolved = scored.resolved_score.unwrap_or(f64::NAN);
+        format!("{}<br>score {score:.3}, resolved {resolved:.3}, RMS deviation {rms:.2} K", hover_name(info))
+    };
+    rows.iter().map(label).collect()
+}
+
+/// Draws violins of RMS deviations with their means, as in the paper's figure.
+pub(super) fn rms_deviations(series: &[Series<'_>]) -> Chart {
+    let mut data = Vec::new();
+    for (number, Series { name, episodes }) in series.iter().enumerate() {
+        let values: Vec<f64> = episodes.iter().map(|(_, scored)| scored.metrics.rms_deviation).collect();
+        data.push(json!({
+            "type": "violin", "y": values, "x0": name, "name": name, "points": "all", "jitter": 0.4,
+            "pointpos": 0, "marker": {"size": 4, "opacity": 0.65}, "line": {"color": color(number), "width": 1.2},
+            "text": labels(episodes), "hoveron": "points",
+            "hovertemplate": "%{text}<extra></extra>", "spanmode": "hard", "width": 0.85, "showlegend": false,
+        }));
+        data.push(mean_diamond(name, &values, color(number)));
+    }
+    let layout = json!({
+        "xaxis": {"type": "category"},
+        "yaxis": {"title": {"text": "RMS deviation (K)"}, "rangemode": "tozero", "zeroline": false},
+    });
+    Chart {
+        title: "RMS deviation from target".into(),
+        note: "one point per episode; diamond: mean".into(),
+        height: 340,
+        wide: false,
+        data: data.into(),
+        layout,
+    }
+}
