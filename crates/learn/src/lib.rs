@@ -1,0 +1,3 @@
+//! Training of agents.
+
+pub mod rollout;
