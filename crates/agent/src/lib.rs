@@ -1,3 +1,22 @@
 //! Agents: what they observe, how they act, their networks and their folders.
+//!
+//! An [`Agent`] is read from a folder and makes an [`AgentController`] for a building. Around its network a [`Pilot`] computes
+//! the agent's observation ([`AgentObservation`]) and makes a physical action of the network's ([`Acting`]); training uses the same
+//! pilot, so that an agent sees in training what it sees afterwards.
 
+mod acting;
+mod agent;
+mod error;
+mod folder;
+mod info;
 pub mod network;
+mod observation;
+mod pilot;
+
+pub use acting::Acting;
+pub use agent::{Agent, AgentController};
+pub use error::{Error, Result};
+pub use folder::INFO;
+pub use info::{AgentInfo, FORMAT, TrainingInfo};
+pub use observation::{AgentObservation, Feature, ObservationForm};
+pub use pilot::{Interface, Pilot};

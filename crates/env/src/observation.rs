@@ -201,6 +201,26 @@ impl ObservationSpace {
         self.shared(Shared::OutdoorTemperature)
     }
 
+    /// Slot of the outdoor relative humidity.
+    pub fn outdoor_humidity(&self) -> usize {
+        self.shared(Shared::OutdoorHumidity)
+    }
+
+    /// Slot of the time of day, h.
+    pub fn time_of_day(&self) -> usize {
+        self.shared(Shared::TimeOfDay)
+    }
+
+    /// Slot of the day of the week.
+    pub fn day_of_week(&self) -> usize {
+        self.shared(Shared::DayOfWeek)
+    }
+
+    /// Slot of the day of the year.
+    pub fn day_of_year(&self) -> usize {
+        self.shared(Shared::DayOfYear)
+    }
+
     /// Slot of the HVAC electricity of the step, Wh/m².
     pub fn electricity(&self) -> usize {
         self.shared(Shared::Electricity)

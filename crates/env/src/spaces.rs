@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use b2b_building::{PreparedBuilding, RunPeriod};
+use b2b_building::{Conditioning, PreparedBuilding, RunPeriod};
 use serde::{Deserialize, Serialize};
 
 use crate::action::ActionSpace;
@@ -67,6 +67,13 @@ impl Spaces {
             episode,
             building,
         }
+    }
+
+    /// The controlled zones in model order: the index of each in the building, which is also the slot of its temperature in the
+    /// observation.
+    pub fn controlled_zones(&self) -> impl Iterator<Item = usize> {
+        let zones = self.building.zones.iter().enumerate();
+        zones.filter(|(_, zone)| zone.conditioning != Conditioning::None).map(|(index, _)| index)
     }
 
     /// Steps of a whole episode.

@@ -16,6 +16,7 @@ use tempfile::TempDir;
 use self::engine::Engine;
 pub use self::snapshot::Snapshot;
 use crate::action::ActionSpace;
+use crate::calendar::Season;
 use crate::engine_report::EngineReport;
 use crate::environment::{Environment, Step};
 use crate::metrics::Metrics;
@@ -245,6 +246,15 @@ impl Env {
     /// Metrics of the episode in progress, or of the last one.
     pub fn metrics(&self) -> &Metrics {
         &self.metrics
+    }
+
+    /// The comfort penalties of the last step by the task, one for each controlled zone in model order. Their mean is the
+    /// temperature penalty of the task's own reward.
+    pub fn comfort_penalties(&self) -> impl Iterator<Item = f64> {
+        let began = self.beginning_of(self.metrics.steps.saturating_sub(1));
+        let season = Season::of(began.day_of_year);
+        let comfort = &self.spaces.episode.task.comfort;
+        self.zone_steps.iter().map(move |zone| comfort.penalty(zone, season))
     }
 
     /// Number of messages of a level that the engine has given in this episode.

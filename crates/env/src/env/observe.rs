@@ -10,12 +10,17 @@ use crate::{Error, Result};
 impl Env {
     /// The time of the observation, at which the next step begins.
     pub(super) fn moment(&self) -> Moment {
+        self.beginning_of(self.metrics.steps)
+    }
+
+    /// The time at which a step of the episode begins, counted from 0.
+    pub(super) fn beginning_of(&self, step: usize) -> Moment {
         let episode = &self.spaces.episode;
         let steps_per_day = 24 * episode.steps_per_hour as usize;
-        let day = (self.metrics.steps / steps_per_day) as u32;
+        let day = (step / steps_per_day) as u32;
         Moment {
             day_of_year: (episode.period.first().day_of_year() - 1 + day) % 365 + 1,
-            hour: (self.metrics.steps % steps_per_day) as f64 / f64::from(episode.steps_per_hour),
+            hour: (step % steps_per_day) as f64 / f64::from(episode.steps_per_hour),
         }
     }
 

@@ -6,7 +6,7 @@ use std::time::Instant;
 use super::episode_options::EpisodeOptions;
 use super::episode_report::EpisodeReport;
 use super::pool::Place;
-use super::region::{Command, Status};
+use super::region::{Command, Region, Status};
 use super::setting::Setting;
 use super::workers::Workers;
 use crate::environment::Step;
@@ -132,6 +132,28 @@ impl Episode {
         self.workers.region().command(slot, Command::Step);
         self.phase = Phase::Stepping(Instant::now() + self.workers.step_time_limit());
         Ok(())
+    }
+
+    /// Orders a fragment of about `steps` steps from the worker's [`Runner`](super::Runner), and does not wait for it.
+    ///
+    /// # Errors
+    /// [`Error::Order`] for an order that is too long; [`Error::NotReset`]; [`Error::Busy`]; [`Error::Lost`].
+    pub fn send_fragment(&mut self, order: &[u8], steps: usize) -> Result<()> {
+        let slot = self.slot()?;
+        if !Region::has_room_for(order) {
+            return Err(Error::Order { bytes: order.len() });
+        }
+        self.workers.region().write_report(slot, order);
+        self.workers.region().command(slot, Command::Fragment);
+        // A step alone is a hundred times quicker than its limit.
+        let limit = self.workers.step_time_limit() * (1 + steps as u32 / 100);
+        self.phase = Phase::Stepping(Instant::now() + limit);
+        Ok(())
+    }
+
+    /// Steps of the last fragment, of an episode that is not busy.
+    pub fn fragment_steps(&self) -> usize {
+        self.place.map_or(0, |place| self.workers.region().fragment_steps(place.slot))
     }
 
     /// The outcome of the last step, of an episode that is not busy.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::action::ActionSpace;
 use crate::observation::Slot;
-use crate::role_observation::{RoleObservation, RoleSlot};
+use crate::role_observation::{RoleObservation, RoleSlot, RoleValue};
 use crate::spaces::Spaces;
 use crate::{Error, Result};
 
@@ -101,6 +101,14 @@ impl Arranged {
         match &self.roles {
             None => self.spaces.observation.slots().iter().map(RowSlot::from).collect(),
             Some(roles) => roles.slots().iter().map(RowSlot::from).collect(),
+        }
+    }
+
+    /// Where the values of the slots come from.
+    pub fn values(&self) -> Vec<RoleValue> {
+        match &self.roles {
+            None => (0..self.spaces.observation.len()).map(RoleValue::Slot).collect(),
+            Some(roles) => roles.slots().iter().map(|slot| slot.value).collect(),
         }
     }
 

@@ -31,7 +31,11 @@ pub(super) const COPIES: usize = 128;
 
 const PAGE: usize = 4096;
 const SLOT: usize = (size_of::<Slot>() + 2 * WIDTH * size_of::<f64>() + REPORT).next_multiple_of(PAGE);
-const BYTES: usize = PAGE + SLOTS * SLOT;
+/// Where the memory for fragments begins.
+const SHARED: usize = PAGE + SLOTS * SLOT;
+/// Maximum number of f32 numbers that fragments share. Only what is reserved takes memory.
+const SHARED_NUMBERS: usize = 1 << 31;
+const BYTES: usize = SHARED + SHARED_NUMBERS * size_of::<f32>();
 
 /// A command to a worker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,6 +45,8 @@ pub(super) enum Command {
     Step = 0,
     /// A copy of the process for each slot listed.
     Copy = 1,
+    /// A fragment by the order in the report.
+    Fragment = 2,
 }
 
 /// Status of a worker after its last command.
@@ -108,6 +114,8 @@ struct Slot {
     processor: AtomicU32,
     /// Whether the engine finishes its run.
     finish_run: AtomicU32,
+    /// Steps of the last fragment.
+    fragment_steps: AtomicU32,
     copy_list: [AtomicU64; COPIES],
 }
 
@@ -153,6 +161,49 @@ impl Region {
         rustix::fs::fallocate(&self.file, FallocateFlags::empty(), begin, SLOT as u64)?;
         self.bell().slots.fetch_max(slot + 1, Ordering::SeqCst);
         Ok(())
+    }
+
+    /// Takes memory for numbers that fragments share, so that none can be missing when they are written to.
+    pub(super) fn reserve_shared(&self, place: usize, count: usize) -> std::io::Result<()> {
+        if place + count > SHARED_NUMBERS {
+            return Err(std::io::Error::other(format!(
+                "{count} numbers after {place} exceed the shared memory of {SHARED_NUMBERS}"
+            )));
+        }
+        let [begin, length] = [SHARED + place * size_of::<f32>(), count * size_of::<f32>()].map(|n| n as u64);
+        rustix::fs::fallocate(&self.file, FallocateFlags::empty(), begin, length)?;
+        Ok(())
+    }
+
+    fn shared(&self, place: usize, count: usize) -> &[AtomicU32] {
+        assert!(place + count <= SHARED_NUMBERS, "{count} numbers after {place} of {SHARED_NUMBERS}");
+        // SAFETY: within the mapping, as just checked, aligned, and only ever touched as atomics.
+        unsafe { slice::from_raw_parts(self.map.as_ptr().add(SHARED + place * size_of::<f32>()).cast(), count) }
+    }
+
+    /// Reads numbers that fragments share.
+    pub(super) fn read_shared(&self, place: usize, numbers: &mut [f32]) {
+        let shared = self.shared(place, numbers.len());
+        for (number, bits) in numbers.iter_mut().zip(shared) {
+            *number = f32::from_bits(bits.load(Ordering::Relaxed));
+        }
+    }
+
+    /// Writes numbers that fragments share.
+    pub(super) fn write_shared(&self, place: usize, numbers: &[f32]) {
+        for (bits, number) in self.shared(place, numbers.len()).iter().zip(numbers) {
+            bits.store(number.to_bits(), Ordering::Relaxed);
+        }
+    }
+
+    /// Steps of the last fragment.
+    pub(super) fn fragment_steps(&self, slot: u32) -> usize {
+        self.slot(slot).fragment_steps.load(Ordering::Relaxed) as usize
+    }
+
+    /// Sets the steps of the last fragment.
+    pub(super) fn set_fragment_steps(&self, slot: u32, steps: usize) {
+        self.slot(slot).fragment_steps.store(steps as u32, Ordering::Relaxed);
     }
 
     fn bell(&self) -> &Bell {
@@ -205,6 +256,11 @@ impl Region {
     pub(super) fn read_observation(&self, slot: u32, observation: &mut [f64]) {
         // SAFETY: as for `write_action`.
         observation.copy_from_slice(unsafe { self.numbers(slot, WIDTH, observation.len()) });
+    }
+
+    /// Whether an order of this length has room in a slot.
+    pub(super) const fn has_room_for(order: &[u8]) -> bool {
+        order.len() <= REPORT
     }
 
     /// Writes a text, cut to the room there is.
@@ -382,7 +438,8 @@ impl Region {
         }
         Some(match slot.command.load(Ordering::Relaxed) {
             0 => Command::Step,
-            _ => Command::Copy,
+            1 => Command::Copy,
+            _ => Command::Fragment,
         })
     }
 

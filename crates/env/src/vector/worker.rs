@@ -12,6 +12,7 @@ use std::fs::File;
 use std::os::fd::{AsFd, OwnedFd};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::Duration;
 
@@ -23,6 +24,7 @@ use rustix::thread::CpuSet;
 use rustix::time::{ClockId, clock_gettime};
 
 use super::episode_report::EpisodeReport;
+use super::fragment::{MakeRunner, Runner, SharedMemory};
 use super::region::{Command, Region, Status, Ticket};
 use super::setting::Order;
 use crate::env::Env;
@@ -36,9 +38,14 @@ pub(super) const FLAG: &str = "--b2b-worker";
 /// Runs this process as a worker if it was started as one, and then never returns. A program that uses
 /// [`Launcher::this_program`](super::Launcher::this_program) calls it first in `main`, before it starts a thread.
 pub fn run_if_worker() {
+    run_if_worker_with(|_, _| Err("this program has no runner of fragments".into()));
+}
+
+/// As [`run_if_worker`], for a program whose workers can also run fragments: see [`Runner`].
+pub fn run_if_worker_with(make_runner: MakeRunner) {
     let arguments: Vec<OsString> = std::env::args_os().collect();
     if let Some(flag) = arguments.iter().position(|argument| argument == FLAG) {
-        run(&arguments[flag + 1..]);
+        run(&arguments[flag + 1..], make_runner);
     }
 }
 
@@ -49,7 +56,7 @@ fn parse(arguments: &[OsString]) -> Option<(i32, Ticket, PathBuf)> {
     Some((number(0)?.parse().ok()?, ticket, arguments.get(3)?.into()))
 }
 
-fn run(arguments: &[OsString]) -> ! {
+fn run(arguments: &[OsString], make_runner: MakeRunner) -> ! {
     let Some((owner, ticket, order)) = parse(arguments) else {
         eprintln!("{FLAG} is for worker processes, which are started automatically");
         leave(2)
@@ -62,7 +69,8 @@ fn run(arguments: &[OsString]) -> ! {
     }
     let folder = order.parent().unwrap_or(Path::new("")).to_owned();
     let worker = Worker {
-        region,
+        region: Arc::new(region),
+        make_runner,
         owner,
         folder,
         ticket: Cell::new(ticket),
@@ -88,7 +96,8 @@ fn run(arguments: &[OsString]) -> ! {
 type Failure = Box<dyn Error>;
 
 struct Worker {
-    region: Region,
+    region: Arc<Region>,
+    make_runner: MakeRunner,
     owner: Owner,
     /// The pool's folder.
     folder: PathBuf,
@@ -129,6 +138,7 @@ impl Worker {
     /// Carries out the commands in the slot, until the episode is over or the owner gone.
     fn serve(&self, mut env: Env) -> Result<(), Failure> {
         let mut action = vec![0.0; env.action_space().len()];
+        let mut runner = None;
         self.report_ready(&env);
         loop {
             match self.region.next_command(self.slot(), LOOK_FOR_OWNER) {
@@ -136,6 +146,8 @@ impl Worker {
                 None => self.reap(),
                 Some(Command::Step) if self.step(&mut env, &mut action)? => return Ok(()),
                 Some(Command::Step) => {}
+                Some(Command::Fragment) if self.fragment(&mut env, &mut runner)? => return Ok(()),
+                Some(Command::Fragment) => {}
                 Some(Command::Copy) => self.copy(&mut env)?,
             }
         }
@@ -157,13 +169,33 @@ impl Worker {
         region.write_observation(slot, step.observation);
         region.write_action(slot, step.action);
         region.set_penalties(slot, [step.reward.temperature_penalty, step.reward.energy_penalty]);
-        let truncated = step.truncated;
+        self.end_step(env)
+    }
+
+    /// A fragment; whether the episode is over.
+    fn fragment(&self, env: &mut Env, runner: &mut Option<Box<dyn Runner>>) -> Result<bool, Failure> {
+        let (region, slot) = (&self.region, self.slot());
+        let order = region.report(slot);
+        let runner = match runner {
+            Some(runner) => runner,
+            None => runner.insert((self.make_runner)(env, &order)?),
+        };
+        let steps = runner.run(env, &order, &SharedMemory::new(Arc::clone(region)))?;
+        region.set_fragment_steps(slot, steps);
+        region.write_observation(slot, env.observation());
+        region.set_penalties(slot, [0.0; 2]);
+        self.end_step(env)
+    }
+
+    /// Hands the slot back; whether the episode is over.
+    fn end_step(&self, env: &Env) -> Result<bool, Failure> {
+        let truncated = env.is_truncated();
         if truncated {
             self.write_reports(env)?;
-            region.set_status(slot, Status::Truncated);
+            self.region.set_status(self.slot(), Status::Truncated);
         }
         self.log_severe_messages(env);
-        region.hand_back(slot);
+        self.region.hand_back(self.slot());
         Ok(truncated)
     }
 

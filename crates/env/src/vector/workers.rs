@@ -1,11 +1,13 @@
 //! A shared set of worker processes.
 
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use b2b_energyplus::Library;
 
+use super::fragment::SharedMemory;
 use super::pool::{Pool, TemplateId};
 use super::region::{LOOK, Region};
 use super::setting::Setting;
@@ -31,6 +33,8 @@ struct Shared {
     /// `None` only while it is dropped.
     pool: Option<Mutex<Pool>>,
     region: Arc<Region>,
+    /// Numbers of shared memory that are reserved.
+    reserved: AtomicUsize,
     step_time_limit: Duration,
     interrupted: fn() -> bool,
     /// The process that it belongs to.
@@ -54,7 +58,9 @@ impl Workers {
         let region = Arc::new(region);
         let (step_time_limit, interrupted) = (options.step_time_limit, options.interrupted);
         let pool = Some(Mutex::new(Pool::new(options, Arc::clone(&region))?));
-        let shared = Shared { pool, region, step_time_limit, interrupted, owner: std::process::id() };
+        let reserved = AtomicUsize::new(0);
+        let owner = std::process::id();
+        let shared = Shared { pool, region, reserved, step_time_limit, interrupted, owner };
         Ok(Self { shared: Arc::new(shared) })
     }
 
@@ -125,6 +131,22 @@ impl Workers {
             .zip(cached)
             .map(|(setting, cached)| cached.map_or_else(|| self.prepare(setting), Ok))
             .collect()
+    }
+
+    /// Reserves memory for `count` numbers that the processes share, for as long as the set lives, and returns their place.
+    ///
+    /// # Errors
+    /// [`Error::Pool`] when there is not so much memory.
+    pub fn reserve_memory(&self, count: usize) -> Result<usize> {
+        let place = self.shared.reserved.fetch_add(count, Ordering::Relaxed);
+        let reserved = self.region().reserve_shared(place, count);
+        reserved.map_err(|source| Error::Pool { what: format!("{count} numbers of shared memory"), source })?;
+        Ok(place)
+    }
+
+    /// The memory that the processes share.
+    pub fn memory(&self) -> SharedMemory {
+        SharedMemory::new(Arc::clone(&self.shared.region))
     }
 
     /// The processes of the templates.

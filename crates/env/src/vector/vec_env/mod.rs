@@ -84,6 +84,7 @@ struct One {
     lost: Option<String>,
     final_observation: Vec<f64>,
     final_metrics: Option<Metrics>,
+    fragment_steps: usize,
 }
 
 /// The next episode of an environment, and its template.
@@ -121,6 +122,7 @@ impl One {
             lost: None,
             final_observation: Vec::new(),
             final_metrics: None,
+            fragment_steps: 0,
         }
     }
 
@@ -228,6 +230,29 @@ impl VecEnv {
     pub fn send(&mut self, environment: usize, action: &[f64]) -> Result<()> {
         self.check(environment, action)?;
         self.act(environment, action)
+    }
+
+    /// Orders a fragment of about `steps` steps from the runner of an environment: see [`Runner`](super::Runner). It is
+    /// busy until [`VecEnv::recv`] lists it; [`VecEnv::fragment_steps`] says then how many steps were made, fewer than ordered
+    /// if the episode is over.
+    ///
+    /// # Errors
+    /// Those of [`Episode::send_fragment`].
+    pub fn send_fragment(&mut self, environment: usize, order: &[u8], steps: usize) -> Result<()> {
+        self.clear_outcome(environment);
+        let one = &mut self.environments[environment];
+        match (&mut one.episode, one.state) {
+            (Some(episode), State::Ready) => episode.send_fragment(order, steps)?,
+            (_, State::Over) => return Err(Error::NotReset),
+            _ => return Err(Error::Busy),
+        }
+        one.state = State::Stepping;
+        Ok(())
+    }
+
+    /// Steps of the last fragment of an environment.
+    pub fn fragment_steps(&self, environment: usize) -> usize {
+        self.environments[environment].fragment_steps
     }
 
     /// Waits until at least `count` of the busy environments are no longer, and lists in `ready` which those are.
@@ -350,12 +375,17 @@ impl VecEnv {
         }
     }
 
-    /// Sends an action that was checked, or begins the next episode.
-    fn act(&mut self, index: usize, action: &[f64]) -> Result<()> {
+    /// Forgets the outcome of the step before.
+    fn clear_outcome(&mut self, index: usize) {
         self.rewards[index] = Reward::default();
         self.truncated[index] = false;
+        self.environments[index].lost = None;
+    }
+
+    /// Sends an action that was checked, or begins the next episode.
+    fn act(&mut self, index: usize, action: &[f64]) -> Result<()> {
+        self.clear_outcome(index);
         let one = &mut self.environments[index];
-        one.lost = None;
         match (&mut one.episode, &mut one.form, one.state) {
             (Some(episode), Some(form), State::Ready) => {
                 form.act(episode.observation(), action, &mut one.action);

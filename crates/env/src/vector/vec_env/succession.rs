@@ -133,6 +133,7 @@ impl VecEnv {
         if one.state == State::Stepping {
             self.rewards[index] = episode.reward();
         }
+        one.fragment_steps = episode.fragment_steps();
         one.state = State::Ready;
         if episode.is_truncated() {
             self.truncated[index] = true;
@@ -153,6 +154,7 @@ impl VecEnv {
         let one = &mut self.environments[index];
         one.lost = Some(why);
         one.final_metrics = None;
+        one.fragment_steps = 0;
         one.next = None;
         one.waiting = None;
         self.truncated[index] = true;

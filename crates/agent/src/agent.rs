@@ -1,0 +1,129 @@
+//! Agents: a trained actor with everything it takes to act.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use b2b_control::Controller;
+use b2b_env::Spaces;
+
+use crate::folder;
+use crate::info::AgentInfo;
+use crate::network::{Actor, Scratch};
+use crate::pilot::Pilot;
+use crate::{Error, Result};
+
+/// A trained agent.
+#[derive(Clone, Debug)]
+pub struct Agent {
+    name: String,
+    folder: PathBuf,
+    info: AgentInfo,
+    actor: Arc<Actor>,
+    identity: String,
+}
+
+impl Agent {
+    /// Reads an agent's folder.
+    ///
+    /// # Errors
+    /// [`Error::NotAnAgent`]; [`Error::Damaged`] when a file does not have the hash or the shape that it should have;
+    /// [`Error::Io`].
+    pub fn read(path: &Path) -> Result<Self> {
+        let folder::Contents { info, actor, identity } = folder::read(path)?;
+        let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+        Ok(Self { name, folder: path.to_owned(), info, actor: Arc::new(actor), identity })
+    }
+
+    /// Writes an agent's folder, or replaces the agent in it; other files stay.
+    ///
+    /// # Errors
+    /// [`Error::Io`]; the agent before is still there then.
+    pub fn write(path: &Path, info: AgentInfo, actor: &Actor) -> Result<()> {
+        folder::write(path, info, actor)
+    }
+
+    /// The name of its folder.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// What it observes and controls, and how it was trained.
+    pub fn info(&self) -> &AgentInfo {
+        &self.info
+    }
+
+    /// Its network.
+    pub fn actor(&self) -> &Arc<Actor> {
+        &self.actor
+    }
+
+    /// Returns in one line what its actions depend on besides observations: agents with one identity act alike.
+    pub fn identity(&self) -> &str {
+        &self.identity
+    }
+
+    /// Returns a controller for an episode of a building.
+    ///
+    /// # Errors
+    /// [`Error::OtherBuilding`] when the building's observation or actuators are not those that it was trained with.
+    pub fn controller(&self, spaces: &Arc<Spaces>) -> Result<AgentController> {
+        let pilot = Pilot::new(self.info.interface, spaces);
+        self.check(&pilot, spaces)?;
+        Ok(AgentController::new(pilot, Arc::clone(&self.actor)))
+    }
+
+    fn check(&self, pilot: &Pilot, spaces: &Spaces) -> Result<()> {
+        let slots: Vec<&str> = pilot.observation().features().iter().map(|slot| slot.name.as_str()).collect();
+        let actuators: Vec<&str> = spaces.action.names().iter().map(String::as_str).collect();
+        let why = difference("observation", &self.info.slots, &slots)
+            .or_else(|| difference("actuator", &self.info.actuators, &actuators));
+        match why {
+            None => Ok(()),
+            Some(why) => Err(Error::OtherBuilding {
+                agent: self.folder.display().to_string(),
+                building: spaces.building.name.clone(),
+                why,
+                trained_on: self.info.training.buildings.clone(),
+            }),
+        }
+    }
+}
+
+/// Describes the first difference of two lists of names.
+fn difference(what: &str, agent: &[String], building: &[&str]) -> Option<String> {
+    if agent.len() != building.len() {
+        let (has, takes) = (building.len(), agent.len());
+        return Some(format!("the building has {has} {what} slots and the agent {takes}"));
+    }
+    let mut pairs = agent.iter().zip(building).enumerate();
+    pairs.find(|(_, (there, here))| there.as_str() != **here).map(|(index, (there, here))| {
+        format!("{what} slot {index} is `{here}` in the building and `{there}` in the agent")
+    })
+}
+
+/// A controller that acts as an agent in one building, without exploration. A step allocates nothing.
+#[derive(Clone, Debug)]
+pub struct AgentController {
+    pilot: Pilot,
+    actor: Arc<Actor>,
+    scratch: Scratch,
+    row: Vec<f32>,
+}
+
+impl AgentController {
+    /// Returns the controller of an actor that has the widths of the pilot.
+    pub fn new(pilot: Pilot, actor: Arc<Actor>) -> Self {
+        Self { scratch: actor.scratch(), row: vec![0.0; actor.actions()], pilot, actor }
+    }
+}
+
+impl Controller for AgentController {
+    fn reset(&mut self) {
+        self.pilot.reset();
+    }
+
+    fn act(&mut self, observation: &[f64], action: &mut [f64]) {
+        self.actor.mean(self.pilot.observe(observation), &mut self.scratch, &mut self.row);
+        action.copy_from_slice(self.pilot.act(&self.row));
+    }
+}

@@ -1,0 +1,58 @@
+//! Errors of agents.
+
+use std::path::{Path, PathBuf};
+
+/// An error of this crate.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// A text that names no form of observations.
+    #[error("unknown observation `{text}`; expected raw, roles or features")]
+    UnknownObservation {
+        /// The text.
+        text: String,
+    },
+    /// A folder without an agent.
+    #[error("{path} is not an agent's folder: {why}; expected one that `b2b train` wrote, with agent.json and weights.safetensors")]
+    NotAnAgent {
+        /// The folder.
+        path: PathBuf,
+        /// Reason.
+        why: String,
+    },
+    /// An agent whose files do not belong together.
+    #[error("the agent in {path} is damaged: {why}; train it again, or restore its files")]
+    Damaged {
+        /// The folder.
+        path: PathBuf,
+        /// Reason.
+        why: String,
+    },
+    /// A building with another observation or other actuators than those the agent was trained with.
+    #[error("the agent {agent} cannot control {building}: {why}; it was trained on {trained_on}")]
+    OtherBuilding {
+        /// Name of the agent.
+        agent: String,
+        /// Name of the building.
+        building: String,
+        /// The first difference.
+        why: String,
+        /// Its training buildings.
+        trained_on: String,
+    },
+    /// A file that cannot be read or written.
+    #[error("{path}: {source}")]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// Error of the operating system.
+        source: std::io::Error,
+    },
+}
+
+/// Adds the path to an error of the operating system.
+pub(crate) fn at(path: &Path) -> impl FnOnce(std::io::Error) -> Error {
+    move |source| Error::Io { path: path.to_owned(), source }
+}
+
+/// A result of this crate.
+pub type Result<T> = std::result::Result<T, Error>;

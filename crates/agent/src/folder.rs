@@ -1,0 +1,139 @@
+//! The folder of an agent: `agent.json` and `weights.safetensors`.
+
+use std::io::Write as _;
+use std::path::Path;
+
+use b2b_energyplus::digest::sha256;
+use safetensors::tensor::{Dtype, TensorView};
+use safetensors::{SafeTensors, serialize};
+
+use crate::error::at;
+use crate::info::{AgentInfo, FORMAT};
+use crate::network::Actor;
+use crate::{Error, Result};
+
+/// The file that describes an agent.
+pub const INFO: &str = "agent.json";
+/// The file of its weights.
+const WEIGHTS: &str = "weights.safetensors";
+
+/// What is in an agent's folder.
+pub(crate) struct Contents {
+    pub(crate) info: AgentInfo,
+    pub(crate) actor: Actor,
+    pub(crate) identity: String,
+}
+
+/// Reads a folder.
+pub(crate) fn read(path: &Path) -> Result<Contents> {
+    let damaged = |why: String| Error::Damaged { path: path.to_owned(), why };
+    let not_an_agent = |why: String| Error::NotAnAgent { path: path.to_owned(), why };
+    let text = std::fs::read(path.join(INFO)).map_err(|error| not_an_agent(format!("{INFO}: {error}")))?;
+    let format: Format =
+        serde_json::from_slice(&text).map_err(|error| damaged(format!("{INFO}: {error}")))?;
+    if format.format != FORMAT {
+        let why = format!("its format is {}, this version reads format {FORMAT}", format.format);
+        return Err(not_an_agent(why));
+    }
+    let info: AgentInfo =
+        serde_json::from_slice(&text).map_err(|error| damaged(format!("{INFO}: {error}")))?;
+    let bytes = std::fs::read(path.join(WEIGHTS)).map_err(|error| damaged(format!("{WEIGHTS}: {error}")))?;
+    if sha256(&bytes) != info.weights {
+        return Err(damaged(format!("{WEIGHTS} does not have the hash that {INFO} states")));
+    }
+    let actor = actor(&info, &bytes).map_err(damaged)?;
+    let identity = format!("agent {}", sha256([&text[..], &bytes].concat()));
+    Ok(Contents { info, actor, identity })
+}
+
+/// What every version of [`INFO`] begins with.
+#[derive(serde::Deserialize)]
+struct Format {
+    format: u32,
+}
+
+/// Writes a folder: each file aside first, the weights before the description that states their hash.
+pub(crate) fn write(path: &Path, mut info: AgentInfo, actor: &Actor) -> Result<()> {
+    std::fs::create_dir_all(path).map_err(at(path))?;
+    let bytes = weights(actor);
+    info.weights = sha256(&bytes);
+    let text = serde_json::to_vec_pretty(&info).expect("plain data always serializes");
+    // With weights of another hash the agent before would count as damaged: both are aside before either is replaced.
+    let [weights, description] =
+        [(WEIGHTS, bytes), (INFO, text)].map(|(name, bytes)| write_aside(path, name, &bytes));
+    let (weights, description) = (weights?, description?);
+    for (file, name) in [(weights, WEIGHTS), (description, INFO)] {
+        file.persist(path.join(name)).map_err(|error| at(&path.join(name))(error.error))?;
+    }
+    Ok(())
+}
+
+fn write_aside(folder: &Path, name: &str, bytes: &[u8]) -> Result<tempfile::NamedTempFile> {
+    let path = folder.join(name);
+    let mut file = tempfile::Builder::new().prefix(".aside-").tempfile_in(folder).map_err(at(&path))?;
+    file.write_all(bytes).and_then(|()| file.as_file().sync_all()).map_err(at(&path))?;
+    Ok(file)
+}
+
+/// Returns the weights of an actor as a file: a matrix inputs × outputs and a vector for each layer.
+fn weights(actor: &Actor) -> Vec<u8> {
+    let tensors: Vec<(String, Vec<usize>, Vec<u8>)> = actor
+        .shape
+        .layers()
+        .enumerate()
+        .flat_map(|(index, layer)| {
+            let bytes = |range| little_endian(&actor.parameters[range]);
+            [
+                (name(index, "weight"), vec![layer.inputs, layer.outputs], bytes(layer.weights)),
+                (name(index, "bias"), vec![layer.outputs], bytes(layer.biases)),
+            ]
+        })
+        .collect();
+    let views = tensors.iter().map(|(name, shape, bytes)| {
+        let view = TensorView::new(Dtype::F32, shape.clone(), bytes);
+        (name.clone(), view.expect("the bytes are those of the shape"))
+    });
+    serialize(views, None).expect("tensors of one type always serialize")
+}
+
+/// Returns the actor whose weights a file has.
+fn actor(info: &AgentInfo, bytes: &[u8]) -> std::result::Result<Actor, String> {
+    let tensors = SafeTensors::deserialize(bytes).map_err(|error| format!("{WEIGHTS}: {error}"))?;
+    if info.network.widths.len() < 2 {
+        return Err(format!("{INFO}: its network has no layer"));
+    }
+    let shape = info.network.clone();
+    let mut parameters = vec![0.0; shape.parameters()];
+    for (index, layer) in shape.layers().enumerate() {
+        let mut fill = |part: &str, shape: Vec<usize>, range: std::ops::Range<usize>| {
+            let name = name(index, part);
+            let tensor = tensors.tensor(&name).map_err(|error| format!("{WEIGHTS}: {error}"))?;
+            if tensor.shape() != shape || tensor.dtype() != Dtype::F32 {
+                return Err(format!("{WEIGHTS}: {name} has the shape {:?}, expected {shape:?}", tensor.shape()));
+            }
+            for (value, bytes) in parameters[range].iter_mut().zip(tensor.data().chunks_exact(4)) {
+                *value = f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
+            }
+            Ok(())
+        };
+        fill("weight", vec![layer.inputs, layer.outputs], layer.weights.clone())?;
+        fill("bias", vec![layer.outputs], layer.biases.clone())?;
+    }
+    let actor = Actor { shape, parameters, distribution: info.distribution.clone() };
+    let widths = (info.slots.len(), info.actuators.len());
+    if (actor.observations(), actor.actions()) != widths {
+        return Err(format!("{INFO}: the network does not have the widths of observation and actuators"));
+    }
+    match actor.parameters.iter().position(|value| !value.is_finite()) {
+        Some(_) => Err(format!("{WEIGHTS} has a value that is not finite")),
+        None => Ok(actor),
+    }
+}
+
+fn name(layer: usize, part: &str) -> String {
+    format!("actor.{layer}.{part}")
+}
+
+fn little_endian(values: &[f32]) -> Vec<u8> {
+    values.iter().flat_map(|value| value.to_le_bytes()).collect()
+}

@@ -1,0 +1,59 @@
+//! The description of an agent, as it is in its folder.
+
+use b2b_env::Task;
+use serde::{Deserialize, Serialize};
+
+use crate::network::{Distribution, Mlp};
+use crate::pilot::Interface;
+
+/// Version of the format of agents' folders.
+pub const FORMAT: u32 = 1;
+
+/// What an agent observes and controls, and how it was trained: `agent.json`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct AgentInfo {
+    /// [`FORMAT`] of the folder.
+    pub format: u32,
+    /// Form of observations and meaning of actions.
+    pub interface: Interface,
+    /// Name of every number that the network observes.
+    pub slots: Vec<String>,
+    /// Name of every actuator that it controls.
+    pub actuators: Vec<String>,
+    /// Shape of the network.
+    pub network: Mlp,
+    /// Distribution of its actions in training.
+    pub distribution: Distribution,
+    /// Task of its training.
+    pub task: Task,
+    /// Its training.
+    pub training: TrainingInfo,
+    /// SHA-256 of the weights' file.
+    pub weights: String,
+}
+
+/// How an agent was trained.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct TrainingInfo {
+    /// Algorithm, such as `ppo`.
+    pub algorithm: String,
+    /// Training buildings, as they were named.
+    pub buildings: String,
+    /// Run period.
+    pub period: String,
+    /// Zone time steps per hour.
+    pub steps_per_hour: u32,
+    /// Environment steps so far.
+    pub steps: u64,
+    /// Random seed.
+    pub seed: u64,
+    /// Version of this package.
+    pub package: String,
+    /// Version of the building generator and its dataset.
+    pub generator: String,
+    /// Version of EnergyPlus.
+    pub engine: String,
+    /// Hash of the reactive controllers' parameters, of an agent that stands on them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub base_controllers: Option<String>,
+}

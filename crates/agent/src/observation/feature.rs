@@ -1,0 +1,90 @@
+//! One slot of an agent's observation.
+
+use std::f64::consts::TAU;
+
+use b2b_env::Target;
+
+use super::memory::Memory;
+
+/// One slot of an agent's observation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Feature {
+    /// Name, for example `Core_ZN error/1K`.
+    pub name: String,
+    /// How it is computed.
+    pub(super) source: Source,
+}
+
+/// How a slot is computed. A number is divided by its scale and clipped to its limit on both sides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Source {
+    /// A constant.
+    Constant(f64),
+    /// A slot of the environment from its bounds to [-1, 1].
+    Bounded { slot: usize, low: f64, high: f64 },
+    /// The deviation of a slot from a center.
+    Deviation { slot: usize, center: f64, scale: f64, limit: f64 },
+    /// The change of a slot in the last step.
+    Change { slot: usize, scale: f64, limit: f64 },
+    /// Temperature less target of a controlled zone, by its index.
+    Error { zone: usize, scale: f64, limit: f64 },
+    /// The recent mean of that error: see [`Memory`].
+    RecentError { zone: usize, scale: f64, limit: f64 },
+    /// A target.
+    Target { target: Target, center: f64, scale: f64 },
+    /// Sine of the time of day, its multiple a number of periods a day, or cosine.
+    Day { slot: usize, periods: f64, cosine: bool },
+    /// Sine or cosine of the time of the week.
+    Week { day: usize, hour: usize, cosine: bool },
+    /// Sine or cosine of the time of the year.
+    Year { slot: usize, cosine: bool },
+    /// The agent's previous action for an actuator.
+    Previous(usize),
+    /// The base controller's next action for an actuator.
+    Base(usize),
+}
+
+/// What a slot is computed from.
+pub(super) struct Context<'a> {
+    pub(super) observation: &'a [f64],
+    pub(super) memory: &'a Memory,
+    pub(super) previous: &'a [f32],
+    pub(super) base: &'a [f32],
+}
+
+impl Feature {
+    pub(super) fn new(name: impl Into<String>, source: Source) -> Self {
+        Self { name: name.into(), source }
+    }
+
+    pub(super) fn value(&self, context: &Context<'_>) -> f64 {
+        let Context { observation, memory, previous, base } = context;
+        match self.source {
+            Source::Constant(value) => value,
+            Source::Bounded { slot, low, high } => 2.0 * (observation[slot] - low) / (high - low) - 1.0,
+            Source::Deviation { slot, center, scale, limit } => {
+                clipped(observation[slot] - center, scale, limit)
+            }
+            Source::Change { slot, scale, limit } => clipped(memory.change(slot), scale, limit),
+            Source::Error { zone, scale, limit } => clipped(memory.error(zone), scale, limit),
+            Source::RecentError { zone, scale, limit } => clipped(memory.recent_error(zone), scale, limit),
+            Source::Target { target, center, scale } => (target.of(observation) - center) / scale,
+            Source::Day { slot, periods, cosine } => wave(observation[slot] / 24.0 * periods, cosine),
+            Source::Week { day, hour, cosine } => {
+                wave((observation[day] + observation[hour] / 24.0) / 7.0, cosine)
+            }
+            Source::Year { slot, cosine } => wave(observation[slot] / 365.0, cosine),
+            Source::Previous(actuator) => f64::from(previous[actuator]),
+            Source::Base(actuator) => f64::from(base[actuator]),
+        }
+    }
+}
+
+fn clipped(value: f64, scale: f64, limit: f64) -> f64 {
+    (value / scale).clamp(-limit, limit)
+}
+
+/// Sine or cosine of a share of a turn, the same bits on every machine.
+fn wave(turn: f64, cosine: bool) -> f64 {
+    if cosine { libm::cos(TAU * turn) } else { libm::sin(TAU * turn) }
+}

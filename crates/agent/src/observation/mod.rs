@@ -1,0 +1,98 @@
+//! What an agent observes: the environment's observation as numbers of about one.
+
+mod feature;
+mod features;
+mod memory;
+mod scaled;
+
+use std::fmt;
+use std::str::FromStr;
+use std::sync::Arc;
+
+use b2b_env::Spaces;
+use b2b_env::vector::Arrangement;
+use serde::{Deserialize, Serialize};
+
+use crate::Error;
+pub use feature::Feature;
+use feature::Context;
+use memory::Memory;
+
+/// The form of an agent's observation.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ObservationForm {
+    /// The observation of the environment, each slot scaled from its bounds to [-1, 1], as in the paper.
+    Raw,
+    /// As `raw`, with a place for every role of a zone in houses: see [`RoleObservation`](b2b_env::RoleObservation).
+    Roles,
+    /// Features of the state that control needs: errors at several scales, their change and recent mean, targets, calendar
+    /// as sines, and the previous and the base controller's action. See `docs/agents.md`.
+    #[default]
+    Features,
+}
+
+impl fmt::Display for ObservationForm {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Raw => "raw",
+            Self::Roles => "roles",
+            Self::Features => "features",
+        })
+    }
+}
+
+impl FromStr for ObservationForm {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self, Error> {
+        [Self::Raw, Self::Roles, Self::Features]
+            .into_iter()
+            .find(|form| form.to_string() == text)
+            .ok_or_else(|| Error::UnknownObservation { text: text.to_owned() })
+    }
+}
+
+/// The observation of an agent in an episode of a building.
+#[derive(Clone, Debug)]
+pub struct AgentObservation {
+    features: Vec<Feature>,
+    memory: Memory,
+}
+
+impl AgentObservation {
+    /// Returns the observation of a form for a building. With a base controller, features include its action.
+    pub fn new(form: ObservationForm, spaces: &Arc<Spaces>, has_base: bool) -> Self {
+        let features = match form {
+            ObservationForm::Raw => scaled::features(&Arrangement::InOrder.of(spaces)),
+            ObservationForm::Roles => scaled::features(&Arrangement::ByRole.of(spaces)),
+            ObservationForm::Features => features::features(spaces, has_base),
+        };
+        Self { features, memory: Memory::new(spaces) }
+    }
+
+    /// The slots in order.
+    pub fn features(&self) -> &[Feature] {
+        &self.features
+    }
+
+    /// Number of slots.
+    pub fn width(&self) -> usize {
+        self.features.len()
+    }
+
+    /// Forgets the episode before.
+    pub fn reset(&mut self) {
+        self.memory.reset();
+    }
+
+    /// Writes the observation of the agent. Called once for every observation of the environment, in order. `previous` is the
+    /// action that the agent gave last, `base` the base controller's next one; both from -1 to 1.
+    pub fn write(&mut self, observation: &[f64], previous: &[f32], base: &[f32], row: &mut [f32]) {
+        self.memory.remember(observation);
+        let context = Context { observation, memory: &self.memory, previous, base };
+        for (value, feature) in row.iter_mut().zip(&self.features) {
+            *value = feature.value(&context) as f32;
+        }
+    }
+}

@@ -1,0 +1,81 @@
+//! An agent's eyes and hands in an episode, around its network.
+
+use std::sync::Arc;
+
+use b2b_env::Spaces;
+use serde::{Deserialize, Serialize};
+
+use crate::acting::{Acting, Driver};
+use crate::observation::{AgentObservation, ObservationForm};
+
+/// What an agent observes and how it acts.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Interface {
+    /// Form of its observation.
+    pub observation: ObservationForm,
+    /// Meaning of its actions.
+    pub acting: Acting,
+}
+
+/// An agent's observations and actions in an episode of a building, around its network. Allocates nothing in a step.
+///
+/// In turn: [`Pilot::observe`] for every observation of the environment, and [`Pilot::act`] for every action of the network.
+#[derive(Clone, Debug)]
+pub struct Pilot {
+    observation: AgentObservation,
+    driver: Driver,
+    /// The last action of the network, within ±1.
+    previous: Vec<f32>,
+    row: Vec<f32>,
+}
+
+impl Pilot {
+    /// Returns the pilot of a building, at the beginning of an episode.
+    pub fn new(interface: Interface, spaces: &Arc<Spaces>) -> Self {
+        let Interface { observation, acting } = interface;
+        let observation = AgentObservation::new(observation, spaces, acting.has_base());
+        Self {
+            row: vec![0.0; observation.width()],
+            observation,
+            driver: Driver::new(acting, spaces),
+            previous: vec![0.0; spaces.action.len()],
+        }
+    }
+
+    /// Begins an episode.
+    pub fn reset(&mut self) {
+        self.observation.reset();
+        self.driver.reset();
+        self.previous.fill(0.0);
+    }
+
+    /// Numbers that the network observes, and actions that it gives.
+    pub fn widths(&self) -> (usize, usize) {
+        (self.row.len(), self.previous.len())
+    }
+
+    /// The observation of the agent, slot by slot.
+    pub fn observation(&self) -> &AgentObservation {
+        &self.observation
+    }
+
+    /// Takes the next observation of the environment and returns that of the network.
+    pub fn observe(&mut self, observation: &[f64]) -> &[f32] {
+        let base = self.driver.base(observation);
+        self.observation.write(observation, &self.previous, base, &mut self.row);
+        &self.row
+    }
+
+    /// The last observation of the network.
+    pub fn observed(&self) -> &[f32] {
+        &self.row
+    }
+
+    /// Takes an action of the network, whose values beyond ±1 are clipped, and returns it in physical units.
+    pub fn act(&mut self, action: &[f32]) -> &[f64] {
+        for (previous, value) in self.previous.iter_mut().zip(action) {
+            *previous = value.clamp(-1.0, 1.0);
+        }
+        self.driver.drive(&self.previous)
+    }
+}
