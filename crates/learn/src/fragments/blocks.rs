@@ -1,0 +1,63 @@
+//! Places of the steps of an environment in the shared memory.
+
+use serde::{Deserialize, Serialize};
+
+use crate::collector::Widths;
+
+/// Numbers of [`Block::times`].
+const TIMES: usize = 2;
+
+/// The block of an environment: its observations, actions and rewards, each with the steps one after another, and the
+/// observation after the last.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Block {
+    place: usize,
+    steps: usize,
+    observation: usize,
+    action: usize,
+    parts: usize,
+}
+
+impl Block {
+    /// Returns the block with room for a number of steps that begins at a place.
+    pub(super) fn new(place: usize, steps: usize, widths: Widths) -> Self {
+        let Widths { observation, action, parts } = widths;
+        Self { place, steps, observation, action, parts }
+    }
+
+    /// Returns how many numbers a block has.
+    pub(super) fn numbers(steps: usize, widths: Widths) -> usize {
+        let Widths { observation, action, parts } = widths;
+        steps * (observation + action + parts) + observation + TIMES
+    }
+
+    /// Returns the number of parts of a reward.
+    pub(super) fn parts(&self) -> usize {
+        self.parts
+    }
+
+    /// Returns the place of the observation before a step.
+    pub(super) fn observation(&self, step: usize) -> usize {
+        self.place + step * self.observation
+    }
+
+    /// Returns the place of the action of a step.
+    pub(super) fn action(&self, step: usize) -> usize {
+        self.observation(self.steps) + step * self.action
+    }
+
+    /// Returns the place of the parts of the reward of a step.
+    pub(super) fn reward(&self, step: usize) -> usize {
+        self.action(self.steps) + step * self.parts
+    }
+
+    /// Returns the place of the observation after the last step.
+    pub(super) fn next(&self) -> usize {
+        self.reward(self.steps)
+    }
+
+    /// Returns the place of the times spent on actions and on all of the fragment, s.
+    pub(super) fn times(&self) -> usize {
+        self.next() + self.observation
+    }
+}

@@ -1,0 +1,368 @@
+//! The owner's side: rollouts of environments in worker processes.
+
+use std::sync::Arc;
+
+use b2b_agent::network::Actor;
+use b2b_agent::{Interface, Pilot};
+use b2b_env::vector::{SharedMemory, VecEnv};
+use b2b_env::{Metrics, Spaces};
+
+use super::blocks::Block;
+use super::order::{Order, Use};
+use crate::collector::{Collector, Widths};
+use crate::error::{Error, Result};
+use crate::rollout::{End, Rollout};
+
+/// Episodes of one environment that may be lost in a row before the collection is given up.
+const LOST_IN_A_ROW: u32 = 5;
+
+/// The factor by which the rewards of a building are multiplied.
+pub type RewardScale = Box<dyn FnMut(&Arc<Spaces>) -> Result<f64> + Send>;
+
+/// An episode that ended while steps were collected.
+#[derive(Clone, Debug)]
+pub struct Finished {
+    /// Name of the building.
+    pub building: String,
+    /// Its metrics, with exploration.
+    pub metrics: Metrics,
+}
+
+/// Collects rollouts in the worker processes of a [`VecEnv`] with [`Autoreset::Disabled`](b2b_env::vector::Autoreset::Disabled).
+///
+/// The same seed and actors give the same bits, however fast each environment is.
+pub struct FragmentCollector {
+    environments: VecEnv,
+    interface: Interface,
+    widths: Widths,
+    scale: RewardScale,
+    seed: u64,
+    correlation: f32,
+    memory: SharedMemory,
+    /// Place of the parameters and how many there is room for.
+    parameters: (usize, usize),
+    /// Place of the blocks and the steps that each has room for.
+    blocks: (usize, usize),
+    /// Rollouts collected so far.
+    rollouts: u64,
+    seats: Vec<Seat>,
+    finished: Vec<Finished>,
+    lost: u64,
+}
+
+/// One environment in the course of a collection.
+#[derive(Clone, Debug)]
+struct Seat {
+    phase: Phase,
+    /// Steps of the rollout.
+    done: usize,
+    /// Fragments that the rollout has of this environment.
+    fragments: u64,
+    /// Factor of the rewards of the episode in progress.
+    scale: f32,
+    /// Factors of the rewards of the rollout, each from a step on.
+    scales: Vec<(usize, f32)>,
+    ends: Vec<End>,
+    /// Episodes begun since the first reset.
+    episodes: u64,
+    /// Actions of the episode in progress.
+    actions: Vec<f32>,
+    lost_in_a_row: u32,
+    /// Time spent on actions and on all steps of the rollout, s.
+    times: [f32; 2],
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Phase {
+    /// Ready for a fragment.
+    Ready,
+    /// In a fragment.
+    Running,
+    /// Between two episodes.
+    Starting,
+}
+
+impl Seat {
+    fn new(scale: f32) -> Self {
+        Self {
+            phase: Phase::Ready,
+            done: 0,
+            fragments: 0,
+            scale,
+            scales: Vec::new(),
+            ends: Vec::new(),
+            episodes: 1,
+            actions: Vec::new(),
+            lost_in_a_row: 0,
+            times: [0.0; 2],
+        }
+    }
+
+    fn begin_rollout(&mut self) {
+        (self.done, self.fragments, self.times) = (0, 0, [0.0; 2]);
+        self.ends.clear();
+        self.scales.clear();
+        self.scales.push((0, self.scale));
+    }
+}
+
+impl FragmentCollector {
+    /// Begins the first episodes. With `by_zone` a reward has a part for each controlled zone and one for energy, so that all
+    /// buildings must have the same zones. `correlation` is that of the exploration noise between consecutive steps.
+    ///
+    /// # Errors
+    /// [`Error::Env`] when an environment cannot begin; those of `scale`.
+    pub fn new(
+        mut environments: VecEnv,
+        interface: Interface,
+        by_zone: bool,
+        correlation: f32,
+        mut scale: RewardScale,
+        seed: u64,
+    ) -> Result<Self> {
+        environments.reset(seed)?;
+        let mut seats = Vec::with_capacity(environments.len());
+        for index in 0..environments.len() {
+            seats.push(Seat::new(scale(spaces_of(&environments, index)?)? as f32));
+        }
+        let spaces = spaces_of(&environments, 0)?;
+        let (observation, action) = Pilot::new(interface, spaces).widths();
+        let parts = if by_zone { spaces.controlled_zones().count() + 1 } else { 1 };
+        Ok(Self {
+            memory: environments.workers().memory(),
+            environments,
+            interface,
+            widths: Widths { observation, action, parts },
+            scale,
+            seed,
+            correlation,
+            parameters: (0, 0),
+            blocks: (0, 0),
+            rollouts: 0,
+            seats,
+            finished: Vec::new(),
+            lost: 0,
+        })
+    }
+
+    /// Takes the episodes that ended since this was last called.
+    pub fn take_finished(&mut self) -> Vec<Finished> {
+        std::mem::take(&mut self.finished)
+    }
+
+    /// Returns how many episodes were lost.
+    pub fn lost(&self) -> u64 {
+        self.lost
+    }
+
+    /// Returns the environments.
+    pub fn environments(&self) -> &VecEnv {
+        &self.environments
+    }
+
+    /// Returns the times that the workers spent on actions and on all steps of the last rollout, s, summed over workers.
+    pub fn worker_times(&self) -> [f64; 2] {
+        [0, 1].map(|index| self.seats.iter().map(|seat| f64::from(seat.times[index])).sum())
+    }
+
+    /// Makes room for an actor and for blocks of a number of steps, and writes the actor.
+    fn share(&mut self, actor: &Actor, steps: usize) -> Result<()> {
+        let numbers = Order::numbers(actor);
+        if self.parameters.1 < numbers.len() {
+            self.parameters = (self.environments.workers().reserve_memory(numbers.len())?, numbers.len());
+        }
+        if self.blocks.1 < steps {
+            let count = self.environments.len() * Block::numbers(steps, self.widths);
+            self.blocks = (self.environments.workers().reserve_memory(count)?, steps);
+        }
+        self.memory.write(self.parameters.0, &numbers);
+        Ok(())
+    }
+
+    fn block(&self, environment: usize) -> Block {
+        let (place, steps) = self.blocks;
+        Block::new(place + environment * Block::numbers(steps, self.widths), steps, self.widths)
+    }
+
+    /// Runs fragments until every environment has made its steps.
+    fn run(&mut self, actor: &Actor, purpose: Use, steps: &[usize]) -> Result<()> {
+        for environment in 0..self.seats.len() {
+            self.send(environment, actor, purpose, steps[environment])?;
+        }
+        let mut ready = Vec::with_capacity(self.seats.len());
+        while self.seats.iter().zip(steps).any(|(seat, steps)| seat.done < *steps) {
+            self.environments.recv(1, &mut ready)?;
+            for environment in ready.drain(..) {
+                self.settle(environment, purpose)?;
+                self.send(environment, actor, purpose, steps[environment])?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Orders what is left of an environment's steps, if it is ready.
+    fn send(&mut self, environment: usize, actor: &Actor, purpose: Use, steps: usize) -> Result<()> {
+        let block = self.block(environment);
+        let seat = &mut self.seats[environment];
+        if seat.phase != Phase::Ready || seat.done >= steps {
+            return Ok(());
+        }
+        // No two fragments of a run have the same stream.
+        let stream = self.rollouts << 24 | (environment as u64) << 8 | seat.fragments;
+        let order = Order {
+            interface: self.interface,
+            shape: actor.shape.clone(),
+            distribution: actor.distribution.clone(),
+            parameters: self.parameters.0,
+            version: self.rollouts,
+            purpose,
+            steps: steps - seat.done,
+            block,
+            done: seat.done,
+            random: (self.seed, stream),
+            correlation: self.correlation,
+        };
+        let text = serde_json::to_vec(&order).map_err(|error| Error::Collect(error.into()))?;
+        self.environments.send_fragment(environment, &text, order.steps)?;
+        seat.phase = Phase::Running;
+        seat.fragments += 1;
+        Ok(())
+    }
+
+    /// Takes what became of an environment that is no longer busy.
+    fn settle(&mut self, environment: usize, purpose: Use) -> Result<()> {
+        if let Some(why) = self.environments.lost(environment).map(str::to_owned) {
+            return self.lose(environment, why);
+        }
+        if self.seats[environment].phase == Phase::Starting {
+            return self.begin_episode(environment);
+        }
+        self.take_steps(environment, purpose);
+        if self.environments.truncated()[environment] {
+            self.end_episode(environment)?;
+        } else {
+            self.seats[environment].phase = Phase::Ready;
+        }
+        Ok(())
+    }
+
+    /// Counts the steps of a fragment, and keeps their actions.
+    fn take_steps(&mut self, environment: usize, purpose: Use) {
+        let block = self.block(environment);
+        let steps = self.environments.fragment_steps(environment);
+        let seat = &mut self.seats[environment];
+        seat.lost_in_a_row = 0;
+        if purpose == Use::Explore {
+            let mut actions = vec![0.0; steps * self.widths.action];
+            self.memory.read(block.action(seat.done), &mut actions);
+            seat.actions.extend(actions);
+            let mut times = [0.0; 2];
+            self.memory.read(block.times(), &mut times);
+            seat.times = [seat.times[0] + times[0], seat.times[1] + times[1]];
+        }
+        seat.done += steps;
+    }
+
+    /// Keeps the end of an episode, and has the next begin.
+    fn end_episode(&mut self, environment: usize) -> Result<()> {
+        let mut observation = vec![0.0; self.widths.observation];
+        self.memory.read(self.block(environment).next(), &mut observation);
+        let seat = &mut self.seats[environment];
+        seat.ends.push(End { environment, step: seat.done - 1, observation });
+        let building = spaces_of(&self.environments, environment)?.building.name.clone();
+        let metrics = self.environments.final_metrics(environment).cloned();
+        self.finished.extend(metrics.map(|metrics| Finished { building, metrics }));
+        self.restart(environment)
+    }
+
+    fn restart(&mut self, environment: usize) -> Result<()> {
+        self.environments.reset_one(environment)?;
+        self.seats[environment].phase = Phase::Starting;
+        Ok(())
+    }
+
+    fn begin_episode(&mut self, environment: usize) -> Result<()> {
+        let scale = (self.scale)(spaces_of(&self.environments, environment)?)? as f32;
+        let seat = &mut self.seats[environment];
+        seat.phase = Phase::Ready;
+        seat.episodes += 1;
+        seat.actions.clear();
+        seat.scale = scale;
+        seat.scales.push((seat.done, scale));
+        Ok(())
+    }
+
+    /// Drops the fragment that was lost and begins another episode. What the rollout has of the lost one ends before its last
+    /// step, whose observation is known.
+    fn lose(&mut self, environment: usize, why: String) -> Result<()> {
+        self.lost += 1;
+        let block = self.block(environment);
+        let seat = &mut self.seats[environment];
+        seat.lost_in_a_row += 1;
+        if seat.lost_in_a_row > LOST_IN_A_ROW {
+            return Err(Error::LostEpisodes { count: seat.lost_in_a_row, why });
+        }
+        let ended = seat.ends.last().map_or(0, |end| end.step + 1);
+        if seat.done > ended {
+            let mut observation = vec![0.0; self.widths.observation];
+            self.memory.read(block.observation(seat.done - 1), &mut observation);
+            seat.ends.push(End { environment, step: seat.done - 1, observation });
+        }
+        self.restart(environment)
+    }
+
+    /// Copies the blocks to a rollout.
+    fn write(&self, steps: usize, rollout: &mut Rollout) {
+        let Widths { observation, action, parts } = self.widths;
+        let environments = self.seats.len();
+        (rollout.environments, rollout.steps) = (environments, steps);
+        rollout.observations.resize(environments * steps * observation, 0.0);
+        rollout.actions.resize(environments * steps * action, 0.0);
+        rollout.rewards.resize(environments * steps * parts, 0.0);
+        rollout.next.resize(environments * observation, 0.0);
+        rollout.ends.clear();
+        for (index, seat) in self.seats.iter().enumerate() {
+            let block = self.block(index);
+            let row = |width: usize| index * steps * width..(index + 1) * steps * width;
+            self.memory.read(block.observation(0), &mut rollout.observations[row(observation)]);
+            self.memory.read(block.action(0), &mut rollout.actions[row(action)]);
+            self.memory.read(block.next(), &mut rollout.next[index * observation..][..observation]);
+            let rewards = &mut rollout.rewards[row(parts)];
+            self.memory.read(block.reward(0), rewards);
+            seat.scale_rewards(rewards, parts);
+            rollout.ends.extend_from_slice(&seat.ends);
+        }
+    }
+}
+
+impl Seat {
+    fn scale_rewards(&self, rewards: &mut [f32], parts: usize) {
+        for (index, (from, scale)) in self.scales.iter().enumerate() {
+            let to = self.scales.get(index + 1).map_or(rewards.len(), |(step, _)| step * parts);
+            rewards[from * parts..to].iter_mut().for_each(|reward| *reward *= scale);
+        }
+    }
+}
+
+impl Collector for FragmentCollector {
+    fn widths(&self) -> Widths {
+        self.widths
+    }
+
+    fn environments(&self) -> usize {
+        self.seats.len()
+    }
+
+    fn collect(&mut self, actor: &Actor, steps: usize, rollout: &mut Rollout) -> Result<()> {
+        self.rollouts += 1;
+        self.share(actor, steps)?;
+        self.seats.iter_mut().for_each(Seat::begin_rollout);
+        self.run(actor, Use::Explore, &vec![steps; self.seats.len()])?;
+        self.write(steps, rollout);
+        Ok(())
+    }
+}
+
+fn spaces_of(environments: &VecEnv, index: usize) -> Result<&Arc<Spaces>> {
+    Ok(environments.shared_spaces(index).ok_or(b2b_env::Error::NotReset)?)
+}

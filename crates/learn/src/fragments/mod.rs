@@ -1,0 +1,15 @@
+//! Collection in the workers: each runs a fragment of its episode with a copy of the actor.
+//!
+//! 1. The owner writes the actor's parameters to shared memory, once for all workers.
+//! 2. Each worker runs its fragment ([`runner`]) and leaves observations, actions and rewards in its block of that memory.
+//! 3. Where an episode ends within a fragment, the next begins in a new worker, which runs the rest.
+//! 4. The owner copies the blocks to the rollout.
+
+mod blocks;
+mod collector;
+mod order;
+mod runner;
+
+pub use collector::{Finished, FragmentCollector, RewardScale};
+pub use order::{Order, Use};
+pub use runner::make_runner;

@@ -1,0 +1,57 @@
+//! The order of a fragment.
+
+use b2b_agent::Interface;
+use b2b_agent::network::{Actor, Distribution, Mlp};
+use serde::{Deserialize, Serialize};
+
+use super::blocks::Block;
+
+/// What a worker does in a fragment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Use {
+    /// Samples actions, and records every step.
+    Explore,
+    /// Carries out the actions in the block: an episode is brought back to a step that it had reached.
+    Replay,
+    /// Acts without exploration, and records nothing.
+    Evaluate,
+}
+
+/// A fragment that a worker runs.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Order {
+    /// What the agent observes and how it acts.
+    pub interface: Interface,
+    /// Shape of its network.
+    pub shape: Mlp,
+    /// Distribution of its actions. The parameters of a [`Distribution::Gaussian`] follow those of the network.
+    pub distribution: Distribution,
+    /// Place of the parameters in the shared memory.
+    pub parameters: usize,
+    /// Number of the parameters' version, by which a worker knows whether to read them again.
+    pub version: u64,
+    /// What to do.
+    pub purpose: Use,
+    /// Number of steps.
+    pub steps: usize,
+    /// Where to leave them.
+    pub block: Block,
+    /// Steps of the block that were made before.
+    pub done: usize,
+    /// Random seed and stream of exploration.
+    pub random: (u64, u64),
+    /// Correlation of the exploration noise between consecutive steps.
+    pub correlation: f32,
+}
+
+impl Order {
+    /// Returns the numbers that a worker needs of an actor.
+    pub fn numbers(actor: &Actor) -> Vec<f32> {
+        let mut numbers = actor.parameters.clone();
+        if let Distribution::Gaussian { log_std } = &actor.distribution {
+            numbers.extend_from_slice(log_std);
+        }
+        numbers
+    }
+}

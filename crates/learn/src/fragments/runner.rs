@@ -1,0 +1,118 @@
+//! The worker's side: an actor in its episode.
+
+use std::time::{Duration, Instant};
+
+use b2b_agent::Pilot;
+use b2b_agent::network::{Actor, Distribution, Scratch};
+use b2b_env::vector::{Runner, RunnerError, SharedMemory};
+use b2b_env::{Env, Reward};
+
+use super::order::{Order, Use};
+use crate::random::{Noise, Random};
+
+/// Makes the runner of an episode: see [`b2b_env::vector::run_if_worker_with`].
+///
+/// # Errors
+/// When the order cannot be read.
+pub fn make_runner(env: &Env, order: &[u8]) -> Result<Box<dyn Runner>, RunnerError> {
+    let order: Order = serde_json::from_slice(order)?;
+    let mut pilot = Pilot::new(order.interface, env.spaces());
+    pilot.observe(env.observation());
+    let actor = Actor {
+        parameters: vec![0.0; order.shape.parameters()],
+        shape: order.shape,
+        distribution: order.distribution,
+    };
+    if (actor.observations(), actor.actions()) != pilot.widths() {
+        let name = &env.building().name;
+        return Err(format!("{name} does not have the observation and the actuators of the network").into());
+    }
+    Ok(Box::new(FragmentRunner {
+        scratch: actor.scratch(),
+        action: vec![0.0; actor.actions()],
+        rewards: vec![0.0; env.spaces().controlled_zones().count() + 1],
+        actor,
+        pilot,
+        version: None,
+    }))
+}
+
+struct FragmentRunner {
+    pilot: Pilot,
+    actor: Actor,
+    /// Version of the actor's parameters.
+    version: Option<u64>,
+    scratch: Scratch,
+    action: Vec<f32>,
+    rewards: Vec<f32>,
+}
+
+impl Runner for FragmentRunner {
+    fn run(&mut self, env: &mut Env, order: &[u8], memory: &SharedMemory) -> Result<usize, RunnerError> {
+        let order: Order = serde_json::from_slice(order)?;
+        self.read_parameters(&order, memory);
+        let (seed, stream) = order.random;
+        let mut noise = Noise::new(self.action.len(), order.correlation, Random::new(seed, stream));
+        let (began, mut acting) = (Instant::now(), Duration::ZERO);
+        let mut done = 0;
+        while done < order.steps && !env.is_truncated() {
+            let before = Instant::now();
+            self.choose(&order, order.done + done, &mut noise, memory);
+            let action = self.pilot.act(&self.action);
+            acting += before.elapsed();
+            let reward = env.step(action)?.reward;
+            if order.purpose == Use::Explore {
+                self.record_reward(&order, order.done + done, reward, env, memory);
+            }
+            self.pilot.observe(env.observation());
+            done += 1;
+        }
+        if order.purpose == Use::Explore {
+            memory.write(order.block.next(), self.pilot.observed());
+            let times = [acting, began.elapsed()].map(|time| time.as_secs_f32());
+            memory.write(order.block.times(), &times);
+        }
+        Ok(done)
+    }
+}
+
+impl FragmentRunner {
+    fn read_parameters(&mut self, order: &Order, memory: &SharedMemory) {
+        if self.version.replace(order.version) == Some(order.version) {
+            return;
+        }
+        let count = self.actor.parameters.len();
+        memory.read(order.parameters, &mut self.actor.parameters);
+        if let Distribution::Gaussian { log_std } = &mut self.actor.distribution {
+            memory.read(order.parameters + count, log_std);
+        }
+    }
+
+    /// Determines the action of a step, and records it with the observation before.
+    fn choose(&mut self, order: &Order, step: usize, noise: &mut Noise, memory: &SharedMemory) {
+        let (observation, block) = (self.pilot.observed(), &order.block);
+        match order.purpose {
+            Use::Replay => memory.read(block.action(step), &mut self.action),
+            Use::Evaluate => self.actor.mean(observation, &mut self.scratch, &mut self.action),
+            Use::Explore => {
+                self.actor.sample(observation, noise.draw(), &mut self.scratch, &mut self.action);
+                memory.write(block.observation(step), observation);
+                memory.write(block.action(step), &self.action);
+            }
+        }
+    }
+
+    /// Records the reward: as a whole, or a part for each controlled zone and one for energy.
+    fn record_reward(&mut self, order: &Order, step: usize, reward: Reward, env: &Env, memory: &SharedMemory) {
+        let place = order.block.reward(step);
+        if order.block.parts() == 1 {
+            return memory.write(place, &[reward.total() as f32]);
+        }
+        let zones = self.rewards.len() - 1;
+        for (part, penalty) in self.rewards.iter_mut().zip(env.comfort_penalties()) {
+            *part = (-penalty / zones as f64) as f32;
+        }
+        self.rewards[zones] = -reward.energy_penalty as f32;
+        memory.write(place, &self.rewards);
+    }
+}
