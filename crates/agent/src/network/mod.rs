@@ -1,10 +1,12 @@
 //! Networks: a shape, and a slice of parameters that has it.
 //!
 //! Parameters are one flat slice, which an optimizer steps, a worker shares and a file holds. Layer by layer it has the weights,
-//! inputs × outputs in rows of outputs, and the biases.
+//! inputs × outputs in rows of outputs, and the biases. An [`Actor`] is a network with the distribution of its actions.
 
 mod activation;
+mod actor;
 mod mlp;
 
 pub use activation::{Activation, tanh};
+pub use actor::{Actor, Distribution, LOG_STD, Scratch};
 pub use mlp::{Layer, Mlp};
