@@ -1,3 +1,17 @@
-//! Training of agents.
+//! Training of agents: learners, and what they learn from.
+//!
+//! A [`Collector`](collector::Collector) makes steps with an actor and writes them to a [`Rollout`](rollout::Rollout). A learner,
+//! [`Ppo`](ppo::Ppo) or [`Sac`](sac::Sac), reads the rollout and improves the actor. Learners compute in single precision on
+//! the processor. The same seed, rollouts and machine give the same bits, whatever the number of threads.
 
+pub mod collector;
+pub mod error;
+//pub mod gaussian;
+pub mod nn;
+//pub mod ppo;
+pub mod random;
 pub mod rollout;
+//pub mod sac;
+pub mod state;
+
+pub use error::{Error, Result};

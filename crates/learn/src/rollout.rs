@@ -1,5 +1,8 @@
 //! Steps of several environments, as a learner reads them.
 
+use crate::collector::Widths;
+use crate::error::{Error, Result};
+
 /// Steps that a policy has made in several environments: the same number in each.
 ///
 /// Arrays have a row for each environment, with its steps one after another. Rewards are scaled already.
@@ -30,4 +33,49 @@ pub struct End {
     pub step: usize,
     /// Observation after that step, of the episode that ended. The row of the next step is of the next episode.
     pub observation: Vec<f32>,
+}
+
+impl Rollout {
+    /// Returns the number of steps of all environments.
+    pub fn rows(&self) -> usize {
+        self.environments * self.steps
+    }
+
+    /// Checks the lengths of the arrays and the order of the ends.
+    ///
+    /// # Errors
+    /// When an array has another length than its counts and these widths, or an end is outside the rollout or out of order.
+    pub fn check(&self, widths: Widths) -> Result<()> {
+        let rows = self.rows();
+        let lengths = [
+            ("observations", self.observations.len(), rows * widths.observation),
+            ("actions", self.actions.len(), rows * widths.action),
+            ("rewards", self.rewards.len(), rows * widths.parts),
+            ("next", self.next.len(), self.environments * widths.observation),
+        ];
+        for (name, length, expected) in lengths {
+            if length != expected {
+                return Err(Error::Rollout { name, length, expected });
+            }
+        }
+        self.ends.iter().try_for_each(|end| end.check(self, widths))?;
+        let place = |end: &End| (end.environment, end.step);
+        match self.ends.windows(2).find(|pair| place(&pair[0]) >= place(&pair[1])) {
+            Some(pair) => Err(Error::End { environment: pair[1].environment, step: pair[1].step }),
+            None => Ok(()),
+        }
+    }
+}
+
+impl End {
+    fn check(&self, rollout: &Rollout, widths: Widths) -> Result<()> {
+        let (length, expected) = (self.observation.len(), widths.observation);
+        if self.environment >= rollout.environments || self.step >= rollout.steps {
+            return Err(Error::End { environment: self.environment, step: self.step });
+        }
+        if length != expected {
+            return Err(Error::Rollout { name: "observation of an end", length, expected });
+        }
+        Ok(())
+    }
 }

@@ -26,7 +26,9 @@ impl Activation {
     pub fn backward(self, outputs: &[f32], gradients: &mut [f32]) {
         match self {
             Self::Tanh => gradients.iter_mut().zip(outputs).for_each(|(g, y)| *g *= 1.0 - y * y),
-            Self::Relu => gradients.iter_mut().zip(outputs).for_each(|(g, y)| *g *= f32::from(u8::from(*y > 0.0))),
+            Self::Relu => {
+                gradients.iter_mut().zip(outputs).for_each(|(g, y)| *g *= f32::from(u8::from(*y > 0.0)))
+            }
         }
     }
 }
@@ -50,7 +52,8 @@ const SATURATED: f32 = 7.905_311;
 pub fn tanh(x: f32) -> f32 {
     let x = x.clamp(-SATURATED, SATURATED);
     let square = x * x;
-    let polynomial = |coefficients: &[f32]| coefficients.iter().rev().fold(0.0, |sum, each| sum * square + each);
+    let polynomial =
+        |coefficients: &[f32]| coefficients.iter().rev().fold(0.0, |sum, each| sum * square + each);
     x * polynomial(&NUMERATOR) / polynomial(&DENOMINATOR)
 }
 

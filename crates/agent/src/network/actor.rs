@@ -143,7 +143,8 @@ mod tests {
 
     #[test]
     fn the_mean_is_a_sample_without_noise() {
-        for distribution in [Distribution::GaussianOfState { minimum: -1.0 }, Distribution::SquashedGaussian] {
+        for distribution in [Distribution::GaussianOfState { minimum: -1.0 }, Distribution::SquashedGaussian]
+        {
             let actor = actor(distribution);
             let mut mean = [0.0];
             actor.mean(&[0.3], &mut actor.scratch(), &mut mean);

@@ -70,7 +70,11 @@ impl Mlp {
     /// # Panics
     /// When a slice has another length than the shape.
     pub fn forward(&self, parameters: &[f32], input: &[f32], scratch: &mut [f32], output: &mut [f32]) {
-        assert_eq!((input.len(), output.len()), (self.inputs(), self.outputs()), "widths of input and output");
+        assert_eq!(
+            (input.len(), output.len()),
+            (self.inputs(), self.outputs()),
+            "widths of input and output"
+        );
         let (mut from, mut to) = scratch.split_at_mut(scratch.len() / 2);
         from[..input.len()].copy_from_slice(input);
         let last = self.widths.len() - 2;

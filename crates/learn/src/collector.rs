@@ -1,0 +1,33 @@
+//! Collectors: sources of rollouts.
+
+use b2b_agent::network::Actor;
+
+use crate::error::Result;
+use crate::rollout::Rollout;
+
+/// Widths of the arrays of a rollout.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Widths {
+    /// Width of an observation.
+    pub observation: usize,
+    /// Width of an action.
+    pub action: usize,
+    /// Number of parts of a reward.
+    pub parts: usize,
+}
+
+/// A number of environments in which an actor makes steps.
+pub trait Collector {
+    /// Returns the widths of observations, actions and rewards.
+    fn widths(&self) -> Widths;
+
+    /// Returns the number of environments.
+    fn environments(&self) -> usize;
+
+    /// Makes `steps` steps with samples of the actor in every environment, and writes them over the rollout. Episodes continue
+    /// where the previous call left them.
+    ///
+    /// # Errors
+    /// When an environment fails.
+    fn collect(&mut self, actor: &Actor, steps: usize, rollout: &mut Rollout) -> Result<()>;
+}

@@ -1,0 +1,71 @@
+//! Errors of learners and collectors.
+
+/// The result of an operation of this crate.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// An error of this crate.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// An invalid value in a configuration.
+    #[error("`{name}` is {value}; {remedy}")]
+    Config {
+        /// Name of the field.
+        name: &'static str,
+        /// The value.
+        value: String,
+        /// The values that are allowed.
+        remedy: &'static str,
+    },
+    /// An array of a rollout that has another length than its counts and widths.
+    #[error("`{name}` of the rollout has {length} values; expected {expected}")]
+    Rollout {
+        /// Name of the array.
+        name: &'static str,
+        /// Its length.
+        length: usize,
+        /// The expected length.
+        expected: usize,
+    },
+    /// An end of an episode outside the rollout, or out of order.
+    #[error(
+        "end of an episode at step {step} of environment {environment} is outside the rollout or out of order"
+    )]
+    End {
+        /// The environment.
+        environment: usize,
+        /// The step.
+        step: usize,
+    },
+    /// Losses or gradients that were not finite in several updates in a row.
+    #[error(
+        "losses or gradients were not finite in {updates} updates in a row; lower the learning rate, or check that \
+         observations and rewards are finite and scaled"
+    )]
+    NotFinite {
+        /// Number of updates.
+        updates: u64,
+    },
+    /// A tensor that a saved state does not have, or has with another type or shape.
+    #[error(
+        "the saved state has no tensor `{name}` of {expected}; was it saved with the same configuration?"
+    )]
+    Tensor {
+        /// Name of the tensor.
+        name: String,
+        /// Expected type and number of values.
+        expected: String,
+    },
+    /// Bytes that are not a saved state.
+    #[error("not a saved state: {0}")]
+    State(String),
+    /// An error of a collector.
+    #[error("steps could not be collected: {0}")]
+    Collect(#[source] Box<dyn std::error::Error + Send + Sync>),
+}
+
+impl Error {
+    /// Returns the error of a configuration whose field `name` has this value.
+    pub(crate) fn config(name: &'static str, value: impl ToString, remedy: &'static str) -> Self {
+        Self::Config { name, value: value.to_string(), remedy }
+    }
+}

@@ -1,0 +1,18 @@
+//! Training of networks over flat parameters: products of matrices, batched passes, initialization and optimization.
+
+mod adam;
+mod orthogonal;
+mod parallel;
+mod pass;
+mod product;
+mod schedule;
+
+pub use adam::{Adam, clip_norm};
+pub use orthogonal::{Gains, orthogonal};
+pub use parallel::{chunks, for_each, threads_for};
+pub use pass::Pass;
+pub use product::{Matrix, multiply};
+pub use schedule::Schedule;
+
+#[cfg(test)]
+pub(crate) mod reference;

@@ -1,0 +1,65 @@
+//! Minibatches on several threads, with the same bits on any number of them.
+//!
+//! A minibatch is split into chunks of rows by [`chunks`], which does not know the number of threads. Each chunk has buffers and
+//! gradients of its own, and gradients are summed in the order of the chunks.
+
+use std::ops::Range;
+
+/// Largest number of chunks of a minibatch.
+const CHUNKS: usize = 4;
+/// Rows that a chunk has at least, so that products of matrices are worth their overhead.
+const ROWS: usize = 64;
+/// Products of a parameter and a row below which starting a thread costs more than it saves.
+const WORK: usize = 1 << 20;
+
+/// Splits rows into chunks: one per 64 rows, and at most four.
+pub fn chunks(rows: usize) -> impl ExactSizeIterator<Item = Range<usize>> {
+    let count = (rows / ROWS).clamp(1, CHUNKS);
+    (0..count).map(move |chunk| chunk * rows / count..(chunk + 1) * rows / count)
+}
+
+/// Returns the number of threads for a minibatch: one if it is small.
+pub fn threads_for(rows: usize, parameters: usize, threads: usize) -> usize {
+    if rows * parameters < WORK { 1 } else { threads }
+}
+
+/// Calls `work` with every item and its index, on this many threads.
+pub fn for_each<T: Send>(items: &mut [T], threads: usize, work: impl Fn(usize, &mut T) + Sync) {
+    let share = items.len().div_ceil(threads.max(1)).max(1);
+    let run = |first: usize, items: &mut [T]| {
+        items.iter_mut().enumerate().for_each(|(index, item)| work(first + index, item));
+    };
+    let (own, others) = items.split_at_mut(share.min(items.len()));
+    if others.is_empty() {
+        return run(0, own);
+    }
+    std::thread::scope(|scope| {
+        for (index, items) in others.chunks_mut(share).enumerate() {
+            scope.spawn(move || run((index + 1) * share, items));
+        }
+        run(0, own);
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn chunks_cover_all_rows() {
+        for (rows, count) in [(1, 1), (64, 1), (128, 2), (336, 4), (1000, 4)] {
+            let ranges: Vec<_> = chunks(rows).collect();
+            assert_eq!(ranges.len(), count);
+            assert_eq!(ranges.into_iter().flatten().collect::<Vec<_>>(), (0..rows).collect::<Vec<_>>());
+        }
+    }
+
+    #[test]
+    fn every_item_is_worked_on_once() {
+        for threads in 1..6 {
+            let mut items = vec![0; 5];
+            for_each(&mut items, threads, |index, item| *item += index + 1);
+            assert_eq!(items, [1, 2, 3, 4, 5]);
+        }
+    }
+}
