@@ -34,6 +34,12 @@ impl Agent {
         Ok(Self { name, folder: path.to_owned(), info, actor: Arc::new(actor), identity })
     }
 
+    /// Returns an agent that is in no folder.
+    pub fn new(name: &str, info: AgentInfo, actor: Actor) -> Self {
+        let (identity, folder) = (format!("agent {name}"), PathBuf::from(name));
+        Self { name: name.to_owned(), folder, info, actor: Arc::new(actor), identity }
+    }
+
     /// Writes an agent's folder, or replaces the agent in it; other files stay.
     ///
     /// # Errors

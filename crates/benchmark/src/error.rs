@@ -53,7 +53,7 @@ pub enum Error {
         slots: Vec<String>,
     },
     /// An unknown policy.
-    #[error("unknown policy `{text}`; expected reactive, random, constant, planner or an ONNX file (.onnx)")]
+    #[error("unknown policy `{text}`; expected reactive, random, constant, planner, the folder of an agent or an ONNX file (.onnx)")]
     UnknownPolicy {
         /// The name given.
         text: String,
@@ -182,6 +182,9 @@ pub enum Error {
     /// An environment failed.
     #[error(transparent)]
     Env(#[from] b2b_env::Error),
+    /// An agent that cannot be read, or not act in a building.
+    #[error(transparent)]
+    Agent(#[from] b2b_agent::Error),
     /// The cache folder is unknown.
     #[error(transparent)]
     Install(#[from] b2b_energyplus::install::Error),

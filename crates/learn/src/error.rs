@@ -1,4 +1,6 @@
-//! Errors of learners and collectors.
+//! Errors of learners, collectors and training.
+
+use std::path::{Path, PathBuf};
 
 /// The result of an operation of this crate.
 pub type Result<T> = std::result::Result<T, Error>;
@@ -61,6 +63,76 @@ pub enum Error {
     /// An error of a collector.
     #[error("steps could not be collected: {0}")]
     Collect(#[source] Box<dyn std::error::Error + Send + Sync>),
+    /// Several episodes of one environment in a row that were lost.
+    #[error("{count} episodes in a row were lost; the last: {why}")]
+    LostEpisodes {
+        /// Number of episodes.
+        count: u32,
+        /// Why the last was lost.
+        why: String,
+    },
+    /// A configuration file that cannot be used.
+    #[error("{path}: {why}")]
+    ConfigFile {
+        /// The file.
+        path: PathBuf,
+        /// Reason.
+        why: String,
+    },
+    /// A configuration whose values do not go together.
+    #[error("{0}")]
+    Invalid(String),
+    /// A run's folder that cannot be resumed, or that is another run's.
+    #[error("cannot resume {path}: {why}")]
+    Resume {
+        /// The folder.
+        path: PathBuf,
+        /// Reason.
+        why: String,
+    },
+    /// The run was interrupted; what was learned up to the last checkpoint is kept.
+    #[error("interrupted")]
+    Interrupted,
+    /// A file that cannot be read or written.
+    #[error("{path}: {source}")]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// Error of the operating system.
+        source: std::io::Error,
+    },
+    /// An error of an environment.
+    #[error(transparent)]
+    Env(#[from] b2b_env::Error),
+    /// An error of an agent.
+    #[error(transparent)]
+    Agent(#[from] b2b_agent::Error),
+    /// An error of an evaluation.
+    #[error(transparent)]
+    Evaluation(Box<b2b_benchmark::Error>),
+    /// A building that cannot be generated or found.
+    #[error(transparent)]
+    Building(Box<b2b_dataset::Error>),
+}
+
+impl From<b2b_benchmark::Error> for Error {
+    fn from(error: b2b_benchmark::Error) -> Self {
+        match error {
+            b2b_benchmark::Error::Interrupted => Self::Interrupted,
+            error => Self::Evaluation(Box::new(error)),
+        }
+    }
+}
+
+impl From<b2b_dataset::Error> for Error {
+    fn from(error: b2b_dataset::Error) -> Self {
+        Self::Building(Box::new(error))
+    }
+}
+
+/// Adds the path to an error of the operating system.
+pub(crate) fn at(path: &Path) -> impl FnOnce(std::io::Error) -> Error {
+    move |source| Error::Io { path: path.to_owned(), source }
 }
 
 impl Error {

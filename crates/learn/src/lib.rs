@@ -6,6 +6,7 @@
 
 pub mod collector;
 pub mod error;
+pub mod fragments;
 //pub mod gaussian;
 pub mod nn;
 //pub mod ppo;

@@ -53,6 +53,19 @@ impl State {
         self.tensors.insert(name.into(), Values::U64(values.into()));
     }
 
+    /// Adds all tensors of another state, each under `part.name`.
+    pub fn put_all(&mut self, part: &str, other: &Self) {
+        let named = other.tensors.iter().map(|(name, values)| (format!("{part}.{name}"), values.clone()));
+        self.tensors.extend(named);
+    }
+
+    /// Returns the tensors that were added under `part`.
+    pub fn part(&self, part: &str) -> Self {
+        let prefix = format!("{part}.");
+        let own = |(name, values): (&String, &Values)| Some((name.strip_prefix(&prefix)?.to_owned(), values.clone()));
+        Self { tensors: self.tensors.iter().filter_map(own).collect() }
+    }
+
     /// Returns the tensors by name.
     pub fn tensors(&self) -> &BTreeMap<String, Values> {
         &self.tensors
@@ -90,6 +103,28 @@ impl State {
         match self.tensors.get(name) {
             Some(Values::U64(saved)) => saved.as_slice().try_into().map_err(|_| missing(name, "u64", COUNT)),
             _ => Err(missing(name, "u64", COUNT)),
+        }
+    }
+
+    /// Returns whole numbers, as many as expected.
+    ///
+    /// # Errors
+    /// When there is no such tensor of this type and length.
+    pub fn values_u64(&self, name: &str, count: usize) -> Result<Vec<u64>> {
+        match self.tensors.get(name) {
+            Some(Values::U64(saved)) if saved.len() == count => Ok(saved.clone()),
+            _ => Err(missing(name, "u64", count)),
+        }
+    }
+
+    /// Returns values in single precision, however many there are.
+    ///
+    /// # Errors
+    /// When there is no such tensor of this type.
+    pub fn values_f32(&self, name: &str) -> Result<Vec<f32>> {
+        match self.tensors.get(name) {
+            Some(Values::F32(saved)) => Ok(saved.clone()),
+            _ => Err(Error::Tensor { name: name.into(), expected: "f32".into() }),
         }
     }
 

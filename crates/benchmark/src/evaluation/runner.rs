@@ -91,6 +91,7 @@ fn ends_evaluation(error: &Error) -> bool {
         error,
         Error::Interrupted
             | Error::Env(b2b_env::Error::Interrupted)
+            | Error::Agent(_)
             | Error::ObservationShape { .. }
             | Error::ActionShape { .. }
             | Error::InvalidPolicy { .. }

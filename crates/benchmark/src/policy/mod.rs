@@ -1,6 +1,7 @@
-//! Policies: built-in controllers and networks in ONNX files.
+//! Policies: built-in controllers, trained agents and networks in ONNX files.
 
 mod action_scale;
+mod agent;
 mod built_in;
 mod form;
 mod interface;

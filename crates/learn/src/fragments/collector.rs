@@ -12,9 +12,13 @@ use super::order::{Order, Use};
 use crate::collector::{Collector, Widths};
 use crate::error::{Error, Result};
 use crate::rollout::{End, Rollout};
+use crate::state::State;
 
 /// Episodes of one environment that may be lost in a row before the collection is given up.
 const LOST_IN_A_ROW: u32 = 5;
+
+/// Steps of an environment that are carried out again at a time.
+const REPLAYED: usize = 1024;
 
 /// The factor by which the rewards of a building are multiplied.
 pub type RewardScale = Box<dyn FnMut(&Arc<Spaces>) -> Result<f64> + Send>;
@@ -143,6 +147,53 @@ impl FragmentCollector {
             finished: Vec::new(),
             lost: 0,
         })
+    }
+
+    /// Returns the state, from which [`FragmentCollector::restore`] continues: of every environment the number of its episode,
+    /// and the actions in it.
+    pub fn state(&self) -> State {
+        let mut state = State::default();
+        let episodes: Vec<u64> = self.seats.iter().map(|seat| seat.episodes).collect();
+        state.put_u64("episodes", &episodes);
+        state.put_u64("counts", &[self.rollouts, self.lost]);
+        for (index, seat) in self.seats.iter().enumerate() {
+            state.put_f32(&actions_of(index), &seat.actions);
+        }
+        state
+    }
+
+    /// Continues from a state: every environment begins the episode that it was in, and carries out its actions again.
+    ///
+    /// # Errors
+    /// When the state is of another number of environments, and when an environment cannot begin its episode.
+    pub fn restore(&mut self, state: &State, actor: &Actor) -> Result<()> {
+        [self.rollouts, self.lost] = state.read_u64("counts")?;
+        let episodes = state.values_u64("episodes", self.seats.len())?;
+        let skipped: Vec<u64> = episodes.iter().map(|episodes| episodes.saturating_sub(1)).collect();
+        self.environments.reset_after(self.seed, &skipped)?;
+        for (index, episodes) in episodes.into_iter().enumerate() {
+            let scale = (self.scale)(spaces_of(&self.environments, index)?)? as f32;
+            let actions = state.values_f32(&actions_of(index))?;
+            self.seats[index] = Seat { episodes, actions, ..Seat::new(scale) };
+        }
+        self.replay(actor)
+    }
+
+    /// Carries out the actions of all episodes in progress, some at a time.
+    fn replay(&mut self, actor: &Actor) -> Result<()> {
+        let width = self.widths.action;
+        let rows: Vec<usize> = self.seats.iter().map(|seat| seat.actions.len() / width).collect();
+        self.share(actor, REPLAYED)?;
+        for first in (0..rows.iter().copied().max().unwrap_or(0)).step_by(REPLAYED) {
+            self.seats.iter_mut().for_each(Seat::begin_rollout);
+            let steps: Vec<usize> = rows.iter().map(|rows| rows.saturating_sub(first).min(REPLAYED)).collect();
+            for (index, steps) in steps.iter().enumerate().filter(|(_, steps)| **steps > 0) {
+                let actions = &self.seats[index].actions[first * width..][..steps * width];
+                self.memory.write(self.block(index).action(0), actions);
+            }
+            self.run(actor, Use::Replay, &steps)?;
+        }
+        Ok(())
     }
 
     /// Takes the episodes that ended since this was last called.
@@ -361,6 +412,11 @@ impl Collector for FragmentCollector {
         self.write(steps, rollout);
         Ok(())
     }
+}
+
+/// Returns the name of an environment's actions in a state.
+fn actions_of(environment: usize) -> String {
+    format!("actions.{environment}")
 }
 
 fn spaces_of(environments: &VecEnv, index: usize) -> Result<&Arc<Spaces>> {

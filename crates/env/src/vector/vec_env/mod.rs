@@ -178,6 +178,15 @@ impl VecEnv {
     /// [`Error::Template`] when the building of the first episode of one cannot be made an environment;
     /// [`Error::Lost`] when one is lost; [`Error::Interrupted`].
     pub fn reset(&mut self, seed: u64) -> Result<()> {
+        self.reset_after(seed, &[])
+    }
+
+    /// As [`VecEnv::reset`], but every environment begins with a later episode of its own: the first that many are drawn and
+    /// skipped.
+    ///
+    /// # Errors
+    /// As [`VecEnv::reset`].
+    pub fn reset_after(&mut self, seed: u64, skipped: &[u64]) -> Result<()> {
         self.sampler.restart();
         for index in 0..self.len() {
             self.abandon(index);
@@ -190,6 +199,9 @@ impl VecEnv {
             one.lost = None;
         }
         for index in 0..self.len() {
+            for _ in 0..skipped.get(index).copied().unwrap_or(0) {
+                self.sampler.draw(index, &mut self.environments[index].random)?;
+            }
             self.draw(index)?;
         }
         if self.widths == (0, 0) {

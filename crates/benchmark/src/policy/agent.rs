@@ -1,0 +1,26 @@
+//! Trained agents as policies.
+
+use b2b_agent::Agent;
+use b2b_control::Controller;
+
+use super::interface::{EpisodeContext, Policy};
+use crate::Result;
+
+/// An agent observes the whole building, in the form that it was trained with, and drives all of its actuators.
+impl Policy for Agent {
+    fn name(&self) -> String {
+        self.name().to_owned()
+    }
+
+    fn identity(&self) -> String {
+        self.identity().to_owned()
+    }
+
+    fn ignores_interface(&self) -> bool {
+        true
+    }
+
+    fn controller(&self, context: EpisodeContext<'_>) -> Result<Box<dyn Controller>> {
+        Ok(Box::new(self.controller(context.spaces)?))
+    }
+}

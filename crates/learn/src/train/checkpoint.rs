@@ -1,0 +1,74 @@
+//! Checkpoints: all that a run needs to continue bit for bit, in one file.
+
+use std::path::Path;
+
+use crate::error::{Error, Result};
+use crate::state::State;
+
+/// Name of the file.
+pub const CHECKPOINT: &str = "checkpoint.safetensors";
+
+/// The state of a run between two updates.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Checkpoint {
+    /// Environment steps so far.
+    pub(super) steps: u64,
+    /// Best score of the evaluations so far.
+    pub(super) best: f64,
+    /// Seconds of training so far.
+    pub(super) seconds: f64,
+    /// State of the learner.
+    pub(super) learner: State,
+    /// State of the environments.
+    pub(super) collector: State,
+}
+
+impl Checkpoint {
+    /// Writes the checkpoint of a run's folder in place of the one before.
+    pub(super) fn write(&self, folder: &Path) -> Result<()> {
+        let mut all = State::default();
+        all.put_u64("steps", &[self.steps]);
+        all.put_f64("best", &[self.best, self.seconds]);
+        all.put_all("learner", &self.learner);
+        all.put_all("collector", &self.collector);
+        super::files::write(&folder.join(CHECKPOINT), &all.to_bytes())
+    }
+
+    /// Reads the checkpoint of a run's folder; `None` if there is none.
+    pub(super) fn read(folder: &Path) -> Result<Option<Self>> {
+        let path = folder.join(CHECKPOINT);
+        let wrong = |why: String| Error::Resume { path: path.clone(), why };
+        let bytes = match std::fs::read(&path) {
+            Ok(bytes) => bytes,
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+            Err(error) => return Err(wrong(error.to_string())),
+        };
+        let all = State::from_bytes(&bytes).map_err(|error| wrong(error.to_string()))?;
+        let [steps] = all.read_u64("steps").map_err(|error| wrong(error.to_string()))?;
+        let mut numbers = [0.0; 2];
+        all.read_f64("best", &mut numbers).map_err(|error| wrong(error.to_string()))?;
+        let [best, seconds] = numbers;
+        let (learner, collector) = (all.part("learner"), all.part("collector"));
+        Ok(Some(Self { steps, best, seconds, learner, collector }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_checkpoint_reads_back_as_it_was_and_a_damaged_one_is_an_error() {
+        let folder = tempfile::tempdir().unwrap();
+        assert_eq!(Checkpoint::read(folder.path()).unwrap(), None);
+        let mut checkpoint = Checkpoint { steps: 7, best: 0.9, seconds: 1.5, ..Checkpoint::default() };
+        checkpoint.learner.put_f32("weights", &[1.0, -0.0]);
+        checkpoint.collector.put_u64("episodes", &[3]);
+        checkpoint.write(folder.path()).unwrap();
+        assert_eq!(Checkpoint::read(folder.path()).unwrap(), Some(checkpoint));
+        let path = folder.path().join(CHECKPOINT);
+        let bytes = std::fs::read(&path).unwrap();
+        std::fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();
+        assert!(Checkpoint::read(folder.path()).unwrap_err().to_string().contains(CHECKPOINT));
+    }
+}

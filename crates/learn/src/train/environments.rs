@@ -1,0 +1,137 @@
+//! The training environments of a configuration.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use b2b_benchmark::{Baselines, Episode, Evaluation, Subject};
+use b2b_building::BuildingType;
+use b2b_building::morphology::Owner;
+use b2b_dataset::{BuildingName, Catalog, Placement, Split};
+use b2b_energyplus::install::Quiet;
+use b2b_env::vector::{
+    Autoreset, Buildings, Fixed, Population, Sampler, Setting, Source, VecEnv, VecEnvOptions, Windows,
+    WorkerOptions,
+};
+use b2b_env::{EpisodeConfig, Spaces};
+
+use super::config::TrainConfig;
+use crate::error::{Error, Result};
+use crate::fragments::RewardScale;
+
+/// Smallest mean penalty of a baseline that rewards are divided by, K²: a deviation of 0.02 K.
+const SMALLEST_PENALTY: f64 = 4e-4;
+
+/// Makes the environments of a configuration.
+pub(super) struct Environments<'a> {
+    config: &'a TrainConfig,
+    catalog: Arc<Catalog>,
+}
+
+impl<'a> Environments<'a> {
+    pub(super) fn new(config: &'a TrainConfig, catalog: Arc<Catalog>) -> Self {
+        Self { config, catalog }
+    }
+
+    /// Returns the batch of training environments, before its first reset.
+    pub(super) fn vector(&self, workers: WorkerOptions) -> Result<VecEnv> {
+        let options = VecEnvOptions { workers, autoreset: Autoreset::Disabled, widths: None };
+        Ok(VecEnv::new(self.config.environments, self.sampler()?, options)?)
+    }
+
+    fn sampler(&self) -> Result<Box<dyn Sampler>> {
+        let buildings = self.buildings()?;
+        let days = self.config.window_days;
+        if days == 0 {
+            return Ok(buildings);
+        }
+        Ok(Box::new(Windows { of: buildings, days: (days, days), starts: self.config.window_starts }))
+    }
+
+    /// Returns the sampler of whole run periods.
+    fn buildings(&self) -> Result<Box<dyn Sampler>> {
+        let (period, steps_per_hour) = (self.config.run_period()?, self.config.steps_per_hour);
+        let task = self.config.task()?;
+        if let Some(building_type) = self.config.building_type()? {
+            let population = Population::of_split(building_type, Split::Train);
+            let catalog = Arc::clone(&self.catalog);
+            return Ok(Box::new(Buildings { catalog, population, period, steps_per_hour, task }));
+        }
+        let setting = |name: &BuildingName| {
+            let found = self.catalog.find(name, &Placement::default(), &mut Quiet)?;
+            let weather = found.weather.clone();
+            let episode = EpisodeConfig { weather, period, steps_per_hour, task: task.clone() };
+            Ok(Setting::new(Source::from(found), episode))
+        };
+        let settings = self.config.named()?.iter().map(setting).collect::<Result<_>>()?;
+        Ok(Box::new(Fixed(settings)))
+    }
+
+    /// Returns the buildings that the agent is evaluated on during training: training buildings, evenly spread.
+    pub(super) fn evaluated(&self) -> Result<Vec<BuildingName>> {
+        let all: Vec<BuildingName> = match self.config.building_type()? {
+            Some(building_type) => training_rows(building_type).map(BuildingName::Id).collect(),
+            None => self.config.named()?,
+        };
+        let count = self.config.evaluation.buildings.clamp(1, all.len());
+        Ok((0..count).map(|index| all[index * all.len() / count].clone()).collect())
+    }
+
+    /// Returns the factors of rewards: 1 over the mean penalty per step of the reactive controllers in the building. For a
+    /// building drawn from many it is the median of those of the evaluated ones, because a baseline of its own would have to
+    /// be run first.
+    pub(super) fn scale(&self, evaluation: &Evaluation<'_>, baselines: &Baselines) -> Result<RewardScale> {
+        if !self.config.scale_rewards {
+            return Ok(Box::new(|_: &Arc<Spaces>| Ok(1.0)));
+        }
+        let mut scales = HashMap::new();
+        for name in self.evaluated_or_named()? {
+            scales.insert(name.to_string(), self.scale_of(&name, evaluation, baselines)?);
+        }
+        let mut sorted: Vec<f64> = scales.values().copied().collect();
+        sorted.sort_by(f64::total_cmp);
+        let median = sorted[sorted.len() / 2];
+        Ok(Box::new(move |spaces: &Arc<Spaces>| {
+            Ok(scales.get(&spaces.building.name).copied().unwrap_or(median))
+        }))
+    }
+
+    fn evaluated_or_named(&self) -> Result<Vec<BuildingName>> {
+        if self.config.building_type.is_empty() { self.config.named() } else { self.evaluated() }
+    }
+
+    fn scale_of(&self, name: &BuildingName, evaluation: &Evaluation<'_>, baselines: &Baselines) -> Result<f64> {
+        let subject = Subject::at_home(name.clone());
+        let site = subject.locate(&self.catalog, &mut Quiet)?;
+        let episode = Episode {
+            subject,
+            task: self.config.task()?,
+            period: self.config.run_period()?,
+            seed: 0,
+            steps_per_hour: self.config.steps_per_hour,
+        };
+        let baseline = baselines.baseline(evaluation, &episode, &site, &())?;
+        let mean = -baseline.episode_return / episode.steps() as f64;
+        Ok(1.0 / mean.max(SMALLEST_PENALTY))
+    }
+}
+
+fn training_rows(building_type: BuildingType) -> impl Iterator<Item = b2b_dataset::BuildingId> {
+    b2b_dataset::rows(building_type).iter().filter(|row| row.split == Split::Train).map(|row| row.id)
+}
+
+/// Returns the weight of each part of a reward, of the controlled zones and of energy, in the advantage of each actuator: that of
+/// a zone counts for its own actuators and for those of the air handler that serves it, energy for all.
+pub(super) fn credit(spaces: &Spaces) -> Vec<Vec<f32>> {
+    let zones: Vec<usize> = spaces.controlled_zones().collect();
+    let layouts: Vec<_> = spaces.building.laid_out_systems().map(|(_, layout)| layout).collect();
+    let serves = |owner: &Owner, zone: usize| match owner {
+        Owner::Zone(own) => *own == zone,
+        Owner::AirLoop(system) => layouts[*system].zones.iter().any(|served| served.index == zone),
+        Owner::Weather | Owner::Calendar | Owner::Energy => false,
+    };
+    let row = |owner: &Owner| {
+        let zones = zones.iter().map(|zone| f32::from(u8::from(serves(owner, *zone))));
+        zones.chain([1.0]).collect()
+    };
+    spaces.action.owners().iter().map(row).collect()
+}
