@@ -6,9 +6,9 @@
 
 pub mod collector;
 pub mod error;
-//pub mod gaussian;
+pub mod gaussian;
 pub mod nn;
-//pub mod ppo;
+pub mod ppo;
 pub mod random;
 pub mod rollout;
 //pub mod sac;
