@@ -63,6 +63,6 @@ mod _core {
     /// Runs the worker loop and never returns, if this process was started as a worker.
     #[pyfunction]
     fn run_if_worker() {
-        b2b_env::vector::run_if_worker();
+        b2b_learn::fragments::run_if_worker();
     }
 }

@@ -34,6 +34,8 @@ mod show;
 mod stdout;
 mod table;
 #[cfg(target_os = "linux")]
+mod train;
+#[cfg(target_os = "linux")]
 mod tune;
 mod view;
 mod weather;
@@ -75,12 +77,14 @@ enum Command {
     Check(check::Arguments),
     Import(import::Arguments),
     #[cfg(target_os = "linux")]
+    Train(Box<train::Arguments>),
+    #[cfg(target_os = "linux")]
     Tune(tune::Arguments),
 }
 
 fn main() -> ExitCode {
     #[cfg(target_os = "linux")]
-    b2b_env::vector::run_if_worker();
+    b2b_learn::fragments::run_if_worker();
     let mut parser = front_page::add(Cli::command());
     if std::env::args_os().len() <= 1 {
         // Nothing can be done when the terminal is gone.
@@ -129,6 +133,8 @@ fn execute(command: Command) -> Result<ExitCode> {
         Command::Generate(arguments) => generate::generate(&arguments)?,
         Command::Check(arguments) => return check::check(&arguments),
         Command::Import(arguments) => return import::import(&arguments),
+        #[cfg(target_os = "linux")]
+        Command::Train(arguments) => train::train(&arguments)?,
         #[cfg(target_os = "linux")]
         Command::Tune(arguments) => tune::tune(&arguments)?,
         Command::Dataset(arguments) => dataset::dataset(&arguments)?,

@@ -94,6 +94,15 @@ pub fn counter(length: usize, name: &str, quiet: bool) -> ProgressBar {
     bar(length as u64, &format!("{{wide_bar}} {{pos}}/{{len}} {name}, {{eta}} left"), quiet)
 }
 
+/// Returns a bar of training steps that begins at `done`, with a message.
+#[cfg(target_os = "linux")]
+pub fn training(steps: u64, done: u64, quiet: bool) -> ProgressBar {
+    let bar = bar(steps, "{wide_bar} {pos}/{len} steps, {msg}, {eta} left", quiet);
+    bar.set_position(done);
+    bar.reset_eta();
+    bar
+}
+
 /// Returns a spinner with a message, for work of unknown length.
 pub fn spinner(message: String, quiet: bool) -> ProgressBar {
     let bar = bar(0, "{spinner} {msg}", quiet);

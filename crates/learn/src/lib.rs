@@ -7,12 +7,13 @@
 pub mod collector;
 pub mod error;
 pub mod fragments;
-//pub mod gaussian;
+pub mod gaussian;
 pub mod nn;
-//pub mod ppo;
+pub mod ppo;
 pub mod random;
 pub mod rollout;
 //pub mod sac;
 pub mod state;
+pub mod train;
 
 pub use error::{Error, Result};

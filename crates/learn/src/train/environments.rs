@@ -15,7 +15,7 @@ use b2b_env::vector::{
 use b2b_env::{EpisodeConfig, Spaces};
 
 use super::config::TrainConfig;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::fragments::RewardScale;
 
 /// Smallest mean penalty of a baseline that rewards are divided by, K²: a deviation of 0.02 K.

@@ -1,0 +1,207 @@
+//! `b2b train`: trains an agent, resumable, and scores it against the reactive controllers.
+
+mod bar;
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use anyhow::{Context, Result, bail};
+use b2b_agent::{Acting, ObservationForm};
+use b2b_building::{BuildingType, RunPeriod};
+use b2b_dataset::{BuildingName, Catalog};
+use b2b_env::Task;
+use b2b_env::vector::Launcher;
+use b2b_learn::train::{CONFIG, PAGE, Place, SUMMARY, Summary, TrainConfig};
+
+use crate::arguments::jobs::Jobs;
+use crate::progress::Download;
+use crate::{interrupt, stdout};
+use bar::Bar;
+
+/// Train an agent and score it against the reactive controllers
+///
+/// The folder of a run is the agent: `b2b evaluate --policy FOLDER` and `b2b benchmark run` take it as a policy. It also
+/// has config.toml (every option), progress.csv, TensorBoard events, curve.html, summary.json and the checkpoint.
+#[derive(clap::Args)]
+#[command(verbatim_doc_comment, after_help = EXAMPLES)]
+pub struct Arguments {
+    /// Training buildings, such as OfficeSmall-0509; episodes run in them in turn
+    #[arg(value_name = "BUILDING", conflicts_with = "building_type")]
+    buildings: Vec<BuildingName>,
+    /// Train on the training split of a building type: another building every episode
+    #[arg(long = "type", value_name = "TYPE")]
+    building_type: Option<BuildingType>,
+    /// Preset: paper (PPO as in the paper) or residual (corrections of the tuned reactive controllers) [default: residual]
+    #[arg(long, value_name = "PRESET")]
+    preset: Option<String>,
+    /// TOML file with any of the options that a run's config.toml has; other arguments take precedence
+    #[arg(long, value_name = "FILE")]
+    config: Option<PathBuf>,
+    /// Task, as for `b2b run` [default: constant]
+    #[arg(long, value_name = "TASK")]
+    task: Option<Task>,
+    /// Run period: winter, summer, full_year or MM-DD..MM-DD [default: winter]
+    #[arg(long, value_name = "PERIOD")]
+    period: Option<RunPeriod>,
+    /// Environment steps, all environments together [default: the preset's]
+    #[arg(long, value_name = "N")]
+    steps: Option<u64>,
+    /// Random seed [default: 0]
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+    /// Number of environments [default: the preset's]
+    #[arg(long, value_name = "N")]
+    environments: Option<usize>,
+    /// Form of observations: raw, roles or features [default: the preset's]
+    #[arg(long, value_name = "FORM")]
+    observation: Option<ObservationForm>,
+    /// Act directly, without the reactive controllers
+    #[arg(long, conflicts_with = "authority")]
+    direct: bool,
+    /// Largest correction of the reactive controllers, as a share of an actuator's range
+    #[arg(long, value_name = "SHARE")]
+    authority: Option<f64>,
+    /// Folder of the run [default: b2b-out/train-BUILDING-TASK-PERIOD-PRESET-SEED]
+    #[arg(long, value_name = "FOLDER")]
+    out: Option<PathBuf>,
+    /// Continue the run of a folder from its last checkpoint; with --steps to more steps
+    #[arg(long, value_name = "FOLDER", conflicts_with_all = [
+        "buildings", "building_type", "preset", "config", "task", "period", "seed", "environments", "observation",
+        "direct", "authority", "out",
+    ])]
+    resume: Option<PathBuf>,
+    #[command(flatten)]
+    jobs: Jobs,
+    /// Print one JSON object instead of the text report
+    #[arg(long)]
+    json: bool,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  b2b train OfficeSmall-0509 --task occupancy --period summer
+  b2b train SingleFamilyHouse-0042 --preset paper --steps 400000
+  b2b train --type SingleFamilyHouse --task random --steps 2000000 --out runs/houses
+  b2b train --resume runs/houses --steps 4000000       continue to more steps
+  b2b train OfficeSmall-0509 --config mine.toml        unknown keys are errors, with suggestions
+  b2b evaluate OfficeSmall-0509 --policy runs/x        the run's folder is the agent
+  tensorboard --logdir runs                            watch runs side by side
+
+Ctrl-C writes a checkpoint. A run that was killed and resumed ends with the same weights as one that was not.";
+
+/// Runs the command.
+pub fn train(arguments: &Arguments) -> Result<()> {
+    let config = arguments.configuration()?;
+    config.check()?;
+    let out = arguments.folder(&config);
+    let catalog = Arc::new(Catalog::open(&mut Download::new(arguments.json))?);
+    let mut bar = Bar::new(config.steps, arguments.json);
+    let place = Place {
+        out: out.clone(),
+        catalog,
+        launcher: Launcher::this_program()?,
+        jobs: arguments.jobs.count()?,
+        interrupted: interrupt::requested,
+        monitor: &mut bar,
+    };
+    let trained = b2b_learn::train::train(&config, place);
+    bar.finish();
+    let summary = match trained {
+        Err(b2b_learn::Error::Interrupted) => {
+            bail!("interrupted; continue with `b2b train --resume {}`", out.display())
+        }
+        trained => trained?,
+    };
+    stdout::print_result(arguments.json, &summary, || text(&summary))
+}
+
+impl Arguments {
+    /// Returns the configuration: that of the run to resume, or a preset with the changes of a file and of the arguments.
+    fn configuration(&self) -> Result<TrainConfig> {
+        if let Some(folder) = &self.resume {
+            let path = folder.join(CONFIG);
+            let config = TrainConfig::default().with_file(&path);
+            let config = config.with_context(|| format!("{} has no run to resume", folder.display()))?;
+            return Ok(TrainConfig { steps: self.steps.unwrap_or(config.steps), ..config });
+        }
+        let base = TrainConfig::preset(self.preset.as_deref().unwrap_or("residual"))?;
+        let mut config = match &self.config {
+            Some(path) => base.with_file(path)?,
+            None => base,
+        };
+        self.change(&mut config);
+        Ok(config)
+    }
+
+    fn change(&self, config: &mut TrainConfig) {
+        fn set<T: Clone>(option: &mut T, given: &Option<T>) {
+            if let Some(value) = given {
+                option.clone_from(value);
+            }
+        }
+        if !self.buildings.is_empty() {
+            config.buildings = self.buildings.iter().map(ToString::to_string).collect();
+            config.building_type.clear();
+        }
+        if let Some(building_type) = self.building_type {
+            config.building_type = building_type.to_string();
+            config.buildings.clear();
+        }
+        set(&mut config.task, &self.task.as_ref().map(ToString::to_string));
+        set(&mut config.period, &self.period.map(|period| period.to_string()));
+        set(&mut config.steps, &self.steps);
+        set(&mut config.seed, &self.seed);
+        set(&mut config.environments, &self.environments);
+        set(&mut config.observation, &self.observation);
+        if self.direct {
+            config.acting = Acting::Direct;
+        }
+        if let Some(authority) = self.authority {
+            config.acting = Acting::Residual { authority };
+        }
+    }
+
+    /// Returns the folder of the run.
+    fn folder(&self, config: &TrainConfig) -> PathBuf {
+        let given = self.resume.clone().or_else(|| self.out.clone());
+        given.unwrap_or_else(|| {
+            let what = match (&config.buildings[..], &config.building_type) {
+                ([], building_type) => building_type.clone(),
+                ([one], _) => Path::new(one).file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+                ([first, rest @ ..], _) => format!("{first}-and-{}-more", rest.len()),
+            };
+            let preset = self.preset.as_deref().unwrap_or("residual");
+            let name = format!("train-{what}-{}-{}-{preset}-{}", config.task, config.period, config.seed);
+            PathBuf::from("b2b-out").join(name.replace([':', '#', '/'], "_"))
+        })
+    }
+}
+
+/// Formats the result of a run.
+fn text(summary: &Summary) -> String {
+    let Summary { scores, steps, steps_per_s, out, .. } = summary;
+    let verdict = if scores.score < 1.0 { "beats" } else { "does not beat" };
+    format!(
+        "{} on {}, {}: {steps} steps at {steps_per_s:.0}/s, seed {}\n\n\
+         score             {:.3}   {verdict} the reactive controllers\n\
+         resolved score    {:.3}\n\
+         RMS deviation     {:.3} K\n\
+         energy            {:.3} of the reactive controllers'\n\
+         actuator travel   {:.1} strokes/day\n\n\
+         agent    {}\n\
+         curve    {}\n\
+         result   {}",
+        summary.task,
+        summary.buildings,
+        summary.period,
+        summary.seed,
+        scores.score,
+        scores.resolved_score,
+        scores.rms_deviation_k,
+        scores.energy_ratio,
+        scores.travel_per_day,
+        out.display(),
+        out.join(PAGE).display(),
+        out.join(SUMMARY).display(),
+    )
+}

@@ -1,0 +1,80 @@
+//! Generalized advantage estimation (Schulman et al. 2016, eq. 16).
+
+use crate::rollout::Rollout;
+
+/// Values of the observations of a rollout, by part of the reward.
+#[derive(Clone, Debug, Default)]
+pub struct Values {
+    /// Value before each step: environments × steps × parts.
+    pub steps: Vec<f32>,
+    /// Value after the last step: environments × parts.
+    pub next: Vec<f32>,
+    /// Value of the final observation of each episode that ended: ends × parts.
+    pub ends: Vec<f32>,
+}
+
+/// Writes the advantages, environments × steps × parts.
+///
+/// Every end is a truncation: the value of its final observation stands for the rest of the return, and advantages of the next
+/// episode do not count before it.
+pub fn advantages(rollout: &Rollout, values: &Values, gamma: f32, lambda: f32, advantages: &mut [f32]) {
+    let parts = values.next.len() / rollout.environments.max(1);
+    let mut ends = rollout.ends.len();
+    for environment in (0..rollout.environments).rev() {
+        let mut next = &values.next[environment * parts..][..parts];
+        let mut carried = vec![0.0; parts];
+        for step in (0..rollout.steps).rev() {
+            if ends > 0
+                && (rollout.ends[ends - 1].environment, rollout.ends[ends - 1].step) == (environment, step)
+            {
+                ends -= 1;
+                next = &values.ends[ends * parts..][..parts];
+                carried.fill(0.0);
+            }
+            let at = (environment * rollout.steps + step) * parts;
+            let now = &values.steps[at..at + parts];
+            for part in 0..parts {
+                let error = rollout.rewards[at + part] + gamma * next[part] - now[part];
+                carried[part] = error + gamma * lambda * carried[part];
+                advantages[at + part] = carried[part];
+            }
+            next = now;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rollout::End;
+
+    #[test]
+    fn advantages_stop_at_a_truncation_and_count_its_value() {
+        // γ = 0.5, λ = 0.5. Environment 0 ends after its second step, environment 1 does not.
+        let rollout = Rollout {
+            environments: 2,
+            steps: 3,
+            rewards: vec![1.0, 2.0, 3.0, 1.0, 0.0, -1.0],
+            ends: vec![End { environment: 0, step: 1, observation: vec![] }],
+            ..Rollout::default()
+        };
+        let values =
+            Values { steps: vec![4.0, 2.0, 6.0, 0.0, 2.0, 4.0], next: vec![8.0, -2.0], ends: vec![10.0] };
+        let mut found = [0.0; 6];
+        advantages(&rollout, &values, 0.5, 0.5, &mut found);
+        // Step 2: 3 + 0.5 × 8 - 6 = 1. Step 1: 2 + 0.5 × 10 - 2 = 5. Step 0: 1 + 0.5 × 2 - 4 + 0.25 × 5 = -0.75.
+        assert_eq!(found[..3], [-0.75, 5.0, 1.0]);
+        // Step 2: -1 - 1 - 4 = -6. Step 1: 0 + 2 - 2 - 0.25 × 6 = -1.5. Step 0: 1 + 1 - 0 - 0.25 × 1.5 = 1.625.
+        assert_eq!(found[3..], [1.625, -1.5, -6.0]);
+    }
+
+    #[test]
+    fn parts_are_separate() {
+        let rollout =
+            Rollout { environments: 1, steps: 2, rewards: vec![1.0, 10.0, 2.0, 20.0], ..Rollout::default() };
+        let values = Values { steps: vec![0.0; 4], next: vec![4.0, 40.0], ends: vec![] };
+        let mut found = [0.0; 4];
+        advantages(&rollout, &values, 0.5, 1.0, &mut found);
+        assert_eq!(found, [3.0, 30.0, 4.0, 40.0]);
+    }
+}

@@ -1,0 +1,158 @@
+//! Configurations of PPO.
+
+use b2b_agent::network::Activation;
+use serde::{Deserialize, Serialize};
+
+use crate::error::{Error, Result};
+use crate::nn::Schedule;
+
+/// How the standard deviation of actions is learned.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LogStd {
+    /// One free parameter per action.
+    #[default]
+    Free,
+    /// A function of the observation: the second half of the outputs of the actor.
+    OfState,
+}
+
+/// The configuration of PPO. Defaults are those of Stable-Baselines3, apart from `normalize_values`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PpoConfig {
+    /// Learning rate of Adam. Default 3e-4.
+    pub learning_rate: f64,
+    /// Schedule of the learning rate. Default constant.
+    pub schedule: Schedule,
+    /// ε of Adam. Default 1e-5.
+    pub adam_epsilon: f32,
+    /// Steps per environment and update. Default 2048.
+    pub n_steps: usize,
+    /// Steps per minibatch. The last minibatch of an epoch has the rest. Default 64.
+    pub batch_size: usize,
+    /// Passes over the steps of an update. Default 10.
+    pub epochs: usize,
+    /// Discount γ per step. Default 0.99.
+    pub gamma: f32,
+    /// λ of generalized advantage estimation. Default 0.95.
+    pub gae_lambda: f32,
+    /// ε of the clipped ratio (Schulman et al. 2017, eq. 7). Default 0.2.
+    pub clip_range: f32,
+    /// Coefficient of the entropy in the loss. Default 0.
+    pub entropy_coefficient: f32,
+    /// Coefficient of the squared error of values in the loss. Default 0.5.
+    pub value_coefficient: f32,
+    /// Limit of the norm of the gradient. Default 0.5.
+    pub max_grad_norm: f32,
+    /// Divergence of the policy, in nats: an update stops before a minibatch where it is over 1.5 times this. Default none.
+    pub target_kl: Option<f32>,
+    /// Whether advantages have mean 0 and deviation 1 in each minibatch. Default true.
+    pub normalize_advantage: bool,
+    /// Widths of the hidden layers of the actor. Default 64, 64.
+    pub actor_hidden: Vec<usize>,
+    /// Widths of the hidden layers of the critic. Default 64, 64.
+    pub critic_hidden: Vec<usize>,
+    /// Activation of the hidden layers. Default tanh.
+    pub activation: Activation,
+    /// How the standard deviation is learned. Default free parameters.
+    pub log_std: LogStd,
+    /// Initial logarithm of the standard deviation. Default 0.
+    pub initial_log_std: f32,
+    /// Lower bound of the logarithm of the standard deviation. Default -5.
+    pub minimum_log_std: f32,
+    /// Gain of the last layer of the actor. Default 0.01.
+    pub actor_gain: f32,
+    /// Whether the critic learns returns of mean 0 and deviation 1 (van Hasselt et al. 2016, PopArt). Default true.
+    pub normalize_values: bool,
+    /// Weight of the returns of the newest update in their running mean and deviation. Default 0.1.
+    pub value_rate: f64,
+    /// Weight of each part of the reward (column) in the advantage of each action (row). Default none: the advantage of all
+    /// actions is that of the sum of the parts.
+    pub credit: Option<Vec<Vec<f32>>>,
+}
+
+impl Default for PpoConfig {
+    fn default() -> Self {
+        Self {
+            learning_rate: 3e-4,
+            schedule: Schedule::Constant,
+            adam_epsilon: 1e-5,
+            n_steps: 2048,
+            batch_size: 64,
+            epochs: 10,
+            gamma: 0.99,
+            gae_lambda: 0.95,
+            clip_range: 0.2,
+            entropy_coefficient: 0.0,
+            value_coefficient: 0.5,
+            max_grad_norm: 0.5,
+            target_kl: None,
+            normalize_advantage: true,
+            actor_hidden: vec![64, 64],
+            critic_hidden: vec![64, 64],
+            activation: Activation::Tanh,
+            log_std: LogStd::Free,
+            initial_log_std: 0.0,
+            minimum_log_std: -5.0,
+            actor_gain: 0.01,
+            normalize_values: true,
+            value_rate: 0.1,
+            credit: None,
+        }
+    }
+}
+
+impl PpoConfig {
+    /// Checks the values.
+    ///
+    /// # Errors
+    /// When a value is outside its range.
+    pub fn check(&self) -> Result<()> {
+        let positive = [
+            ("learning_rate", self.learning_rate),
+            ("adam_epsilon", f64::from(self.adam_epsilon)),
+            ("clip_range", f64::from(self.clip_range)),
+            ("max_grad_norm", f64::from(self.max_grad_norm)),
+            ("target_kl", self.target_kl.map_or(1.0, f64::from)),
+        ];
+        if let Some((name, value)) = positive.into_iter().find(|(_, value)| !(*value > 0.0)) {
+            return Err(Error::config(name, value, "it must be above 0"));
+        }
+        let shares = [
+            ("gamma", f64::from(self.gamma)),
+            ("gae_lambda", f64::from(self.gae_lambda)),
+            ("value_rate", self.value_rate),
+        ];
+        if let Some((name, value)) = shares.into_iter().find(|(_, value)| !(0.0..=1.0).contains(value)) {
+            return Err(Error::config(name, value, "it must be from 0 to 1"));
+        }
+        let counts = [("n_steps", self.n_steps), ("batch_size", self.batch_size), ("epochs", self.epochs)];
+        if let Some((name, value)) = counts.into_iter().find(|(_, value)| *value == 0) {
+            return Err(Error::config(name, value, "it must be at least 1"));
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fields_have_defaults_and_unknown_ones_are_errors() {
+        let config: PpoConfig =
+            serde_json::from_str(r#"{"gamma": 0.9, "schedule": {"linear": {"updates": 5}}}"#).unwrap();
+        let schedule = Schedule::Linear { updates: 5 };
+        assert_eq!(config, PpoConfig { gamma: 0.9, schedule, ..PpoConfig::default() });
+        assert!(serde_json::from_str::<PpoConfig>(r#"{"gama": 0.9}"#).is_err());
+    }
+
+    #[test]
+    fn values_outside_their_range_are_errors() {
+        let config = PpoConfig { gamma: 1.5, ..PpoConfig::default() };
+        assert_eq!(config.check().unwrap_err().to_string(), "`gamma` is 1.5; it must be from 0 to 1");
+        assert!(PpoConfig { learning_rate: f64::NAN, ..PpoConfig::default() }.check().is_err());
+        assert!(PpoConfig::default().check().is_ok());
+    }
+}

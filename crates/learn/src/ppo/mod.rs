@@ -1,0 +1,138 @@
+//! Proximal policy optimization (Schulman et al. 2017), with the details of Stable-Baselines3's `PPO`.
+//!
+//! An update has these stages:
+//!
+//! 1. Values and log densities of the steps of the rollout, under the parameters that made them.
+//! 2. Advantages and returns of each part of the reward, by generalized advantage estimation ([`advantage`]). Each action gets
+//!    those of its parts ([`credit`]).
+//! 3. Epochs of minibatches: losses ([`loss`]) and gradients, clipped, and a step of Adam.
+//!
+//! Actions are of a diagonal Gaussian and are not bounded: environments clip them. Actor and critic are separate networks.
+
+pub mod advantage;
+mod config;
+pub mod credit;
+pub mod loss;
+mod networks;
+mod samples;
+mod scale;
+mod update;
+mod worker;
+
+use b2b_agent::network::Actor;
+
+pub use config::{LogStd, PpoConfig};
+pub use update::Update;
+
+use crate::collector::Widths;
+use crate::error::Result;
+use crate::nn::Adam;
+use crate::random::Random;
+use crate::state::State;
+use credit::Credit;
+use networks::Networks;
+use samples::Samples;
+use scale::ValueScale;
+use worker::Worker;
+
+/// A learner by proximal policy optimization.
+#[derive(Clone, Debug)]
+pub struct Ppo {
+    config: PpoConfig,
+    widths: Widths,
+    networks: Networks,
+    credit: Credit,
+    parameters: Vec<f32>,
+    adam: Adam,
+    scale: ValueScale,
+    random: Random,
+    /// Number of updates.
+    updates: u64,
+    /// Number of the last updates in a row with steps that were skipped.
+    failures: u64,
+    threads: usize,
+    /// Steps of the rollout and of the minibatch.
+    samples: Samples,
+    minibatch: Samples,
+    order: Vec<usize>,
+    workers: Vec<Worker>,
+    gradients: Vec<f32>,
+}
+
+impl Ppo {
+    /// Returns a learner with initial parameters of this seed.
+    ///
+    /// # Errors
+    /// When a value of the configuration is outside its range, or its credit has another shape than actions × parts.
+    pub fn new(widths: Widths, config: PpoConfig, seed: u64) -> Result<Self> {
+        config.check()?;
+        let networks = Networks::new(widths, &config);
+        let mut random = Random::new(seed, 0);
+        let parameters = networks.initialize(&config, &mut random);
+        Ok(Self {
+            credit: Credit::new(config.credit.as_deref(), widths)?,
+            adam: Adam::new(parameters.len(), config.adam_epsilon),
+            scale: ValueScale::new(widths.parts, config.value_rate),
+            gradients: vec![0.0; parameters.len()],
+            workers: vec![Worker::new(&networks)],
+            threads: std::thread::available_parallelism().map_or(1, usize::from),
+            samples: Samples::default(),
+            minibatch: Samples::default(),
+            order: Vec::new(),
+            updates: 0,
+            failures: 0,
+            config,
+            widths,
+            networks,
+            parameters,
+            random,
+        })
+    }
+
+    /// Returns the configuration.
+    pub fn config(&self) -> &PpoConfig {
+        &self.config
+    }
+
+    /// Returns the number of updates so far.
+    pub fn updates(&self) -> u64 {
+        self.updates
+    }
+
+    /// Sets the number of threads, by default that of the cores. Results do not depend on it.
+    pub fn set_threads(&mut self, threads: usize) {
+        self.threads = threads.max(1);
+    }
+
+    /// Returns the actor with the current parameters.
+    pub fn actor(&self) -> Actor {
+        self.networks.actor(&self.parameters)
+    }
+
+    /// Returns the state, from which [`Ppo::restore`] continues bit for bit.
+    pub fn state(&self) -> State {
+        let mut state = State::default();
+        state.put_f32("parameters", &self.parameters);
+        self.adam.save("adam", &mut state);
+        self.scale.save(&mut state);
+        state.put_u64("random", &self.random.words());
+        state.put_u64("updates", &[self.updates, self.failures]);
+        state
+    }
+
+    /// Continues from a state of a learner with the same widths and configuration.
+    ///
+    /// # Errors
+    /// When the state is of another configuration; the learner is then not usable.
+    pub fn restore(&mut self, state: &State) -> Result<()> {
+        state.read_f32("parameters", &mut self.parameters)?;
+        self.adam.restore("adam", state)?;
+        self.scale.restore(state)?;
+        self.random = Random::from_words(state.read_u64("random")?);
+        [self.updates, self.failures] = state.read_u64("updates")?;
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests;

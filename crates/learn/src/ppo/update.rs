@@ -1,0 +1,210 @@
+//! An update of PPO.
+
+use super::Ppo;
+use super::advantage::{Values, advantages};
+use super::loss::Losses;
+use super::worker::{Minibatch, Worker};
+use crate::error::{Error, Result};
+use crate::nn::{chunks, clip_norm, for_each, threads_for};
+use crate::rollout::Rollout;
+
+/// Rows of a pass through the networks before the epochs.
+const BLOCK: usize = 256;
+/// Number of updates in a row with skipped steps that is an error.
+const FAILURES: u64 = 3;
+/// Stable-Baselines3 stops an update where the divergence is over this times its target.
+const KL_FACTOR: f64 = 1.5;
+
+/// Results of an update. Losses, entropy, divergence and norm are means over its minibatches.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Update {
+    /// Clipped surrogate, negated.
+    pub policy_loss: f64,
+    /// Mean squared error of values, on the scale of the critic.
+    pub value_loss: f64,
+    /// Entropy of the policy in nats.
+    pub entropy: f64,
+    /// Divergence of the policy from the one that made the steps, in nats.
+    pub approx_kl: f64,
+    /// Share of clipped ratios.
+    pub clip_fraction: f64,
+    /// 1 - variance of return minus value / variance of return, before the update. 0 if returns do not vary.
+    pub explained_variance: f64,
+    /// Norm of the gradient before its clip.
+    pub gradient_norm: f64,
+    /// Learning rate.
+    pub learning_rate: f64,
+    /// Complete epochs.
+    pub epochs: usize,
+    /// Steps of the optimizer.
+    pub steps: usize,
+    /// Minibatches whose loss or gradient was not finite. They change nothing.
+    pub skipped: usize,
+}
+
+/// The outcome of a minibatch.
+enum Outcome {
+    Stepped,
+    Skipped,
+    Stopped,
+}
+
+impl Ppo {
+    /// Learns from the steps of a rollout that the current actor has made.
+    ///
+    /// # Errors
+    /// When an array of the rollout has a wrong length, or losses or gradients were not finite in three updates in a row.
+    pub fn update(&mut self, rollout: &Rollout) -> Result<Update> {
+        rollout.check(self.widths)?;
+        let explained_variance = self.prepare(rollout);
+        let learning_rate = self.config.learning_rate * self.config.schedule.factor(self.updates);
+        let mut update = Update { explained_variance, learning_rate, ..Update::default() };
+        self.run_epochs(&mut update);
+        self.updates += 1;
+        self.failures = if update.skipped > 0 { self.failures + 1 } else { 0 };
+        match self.failures >= FAILURES {
+            true => Err(Error::NotFinite { updates: self.failures }),
+            false => Ok(update),
+        }
+    }
+
+    /// Computes log densities, advantages and returns of the steps. Returns the explained variance.
+    pub(super) fn prepare(&mut self, rollout: &Rollout) -> f64 {
+        self.samples.read(rollout);
+        self.evaluate_actions();
+        let values = self.evaluate(rollout);
+        let mut of_parts = vec![0.0; values.steps.len()];
+        advantages(rollout, &values, self.config.gamma, self.config.gae_lambda, &mut of_parts);
+        self.samples.advantages.resize(rollout.rows() * self.credit.groups(), 0.0);
+        self.credit.assign(&of_parts, &mut self.samples.advantages);
+        let returns = &mut self.samples.returns;
+        returns.clear();
+        returns.extend(of_parts.iter().zip(&values.steps).map(|(advantage, value)| advantage + value));
+        let explained = explained_variance(&values.steps, returns, self.widths.parts);
+        if self.config.normalize_values {
+            let critic = &mut self.parameters[self.networks.critics()];
+            self.scale.update(returns, &self.networks.value_layer(), critic);
+            self.scale.normalize(returns);
+        }
+        explained
+    }
+
+    fn evaluate_actions(&mut self) {
+        let Self { samples, workers, networks, credit, parameters, widths, .. } = self;
+        samples.old.clear();
+        let observations = samples.observations.chunks(BLOCK * widths.observation);
+        for block in observations.zip(samples.actions.chunks(BLOCK * widths.action)) {
+            workers[0].log_densities(networks, credit, parameters, block, &mut samples.old);
+        }
+    }
+
+    fn evaluate(&mut self, rollout: &Rollout) -> Values {
+        let Self { workers, networks, parameters, widths, scale, config, .. } = self;
+        let mut of = |observations: &[f32]| {
+            let mut values = Vec::new();
+            for block in observations.chunks(BLOCK * widths.observation) {
+                workers[0].values(networks, parameters, block, &mut values);
+            }
+            if config.normalize_values {
+                scale.denormalize(&mut values);
+            }
+            values
+        };
+        let ends: Vec<f32> = rollout.ends.iter().flat_map(|end| &end.observation).copied().collect();
+        Values { steps: of(&rollout.observations), next: of(&rollout.next), ends: of(&ends) }
+    }
+
+    fn run_epochs(&mut self, update: &mut Update) {
+        let mut order = std::mem::take(&mut self.order);
+        order.clear();
+        order.extend(0..self.samples.observations.len() / self.widths.observation);
+        let mut sums = Losses::default();
+        'epochs: for _ in 0..self.config.epochs {
+            self.random.shuffle(&mut order);
+            for rows in order.chunks(self.config.batch_size) {
+                match self.learn(rows, &mut sums, update) {
+                    Outcome::Stepped => update.steps += 1,
+                    Outcome::Skipped => update.skipped += 1,
+                    Outcome::Stopped => break 'epochs,
+                }
+            }
+            update.epochs += 1;
+        }
+        self.order = order;
+        update.set_means(&sums);
+    }
+
+    /// Learns from a minibatch of these rows, and adds its losses to the sums.
+    fn learn(&mut self, rows: &[usize], sums: &mut Losses, update: &mut Update) -> Outcome {
+        let groups = self.credit.groups();
+        self.minibatch.gather(&self.samples, rows, self.widths, groups);
+        if self.config.normalize_advantage {
+            self.minibatch.normalize_advantages(groups);
+        }
+        let losses = self.differentiate(rows.len());
+        if self.config.target_kl.is_some_and(|target| losses.kl > KL_FACTOR * f64::from(target)) {
+            return Outcome::Stopped;
+        }
+        let norm = clip_norm(&mut [&mut self.gradients], self.config.max_grad_norm);
+        if !(norm.is_finite() && (losses.policy + losses.value + losses.entropy).is_finite()) {
+            return Outcome::Skipped;
+        }
+        self.adam.step(&mut self.parameters, &self.gradients, update.learning_rate);
+        self.networks.project(&mut self.parameters);
+        sums.add(&losses);
+        update.gradient_norm += f64::from(norm);
+        Outcome::Stepped
+    }
+
+    /// Computes the gradients of the minibatch, and returns its losses.
+    fn differentiate(&mut self, rows: usize) -> Losses {
+        let Self { workers, networks, config, credit, parameters, minibatch, gradients, threads, .. } = self;
+        let ranges = chunks(rows);
+        let used = ranges.len();
+        while workers.len() < used {
+            workers.push(Worker::new(networks));
+        }
+        let ranges: Vec<_> = ranges.collect();
+        let workers = &mut workers[..used];
+        let batch = Minibatch { config, networks, credit, parameters, samples: minibatch, rows };
+        let threads = threads_for(rows, batch.parameters.len(), *threads);
+        for_each(workers, threads, |chunk, worker| worker.learn(&batch, ranges[chunk].clone()));
+        gradients.fill(0.0);
+        let mut losses = Losses::default();
+        for worker in workers {
+            gradients.iter_mut().zip(&worker.gradients).for_each(|(sum, gradient)| *sum += gradient);
+            losses.add(&worker.losses);
+        }
+        losses
+    }
+}
+
+impl Update {
+    fn set_means(&mut self, sums: &Losses) {
+        let share = 1.0 / self.steps.max(1) as f64;
+        let means = sums.scaled(share);
+        self.policy_loss = means.policy;
+        self.value_loss = means.value;
+        self.entropy = means.entropy;
+        self.approx_kl = means.kl;
+        self.clip_fraction = means.clipped;
+        self.gradient_norm *= share;
+    }
+}
+
+/// Returns the explained variance of the sums of the parts of returns by those of values.
+fn explained_variance(values: &[f32], returns: &[f32], parts: usize) -> f64 {
+    let sums = |values: &[f32]| -> Vec<f64> {
+        values.chunks_exact(parts).map(|row| row.iter().map(|value| f64::from(*value)).sum()).collect()
+    };
+    let (values, returns) = (sums(values), sums(returns));
+    let errors: Vec<f64> = returns.iter().zip(&values).map(|(target, value)| target - value).collect();
+    let total = variance(&returns);
+    if total > 0.0 { 1.0 - variance(&errors) / total } else { 0.0 }
+}
+
+fn variance(values: &[f64]) -> f64 {
+    let count = values.len().max(1) as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / count
+}

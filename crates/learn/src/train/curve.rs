@@ -1,0 +1,41 @@
+//! The learning curve of a run as a page.
+
+use std::path::Path;
+
+use b2b_benchmark::report::fill;
+use serde_json::{Value, json};
+
+use super::config::TrainConfig;
+use super::progress::read_column;
+use crate::error::Result;
+
+/// Name of the page.
+pub const PAGE: &str = "curve.html";
+const TEMPLATE: &str = include_str!("curve.html");
+
+/// Panels of the page: columns of the progress, titles, and the value of the baseline.
+const PANELS: [(&str, &str, Option<f64>); 8] = [
+    ("score", "Score (below 1 beats the reactive controllers)", Some(1.0)),
+    ("resolved_score", "Resolved score", Some(1.0)),
+    ("rms_deviation_k", "RMS deviation (K)", None),
+    ("energy_ratio", "HVAC energy over baseline", Some(1.0)),
+    ("training_penalty", "Mean penalty in training, with exploration", None),
+    ("travel_per_day", "Actuator travel (strokes/day)", None),
+    ("explained_variance", "Explained variance of the critic", None),
+    ("steps_per_s", "Environment steps per second", None),
+];
+
+/// Writes the page of a run's folder from its table.
+pub(super) fn write(folder: &Path, config: &TrainConfig) -> Result<()> {
+    let panels = PANELS.iter().filter_map(|(name, title, baseline)| {
+        let rows = read_column(folder, name).ok().filter(|rows| !rows.is_empty())?;
+        let (steps, values): (Vec<u64>, Vec<f64>) = rows.into_iter().unzip();
+        Some(json!({"title": title, "steps": steps, "values": values, "baseline": baseline}))
+    });
+    let data = json!({
+        "title": format!("{} on {}", config.task, config.buildings_text()),
+        "note": format!("{}, seed {}, evaluated on {} days", config.period, config.seed, config.evaluation.days),
+        "panels": panels.collect::<Vec<Value>>(),
+    });
+    super::files::write(&folder.join(PAGE), fill(TEMPLATE, &data).as_bytes())
+}

@@ -1,0 +1,339 @@
+//! A training run in its folder.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Instant;
+
+use b2b_agent::{Agent, AgentInfo, FORMAT, Pilot, TrainingInfo};
+use b2b_benchmark::{Baselines, Evaluation, Versions};
+use b2b_dataset::Catalog;
+use b2b_env::vector::{Launcher, WorkerOptions};
+use serde::Serialize;
+
+use super::checkpoint::Checkpoint;
+use super::config::{Keep, TrainConfig};
+use super::environments::{Environments, credit};
+use super::judge::{Judge, Scores, window};
+use super::learner::Learner;
+use super::progress::{Progress, Row};
+use super::{curve, files};
+use crate::collector::Collector as _;
+use crate::error::{Error, Result, at};
+use crate::fragments::FragmentCollector;
+use crate::rollout::Rollout;
+
+/// Name of the configuration in a run's folder.
+pub const CONFIG: &str = "config.toml";
+/// Name of the folder of the last agent in a run's folder.
+pub const LAST: &str = "last";
+/// Name of the result in a run's folder.
+pub const SUMMARY: &str = "summary.json";
+
+/// Where and how a run is carried out. None of it changes the result.
+pub struct Place<'a> {
+    /// Folder of the run.
+    pub out: PathBuf,
+    /// Source of buildings.
+    pub catalog: Arc<Catalog>,
+    /// Starts worker processes, whose program calls [`run_if_worker`](crate::fragments::run_if_worker).
+    pub launcher: Launcher,
+    /// Episodes of an evaluation that run at a time.
+    pub jobs: usize,
+    /// Polled between updates; if true, the run writes a checkpoint and ends with [`Error::Interrupted`].
+    pub interrupted: fn() -> bool,
+    /// Watches the run.
+    pub monitor: &'a mut dyn Monitor,
+}
+
+/// Watches a run.
+pub trait Monitor {
+    /// A stage begins, such as `computing baselines`.
+    fn stage(&mut self, _what: &str) {}
+
+    /// An update was made.
+    fn update(&mut self, _row: &Row) {}
+
+    /// Something was not saved, or went wrong without ending the run.
+    fn warn(&mut self, _text: &str) {}
+}
+
+impl Monitor for () {}
+
+/// The result of a run.
+#[derive(Clone, Debug, Serialize)]
+pub struct Summary {
+    /// Scores of the agent in the run's folder over the whole run period, without exploration.
+    #[serde(flatten)]
+    pub scores: Scores,
+    /// Environment steps.
+    pub steps: u64,
+    /// Environment steps per second of training, without evaluations.
+    pub steps_per_s: f64,
+    /// Random seed.
+    pub seed: u64,
+    /// Training buildings.
+    pub buildings: String,
+    /// Task.
+    pub task: String,
+    /// Run period.
+    pub period: String,
+    /// Episodes that were lost.
+    pub lost_episodes: u64,
+    /// The run's folder, which is the agent's.
+    pub out: PathBuf,
+}
+
+/// Begins a run in a folder that has none, or continues the one that it has from its last checkpoint. Returns its result.
+///
+/// # Errors
+/// Those of [`TrainConfig::check`]; [`Error::Resume`] when the folder has another run; [`Error::NotFinite`] with the last good agent
+/// kept; [`Error::Interrupted`] after a checkpoint; those of environments and evaluations.
+pub fn train(config: &TrainConfig, place: Place<'_>) -> Result<Summary> {
+    config.check()?;
+    begin_folder(config, &place.out)?;
+    let Place { out, catalog, launcher, jobs, interrupted, monitor } = place;
+    let evaluation = Evaluation { catalog: &catalog, launcher: launcher.clone(), jobs, interrupted };
+    let baselines = Baselines::open()?;
+    let environments = Environments::new(config, Arc::clone(&catalog));
+    let evaluated = environments.evaluated()?;
+    let period = config.run_period()?;
+    let judge_of = |days| Judge::new(config, &evaluated, window(period, days), &evaluation, &baselines, &catalog);
+
+    monitor.stage("computing baselines");
+    let whole = judge_of(period.days())?;
+    let judge = if config.evaluation.every > 0 { Some(judge_of(config.evaluation.days)?) } else { None };
+    monitor.stage("preparing environments");
+    let workers = WorkerOptions::new(launcher, catalog.library().path());
+    let scale = environments.scale(&evaluation, &baselines)?;
+    let collector = FragmentCollector::new(
+        environments.vector(workers)?,
+        config.interface(),
+        config.credit_by_zone,
+        config.noise_correlation,
+        scale,
+        config.seed,
+    )?;
+    let mut run = Run::new(config, &out, collector, monitor)?;
+    run.resume()?;
+    run.learn(judge.as_ref(), interrupted)?;
+    run.finish(&whole)
+}
+
+/// Checks that the folder is that of this configuration, or writes it.
+fn begin_folder(config: &TrainConfig, out: &Path) -> Result<()> {
+    std::fs::create_dir_all(out).map_err(at(out))?;
+    let path = out.join(CONFIG);
+    if path.exists() {
+        let before = TrainConfig::default().with_file(&path)?;
+        // More steps continue a run.
+        if (TrainConfig { steps: config.steps, ..before.clone() }) != *config {
+            let why = format!("its {CONFIG} differs from this run's; choose another folder");
+            return Err(Error::Resume { path: out.to_owned(), why });
+        }
+    }
+    files::write(&path, config.to_toml().as_bytes())
+}
+
+/// A run under way.
+struct Run<'a> {
+    config: &'a TrainConfig,
+    out: &'a Path,
+    collector: FragmentCollector,
+    learner: Learner,
+    monitor: &'a mut dyn Monitor,
+    /// Description of its agents.
+    info: AgentInfo,
+    steps: u64,
+    /// Best score of the evaluations.
+    best: f64,
+    /// Seconds spent on collection and learning.
+    seconds: f64,
+}
+
+impl<'a> Run<'a> {
+    fn new(
+        config: &'a TrainConfig,
+        out: &'a Path,
+        collector: FragmentCollector,
+        monitor: &'a mut dyn Monitor,
+    ) -> Result<Self> {
+        let spaces = collector.environments().shared_spaces(0).ok_or(b2b_env::Error::NotReset)?;
+        let pilot = Pilot::new(config.interface(), spaces);
+        let credit = config.credit_by_zone.then(|| credit(spaces));
+        let learner = Learner::new(config, collector.widths(), credit)?;
+        let actor = learner.actor();
+        let info = AgentInfo {
+            format: FORMAT,
+            interface: config.interface(),
+            slots: pilot.observation().features().iter().map(|slot| slot.name.clone()).collect(),
+            actuators: spaces.action.names().to_vec(),
+            network: actor.shape,
+            distribution: actor.distribution,
+            task: config.task()?,
+            training: training_info(config),
+            weights: String::new(),
+        };
+        Ok(Self { config, out, collector, learner, monitor, info, steps: 0, best: f64::INFINITY, seconds: 0.0 })
+    }
+
+    /// Continues from the last checkpoint, if there is one.
+    fn resume(&mut self) -> Result<()> {
+        let Some(checkpoint) = Checkpoint::read(self.out)? else { return Ok(()) };
+        self.monitor.stage(&format!("resuming at {} steps", checkpoint.steps));
+        let other = |error: Error| Error::Resume { path: self.out.to_owned(), why: error.to_string() };
+        self.learner.restore(&checkpoint.learner).map_err(other)?;
+        self.collector.restore(&checkpoint.collector, &self.learner.actor())?;
+        let Checkpoint { steps, best, seconds, .. } = checkpoint;
+        (self.steps, self.best, self.seconds) = (steps, best, seconds);
+        Ok(())
+    }
+
+    /// Collects and learns until the run has its steps.
+    fn learn(&mut self, judge: Option<&Judge<'_>>, interrupted: fn() -> bool) -> Result<()> {
+        let (mut progress, warning) = Progress::open(self.out, self.steps)?;
+        if let Some(warning) = warning {
+            self.monitor.warn(&warning);
+        }
+        let mut rollout = Rollout::default();
+        while self.steps < self.config.steps {
+            let before = self.steps;
+            let mut row = match self.update(&mut rollout) {
+                Ok(row) => row,
+                Err(error) => return Err(self.give_up(error)),
+            };
+            let is_last = self.steps >= self.config.steps;
+            let after = self.steps;
+            let due = |every: u64| every > 0 && (is_last || before / every != after / every);
+            if let Some(judge) = judge.filter(|_| due(self.config.evaluation.every)) {
+                self.evaluate(judge, &mut row)?;
+            } else {
+                row.values.extend(EVALUATED.map(|name| (name, f64::NAN)));
+            }
+            let written = progress.write(&row);
+            self.warn_of(written, "the progress of this update");
+            self.monitor.update(&row);
+            let stop = interrupted();
+            if is_last || stop || due(self.config.checkpoint_every) {
+                let saved = self.save();
+                self.warn_of(saved, "this checkpoint");
+            }
+            if stop {
+                return Err(Error::Interrupted);
+            }
+        }
+        Ok(())
+    }
+
+    /// Collects a rollout and learns from it.
+    fn update(&mut self, rollout: &mut Rollout) -> Result<Row> {
+        let began = Instant::now();
+        self.collector.collect(&self.learner.actor(), self.learner.steps_per_rollout(), rollout)?;
+        let collected = began.elapsed().as_secs_f64();
+        let learned = self.learner.update(rollout)?;
+        let seconds = began.elapsed().as_secs_f64();
+        let steps = rollout.rows() as u64;
+        self.steps += steps;
+        self.seconds += seconds;
+        let penalty = -rollout.rewards.iter().map(|reward| f64::from(*reward)).sum::<f64>() / steps as f64;
+        let mut values = vec![
+            ("seconds", self.seconds),
+            ("steps_per_s", steps as f64 / seconds),
+            ("collection_share", collected / seconds),
+            ("training_penalty", penalty),
+            ("lost_episodes", self.collector.lost() as f64),
+        ];
+        values.extend(learned);
+        Ok(Row { steps: self.steps, values })
+    }
+
+    /// Scores the agent as it is now, and keeps it if it is the best.
+    fn evaluate(&mut self, judge: &Judge<'_>, row: &mut Row) -> Result<()> {
+        let scores = judge.judge(&Agent::new("agent", self.info(), self.learner.actor()))?;
+        let Scores { score, resolved_score, rms_deviation_k, energy_ratio, travel_per_day, .. } = scores;
+        let values = [score, resolved_score, rms_deviation_k, energy_ratio, travel_per_day];
+        row.values.extend(EVALUATED.into_iter().zip(values));
+        if self.config.keep == Keep::Best && score < self.best {
+            self.best = score;
+            let written = Agent::write(self.out, self.info(), &self.learner.actor());
+            self.warn_of(written.map_err(Error::from), "the best agent");
+        }
+        Ok(())
+    }
+
+    /// Writes the last agent and a checkpoint.
+    fn save(&mut self) -> Result<()> {
+        Agent::write(&self.out.join(LAST), self.info(), &self.learner.actor())?;
+        let checkpoint = Checkpoint {
+            steps: self.steps,
+            best: self.best,
+            seconds: self.seconds,
+            learner: self.learner.state(),
+            collector: self.collector.state(),
+        };
+        checkpoint.write(self.out)?;
+        curve::write(self.out, self.config)
+    }
+
+    /// Writes the agent of the run's folder if it is not there yet, scores it over the whole run period and writes the result.
+    fn finish(self, whole: &Judge<'_>) -> Result<Summary> {
+        if self.config.keep == Keep::Last || self.best.is_infinite() {
+            Agent::write(self.out, self.info(), &self.learner.actor())?;
+        }
+        self.monitor.stage("evaluating the agent over the whole run period");
+        let summary = Summary {
+            scores: whole.judge(&Agent::read(self.out)?)?,
+            steps: self.steps,
+            steps_per_s: self.steps as f64 / self.seconds.max(f64::MIN_POSITIVE),
+            seed: self.config.seed,
+            buildings: self.config.buildings_text(),
+            task: self.config.task.clone(),
+            period: self.config.period.clone(),
+            lost_episodes: self.collector.lost(),
+            out: self.out.to_owned(),
+        };
+        let text = serde_json::to_vec_pretty(&summary).expect("plain data always serializes");
+        files::write(&self.out.join(SUMMARY), &text)?;
+        curve::write(self.out, self.config)?;
+        Ok(summary)
+    }
+
+    /// Keeps the last good agent where learning cannot continue.
+    fn give_up(&mut self, error: Error) -> Error {
+        if matches!(error, Error::NotFinite { .. }) && self.best.is_infinite() {
+            let written = Agent::write(self.out, self.info(), &self.learner.actor());
+            self.warn_of(written.map_err(Error::from), "the last good agent");
+        }
+        error
+    }
+
+    fn warn_of(&mut self, written: Result<()>, what: &str) {
+        if let Err(error) = written {
+            self.monitor.warn(&format!("{what} could not be saved: {error}"));
+        }
+    }
+
+    /// Returns the description of the agent as it is now.
+    fn info(&self) -> AgentInfo {
+        let training = TrainingInfo { steps: self.steps, ..self.info.training.clone() };
+        AgentInfo { distribution: self.learner.actor().distribution, training, ..self.info.clone() }
+    }
+}
+
+/// Names of the scores in a row.
+const EVALUATED: [&str; 5] = ["score", "resolved_score", "rms_deviation_k", "energy_ratio", "travel_per_day"];
+
+fn training_info(config: &TrainConfig) -> TrainingInfo {
+    let Versions { package, generator, engine, controllers } = Versions::current();
+    TrainingInfo {
+        algorithm: Learner::name(config.algorithm).into(),
+        buildings: config.buildings_text(),
+        period: config.period.clone(),
+        steps_per_hour: config.steps_per_hour,
+        steps: 0,
+        seed: config.seed,
+        package,
+        generator,
+        engine,
+        base_controllers: config.acting.has_base().then_some(controllers),
+    }
+}
