@@ -11,7 +11,7 @@ pub mod nn;
 pub mod ppo;
 pub mod random;
 pub mod rollout;
-//pub mod sac;
+pub mod sac;
 pub mod state;
 
 pub use error::{Error, Result};

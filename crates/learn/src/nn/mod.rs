@@ -11,6 +11,7 @@ pub use adam::{Adam, clip_norm};
 pub use orthogonal::{Gains, orthogonal};
 pub use parallel::{chunks, for_each, threads_for};
 pub use pass::Pass;
+pub(crate) use pass::sized;
 pub use product::{Matrix, multiply};
 pub use schedule::Schedule;
 
