@@ -80,6 +80,7 @@ fn ppo_swings_a_pendulum_up() {
     assert_learns::<Pendulum>("pendulum", &pendulum(), 8, 60, -200.0);
 }
 
+/// Proportional heating has a return of -76.
 #[test]
 fn ppo_heats_rooms_with_free_standard_deviations() {
     assert_learns::<Room>("rooms", &room(), 8, 60, -60.0);
@@ -104,7 +105,7 @@ fn constant_and_proportional_heating_are_the_reference_of_the_rooms() {
         action.iter_mut().enumerate().for_each(|(room, power)| *power = -10.0 * observation[2 * room]);
     });
     println!("rooms: off {off:.1}, proportional {proportional:.1}");
-    assert!(off < proportional);
+    assert!(off < -2000.0 && (-80.0..-70.0).contains(&proportional), "{off} {proportional}");
 }
 
 /// Prints the median time of an epoch of 336 steps with networks of 2 × 256.

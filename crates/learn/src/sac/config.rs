@@ -89,7 +89,7 @@ impl SacConfig {
             ("initial_temperature", f64::from(self.initial_temperature)),
             ("max_grad_norm", self.max_grad_norm.map_or(1.0, f64::from)),
         ];
-        if let Some((name, value)) = positive.into_iter().find(|(_, value)| !(*value > 0.0)) {
+        if let Some((name, value)) = positive.into_iter().find(|(_, value)| value.is_nan() || *value <= 0.0) {
             return Err(Error::config(name, value, "it must be above 0"));
         }
         let shares = [("gamma", self.gamma), ("tau", self.tau)];

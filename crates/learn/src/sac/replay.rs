@@ -92,6 +92,11 @@ impl Replay {
         self.added == 0
     }
 
+    /// Returns whether the next steps go over the oldest ones.
+    pub fn is_full(&self) -> bool {
+        self.added >= self.capacity
+    }
+
     /// Adds the steps of a rollout, over the oldest ones.
     ///
     /// # Panics
@@ -271,7 +276,7 @@ mod tests {
     /// Returns a rollout of two environments whose observations are numbered from `first`, with episodes of five steps.
     fn rollout(first: usize, steps: usize, known: &mut [Vec<Known>; 2]) -> Rollout {
         let mut rollout = Rollout { environments: 2, steps, ..Rollout::default() };
-        for environment in 0..2 {
+        for (environment, known) in known.iter_mut().enumerate() {
             for step in 0..steps {
                 let number = (1000 * environment + first + step) as f32;
                 let (reward, end) = (number.sin(), (first + step) % 5 == 4);
@@ -282,7 +287,7 @@ mod tests {
                 if end {
                     rollout.ends.push(End { environment, step, observation: vec![next] });
                 }
-                known[environment].push((number, reward, next, end));
+                known.push((number, reward, next, end));
             }
             rollout.next.push((1000 * environment + first + steps) as f32);
         }

@@ -4,7 +4,7 @@ use super::Sac;
 use super::loss::{Losses, temperature_gradient};
 use super::worker::{Minibatch, Worker};
 use crate::error::{Error, Result};
-use crate::nn::{chunks, clip_norm, for_each, threads_for};
+use crate::nn::{chunk, chunk_count, clip_norm, for_each, threads_for};
 use crate::rollout::Rollout;
 
 /// Number of updates in a row with skipped steps that is an error.
@@ -56,7 +56,7 @@ impl Sac {
         let learning_rate = self.config.learning_rate * self.config.schedule.factor(self.updates);
         let mut update = Update { learning_rate, ..Update::default() };
         self.remember(rollout, &mut update);
-        if self.replay.len() >= self.config.learning_starts.max(1) {
+        if self.can_learn() {
             self.owed += self.config.updates_per_step * rollout.rows() as f64;
         }
         while self.owed >= 1.0 {
@@ -74,6 +74,11 @@ impl Sac {
             true => Err(Error::NotFinite { updates: self.failures }),
             false => Ok(update),
         }
+    }
+
+    /// Returns whether the replay buffer has the steps with which learning begins.
+    fn can_learn(&self) -> bool {
+        !self.replay.is_empty() && (self.replay.len() >= self.config.learning_starts || self.replay.is_full())
     }
 
     fn check(&self, rollout: &Rollout) -> Result<()> {
@@ -116,16 +121,16 @@ impl Sac {
     /// Computes the gradients of the actor or of the critics, and returns the losses so far.
     fn differentiate(&mut self, stage: Stage) -> Losses {
         let Self { workers, networks, parameters, batch, gradients, threads, .. } = self;
-        let ranges: Vec<_> = chunks(batch.rows).collect();
-        while workers.len() < ranges.len() {
+        let used = chunk_count(batch.rows);
+        while workers.len() < used {
             workers.push(Worker::new(networks));
         }
-        let workers = &mut workers[..ranges.len()];
+        let workers = &mut workers[..used];
         let threads = threads_for(batch.rows, parameters.actor.len() + parameters.critics.len(), *threads);
         let minibatch = Minibatch { networks, parameters, batch };
-        for_each(workers, threads, |chunk, worker| match stage {
-            Stage::Actor => worker.learn_actor(&minibatch, ranges[chunk].clone()),
-            Stage::Critics => worker.learn_critics(&minibatch, ranges[chunk].clone()),
+        for_each(workers, threads, |index, worker| match stage {
+            Stage::Actor => worker.learn_actor(&minibatch, chunk(batch.rows, index)),
+            Stage::Critics => worker.learn_critics(&minibatch, chunk(batch.rows, index)),
         });
         let sums = &mut gradients[stage as usize];
         sums.fill(0.0);

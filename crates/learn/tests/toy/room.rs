@@ -51,7 +51,7 @@ impl Room {
 impl Toy for Room {
     const WIDTHS: Widths = Widths { observation: 7, action: 2, parts: 2 };
     const STEPS: usize = 96;
-    const REWARD_SCALE: f32 = 1.0;
+    const REWARD_SCALE: f32 = 0.2;
 
     fn reset(random: &mut Random) -> Self {
         let mut draw = |mean: f32, deviation: f32| mean + deviation * random.normal() as f32;
