@@ -12,7 +12,7 @@ pub mod nn;
 pub mod ppo;
 pub mod random;
 pub mod rollout;
-//pub mod sac;
+pub mod sac;
 pub mod state;
 pub mod train;
 

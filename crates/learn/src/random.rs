@@ -73,7 +73,7 @@ impl Random {
 /// Standard normal noise of the actions of one environment, correlated from step to step.
 ///
 /// Each number is ρ × the previous one + √(1 - ρ²) × a new one: an autoregressive process of first order with variance 1. A ρ of
-/// 0 is independent noise.
+/// 0 is independent noise. Densities of actions remain those of independent noise.
 #[derive(Clone, Debug)]
 pub struct Noise {
     /// Correlation ρ between consecutive steps, from 0 to 1.

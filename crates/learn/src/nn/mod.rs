@@ -9,8 +9,9 @@ mod schedule;
 
 pub use adam::{Adam, clip_norm};
 pub use orthogonal::{Gains, orthogonal};
-pub use parallel::{chunks, for_each, threads_for};
+pub use parallel::{chunk, chunk_count, for_each, threads_for};
 pub use pass::Pass;
+pub(crate) use pass::sized;
 pub use product::{Matrix, multiply};
 pub use schedule::Schedule;
 

@@ -1,6 +1,6 @@
 //! Minibatches on several threads, with the same bits on any number of them.
 //!
-//! A minibatch is split into chunks of rows by [`chunks`], which does not know the number of threads. Each chunk has buffers and
+//! A minibatch is split into chunks of rows by [`chunk`], which does not know the number of threads. Each chunk has buffers and
 //! gradients of its own, and gradients are summed in the order of the chunks.
 
 use std::ops::Range;
@@ -12,10 +12,15 @@ const ROWS: usize = 64;
 /// Products of a parameter and a row below which starting a thread costs more than it saves.
 const WORK: usize = 1 << 20;
 
-/// Splits rows into chunks: one per 64 rows, and at most four.
-pub fn chunks(rows: usize) -> impl ExactSizeIterator<Item = Range<usize>> {
-    let count = (rows / ROWS).clamp(1, CHUNKS);
-    (0..count).map(move |chunk| chunk * rows / count..(chunk + 1) * rows / count)
+/// Returns the number of chunks of rows: one per 64 rows, and at most four.
+pub fn chunk_count(rows: usize) -> usize {
+    (rows / ROWS).clamp(1, CHUNKS)
+}
+
+/// Returns the rows of a chunk.
+pub fn chunk(rows: usize, index: usize) -> Range<usize> {
+    let count = chunk_count(rows);
+    index * rows / count..(index + 1) * rows / count
 }
 
 /// Returns the number of threads for a minibatch: one if it is small.
@@ -48,9 +53,9 @@ mod tests {
     #[test]
     fn chunks_cover_all_rows() {
         for (rows, count) in [(1, 1), (64, 1), (128, 2), (336, 4), (1000, 4)] {
-            let ranges: Vec<_> = chunks(rows).collect();
-            assert_eq!(ranges.len(), count);
-            assert_eq!(ranges.into_iter().flatten().collect::<Vec<_>>(), (0..rows).collect::<Vec<_>>());
+            assert_eq!(chunk_count(rows), count);
+            let all: Vec<usize> = (0..count).flat_map(|index| chunk(rows, index)).collect();
+            assert_eq!(all, (0..rows).collect::<Vec<_>>());
         }
     }
 

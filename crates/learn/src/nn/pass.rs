@@ -177,7 +177,7 @@ mod tests {
     #[test]
     fn gradients_accumulate_and_buffers_serve_smaller_batches() {
         let (shape, parameters, inputs, _) = network(Activation::Tanh);
-        let gradients = vec![1.0; 7 * 3];
+        let gradients = [1.0; 7 * 3];
         let mut pass = Pass::new(&shape);
         let mut sums = vec![0.0; parameters.len()];
         for rows in [0..7, 0..3, 3..7] {

@@ -116,7 +116,7 @@ impl PpoConfig {
             ("max_grad_norm", f64::from(self.max_grad_norm)),
             ("target_kl", self.target_kl.map_or(1.0, f64::from)),
         ];
-        if let Some((name, value)) = positive.into_iter().find(|(_, value)| !(*value > 0.0)) {
+        if let Some((name, value)) = positive.into_iter().find(|(_, value)| value.is_nan() || *value <= 0.0) {
             return Err(Error::config(name, value, "it must be above 0"));
         }
         let shares = [

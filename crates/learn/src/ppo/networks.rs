@@ -47,6 +47,7 @@ impl Networks {
         }
         parameters.extend(self.log_stds().map(|_| config.initial_log_std));
         parameters.extend(orthogonal(&self.critic, Gains { hidden, last: 1.0 }, random));
+        self.project(&mut parameters);
         parameters
     }
 

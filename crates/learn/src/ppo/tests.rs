@@ -71,6 +71,15 @@ fn a_restored_learner_continues_bit_for_bit() {
 }
 
 #[test]
+fn a_credit_of_ones_is_ordinary_ppo() {
+    let run = |credit| {
+        let mut ppo = Ppo::new(WIDTHS, PpoConfig { credit, ..config(LogStd::Free) }, 3).unwrap();
+        (ppo.update(&rollout(40, 0)).unwrap(), ppo.state())
+    };
+    assert_eq!(run(None), run(Some(vec![vec![1.0; 2]; 2])));
+}
+
+#[test]
 fn steps_that_are_not_finite_change_nothing_and_are_an_error_after_three_updates() {
     let mut ppo = Ppo::new(WIDTHS, PpoConfig { batch_size: 1000, ..config(LogStd::Free) }, 3).unwrap();
     let mut broken = rollout(20, 0);

@@ -5,7 +5,7 @@ use super::advantage::{Values, advantages};
 use super::loss::Losses;
 use super::worker::{Minibatch, Worker};
 use crate::error::{Error, Result};
-use crate::nn::{chunks, clip_norm, for_each, threads_for};
+use crate::nn::{chunk, chunk_count, clip_norm, for_each, threads_for};
 use crate::rollout::Rollout;
 
 /// Rows of a pass through the networks before the epochs.
@@ -159,16 +159,14 @@ impl Ppo {
     /// Computes the gradients of the minibatch, and returns its losses.
     fn differentiate(&mut self, rows: usize) -> Losses {
         let Self { workers, networks, config, credit, parameters, minibatch, gradients, threads, .. } = self;
-        let ranges = chunks(rows);
-        let used = ranges.len();
+        let used = chunk_count(rows);
         while workers.len() < used {
             workers.push(Worker::new(networks));
         }
-        let ranges: Vec<_> = ranges.collect();
         let workers = &mut workers[..used];
         let batch = Minibatch { config, networks, credit, parameters, samples: minibatch, rows };
         let threads = threads_for(rows, batch.parameters.len(), *threads);
-        for_each(workers, threads, |chunk, worker| worker.learn(&batch, ranges[chunk].clone()));
+        for_each(workers, threads, |index, worker| worker.learn(&batch, chunk(rows, index)));
         gradients.fill(0.0);
         let mut losses = Losses::default();
         for worker in workers {

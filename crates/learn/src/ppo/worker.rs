@@ -21,6 +21,21 @@ pub(super) struct Minibatch<'a> {
     pub rows: usize,
 }
 
+impl<'a> Minibatch<'a> {
+    /// Returns the step of a row with these outputs of the actor.
+    fn step(&self, row: usize, outputs: &'a [f32], log_std: &'a [f32]) -> Step<'a> {
+        let row = row..row + 1;
+        let groups = times(&row, self.credit.groups());
+        Step {
+            action: &self.samples.actions[times(&row, self.networks.actions)],
+            mean: &outputs[..self.networks.actions],
+            log_std,
+            old: &self.samples.old[groups.clone()],
+            advantages: &self.samples.advantages[groups],
+        }
+    }
+}
+
 /// The buffers of a chunk, and its losses and gradients.
 #[derive(Clone, Debug)]
 pub(super) struct Worker {
@@ -57,33 +72,32 @@ impl Worker {
     }
 
     fn learn_policy(&mut self, batch: &Minibatch<'_>, rows: Range<usize>) {
-        let Minibatch { networks, credit, samples, config, .. } = batch;
+        let Minibatch { networks, samples, .. } = batch;
         let parameters = &batch.parameters[networks.actors()];
         let inputs = &samples.observations[times(&rows, networks.actor.inputs())];
+        let length = self.actor.forward(parameters, inputs, rows.len()).len();
+        self.outputs[0].clear();
+        self.outputs[0].resize(length, 0.0);
+        self.add_policy_loss(batch, rows);
+        let sums = &mut self.gradients[networks.actors()];
+        self.actor.backward(parameters, inputs, &self.outputs[0], Some(sums), None);
+    }
+
+    /// Adds the loss of the policy in these rows, and writes the gradients of the outputs of the actor.
+    fn add_policy_loss(&mut self, batch: &Minibatch<'_>, rows: Range<usize>) {
+        let Minibatch { networks, config, .. } = batch;
         let width = networks.actor.outputs();
-        let outputs = self.actor.forward(parameters, inputs, rows.len());
-        let gradients = &mut self.outputs[0];
-        gradients.clear();
-        gradients.resize(outputs.len(), 0.0);
         let loss = PolicyLoss {
-            credit,
+            credit: batch.credit,
             clip_range: config.clip_range,
             entropy_coefficient: config.entropy_coefficient,
             rows: batch.rows,
         };
         let [log_std, log_std_gradients] = &mut self.log_std;
-        let per_row = outputs.chunks_exact(width).zip(gradients.chunks_exact_mut(width));
-        for (row, (outputs, gradients)) in rows.clone().zip(per_row) {
+        let outputs = self.actor.outputs().chunks_exact(width);
+        for (row, (outputs, gradients)) in rows.zip(outputs.zip(self.outputs[0].chunks_exact_mut(width))) {
             networks.write_log_std(batch.parameters, outputs, log_std);
-            let (action, groups) =
-                (times(&(row..row + 1), networks.actions), times(&(row..row + 1), credit.groups()));
-            let step = Step {
-                action: &samples.actions[action],
-                mean: &outputs[..networks.actions],
-                log_std,
-                old: &samples.old[groups.clone()],
-                advantages: &samples.advantages[groups],
-            };
+            let step = batch.step(row, outputs, log_std);
             let (means, of_state) = gradients.split_at_mut(networks.actions);
             if networks.of_state() {
                 loss.add(&step, means, of_state, &mut self.losses);
@@ -95,8 +109,6 @@ impl Worker {
                 sums.iter_mut().zip(&*log_std_gradients).for_each(|(sum, gradient)| *sum += gradient);
             }
         }
-        let sums = &mut self.gradients[networks.actors()];
-        self.actor.backward(parameters, inputs, &self.outputs[0], Some(sums), None);
     }
 
     fn learn_values(&mut self, batch: &Minibatch<'_>, rows: Range<usize>) {

@@ -1,0 +1,110 @@
+//! Configurations of SAC.
+
+use b2b_agent::network::Activation;
+use serde::{Deserialize, Serialize};
+
+use crate::error::{Error, Result};
+use crate::nn::Schedule;
+
+/// The configuration of SAC. Defaults of the algorithm are those of Stable-Baselines3; minibatches are larger and fewer.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SacConfig {
+    /// Learning rate of Adam, for actor, critics and temperature. Default 3e-4.
+    pub learning_rate: f64,
+    /// Schedule of the learning rate. Its updates are those of rollouts. Default constant.
+    pub schedule: Schedule,
+    /// ε of Adam. Default 1e-8.
+    pub adam_epsilon: f32,
+    /// Steps per environment and update. Default 64.
+    pub n_steps: usize,
+    /// Steps per minibatch. Default 1024.
+    pub batch_size: usize,
+    /// Minibatches per collected step, over all environments. Default 0.1.
+    pub updates_per_step: f64,
+    /// Steps in the replay buffer, over all environments, before learning begins. Default 1000.
+    pub learning_starts: usize,
+    /// Steps that the replay buffer holds, over all environments. Default 1 000 000.
+    pub capacity: usize,
+    /// Discount γ per step. Default 0.99.
+    pub gamma: f32,
+    /// Steps of a return before the value of the target critics. Default 1.
+    pub return_steps: usize,
+    /// Share of the critics that the target critics take per minibatch. Default 0.005.
+    pub tau: f32,
+    /// Target entropy of the policy, in units of minus the number of actions. Default 1.
+    pub target_entropy_factor: f32,
+    /// Initial temperature: the weight of the entropy. Default 1.
+    pub initial_temperature: f32,
+    /// Whether the temperature is learned (Haarnoja et al. 2018b, eq. 18). Default true.
+    pub learn_temperature: bool,
+    /// Limit of the norm of gradients of actor and critics. Default none.
+    pub max_grad_norm: Option<f32>,
+    /// Widths of the hidden layers of the actor. Default 256, 256.
+    pub actor_hidden: Vec<usize>,
+    /// Widths of the hidden layers of each critic. Default 256, 256.
+    pub critic_hidden: Vec<usize>,
+    /// Activation of the hidden layers. Default relu.
+    pub activation: Activation,
+    /// Gain of the last layer of the actor. Default 0.01.
+    pub actor_gain: f32,
+}
+
+impl Default for SacConfig {
+    fn default() -> Self {
+        Self {
+            learning_rate: 3e-4,
+            schedule: Schedule::Constant,
+            adam_epsilon: 1e-8,
+            n_steps: 64,
+            batch_size: 1024,
+            updates_per_step: 0.1,
+            learning_starts: 1000,
+            capacity: 1_000_000,
+            gamma: 0.99,
+            return_steps: 1,
+            tau: 0.005,
+            target_entropy_factor: 1.0,
+            initial_temperature: 1.0,
+            learn_temperature: true,
+            max_grad_norm: None,
+            actor_hidden: vec![256, 256],
+            critic_hidden: vec![256, 256],
+            activation: Activation::Relu,
+            actor_gain: 0.01,
+        }
+    }
+}
+
+impl SacConfig {
+    /// Checks the values.
+    ///
+    /// # Errors
+    /// When a value is outside its range.
+    pub fn check(&self) -> Result<()> {
+        let positive = [
+            ("learning_rate", self.learning_rate),
+            ("adam_epsilon", f64::from(self.adam_epsilon)),
+            ("updates_per_step", self.updates_per_step),
+            ("initial_temperature", f64::from(self.initial_temperature)),
+            ("max_grad_norm", self.max_grad_norm.map_or(1.0, f64::from)),
+        ];
+        if let Some((name, value)) = positive.into_iter().find(|(_, value)| value.is_nan() || *value <= 0.0) {
+            return Err(Error::config(name, value, "it must be above 0"));
+        }
+        let shares = [("gamma", self.gamma), ("tau", self.tau)];
+        if let Some((name, value)) = shares.into_iter().find(|(_, value)| !(0.0..=1.0).contains(value)) {
+            return Err(Error::config(name, value, "it must be from 0 to 1"));
+        }
+        let counts = [
+            ("n_steps", self.n_steps),
+            ("batch_size", self.batch_size),
+            ("capacity", self.capacity),
+            ("return_steps", self.return_steps),
+        ];
+        if let Some((name, value)) = counts.into_iter().find(|(_, value)| *value == 0) {
+            return Err(Error::config(name, value, "it must be at least 1"));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,100 @@
+//! A collector of steps of toy environments in this process.
+
+use b2b_agent::network::{Actor, Scratch};
+use b2b_learn::Result;
+use b2b_learn::collector::{Collector, Widths};
+use b2b_learn::random::{Noise, Random};
+use b2b_learn::rollout::{End, Rollout};
+
+use super::Toy;
+
+/// Environments in this process.
+pub struct Local<T> {
+    environments: Vec<Running<T>>,
+}
+
+/// An environment within an episode.
+struct Running<T> {
+    toy: T,
+    step: usize,
+    random: Random,
+    noise: Noise,
+}
+
+impl<T: Toy> Local<T> {
+    /// Returns this number of environments. Their episodes begin together.
+    pub fn new(environments: usize, seed: u64) -> Self {
+        let start = |index: usize| {
+            let mut random = Random::new(seed, 1000 + index as u64);
+            let noise = Noise::new(T::WIDTHS.action, 0.0, Random::new(seed, 2000 + index as u64));
+            Running { toy: T::reset(&mut random), step: 0, random, noise }
+        };
+        Self { environments: (0..environments).map(start).collect() }
+    }
+}
+
+impl<T: Toy> Collector for Local<T> {
+    fn widths(&self) -> Widths {
+        T::WIDTHS
+    }
+
+    fn environments(&self) -> usize {
+        self.environments.len()
+    }
+
+    fn collect(&mut self, actor: &Actor, steps: usize, rollout: &mut Rollout) -> Result<()> {
+        *rollout = Rollout { environments: self.environments.len(), steps, ..Rollout::default() };
+        let mut scratch = actor.scratch();
+        for (environment, running) in self.environments.iter_mut().enumerate() {
+            for step in 0..steps {
+                running.step(actor, &mut scratch, rollout);
+                if running.step == T::STEPS {
+                    let observation = running.observation();
+                    rollout.ends.push(End { environment, step, observation });
+                    running.toy = T::reset(&mut running.random);
+                    running.step = 0;
+                }
+            }
+            rollout.next.extend(running.observation());
+        }
+        Ok(())
+    }
+}
+
+impl<T: Toy> Running<T> {
+    fn observation(&self) -> Vec<f32> {
+        let mut observation = vec![0.0; T::WIDTHS.observation];
+        self.toy.observe(&mut observation);
+        observation
+    }
+
+    fn step(&mut self, actor: &Actor, scratch: &mut Scratch, rollout: &mut Rollout) {
+        let observation = self.observation();
+        let mut action = vec![0.0; T::WIDTHS.action];
+        actor.sample(&observation, self.noise.draw(), scratch, &mut action);
+        let mut rewards = vec![0.0; T::WIDTHS.parts];
+        self.toy.step(&action, &mut self.random, &mut rewards);
+        self.step += 1;
+        rollout.observations.extend(observation);
+        rollout.actions.extend(action);
+        rollout.rewards.extend(rewards.iter().map(|reward| reward * T::REWARD_SCALE));
+    }
+}
+
+/// Returns the mean return of episodes with a policy.
+pub fn mean_return<T: Toy>(episodes: usize, mut policy: impl FnMut(&[f32], &mut [f32])) -> f64 {
+    let mut random = Random::new(77, 77);
+    let mut observation = vec![0.0; T::WIDTHS.observation];
+    let (mut action, mut rewards) = (vec![0.0; T::WIDTHS.action], vec![0.0; T::WIDTHS.parts]);
+    let mut sum = 0.0;
+    for _ in 0..episodes {
+        let mut toy = T::reset(&mut random);
+        for _ in 0..T::STEPS {
+            toy.observe(&mut observation);
+            policy(&observation, &mut action);
+            toy.step(&action, &mut random, &mut rewards);
+            sum += rewards.iter().map(|reward| f64::from(*reward)).sum::<f64>();
+        }
+    }
+    sum / episodes as f64
+}
