@@ -12,7 +12,9 @@ pub enum Error {
         text: String,
     },
     /// A folder without an agent.
-    #[error("{path} is not an agent's folder: {why}; expected one that `b2b train` wrote, with agent.json and weights.safetensors")]
+    #[error(
+        "{path} is not an agent's folder: {why}; expected one that `b2b train` wrote, with agent.json and weights.safetensors"
+    )]
     NotAnAgent {
         /// The folder.
         path: PathBuf,

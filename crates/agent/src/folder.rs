@@ -1,12 +1,12 @@
 //! The folder of an agent: `agent.json` and `weights.safetensors`.
 
-use std::io::Write as _;
 use std::path::Path;
 
 use b2b_energyplus::digest::sha256;
 use safetensors::tensor::{Dtype, TensorView};
 use safetensors::{SafeTensors, serialize};
 
+use crate::aside;
 use crate::error::at;
 use crate::info::{AgentInfo, FORMAT};
 use crate::network::Actor;
@@ -59,20 +59,11 @@ pub(crate) fn write(path: &Path, mut info: AgentInfo, actor: &Actor) -> Result<(
     info.weights = sha256(&bytes);
     let text = serde_json::to_vec_pretty(&info).expect("plain data always serializes");
     // With weights of another hash the agent before would count as damaged: both are aside before either is replaced.
-    let [weights, description] =
-        [(WEIGHTS, bytes), (INFO, text)].map(|(name, bytes)| write_aside(path, name, &bytes));
-    let (weights, description) = (weights?, description?);
-    for (file, name) in [(weights, WEIGHTS), (description, INFO)] {
-        file.persist(path.join(name)).map_err(|error| at(&path.join(name))(error.error))?;
-    }
-    Ok(())
-}
-
-fn write_aside(folder: &Path, name: &str, bytes: &[u8]) -> Result<tempfile::NamedTempFile> {
-    let path = folder.join(name);
-    let mut file = tempfile::Builder::new().prefix(".aside-").tempfile_in(folder).map_err(at(&path))?;
-    file.write_all(bytes).and_then(|()| file.as_file().sync_all()).map_err(at(&path))?;
-    Ok(file)
+    let (weights, description) = (path.join(WEIGHTS), path.join(INFO));
+    let (new_weights, new_description) =
+        (aside::write(&weights, &bytes)?, aside::write(&description, &text)?);
+    aside::put(new_weights, &weights)?;
+    aside::put(new_description, &description)
 }
 
 /// Returns the weights of an actor as a file: a matrix inputs × outputs and a vector for each layer.
@@ -109,7 +100,10 @@ fn actor(info: &AgentInfo, bytes: &[u8]) -> std::result::Result<Actor, String> {
             let name = name(index, part);
             let tensor = tensors.tensor(&name).map_err(|error| format!("{WEIGHTS}: {error}"))?;
             if tensor.shape() != shape || tensor.dtype() != Dtype::F32 {
-                return Err(format!("{WEIGHTS}: {name} has the shape {:?}, expected {shape:?}", tensor.shape()));
+                return Err(format!(
+                    "{WEIGHTS}: {name} has the shape {:?}, expected {shape:?}",
+                    tensor.shape()
+                ));
             }
             for (value, bytes) in parameters[range].iter_mut().zip(tensor.data().chunks_exact(4)) {
                 *value = f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);

@@ -6,6 +6,7 @@
 
 mod acting;
 mod agent;
+mod aside;
 mod error;
 mod folder;
 mod info;
@@ -15,6 +16,7 @@ mod pilot;
 
 pub use acting::Acting;
 pub use agent::{Agent, AgentController};
+pub use aside::write_whole;
 pub use error::{Error, Result};
 pub use folder::INFO;
 pub use info::{AgentInfo, FORMAT, TrainingInfo};

@@ -53,7 +53,9 @@ pub enum Error {
         slots: Vec<String>,
     },
     /// An unknown policy.
-    #[error("unknown policy `{text}`; expected reactive, random, constant, planner, the folder of an agent or an ONNX file (.onnx)")]
+    #[error(
+        "unknown policy `{text}`; expected reactive, random, constant, planner, the folder of an agent or an ONNX file (.onnx)"
+    )]
     UnknownPolicy {
         /// The name given.
         text: String,

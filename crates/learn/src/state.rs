@@ -62,7 +62,9 @@ impl State {
     /// Returns the tensors that were added under `part`.
     pub fn part(&self, part: &str) -> Self {
         let prefix = format!("{part}.");
-        let own = |(name, values): (&String, &Values)| Some((name.strip_prefix(&prefix)?.to_owned(), values.clone()));
+        let own = |(name, values): (&String, &Values)| {
+            Some((name.strip_prefix(&prefix)?.to_owned(), values.clone()))
+        };
         Self { tensors: self.tensors.iter().filter_map(own).collect() }
     }
 

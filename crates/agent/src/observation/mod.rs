@@ -14,8 +14,8 @@ use b2b_env::vector::Arrangement;
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
-pub use feature::Feature;
 use feature::Context;
+pub use feature::Feature;
 use memory::Memory;
 
 /// The form of an agent's observation.

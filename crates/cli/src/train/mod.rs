@@ -11,7 +11,7 @@ use b2b_building::{BuildingType, RunPeriod};
 use b2b_dataset::{BuildingName, Catalog};
 use b2b_env::Task;
 use b2b_env::vector::Launcher;
-use b2b_learn::train::{CONFIG, PAGE, Place, SUMMARY, Summary, TrainConfig};
+use b2b_learn::train::{Algorithm, CONFIG, PAGE, Place, SUMMARY, Summary, TrainConfig};
 
 use crate::arguments::jobs::Jobs;
 use crate::progress::Download;
@@ -37,6 +37,9 @@ pub struct Arguments {
     /// TOML file with any of the options that a run's config.toml has; other arguments take precedence
     #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
+    /// Algorithm: ppo or sac [default: ppo]
+    #[arg(long, value_name = "ALGORITHM")]
+    algorithm: Option<Algorithm>,
     /// Task, as for `b2b run` [default: constant]
     #[arg(long, value_name = "TASK")]
     task: Option<Task>,
@@ -66,7 +69,7 @@ pub struct Arguments {
     out: Option<PathBuf>,
     /// Continue the run of a folder from its last checkpoint; with --steps to more steps
     #[arg(long, value_name = "FOLDER", conflicts_with_all = [
-        "buildings", "building_type", "preset", "config", "task", "period", "seed", "environments", "observation",
+        "buildings", "building_type", "algorithm", "preset", "config", "task", "period", "seed", "environments", "observation",
         "direct", "authority", "out",
     ])]
     resume: Option<PathBuf>,
@@ -151,6 +154,10 @@ impl Arguments {
         set(&mut config.period, &self.period.map(|period| period.to_string()));
         set(&mut config.steps, &self.steps);
         set(&mut config.seed, &self.seed);
+        set(&mut config.algorithm, &self.algorithm);
+        if config.algorithm == Algorithm::Sac {
+            config.credit_by_zone = false;
+        }
         set(&mut config.environments, &self.environments);
         set(&mut config.observation, &self.observation);
         if self.direct {

@@ -178,7 +178,9 @@ impl Region {
     fn shared(&self, place: usize, count: usize) -> &[AtomicU32] {
         assert!(place + count <= SHARED_NUMBERS, "{count} numbers after {place} of {SHARED_NUMBERS}");
         // SAFETY: within the mapping, as just checked, aligned, and only ever touched as atomics.
-        unsafe { slice::from_raw_parts(self.map.as_ptr().add(SHARED + place * size_of::<f32>()).cast(), count) }
+        unsafe {
+            slice::from_raw_parts(self.map.as_ptr().add(SHARED + place * size_of::<f32>()).cast(), count)
+        }
     }
 
     /// Reads numbers that fragments share.

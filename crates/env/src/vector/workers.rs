@@ -140,7 +140,8 @@ impl Workers {
     pub fn reserve_memory(&self, count: usize) -> Result<usize> {
         let place = self.shared.reserved.fetch_add(count, Ordering::Relaxed);
         let reserved = self.region().reserve_shared(place, count);
-        reserved.map_err(|source| Error::Pool { what: format!("{count} numbers of shared memory"), source })?;
+        reserved
+            .map_err(|source| Error::Pool { what: format!("{count} numbers of shared memory"), source })?;
         Ok(place)
     }
 

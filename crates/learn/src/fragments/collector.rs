@@ -186,7 +186,8 @@ impl FragmentCollector {
         self.share(actor, REPLAYED)?;
         for first in (0..rows.iter().copied().max().unwrap_or(0)).step_by(REPLAYED) {
             self.seats.iter_mut().for_each(Seat::begin_rollout);
-            let steps: Vec<usize> = rows.iter().map(|rows| rows.saturating_sub(first).min(REPLAYED)).collect();
+            let steps: Vec<usize> =
+                rows.iter().map(|rows| rows.saturating_sub(first).min(REPLAYED)).collect();
             for (index, steps) in steps.iter().enumerate().filter(|(_, steps)| **steps > 0) {
                 let actions = &self.seats[index].actions[first * width..][..steps * width];
                 self.memory.write(self.block(index).action(0), actions);

@@ -103,7 +103,14 @@ impl FragmentRunner {
     }
 
     /// Records the reward: as a whole, or a part for each controlled zone and one for energy.
-    fn record_reward(&mut self, order: &Order, step: usize, reward: Reward, env: &Env, memory: &SharedMemory) {
+    fn record_reward(
+        &mut self,
+        order: &Order,
+        step: usize,
+        reward: Reward,
+        env: &Env,
+        memory: &SharedMemory,
+    ) {
         let place = order.block.reward(step);
         if order.block.parts() == 1 {
             return memory.write(place, &[reward.total() as f32]);

@@ -31,7 +31,7 @@ impl Checkpoint {
         all.put_f64("best", &[self.best, self.seconds]);
         all.put_all("learner", &self.learner);
         all.put_all("collector", &self.collector);
-        super::files::write(&folder.join(CHECKPOINT), &all.to_bytes())
+        Ok(b2b_agent::write_whole(&folder.join(CHECKPOINT), &all.to_bytes())?)
     }
 
     /// Reads the checkpoint of a run's folder; `None` if there is none.

@@ -1,6 +1,7 @@
 //! The configuration of a training run, as a TOML file or as presets with changes.
 
 use std::path::Path;
+use std::str::FromStr;
 
 use b2b_agent::{Acting, Interface, ObservationForm};
 use b2b_building::{BuildingType, RunPeriod};
@@ -12,10 +13,13 @@ use toml::{Table, Value};
 use super::suggestion::with_suggestion;
 use crate::error::{Error, Result, at};
 use crate::ppo::PpoConfig;
+use crate::sac::SacConfig;
 
 /// The presets by name: TOML files of what differs from the defaults.
-const PRESETS: [(&str, &str); 2] =
-    [("paper", include_str!("../../data/paper.toml")), ("residual", include_str!("../../data/residual.toml"))];
+const PRESETS: [(&str, &str); 2] = [
+    ("paper", include_str!("../../data/paper.toml")),
+    ("residual", include_str!("../../data/residual.toml")),
+];
 
 /// A training algorithm.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -24,6 +28,20 @@ pub enum Algorithm {
     /// Proximal policy optimization: see [`crate::ppo`].
     #[default]
     Ppo,
+    /// Soft actor-critic: see [`crate::sac`].
+    Sac,
+}
+
+impl FromStr for Algorithm {
+    type Err = String;
+
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        match text {
+            "ppo" => Ok(Self::Ppo),
+            "sac" => Ok(Self::Sac),
+            _ => Err(format!("unknown algorithm `{text}`; expected ppo or sac")),
+        }
+    }
 }
 
 /// Which agent of a run its folder has in the end.
@@ -83,6 +101,8 @@ pub struct TrainConfig {
     pub checkpoint_every: u64,
     /// Options of PPO.
     pub ppo: PpoConfig,
+    /// Options of SAC.
+    pub sac: SacConfig,
 }
 
 /// Evaluations during training: deterministic episodes on a window of the run period, in processes of their own.
@@ -120,6 +140,7 @@ impl Default for TrainConfig {
             evaluation: EvaluationConfig::default(),
             checkpoint_every: 100_000,
             ppo: PpoConfig::default(),
+            sac: SacConfig::default(),
         }
     }
 }
@@ -186,11 +207,15 @@ impl TrainConfig {
     /// [`Error::Invalid`] for the first that does not, and those of the algorithm's own options.
     pub fn check(&self) -> Result<()> {
         self.ppo.check()?;
+        self.sac.check()?;
         let days = self.run_period()?.days();
         self.named()?;
         self.task()?;
         let wrong = match () {
             () if self.environments == 0 => "`environments` is 0; expected at least 1".to_owned(),
+            () if self.credit_by_zone && self.algorithm == Algorithm::Sac => {
+                "`credit_by_zone` is for ppo; with sac it must be false".to_owned()
+            }
             () if self.steps == 0 => "`steps` is 0; expected at least 1".to_owned(),
             () if self.window_days > days => {
                 format!("`window_days` is {}; the run period has {days} days", self.window_days)
@@ -295,7 +320,8 @@ mod tests {
 
     #[test]
     fn the_preset_of_the_paper_has_the_numbers_of_its_table() {
-        let TrainConfig { ppo, environments, acting, observation, .. } = TrainConfig::preset("paper").unwrap();
+        let TrainConfig { ppo, environments, acting, observation, .. } =
+            TrainConfig::preset("paper").unwrap();
         assert_eq!((ppo.learning_rate, ppo.batch_size, ppo.n_steps, ppo.epochs), (5e-5, 336, 672, 5));
         assert_eq!((ppo.target_kl, ppo.gamma, ppo.gae_lambda), (Some(0.02), 0.98, 0.95));
         assert_eq!((ppo.clip_range, ppo.entropy_coefficient, ppo.value_coefficient), (0.2, 0.01, 0.5));
@@ -308,7 +334,10 @@ mod tests {
     fn an_unknown_key_is_an_error_with_a_suggestion() {
         let base = TrainConfig::default();
         let said = base.with_changes("enviroments = 3").unwrap_err();
-        assert!(said.contains("unknown field `enviroments`") && said.contains("did you mean `environments`?"), "{said}");
+        assert!(
+            said.contains("unknown field `enviroments`") && said.contains("did you mean `environments`?"),
+            "{said}"
+        );
         let said = base.with_changes("[ppo]\ngama = 0.9").unwrap_err();
         assert!(said.contains("did you mean `gamma`?"), "{said}");
         let said = base.with_changes("steps = \"many\"").unwrap_err();

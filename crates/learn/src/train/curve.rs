@@ -37,5 +37,5 @@ pub(super) fn write(folder: &Path, config: &TrainConfig) -> Result<()> {
         "note": format!("{}, seed {}, evaluated on {} days", config.period, config.seed, config.evaluation.days),
         "panels": panels.collect::<Vec<Value>>(),
     });
-    super::files::write(&folder.join(PAGE), fill(TEMPLATE, &data).as_bytes())
+    Ok(b2b_agent::write_whole(&folder.join(PAGE), fill(TEMPLATE, &data).as_bytes())?)
 }

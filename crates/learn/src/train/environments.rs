@@ -99,7 +99,12 @@ impl<'a> Environments<'a> {
         if self.config.building_type.is_empty() { self.config.named() } else { self.evaluated() }
     }
 
-    fn scale_of(&self, name: &BuildingName, evaluation: &Evaluation<'_>, baselines: &Baselines) -> Result<f64> {
+    fn scale_of(
+        &self,
+        name: &BuildingName,
+        evaluation: &Evaluation<'_>,
+        baselines: &Baselines,
+    ) -> Result<f64> {
         let subject = Subject::at_home(name.clone());
         let site = subject.locate(&self.catalog, &mut Quiet)?;
         let episode = Episode {

@@ -7,11 +7,13 @@ use crate::collector::Widths;
 use crate::error::Result;
 use crate::ppo::{Ppo, PpoConfig};
 use crate::rollout::Rollout;
+use crate::sac::Sac;
 use crate::state::State;
 
 /// The learner of a run.
 pub(super) enum Learner {
     Ppo(Box<Ppo>),
+    Sac(Box<Sac>),
 }
 
 impl Learner {
@@ -19,6 +21,7 @@ impl Learner {
     pub(super) fn name(algorithm: Algorithm) -> &'static str {
         match algorithm {
             Algorithm::Ppo => "ppo",
+            Algorithm::Sac => "sac",
         }
     }
 
@@ -29,12 +32,17 @@ impl Learner {
                 let ppo = PpoConfig { credit, ..config.ppo.clone() };
                 Ok(Self::Ppo(Box::new(Ppo::new(widths, ppo, config.seed)?)))
             }
+            Algorithm::Sac => {
+                let sac = Sac::new(widths, config.environments, config.sac.clone(), config.seed)?;
+                Ok(Self::Sac(Box::new(sac)))
+            }
         }
     }
 
     pub(super) fn actor(&self) -> Actor {
         match self {
             Self::Ppo(ppo) => ppo.actor(),
+            Self::Sac(sac) => sac.actor(),
         }
     }
 
@@ -42,6 +50,7 @@ impl Learner {
     pub(super) fn steps_per_rollout(&self) -> usize {
         match self {
             Self::Ppo(ppo) => ppo.config().n_steps,
+            Self::Sac(sac) => sac.config().n_steps,
         }
     }
 
@@ -63,18 +72,35 @@ impl Learner {
                     ("skipped", update.skipped as f64),
                 ])
             }
+            Self::Sac(sac) => {
+                let update = sac.update(rollout)?;
+                Ok(vec![
+                    ("critic_loss", update.critic_loss),
+                    ("actor_loss", update.actor_loss),
+                    ("temperature", update.temperature),
+                    ("entropy", update.entropy),
+                    ("value", update.value),
+                    ("critic_gradient_norm", update.critic_gradient_norm),
+                    ("actor_gradient_norm", update.actor_gradient_norm),
+                    ("learning_rate", update.learning_rate),
+                    ("minibatches", update.steps as f64),
+                    ("skipped", update.skipped as f64),
+                ])
+            }
         }
     }
 
     pub(super) fn state(&self) -> State {
         match self {
             Self::Ppo(ppo) => ppo.state(),
+            Self::Sac(sac) => sac.state(),
         }
     }
 
     pub(super) fn restore(&mut self, state: &State) -> Result<()> {
         match self {
             Self::Ppo(ppo) => ppo.restore(state),
+            Self::Sac(sac) => sac.restore(state),
         }
     }
 }

@@ -9,7 +9,6 @@ mod checkpoint;
 mod config;
 mod curve;
 mod environments;
-mod files;
 mod judge;
 mod learner;
 mod progress;

@@ -45,7 +45,7 @@ impl Progress {
     pub(super) fn open(folder: &Path, steps: u64) -> Result<(Self, Option<String>)> {
         let path = folder.join(TABLE);
         let kept = kept_lines(&path, steps)?;
-        super::files::write(&path, kept.as_bytes())?;
+        b2b_agent::write_whole(&path, kept.as_bytes())?;
         let file = OpenOptions::new().append(true).open(&path).map_err(at(&path))?;
         let (events, warning) = match EventFile::create(&folder.join(EVENTS)) {
             Ok(events) => (Some(events), None),
@@ -100,7 +100,8 @@ pub fn read_column(folder: &Path, name: &str) -> Result<Vec<(u64, f64)>> {
     let mut lines = text.lines();
     let mut names = lines.next().unwrap_or_default().split(',');
     let column = names.position(|each| each == name);
-    let column = column.ok_or_else(|| Error::Invalid(format!("{} has no column `{name}`", path.display())))?;
+    let column =
+        column.ok_or_else(|| Error::Invalid(format!("{} has no column `{name}`", path.display())))?;
     let cell = |line: &str| Some((steps_of(line)?, line.split(',').nth(column)?.parse().ok()?));
     Ok(lines.filter_map(cell).collect())
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
-use b2b_agent::{Agent, AgentInfo, FORMAT, Pilot, TrainingInfo};
+use b2b_agent::{Agent, AgentInfo, FORMAT, Pilot, TrainingInfo, write_whole};
 use b2b_benchmark::{Baselines, Evaluation, Versions};
 use b2b_dataset::Catalog;
 use b2b_env::vector::{Launcher, WorkerOptions};
@@ -12,11 +12,11 @@ use serde::Serialize;
 
 use super::checkpoint::Checkpoint;
 use super::config::{Keep, TrainConfig};
+use super::curve;
 use super::environments::{Environments, credit};
 use super::judge::{Judge, Scores, window};
 use super::learner::Learner;
 use super::progress::{Progress, Row};
-use super::{curve, files};
 use crate::collector::Collector as _;
 use crate::error::{Error, Result, at};
 use crate::fragments::FragmentCollector;
@@ -97,7 +97,8 @@ pub fn train(config: &TrainConfig, place: Place<'_>) -> Result<Summary> {
     let environments = Environments::new(config, Arc::clone(&catalog));
     let evaluated = environments.evaluated()?;
     let period = config.run_period()?;
-    let judge_of = |days| Judge::new(config, &evaluated, window(period, days), &evaluation, &baselines, &catalog);
+    let judge_of =
+        |days| Judge::new(config, &evaluated, window(period, days), &evaluation, &baselines, &catalog);
 
     monitor.stage("computing baselines");
     let whole = judge_of(period.days())?;
@@ -131,7 +132,7 @@ fn begin_folder(config: &TrainConfig, out: &Path) -> Result<()> {
             return Err(Error::Resume { path: out.to_owned(), why });
         }
     }
-    files::write(&path, config.to_toml().as_bytes())
+    Ok(write_whole(&path, config.to_toml().as_bytes())?)
 }
 
 /// A run under way.
@@ -173,7 +174,17 @@ impl<'a> Run<'a> {
             training: training_info(config),
             weights: String::new(),
         };
-        Ok(Self { config, out, collector, learner, monitor, info, steps: 0, best: f64::INFINITY, seconds: 0.0 })
+        Ok(Self {
+            config,
+            out,
+            collector,
+            learner,
+            monitor,
+            info,
+            steps: 0,
+            best: f64::INFINITY,
+            seconds: 0.0,
+        })
     }
 
     /// Continues from the last checkpoint, if there is one.
@@ -292,7 +303,7 @@ impl<'a> Run<'a> {
             out: self.out.to_owned(),
         };
         let text = serde_json::to_vec_pretty(&summary).expect("plain data always serializes");
-        files::write(&self.out.join(SUMMARY), &text)?;
+        write_whole(&self.out.join(SUMMARY), &text)?;
         curve::write(self.out, self.config)?;
         Ok(summary)
     }

@@ -10,7 +10,8 @@ pub(super) fn with_suggestion(message: &str) -> String {
         return message.to_owned();
     };
     let similarity = |name: &&&str| (strsim::jaro_winkler(unknown, name) * 1e6) as u64;
-    match expected.iter().max_by_key(similarity).filter(|best| strsim::jaro_winkler(unknown, best) > SIMILAR) {
+    match expected.iter().max_by_key(similarity).filter(|best| strsim::jaro_winkler(unknown, best) > SIMILAR)
+    {
         Some(best) => format!("{message}; did you mean `{best}`?"),
         None => message.to_owned(),
     }
