@@ -1,4 +1,4 @@
-//! Training of agents: learners, and what they learn from.
+//! Training of agents: learners, and the rollouts they learn from.
 //!
 //! A [`Collector`](collector::Collector) makes steps with an actor and writes them to a [`Rollout`](rollout::Rollout). A learner,
 //! [`Ppo`](ppo::Ppo) or [`Sac`](sac::Sac), reads the rollout and improves the actor. Learners compute in single precision on

@@ -1,4 +1,4 @@
-//! Whether PPO learns toy environments, and how long an update takes.
+//! Learning of toy environments by PPO, and the time of an update.
 
 mod toy;
 

@@ -1,4 +1,4 @@
-//! Whether SAC learns toy environments.
+//! Learning of toy environments by SAC.
 
 mod toy;
 

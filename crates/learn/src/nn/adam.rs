@@ -44,7 +44,7 @@ impl Adam {
         state.put_u64(&format!("{name}.steps"), &[self.steps]);
     }
 
-    /// Reads what [`Adam::save`] wrote.
+    /// Restores the moments and the number of steps from a state.
     ///
     /// # Errors
     /// When the state does not have it.

@@ -69,6 +69,16 @@ mod tests {
     }
 
     #[test]
+    fn an_end_at_the_last_step_replaces_the_next_observation() {
+        let mut rollout = Rollout { environments: 1, steps: 1, rewards: vec![1.0], ..Rollout::default() };
+        let values = Values { steps: vec![2.0], next: vec![100.0], ends: vec![6.0] };
+        let mut found = [0.0];
+        rollout.ends.push(End { environment: 0, step: 0, observation: vec![] });
+        advantages(&rollout, &values, 0.5, 0.9, &mut found);
+        assert_eq!(found, [1.0 + 0.5 * 6.0 - 2.0]);
+    }
+
+    #[test]
     fn parts_are_separate() {
         let rollout =
             Rollout { environments: 1, steps: 2, rewards: vec![1.0, 10.0, 2.0, 20.0], ..Rollout::default() };

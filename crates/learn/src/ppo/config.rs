@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::{Error, Result};
 use crate::nn::Schedule;
 
-/// How the standard deviation of actions is learned.
+/// The parametrization of the standard deviation of actions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LogStd {
@@ -27,7 +27,7 @@ pub struct PpoConfig {
     pub schedule: Schedule,
     /// ε of Adam. Default 1e-5.
     pub adam_epsilon: f32,
-    /// Steps per environment and update. Default 2048.
+    /// Steps per environment to collect for an update. Default 2048.
     pub n_steps: usize,
     /// Steps per minibatch. The last minibatch of an epoch has the rest. Default 64.
     pub batch_size: usize,
@@ -55,7 +55,7 @@ pub struct PpoConfig {
     pub critic_hidden: Vec<usize>,
     /// Activation of the hidden layers. Default tanh.
     pub activation: Activation,
-    /// How the standard deviation is learned. Default free parameters.
+    /// Parametrization of the standard deviation. Default free parameters.
     pub log_std: LogStd,
     /// Initial logarithm of the standard deviation. Default 0.
     pub initial_log_std: f32,

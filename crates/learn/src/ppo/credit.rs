@@ -1,4 +1,4 @@
-//! Credit: which parts of the reward count in the advantage of which actions.
+//! Credit: the parts of the reward that count in the advantage of each action.
 //!
 //! Actions form groups. The probability ratio of PPO is that of all actions of a group together, and each group has its own
 //! advantage.

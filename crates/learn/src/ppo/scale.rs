@@ -64,7 +64,7 @@ impl ValueScale {
         state.put_u64("values.updates", &[self.updates]);
     }
 
-    /// Reads what [`ValueScale::save`] wrote.
+    /// Restores the statistics from a state.
     ///
     /// # Errors
     /// When the state does not have it.

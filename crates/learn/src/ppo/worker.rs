@@ -9,7 +9,7 @@ use super::networks::Networks;
 use super::samples::Samples;
 use crate::nn::Pass;
 
-/// What all chunks of a minibatch share.
+/// Inputs that all chunks of a minibatch share.
 #[derive(Clone, Copy)]
 pub(super) struct Minibatch<'a> {
     pub config: &'a PpoConfig,

@@ -16,7 +16,7 @@ pub struct SacConfig {
     pub schedule: Schedule,
     /// ε of Adam. Default 1e-8.
     pub adam_epsilon: f32,
-    /// Steps per environment and update. Default 64.
+    /// Steps per environment to collect for an update. Default 64.
     pub n_steps: usize,
     /// Steps per minibatch. Default 1024.
     pub batch_size: usize,

@@ -27,7 +27,7 @@ impl Losses {
     }
 }
 
-/// Writes squashed actions of outputs of the actor, and returns the log density of each row to `densities`.
+/// Writes squashed actions of outputs of the actor, and the log density of each row.
 ///
 /// `outputs` has means, then logarithms of standard deviations: rows × 2 actions. `normals` has rows × actions. Actions go to the
 /// last columns of `inputs`, rows × (observation + actions).
@@ -64,7 +64,7 @@ pub fn critic_loss(values: &[f32], targets: &[f32], rows: usize, gradients: &mut
     0.5 * squares / rows as f64
 }
 
-/// A sampled action of the actor, and what the loss says of it.
+/// A sampled action of the actor, and the derivative of its value.
 #[derive(Clone, Copy, Debug)]
 pub struct Sampled {
     /// Logarithm of the standard deviation, as the actor put it out.

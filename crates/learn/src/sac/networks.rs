@@ -75,7 +75,7 @@ impl Parameters {
         state.put_f32("log_temperature", &[self.log_temperature]);
     }
 
-    /// Reads what [`Parameters::save`] wrote.
+    /// Restores the parameters from a state.
     pub fn restore(&mut self, state: &State) -> Result<()> {
         state.read_f32("actor", &mut self.actor)?;
         state.read_f32("critics", &mut self.critics)?;

@@ -162,7 +162,7 @@ impl Replay {
         }
     }
 
-    /// Reads what [`Replay::save`] wrote.
+    /// Restores the steps from a state.
     ///
     /// # Errors
     /// When the state does not have it.
@@ -270,7 +270,7 @@ mod tests {
     const WIDTHS: Widths = Widths { observation: 1, action: 1, parts: 2 };
     const GAMMA: f32 = 0.9;
 
-    /// A step, as the tests know it: observation, reward, observation after it, and whether it ended an episode.
+    /// A step: observation, reward, observation after it, and whether it ended an episode.
     type Known = (f32, f32, f32, bool);
 
     /// Returns a rollout of two environments whose observations are numbered from `first`, with episodes of five steps.

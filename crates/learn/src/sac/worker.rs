@@ -7,7 +7,7 @@ use super::networks::{Networks, Parameters};
 use super::replay::Batch;
 use crate::nn::{Pass, sized};
 
-/// What all chunks of a minibatch share.
+/// Inputs that all chunks of a minibatch share.
 #[derive(Clone, Copy)]
 pub(super) struct Minibatch<'a> {
     pub networks: &'a Networks,
