@@ -27,13 +27,17 @@ impl Learner {
 
     /// Returns the learner of a configuration, with the weights of the parts of a reward in the advantage of each action.
     pub(super) fn new(config: &TrainConfig, widths: Widths, credit: Option<Vec<Vec<f32>>>) -> Result<Self> {
+        // Results do not depend on it.
+        let threads = std::thread::available_parallelism().map_or(1, usize::from);
         match config.algorithm {
             Algorithm::Ppo => {
-                let ppo = PpoConfig { credit, ..config.ppo.clone() };
-                Ok(Self::Ppo(Box::new(Ppo::new(widths, ppo, config.seed)?)))
+                let mut ppo = Ppo::new(widths, PpoConfig { credit, ..config.ppo.clone() }, config.seed)?;
+                ppo.set_threads(threads);
+                Ok(Self::Ppo(Box::new(ppo)))
             }
             Algorithm::Sac => {
-                let sac = Sac::new(widths, config.environments, config.sac.clone(), config.seed)?;
+                let mut sac = Sac::new(widths, config.environments, config.sac.clone(), config.seed)?;
+                sac.set_threads(threads);
                 Ok(Self::Sac(Box::new(sac)))
             }
         }
