@@ -26,6 +26,7 @@ from .buildings import (
 from .env import BuildingEnv
 from .errors import Error
 from .evaluation import EpisodeContext, Evaluation, compute_normalized_score, compute_resolved_score, evaluate
+from .learning import Agent, train
 from .morphology import Morphology
 from .registration import make_env, make_vec, register_envs
 from .rollouts import (
@@ -44,6 +45,7 @@ from .wrappers import wrap_env_for_rl
 __version__ = _core.__version__
 
 __all__ = [
+    "Agent",
     "Building",
     "BuildingEnv",
     "BuildingVectorEnv",
@@ -76,6 +78,7 @@ __all__ = [
     "make_env",
     "make_vec",
     "rollout",
+    "train",
     "wrap_env_for_rl",
     "wrappers",
 ]

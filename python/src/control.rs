@@ -1,7 +1,9 @@
 //! The built-in controllers, and the metrics of an episode.
 
+use std::path::PathBuf;
 use std::sync::Mutex;
 
+use b2b_agent::{Agent, AgentController};
 use b2b_control::{Constant, Random, Reactive, ReactiveParameters};
 use b2b_env::{EpisodeMetrics, MetricValue, Metrics, Trajectory};
 use numpy::PyArray1;
@@ -10,10 +12,10 @@ use pyo3::types::PyDict;
 
 use crate::arrays;
 use crate::catalog::locked;
-use crate::error::Exception;
+use crate::error::{Exception, of_agent};
 use crate::spaces::Spaces;
 
-/// A built-in controller: reactive, random or constant.
+/// A controller of the core: reactive, random, constant, or a trained agent.
 #[pyclass(frozen, module = "building2building._core")]
 pub struct Controller {
     controller: Mutex<Kind>,
@@ -25,6 +27,7 @@ enum Kind {
     Reactive(Reactive),
     Random(Box<Random>),
     Constant(Constant),
+    Agent(Box<AgentController>),
 }
 
 impl Kind {
@@ -33,6 +36,7 @@ impl Kind {
             Self::Reactive(controller) => controller,
             Self::Random(controller) => controller.as_mut(),
             Self::Constant(controller) => controller,
+            Self::Agent(controller) => controller.as_mut(),
         }
     }
 }
@@ -57,6 +61,16 @@ impl Controller {
             }
         };
         Ok(Self { controller: Mutex::new(controller), widths: (inner.observation.len(), inner.action.len()) })
+    }
+
+    /// Returns the controller of the agent in a folder.
+    #[staticmethod]
+    fn agent(folder: PathBuf, spaces: &Spaces) -> PyResult<Self> {
+        let agent = Agent::read(&folder).map_err(of_agent)?;
+        let controller = Kind::Agent(Box::new(agent.controller(spaces.shared()).map_err(of_agent)?));
+        let inner = spaces.inner();
+        let widths = (inner.observation.len(), inner.action.len());
+        Ok(Self { controller: Mutex::new(controller), widths })
     }
 
     /// Resets the state for a new episode.

@@ -160,6 +160,32 @@ pub fn of_env(error: b2b_env::Error) -> PyErr {
     exception.new_err(error.to_string())
 }
 
+/// Returns an error of an agent as an exception.
+pub fn of_agent(error: b2b_agent::Error) -> PyErr {
+    let exception = match &error {
+        b2b_agent::Error::UnknownObservation { .. } => Exception::Setting,
+        _ => Exception::Evaluation,
+    };
+    exception.new_err(error.to_string())
+}
+
+/// Returns an error of a training run as an exception.
+pub fn of_training(error: b2b_learn::Error) -> PyErr {
+    use b2b_learn::Error;
+    match error {
+        Error::Building(error) => of_building(*error),
+        Error::Env(error) => of_env(error),
+        Error::Agent(error) => of_agent(error),
+        Error::Evaluation(error) => of_benchmark(*error),
+        Error::Interrupted => crate::pools::interrupt(),
+        error @ (Error::Config { .. }
+        | Error::Invalid(_)
+        | Error::ConfigFile { .. }
+        | Error::Resume { .. }) => Exception::Setting.new_err(error.to_string()),
+        error => Exception::Evaluation.new_err(error.to_string()),
+    }
+}
+
 /// Returns an error of an evaluation as an exception.
 pub fn of_benchmark(error: b2b_benchmark::Error) -> PyErr {
     use b2b_benchmark::Error;
@@ -167,6 +193,7 @@ pub fn of_benchmark(error: b2b_benchmark::Error) -> PyErr {
         Error::Building(error) => of_building(*error),
         Error::Env(error) => of_env(error),
         Error::Interrupted => crate::pools::interrupt(),
+        Error::Agent(error) => of_agent(error),
         error => {
             let exception = match &error {
                 Error::Install(_) => Exception::Install,

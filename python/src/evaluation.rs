@@ -34,7 +34,8 @@ static STOP: AtomicBool = AtomicBool::new(false);
 /// Lock that the running evaluation owns.
 static RUNNING: Mutex<()> = Mutex::new(());
 
-fn stopped() -> bool {
+/// Returns whether the running evaluation or training is to end.
+pub fn stopped() -> bool {
     STOP.load(Ordering::Relaxed)
 }
 
@@ -92,7 +93,7 @@ pub fn evaluate<'py>(
             results.write(&folder, &summary)?;
             Ok((results, summary))
         };
-        wait_for(run, &counter, progress.as_ref())
+        wait_for(run, || counter.report(progress.as_ref()))
             .map_err(|error| locked(&raised).take().unwrap_or_else(|| of_benchmark(error)))
     });
     let (results, summary) = outcome?;
@@ -117,15 +118,17 @@ pub fn baseline(py: Python<'_>, episode: Asked) -> PyResult<(f64, f64, u64)> {
             let site = episode.subject.locate(&catalog, &mut Quiet)?;
             Baselines::open()?.baseline(&evaluation, &episode, &site, &counter)
         };
-        let baseline = wait_for(run, &counter, None).map_err(of_benchmark)?;
+        let baseline = wait_for(run, || true).map_err(of_benchmark)?;
         Ok((baseline.episode_return, baseline.energy, episode.steps()))
     })
 }
 
-/// Locks the process for one evaluation.
-fn running() -> PyResult<MutexGuard<'static, ()>> {
-    let one_at_a_time =
-        || Exception::Process.new_err("an evaluation is already running in this process; wait until it ends");
+/// Locks the process for one evaluation or training.
+pub fn running() -> PyResult<MutexGuard<'static, ()>> {
+    let one_at_a_time = || {
+        Exception::Process
+            .new_err("an evaluation or a training is already running in this process; wait until it ends")
+    };
     let running = match RUNNING.try_lock() {
         Ok(running) => running,
         // An evaluation that panicked is over.
@@ -136,12 +139,8 @@ fn running() -> PyResult<MutexGuard<'static, ()>> {
     Ok(running)
 }
 
-/// Runs on another thread while this one handles signals and progress.
-fn wait_for<T: Send>(
-    run: impl FnOnce() -> b2b_benchmark::Result<T> + Send,
-    counter: &Counter,
-    progress: Option<&Py<PyAny>>,
-) -> b2b_benchmark::Result<T> {
+/// Runs on another thread while this one handles signals and calls `report`, which returns whether to continue.
+pub fn wait_for<T: Send>(run: impl FnOnce() -> T + Send, mut report: impl FnMut() -> bool) -> T {
     std::thread::scope(|scope| {
         let waiting = std::thread::current();
         let running = scope.spawn(move || {
@@ -151,7 +150,7 @@ fn wait_for<T: Send>(
         });
         while !running.is_finished() {
             std::thread::park_timeout(LOOK);
-            if pools::interrupted() || !counter.report(progress) {
+            if pools::interrupted() || !report() {
                 STOP.store(true, Ordering::Relaxed);
             }
         }

@@ -4,7 +4,7 @@
 //! [`morphology`] describe observations and actions; [`env`] is an environment in its own process, [`vector`] a batch
 //! over the buildings of [`population`],
 //! [`local`] one in this process; [`control`] has the built-in controllers, [`evaluation`] evaluates a policy on many
-//! buildings, [`benchmarks`] has the benchmark problems; [`error`] defines the exceptions.
+//! buildings, [`learning`] trains agents, [`benchmarks`] has the benchmark problems; [`error`] defines the exceptions.
 
 mod arrays;
 mod benchmarks;
@@ -13,6 +13,7 @@ mod control;
 mod env;
 mod error;
 mod evaluation;
+mod learning;
 mod local;
 mod morphology;
 mod owner;
@@ -41,6 +42,8 @@ mod _core {
     use super::env::Env;
     #[pymodule_export]
     use super::evaluation::{baseline, evaluate};
+    #[pymodule_export]
+    use super::learning::{agent_info, train};
     #[pymodule_export]
     use super::local::LocalEnv;
     #[pymodule_export]

@@ -110,6 +110,11 @@ impl Spaces {
         &self.spaces
     }
 
+    /// Returns the spaces, to be shared.
+    pub fn shared(&self) -> &Arc<b2b_env::Spaces> {
+        &self.spaces
+    }
+
     fn describe(&self) -> PyResult<Description> {
         let origin = self.building.origin.clone();
         Description::of(&self.spaces.building, &self.spaces.episode.weather, origin).map_err(of_building)

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
+use std::sync::Arc;
 
 use anyhow::{Result, bail};
 use b2b_control::{Constant, Controller, Random, Reactive, ReactiveParameters};
@@ -12,8 +13,10 @@ use crate::prepare::Prepared;
 /// A controller on the command line.
 #[derive(clap::Args)]
 pub struct ControllerArguments {
-    /// Controller
-    #[arg(long = "controller", value_enum, default_value_t = Kind::Reactive)]
+    /// Controller: reactive (rule-based baseline after ASHRAE Guideline 36), random (uniform at every step), constant
+    /// (middle of every actuator's range), planner (cross-entropy planning on copies of the simulation with perfect
+    /// foresight; minutes per simulated day), or the folder of an agent that `b2b train` wrote
+    #[arg(long = "controller", value_name = "CONTROLLER", default_value = "reactive")]
     kind: Kind,
     /// Parameters of the reactive controller: default, tuned (for the building type, the climate zone and the
     /// task's objective: comfort, or comfort and energy), or a JSON file
@@ -24,30 +27,59 @@ pub struct ControllerArguments {
     seed: u64,
 }
 
-/// The controllers that need no policy file.
-#[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
+/// A controller.
+#[derive(Clone, PartialEq)]
 enum Kind {
-    /// Rule-based baseline: PI loops and trim-and-respond after ASHRAE Guideline 36
     Reactive,
-    /// Uniformly random action at every step
     Random,
-    /// Constant action: the midpoint of every actuator's range
     Constant,
-    /// Cross-entropy planning on copies of the simulation (perfect foresight); minutes per simulated day
     #[cfg(target_os = "linux")]
     Planner,
+    /// The agent of a folder.
+    #[cfg(target_os = "linux")]
+    Agent(PathBuf),
+}
+
+impl FromStr for Kind {
+    type Err = anyhow::Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        Ok(match text {
+            "reactive" => Self::Reactive,
+            "random" => Self::Random,
+            "constant" => Self::Constant,
+            #[cfg(target_os = "linux")]
+            "planner" => Self::Planner,
+            #[cfg(target_os = "linux")]
+            folder if Path::new(folder).is_dir() => Self::Agent(folder.into()),
+            _ => bail!("expected reactive, random, constant, planner or the folder of an agent"),
+        })
+    }
 }
 
 impl ControllerArguments {
     /// Returns the name of the controller.
-    pub fn name(&self) -> &'static str {
-        match self.kind {
+    pub fn name(&self) -> String {
+        let name = match &self.kind {
             Kind::Reactive => "reactive",
             Kind::Random => "random",
             Kind::Constant => "constant",
             #[cfg(target_os = "linux")]
             Kind::Planner => "planner",
-        }
+            #[cfg(target_os = "linux")]
+            Kind::Agent(folder) => {
+                return folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            }
+        };
+        name.to_owned()
+    }
+
+    /// Returns whether the controller is a learned one, which is drawn beside the reactive controllers.
+    pub fn is_agent(&self) -> bool {
+        #[cfg(target_os = "linux")]
+        return matches!(self.kind, Kind::Agent(_));
+        #[cfg(not(target_os = "linux"))]
+        false
     }
 
     /// Returns the random seed.
@@ -56,13 +88,20 @@ impl ControllerArguments {
     }
 
     /// Returns a controller for the environment of a prepared building. The planner plans its episode here.
-    pub fn build(&self, prepared: &Prepared, spaces: &Spaces, quiet: bool) -> Result<Box<dyn Controller>> {
-        Ok(match self.kind {
+    pub fn build(
+        &self,
+        prepared: &Prepared,
+        spaces: &Arc<Spaces>,
+        quiet: bool,
+    ) -> Result<Box<dyn Controller>> {
+        Ok(match &self.kind {
             Kind::Reactive => Box::new(reactive(spaces, &self.parameters)?),
             Kind::Random => Box::new(Random::new(&spaces.action, self.seed)),
             Kind::Constant => Box::new(Constant::middle(&spaces.action)),
             #[cfg(target_os = "linux")]
             Kind::Planner => Box::new(self.plan(prepared, spaces, quiet)?),
+            #[cfg(target_os = "linux")]
+            Kind::Agent(folder) => Box::new(b2b_agent::Agent::read(folder)?.controller(spaces)?),
         })
     }
 

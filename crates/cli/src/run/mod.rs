@@ -5,13 +5,14 @@ pub mod summary;
 mod trajectory_file;
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use anyhow::{Result, bail};
 use b2b_building::{Date, RunPeriod};
 use b2b_dataset::BuildingName;
-use b2b_env::Task;
+use b2b_env::{Spaces, Task, Trajectory};
 
-use crate::arguments::controller::ControllerArguments;
+use crate::arguments::controller::{ControllerArguments, Parameters, reactive};
 use crate::arguments::location::Location;
 use crate::arguments::task;
 use crate::output_folder::OutputFolder;
@@ -22,7 +23,7 @@ use summary::{RunInfo, Summary};
 /// Run an episode, print its metrics, and write its trajectory and a plot
 ///
 /// Writes three files: trajectory.parquet (one row per step), summary.json (what --json prints) and picture.html
-/// (interactive time series, opens in any browser without a network).
+/// (interactive time series, opens in any browser without a network; an agent is drawn beside the reactive controllers).
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment, after_help = EXAMPLES)]
 pub struct Arguments {
@@ -64,6 +65,7 @@ Examples:
   b2b run OfficeSmall --task mine.json            any parameters; --json prints the task of a run
   b2b run RestaurantFastFood --period 01-01..01-07 --controller random --seed 7
   b2b run OfficeSmall --controller planner --hours 24
+  b2b run OfficeSmall-0509 --controller runs/x    an agent, drawn beside the reactive controllers
   b2b run RetailStandalone --weather my.epw --json > result.json
   b2b run my.idf --weather my.epw                 your own building; see `b2b import --help`
 
@@ -82,10 +84,14 @@ On one machine, the same arguments give the same episode bit for bit: compare tr
 pub fn run(arguments: &Arguments) -> Result<()> {
     let prepared = Prepared::new(&arguments.building, &arguments.location, arguments.json)?;
     let period = arguments.run_period()?;
-    let spaces = prepared.spaces(period, arguments.steps_per_hour, arguments.task.clone())?;
+    let spaces = Arc::new(prepared.spaces(period, arguments.steps_per_hour, arguments.task.clone())?);
     let folder = OutputFolder::stage(&arguments.folder(&prepared.place, period))?;
     let mut controller = arguments.controller.build(&prepared, &spaces, arguments.json)?;
     let rollout = prepared.roll_out(&spaces, controller.as_mut(), arguments.json)?;
+    let reactive = match arguments.controller.is_agent() {
+        true => Some(arguments.reactive(&prepared, &spaces)?),
+        false => None,
+    };
 
     let info = RunInfo {
         place: prepared.place,
@@ -97,7 +103,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     folder.write(trajectory_file::NAME, |file| {
         trajectory_file::write(file, &spaces, &rollout.trajectory, &summary)
     })?;
-    folder.write(picture::NAME, |file| picture::write(file, &spaces, &rollout.trajectory, &summary))?;
+    folder.write(picture::NAME, |file| {
+        picture::write(file, &spaces, &rollout.trajectory, reactive.as_ref(), &summary)
+    })?;
     folder.write(Summary::NAME, |file| Ok(serde_json::to_writer_pretty(file, &summary)?))?;
     interrupt::check()?;
     folder.keep()?;
@@ -114,6 +122,12 @@ impl Arguments {
         }
         let first = self.period.first();
         Ok(RunPeriod::new(first, Date::of_day(first.day_of_year() + days - 1))?)
+    }
+
+    /// Returns the trajectory of the reactive controllers in the same episode.
+    fn reactive(&self, prepared: &Prepared, spaces: &Spaces) -> Result<Trajectory> {
+        let mut reactive = reactive(spaces, &Parameters::Tuned)?;
+        Ok(prepared.roll_out(spaces, &mut reactive, self.json)?.trajectory)
     }
 
     /// Returns the output folder.

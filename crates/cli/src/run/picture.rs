@@ -43,6 +43,9 @@ struct Series {
     name: String,
     /// Index of the color. Series of the same color belong to the same zone.
     color: usize,
+    /// Whether the line is dashed: that of the reactive controllers beside an agent's.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    dashed: bool,
     low: f64,
     high: f64,
     /// Means of the spans: base64 of little-endian 16-bit numbers, 0 for `low` and 65535 for `high`.
@@ -52,14 +55,17 @@ struct Series {
     extremes: Option<[String; 2]>,
 }
 
-/// Writes the page.
+/// Writes the page. With the trajectory of the reactive controllers, their zone temperatures and power are beside those of the
+/// agent.
 pub fn write(
     file: &mut impl Write,
     spaces: &Spaces,
     trajectory: &Trajectory,
+    reactive: Option<&Trajectory>,
     summary: &Summary,
 ) -> Result<()> {
-    let picture = Picture { spaces, trajectory, span: trajectory.len().div_ceil(MAX_POINTS).max(1) };
+    let picture =
+        Picture { spaces, trajectory, reactive, span: trajectory.len().div_ceil(MAX_POINTS).max(1) };
     let data = json!({
         "title": summary.title(),
         "summary": summary,
@@ -75,6 +81,7 @@ pub fn write(
 struct Picture<'a> {
     spaces: &'a Spaces,
     trajectory: &'a Trajectory,
+    reactive: Option<&'a Trajectory>,
     /// Steps per point.
     span: usize,
 }
@@ -96,7 +103,10 @@ impl Picture<'_> {
 
     fn temperatures(&self) -> Panel {
         let band = self.spaces.episode.task.comfort_band;
-        let series = self.zones(|conditioning| conditioning != Conditioning::None).collect();
+        let zones = |picture: &Self| {
+            picture.zones(|conditioning| conditioning != Conditioning::None).collect::<Vec<_>>()
+        };
+        let series = self.with_reactive(zones);
         let target = self.spaces.observation.constant_target();
         let band = target.map(|target| [target - band, target + band]);
         Panel { title: "Zone air temperature".into(), unit: "°C", series, band }
@@ -137,10 +147,12 @@ impl Picture<'_> {
     fn power(&self) -> Panel {
         let space = &self.spaces.observation;
         let per_hour = f64::from(self.spaces.episode.steps_per_hour);
-        let series = vec![
-            self.slot("electricity".into(), 0, space.electricity(), per_hour),
-            self.slot("gas".into(), 1, space.gas(), per_hour),
-        ];
+        let series = self.with_reactive(|picture| {
+            vec![
+                picture.slot("electricity".into(), 0, space.electricity(), per_hour),
+                picture.slot("gas".into(), 1, space.gas(), per_hour),
+            ]
+        });
         Panel { title: "HVAC power".into(), unit: "W/m²", series, band: None }
     }
 
@@ -161,6 +173,18 @@ impl Picture<'_> {
         }
     }
 
+    /// Returns series, followed by those of the reactive controllers, dashed, if there is a trajectory of them.
+    fn with_reactive(&self, series: impl Fn(&Self) -> Vec<Series>) -> Vec<Series> {
+        let mut all = series(self);
+        if let Some(trajectory) = self.reactive {
+            let reactive = Self { trajectory, reactive: None, ..*self };
+            let dashed =
+                |each: Series| Series { name: format!("{}, reactive", each.name), dashed: true, ..each };
+            all.extend(series(&reactive).into_iter().map(dashed));
+        }
+        all
+    }
+
     /// Returns a slot of the observation, multiplied by a scale.
     fn slot(&self, name: String, color: usize, slot: usize, scale: f64) -> Series {
         self.series(name, color, self.trajectory.observed(slot).map(|value| value * scale).collect())
@@ -172,6 +196,7 @@ impl Picture<'_> {
         Series {
             name,
             color,
+            dashed: false,
             low,
             high,
             mean: points(|span| span.iter().sum::<f64>() / span.len() as f64),

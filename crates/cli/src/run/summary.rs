@@ -65,7 +65,7 @@ pub struct RunInfo {
     /// Name of the place, or of the weather file.
     pub place: String,
     /// Name of the controller.
-    pub controller: &'static str,
+    pub controller: String,
     /// Random seed of the controller.
     pub seed: u64,
     /// Output files.

@@ -176,7 +176,19 @@ impl TrainConfig {
     /// # Errors
     /// What is wrong with the text: a value of the wrong type, or an unknown key with a suggestion.
     pub fn with_changes(&self, text: &str) -> std::result::Result<Self, String> {
-        let mut changes: Table = toml::from_str(text).map_err(|error| error.to_string())?;
+        self.with_table(toml::from_str(text).map_err(|error| error.to_string())?)
+    }
+
+    /// As [`TrainConfig::with_changes`], of a JSON object.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] with what is wrong.
+    pub fn with_json(&self, text: &str) -> Result<Self> {
+        let changes = serde_json::from_str(text).map_err(|error| Error::Invalid(error.to_string()))?;
+        self.with_table(changes).map_err(Error::Invalid)
+    }
+
+    fn with_table(&self, mut changes: Table) -> std::result::Result<Self, String> {
         let base = match changes.remove("preset") {
             Some(Value::String(name)) => Self::preset(&name).map_err(|error| error.to_string())?,
             Some(other) => return Err(format!("`preset` is {other}; expected a name")),

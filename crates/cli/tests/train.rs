@@ -1,0 +1,154 @@
+//! `b2b train` from the outside, on the real engine.
+#![cfg(target_os = "linux")]
+
+mod program;
+
+use std::path::Path;
+use std::process::Stdio;
+use std::time::{Duration, Instant};
+
+use program::{assert_rejected, b2b, command, json, stderr};
+
+/// A small run: two environments, episodes of a day, an evaluation and a checkpoint at every other update.
+const SMALL: &str = "\
+preset = \"residual\"
+task = \"occupancy\"
+period = \"01-10..01-12\"
+steps = 2304
+environments = 2
+window_days = 1
+window_starts = 2
+checkpoint_every = 384
+evaluation = { every = 768, days = 1 }
+ppo = { n_steps = 96, batch_size = 64, epochs = 2 }
+";
+
+fn train(out: &str) -> String {
+    format!("train SingleFamilyHouse-0014 --config small.toml --out {out}")
+}
+
+fn folder_with_config() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("small.toml"), SMALL).unwrap();
+    folder
+}
+
+fn weights(folder: &Path, run: &str) -> [Vec<u8>; 2] {
+    ["weights.safetensors", "last/weights.safetensors"]
+        .map(|file| std::fs::read(folder.join(run).join(file)).unwrap())
+}
+
+/// The columns of a run's table that do not depend on time.
+fn course(folder: &Path, run: &str) -> Vec<String> {
+    let text = std::fs::read_to_string(folder.join(run).join("progress.csv")).unwrap();
+    let timeless = |line: &str| {
+        let cells: Vec<&str> = line.split(',').collect();
+        [&cells[..1], &cells[4..]].concat().join(",")
+    };
+    text.lines().map(timeless).collect()
+}
+
+#[test]
+fn a_run_is_an_agent_that_evaluations_take_as_a_policy() {
+    let folder = folder_with_config();
+    let path = folder.path();
+    let summary = json(path, &train("run"));
+    assert_eq!((summary["steps"].as_u64(), summary["lost_episodes"].as_u64()), (Some(2304), Some(0)));
+    assert_eq!(summary["out"], "run");
+    let number = |name: &str| summary[name].as_f64().unwrap();
+    assert!(number("score") > 0.0 && number("energy_ratio") > 0.0 && number("steps_per_s") > 0.0);
+    for file in ["agent.json", "config.toml", "progress.csv", "curve.html", "summary.json", "last/agent.json"]
+    {
+        assert!(path.join("run").join(file).is_file(), "{file}");
+    }
+    assert_eq!(course(path, "run").len(), 13, "a header and twelve updates");
+
+    let evaluate = "evaluate SingleFamilyHouse-0014 --policy run --task occupancy --period 01-10..01-12";
+    let evaluated = json(path, &format!("{evaluate} --out evaluated"));
+    let score = &evaluated["windows"][0]["all"]["scores"]["interquartile_mean"]["value"];
+    assert_eq!(score.as_f64().unwrap(), number("score"), "the run's own score");
+    let run =
+        json(path, "run SingleFamilyHouse-0014 --controller run --task occupancy --period 01-10..01-12");
+    assert!(run["trajectory_hash"].is_string());
+    assert_rejected(
+        path,
+        "run OfficeSmall-0042 --controller run --period 01-10..01-10",
+        &["OfficeSmall-0042", "trained on SingleFamilyHouse-0014"],
+    );
+}
+
+#[test]
+fn a_run_that_was_killed_anywhere_and_resumed_ends_with_the_same_weights() {
+    let folder = folder_with_config();
+    let path = folder.path();
+    assert!(b2b(path, &train("whole")).status.success());
+    // The times at which it is killed differ from machine to machine, and need not be the same.
+    for (run, updates) in [("first", 1), ("second", 4), ("third", 9)] {
+        let mut process =
+            command(path, &train(run)).stderr(Stdio::null()).stdout(Stdio::null()).spawn().unwrap();
+        let deadline = Instant::now() + Duration::from_secs(300);
+        let rows = || {
+            std::fs::read_to_string(path.join(run).join("progress.csv")).unwrap_or_default().lines().count()
+        };
+        while rows() <= updates && process.try_wait().unwrap().is_none() {
+            assert!(Instant::now() < deadline, "no update");
+            std::thread::sleep(Duration::from_millis(3));
+        }
+        process.kill().unwrap();
+        process.wait().unwrap();
+        let output = b2b(path, &format!("train --resume {run}"));
+        assert!(output.status.success(), "{}", stderr(&output));
+        assert_eq!(weights(path, run), weights(path, "whole"), "{run}");
+        assert_eq!(course(path, run), course(path, "whole"), "{run}");
+    }
+}
+
+#[test]
+fn a_finished_run_continues_to_more_steps() {
+    let folder = folder_with_config();
+    let path = folder.path();
+    assert!(b2b(path, &format!("{} --steps 768", train("run"))).status.success());
+    let summary = json(path, "train --resume run --steps 1536");
+    assert_eq!(summary["steps"].as_u64(), Some(1536));
+    let config = std::fs::read_to_string(path.join("run/config.toml")).unwrap();
+    assert!(config.contains("steps = 1536"), "{config}");
+}
+
+#[test]
+fn an_invalid_request_is_an_error_that_names_the_fault() {
+    let folder = folder_with_config();
+    let path = folder.path();
+    assert_rejected(path, "train", &["expected either `buildings` or `building_type`"]);
+    assert_rejected(path, "train OfficeSmall-0042 --preset papper", &["unknown preset `papper`", "paper"]);
+    assert_rejected(path, "train OfficeSmall-0042 --authority 2", &["`authority` is 2"]);
+    assert_rejected(path, "train --resume nowhere", &["nowhere has no run to resume"]);
+    std::fs::write(path.join("wrong.toml"), "enviroments = 3").unwrap();
+    assert_rejected(
+        path,
+        "train OfficeSmall-0042 --config wrong.toml",
+        &["wrong.toml", "unknown field `enviroments`", "did you mean `environments`?"],
+    );
+    assert!(!path.join("b2b-out").exists(), "nothing is left behind");
+}
+
+#[test]
+fn a_folder_of_another_run_and_a_damaged_agent_are_errors() {
+    let folder = folder_with_config();
+    let path = folder.path();
+    assert!(b2b(path, &format!("{} --steps 192", train("run"))).status.success());
+    assert_rejected(
+        path,
+        &format!("{} --seed 1", train("run")),
+        &["cannot resume run", "choose another folder"],
+    );
+    let evaluate = "evaluate SingleFamilyHouse-0014 --policy run --period 01-10..01-10 --out evaluated";
+    let weights = path.join("run/weights.safetensors");
+    let mut bytes = std::fs::read(&weights).unwrap();
+    *bytes.last_mut().unwrap() ^= 1;
+    std::fs::write(&weights, bytes).unwrap();
+    assert_rejected(path, evaluate, &["run is damaged", "weights.safetensors"]);
+    std::fs::write(path.join("run/agent.json"), "{}").unwrap();
+    assert_rejected(path, evaluate, &["run is damaged", "agent.json"]);
+    std::fs::write(path.join("run/checkpoint.safetensors"), "short").unwrap();
+    assert_rejected(path, "train --resume run --steps 400", &["cannot resume", "checkpoint.safetensors"]);
+}

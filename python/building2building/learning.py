@@ -1,0 +1,127 @@
+"""Training of agents, and agents as controllers."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _core
+from .buildings import PathLike
+from .errors import SettingError
+from .rollouts import BuiltInController, ControlledEnv
+
+Array = NDArray[Any]
+#: Called with the numbers of every update, as in ``progress.csv``; ends the run when it returns ``False``.
+Callback = Callable[[dict[str, float]], object]
+
+
+class AgentController(BuiltInController):
+    """The controller of an :class:`Agent` in an environment. It acts without exploration."""
+
+    def __init__(self, folder: PathLike, env: gymnasium.Env[Any, Any] | ControlledEnv):
+        core: Any = env.unwrapped
+        self._layout = core.layout
+        self._rescale = core.rescale_action
+        self._core = _core.Controller.agent(os.fspath(folder), self._layout.spaces)
+
+
+@dataclass(frozen=True)
+class Agent:
+    """A trained agent: the folder that :func:`train` or ``b2b train`` wrote.
+
+    :func:`building2building.evaluate` takes it as a policy.
+
+    >>> agent = b2b.Agent.load("runs/x")  # doctest: +SKIP
+    >>> trajectory = b2b.rollout(env, agent.controller(env))  # doctest: +SKIP
+    """
+
+    #: Its folder.
+    path: Path
+    #: ``agent.json``: what it observes and controls, its network and its training.
+    info: dict[str, Any] = field(repr=False)
+    #: ``summary.json`` of its training: score, resolved score, RMS deviation (K), energy over that of the reactive
+    #: controllers; ``None`` for an agent without one.
+    summary: dict[str, Any] | None = field(default=None, repr=False)
+
+    @classmethod
+    def load(cls, path: PathLike) -> Agent:
+        """Reads the folder of an agent.
+
+        Raises :class:`~building2building.errors.EvaluationError` for a folder without an agent or a damaged one.
+        """
+        folder = Path(path)
+        info = json.loads(_core.agent_info(os.fspath(folder)))
+        result = folder / "summary.json"
+        summary = json.loads(result.read_text()) if result.is_file() else None
+        return cls(folder, info, summary)
+
+    def controller(self, env: gymnasium.Env[Any, Any] | ControlledEnv) -> AgentController:
+        """Returns the agent's controller for an environment.
+
+        Raises :class:`~building2building.errors.EvaluationError` for a building that the agent was not made for.
+        """
+        return AgentController(self.path, env)
+
+    def __fspath__(self) -> str:
+        return os.fspath(self.path)
+
+
+def train(
+    buildings: str | Sequence[str] | None = None,
+    *,
+    out: PathLike,
+    building_type: str | None = None,
+    preset: str = "residual",
+    task: str | None = None,
+    run_period: str | None = None,
+    steps: int | None = None,
+    seed: int | None = None,
+    resume: bool = False,
+    jobs: int | None = None,
+    callback: Callback | None = None,
+    **options: Any,
+) -> Agent:
+    """Trains an agent, as ``b2b train`` does, and returns it.
+
+    ``buildings`` are trained on in turn; with ``building_type`` every episode has another building of its training split.
+    ``preset`` is ``"residual"`` or ``"paper"``; ``options`` are any others of a run's ``config.toml``, such as
+    ``environments=4`` or ``ppo={"gamma": 0.99}``. ``out`` is the folder of the run, which is the agent's. A folder that
+    has a run with the same options continues from its last checkpoint; with ``resume`` only ``steps`` can be given.
+
+    ``callback`` is called with the numbers of every update; when it returns ``False``, or at Ctrl-C, the run writes a
+    checkpoint and ends with ``KeyboardInterrupt``.
+
+    >>> agent = b2b.train("OfficeSmall-0509", task="occupancy", out="runs/x")  # doctest: +SKIP
+    """
+    named = {
+        "buildings": [buildings] if isinstance(buildings, str) else buildings and list(buildings),
+        "building_type": building_type,
+        "task": task,
+        "period": run_period,
+        "steps": steps,
+        "seed": seed,
+    }
+    given = {name: value for name, value in named.items() if value is not None} | options
+    if resume and set(given) - {"steps"}:
+        wrong = ", ".join(sorted(set(given) - {"steps"}))
+        raise SettingError(f"resume=True takes the options of the run's folder; remove {wrong}")
+    if not resume:
+        given["preset"] = preset
+    text = json.dumps(given, default=_plain)
+    _core.train(text, os.fspath(out), jobs or os.cpu_count() or 1, resume, callback)
+    return Agent.load(out)
+
+
+def _plain(value: ArrayLike) -> Any:
+    """Returns a number of NumPy as one of Python."""
+    if isinstance(value, np.generic):
+        return value.item()
+    raise SettingError(f"{value!r} is not a value of a configuration")

@@ -1,0 +1,90 @@
+"""Training from Python, and agents as controllers and policies."""
+
+import json
+
+import building2building as b2b
+import numpy as np
+import pytest
+from building2building.errors import EvaluationError, SettingError
+
+HOUSE = "SingleFamilyHouse-0014"
+DAYS = "01-10..01-11"
+SMALL = {
+    "task": "occupancy",
+    "run_period": DAYS,
+    "environments": 2,
+    "window_days": 1,
+    "window_starts": 2,
+    "checkpoint_every": 192,
+    "evaluation": {"every": 384, "days": 1},
+    "ppo": {"n_steps": 96, "batch_size": 64, "epochs": 2},
+}
+
+
+@pytest.fixture(scope="module")
+def agent(tmp_path_factory):
+    return b2b.train(HOUSE, out=tmp_path_factory.mktemp("runs") / "run", steps=np.int64(384), **SMALL)
+
+
+def test_an_agent_controls_its_building_as_its_evaluation_does(agent):
+    env = b2b.make_env(HOUSE, task="occupancy", run_period=DAYS)
+    trajectory = b2b.rollout(env, agent.controller(env))
+    evaluation = b2b.evaluate(agent, HOUSE, "occupancy", run_periods=DAYS)
+    assert evaluation.rows[0]["return"] == pytest.approx(sum(trajectory.rewards), rel=1e-12)
+    assert evaluation.rows[0]["score"] == agent.summary["score"]
+    assert agent.info["training"]["steps"] == 384 and agent.info["training"]["buildings"] == HOUSE
+
+
+def test_an_agent_acts_alike_in_a_rescaled_environment(agent):
+    actions = []
+    for rescale in (False, True):
+        env = b2b.make_env(HOUSE, task="occupancy", run_period=DAYS, rescale_action=rescale)
+        controller, (observation, _) = agent.controller(env), env.reset()
+        for _ in range(20):
+            observation, *_, info = env.step(controller(observation).astype(env.action_space.dtype))
+        actions.append(info["applied_action"])
+    np.testing.assert_allclose(actions[0], actions[1], rtol=1e-4)
+
+
+def test_a_building_that_the_agent_was_not_made_for_is_an_error(agent):
+    env = b2b.make_env("OfficeSmall", run_period="01-10..01-10")
+    with pytest.raises(EvaluationError, match=f"trained on {HOUSE}"):
+        agent.controller(env)
+    with pytest.raises(EvaluationError, match="not an agent's folder"):
+        b2b.Agent.load("nowhere")
+
+
+def test_a_callback_sees_every_update_and_can_end_the_run(tmp_path):
+    seen = []
+
+    def callback(update):
+        seen.append(update)
+        return len(seen) < 2
+
+    with pytest.raises(KeyboardInterrupt):
+        b2b.train(HOUSE, out=tmp_path / "run", steps=100_000, callback=callback, **SMALL)
+    assert [update["steps"] for update in seen[:2]] == [192, 384]
+    assert seen[0]["policy_loss"] != 0 and "score" in seen[1]
+    done = json.loads((tmp_path / "run" / "agent.json").read_text())["training"]["steps"]
+    agent = b2b.train(out=tmp_path / "run", resume=True, steps=done + 192)
+    assert agent.summary["steps"] >= done + 192
+
+
+def test_the_exception_of_a_callback_ends_the_run(tmp_path):
+    def callback(_):
+        raise RuntimeError("enough")
+
+    with pytest.raises(RuntimeError, match="enough"):
+        b2b.train(HOUSE, out=tmp_path / "run", steps=100_000, callback=callback, **SMALL)
+
+
+def test_invalid_options_are_errors(tmp_path):
+    for options, message in [
+        ({"enviroments": 3}, "did you mean `environments`"),
+        ({"preset": "papper"}, "unknown preset"),
+        ({"acting": {"kind": "residual", "authority": 2}}, "authority"),
+        ({"steps": object()}, "not a value"),
+        ({"resume": True, "seed": 3}, "remove seed"),
+    ]:
+        with pytest.raises(SettingError, match=message):
+            b2b.train(None if options.get("resume") else HOUSE, out=tmp_path / "run", **options)
