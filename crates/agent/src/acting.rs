@@ -18,6 +18,14 @@ pub enum Acting {
 }
 
 impl Acting {
+    /// Describes what the agent stands on, if it does not act by itself.
+    pub fn base(self) -> Option<String> {
+        match self {
+            Self::Direct => None,
+            Self::Residual { authority } => Some(format!("reactive controllers, authority {authority}")),
+        }
+    }
+
     /// Whether the agent stands on the reactive controllers.
     pub fn has_base(self) -> bool {
         matches!(self, Self::Residual { .. })

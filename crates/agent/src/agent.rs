@@ -19,6 +19,7 @@ pub struct Agent {
     folder: PathBuf,
     info: AgentInfo,
     actor: Arc<Actor>,
+    sha256: String,
     identity: String,
 }
 
@@ -29,15 +30,16 @@ impl Agent {
     /// [`Error::NotAnAgent`]; [`Error::Damaged`] when a file does not have the hash or the shape that it should have;
     /// [`Error::Io`].
     pub fn read(path: &Path) -> Result<Self> {
-        let folder::Contents { info, actor, identity } = folder::read(path)?;
+        let folder::Contents { info, actor, sha256 } = folder::read(path)?;
+        let identity = format!("agent {sha256}");
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-        Ok(Self { name, folder: path.to_owned(), info, actor: Arc::new(actor), identity })
+        Ok(Self { name, folder: path.to_owned(), info, actor: Arc::new(actor), sha256, identity })
     }
 
     /// Returns an agent that is in no folder.
     pub fn new(name: &str, info: AgentInfo, actor: Actor) -> Self {
         let (identity, folder) = (format!("agent {name}"), PathBuf::from(name));
-        Self { name: name.to_owned(), folder, info, actor: Arc::new(actor), identity }
+        Self { name: name.to_owned(), folder, info, actor: Arc::new(actor), sha256: String::new(), identity }
     }
 
     /// Writes an agent's folder, or replaces the agent in it; other files stay.
@@ -61,6 +63,11 @@ impl Agent {
     /// Its network.
     pub fn actor(&self) -> &Arc<Actor> {
         &self.actor
+    }
+
+    /// The SHA-256 of its description and weights; empty for an agent that is in no folder.
+    pub fn sha256(&self) -> &str {
+        &self.sha256
     }
 
     /// Returns in one line what its actions depend on besides observations: agents with one identity act alike.

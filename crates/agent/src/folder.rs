@@ -16,12 +16,14 @@ use crate::{Error, Result};
 pub const INFO: &str = "agent.json";
 /// The file of its weights.
 const WEIGHTS: &str = "weights.safetensors";
+/// The files of an agent.
+pub const FILES: [&str; 2] = [INFO, WEIGHTS];
 
 /// What is in an agent's folder.
 pub(crate) struct Contents {
     pub(crate) info: AgentInfo,
     pub(crate) actor: Actor,
-    pub(crate) identity: String,
+    pub(crate) sha256: String,
 }
 
 /// Reads a folder.
@@ -42,8 +44,8 @@ pub(crate) fn read(path: &Path) -> Result<Contents> {
         return Err(damaged(format!("{WEIGHTS} does not have the hash that {INFO} states")));
     }
     let actor = actor(&info, &bytes).map_err(damaged)?;
-    let identity = format!("agent {}", sha256([&text[..], &bytes].concat()));
-    Ok(Contents { info, actor, identity })
+    let sha256 = sha256([&text[..], &bytes].concat());
+    Ok(Contents { info, actor, sha256 })
 }
 
 /// What every version of [`INFO`] begins with.

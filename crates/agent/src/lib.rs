@@ -18,7 +18,7 @@ pub use acting::Acting;
 pub use agent::{Agent, AgentController};
 pub use aside::write_whole;
 pub use error::{Error, Result};
-pub use folder::INFO;
+pub use folder::{FILES, INFO};
 pub use info::{AgentInfo, FORMAT, TrainingInfo};
 pub use observation::{AgentObservation, Feature, ObservationForm};
 pub use pilot::{Interface, Pilot};

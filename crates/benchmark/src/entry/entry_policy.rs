@@ -1,15 +1,16 @@
-//! The policy of a benchmark entry: a built-in controller, or ONNX files, one for all or one per seed, building or task.
+//! The policy of a benchmark entry: a built-in controller, or ONNX files or agents, one for all or one per seed, building or task.
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::path::{Path, PathBuf};
 
+use b2b_agent::Agent;
 use b2b_control::Controller;
 use b2b_energyplus::digest::sha256;
 use b2b_env::Task;
 use serde::{Deserialize, Serialize};
 
-use crate::policy::{ActionScale, BuiltIn, EpisodeContext, OnnxPolicy, Policy, is_onnx};
+use crate::policy::{ActionScale, BuiltIn, EpisodeContext, OnnxPolicy, Policy, is_agent, is_onnx};
 use crate::subject::hash_of;
 use crate::{Episode, Error, Result};
 
@@ -21,25 +22,49 @@ const PLACEHOLDERS: [&str; 3] = ["{seed}", "{building}", "{task}"];
 pub enum EntryPolicy {
     /// A built-in controller.
     BuiltIn(BuiltIn),
-    /// ONNX files.
+    /// ONNX files or agents.
     Files(Files),
 }
 
-/// The ONNX files of a pattern.
+/// The ONNX files or the agents of a pattern.
 #[derive(Debug)]
 pub struct Files {
     /// Pattern of the file names, relative to their common folder.
     pattern: String,
-    scale: ActionScale,
+    format: Format,
     /// Files by name: the pattern with its placeholders filled in.
     files: BTreeMap<String, File>,
+}
+
+/// What the files are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Format {
+    /// ONNX files, with the scale of their actions.
+    Onnx(ActionScale),
+    /// Folders of agents.
+    Agents,
 }
 
 #[derive(Debug)]
 struct File {
     path: PathBuf,
     sha256: String,
-    policy: OnnxPolicy,
+    policy: FilePolicy,
+}
+
+#[derive(Debug)]
+enum FilePolicy {
+    Onnx(Box<OnnxPolicy>),
+    Agent(Box<Agent>),
+}
+
+impl FilePolicy {
+    fn policy(&self) -> &dyn Policy {
+        match self {
+            Self::Onnx(policy) => policy.as_ref(),
+            Self::Agent(agent) => agent.as_ref(),
+        }
+    }
 }
 
 /// The policy of an entry as it is described in a result.
@@ -60,6 +85,16 @@ pub enum PolicyDescription {
         /// SHA-256 of each file by name.
         files: BTreeMap<String, String>,
     },
+    /// Trained agents.
+    Agents {
+        /// Pattern of the names of their folders.
+        pattern: String,
+        /// What they stand on, if they do not act by themselves.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        base: Option<String>,
+        /// SHA-256 of each agent by name.
+        files: BTreeMap<String, String>,
+    },
 }
 
 impl PolicyDescription {
@@ -68,39 +103,45 @@ impl PolicyDescription {
     pub fn seeds(&self, seeds: &[u64]) -> Vec<u64> {
         let all = match self {
             Self::BuiltIn { name } => name.parse().is_ok_and(BuiltIn::is_stochastic),
-            Self::Onnx { pattern, .. } => pattern.contains(PLACEHOLDERS[0]),
+            Self::Onnx { pattern, .. } | Self::Agents { pattern, .. } => pattern.contains(PLACEHOLDERS[0]),
         };
         if all { seeds.to_vec() } else { seeds[..seeds.len().min(1)].to_vec() }
     }
 }
 
 impl EntryPolicy {
-    /// Reads a policy: the name of a built-in controller, or a path with placeholders, of which every file that these
-    /// episodes need is read.
+    /// Reads a policy: the name of a built-in controller, or a path of ONNX files or agents with placeholders, of which every
+    /// one that these episodes need is read.
     ///
     /// # Errors
-    /// [`Error::UnknownPolicy`]; those of [`OnnxPolicy::read`].
+    /// [`Error::UnknownPolicy`]; those of [`OnnxPolicy::read`] and [`Agent::read`].
     pub fn read(text: &str, scale: ActionScale, seeds: &[u64], episodes: &[Episode]) -> Result<Self> {
-        if !is_onnx(Path::new(text)) {
-            return Ok(Self::BuiltIn(text.parse()?));
-        }
+        let format = match text.parse() {
+            Ok(built_in) => return Ok(Self::BuiltIn(built_in)),
+            Err(_) if is_onnx(Path::new(text)) => Format::Onnx(scale),
+            Err(_) if is_agent(Path::new(text)) || PLACEHOLDERS.iter().any(|each| text.contains(each)) => {
+                Format::Agents
+            }
+            Err(error) => return Err(error),
+        };
         let (folder, pattern) = split(text);
         let path_of = |name: &str| folder.join(name);
-        Ok(Self::Files(Files::read(pattern, scale, seeds, episodes, path_of)?))
+        Ok(Self::Files(Files::read(pattern, format, seeds, episodes, path_of)?))
     }
 
-    /// Reads the policy of a result whose ONNX files are in a folder, named by their hashes.
+    /// Reads the policy of a result whose ONNX files or agents are in a folder, named by their hashes.
     ///
     /// # Errors
-    /// [`Error::UnknownPolicy`]; those of [`OnnxPolicy::read`]; [`Error::Modified`] for a file with another hash.
+    /// [`Error::UnknownPolicy`]; those of [`OnnxPolicy::read`] and [`Agent::read`]; [`Error::Modified`] for a file with another
+    /// hash.
     pub fn of(description: &PolicyDescription, folder: &Path) -> Result<Self> {
-        let (pattern, actions, files) = match description {
+        let (pattern, format, files) = match description {
             PolicyDescription::BuiltIn { name } => return Ok(Self::BuiltIn(name.parse()?)),
-            PolicyDescription::Onnx { pattern, actions, files } => (pattern, actions, files),
+            PolicyDescription::Onnx { pattern, actions, files } => (pattern, Format::Onnx(*actions), files),
+            PolicyDescription::Agents { pattern, files, .. } => (pattern, Format::Agents, files),
         };
         let file = |(name, sha256): (&String, &String)| {
-            let path = folder.join(file_name(sha256));
-            let file = File::read(path, *actions)?;
+            let file = File::read(folder.join(format.name_of(sha256)), format)?;
             if file.sha256 != *sha256 {
                 return Err(Error::Modified {
                     folder: folder.to_owned(),
@@ -110,7 +151,7 @@ impl EntryPolicy {
             Ok((name.clone(), file))
         };
         let files = files.iter().map(file).collect::<Result<_>>()?;
-        Ok(Self::Files(Files { pattern: pattern.clone(), scale: *actions, files }))
+        Ok(Self::Files(Files { pattern: pattern.clone(), format, files }))
     }
 
     /// Returns the name.
@@ -125,11 +166,7 @@ impl EntryPolicy {
     pub fn description(&self) -> PolicyDescription {
         match self {
             Self::BuiltIn(built_in) => PolicyDescription::BuiltIn { name: built_in.to_string() },
-            Self::Files(Files { pattern, scale, files }) => PolicyDescription::Onnx {
-                pattern: pattern.clone(),
-                actions: *scale,
-                files: files.iter().map(|(name, file)| (name.clone(), file.sha256.clone())).collect(),
-            },
+            Self::Files(files) => files.description(),
         }
     }
 
@@ -147,11 +184,11 @@ impl EntryPolicy {
     }
 
     /// Returns the path of each file, and its name in a result.
-    pub fn files(&self) -> Vec<(&Path, String)> {
+    pub fn files(&self) -> Vec<(PathBuf, String)> {
         match self {
             Self::BuiltIn(_) => Vec::new(),
-            Self::Files(files) => {
-                files.files.values().map(|file| (file.path.as_path(), file_name(&file.sha256))).collect()
+            Self::Files(Files { format, files, .. }) => {
+                files.values().flat_map(|file| file.parts(*format)).collect()
             }
         }
     }
@@ -174,20 +211,47 @@ fn fill(pattern: &str, seed: u64, building: &str, task: &str) -> String {
     pattern.replace(seeds, &seed.to_string()).replace(buildings, building).replace(tasks, task)
 }
 
-fn file_name(sha256: &str) -> String {
-    format!("{}.onnx", &sha256[..sha256.len().min(16)])
+impl Format {
+    /// Returns the name of a file or a folder in a result.
+    fn name_of(self, sha256: &str) -> String {
+        let short = &sha256[..sha256.len().min(16)];
+        match self {
+            Self::Onnx(_) => format!("{short}.onnx"),
+            Self::Agents => short.to_owned(),
+        }
+    }
 }
 
 impl File {
-    fn read(path: PathBuf, scale: ActionScale) -> Result<Self> {
-        Ok(Self { sha256: hash_of(&path)?, policy: OnnxPolicy::read(&path, scale)?, path })
+    fn read(path: PathBuf, format: Format) -> Result<Self> {
+        Ok(match format {
+            Format::Onnx(scale) => {
+                let policy = FilePolicy::Onnx(Box::new(OnnxPolicy::read(&path, scale)?));
+                Self { sha256: hash_of(&path)?, policy, path }
+            }
+            Format::Agents => {
+                let agent = Agent::read(&path)?;
+                Self { sha256: agent.sha256().to_owned(), policy: FilePolicy::Agent(Box::new(agent)), path }
+            }
+        })
+    }
+
+    /// Returns the path of every file that it is made of, and its name in a result.
+    fn parts(&self, format: Format) -> Vec<(PathBuf, String)> {
+        let name = format.name_of(&self.sha256);
+        match format {
+            Format::Onnx(_) => vec![(self.path.clone(), name)],
+            Format::Agents => {
+                b2b_agent::FILES.map(|file| (self.path.join(file), format!("{name}/{file}"))).into()
+            }
+        }
     }
 }
 
 impl Files {
     fn read(
         pattern: String,
-        scale: ActionScale,
+        format: Format,
         seeds: &[u64],
         episodes: &[Episode],
         path_of: impl Fn(&str) -> PathBuf,
@@ -198,12 +262,29 @@ impl Files {
                 let (building, task) = (episode.subject.name.to_string(), episode.task.to_string());
                 let name = fill(&pattern, *seed, &building, &task);
                 if let Entry::Vacant(place) = files.entry(name) {
-                    let file = File::read(path_of(place.key()), scale)?;
+                    let file = File::read(path_of(place.key()), format)?;
                     place.insert(file);
                 }
             }
         }
-        Ok(Self { pattern, scale, files })
+        Ok(Self { pattern, format, files })
+    }
+
+    fn description(&self) -> PolicyDescription {
+        let pattern = self.pattern.clone();
+        let files = self.files.iter().map(|(name, file)| (name.clone(), file.sha256.clone())).collect();
+        match self.format {
+            Format::Onnx(actions) => PolicyDescription::Onnx { pattern, actions, files },
+            Format::Agents => PolicyDescription::Agents { pattern, base: self.base(), files },
+        }
+    }
+
+    /// Returns what the agents stand on: that of the first, which all of one kind share.
+    fn base(&self) -> Option<String> {
+        match self.files.values().next().map(|file| &file.policy) {
+            Some(FilePolicy::Agent(agent)) => agent.info().interface.acting.base(),
+            _ => None,
+        }
     }
 }
 
@@ -221,13 +302,21 @@ impl Policy for Files {
 
     fn identity(&self) -> String {
         let all: String = self.files.iter().map(|(name, file)| format!("{name} {}\n", file.sha256)).collect();
-        format!("onnx {}, {} files, actions {:?}", sha256(all), self.files.len(), self.scale)
+        let count = self.files.len();
+        match self.format {
+            Format::Onnx(scale) => format!("onnx {}, {count} files, actions {scale:?}", sha256(all)),
+            Format::Agents => format!("agents {}, {count} folders", sha256(all)),
+        }
     }
 
     fn observation_width(&self) -> Option<usize> {
-        let mut widths = self.files.values().map(|file| file.policy.observation_width());
+        let mut widths = self.files.values().map(|file| file.policy.policy().observation_width());
         let first = widths.next()??;
         widths.all(|width| width == Some(first)).then_some(first)
+    }
+
+    fn ignores_interface(&self) -> bool {
+        self.format == Format::Agents
     }
 
     fn controller(&self, context: EpisodeContext<'_>) -> Result<Box<dyn Controller>> {
@@ -236,7 +325,7 @@ impl Policy for Files {
         let task = Task { energy_scale: None, ..spaces.episode.task.clone() };
         let name = fill(&self.pattern, *seed, &subject.name.to_string(), &task.to_string());
         let file = self.files.get(&name).ok_or_else(|| Error::UnknownPolicy { text: name })?;
-        file.policy.controller(context)
+        file.policy.policy().controller(context)
     }
 }
 

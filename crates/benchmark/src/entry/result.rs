@@ -103,8 +103,11 @@ impl RunResult {
             let policies = folder.join(POLICY);
             std::fs::create_dir_all(&policies).map_err(at(&policies))?;
             for (path, name) in files {
-                let bytes = std::fs::read(path).map_err(at(path))?;
-                write(&policies.join(name), |file| std::io::Write::write_all(file, &bytes))?;
+                let bytes = std::fs::read(&path).map_err(at(&path))?;
+                let copy = policies.join(name);
+                let parent = copy.parent().unwrap_or(&policies);
+                std::fs::create_dir_all(parent).map_err(at(parent))?;
+                write(&copy, |file| std::io::Write::write_all(file, &bytes))?;
             }
         }
         let table = table(stages, &self.versions)?;

@@ -13,5 +13,5 @@ pub use built_in::BuiltIn;
 pub use form::HouseForm;
 pub(crate) use form::{Form, controller};
 pub use interface::{EpisodeContext, Interface, Policy};
-pub(crate) use named::is_onnx;
+pub(crate) use named::{is_agent, is_onnx};
 pub use onnx::OnnxPolicy;

@@ -26,7 +26,7 @@ impl dyn Policy {
 }
 
 /// Returns whether a policy's name is the folder of an agent.
-fn is_agent(path: &Path) -> bool {
+pub(crate) fn is_agent(path: &Path) -> bool {
     path.join(INFO).exists()
 }
 

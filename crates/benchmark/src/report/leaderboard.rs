@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use super::leaderboard_charts;
 use super::page::write_page;
-use crate::entry::{Measures, Performance, RunResult, Stages};
+use crate::entry::{Measures, Performance, PolicyDescription, RunResult, Stages};
 use crate::scores::RESOLUTION;
 use crate::statistics::Aggregate;
 
@@ -101,12 +101,20 @@ fn table(title: &str, header: &[&str], rows: Vec<Value>) -> Value {
     json!({"title": title, "header": header, "rows": rows})
 }
 
+/// Says what the agents of an entry stand on, if they do not act by themselves.
+fn base(result: &RunResult) -> String {
+    match result.policies.get("test") {
+        Some(PolicyDescription::Agents { base: Some(base), .. }) => format!(" (on {base})"),
+        _ => String::new(),
+    }
+}
+
 fn scores(board: &[&Entry]) -> Value {
     let row = |(rank, (result, _)): (usize, &&Entry)| {
         let Measures { test, generalization_gap, .. } = &result.measures;
         let steps = result.training_steps.map_or("–".to_owned(), |steps| steps.to_string());
         json!([
-            format!("{}. {}", rank + 1, result.name),
+            format!("{}. {}{}", rank + 1, result.name, base(result)),
             test.resolved.interquartile_mean.to_string(),
             test.scores.interquartile_mean.to_string(),
             test.scores.median.to_string(),

@@ -12,7 +12,8 @@ pub struct Losses {
     pub value: f64,
     /// Entropy of the policy.
     pub entropy: f64,
-    /// Divergence of the policy from the one that made the steps: mean of ratio - 1 - ln ratio, as in Stable-Baselines3.
+    /// Divergence of the policy from the one that made the steps: mean of ratio - 1 - ln ratio, as in Stable-Baselines3; over
+    /// the groups of actions too.
     pub kl: f64,
     /// Share of clipped ratios.
     pub clipped: f64,
@@ -96,9 +97,9 @@ impl PolicyLoss<'_> {
         let surrogate = advantage * ratio;
         let clipped = advantage * ratio.clamp(1.0 - self.clip_range, 1.0 + self.clip_range);
         losses.policy -= f64::from(if surrogate <= clipped { surrogate } else { clipped }) / rows;
-        losses.kl += f64::from(ratio - 1.0 - log_ratio) / rows;
-        let outside = f64::from(u8::from((ratio - 1.0).abs() > self.clip_range));
-        losses.clipped += outside / (rows * self.credit.groups() as f64);
+        let ratios = rows * self.credit.groups() as f64;
+        losses.kl += f64::from(ratio - 1.0 - log_ratio) / ratios;
+        losses.clipped += f64::from(u8::from((ratio - 1.0).abs() > self.clip_range)) / ratios;
         if surrogate <= clipped { -surrogate } else { 0.0 }
     }
 }

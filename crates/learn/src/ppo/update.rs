@@ -24,7 +24,7 @@ pub struct Update {
     pub value_loss: f64,
     /// Entropy of the policy in nats.
     pub entropy: f64,
-    /// Divergence of the policy from the one that made the steps, in nats.
+    /// Divergence of the policy from the one that made the steps, in nats; a mean over the groups of actions with one ratio each.
     pub approx_kl: f64,
     /// Share of clipped ratios.
     pub clip_fraction: f64,

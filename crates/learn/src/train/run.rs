@@ -42,7 +42,7 @@ pub struct Place<'a> {
     /// Polled between updates; if true, the run writes a checkpoint and ends with [`Error::Interrupted`].
     pub interrupted: fn() -> bool,
     /// Watches the run.
-    pub monitor: &'a mut dyn Monitor,
+    pub monitor: &'a mut (dyn Monitor + Send),
 }
 
 /// Watches a run.
