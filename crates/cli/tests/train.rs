@@ -8,6 +8,7 @@ use std::process::Stdio;
 use std::time::{Duration, Instant};
 
 use program::{assert_rejected, b2b, command, json, stderr};
+use serde_json::Value;
 
 /// A small run: two environments, episodes of a day, an evaluation and a checkpoint at every other update.
 const SMALL: &str = "\
@@ -75,6 +76,31 @@ fn a_run_is_an_agent_that_evaluations_take_as_a_policy() {
         "run OfficeSmall-0042 --controller run --period 01-10..01-10",
         &["OfficeSmall-0042", "trained on SingleFamilyHouse-0014"],
     );
+}
+
+#[test]
+fn agents_enter_a_benchmark_problem_one_for_each_seed() {
+    let folder = folder_with_config();
+    let path = folder.path();
+    for seed in [0, 1] {
+        let run = format!("{} --steps 192 --seed {seed}", train(&format!("runs/x-{seed}")));
+        assert!(b2b(path, &run).status.success());
+    }
+    let problem = "dynamics-house --test SingleFamilyHouse-0018 SingleFamilyHouse-0387 \
+                   --train SingleFamilyHouse-0001 --period 01-10..01-10 --seed 0 1";
+    let output = b2b(path, &format!("benchmark run {problem} --policy runs/x-{{seed}} --out entered"));
+    assert!(output.status.success(), "{}", stderr(&output));
+    let result: Value =
+        serde_json::from_slice(&std::fs::read(path.join("entered/result.json")).unwrap()).unwrap();
+    let policy = &result["policies"]["test"];
+    assert_eq!((&policy["kind"], &policy["pattern"]), (&"agents".into(), &"x-{seed}".into()));
+    assert_eq!(policy["base"], "reactive controllers, authority 0.5");
+    assert_eq!(policy["files"].as_object().unwrap().len(), 2, "an agent for each seed");
+    let output = b2b(path, "benchmark verify entered");
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert_rejected(path, &format!("benchmark run {problem} --policy runs/y-{{seed}} --out other"), &["y-0"]);
+    let restricted = "benchmark run unitary-10-5 --policy runs/x-0 --out other";
+    assert_rejected(path, restricted, &["x-0"]);
 }
 
 #[test]

@@ -1,0 +1,162 @@
+//! Agents in buildings, on the real engine.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use b2b_agent::network::{Activation, Actor, Distribution, Mlp};
+use b2b_agent::{
+    Acting, Agent, AgentInfo, AgentObservation, Error, FORMAT, Interface, ObservationForm, Pilot,
+    TrainingInfo,
+};
+use b2b_control::{Controller, Reactive};
+use b2b_dataset::{Catalog, Placement};
+use b2b_energyplus::install::Quiet;
+use b2b_env::{Env, EpisodeConfig, Spaces, rollout};
+
+fn env(building: &str, task: &str) -> Env {
+    let catalog = Catalog::open(&mut Quiet).unwrap();
+    let found = catalog.find(&building.parse().unwrap(), &Placement::default(), &mut Quiet).unwrap();
+    let weather = found.weather.clone();
+    let building = Arc::new(found.prepare(catalog.library()).unwrap());
+    let (period, task) = ("01-10..01-11".parse().unwrap(), task.parse().unwrap());
+    Env::new(catalog.library().clone(), building, EpisodeConfig { weather, period, steps_per_hour: 12, task })
+        .unwrap()
+}
+
+/// An actor with small weights that depend on the seed.
+fn actor(pilot: &Pilot, scale: f32) -> Actor {
+    let (inputs, outputs) = pilot.widths();
+    let shape = Mlp::new(inputs, &[8], outputs, Activation::Tanh);
+    let parameters =
+        (0..shape.parameters()).map(|index| scale * ((index * 7919) % 101) as f32 / 101.0 - scale / 2.0);
+    Actor {
+        parameters: parameters.collect(),
+        distribution: Distribution::Gaussian { log_std: vec![-1.0; outputs] },
+        shape,
+    }
+}
+
+fn info(pilot: &Pilot, spaces: &Spaces, interface: Interface, actor: &Actor) -> AgentInfo {
+    AgentInfo {
+        format: FORMAT,
+        interface,
+        slots: pilot.observation().features().iter().map(|slot| slot.name.clone()).collect(),
+        actuators: spaces.action.names().to_vec(),
+        network: actor.shape.clone(),
+        distribution: actor.distribution.clone(),
+        task: spaces.episode.task.clone(),
+        training: TrainingInfo { buildings: "OfficeSmall-0042".into(), ..TrainingInfo::default() },
+        weights: String::new(),
+    }
+}
+
+/// Writes an agent of a building to a folder.
+fn write(folder: &Path, spaces: &Arc<Spaces>, interface: Interface, scale: f32) {
+    let pilot = Pilot::new(interface, spaces);
+    let actor = actor(&pilot, scale);
+    Agent::write(folder, info(&pilot, spaces, interface, &actor), &actor).unwrap();
+}
+
+const RESIDUAL: Interface =
+    Interface { observation: ObservationForm::Features, acting: Acting::Residual { authority: 0.5 } };
+
+#[test]
+fn a_correction_of_zero_is_the_reactive_controllers() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut env = env("OfficeSmall-0042", "occupancy");
+    let spaces = Arc::clone(env.spaces());
+    write(folder.path(), &spaces, RESIDUAL, 0.0);
+    let mut agent = Agent::read(folder.path()).unwrap().controller(&spaces).unwrap();
+    let corrected = rollout(&mut env, &mut agent, &mut ()).unwrap();
+    let mut reactive = Reactive::for_env(&env);
+    let reactive = rollout(&mut env, &mut reactive, &mut ()).unwrap();
+    assert_eq!(corrected.episode_return, reactive.episode_return);
+}
+
+#[test]
+fn corrections_are_within_their_authority_and_actions_within_bounds() {
+    let mut env = env("OfficeSmall-0042", "occupancy");
+    let spaces = Arc::clone(env.spaces());
+    let mut reactive = Reactive::for_env(&env);
+    let mut pilot = Pilot::new(RESIDUAL, &spaces);
+    let observation = env.reset().unwrap().to_vec();
+    let mut base = vec![0.0; spaces.action.len()];
+    reactive.act(&observation, &mut base);
+    pilot.observe(&observation);
+    for value in [-7.0, -1.0, 0.3, 1.0, 7.0f32] {
+        let action = pilot.act(&vec![value; base.len()]).to_vec();
+        for (index, action) in action.into_iter().enumerate() {
+            let (low, high) = (spaces.action.low()[index], spaces.action.high()[index]);
+            let expected = base[index] + 0.5 * f64::from(value.clamp(-1.0, 1.0)) * (high - low);
+            assert!((action - expected.clamp(low, high)).abs() < 1e-9, "{}", spaces.action.names()[index]);
+        }
+    }
+}
+
+#[test]
+fn an_agent_reads_back_as_it_was_written_and_acts_alike() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut env = env("SingleFamilyHouse-0014", "occupancy+energy0.5");
+    let spaces = Arc::clone(env.spaces());
+    for observation in [ObservationForm::Raw, ObservationForm::Roles, ObservationForm::Features] {
+        for acting in [Acting::Direct, RESIDUAL.acting] {
+            let interface = Interface { observation, acting };
+            write(folder.path(), &spaces, interface, 0.4);
+            let agent = Agent::read(folder.path()).unwrap();
+            assert_eq!(agent.info().interface, interface);
+            let returns = [0, 1].map(|_| {
+                let mut controller = agent.controller(&spaces).unwrap();
+                rollout(&mut env, &mut controller, &mut ()).unwrap().episode_return
+            });
+            assert_eq!(returns[0], returns[1]);
+            assert!(returns[0] < 0.0);
+        }
+    }
+}
+
+#[test]
+fn features_are_of_the_order_of_one_and_have_the_same_names_in_all_houses() {
+    let mut names: Option<Vec<String>> = None;
+    for house in ["SingleFamilyHouse-0014", "SingleFamilyHouse-0018", "SingleFamilyHouse-0387"] {
+        let mut env = env(house, "occupancy");
+        let spaces = Arc::clone(env.spaces());
+        let observation = AgentObservation::new(ObservationForm::Features, &spaces, true);
+        let here: Vec<String> = observation.features().iter().map(|slot| slot.name.clone()).collect();
+        assert_eq!(*names.get_or_insert(here.clone()), here, "{house}");
+        let mut pilot = Pilot::new(RESIDUAL, &spaces);
+        let mut seen = env.reset().unwrap().to_vec();
+        for _ in 0..200 {
+            let row = pilot.observe(&seen).to_vec();
+            for (value, name) in row.iter().zip(&here) {
+                assert!(value.abs() <= 6.0, "{house}: {name} is {value}");
+            }
+            let action = pilot.act(&vec![0.0; spaces.action.len()]).to_vec();
+            seen = env.step(&action).unwrap().observation.to_vec();
+        }
+    }
+}
+
+#[test]
+fn an_agent_for_another_building_or_a_damaged_one_is_an_error_that_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("agent");
+    let said = Agent::read(&path).unwrap_err().to_string();
+    assert!(said.contains("not an agent's folder") && said.contains("agent.json"), "{said}");
+    let office = env("OfficeSmall-0042", "occupancy");
+    let spaces = Arc::clone(office.spaces());
+    write(&path, &spaces, RESIDUAL, 0.1);
+    let agent = Agent::read(&path).unwrap();
+    let house = env("SingleFamilyHouse-0014", "occupancy");
+    let error = agent.controller(house.spaces()).unwrap_err();
+    assert!(matches!(&error, Error::OtherBuilding { building, .. } if building == "SingleFamilyHouse-0014"));
+    assert!(error.to_string().contains("trained on OfficeSmall-0042"), "{error}");
+    let weights = path.join("weights.safetensors");
+    let whole = std::fs::read(&weights).unwrap();
+    std::fs::write(&weights, &whole[..whole.len() - 4]).unwrap();
+    assert!(matches!(Agent::read(&path).unwrap_err(), Error::Damaged { .. }));
+    std::fs::write(&weights, &whole).unwrap();
+    let text = std::fs::read_to_string(path.join("agent.json")).unwrap();
+    std::fs::write(path.join("agent.json"), text.replace("\"format\": 1", "\"format\": 2")).unwrap();
+    let said = Agent::read(&path).unwrap_err().to_string();
+    assert!(said.contains("its format is 2"), "{said}");
+}
