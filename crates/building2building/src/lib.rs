@@ -24,6 +24,8 @@
 //! |---|---|
 //! | [`mod@env`] | environments, spaces, tasks, rewards, metrics, batches in worker processes |
 //! | [`control`] | reactive controllers, their tuning, and a planner |
+//! | [`agent`] | trained agents: what they observe, how they act, their folders |
+//! | [`learn`] | training of agents: PPO and SAC |
 //! | [`evaluation`] | evaluation of policies, benchmark problems, scores and reports |
 //! | [`dataset`] | building types, generators, the 6,000 buildings of the dataset |
 //! | [`building`] | models, HVAC, sizing, preparation, import, description, morphology |
@@ -34,6 +36,8 @@ mod builder;
 mod error;
 
 #[cfg(target_os = "linux")]
+pub use b2b_agent as agent;
+#[cfg(target_os = "linux")]
 pub use b2b_benchmark as evaluation;
 pub use b2b_building as building;
 pub use b2b_climate as climate;
@@ -41,12 +45,16 @@ pub use b2b_control as control;
 pub use b2b_dataset as dataset;
 pub use b2b_energyplus as energyplus;
 pub use b2b_env as env;
+#[cfg(target_os = "linux")]
+pub use b2b_learn as learn;
 
 pub use b2b_building::{BuildingType, RunPeriod};
 pub use b2b_control::{Constant, Random, Reactive};
 pub use b2b_dataset::{BuildingId, BuildingName};
 #[cfg(target_os = "linux")]
-pub use b2b_env::vector::{Episode, Snapshot, VecEnv, run_if_worker};
+pub use b2b_learn::fragments::run_if_worker;
+#[cfg(target_os = "linux")]
+pub use b2b_env::vector::{Episode, Snapshot, VecEnv};
 pub use b2b_env::{
     Controller, Env, Environment, Metrics, Observer, Reward, RewardFunction, Spaces, Step, StepView, Task,
     Trajectory, rollout,
