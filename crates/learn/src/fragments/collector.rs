@@ -238,8 +238,8 @@ impl FragmentCollector {
 
     /// Runs fragments until every environment has made its steps.
     fn run(&mut self, actor: &Actor, purpose: Use, steps: &[usize]) -> Result<()> {
-        for environment in 0..self.seats.len() {
-            self.send(environment, actor, purpose, steps[environment])?;
+        for (environment, steps) in steps.iter().enumerate() {
+            self.send(environment, actor, purpose, *steps)?;
         }
         let mut ready = Vec::with_capacity(self.seats.len());
         while self.seats.iter().zip(steps).any(|(seat, steps)| seat.done < *steps) {
