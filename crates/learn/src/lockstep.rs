@@ -4,8 +4,8 @@
 //! 2. Every worker makes a step with its action.
 //! 3. The owner waits for all of them, and begins the next episodes of those that are over.
 //!
-//! This is the usual loop of learning libraries. [`fragments`](crate::fragments) are faster, because no environment waits for
-//! another; both give the same bits.
+//! This is the usual loop of learning libraries. In [`fragments`](crate::fragments) no environment waits for another. Both give
+//! the same bits.
 
 use std::time::{Duration, Instant};
 
