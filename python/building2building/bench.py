@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import argparse
 import datetime
+import json
+import math
 import os
 import random
 import subprocess
@@ -23,6 +25,8 @@ from numpy.typing import NDArray
 
 import building2building as b2b
 from building2building import _core
+
+from .errors import need
 
 #: Steps that are timed together in a vector environment: an hour.
 _STEPS = 12
@@ -184,6 +188,80 @@ def resampling(problem: str, count: int, days: int, changes: int) -> Iterator[di
     one.close()
 
 
+#: Steps of each environment between updates, as in the preset ``paper`` of ``b2b train``.
+_ROLLOUT = 672
+
+
+def training(building_id: str, count: int, steps: int) -> dict[str, float | None]:
+    """Returns the speed of Stable-Baselines3's PPO on :func:`make_sb3_vec <building2building.sb3.make_sb3_vec>`.
+
+    It has the numbers of the preset ``paper`` of ``b2b train``. A first rollout does not count; whole rollouts of at
+    least ``steps`` steps follow.
+
+    ``steps``: steps that were measured, of all environments; ``steps_per_s``; ``steps_per_cpu_s``: per CPU time of this
+    process and its workers, ``None`` if an episode ended.
+    """
+    need("stable_baselines3", "train")
+    from stable_baselines3 import PPO
+    from stable_baselines3.common.callbacks import BaseCallback
+
+    from .sb3 import make_sb3_vec
+
+    envs = make_sb3_vec(num_envs=count, building_id=building_id)
+    marks: list[tuple[float, dict[int, float]]] = []
+
+    def mark() -> None:
+        assert envs.envs._core is not None
+        cpu = {process: _cpu(process) for process in envs.envs._core.processes()}
+        marks.append((time.perf_counter(), {0: time.process_time(), **cpu}))
+
+    class Marks(BaseCallback):
+        def _on_rollout_start(self) -> None:
+            mark()
+
+        def _on_step(self) -> bool:
+            return True
+
+    model = PPO(
+        "MlpPolicy",
+        envs,
+        learning_rate=5e-5,
+        n_steps=_ROLLOUT,
+        batch_size=336,
+        n_epochs=5,
+        gamma=0.98,
+        gae_lambda=0.95,
+        clip_range=0.2,
+        ent_coef=0.01,
+        vf_coef=0.5,
+        max_grad_norm=0.5,
+        target_kl=0.02,
+        policy_kwargs={"net_arch": {"pi": [256, 256], "vf": [256, 256]}, "log_std_init": -1.0},
+        seed=0,
+        device="cpu",
+    )
+    rollouts = math.ceil(steps / (_ROLLOUT * count))
+    model.learn((1 + rollouts) * _ROLLOUT * count, callback=Marks())
+    mark()
+    envs.close()
+    (start, before), (end, after) = marks[1], marks[-1]
+    measured = rollouts * _ROLLOUT * count
+    cpu = sum(after.values()) - sum(before.values()) if before.keys() == after.keys() else None
+    return {
+        "steps": measured,
+        "steps_per_s": measured / (end - start),
+        "steps_per_cpu_s": measured / cpu if cpu else None,
+    }
+
+
+def _print_training(arguments: argparse.Namespace) -> None:
+    trained = training(arguments.train, arguments.count, arguments.steps)
+    if arguments.json:
+        print(json.dumps(trained))
+    else:
+        print(f"{arguments.train}, {arguments.count} environments: {trained['steps_per_s']:.0f} steps/s")
+
+
 def _print_resampling(arguments: argparse.Namespace) -> None:
     print("changes  many, steps/s  one, steps/s  ratio  memory, MB  waits  waited, s")
     for row in resampling(arguments.resample, arguments.count, arguments.days, arguments.changes):
@@ -227,12 +305,21 @@ def main() -> None:
     parser.add_argument("types", nargs="*", default=b2b.list_building_types(), metavar="TYPE")
     parser.add_argument("--days", type=int, default=7, help="days per episode, up to 31; up to 365 with --resample")
     parser.add_argument("--turns", type=int, default=5, help="repetitions of every measurement")
-    parser.add_argument("--count", type=int, default=14, help="environments in the vector environment")
+    parser.add_argument(
+        "--count", "--environments", type=int, default=14, help="environments in the vector environment"
+    )
     parser.add_argument(
         "--resample", metavar="PROBLEM", help="compare training on all buildings of a problem with training on one"
     )
     parser.add_argument("--changes", type=int, default=200, help="building changes after which --resample ends")
+    parser.add_argument(
+        "--train", metavar="ID", help="measure training by Stable-Baselines3 on a building, and nothing else"
+    )
+    parser.add_argument("--steps", type=int, default=56_448, help="steps of all environments that --train measures")
+    parser.add_argument("--json", action="store_true", help="print the result of --train as JSON")
     arguments = parser.parse_args()
+    if arguments.train:
+        return _print_training(arguments)
     if arguments.resample:
         return _print_resampling(arguments)
     print(f"import building2building: {importing():.2f} s\n")

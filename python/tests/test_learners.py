@@ -43,6 +43,14 @@ def test_sb3_learns_on_a_single_environment(algorithm):
     env.close()
 
 
+def test_the_speed_of_training_is_measured_over_whole_rollouts():
+    from building2building.bench import training
+
+    measured = training("SingleFamilyHouse-0001", 2, 1)
+    assert measured["steps"] == 2 * 672
+    assert measured["steps_per_s"] > 0 and measured["steps_per_cpu_s"] > 0
+
+
 def test_sb3_sees_the_last_observation_of_an_episode():
     from building2building.sb3 import make_sb3_vec
 

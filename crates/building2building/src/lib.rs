@@ -52,13 +52,13 @@ pub use b2b_building::{BuildingType, RunPeriod};
 pub use b2b_control::{Constant, Random, Reactive};
 pub use b2b_dataset::{BuildingId, BuildingName};
 #[cfg(target_os = "linux")]
-pub use b2b_learn::fragments::run_if_worker;
-#[cfg(target_os = "linux")]
 pub use b2b_env::vector::{Episode, Snapshot, VecEnv};
 pub use b2b_env::{
     Controller, Env, Environment, Metrics, Observer, Reward, RewardFunction, Spaces, Step, StepView, Task,
     Trajectory, rollout,
 };
+#[cfg(target_os = "linux")]
+pub use b2b_learn::fragments::run_if_worker;
 pub use builder::{EnvBuilder, make};
 pub use error::{Error, Result};
 

@@ -1,4 +1,4 @@
-//! Child processes of this program: the engine can run only once at a time in a process, and a crash ends the process.
+//! Child processes, mostly of this program: the engine can run only once at a time in a process, and a crash ends the process.
 
 use std::io::{Read, Seek};
 use std::process::{Child, Command, Stdio};
@@ -13,11 +13,17 @@ use crate::interrupt;
 pub fn run<I: AsRef<std::ffi::OsStr>>(
     arguments: impl IntoIterator<Item = I>,
 ) -> Result<Result<String, String>> {
-    let program = std::env::current_exe()?;
-    let mut command = Command::new(program);
+    let mut command = Command::new(std::env::current_exe()?);
+    command.args(arguments);
+    output(command)
+}
+
+/// Runs a command and returns its standard output, or its standard error if it fails. Errors if it cannot be started or
+/// is interrupted.
+pub fn output(mut command: Command) -> Result<Result<String, String>> {
     // Files, because a pipe that is not read yet fills up.
     let (mut output, mut errors) = (tempfile::tempfile()?, tempfile::tempfile()?);
-    command.args(arguments).stdin(Stdio::null()).stdout(output.try_clone()?).stderr(errors.try_clone()?);
+    command.stdin(Stdio::null()).stdout(output.try_clone()?).stderr(errors.try_clone()?);
     let success = wait(&mut command.spawn().context("cannot start a process")?)?;
     let file = if success { &mut output } else { &mut errors };
     let mut text = String::new();

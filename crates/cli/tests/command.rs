@@ -451,3 +451,23 @@ fn bench_speed_measures_the_three_costs_of_a_step() {
         assert!(speed[key].as_f64().unwrap() > 0.0, "{speed}");
     }
 }
+
+#[cfg(target_os = "linux")]
+#[test]
+fn bench_train_measures_both_designs_and_the_shares_of_their_time() {
+    let arguments = "bench train --type SingleFamilyHouse --environments 2 --steps 1000 --python none";
+    let rows = Sandbox::new().json(arguments);
+    let rows = rows.as_array().unwrap();
+    let designs: Vec<_> = rows.iter().map(|row| row["design"].as_str().unwrap()).collect();
+    assert_eq!(designs, ["fragments", "lockstep"]);
+    for row in rows {
+        // A rollout of the preset has 672 steps of each environment.
+        assert_eq!((&row["type"], &row["steps"]), (&"SingleFamilyHouse".into(), &1344.into()));
+        assert!(row["steps_per_s"].as_f64().unwrap() > 0.0, "{row}");
+        assert!(row["sb3_steps_per_s"].is_null(), "{row}");
+        let shares =
+            ["environment_share", "inference_share", "learner_share"].map(|key| row[key].as_f64().unwrap());
+        assert!(shares.iter().all(|share| *share > 0.0), "{row}");
+        assert!((shares.iter().sum::<f64>() - 1.0).abs() < 1e-9, "{row}");
+    }
+}

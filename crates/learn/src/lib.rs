@@ -8,6 +8,7 @@ pub mod collector;
 pub mod error;
 pub mod fragments;
 pub mod gaussian;
+pub mod lockstep;
 pub mod nn;
 pub mod ppo;
 pub mod random;

@@ -1,17 +1,21 @@
-//! `b2b bench`: the cost of environments.
+//! `b2b bench`: the cost of environments and of training.
 
 #[cfg(target_os = "linux")]
 mod process;
+#[cfg(target_os = "linux")]
+mod sb3;
 #[cfg(target_os = "linux")]
 mod soak;
 mod speed;
 mod statistics;
 #[cfg(target_os = "linux")]
+mod train;
+#[cfg(target_os = "linux")]
 mod vector;
 
 use anyhow::Result;
 
-/// Measure the cost of environments
+/// Measure the cost of environments and of training
 #[derive(clap::Args)]
 pub struct Arguments {
     #[command(subcommand)]
@@ -24,6 +28,8 @@ enum What {
     #[cfg(target_os = "linux")]
     Vector(vector::Arguments),
     #[cfg(target_os = "linux")]
+    Train(train::Arguments),
+    #[cfg(target_os = "linux")]
     Soak(soak::Arguments),
 }
 
@@ -33,6 +39,8 @@ pub fn bench(arguments: &Arguments) -> Result<()> {
         What::Speed(arguments) => speed::bench(arguments),
         #[cfg(target_os = "linux")]
         What::Vector(arguments) => vector::bench(arguments),
+        #[cfg(target_os = "linux")]
+        What::Train(arguments) => train::bench(arguments),
         #[cfg(target_os = "linux")]
         What::Soak(arguments) => soak::bench(arguments),
     }

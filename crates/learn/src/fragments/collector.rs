@@ -8,14 +8,14 @@ use b2b_env::vector::{SharedMemory, VecEnv};
 use b2b_env::{Metrics, Spaces};
 
 use super::blocks::Block;
-use super::order::{Order, Use};
+use super::order::{Order, Use, stream};
 use crate::collector::{Collector, Widths};
 use crate::error::{Error, Result};
 use crate::rollout::{End, Rollout};
 use crate::state::State;
 
 /// Episodes of one environment that may be lost in a row before the collection is given up.
-const LOST_IN_A_ROW: u32 = 5;
+pub(crate) const LOST_IN_A_ROW: u32 = 5;
 
 /// Steps of an environment that are carried out again at a time.
 const REPLAYED: usize = 1024;
@@ -238,8 +238,8 @@ impl FragmentCollector {
 
     /// Runs fragments until every environment has made its steps.
     fn run(&mut self, actor: &Actor, purpose: Use, steps: &[usize]) -> Result<()> {
-        for environment in 0..self.seats.len() {
-            self.send(environment, actor, purpose, steps[environment])?;
+        for (environment, steps) in steps.iter().enumerate() {
+            self.send(environment, actor, purpose, *steps)?;
         }
         let mut ready = Vec::with_capacity(self.seats.len());
         while self.seats.iter().zip(steps).any(|(seat, steps)| seat.done < *steps) {
@@ -259,8 +259,6 @@ impl FragmentCollector {
         if seat.phase != Phase::Ready || seat.done >= steps {
             return Ok(());
         }
-        // No two fragments of a run have the same stream.
-        let stream = self.rollouts << 24 | (environment as u64) << 8 | seat.fragments;
         let order = Order {
             interface: self.interface,
             shape: actor.shape.clone(),
@@ -271,7 +269,7 @@ impl FragmentCollector {
             steps: steps - seat.done,
             block,
             done: seat.done,
-            random: (self.seed, stream),
+            random: (self.seed, stream(self.rollouts, environment, seat.fragments)),
             correlation: self.correlation,
         };
         let text = serde_json::to_vec(&order).map_err(|error| Error::Collect(error.into()))?;
@@ -420,6 +418,7 @@ fn actions_of(environment: usize) -> String {
     format!("actions.{environment}")
 }
 
-fn spaces_of(environments: &VecEnv, index: usize) -> Result<&Arc<Spaces>> {
+/// Returns the spaces of an environment's current episode.
+pub(crate) fn spaces_of(environments: &VecEnv, index: usize) -> Result<&Arc<Spaces>> {
     Ok(environments.shared_spaces(index).ok_or(b2b_env::Error::NotReset)?)
 }

@@ -11,6 +11,8 @@ mod order;
 mod runner;
 
 pub use collector::{Finished, FragmentCollector, RewardScale};
+pub(crate) use collector::{LOST_IN_A_ROW, spaces_of};
+pub(crate) use order::stream;
 pub use order::{Order, Use};
 pub use runner::make_runner;
 

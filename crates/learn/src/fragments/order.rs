@@ -18,6 +18,12 @@ pub enum Use {
     Evaluate,
 }
 
+/// Returns the number of the random stream of exploration of a fragment: steps of one environment and episode in a rollout,
+/// counted from 0 in each rollout. No two fragments of a run have the same.
+pub(crate) fn stream(rollout: u64, environment: usize, fragment: u64) -> u64 {
+    rollout << 24 | (environment as u64) << 8 | fragment
+}
+
 /// A fragment that a worker runs.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Order {

@@ -15,8 +15,9 @@ use b2b_env::vector::{
 use b2b_env::{EpisodeConfig, Spaces};
 
 use super::config::TrainConfig;
-use crate::error::Result;
-use crate::fragments::RewardScale;
+use crate::error::{Error, Result};
+use crate::fragments::{FragmentCollector, RewardScale};
+use crate::lockstep::LockstepCollector;
 
 /// Smallest mean penalty of a baseline that rewards are divided by, K²: a deviation of 0.02 K.
 const SMALLEST_PENALTY: f64 = 4e-4;
@@ -33,9 +34,38 @@ impl<'a> Environments<'a> {
     }
 
     /// Returns the batch of training environments, before its first reset.
-    pub(super) fn vector(&self, workers: WorkerOptions) -> Result<VecEnv> {
+    fn vector(&self, workers: WorkerOptions) -> Result<VecEnv> {
         let options = VecEnvOptions { workers, autoreset: Autoreset::Disabled, widths: None };
         Ok(VecEnv::new(self.config.environments, self.sampler()?, options)?)
+    }
+
+    /// Returns a collector of fragments in the batch, with the first episodes begun.
+    pub(super) fn fragments(&self, workers: WorkerOptions, scale: RewardScale) -> Result<FragmentCollector> {
+        let Self { config, .. } = self;
+        FragmentCollector::new(
+            self.vector(workers)?,
+            config.interface(),
+            config.credit_by_zone,
+            config.noise_correlation,
+            scale,
+            config.seed,
+        )
+    }
+
+    /// Returns a collector in lockstep in the batch, with the first episodes begun.
+    pub(super) fn lockstep(&self, workers: WorkerOptions, scale: RewardScale) -> Result<LockstepCollector> {
+        let Self { config, .. } = self;
+        if config.credit_by_zone {
+            let why = "`credit_by_zone` is for fragments; in lockstep it must be false";
+            return Err(Error::Invalid(why.into()));
+        }
+        LockstepCollector::new(
+            self.vector(workers)?,
+            config.interface(),
+            config.noise_correlation,
+            scale,
+            config.seed,
+        )
     }
 
     fn sampler(&self) -> Result<Box<dyn Sampler>> {

@@ -1,8 +1,10 @@
 //! The learner of a run.
 
 use b2b_agent::network::Actor;
+use b2b_env::Spaces;
 
 use super::config::{Algorithm, TrainConfig};
+use super::environments::credit;
 use crate::collector::Widths;
 use crate::error::Result;
 use crate::ppo::{Ppo, PpoConfig};
@@ -25,12 +27,13 @@ impl Learner {
         }
     }
 
-    /// Returns the learner of a configuration, with the weights of the parts of a reward in the advantage of each action.
-    pub(super) fn new(config: &TrainConfig, widths: Widths, credit: Option<Vec<Vec<f32>>>) -> Result<Self> {
+    /// Returns the learner of a configuration, for buildings with these spaces.
+    pub(super) fn new(config: &TrainConfig, widths: Widths, spaces: &Spaces) -> Result<Self> {
         // Results do not depend on it.
         let threads = std::thread::available_parallelism().map_or(1, usize::from);
         match config.algorithm {
             Algorithm::Ppo => {
+                let credit = config.credit_by_zone.then(|| credit(spaces));
                 let mut ppo = Ppo::new(widths, PpoConfig { credit, ..config.ppo.clone() }, config.seed)?;
                 ppo.set_threads(threads);
                 Ok(Self::Ppo(Box::new(ppo)))

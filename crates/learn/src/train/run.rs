@@ -13,7 +13,7 @@ use serde::Serialize;
 use super::checkpoint::Checkpoint;
 use super::config::{Keep, TrainConfig};
 use super::curve;
-use super::environments::{Environments, credit};
+use super::environments::Environments;
 use super::judge::{Judge, Scores, window};
 use super::learner::Learner;
 use super::progress::{Progress, Row};
@@ -106,14 +106,7 @@ pub fn train(config: &TrainConfig, place: Place<'_>) -> Result<Summary> {
     monitor.stage("preparing environments");
     let workers = WorkerOptions::new(launcher, catalog.library().path());
     let scale = environments.scale(&evaluation, &baselines)?;
-    let collector = FragmentCollector::new(
-        environments.vector(workers)?,
-        config.interface(),
-        config.credit_by_zone,
-        config.noise_correlation,
-        scale,
-        config.seed,
-    )?;
+    let collector = environments.fragments(workers, scale)?;
     let mut run = Run::new(config, &out, collector, monitor)?;
     run.resume()?;
     run.learn(judge.as_ref(), interrupted)?;
@@ -160,8 +153,7 @@ impl<'a> Run<'a> {
     ) -> Result<Self> {
         let spaces = collector.environments().shared_spaces(0).ok_or(b2b_env::Error::NotReset)?;
         let pilot = Pilot::new(config.interface(), spaces);
-        let credit = config.credit_by_zone.then(|| credit(spaces));
-        let learner = Learner::new(config, collector.widths(), credit)?;
+        let learner = Learner::new(config, collector.widths(), spaces)?;
         let actor = learner.actor();
         let info = AgentInfo {
             format: FORMAT,

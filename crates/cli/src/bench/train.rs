@@ -1,0 +1,247 @@
+//! `b2b bench train`: the speed of training.
+
+use std::sync::Arc;
+
+use anyhow::{Context, Result, bail};
+use b2b_building::BuildingType;
+use b2b_dataset::{BuildingId, BuildingName, Catalog, Split};
+use b2b_learn::train::{Design, TrainConfig, TrainingLoop, UpdateTimes};
+use cpu_time::ProcessTime;
+use rand::SeedableRng;
+use rand::seq::SliceRandom;
+use rand_chacha::ChaCha8Rng;
+use serde::Serialize;
+
+use super::process::cpu_seconds;
+use super::sb3::{Python, Speed};
+use crate::progress::{Download, spinner};
+use crate::table::Table;
+use crate::workers::worker_options;
+use crate::{interrupt, stdout};
+
+/// Measure the speed of training in both loop designs, and the shares of environment, inference and learner
+///
+/// PPO with the preset of the paper, task constant, in winter. Of a building type, the first training building is used. A
+/// first rollout does not count; then the designs take turns, a rollout and an update each, in random order, so that other
+/// load affects both alike. Stable-Baselines3 follows, with the same numbers and buildings on make_sb3_vec.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Designs:
+  fragments        workers compute actions, for a whole rollout at a time, as in `b2b train`
+  lockstep         this process computes all actions, for one step at a time
+
+Columns:
+  steps/s          steps of all environments per wall-clock second
+  steps/CPU s      the same per CPU time of this process and the environments' processes
+  environment, inference, learner: shares of the wall-clock time. With fragments, inference is its share of the workers' time
+  SB3              the same of Stable-Baselines3
+  ratio            steps/s divided by that of SB3
+
+Examples:
+  b2b bench train
+  b2b bench train --type OfficeSmall --steps 20000 --python none
+  b2b bench train --type SingleFamilyHouse-0042 --python venv/bin/python --json")]
+pub struct Arguments {
+    /// Building types, or buildings of the dataset such as OfficeSmall-0042
+    #[arg(long = "type", visible_alias = "types", value_name = "BUILDING", num_args = 1..,
+        default_values = ["SingleFamilyHouse", "OfficeMedium"])]
+    buildings: Vec<BuildingName>,
+    /// Steps of all environments to measure, rounded up to whole rollouts
+    #[arg(long, default_value_t = 56_448, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    steps: u64,
+    /// Number of environments
+    #[arg(long, default_value_t = 14, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    environments: u32,
+    /// Python interpreter with building2building and stable-baselines3; none to measure without them
+    #[arg(long, default_value = "python3", value_name = "PATH")]
+    python: String,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Measurements of one design on one building.
+#[derive(Serialize)]
+struct Measured {
+    #[serde(rename = "type")]
+    building_type: BuildingType,
+    building: String,
+    design: &'static str,
+    environments: u32,
+    steps: u64,
+    steps_per_s: f64,
+    /// `None` if an episode ended in every rollout.
+    steps_per_cpu_s: Option<f64>,
+    environment_share: f64,
+    inference_share: f64,
+    learner_share: f64,
+    sb3_steps_per_s: Option<f64>,
+    sb3_steps_per_cpu_s: Option<f64>,
+}
+
+/// Runs the command.
+pub fn bench(arguments: &Arguments) -> Result<()> {
+    let buildings = arguments.buildings.iter().map(training_building).collect::<Result<Vec<_>>>()?;
+    let python = if arguments.python == "none" { None } else { Python::find(&arguments.python)? };
+    let catalog = Arc::new(Catalog::open(&mut Download::new(arguments.json))?);
+    let mut measured = Vec::new();
+    for building in buildings {
+        let spinner = spinner(format!("training on {building}"), arguments.json);
+        let costs = costs(building, arguments, &catalog)?;
+        let sb3 = python
+            .as_ref()
+            .map(|python| python.measure(&building.to_string(), arguments.environments, arguments.steps));
+        let sb3 = sb3.transpose()?;
+        measured.extend(costs.iter().map(|(design, cost)| cost.measured(building, *design, arguments, sb3)));
+        spinner.finish_and_clear();
+    }
+    if arguments.json { stdout::print_json(&measured) } else { stdout::print(&text(&measured)) }
+}
+
+/// Returns the building of a name, or the first training building of a type.
+fn training_building(name: &BuildingName) -> Result<BuildingId> {
+    match name {
+        BuildingName::Id(id) => Ok(*id),
+        BuildingName::Type(building_type) => {
+            let mut rows = b2b_dataset::rows(*building_type).iter();
+            let first = rows.find(|row| row.split == Split::Train);
+            Ok(first.with_context(|| format!("{name} has no training building"))?.id)
+        }
+        BuildingName::Model(_) => {
+            bail!(
+                "`{name}` is not in the dataset; expected a building type or an id such as OfficeSmall-0042"
+            )
+        }
+    }
+}
+
+/// Measures both designs on a building.
+fn costs(building: BuildingId, arguments: &Arguments, catalog: &Arc<Catalog>) -> Result<Vec<(Design, Cost)>> {
+    let config = TrainConfig {
+        buildings: vec![building.to_string()],
+        environments: arguments.environments as usize,
+        ..TrainConfig::preset("paper")?
+    };
+    let mut turns = Vec::new();
+    for design in Design::ALL {
+        let workers = worker_options(catalog.library().path())?;
+        let mut training = TrainingLoop::new(&config, design, catalog, workers)?;
+        training.update()?;
+        turns.push((design, training, Cost::default()));
+    }
+    let mut random = ChaCha8Rng::seed_from_u64(0);
+    while turns.iter().any(|(_, _, cost)| cost.times.steps < arguments.steps) {
+        turns.shuffle(&mut random);
+        for (_, training, cost) in &mut turns {
+            interrupt::check()?;
+            cost.add_update(training)?;
+        }
+    }
+    turns.sort_by_key(|(design, ..)| *design as u8);
+    Ok(turns.into_iter().map(|(design, _, cost)| (design, cost)).collect())
+}
+
+/// The cost of some updates.
+#[derive(Default)]
+struct Cost {
+    times: UpdateTimes,
+    /// CPU time, s, and the steps that it was measured for.
+    cpu: (f64, u64),
+}
+
+impl Cost {
+    /// Makes an update and adds its cost.
+    fn add_update(&mut self, training: &mut TrainingLoop) -> Result<()> {
+        let (before, owner) = (Processes::of(training)?, ProcessTime::now());
+        let UpdateTimes { steps, environment, inference, learner } = training.update()?;
+        let owner = owner.elapsed().as_secs_f64();
+        let after = Processes::of(training)?;
+        // The CPU time of a process that has ended with its episode is no longer readable.
+        if before.ids == after.ids {
+            self.cpu.0 += after.cpu_seconds - before.cpu_seconds + owner;
+            self.cpu.1 += steps;
+        }
+        self.times.steps += steps;
+        self.times.environment += environment;
+        self.times.inference += inference;
+        self.times.learner += learner;
+        Ok(())
+    }
+
+    fn measured(
+        &self,
+        building: BuildingId,
+        design: Design,
+        arguments: &Arguments,
+        sb3: Option<Speed>,
+    ) -> Measured {
+        let (times, seconds) = (self.times, self.times.seconds());
+        let (cpu_seconds, cpu_steps) = self.cpu;
+        Measured {
+            building_type: building.building_type(),
+            building: building.to_string(),
+            design: design.name(),
+            environments: arguments.environments,
+            steps: times.steps,
+            steps_per_s: times.steps as f64 / seconds,
+            steps_per_cpu_s: (cpu_steps > 0).then(|| cpu_steps as f64 / cpu_seconds),
+            environment_share: times.environment / seconds,
+            inference_share: times.inference / seconds,
+            learner_share: times.learner / seconds,
+            sb3_steps_per_s: sb3.map(|sb3| sb3.steps_per_s),
+            sb3_steps_per_cpu_s: sb3.and_then(|sb3| sb3.steps_per_cpu_s),
+        }
+    }
+}
+
+/// The processes of the environments, and the CPU time that they have used.
+struct Processes {
+    ids: Vec<Option<u32>>,
+    cpu_seconds: f64,
+}
+
+impl Processes {
+    fn of(training: &TrainingLoop) -> Result<Self> {
+        let environments = training.environments();
+        let ids: Vec<_> = (0..environments.len()).map(|index| environments.process(index)).collect();
+        let cpu_seconds = ids.iter().flatten().map(|process| cpu_seconds(*process)).sum::<Result<f64>>()?;
+        Ok(Self { ids, cpu_seconds })
+    }
+}
+
+fn text(measured: &[Measured]) -> String {
+    let mut table = Table::new([
+        "building",
+        "design",
+        "N",
+        "steps",
+        "steps/s",
+        "steps/CPU s",
+        "environment (%)",
+        "inference (%)",
+        "learner (%)",
+        "SB3 steps/s",
+        "SB3 steps/CPU s",
+        "ratio",
+    ]);
+    let number = |value: Option<f64>| value.map_or("–".to_owned(), |value| format!("{value:.0}"));
+    let percent = |share: f64| format!("{:.1}", 100.0 * share);
+    for each in measured {
+        let ratio = each.sb3_steps_per_s.map(|sb3| format!("{:.2}", each.steps_per_s / sb3));
+        table.row([
+            each.building.clone(),
+            each.design.to_owned(),
+            each.environments.to_string(),
+            each.steps.to_string(),
+            format!("{:.0}", each.steps_per_s),
+            number(each.steps_per_cpu_s),
+            percent(each.environment_share),
+            percent(each.inference_share),
+            percent(each.learner_share),
+            number(each.sb3_steps_per_s),
+            number(each.sb3_steps_per_cpu_s),
+            ratio.unwrap_or("–".to_owned()),
+        ]);
+    }
+    table.text()
+}

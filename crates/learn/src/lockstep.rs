@@ -1,0 +1,278 @@
+//! Collection in lockstep: the owner computes the actions of all environments, and these make one step each.
+//!
+//! 1. The owner samples an action for every environment.
+//! 2. Every worker makes a step with its action.
+//! 3. The owner waits for all of them, and begins the next episodes of those that are over.
+//!
+//! This is the usual loop of learning libraries. In [`fragments`](crate::fragments) no environment waits for another. Both give
+//! the same bits.
+
+use std::time::{Duration, Instant};
+
+use b2b_agent::network::{Actor, Scratch};
+use b2b_agent::{Interface, Pilot};
+use b2b_env::vector::VecEnv;
+
+use crate::collector::{Collector, Widths};
+use crate::error::{Error, Result};
+use crate::fragments::{LOST_IN_A_ROW, RewardScale, spaces_of, stream};
+use crate::random::{Noise, Random};
+use crate::rollout::{End, Rollout};
+
+/// Collects rollouts step by step in a [`VecEnv`] with [`Autoreset::Disabled`](b2b_env::vector::Autoreset::Disabled). A reward
+/// has one part.
+///
+/// The rollouts are those of a [`FragmentCollector`](crate::fragments::FragmentCollector) of the same seed and actors, bit for
+/// bit, as long as no episode is lost.
+pub struct LockstepCollector {
+    environments: VecEnv,
+    interface: Interface,
+    widths: Widths,
+    scale: RewardScale,
+    seed: u64,
+    correlation: f32,
+    /// Rollouts collected so far.
+    rollouts: u64,
+    seats: Vec<Seat>,
+    /// Environments that are no longer busy.
+    ready: Vec<usize>,
+    lost: u64,
+    /// Time spent on actions and on all of the last rollout.
+    times: [Duration; 2],
+}
+
+/// One environment in the course of a collection.
+struct Seat {
+    pilot: Pilot,
+    noise: Noise,
+    /// Factor of the rewards of the episode in progress.
+    scale: f32,
+    /// Steps of the rollout.
+    done: usize,
+    /// Fragments that the rollout has of this environment: one more than episodes that ended.
+    fragments: u64,
+    ends: Vec<End>,
+    lost_in_a_row: u32,
+    /// The action in physical units, padded to the width of the batch.
+    command: Vec<f64>,
+}
+
+impl LockstepCollector {
+    /// Begins the first episodes. `correlation` is that of the exploration noise between consecutive steps.
+    ///
+    /// # Errors
+    /// [`Error::Env`] when an environment cannot begin; those of `scale`.
+    pub fn new(
+        mut environments: VecEnv,
+        interface: Interface,
+        correlation: f32,
+        mut scale: RewardScale,
+        seed: u64,
+    ) -> Result<Self> {
+        environments.reset(seed)?;
+        let (observation, action) = Pilot::new(interface, spaces_of(&environments, 0)?).widths();
+        let mut seats = Vec::with_capacity(environments.len());
+        for index in 0..environments.len() {
+            let spaces = spaces_of(&environments, index)?;
+            seats.push(Seat {
+                pilot: Pilot::new(interface, spaces),
+                noise: Noise::new(action, correlation, Random::new(seed, 0)),
+                scale: scale(spaces)? as f32,
+                done: 0,
+                fragments: 0,
+                ends: Vec::new(),
+                lost_in_a_row: 0,
+                command: vec![0.0; environments.widths().0],
+            });
+        }
+        let mut collector = Self {
+            environments,
+            interface,
+            widths: Widths { observation, action, parts: 1 },
+            scale,
+            seed,
+            correlation,
+            rollouts: 0,
+            seats,
+            ready: Vec::new(),
+            lost: 0,
+            times: [Duration::ZERO; 2],
+        };
+        (0..collector.seats.len()).try_for_each(|index| collector.check_and_observe(index))?;
+        Ok(collector)
+    }
+
+    /// Returns how many episodes were lost.
+    pub fn lost(&self) -> u64 {
+        self.lost
+    }
+
+    /// Returns the environments.
+    pub fn environments(&self) -> &VecEnv {
+        &self.environments
+    }
+
+    /// Returns the times spent on actions and on all of the last rollout, s.
+    pub fn times(&self) -> [f64; 2] {
+        self.times.map(|time| time.as_secs_f64())
+    }
+
+    /// Observes the beginning of an episode, whose building must have the observation and the actuators of the first.
+    fn check_and_observe(&mut self, environment: usize) -> Result<()> {
+        let widths = self.seats[environment].pilot.widths();
+        if widths != (self.widths.observation, self.widths.action) {
+            let name = &spaces_of(&self.environments, environment)?.building.name;
+            let why = format!("{name} does not have the observation and the actuators of the network");
+            return Err(Error::Collect(why.into()));
+        }
+        self.observe(environment)
+    }
+
+    /// Has the pilot take the environment's observation.
+    fn observe(&mut self, environment: usize) -> Result<()> {
+        let slots = spaces_of(&self.environments, environment)?.observation.len();
+        let first = environment * self.environments.widths().1;
+        self.seats[environment].pilot.observe(&self.environments.observations()[first..][..slots]);
+        Ok(())
+    }
+
+    /// Makes room in the rollout and begins it in every environment.
+    fn begin_rollout(&mut self, steps: usize, rollout: &mut Rollout) {
+        let (environments, rows) = (self.seats.len(), self.seats.len() * steps);
+        (rollout.environments, rollout.steps) = (environments, steps);
+        rollout.observations.resize(rows * self.widths.observation, 0.0);
+        rollout.actions.resize(rows * self.widths.action, 0.0);
+        rollout.rewards.resize(rows, 0.0);
+        rollout.next.resize(environments * self.widths.observation, 0.0);
+        rollout.ends.clear();
+        self.rollouts += 1;
+        self.times = [Duration::ZERO; 2];
+        for index in 0..environments {
+            let seat = &mut self.seats[index];
+            (seat.done, seat.fragments) = (0, 0);
+            seat.ends.clear();
+            self.begin_fragment(index);
+        }
+    }
+
+    /// Begins the exploration noise of a fragment.
+    fn begin_fragment(&mut self, environment: usize) {
+        let seat = &mut self.seats[environment];
+        let random = Random::new(self.seed, stream(self.rollouts, environment, seat.fragments));
+        seat.noise = Noise::new(self.widths.action, self.correlation, random);
+        seat.fragments += 1;
+    }
+
+    /// Makes one step of every environment whose rollout is not complete.
+    fn step(&mut self, actor: &Actor, scratch: &mut Scratch, rollout: &mut Rollout) -> Result<()> {
+        let (before, steps) = (Instant::now(), rollout.steps);
+        for (index, seat) in self.seats.iter_mut().enumerate().filter(|(_, seat)| seat.done < steps) {
+            seat.act(actor, scratch, index * steps + seat.done, rollout);
+        }
+        self.times[0] += before.elapsed();
+        for (index, seat) in self.seats.iter().enumerate().filter(|(_, seat)| seat.done < steps) {
+            self.environments.send(index, &seat.command)?;
+        }
+        self.receive(|collector, environment| collector.take_step(environment, rollout))?;
+        while self.receive(Self::begin_episode)? > 0 {}
+        Ok(())
+    }
+
+    /// Waits for all busy environments and deals with each. Returns how many there were.
+    fn receive(&mut self, mut take: impl FnMut(&mut Self, usize) -> Result<()>) -> Result<usize> {
+        let mut ready = std::mem::take(&mut self.ready);
+        self.environments.recv(self.seats.len(), &mut ready)?;
+        for environment in &ready {
+            match self.environments.lost(*environment).map(str::to_owned) {
+                Some(why) => self.lose(*environment, why)?,
+                None => take(self, *environment)?,
+            }
+        }
+        self.ready = ready;
+        Ok(self.ready.len())
+    }
+
+    /// Records the outcome of a step.
+    fn take_step(&mut self, environment: usize, rollout: &mut Rollout) -> Result<()> {
+        self.observe(environment)?;
+        let reward = self.environments.rewards()[environment].total() as f32;
+        let seat = &mut self.seats[environment];
+        rollout.rewards[environment * rollout.steps + seat.done] = reward * seat.scale;
+        seat.done += 1;
+        seat.lost_in_a_row = 0;
+        if seat.done == rollout.steps {
+            let width = self.widths.observation;
+            rollout.next[environment * width..][..width].copy_from_slice(seat.pilot.observed());
+        }
+        if self.environments.truncated()[environment] {
+            seat.end(environment);
+            self.environments.reset_one(environment)?;
+        }
+        Ok(())
+    }
+
+    fn begin_episode(&mut self, environment: usize) -> Result<()> {
+        let spaces = spaces_of(&self.environments, environment)?;
+        let seat = &mut self.seats[environment];
+        seat.pilot = Pilot::new(self.interface, spaces);
+        seat.scale = (self.scale)(spaces)? as f32;
+        self.begin_fragment(environment);
+        self.check_and_observe(environment)
+    }
+
+    /// Ends the episode that was lost at its last step, and begins another.
+    fn lose(&mut self, environment: usize, why: String) -> Result<()> {
+        self.lost += 1;
+        let seat = &mut self.seats[environment];
+        seat.lost_in_a_row += 1;
+        if seat.lost_in_a_row > LOST_IN_A_ROW {
+            return Err(Error::LostEpisodes { count: seat.lost_in_a_row, why });
+        }
+        seat.end(environment);
+        Ok(self.environments.reset_one(environment)?)
+    }
+}
+
+impl Seat {
+    /// Chooses the action of a step, and records it with the observation before, in a row of the rollout.
+    fn act(&mut self, actor: &Actor, scratch: &mut Scratch, row: usize, rollout: &mut Rollout) {
+        let observation = self.pilot.observed();
+        let (slots, actuators) = self.pilot.widths();
+        let action = &mut rollout.actions[row * actuators..][..actuators];
+        actor.sample(observation, self.noise.draw(), scratch, action);
+        rollout.observations[row * slots..][..slots].copy_from_slice(observation);
+        let physical = self.pilot.act(action);
+        self.command[..physical.len()].copy_from_slice(physical);
+    }
+
+    /// Ends the episode at the last step, unless one has ended there or the rollout has no step yet.
+    fn end(&mut self, environment: usize) {
+        let ended = self.ends.last().map_or(0, |end| end.step + 1);
+        if self.done > ended {
+            let observation = self.pilot.observed().to_vec();
+            self.ends.push(End { environment, step: self.done - 1, observation });
+        }
+    }
+}
+
+impl Collector for LockstepCollector {
+    fn widths(&self) -> Widths {
+        self.widths
+    }
+
+    fn environments(&self) -> usize {
+        self.seats.len()
+    }
+
+    fn collect(&mut self, actor: &Actor, steps: usize, rollout: &mut Rollout) -> Result<()> {
+        let began = Instant::now();
+        self.begin_rollout(steps, rollout);
+        let mut scratch = actor.scratch();
+        while self.seats.iter().any(|seat| seat.done < steps) {
+            self.step(actor, &mut scratch, rollout)?;
+        }
+        rollout.ends.extend(self.seats.iter_mut().flat_map(|seat| seat.ends.drain(..)));
+        self.times[1] = began.elapsed();
+        Ok(())
+    }
+}

@@ -1,0 +1,156 @@
+//! The speed of training: updates without a folder, evaluations and checkpoints.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use b2b_benchmark::{Baselines, Evaluation};
+use b2b_dataset::Catalog;
+use b2b_env::vector::{VecEnv, WorkerOptions};
+
+use super::config::TrainConfig;
+use super::environments::Environments;
+use super::learner::Learner;
+use crate::collector::Collector;
+use crate::error::Result;
+use crate::fragments::{FragmentCollector, spaces_of};
+use crate::lockstep::LockstepCollector;
+use crate::rollout::Rollout;
+
+/// The design of a training loop: where actions are computed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Design {
+    /// In the workers, for a fragment of an episode at a time: see [`crate::fragments`]. That of [`train`](super::train).
+    Fragments,
+    /// In the owner, for one step of all environments at a time: see [`crate::lockstep`].
+    Lockstep,
+}
+
+impl Design {
+    /// All designs.
+    pub const ALL: [Self; 2] = [Self::Fragments, Self::Lockstep];
+
+    /// Returns the name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Fragments => "fragments",
+            Self::Lockstep => "lockstep",
+        }
+    }
+}
+
+/// A training loop without a folder. With the same configuration, both designs learn the same weights.
+pub struct TrainingLoop {
+    collector: EitherCollector,
+    learner: Learner,
+    rollout: Rollout,
+}
+
+/// The wall-clock time of an update, s.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct UpdateTimes {
+    /// Steps of all environments.
+    pub steps: u64,
+    /// Time of the environments: all of the collection but inference.
+    pub environment: f64,
+    /// Time of the actor. In the workers it is their share of the collection.
+    pub inference: f64,
+    /// Time of the learner.
+    pub learner: f64,
+}
+
+impl UpdateTimes {
+    /// Returns the time of the update, s.
+    pub fn seconds(&self) -> f64 {
+        self.environment + self.inference + self.learner
+    }
+}
+
+impl TrainingLoop {
+    /// Begins the first episodes of a configuration.
+    ///
+    /// # Errors
+    /// Those of [`TrainConfig::check`]; [`Error::Invalid`](crate::Error::Invalid) for a reward in parts in lockstep; those of
+    /// environments, and of the baselines that rewards are scaled by.
+    pub fn new(
+        config: &TrainConfig,
+        design: Design,
+        catalog: &Arc<Catalog>,
+        workers: WorkerOptions,
+    ) -> Result<Self> {
+        config.check()?;
+        let environments = Environments::new(config, Arc::clone(catalog));
+        let (launcher, interrupted) = (workers.launcher.clone(), workers.interrupted);
+        let evaluation = Evaluation { catalog, launcher, jobs: 1, interrupted };
+        let scale = environments.scale(&evaluation, &Baselines::open()?)?;
+        let collector = match design {
+            Design::Fragments => EitherCollector::Fragments(environments.fragments(workers, scale)?),
+            Design::Lockstep => EitherCollector::Lockstep(environments.lockstep(workers, scale)?),
+        };
+        let spaces = spaces_of(collector.environments(), 0)?;
+        let learner = Learner::new(config, collector.widths(), spaces)?;
+        Ok(Self { collector, learner, rollout: Rollout::default() })
+    }
+
+    /// Collects a rollout and learns from it.
+    ///
+    /// # Errors
+    /// Those of the collector and of the learner.
+    pub fn update(&mut self) -> Result<UpdateTimes> {
+        let began = Instant::now();
+        let steps = self.learner.steps_per_rollout();
+        self.collector.collector().collect(&self.learner.actor(), steps, &mut self.rollout)?;
+        let collected = began.elapsed().as_secs_f64();
+        self.learner.update(&self.rollout)?;
+        let seconds = began.elapsed().as_secs_f64();
+        let [acting, all] = self.collector.times();
+        let inference = collected * acting / all.max(f64::MIN_POSITIVE);
+        Ok(UpdateTimes {
+            steps: self.rollout.rows() as u64,
+            environment: collected - inference,
+            inference,
+            learner: seconds - collected,
+        })
+    }
+
+    /// Returns the environments.
+    pub fn environments(&self) -> &VecEnv {
+        self.collector.environments()
+    }
+}
+
+/// The collector of a design.
+enum EitherCollector {
+    Fragments(FragmentCollector),
+    Lockstep(LockstepCollector),
+}
+
+impl EitherCollector {
+    fn collector(&mut self) -> &mut dyn Collector {
+        match self {
+            Self::Fragments(collector) => collector,
+            Self::Lockstep(collector) => collector,
+        }
+    }
+
+    fn widths(&self) -> crate::collector::Widths {
+        match self {
+            Self::Fragments(collector) => collector.widths(),
+            Self::Lockstep(collector) => collector.widths(),
+        }
+    }
+
+    fn environments(&self) -> &VecEnv {
+        match self {
+            Self::Fragments(collector) => collector.environments(),
+            Self::Lockstep(collector) => collector.environments(),
+        }
+    }
+
+    /// Returns the times spent on actions and on all steps of the last rollout, s.
+    fn times(&self) -> [f64; 2] {
+        match self {
+            Self::Fragments(collector) => collector.worker_times(),
+            Self::Lockstep(collector) => collector.times(),
+        }
+    }
+}

@@ -1,0 +1,166 @@
+//! Collectors in worker processes, on the real engine.
+#![cfg(target_os = "linux")]
+
+use std::time::Duration;
+
+use b2b_agent::network::Actor;
+use b2b_agent::{Acting, Interface, ObservationForm};
+use b2b_building::BuildingType;
+use b2b_dataset::{BuildingName, Catalog, Placement};
+use b2b_energyplus::install::Quiet;
+use b2b_env::vector::{Autoreset, Fixed, Launcher, Setting, Source, VecEnv, VecEnvOptions, WorkerOptions};
+use b2b_env::{EpisodeConfig, Task};
+use b2b_learn::collector::{Collector, Widths};
+use b2b_learn::fragments::FragmentCollector;
+use b2b_learn::lockstep::LockstepCollector;
+use b2b_learn::ppo::{Ppo, PpoConfig};
+use b2b_learn::rollout::Rollout;
+use b2b_learn::state::State;
+use rustix::process::{Pid, Signal, kill_process};
+
+const ENVIRONMENTS: usize = 3;
+/// Steps of an episode of one day.
+const DAY: usize = 288;
+const SEED: u64 = 7;
+const DIRECT: Interface = Interface { observation: ObservationForm::Raw, acting: Acting::Direct };
+const RESIDUAL: Interface =
+    Interface { observation: ObservationForm::Features, acting: Acting::Residual { authority: 0.5 } };
+
+/// Returns environments of a house on a winter's day.
+fn environments() -> VecEnv {
+    let catalog = Catalog::open(&mut Quiet).unwrap();
+    let house = BuildingName::Type(BuildingType::SingleFamilyHouse);
+    let found = catalog.find(&house, &Placement::default(), &mut Quiet).unwrap();
+    let episode = EpisodeConfig {
+        weather: found.weather.clone(),
+        period: "01-10..01-10".parse().unwrap(),
+        steps_per_hour: 12,
+        task: Task::default(),
+    };
+    let sampler = Fixed(vec![Setting::new(Source::from(found), episode)]);
+    let launcher = Launcher::new(env!("CARGO_BIN_EXE_b2b-learn-worker"));
+    let workers = WorkerOptions::new(launcher, catalog.library().path());
+    let options = VecEnvOptions { workers, autoreset: Autoreset::Disabled, widths: None };
+    VecEnv::new(ENVIRONMENTS, Box::new(sampler), options).unwrap()
+}
+
+fn fragments(interface: Interface, correlation: f32) -> FragmentCollector {
+    let scale = Box::new(|_: &_| Ok(0.3));
+    FragmentCollector::new(environments(), interface, false, correlation, scale, SEED).unwrap()
+}
+
+fn lockstep(interface: Interface, correlation: f32) -> LockstepCollector {
+    LockstepCollector::new(environments(), interface, correlation, Box::new(|_: &_| Ok(0.3)), SEED).unwrap()
+}
+
+/// Returns an actor that is another for every seed.
+fn actor(widths: Widths, seed: u64) -> Actor {
+    let config = PpoConfig { actor_hidden: vec![16], critic_hidden: vec![16], ..PpoConfig::default() };
+    Ppo::new(widths, config, seed).unwrap().actor()
+}
+
+/// Collects the rollouts of these numbers, each with an actor of its own.
+fn rollouts(
+    collector: &mut dyn Collector,
+    numbers: std::ops::RangeInclusive<u64>,
+    steps: usize,
+) -> Vec<Rollout> {
+    let mut collect = |number| {
+        let mut rollout = Rollout::default();
+        let widths = collector.widths();
+        collector.collect(&actor(widths, number), steps, &mut rollout).unwrap();
+        rollout.check(widths).unwrap();
+        rollout
+    };
+    numbers.map(&mut collect).collect()
+}
+
+#[test]
+fn fragments_and_lockstep_collect_the_same_bits() {
+    // Of 100 steps, the episode ends within the third rollout; of 96 steps, with its last step.
+    for (interface, correlation, steps) in [(DIRECT, 0.0, 100), (DIRECT, 0.4, 96), (RESIDUAL, 0.4, 100)] {
+        let ours = rollouts(&mut fragments(interface, correlation), 1..=4, steps);
+        let theirs = rollouts(&mut lockstep(interface, correlation), 1..=4, steps);
+        let ends = |rollouts: &[Rollout]| rollouts.iter().map(|each| each.ends.len()).collect::<Vec<_>>();
+        assert_eq!(ends(&ours), [0, 0, ENVIRONMENTS, 0]);
+        assert_eq!(ours[2].ends[0].step, DAY - 2 * steps - 1);
+        for (number, (one, other)) in ours.iter().zip(&theirs).enumerate() {
+            assert!(one == other, "rollout {number} of {steps} steps with {interface:?}");
+        }
+    }
+}
+
+#[test]
+fn a_restored_collection_continues_with_the_same_bits() {
+    for interface in [DIRECT, RESIDUAL] {
+        let mut whole = fragments(interface, 0.4);
+        rollouts(&mut whole, 1..=2, 100);
+        let first = whole.state();
+        let mut expected = rollouts(&mut whole, 3..=4, 100);
+        let second = whole.state();
+        expected.extend(rollouts(&mut whole, 5..=6, 100));
+        // The first state is in the first episodes, the second in the next.
+        for (state, from) in [(first, 3), (second, 5)] {
+            let state = State::from_bytes(&state.to_bytes()).unwrap();
+            let mut restored = fragments(interface, 0.4);
+            let any = actor(restored.widths(), 0);
+            restored.restore(&state, &any).unwrap();
+            assert!(restored.state() == state, "the state is kept");
+            let continued = rollouts(&mut restored, from..=6, 100);
+            assert!(
+                continued == expected[from as usize - 3..],
+                "continued at rollout {from} with {interface:?}"
+            );
+        }
+    }
+}
+
+fn signal(process: u32, signal: Signal) {
+    kill_process(Pid::from_raw(process as i32).unwrap(), signal).unwrap();
+}
+
+/// Collects the second rollout while the worker of the second environment is killed.
+fn with_a_kill(collector: &mut dyn Collector, process: u32) -> Rollout {
+    // It does not come to its end before it is killed.
+    signal(process, Signal::STOP);
+    let killer = std::thread::spawn(move || {
+        std::thread::sleep(Duration::from_millis(100));
+        signal(process, Signal::KILL);
+    });
+    let rollout = rollouts(collector, 2..=2, 100).remove(0);
+    killer.join().unwrap();
+    rollout
+}
+
+/// Asserts that a rollout has another episode of the second environment, and is otherwise as expected.
+fn assert_one_episode_is_another(rollout: &Rollout, expected: &Rollout, widths: Widths) {
+    let of = |rollout: &Rollout, environment: usize| {
+        let row = 100 * widths.observation;
+        rollout.observations[environment * row..][..row].to_vec()
+    };
+    assert_eq!((rollout.environments, rollout.steps), (ENVIRONMENTS, 100));
+    for environment in 0..ENVIRONMENTS {
+        assert_eq!(of(rollout, environment) == of(expected, environment), environment != 1);
+    }
+}
+
+#[test]
+fn a_worker_killed_in_a_rollout_costs_its_episode_alone() {
+    let mut whole = fragments(DIRECT, 0.0);
+    let widths = whole.widths();
+    let expected = rollouts(&mut whole, 1..=2, 100).remove(1);
+
+    let mut collector = fragments(DIRECT, 0.0);
+    rollouts(&mut collector, 1..=1, 100);
+    let process = collector.environments().process(1).unwrap();
+    assert_one_episode_is_another(&with_a_kill(&mut collector, process), &expected, widths);
+    assert_eq!(collector.lost(), 1);
+    rollouts(&mut collector, 3..=4, 100);
+    assert_eq!((collector.lost(), collector.take_finished().len()), (1, ENVIRONMENTS));
+
+    let mut collector = lockstep(DIRECT, 0.0);
+    rollouts(&mut collector, 1..=1, 100);
+    let process = collector.environments().process(1).unwrap();
+    assert_one_episode_is_another(&with_a_kill(&mut collector, process), &expected, widths);
+    assert_eq!(collector.lost(), 1);
+}
