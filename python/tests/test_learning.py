@@ -27,7 +27,7 @@ def agent(tmp_path_factory):
 
 
 def test_an_agent_controls_its_building_as_its_evaluation_does(agent):
-    env = b2b.make_env(HOUSE, task="occupancy", run_period=DAYS)
+    env = b2b.make_env(building_id=HOUSE, task="occupancy", run_period=DAYS)
     trajectory = b2b.rollout(env, agent.controller(env))
     evaluation = b2b.evaluate(agent, HOUSE, "occupancy", run_periods=DAYS)
     assert evaluation.rows[0]["return"] == pytest.approx(sum(trajectory.rewards), rel=1e-12)
@@ -38,7 +38,7 @@ def test_an_agent_controls_its_building_as_its_evaluation_does(agent):
 def test_an_agent_acts_alike_in_a_rescaled_environment(agent):
     actions = []
     for rescale in (False, True):
-        env = b2b.make_env(HOUSE, task="occupancy", run_period=DAYS, rescale_action=rescale)
+        env = b2b.make_env(building_id=HOUSE, task="occupancy", run_period=DAYS, rescale_action=rescale)
         controller, (observation, _) = agent.controller(env), env.reset()
         for _ in range(20):
             observation, *_, info = env.step(controller(observation).astype(env.action_space.dtype))

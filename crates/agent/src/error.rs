@@ -41,6 +41,16 @@ pub enum Error {
         /// Its training buildings.
         trained_on: String,
     },
+    /// An agent that is no plain network from an observation to an action.
+    #[error(
+        "the agent {agent} is not a plain network: {why}; only direct agents with the observation raw or roles export to ONNX"
+    )]
+    NotPlain {
+        /// Name of the agent.
+        agent: String,
+        /// Reason.
+        why: &'static str,
+    },
     /// A file that cannot be read or written.
     #[error("{path}: {source}")]
     Io {

@@ -12,7 +12,9 @@ mod folder;
 mod info;
 pub mod network;
 mod observation;
+mod onnx;
 mod pilot;
+pub mod protobuf;
 
 pub use acting::Acting;
 pub use agent::{Agent, AgentController};

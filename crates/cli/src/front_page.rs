@@ -5,7 +5,7 @@
 const GROUPS: &[(&str, &[&str])] = &[
     ("Simulate", &["run", "import"]),
     ("Explore buildings", &["list", "show", "view"]),
-    ("Train agents", &["train"]),
+    ("Train agents", &["train", "export"]),
     ("Evaluate policies", &["evaluate", "score", "benchmark"]),
     ("Dataset and baselines", &["dataset", "generate", "check", "tune", "baseline"]),
     ("Installation and performance", &["setup", "doctor", "bench"]),

@@ -14,6 +14,8 @@ mod doctor;
 mod evaluate;
 #[cfg(target_os = "linux")]
 mod evaluation;
+#[cfg(target_os = "linux")]
+mod export;
 mod facts;
 mod front_page;
 mod generate;
@@ -79,6 +81,8 @@ enum Command {
     #[cfg(target_os = "linux")]
     Train(Box<train::Arguments>),
     #[cfg(target_os = "linux")]
+    Export(export::Arguments),
+    #[cfg(target_os = "linux")]
     Tune(tune::Arguments),
 }
 
@@ -133,6 +137,8 @@ fn execute(command: Command) -> Result<ExitCode> {
         Command::Generate(arguments) => generate::generate(&arguments)?,
         Command::Check(arguments) => return check::check(&arguments),
         Command::Import(arguments) => return import::import(&arguments),
+        #[cfg(target_os = "linux")]
+        Command::Export(arguments) => export::export(&arguments)?,
         #[cfg(target_os = "linux")]
         Command::Train(arguments) => train::train(&arguments)?,
         #[cfg(target_os = "linux")]

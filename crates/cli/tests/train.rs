@@ -79,6 +79,31 @@ fn a_run_is_an_agent_that_evaluations_take_as_a_policy() {
 }
 
 #[test]
+fn a_plain_network_exports_to_onnx_and_scores_alike() {
+    let folder = folder_with_config();
+    let path = folder.path();
+    let run = format!("{} --steps 192 --direct --observation roles", train("run"));
+    assert!(b2b(path, &run).status.success());
+    let output = b2b(path, "export run --out agent.onnx");
+    assert!(output.status.success(), "{}", stderr(&output));
+    let score = |policy: &str| {
+        let evaluate = format!(
+            "evaluate SingleFamilyHouse-0014 --policy {policy} --task occupancy --period 01-10..01-10"
+        );
+        let evaluated = json(path, &format!("{evaluate} --out of-{policy}"));
+        evaluated["windows"][0]["all"]["scores"]["interquartile_mean"]["value"].as_f64().unwrap()
+    };
+    let [agent, network] = [score("run"), score("agent.onnx")];
+    assert!((agent / network - 1.0).abs() < 1e-4, "{agent} {network}");
+    assert!(b2b(path, &format!("{} --steps 192", train("corrected"))).status.success());
+    assert_rejected(
+        path,
+        "export corrected --out other.onnx",
+        &["corrected is not a plain network", "raw or roles"],
+    );
+}
+
+#[test]
 fn agents_enter_a_benchmark_problem_one_for_each_seed() {
     let folder = folder_with_config();
     let path = folder.path();

@@ -1,5 +1,7 @@
 //! ONNX files to test with, written field by field after `onnx.proto`.
 
+use b2b_agent::protobuf::{bytes, integer, text};
+
 const FLOAT: u64 = 1;
 
 /// Returns a policy of one layer without weights, as learning libraries export it: one observation in a batch of any
@@ -33,28 +35,4 @@ fn value(name: &str, width: usize) -> Vec<u8> {
     let shape = [bytes(1, &text(2, "batch")), bytes(1, &integer(1, width as u64))].concat();
     let tensor_type = [integer(1, FLOAT), bytes(2, &shape)].concat();
     [text(1, name), bytes(2, &bytes(1, &tensor_type))].concat()
-}
-
-/// A field of Protocol Buffers that holds a message, a string or bytes.
-fn bytes(field: u64, content: &[u8]) -> Vec<u8> {
-    [varint(field << 3 | 2), varint(content.len() as u64), content.to_vec()].concat()
-}
-
-fn text(field: u64, content: &str) -> Vec<u8> {
-    bytes(field, content.as_bytes())
-}
-
-/// A field of Protocol Buffers that holds an integer.
-fn integer(field: u64, value: u64) -> Vec<u8> {
-    [varint(field << 3), varint(value)].concat()
-}
-
-fn varint(mut value: u64) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    while value >= 0x80 {
-        bytes.push(value as u8 | 0x80);
-        value >>= 7;
-    }
-    bytes.push(value as u8);
-    bytes
 }

@@ -1,0 +1,48 @@
+//! `b2b export`: an agent as an ONNX file.
+
+use std::path::PathBuf;
+
+use anyhow::{Context, Result};
+use b2b_agent::{Agent, write_whole};
+use b2b_building::RunPeriod;
+use b2b_dataset::BuildingName;
+
+use crate::arguments::location::Location;
+use crate::prepare::Prepared;
+
+/// Write an agent as an ONNX file
+///
+/// For agents that are a plain network: trained with `--direct` and the observation raw or roles. The file takes the
+/// environment's observation (the values of `b2b show BUILDING --observations`, without scaling), or that by roles, and
+/// returns actions from -1 to 1.
+#[derive(clap::Args)]
+#[command(verbatim_doc_comment)]
+pub struct Arguments {
+    /// Folder of the agent
+    #[arg(value_name = "FOLDER")]
+    agent: PathBuf,
+    /// A building that the agent controls [default: the one it was trained on]
+    #[arg(long, value_name = "BUILDING")]
+    building: Option<BuildingName>,
+    /// Output file
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+}
+
+/// Runs the command.
+pub fn export(arguments: &Arguments) -> Result<()> {
+    let agent = Agent::read(&arguments.agent)?;
+    let training = &agent.info().training;
+    let building = match &arguments.building {
+        Some(building) => building.clone(),
+        None => training.buildings.parse().with_context(|| {
+            format!("the agent was trained on {}; name one building with --building", training.buildings)
+        })?,
+    };
+    let prepared = Prepared::new(&building, &Location::default(), false)?;
+    let task = agent.info().task.clone();
+    let spaces = prepared.spaces(RunPeriod::WINTER, training.steps_per_hour, task)?;
+    write_whole(&arguments.out, &agent.to_onnx(&spaces.into())?)?;
+    println!("{}", arguments.out.display());
+    Ok(())
+}
