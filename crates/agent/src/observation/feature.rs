@@ -36,6 +36,8 @@ pub(super) enum Source {
     Day { slot: usize, periods: f64, cosine: bool },
     /// Sine or cosine of the time of the week.
     Week { day: usize, hour: usize, cosine: bool },
+    /// Nearness to an hour of the week, of 168: 1 at it, 0 from an hour away on, linear between.
+    HourOfWeek { day: usize, hour: usize, at: f64 },
     /// Sine or cosine of the time of the year.
     Year { slot: usize, cosine: bool },
     /// The agent's previous action for an actuator.
@@ -73,12 +75,19 @@ impl Feature {
             Source::Week { day, hour, cosine } => {
                 wave((observation[day] + observation[hour] / 24.0) / 7.0, cosine)
             }
+            Source::HourOfWeek { day, hour, at } => {
+                let distance = (24.0 * observation[day] + observation[hour] - at).abs();
+                (1.0 - distance.min(HOURS_OF_WEEK - distance)).max(0.0)
+            }
             Source::Year { slot, cosine } => wave(observation[slot] / 365.0, cosine),
             Source::Previous(actuator) => f64::from(previous[actuator]),
             Source::Base(actuator) => f64::from(base[actuator]),
         }
     }
 }
+
+/// Hours of a week.
+pub(super) const HOURS_OF_WEEK: f64 = 168.0;
 
 fn clipped(value: f64, scale: f64, limit: f64) -> f64 {
     (value / scale).clamp(-limit, limit)

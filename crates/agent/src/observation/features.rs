@@ -4,10 +4,12 @@ use b2b_building::{BuildingType, Conditioning};
 use b2b_dataset::house::ZoneRole;
 use b2b_env::{Spaces, Target};
 
-use super::feature::{Feature, Source};
+use super::feature::{Feature, HOURS_OF_WEEK, Source};
 
 /// Temperature about which zones and targets are scaled, °C.
 const COMFORTABLE: f64 = 21.0;
+/// Days of the week, as the calendar counts them.
+const WEEKDAYS: [&str; 7] = ["Mon", "Tue", "Wed", "Thu", "Fri", "Sat", "Sun"];
 /// HVAC power that counts as one, W/m².
 const POWER: f64 = 20.0;
 
@@ -84,6 +86,10 @@ fn surroundings(spaces: &Spaces, features: &mut Vec<Feature>) {
         add(&format!("half day, {name}"), Source::Day { slot: hour, periods: 2.0, cosine });
         add(&format!("week, {name}"), Source::Week { day, hour, cosine });
         add(&format!("year, {name}"), Source::Year { slot: date, cosine });
+    }
+    for at in 0..HOURS_OF_WEEK as u32 {
+        let (weekday, clock) = (WEEKDAYS[at as usize / 24], at % 24);
+        add(&format!("{weekday} {clock} h"), Source::HourOfWeek { day, hour, at: at.into() });
     }
     let scale = POWER / f64::from(spaces.episode.steps_per_hour);
     for (name, slot) in [("electricity", space.electricity()), ("gas", space.gas())] {
