@@ -207,7 +207,7 @@ fn a_misspelled_argument_is_answered_with_the_valid_ones() {
         ("run Warehouse --place Dever", ["Dever", "Denver"]),
         ("run Warehouse --period 02-30..03-05", ["02-30", "MM-DD"]),
         ("run Warehouse --period spring", ["spring", "winter, summer, full_year"]),
-        ("run Warehouse --controller reactiv", ["reactiv", "'reactive'"]),
+        ("run Warehouse --controller reactiv", ["reactiv", "expected reactive, random"]),
         ("run Warehouse --task warm", ["`warm`", "occupancy+energy0.5"]),
         ("run Warehouse --task constant:99", ["target", "99"]),
         ("run Warehouse --task none.json", ["none.json", "No such file"]),

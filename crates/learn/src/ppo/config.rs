@@ -47,6 +47,10 @@ pub struct PpoConfig {
     pub max_grad_norm: f32,
     /// Divergence of the policy, in nats: an update stops before a minibatch where it is over 1.5 times this. Default none.
     pub target_kl: Option<f32>,
+    /// Divergence of the policy in an update, in nats, that the learning rate of the actor is adapted to: it is divided by 1.5
+    /// after an update with more than twice as much, and multiplied by 1.5 after one with less than half, as in rsl_rl (Rudin
+    /// et al. 2022). Default none.
+    pub desired_kl: Option<f32>,
     /// Whether advantages have mean 0 and deviation 1 in each minibatch. Default true.
     pub normalize_advantage: bool,
     /// Widths of the hidden layers of the actor. Default 64, 64.
@@ -88,6 +92,7 @@ impl Default for PpoConfig {
             value_coefficient: 0.5,
             max_grad_norm: 0.5,
             target_kl: None,
+            desired_kl: None,
             normalize_advantage: true,
             actor_hidden: vec![64, 64],
             critic_hidden: vec![64, 64],
@@ -115,6 +120,7 @@ impl PpoConfig {
             ("clip_range", f64::from(self.clip_range)),
             ("max_grad_norm", f64::from(self.max_grad_norm)),
             ("target_kl", self.target_kl.map_or(1.0, f64::from)),
+            ("desired_kl", self.desired_kl.map_or(1.0, f64::from)),
         ];
         if let Some((name, value)) = positive.into_iter().find(|(_, value)| value.is_nan() || *value <= 0.0) {
             return Err(Error::config(name, value, "it must be above 0"));

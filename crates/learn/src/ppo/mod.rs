@@ -44,6 +44,8 @@ pub struct Ppo {
     credit: Credit,
     parameters: Vec<f32>,
     adam: Adam,
+    /// Factor of the learning rate of the actor.
+    rate: f64,
     scale: ValueScale,
     random: Random,
     /// Number of updates.
@@ -72,6 +74,7 @@ impl Ppo {
         Ok(Self {
             credit: Credit::new(config.credit.as_deref(), widths)?,
             adam: Adam::new(parameters.len(), config.adam_epsilon),
+            rate: 1.0,
             scale: ValueScale::new(widths.parts, config.value_rate),
             gradients: vec![0.0; parameters.len()],
             workers: vec![Worker::new(&networks)],
@@ -104,6 +107,12 @@ impl Ppo {
         self.threads = threads.max(1);
     }
 
+    /// Sets the logarithm of the standard deviation of all actions, where these are free parameters.
+    pub fn set_log_std(&mut self, log_std: f32) {
+        self.parameters[self.networks.log_stds()].fill(log_std);
+        self.networks.project(&mut self.parameters);
+    }
+
     /// Returns the actor with the current parameters.
     pub fn actor(&self) -> Actor {
         self.networks.actor(&self.parameters)
@@ -115,6 +124,7 @@ impl Ppo {
         state.put_f32("parameters", &self.parameters);
         self.adam.save("adam", &mut state);
         self.scale.save(&mut state);
+        state.put_f64("rate", &[self.rate]);
         state.put_u64("random", &self.random.words());
         state.put_u64("updates", &[self.updates, self.failures]);
         state
@@ -128,6 +138,7 @@ impl Ppo {
         state.read_f32("parameters", &mut self.parameters)?;
         self.adam.restore("adam", state)?;
         self.scale.restore(state)?;
+        state.read_f64("rate", std::slice::from_mut(&mut self.rate))?;
         self.random = Random::from_words(state.read_u64("random")?);
         [self.updates, self.failures] = state.read_u64("updates")?;
         Ok(())

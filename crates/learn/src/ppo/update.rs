@@ -14,6 +14,9 @@ const BLOCK: usize = 256;
 const FAILURES: u64 = 3;
 /// Stable-Baselines3 stops an update where the divergence is over this times its target.
 const KL_FACTOR: f64 = 1.5;
+/// Factor of an adaptation of the learning rate, and its limits as shares of the rate of the configuration.
+const RATE_FACTOR: f64 = 1.5;
+const RATES: std::ops::RangeInclusive<f64> = 0.01..=10.0;
 
 /// Results of an update. Losses, entropy, divergence and norm are means over its minibatches.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -32,7 +35,7 @@ pub struct Update {
     pub explained_variance: f64,
     /// Norm of the gradient before its clip.
     pub gradient_norm: f64,
-    /// Learning rate.
+    /// Learning rate of the actor.
     pub learning_rate: f64,
     /// Complete epochs.
     pub epochs: usize,
@@ -57,15 +60,31 @@ impl Ppo {
     pub fn update(&mut self, rollout: &Rollout) -> Result<Update> {
         rollout.check(self.widths)?;
         let explained_variance = self.prepare(rollout);
-        let learning_rate = self.config.learning_rate * self.config.schedule.factor(self.updates);
+        let learning_rate = self.learning_rate() * self.rate;
         let mut update = Update { explained_variance, learning_rate, ..Update::default() };
         self.run_epochs(&mut update);
+        self.adapt_rate(update.approx_kl);
         self.updates += 1;
         self.failures = if update.skipped > 0 { self.failures + 1 } else { 0 };
         match self.failures >= FAILURES {
             true => Err(Error::NotFinite { updates: self.failures }),
             false => Ok(update),
         }
+    }
+
+    /// Returns the learning rate of the critic, and of the actor before its adaptation.
+    fn learning_rate(&self) -> f64 {
+        self.config.learning_rate * self.config.schedule.factor(self.updates)
+    }
+
+    fn adapt_rate(&mut self, kl: f64) {
+        let Some(desired) = self.config.desired_kl.map(f64::from) else { return };
+        if kl > 2.0 * desired {
+            self.rate /= RATE_FACTOR;
+        } else if kl < 0.5 * desired {
+            self.rate *= RATE_FACTOR;
+        }
+        self.rate = self.rate.clamp(*RATES.start(), *RATES.end());
     }
 
     /// Computes log densities, advantages and returns of the steps. Returns the explained variance.
@@ -149,7 +168,9 @@ impl Ppo {
         if !(norm.is_finite() && (losses.policy + losses.value + losses.entropy).is_finite()) {
             return Outcome::Skipped;
         }
-        self.adam.step(&mut self.parameters, &self.gradients, update.learning_rate);
+        let (critic, all) = (self.networks.critics(), self.parameters.len());
+        let rates = [(0..critic.start, update.learning_rate), (critic.start..all, self.learning_rate())];
+        self.adam.step_parts(&mut self.parameters, &self.gradients, rates);
         self.networks.project(&mut self.parameters);
         sums.add(&losses);
         update.gradient_norm += f64::from(norm);

@@ -93,6 +93,9 @@ pub struct TrainConfig {
     pub credit_by_zone: bool,
     /// Correlation of the exploration noise between consecutive steps, from 0 to 1.
     pub noise_correlation: f32,
+    /// Mean penalty with exploration noise, over that without, that the noise is chosen for when training begins: the most noise
+    /// of which a short trial costs no more. 0: that of `ppo.initial_log_std`.
+    pub noise_cost: f64,
     /// Agent that the run's folder has in the end.
     pub keep: Keep,
     /// Evaluations during training.
@@ -136,6 +139,7 @@ impl Default for TrainConfig {
             scale_rewards: true,
             credit_by_zone: false,
             noise_correlation: 0.0,
+            noise_cost: 0.0,
             keep: Keep::Best,
             evaluation: EvaluationConfig::default(),
             checkpoint_every: 100_000,
@@ -234,6 +238,12 @@ impl TrainConfig {
             }
             () if !(0.0..1.0).contains(&self.noise_correlation) => {
                 format!("`noise_correlation` is {}; expected 0 to less than 1", self.noise_correlation)
+            }
+            () if self.noise_cost != 0.0 && !(self.noise_cost > 1.0 && self.noise_cost.is_finite()) => {
+                format!("`noise_cost` is {}; expected more than 1, or 0 for none", self.noise_cost)
+            }
+            () if self.noise_cost != 0.0 && self.algorithm == Algorithm::Sac => {
+                "`noise_cost` is for ppo; with sac it must be 0".to_owned()
             }
             () if self.evaluation.every > 0 && self.evaluation.days == 0 => {
                 "`evaluation.days` is 0; expected at least 1".to_owned()

@@ -53,6 +53,14 @@ impl Learner {
         }
     }
 
+    /// Sets the logarithm of the standard deviation of actions, where it is a free parameter.
+    pub(super) fn set_log_std(&mut self, log_std: f32) {
+        match self {
+            Self::Ppo(ppo) => ppo.set_log_std(log_std),
+            Self::Sac(_) => {}
+        }
+    }
+
     /// Returns the steps of each environment between updates.
     pub(super) fn steps_per_rollout(&self) -> usize {
         match self {

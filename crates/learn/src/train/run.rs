@@ -193,6 +193,9 @@ impl<'a> Run<'a> {
 
     /// Collects and learns until the run has its steps.
     fn learn(&mut self, judge: Option<&Judge<'_>>, interrupted: fn() -> bool) -> Result<()> {
+        if self.steps == 0 && self.config.noise_cost > 0.0 {
+            self.calibrate_noise()?;
+        }
         let (mut progress, warning) = Progress::open(self.out, self.steps)?;
         if let Some(warning) = warning {
             self.monitor.warn(&warning);
@@ -225,6 +228,27 @@ impl<'a> Run<'a> {
             }
         }
         Ok(())
+    }
+
+    /// Chooses the exploration noise: the most of which a day in every environment costs no more than it may.
+    fn calibrate_noise(&mut self) -> Result<()> {
+        self.monitor.stage("calibrating exploration noise");
+        let quiet = self.penalty_with(SILENT)?;
+        for log_std in LOG_STDS {
+            if self.penalty_with(log_std)? <= self.config.noise_cost * quiet {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns the mean penalty of a day in every environment with this logarithm of the standard deviation.
+    fn penalty_with(&mut self, log_std: f32) -> Result<f64> {
+        self.learner.set_log_std(log_std);
+        let mut rollout = Rollout::default();
+        let steps = 24 * self.config.steps_per_hour as usize;
+        self.collector.collect(&self.learner.actor(), steps, &mut rollout)?;
+        Ok(-rollout.rewards.iter().map(|reward| f64::from(*reward)).sum::<f64>() / rollout.rows() as f64)
     }
 
     /// Collects a rollout and learns from it.
@@ -321,6 +345,10 @@ impl<'a> Run<'a> {
         AgentInfo { distribution: self.learner.actor().distribution, training, ..self.info.clone() }
     }
 }
+
+/// Logarithms of standard deviations that are tried, from the largest on, and one of hardly any noise.
+const LOG_STDS: [f32; 8] = [-0.5, -1.0, -1.5, -2.0, -2.5, -3.0, -3.5, -4.0];
+const SILENT: f32 = -7.0;
 
 /// Names of the scores in a row.
 const EVALUATED: [&str; 5] = ["score", "resolved_score", "rms_deviation_k", "energy_ratio", "travel_per_day"];
