@@ -16,7 +16,7 @@ const FAILURES: u64 = 3;
 const KL_FACTOR: f64 = 1.5;
 /// Factor of an adaptation of the learning rate, and its limits as shares of the rate of the configuration.
 const RATE_FACTOR: f64 = 1.5;
-const RATES: std::ops::RangeInclusive<f64> = 0.01..=10.0;
+const RATES: std::ops::RangeInclusive<f64> = 0.01..=3.0;
 
 /// Results of an update. Losses, entropy, divergence and norm are means over its minibatches.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -29,6 +29,8 @@ pub struct Update {
     pub entropy: f64,
     /// Divergence of the policy from the one that made the steps, in nats; a mean over the groups of actions with one ratio each.
     pub approx_kl: f64,
+    /// Divergence at which the update stopped, if it did: see [`PpoConfig::target_kl`](super::PpoConfig::target_kl).
+    pub stopped_kl: Option<f64>,
     /// Share of clipped ratios.
     pub clip_fraction: f64,
     /// 1 - variance of return minus value / variance of return, before the update. 0 if returns do not vary.
@@ -63,7 +65,7 @@ impl Ppo {
         let learning_rate = self.learning_rate() * self.rate;
         let mut update = Update { explained_variance, learning_rate, ..Update::default() };
         self.run_epochs(&mut update);
-        self.adapt_rate(update.approx_kl);
+        self.adapt_rate(&update);
         self.updates += 1;
         self.failures = if update.skipped > 0 { self.failures + 1 } else { 0 };
         match self.failures >= FAILURES {
@@ -77,8 +79,10 @@ impl Ppo {
         self.config.learning_rate * self.config.schedule.factor(self.updates)
     }
 
-    fn adapt_rate(&mut self, kl: f64) {
+    fn adapt_rate(&mut self, update: &Update) {
         let Some(desired) = self.config.desired_kl.map(f64::from) else { return };
+        // The mean over the minibatches before a stop says little of what it was for.
+        let kl = update.stopped_kl.unwrap_or(update.approx_kl);
         if kl > 2.0 * desired {
             self.rate /= RATE_FACTOR;
         } else if kl < 0.5 * desired {
@@ -162,6 +166,7 @@ impl Ppo {
         }
         let losses = self.differentiate(rows.len());
         if self.config.target_kl.is_some_and(|target| losses.kl > KL_FACTOR * f64::from(target)) {
+            update.stopped_kl = Some(losses.kl);
             return Outcome::Stopped;
         }
         let norm = clip_norm(&mut [&mut self.gradients], self.config.max_grad_norm);
