@@ -17,6 +17,8 @@ pub(super) struct Checkpoint {
     pub(super) best: f64,
     /// Seconds of training so far.
     pub(super) seconds: f64,
+    /// Logarithm of the standard deviation of actions when training began.
+    pub(super) log_std: f64,
     /// State of the learner.
     pub(super) learner: State,
     /// State of the environments.
@@ -28,7 +30,7 @@ impl Checkpoint {
     pub(super) fn write(&self, folder: &Path) -> Result<()> {
         let mut all = State::default();
         all.put_u64("steps", &[self.steps]);
-        all.put_f64("best", &[self.best, self.seconds]);
+        all.put_f64("best", &[self.best, self.seconds, self.log_std]);
         all.put_all("learner", &self.learner);
         all.put_all("collector", &self.collector);
         Ok(b2b_agent::write_whole(&folder.join(CHECKPOINT), &all.to_bytes())?)
@@ -45,11 +47,11 @@ impl Checkpoint {
         };
         let all = State::from_bytes(&bytes).map_err(|error| wrong(error.to_string()))?;
         let [steps] = all.read_u64("steps").map_err(|error| wrong(error.to_string()))?;
-        let mut numbers = [0.0; 2];
+        let mut numbers = [0.0; 3];
         all.read_f64("best", &mut numbers).map_err(|error| wrong(error.to_string()))?;
-        let [best, seconds] = numbers;
+        let [best, seconds, log_std] = numbers;
         let (learner, collector) = (all.part("learner"), all.part("collector"));
-        Ok(Some(Self { steps, best, seconds, learner, collector }))
+        Ok(Some(Self { steps, best, seconds, log_std, learner, collector }))
     }
 }
 
@@ -61,7 +63,8 @@ mod tests {
     fn a_checkpoint_reads_back_as_it_was_and_a_damaged_one_is_an_error() {
         let folder = tempfile::tempdir().unwrap();
         assert_eq!(Checkpoint::read(folder.path()).unwrap(), None);
-        let mut checkpoint = Checkpoint { steps: 7, best: 0.9, seconds: 1.5, ..Checkpoint::default() };
+        let mut checkpoint =
+            Checkpoint { steps: 7, best: 0.9, seconds: 1.5, log_std: -2.0, ..Checkpoint::default() };
         checkpoint.learner.put_f32("weights", &[1.0, -0.0]);
         checkpoint.collector.put_u64("episodes", &[3]);
         checkpoint.write(folder.path()).unwrap();

@@ -96,6 +96,9 @@ pub struct TrainConfig {
     /// Mean penalty with exploration noise, over that without, that the noise is chosen for when training begins: the most noise
     /// of which a short trial costs no more. 0: that of `ppo.initial_log_std`.
     pub noise_cost: f64,
+    /// Exploration noise at the end of the run, as a share of that at its beginning: it falls exponentially in between, so that
+    /// the agent ends at what is good without noise. 1: it is learned with the rest instead.
+    pub final_noise: f64,
     /// Agent that the run's folder has in the end.
     pub keep: Keep,
     /// Evaluations during training.
@@ -140,6 +143,7 @@ impl Default for TrainConfig {
             credit_by_zone: false,
             noise_correlation: 0.0,
             noise_cost: 0.0,
+            final_noise: 1.0,
             keep: Keep::Best,
             evaluation: EvaluationConfig::default(),
             checkpoint_every: 100_000,
@@ -241,6 +245,9 @@ impl TrainConfig {
             }
             () if self.noise_cost != 0.0 && !(self.noise_cost > 1.0 && self.noise_cost.is_finite()) => {
                 format!("`noise_cost` is {}; expected more than 1, or 0 for none", self.noise_cost)
+            }
+            () if !(self.final_noise > 0.0 && self.final_noise <= 1.0) => {
+                format!("`final_noise` is {}; expected more than 0, at most 1", self.final_noise)
             }
             () if self.noise_cost != 0.0 && self.algorithm == Algorithm::Sac => {
                 "`noise_cost` is for ppo; with sac it must be 0".to_owned()

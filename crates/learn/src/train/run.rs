@@ -142,6 +142,8 @@ struct Run<'a> {
     best: f64,
     /// Seconds spent on collection and learning.
     seconds: f64,
+    /// Logarithm of the standard deviation of actions when training began.
+    log_std: f64,
 }
 
 impl<'a> Run<'a> {
@@ -176,6 +178,7 @@ impl<'a> Run<'a> {
             steps: 0,
             best: f64::INFINITY,
             seconds: 0.0,
+            log_std: config.ppo.initial_log_std.into(),
         })
     }
 
@@ -186,8 +189,8 @@ impl<'a> Run<'a> {
         let other = |error: Error| Error::Resume { path: self.out.to_owned(), why: error.to_string() };
         self.learner.restore(&checkpoint.learner).map_err(other)?;
         self.collector.restore(&checkpoint.collector, &self.learner.actor())?;
-        let Checkpoint { steps, best, seconds, .. } = checkpoint;
-        (self.steps, self.best, self.seconds) = (steps, best, seconds);
+        let Checkpoint { steps, best, seconds, log_std, .. } = checkpoint;
+        (self.steps, self.best, self.seconds, self.log_std) = (steps, best, seconds, log_std);
         Ok(())
     }
 
@@ -203,6 +206,7 @@ impl<'a> Run<'a> {
         let mut rollout = Rollout::default();
         while self.steps < self.config.steps {
             let before = self.steps;
+            self.anneal_noise();
             let mut row = match self.update(&mut rollout) {
                 Ok(row) => row,
                 Err(error) => return Err(self.give_up(error)),
@@ -235,11 +239,20 @@ impl<'a> Run<'a> {
         self.monitor.stage("calibrating exploration noise");
         let quiet = self.penalty_with(SILENT)?;
         for log_std in LOG_STDS {
+            self.log_std = log_std.into();
             if self.penalty_with(log_std)? <= self.config.noise_cost * quiet {
                 break;
             }
         }
         Ok(())
+    }
+
+    /// Lowers the exploration noise by the share of the run that is done.
+    fn anneal_noise(&mut self) {
+        if self.config.final_noise < 1.0 {
+            let done = self.steps as f64 / self.config.steps as f64;
+            self.learner.set_log_std((self.log_std + done * self.config.final_noise.ln()) as f32);
+        }
     }
 
     /// Returns the mean penalty of a day in every environment with this logarithm of the standard deviation.
@@ -294,6 +307,7 @@ impl<'a> Run<'a> {
             steps: self.steps,
             best: self.best,
             seconds: self.seconds,
+            log_std: self.log_std,
             learner: self.learner.state(),
             collector: self.collector.state(),
         };
