@@ -156,7 +156,7 @@ fn a_worker_killed_in_a_rollout_costs_its_episode_alone() {
     assert_one_episode_is_another(&with_a_kill(&mut collector, process), &expected, widths);
     assert_eq!(collector.lost(), 1);
     rollouts(&mut collector, 3..=4, 100);
-    assert_eq!((collector.lost(), collector.take_finished().len()), (1, ENVIRONMENTS));
+    assert_eq!((collector.lost(), collector.ended()), (1, ENVIRONMENTS as u64));
 
     let mut collector = lockstep(DIRECT, 0.0);
     rollouts(&mut collector, 1..=1, 100);

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use b2b_agent::network::Actor;
 use b2b_agent::{Interface, Pilot};
+use b2b_env::Spaces;
 use b2b_env::vector::{SharedMemory, VecEnv};
-use b2b_env::{Metrics, Spaces};
 
 use super::blocks::Block;
 use super::order::{Order, Use, stream};
@@ -22,15 +22,6 @@ const REPLAYED: usize = 1024;
 
 /// The factor by which the rewards of a building are multiplied.
 pub type RewardScale = Box<dyn FnMut(&Arc<Spaces>) -> Result<f64> + Send>;
-
-/// An episode that ended while steps were collected.
-#[derive(Clone, Debug)]
-pub struct Finished {
-    /// Name of the building.
-    pub building: String,
-    /// Its metrics, with exploration.
-    pub metrics: Metrics,
-}
 
 /// Collects rollouts in the worker processes of a [`VecEnv`] with [`Autoreset::Disabled`](b2b_env::vector::Autoreset::Disabled).
 ///
@@ -50,7 +41,8 @@ pub struct FragmentCollector {
     /// Rollouts collected so far.
     rollouts: u64,
     seats: Vec<Seat>,
-    finished: Vec<Finished>,
+    /// Episodes that ended.
+    ended: u64,
     lost: u64,
 }
 
@@ -144,7 +136,7 @@ impl FragmentCollector {
             blocks: (0, 0),
             rollouts: 0,
             seats,
-            finished: Vec::new(),
+            ended: 0,
             lost: 0,
         })
     }
@@ -153,11 +145,14 @@ impl FragmentCollector {
     /// and the actions in it.
     pub fn state(&self) -> State {
         let mut state = State::default();
-        let episodes: Vec<u64> = self.seats.iter().map(|seat| seat.episodes).collect();
+        // Of a seat between two episodes, the state is that of the next one.
+        let is_between = |seat: &Seat| seat.phase == Phase::Starting;
+        let episodes: Vec<u64> =
+            self.seats.iter().map(|seat| seat.episodes + u64::from(is_between(seat))).collect();
         state.put_u64("episodes", &episodes);
-        state.put_u64("counts", &[self.rollouts, self.lost]);
+        state.put_u64("counts", &[self.rollouts, self.ended, self.lost]);
         for (index, seat) in self.seats.iter().enumerate() {
-            state.put_f32(&actions_of(index), &seat.actions);
+            state.put_f32(&actions_of(index), if is_between(seat) { &[] } else { &seat.actions });
         }
         state
     }
@@ -167,7 +162,7 @@ impl FragmentCollector {
     /// # Errors
     /// When the state is of another number of environments, and when an environment cannot begin its episode.
     pub fn restore(&mut self, state: &State, actor: &Actor) -> Result<()> {
-        [self.rollouts, self.lost] = state.read_u64("counts")?;
+        [self.rollouts, self.ended, self.lost] = state.read_u64("counts")?;
         let episodes = state.values_u64("episodes", self.seats.len())?;
         let skipped: Vec<u64> = episodes.iter().map(|episodes| episodes.saturating_sub(1)).collect();
         self.environments.reset_after(self.seed, &skipped)?;
@@ -197,9 +192,9 @@ impl FragmentCollector {
         Ok(())
     }
 
-    /// Takes the episodes that ended since this was last called.
-    pub fn take_finished(&mut self) -> Vec<Finished> {
-        std::mem::take(&mut self.finished)
+    /// Returns how many episodes ended.
+    pub fn ended(&self) -> u64 {
+        self.ended
     }
 
     /// Returns how many episodes were lost.
@@ -319,9 +314,7 @@ impl FragmentCollector {
         self.memory.read(self.block(environment).next(), &mut observation);
         let seat = &mut self.seats[environment];
         seat.ends.push(End { environment, step: seat.done - 1, observation });
-        let building = spaces_of(&self.environments, environment)?.building.name.clone();
-        let metrics = self.environments.final_metrics(environment).cloned();
-        self.finished.extend(metrics.map(|metrics| Finished { building, metrics }));
+        self.ended += 1;
         self.restart(environment)
     }
 

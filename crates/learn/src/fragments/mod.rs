@@ -10,7 +10,7 @@ mod collector;
 mod order;
 mod runner;
 
-pub use collector::{Finished, FragmentCollector, RewardScale};
+pub use collector::{FragmentCollector, RewardScale};
 pub(crate) use collector::{LOST_IN_A_ROW, spaces_of};
 pub(crate) use order::stream;
 pub use order::{Order, Use};

@@ -14,8 +14,6 @@ pub enum Use {
     Explore,
     /// Carries out the actions in the block: an episode is brought back to a step that it had reached.
     Replay,
-    /// Acts without exploration, and records nothing.
-    Evaluate,
 }
 
 /// Returns the number of the random stream of exploration of a fragment: steps of one environment and episode in a rollout,

@@ -93,7 +93,6 @@ impl FragmentRunner {
         let (observation, block) = (self.pilot.observed(), &order.block);
         match order.purpose {
             Use::Replay => memory.read(block.action(step), &mut self.action),
-            Use::Evaluate => self.actor.mean(observation, &mut self.scratch, &mut self.action),
             Use::Explore => {
                 self.actor.sample(observation, noise.draw(), &mut self.scratch, &mut self.action);
                 memory.write(block.observation(step), observation);

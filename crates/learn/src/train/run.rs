@@ -280,6 +280,7 @@ impl<'a> Run<'a> {
             ("steps_per_s", steps as f64 / seconds),
             ("collection_share", collected / seconds),
             ("training_penalty", penalty),
+            ("episodes", self.collector.ended() as f64),
             ("lost_episodes", self.collector.lost() as f64),
         ];
         values.extend(learned);
