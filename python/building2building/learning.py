@@ -91,7 +91,8 @@ def train(
 ) -> Agent:
     """Trains an agent, as ``b2b train`` does, and returns it.
 
-    ``buildings`` are trained on in turn; with ``building_type`` every episode has another building of its training split.
+    ``buildings`` are trained on in turn; with ``building_type`` every episode has another building of its training
+    split.
     ``preset`` is ``"residual"`` or ``"paper"``; ``options`` are any others of a run's ``config.toml``, such as
     ``environments=4`` or ``ppo={"gamma": 0.99}``. ``out`` is the folder of the run, which is the agent's. A folder that
     has a run with the same options continues from its last checkpoint; with ``resume`` only ``steps`` can be given.

@@ -1,7 +1,7 @@
 //! Collection in the workers: each runs a fragment of its episode with a copy of the actor.
 //!
 //! 1. The owner writes the actor's parameters to shared memory, once for all workers.
-//! 2. Each worker runs its fragment ([`runner`]) and leaves observations, actions and rewards in its block of that memory.
+//! 2. Each worker runs its fragment ([`make_runner`]) and leaves observations, actions and rewards in its block of that memory.
 //! 3. Where an episode ends within a fragment, the next begins in a new worker, which runs the rest.
 //! 4. The owner copies the blocks to the rollout.
 
