@@ -74,6 +74,11 @@ impl<'a> Judge<'a> {
         Ok(Self { evaluation, episodes: buildings.iter().map(episode).collect::<Result<_>>()? })
     }
 
+    /// Returns the judge with episodes that are run otherwise.
+    pub(super) fn with_evaluation(self, evaluation: &'a Evaluation<'a>) -> Self {
+        Self { evaluation, ..self }
+    }
+
     /// Returns the scores of an agent. It acts without exploration.
     pub(super) fn judge(&self, agent: &Agent) -> Result<Scores> {
         let outcomes: Mutex<Vec<Option<Outcome>>> = Mutex::new(vec![None; self.episodes.len()]);

@@ -93,6 +93,9 @@ pub fn train(config: &TrainConfig, place: Place<'_>) -> Result<Summary> {
     begin_folder(config, &place.out)?;
     let Place { out, catalog, launcher, jobs, interrupted, monitor } = place;
     let evaluation = Evaluation { catalog: &catalog, launcher: launcher.clone(), jobs, interrupted };
+    // An interrupt waits for the evaluations of training, which take seconds: a checkpoint follows each.
+    let uninterrupted =
+        Evaluation { catalog: &catalog, launcher: launcher.clone(), jobs, interrupted: || false };
     let baselines = Baselines::open()?;
     let environments = Environments::new(config, Arc::clone(&catalog));
     let evaluated = environments.evaluated()?;
@@ -102,7 +105,11 @@ pub fn train(config: &TrainConfig, place: Place<'_>) -> Result<Summary> {
 
     monitor.stage("computing baselines");
     let whole = judge_of(period.days())?;
-    let judge = if config.evaluation.every > 0 { Some(judge_of(config.evaluation.days)?) } else { None };
+    let judge = if config.evaluation.every > 0 {
+        Some(judge_of(config.evaluation.days)?.with_evaluation(&uninterrupted))
+    } else {
+        None
+    };
     monitor.stage("preparing environments");
     let workers = WorkerOptions::new(launcher, catalog.library().path());
     let scale = environments.scale(&evaluation, &baselines)?;
