@@ -86,10 +86,8 @@ impl Agent {
     }
 
     fn check(&self, pilot: &Pilot, spaces: &Spaces) -> Result<()> {
-        let slots: Vec<&str> = pilot.observation().features().iter().map(|slot| slot.name.as_str()).collect();
-        let actuators: Vec<&str> = spaces.action.names().iter().map(String::as_str).collect();
-        let why = difference("observation", &self.info.slots, &slots)
-            .or_else(|| difference("actuator", &self.info.actuators, &actuators));
+        let why = difference("observation", &self.info.slots, &pilot.observation().names())
+            .or_else(|| difference("actuator", &self.info.actuators, spaces.action.names()));
         match why {
             None => Ok(()),
             Some(why) => Err(Error::OtherBuilding {
@@ -103,13 +101,13 @@ impl Agent {
 }
 
 /// Describes the first difference of two lists of names.
-fn difference(what: &str, agent: &[String], building: &[&str]) -> Option<String> {
+fn difference(what: &str, agent: &[String], building: &[String]) -> Option<String> {
     if agent.len() != building.len() {
         let (has, takes) = (building.len(), agent.len());
         return Some(format!("the building has {has} {what} slots and the agent {takes}"));
     }
     let mut pairs = agent.iter().zip(building).enumerate();
-    pairs.find(|(_, (there, here))| there.as_str() != **here).map(|(index, (there, here))| {
+    pairs.find(|(_, (there, here))| there != here).map(|(index, (there, here))| {
         format!("{what} slot {index} is `{here}` in the building and `{there}` in the agent")
     })
 }

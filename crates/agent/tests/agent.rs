@@ -40,7 +40,7 @@ fn info(pilot: &Pilot, spaces: &Spaces, interface: Interface, actor: &Actor) -> 
     AgentInfo {
         format: FORMAT,
         interface,
-        slots: pilot.observation().features().iter().map(|slot| slot.name.clone()).collect(),
+        slots: pilot.observation().names(),
         actuators: spaces.action.names().to_vec(),
         network: actor.shape.clone(),
         distribution: actor.distribution.clone(),
@@ -121,7 +121,7 @@ fn features_are_of_the_order_of_one_and_have_the_same_names_in_all_houses() {
         let mut env = env(house, "occupancy");
         let spaces = Arc::clone(env.spaces());
         let observation = AgentObservation::new(ObservationForm::Features, &spaces, true);
-        let here: Vec<String> = observation.features().iter().map(|slot| slot.name.clone()).collect();
+        let here: Vec<String> = observation.names();
         assert_eq!(*names.get_or_insert(here.clone()), here, "{house}");
         let mut pilot = Pilot::new(RESIDUAL, &spaces);
         let mut seen = env.reset().unwrap().to_vec();

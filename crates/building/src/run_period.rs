@@ -131,6 +131,15 @@ impl RunPeriod {
         Ok(Self { first, last })
     }
 
+    /// The part of `days` days that begins `after` days after the first; it is cut where the period ends.
+    pub fn part(self, after: u32, days: u32) -> Self {
+        let whole = self.days();
+        let after = after.min(whole - 1);
+        let first = self.first.day_of_year() + after;
+        let last = first + days.clamp(1, whole - after) - 1;
+        Self { first: Date::of_day(first), last: Date::of_day(last) }
+    }
+
     /// First day.
     pub fn first(self) -> Date {
         self.first

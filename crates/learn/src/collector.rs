@@ -2,7 +2,7 @@
 
 use b2b_agent::network::Actor;
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::rollout::Rollout;
 
 /// Widths of the arrays of a rollout.
@@ -30,4 +30,16 @@ pub trait Collector {
     /// # Errors
     /// When an environment fails.
     fn collect(&mut self, actor: &Actor, steps: usize, rollout: &mut Rollout) -> Result<()>;
+}
+
+/// Episodes of one environment that may be lost in a row before the collection is given up.
+const LOST_IN_A_ROW: u32 = 5;
+
+/// Counts an episode that was lost.
+///
+/// # Errors
+/// [`Error::LostEpisodes`] when it is one too many in a row.
+pub(crate) fn count_lost(in_a_row: &mut u32, why: String) -> Result<()> {
+    *in_a_row += 1;
+    if *in_a_row > LOST_IN_A_ROW { Err(Error::LostEpisodes { count: *in_a_row, why }) } else { Ok(()) }
 }

@@ -13,9 +13,9 @@ use b2b_agent::network::{Actor, Scratch};
 use b2b_agent::{Interface, Pilot};
 use b2b_env::vector::VecEnv;
 
-use crate::collector::{Collector, Widths};
+use crate::collector::{Collector, Widths, count_lost};
 use crate::error::{Error, Result};
-use crate::fragments::{LOST_IN_A_ROW, RewardScale, spaces_of, stream};
+use crate::fragments::{RewardScale, spaces_of, stream};
 use crate::random::{Noise, Random};
 use crate::rollout::{End, Rollout};
 
@@ -61,12 +61,12 @@ impl LockstepCollector {
     /// Begins the first episodes. `correlation` is that of the exploration noise between consecutive steps.
     ///
     /// # Errors
-    /// [`Error::Env`] when an environment cannot begin; those of `scale`.
+    /// [`Error::Env`] when an environment cannot begin.
     pub fn new(
         mut environments: VecEnv,
         interface: Interface,
         correlation: f32,
-        mut scale: RewardScale,
+        scale: RewardScale,
         seed: u64,
     ) -> Result<Self> {
         environments.reset(seed)?;
@@ -77,7 +77,7 @@ impl LockstepCollector {
             seats.push(Seat {
                 pilot: Pilot::new(interface, spaces),
                 noise: Noise::new(action, correlation, Random::new(seed, 0)),
-                scale: scale(spaces)? as f32,
+                scale: scale(spaces) as f32,
                 done: 0,
                 fragments: 0,
                 ends: Vec::new(),
@@ -138,16 +138,10 @@ impl LockstepCollector {
 
     /// Makes room in the rollout and begins it in every environment.
     fn begin_rollout(&mut self, steps: usize, rollout: &mut Rollout) {
-        let (environments, rows) = (self.seats.len(), self.seats.len() * steps);
-        (rollout.environments, rollout.steps) = (environments, steps);
-        rollout.observations.resize(rows * self.widths.observation, 0.0);
-        rollout.actions.resize(rows * self.widths.action, 0.0);
-        rollout.rewards.resize(rows, 0.0);
-        rollout.next.resize(environments * self.widths.observation, 0.0);
-        rollout.ends.clear();
+        rollout.resize(self.seats.len(), steps, self.widths);
         self.rollouts += 1;
         self.times = [Duration::ZERO; 2];
-        for index in 0..environments {
+        for index in 0..self.seats.len() {
             let seat = &mut self.seats[index];
             (seat.done, seat.fragments) = (0, 0);
             seat.ends.clear();
@@ -215,7 +209,7 @@ impl LockstepCollector {
         let spaces = spaces_of(&self.environments, environment)?;
         let seat = &mut self.seats[environment];
         seat.pilot = Pilot::new(self.interface, spaces);
-        seat.scale = (self.scale)(spaces)? as f32;
+        seat.scale = (self.scale)(spaces) as f32;
         self.begin_fragment(environment);
         self.check_and_observe(environment)
     }
@@ -224,10 +218,7 @@ impl LockstepCollector {
     fn lose(&mut self, environment: usize, why: String) -> Result<()> {
         self.lost += 1;
         let seat = &mut self.seats[environment];
-        seat.lost_in_a_row += 1;
-        if seat.lost_in_a_row > LOST_IN_A_ROW {
-            return Err(Error::LostEpisodes { count: seat.lost_in_a_row, why });
-        }
+        count_lost(&mut seat.lost_in_a_row, why)?;
         seat.end(environment);
         Ok(self.environments.reset_one(environment)?)
     }

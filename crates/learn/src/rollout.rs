@@ -41,6 +41,22 @@ impl Rollout {
         self.environments * self.steps
     }
 
+    /// Makes room for the steps of environments with these widths, and forgets the ends.
+    pub(crate) fn resize(&mut self, environments: usize, steps: usize, widths: Widths) {
+        (self.environments, self.steps) = (environments, steps);
+        let rows = self.rows();
+        self.observations.resize(rows * widths.observation, 0.0);
+        self.actions.resize(rows * widths.action, 0.0);
+        self.rewards.resize(rows * widths.parts, 0.0);
+        self.next.resize(environments * widths.observation, 0.0);
+        self.ends.clear();
+    }
+
+    /// Returns the mean penalty of a step: the negated mean reward, over all parts.
+    pub fn mean_penalty(&self) -> f64 {
+        -self.rewards.iter().map(|reward| f64::from(*reward)).sum::<f64>() / self.rows() as f64
+    }
+
     /// Checks the lengths of the arrays and the order of the ends.
     ///
     /// # Errors

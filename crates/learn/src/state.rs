@@ -1,11 +1,9 @@
-//! Saved states of learners: named tensors, as bytes in the safetensors format.
-//!
-//! The format is the length of a header as 8 little-endian bytes, the header in JSON, and the values, little-endian. Values are
-//! kept bit for bit.
+//! Saved states of learners: named tensors, as bytes in the safetensors format. Values are kept bit for bit.
 
 use std::collections::BTreeMap;
 
-use serde::{Deserialize, Serialize};
+use safetensors::tensor::{Dtype, TensorView};
+use safetensors::{SafeTensors, serialize};
 
 use crate::error::{Error, Result};
 
@@ -25,17 +23,6 @@ pub enum Values {
 pub struct State {
     tensors: BTreeMap<String, Values>,
 }
-
-/// The header of a tensor.
-#[derive(Serialize, Deserialize)]
-struct Entry {
-    dtype: String,
-    shape: Vec<usize>,
-    data_offsets: [usize; 2],
-}
-
-/// Length of the length of the header in bytes.
-const PREFIX: usize = 8;
 
 impl State {
     /// Adds values in single precision.
@@ -132,21 +119,12 @@ impl State {
 
     /// Returns the bytes of the state.
     pub fn to_bytes(&self) -> Vec<u8> {
-        let mut entries = BTreeMap::new();
-        let mut data = Vec::new();
-        // Values of eight bytes are first, so that all are aligned.
-        for size in [8, 4] {
-            for (name, values) in self.tensors.iter().filter(|(_, values)| values.size() == size) {
-                let start = data.len();
-                values.write(&mut data);
-                let (dtype, shape) = (values.dtype().into(), vec![values.len()]);
-                entries.insert(name, Entry { dtype, shape, data_offsets: [start, data.len()] });
-            }
-        }
-        let mut header = serde_json::to_vec(&entries).expect("names and numbers are JSON");
-        header.resize(header.len().next_multiple_of(8), b' ');
-        let length = (header.len() as u64).to_le_bytes();
-        [length.as_slice(), &header, &data].concat()
+        let bytes: Vec<Vec<u8>> = self.tensors.values().map(Values::to_bytes).collect();
+        let views = self.tensors.iter().zip(&bytes).map(|((name, values), bytes)| {
+            let view = TensorView::new(values.dtype(), vec![values.len()], bytes);
+            (name, view.expect("the bytes are those of the values"))
+        });
+        serialize(views, None).expect("names and numbers always serialize")
     }
 
     /// Reads the bytes of a state.
@@ -154,17 +132,9 @@ impl State {
     /// # Errors
     /// When the bytes are not a state of a learner.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self> {
-        let cut = || Error::State("it ends too early".into());
-        let (length, rest) = bytes.split_first_chunk::<PREFIX>().ok_or_else(cut)?;
-        let length = usize::try_from(u64::from_le_bytes(*length)).map_err(|_| cut())?;
-        let (header, data) = rest.split_at_checked(length).ok_or_else(cut)?;
-        let entries: BTreeMap<String, Entry> =
-            serde_json::from_slice(header).map_err(|error| Error::State(error.to_string()))?;
-        let read = |(name, entry): (String, Entry)| {
-            let values = data.get(entry.data_offsets[0]..entry.data_offsets[1]).ok_or_else(cut)?;
-            Ok((name, Values::read(&entry.dtype, values)?))
-        };
-        Ok(Self { tensors: entries.into_iter().map(read).collect::<Result<_>>()? })
+        let read = SafeTensors::deserialize(bytes).map_err(|error| Error::State(error.to_string()))?;
+        let values = |(name, view): (String, TensorView<'_>)| Ok((name, Values::read(&view)?));
+        Ok(Self { tensors: read.tensors().into_iter().map(values).collect::<Result<_>>()? })
     }
 }
 
@@ -179,33 +149,29 @@ impl Values {
         }
     }
 
-    fn dtype(&self) -> &'static str {
+    fn dtype(&self) -> Dtype {
         match self {
-            Self::F32(_) => "F32",
-            Self::F64(_) => "F64",
-            Self::U64(_) => "U64",
+            Self::F32(_) => Dtype::F32,
+            Self::F64(_) => Dtype::F64,
+            Self::U64(_) => Dtype::U64,
         }
     }
 
-    fn size(&self) -> usize {
-        if matches!(self, Self::F32(_)) { 4 } else { 8 }
-    }
-
-    fn write(&self, bytes: &mut Vec<u8>) {
+    fn to_bytes(&self) -> Vec<u8> {
         match self {
-            Self::F32(values) => values.iter().for_each(|value| bytes.extend(value.to_le_bytes())),
-            Self::F64(values) => values.iter().for_each(|value| bytes.extend(value.to_le_bytes())),
-            Self::U64(values) => values.iter().for_each(|value| bytes.extend(value.to_le_bytes())),
+            Self::F32(values) => values.iter().flat_map(|value| value.to_le_bytes()).collect(),
+            Self::F64(values) => values.iter().flat_map(|value| value.to_le_bytes()).collect(),
+            Self::U64(values) => values.iter().flat_map(|value| value.to_le_bytes()).collect(),
         }
     }
 
-    fn read(dtype: &str, bytes: &[u8]) -> Result<Self> {
-        let (four, eight) = (bytes.as_chunks::<4>().0.iter(), bytes.as_chunks::<8>().0.iter());
-        match dtype {
-            "F32" => Ok(Self::F32(four.map(|value| f32::from_le_bytes(*value)).collect())),
-            "F64" => Ok(Self::F64(eight.map(|value| f64::from_le_bytes(*value)).collect())),
-            "U64" => Ok(Self::U64(eight.map(|value| u64::from_le_bytes(*value)).collect())),
-            _ => Err(Error::State(format!("unknown type `{dtype}`; expected F32, F64 or U64"))),
+    fn read(view: &TensorView<'_>) -> Result<Self> {
+        let (four, eight) = (view.data().as_chunks::<4>().0.iter(), view.data().as_chunks::<8>().0.iter());
+        match view.dtype() {
+            Dtype::F32 => Ok(Self::F32(four.map(|value| f32::from_le_bytes(*value)).collect())),
+            Dtype::F64 => Ok(Self::F64(eight.map(|value| f64::from_le_bytes(*value)).collect())),
+            Dtype::U64 => Ok(Self::U64(eight.map(|value| u64::from_le_bytes(*value)).collect())),
+            other => Err(Error::State(format!("unknown type `{other}`; expected F32, F64 or U64"))),
         }
     }
 }

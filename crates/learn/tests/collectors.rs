@@ -45,12 +45,12 @@ fn environments() -> VecEnv {
 }
 
 fn fragments(interface: Interface, correlation: f32) -> FragmentCollector {
-    let scale = Box::new(|_: &_| Ok(0.3));
+    let scale = Box::new(|_: &_| 0.3);
     FragmentCollector::new(environments(), interface, false, correlation, scale, SEED).unwrap()
 }
 
 fn lockstep(interface: Interface, correlation: f32) -> LockstepCollector {
-    LockstepCollector::new(environments(), interface, correlation, Box::new(|_: &_| Ok(0.3)), SEED).unwrap()
+    LockstepCollector::new(environments(), interface, correlation, Box::new(|_: &_| 0.3), SEED).unwrap()
 }
 
 /// Returns an actor that is another for every seed.

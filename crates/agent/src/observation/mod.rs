@@ -76,6 +76,11 @@ impl AgentObservation {
         &self.features
     }
 
+    /// The names of the slots in order.
+    pub fn names(&self) -> Vec<String> {
+        self.features.iter().map(|feature| feature.name.clone()).collect()
+    }
+
     /// Number of slots.
     pub fn width(&self) -> usize {
         self.features.len()

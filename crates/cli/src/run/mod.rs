@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use anyhow::{Result, bail};
-use b2b_building::{Date, RunPeriod};
+use b2b_building::RunPeriod;
 use b2b_dataset::BuildingName;
 use b2b_env::{Spaces, Task, Trajectory};
 
@@ -120,8 +120,7 @@ impl Arguments {
         if hours % 24 != 0 || days == 0 || days > whole {
             bail!("--hours {hours}: expected a multiple of 24, at most {} for {}", whole * 24, self.period);
         }
-        let first = self.period.first();
-        Ok(RunPeriod::new(first, Date::of_day(first.day_of_year() + days - 1))?)
+        Ok(self.period.part(0, days))
     }
 
     /// Returns the trajectory of the reactive controllers in the same episode.

@@ -128,20 +128,20 @@ impl Arguments {
             return Ok(TrainConfig { steps: self.steps.unwrap_or(config.steps), ..config });
         }
         let base = TrainConfig::preset(self.preset.as_deref().unwrap_or("residual"))?;
+        let base = match self.algorithm {
+            Some(algorithm) => base.with_algorithm(algorithm),
+            None => base,
+        };
         let mut config = match &self.config {
             Some(path) => base.with_file(path)?,
             None => base,
         };
+        set(&mut config.algorithm, &self.algorithm);
         self.change(&mut config);
         Ok(config)
     }
 
     fn change(&self, config: &mut TrainConfig) {
-        fn set<T: Clone>(option: &mut T, given: &Option<T>) {
-            if let Some(value) = given {
-                option.clone_from(value);
-            }
-        }
         if !self.buildings.is_empty() {
             config.buildings = self.buildings.iter().map(ToString::to_string).collect();
             config.building_type.clear();
@@ -154,10 +154,6 @@ impl Arguments {
         set(&mut config.period, &self.period.map(|period| period.to_string()));
         set(&mut config.steps, &self.steps);
         set(&mut config.seed, &self.seed);
-        set(&mut config.algorithm, &self.algorithm);
-        if config.algorithm == Algorithm::Sac {
-            config.credit_by_zone = false;
-        }
         set(&mut config.environments, &self.environments);
         set(&mut config.observation, &self.observation);
         if self.direct {
@@ -184,9 +180,17 @@ impl Arguments {
     }
 }
 
+/// Sets an option if it is given.
+fn set<T: Clone>(option: &mut T, given: &Option<T>) {
+    if let Some(value) = given {
+        option.clone_from(value);
+    }
+}
+
 /// Formats the result of a run.
 fn text(summary: &Summary) -> String {
-    let Summary { scores, steps, steps_per_s, out, .. } = summary;
+    let Summary { steps, steps_per_s, out, .. } = summary;
+    let scores = &summary.scores.mean;
     let verdict = if scores.score < 1.0 { "beats" } else { "does not beat" };
     format!(
         "{} on {}, {}: {steps} steps at {steps_per_s:.0}/s, seed {}\n\n\

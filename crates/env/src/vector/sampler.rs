@@ -1,6 +1,5 @@
 //! Samplers of episodes.
 
-use b2b_building::{Date, RunPeriod};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
@@ -187,9 +186,7 @@ impl<S: Sampler> Sampler for Windows<S> {
         let starts = self.starts.clamp(1, room + 1);
         let start = random.random_range(0..starts) * room / (starts - 1).max(1);
         let days = random.random_range(least..=most);
-        let first = episode.period.first().day_of_year() + start;
-        let [first, last] = [first, first + most - 1].map(Date::of_day);
-        episode.period = RunPeriod::new(first, last).unwrap_or(episode.period);
+        episode.period = episode.period.part(start, most);
         draw.steps = Some((days * 24 * episode.steps_per_hour) as usize);
         Ok(draw)
     }

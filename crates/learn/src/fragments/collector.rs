@@ -9,19 +9,16 @@ use b2b_env::vector::{SharedMemory, VecEnv};
 
 use super::blocks::Block;
 use super::order::{Order, Use, stream};
-use crate::collector::{Collector, Widths};
+use crate::collector::{Collector, Widths, count_lost};
 use crate::error::{Error, Result};
 use crate::rollout::{End, Rollout};
 use crate::state::State;
-
-/// Episodes of one environment that may be lost in a row before the collection is given up.
-pub(crate) const LOST_IN_A_ROW: u32 = 5;
 
 /// Steps of an environment that are carried out again at a time.
 const REPLAYED: usize = 1024;
 
 /// The factor by which the rewards of a building are multiplied.
-pub type RewardScale = Box<dyn FnMut(&Arc<Spaces>) -> Result<f64> + Send>;
+pub type RewardScale = Box<dyn Fn(&Spaces) -> f64 + Send>;
 
 /// Collects rollouts in the worker processes of a [`VecEnv`] with [`Autoreset::Disabled`](b2b_env::vector::Autoreset::Disabled).
 ///
@@ -107,19 +104,19 @@ impl FragmentCollector {
     /// buildings must have the same zones. `correlation` is that of the exploration noise between consecutive steps.
     ///
     /// # Errors
-    /// [`Error::Env`] when an environment cannot begin; those of `scale`.
+    /// [`Error::Env`] when an environment cannot begin.
     pub fn new(
         mut environments: VecEnv,
         interface: Interface,
         by_zone: bool,
         correlation: f32,
-        mut scale: RewardScale,
+        scale: RewardScale,
         seed: u64,
     ) -> Result<Self> {
         environments.reset(seed)?;
         let mut seats = Vec::with_capacity(environments.len());
         for index in 0..environments.len() {
-            seats.push(Seat::new(scale(spaces_of(&environments, index)?)? as f32));
+            seats.push(Seat::new(scale(spaces_of(&environments, index)?) as f32));
         }
         let spaces = spaces_of(&environments, 0)?;
         let (observation, action) = Pilot::new(interface, spaces).widths();
@@ -167,7 +164,7 @@ impl FragmentCollector {
         let skipped: Vec<u64> = episodes.iter().map(|episodes| episodes.saturating_sub(1)).collect();
         self.environments.reset_after(self.seed, &skipped)?;
         for (index, episodes) in episodes.into_iter().enumerate() {
-            let scale = (self.scale)(spaces_of(&self.environments, index)?)? as f32;
+            let scale = (self.scale)(spaces_of(&self.environments, index)?) as f32;
             let actions = state.values_f32(&actions_of(index))?;
             self.seats[index] = Seat { episodes, actions, ..Seat::new(scale) };
         }
@@ -325,7 +322,7 @@ impl FragmentCollector {
     }
 
     fn begin_episode(&mut self, environment: usize) -> Result<()> {
-        let scale = (self.scale)(spaces_of(&self.environments, environment)?)? as f32;
+        let scale = (self.scale)(spaces_of(&self.environments, environment)?) as f32;
         let seat = &mut self.seats[environment];
         seat.phase = Phase::Ready;
         seat.episodes += 1;
@@ -341,10 +338,7 @@ impl FragmentCollector {
         self.lost += 1;
         let block = self.block(environment);
         let seat = &mut self.seats[environment];
-        seat.lost_in_a_row += 1;
-        if seat.lost_in_a_row > LOST_IN_A_ROW {
-            return Err(Error::LostEpisodes { count: seat.lost_in_a_row, why });
-        }
+        count_lost(&mut seat.lost_in_a_row, why)?;
         let ended = seat.ends.last().map_or(0, |end| end.step + 1);
         if seat.done > ended {
             let mut observation = vec![0.0; self.widths.observation];
@@ -357,13 +351,7 @@ impl FragmentCollector {
     /// Copies the blocks to a rollout.
     fn write(&self, steps: usize, rollout: &mut Rollout) {
         let Widths { observation, action, parts } = self.widths;
-        let environments = self.seats.len();
-        (rollout.environments, rollout.steps) = (environments, steps);
-        rollout.observations.resize(environments * steps * observation, 0.0);
-        rollout.actions.resize(environments * steps * action, 0.0);
-        rollout.rewards.resize(environments * steps * parts, 0.0);
-        rollout.next.resize(environments * observation, 0.0);
-        rollout.ends.clear();
+        rollout.resize(self.seats.len(), steps, self.widths);
         for (index, seat) in self.seats.iter().enumerate() {
             let block = self.block(index);
             let row = |width: usize| index * steps * width..(index + 1) * steps * width;

@@ -10,8 +10,8 @@ mod collector;
 mod order;
 mod runner;
 
+pub(crate) use collector::spaces_of;
 pub use collector::{FragmentCollector, RewardScale};
-pub(crate) use collector::{LOST_IN_A_ROW, spaces_of};
 pub(crate) use order::stream;
 pub use order::{Order, Use};
 pub use runner::make_runner;

@@ -178,6 +178,15 @@ impl TrainConfig {
         Self::default().with_changes(text).map_err(Error::Invalid)
     }
 
+    /// Returns the configuration with an algorithm, and without what is for another one.
+    #[must_use]
+    pub fn with_algorithm(self, algorithm: Algorithm) -> Self {
+        match algorithm {
+            Algorithm::Ppo => Self { algorithm, ..self },
+            Algorithm::Sac => Self { algorithm, credit_by_zone: false, noise_cost: 0.0, ..self },
+        }
+    }
+
     /// Returns the configuration with the changes of a TOML text. A text may name a preset of its own first, with
     /// `preset = "paper"`.
     ///
@@ -201,6 +210,11 @@ impl TrainConfig {
             Some(Value::String(name)) => Self::preset(&name).map_err(|error| error.to_string())?,
             Some(other) => return Err(format!("`preset` is {other}; expected a name")),
             None => self.clone(),
+        };
+        let algorithm = changes.get("algorithm").and_then(|name| name.as_str()?.parse().ok());
+        let base = match algorithm {
+            Some(algorithm) => base.with_algorithm(algorithm),
+            None => base,
         };
         let mut all = Table::try_from(&base).map_err(|error| error.to_string())?;
         merge(&mut all, changes);
@@ -373,6 +387,18 @@ mod tests {
         assert!(said.contains("many"), "{said}");
         let changed = base.with_changes("preset = \"paper\"\nseed = 7\n[ppo]\ngamma = 0.9").unwrap();
         assert_eq!((changed.seed, changed.ppo.gamma, changed.ppo.epochs), (7, 0.9, 5));
+    }
+
+    #[test]
+    fn a_preset_with_sac_leaves_out_what_is_for_ppo() {
+        let residual = TrainConfig::preset("residual").unwrap();
+        let changes = "buildings = [\"OfficeSmall-0042\"]\nalgorithm = \"sac\"";
+        let sac = residual.with_changes(changes).unwrap();
+        sac.check().unwrap();
+        assert_eq!(sac.algorithm, Algorithm::Sac);
+        let error =
+            residual.with_changes(&format!("{changes}\nnoise_cost = 2.0")).unwrap().check().unwrap_err();
+        assert!(error.to_string().contains("noise_cost"), "{error}");
     }
 
     #[test]

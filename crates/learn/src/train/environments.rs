@@ -3,9 +3,8 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use b2b_benchmark::{Baselines, Episode, Evaluation, Subject};
-use b2b_building::BuildingType;
-use b2b_building::morphology::Owner;
+use b2b_benchmark::{Baseline, Baselines, Episode, Evaluation, Subject};
+use b2b_building::{BuildingType, RunPeriod};
 use b2b_dataset::{BuildingName, Catalog, Placement, Split};
 use b2b_energyplus::install::Quiet;
 use b2b_env::vector::{
@@ -111,7 +110,7 @@ impl<'a> Environments<'a> {
     /// be run first.
     pub(super) fn scale(&self, evaluation: &Evaluation<'_>, baselines: &Baselines) -> Result<RewardScale> {
         if !self.config.scale_rewards {
-            return Ok(Box::new(|_: &Arc<Spaces>| Ok(1.0)));
+            return Ok(Box::new(|_: &Spaces| 1.0));
         }
         let mut scales = HashMap::new();
         for name in self.evaluated_or_named()? {
@@ -120,9 +119,7 @@ impl<'a> Environments<'a> {
         let mut sorted: Vec<f64> = scales.values().copied().collect();
         sorted.sort_by(f64::total_cmp);
         let median = sorted[sorted.len() / 2];
-        Ok(Box::new(move |spaces: &Arc<Spaces>| {
-            Ok(scales.get(&spaces.building.name).copied().unwrap_or(median))
-        }))
+        Ok(Box::new(move |spaces: &Spaces| scales.get(&spaces.building.name).copied().unwrap_or(median)))
     }
 
     fn evaluated_or_named(&self) -> Result<Vec<BuildingName>> {
@@ -135,38 +132,28 @@ impl<'a> Environments<'a> {
         evaluation: &Evaluation<'_>,
         baselines: &Baselines,
     ) -> Result<f64> {
-        let subject = Subject::at_home(name.clone());
-        let site = subject.locate(&self.catalog, &mut Quiet)?;
-        let episode = Episode {
-            subject,
-            task: self.config.task()?,
-            period: self.config.run_period()?,
-            seed: 0,
-            steps_per_hour: self.config.steps_per_hour,
-        };
-        let baseline = baselines.baseline(evaluation, &episode, &site, &())?;
+        let (episode, baseline) = self.scored(name, self.config.run_period()?, evaluation, baselines)?;
         let mean = -baseline.episode_return / episode.steps() as f64;
         Ok(1.0 / mean.max(SMALLEST_PENALTY))
+    }
+
+    /// Returns the episode of a building over a period, and what it is scored against, which is computed if it is unknown.
+    pub(super) fn scored(
+        &self,
+        name: &BuildingName,
+        period: RunPeriod,
+        evaluation: &Evaluation<'_>,
+        baselines: &Baselines,
+    ) -> Result<(Episode, Baseline)> {
+        let subject = Subject::at_home(name.clone());
+        let site = subject.locate(&self.catalog, &mut Quiet)?;
+        let (task, steps_per_hour) = (self.config.task()?, self.config.steps_per_hour);
+        let episode = Episode { subject, task, period, seed: 0, steps_per_hour };
+        let baseline = baselines.baseline(evaluation, &episode, &site, &())?;
+        Ok((episode, baseline))
     }
 }
 
 fn training_rows(building_type: BuildingType) -> impl Iterator<Item = b2b_dataset::BuildingId> {
     b2b_dataset::rows(building_type).iter().filter(|row| row.split == Split::Train).map(|row| row.id)
-}
-
-/// Returns the weight of each part of a reward, of the controlled zones and of energy, in the advantage of each actuator: that of
-/// a zone counts for its own actuators and for those of the air handler that serves it, energy for all.
-pub(super) fn credit(spaces: &Spaces) -> Vec<Vec<f32>> {
-    let zones: Vec<usize> = spaces.controlled_zones().collect();
-    let layouts: Vec<_> = spaces.building.laid_out_systems().map(|(_, layout)| layout).collect();
-    let serves = |owner: &Owner, zone: usize| match owner {
-        Owner::Zone(own) => *own == zone,
-        Owner::AirLoop(system) => layouts[*system].zones.iter().any(|served| served.index == zone),
-        Owner::Weather | Owner::Calendar | Owner::Energy => false,
-    };
-    let row = |owner: &Owner| {
-        let zones = zones.iter().map(|zone| f32::from(u8::from(serves(owner, *zone))));
-        zones.chain([1.0]).collect()
-    };
-    spaces.action.owners().iter().map(row).collect()
 }

@@ -4,7 +4,7 @@ use b2b_agent::network::Actor;
 use b2b_env::Spaces;
 
 use super::config::{Algorithm, TrainConfig};
-use super::environments::credit;
+use super::credit::credit;
 use crate::collector::Widths;
 use crate::error::Result;
 use crate::ppo::{Ppo, PpoConfig};

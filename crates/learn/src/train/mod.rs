@@ -7,6 +7,7 @@
 
 mod checkpoint;
 mod config;
+mod credit;
 mod curve;
 mod environments;
 mod judge;
@@ -20,7 +21,7 @@ mod tensorboard;
 pub use checkpoint::CHECKPOINT;
 pub use config::{Algorithm, EvaluationConfig, Keep, TrainConfig};
 pub use curve::PAGE;
-pub use judge::{BuildingScores, Scores};
+pub use judge::{BuildingScores, Measures, Scores};
 pub use measure::{Design, TrainingLoop, UpdateTimes};
 pub use progress::{Row, TABLE, read_column};
 pub use run::{CONFIG, LAST, Monitor, Place, SUMMARY, Summary, train};

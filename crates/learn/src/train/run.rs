@@ -14,12 +14,12 @@ use super::checkpoint::Checkpoint;
 use super::config::{Keep, TrainConfig};
 use super::curve;
 use super::environments::Environments;
-use super::judge::{Judge, Scores, window};
+use super::judge::{Judge, Measures, Scores, window};
 use super::learner::Learner;
 use super::progress::{Progress, Row};
 use crate::collector::Collector as _;
 use crate::error::{Error, Result, at};
-use crate::fragments::FragmentCollector;
+use crate::fragments::{FragmentCollector, spaces_of};
 use crate::rollout::Rollout;
 
 /// Name of the configuration in a run's folder.
@@ -100,15 +100,16 @@ pub fn train(config: &TrainConfig, place: Place<'_>) -> Result<Summary> {
     let environments = Environments::new(config, Arc::clone(&catalog));
     let evaluated = environments.evaluated()?;
     let period = config.run_period()?;
-    let judge_of =
-        |days| Judge::new(config, &evaluated, window(period, days), &evaluation, &baselines, &catalog);
+    let episodes = |days| {
+        let scored = |name| environments.scored(name, window(period, days), &evaluation, &baselines);
+        evaluated.iter().map(scored).collect::<Result<Vec<_>>>()
+    };
 
     monitor.stage("computing baselines");
-    let whole = judge_of(period.days())?;
-    let judge = if config.evaluation.every > 0 {
-        Some(judge_of(config.evaluation.days)?.with_evaluation(&uninterrupted))
-    } else {
-        None
+    let whole = Judge::new(&evaluation, episodes(period.days())?);
+    let judge = match config.evaluation.every {
+        0 => None,
+        _ => Some(Judge::new(&uninterrupted, episodes(config.evaluation.days)?)),
     };
     monitor.stage("preparing environments");
     let workers = WorkerOptions::new(launcher, catalog.library().path());
@@ -160,14 +161,14 @@ impl<'a> Run<'a> {
         collector: FragmentCollector,
         monitor: &'a mut dyn Monitor,
     ) -> Result<Self> {
-        let spaces = collector.environments().shared_spaces(0).ok_or(b2b_env::Error::NotReset)?;
+        let spaces = spaces_of(collector.environments(), 0)?;
         let pilot = Pilot::new(config.interface(), spaces);
         let learner = Learner::new(config, collector.widths(), spaces)?;
         let actor = learner.actor();
         let info = AgentInfo {
             format: FORMAT,
             interface: config.interface(),
-            slots: pilot.observation().features().iter().map(|slot| slot.name.clone()).collect(),
+            slots: pilot.observation().names(),
             actuators: spaces.action.names().to_vec(),
             network: actor.shape,
             distribution: actor.distribution,
@@ -224,7 +225,7 @@ impl<'a> Run<'a> {
             if let Some(judge) = judge.filter(|_| due(self.config.evaluation.every)) {
                 self.evaluate(judge, &mut row)?;
             } else {
-                row.values.extend(EVALUATED.map(|name| (name, f64::NAN)));
+                row.values.extend(Measures::UNKNOWN.named());
             }
             let written = progress.write(&row);
             self.warn_of(written, "the progress of this update");
@@ -268,7 +269,7 @@ impl<'a> Run<'a> {
         let mut rollout = Rollout::default();
         let steps = 24 * self.config.steps_per_hour as usize;
         self.collector.collect(&self.learner.actor(), steps, &mut rollout)?;
-        Ok(-rollout.rewards.iter().map(|reward| f64::from(*reward)).sum::<f64>() / rollout.rows() as f64)
+        Ok(rollout.mean_penalty())
     }
 
     /// Collects a rollout and learns from it.
@@ -281,12 +282,11 @@ impl<'a> Run<'a> {
         let steps = rollout.rows() as u64;
         self.steps += steps;
         self.seconds += seconds;
-        let penalty = -rollout.rewards.iter().map(|reward| f64::from(*reward)).sum::<f64>() / steps as f64;
         let mut values = vec![
             ("seconds", self.seconds),
             ("steps_per_s", steps as f64 / seconds),
             ("collection_share", collected / seconds),
-            ("training_penalty", penalty),
+            ("training_penalty", rollout.mean_penalty()),
             ("episodes", self.collector.ended() as f64),
             ("lost_episodes", self.collector.lost() as f64),
         ];
@@ -296,13 +296,12 @@ impl<'a> Run<'a> {
 
     /// Scores the agent as it is now, and keeps it if it is the best.
     fn evaluate(&mut self, judge: &Judge<'_>, row: &mut Row) -> Result<()> {
-        let scores = judge.judge(&Agent::new("agent", self.info(), self.learner.actor()))?;
-        let Scores { score, resolved_score, rms_deviation_k, energy_ratio, travel_per_day, .. } = scores;
-        let values = [score, resolved_score, rms_deviation_k, energy_ratio, travel_per_day];
-        row.values.extend(EVALUATED.into_iter().zip(values));
-        if self.config.keep == Keep::Best && score < self.best {
-            self.best = score;
-            let written = Agent::write(self.out, self.info(), &self.learner.actor());
+        let (info, actor) = (self.info(), self.learner.actor());
+        let measures = judge.judge(&Agent::new("agent", info.clone(), actor.clone()))?.mean;
+        row.values.extend(measures.named());
+        if self.config.keep == Keep::Best && measures.score < self.best {
+            self.best = measures.score;
+            let written = Agent::write(self.out, info, &actor);
             self.warn_of(written.map_err(Error::from), "the best agent");
         }
         Ok(())
@@ -371,9 +370,6 @@ impl<'a> Run<'a> {
 /// Logarithms of standard deviations that are tried, from the largest on, and one of hardly any noise.
 const LOG_STDS: [f32; 8] = [-0.5, -1.0, -1.5, -2.0, -2.5, -3.0, -3.5, -4.0];
 const SILENT: f32 = -7.0;
-
-/// Names of the scores in a row.
-const EVALUATED: [&str; 5] = ["score", "resolved_score", "rms_deviation_k", "energy_ratio", "travel_per_day"];
 
 fn training_info(config: &TrainConfig) -> TrainingInfo {
     let Versions { package, generator, engine, controllers } = Versions::current();
