@@ -35,7 +35,8 @@ pub struct Arguments {
     /// Number of other training buildings on which the best parameter sets are validated
     #[arg(long, default_value_t = 5, value_name = "N")]
     validation: u32,
-    /// Number of parameter sets to evaluate for each objective, including the defaults
+    /// Largest number of parameter sets to evaluate for each objective, including the defaults; a search ends early when
+    /// 20 sets in a row improve its score by less than 1 %
     #[arg(long, default_value_t = 100, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     evaluations: u32,
     /// Random seed of the choice of buildings and of the search
@@ -157,7 +158,9 @@ impl Arguments {
             |_| bar.inc(1),
         );
         interrupt::check()?;
-        tuned.with_context(|| format!("cannot tune {class} for {objective}"))
+        let tuned = tuned.with_context(|| format!("cannot tune {class} for {objective}"))?;
+        bar.inc(u64::from(self.evaluations) - tuned.evaluations as u64);
+        Ok(tuned)
     }
 
     /// Returns the command that reproduces the tuning of one class for one objective.

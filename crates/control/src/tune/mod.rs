@@ -7,7 +7,7 @@
 //!    the defaults, so that buildings have equal weight; the score is the 75th percentile over the buildings (the 25th of
 //!    the return, as in the paper, which tunes on its test buildings; no test building is used here), multiplied by a
 //!    factor if actuators hunt on the worst building. Buildings are simulated one after another, and a proposal that cannot
-//!    win is dropped: most are, after one building.
+//!    win is dropped: most are, after one building. The search ends early when it no longer lowers the score.
 //! 4. The best sets and the defaults are validated on other training buildings under other setpoints, and the one with the
 //!    least median loss over all of them is chosen, unless actuators hunt or it is clearly worse than the defaults
 //!    anywhere.
@@ -37,6 +37,11 @@ use selection::{FINALISTS, select};
 
 use crate::{ReactiveParameters, Result, Tuned};
 
+/// The search ends when this number of evaluations in a row has lowered the best score by less than [`LEAST_GAIN`].
+const PATIENCE: usize = 20;
+/// Relative.
+const LEAST_GAIN: f64 = 0.01;
+
 /// A building of a plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Building {
@@ -46,8 +51,8 @@ pub enum Building {
     Validation(usize),
 }
 
-/// Evaluates up to `evaluations` sets of parameters, including those in the file, validates the best and returns the one
-/// chosen. The first set is the defaults, so that the result is at least as good. `simulate` returns the outcomes of a
+/// Evaluates at most `evaluations` sets of parameters, including those in the file, until the search stalls, validates the
+/// best and returns the one chosen. The first set is the defaults, so that the result is at least as good. `simulate` returns the outcomes of a
 /// building: one for the search, one per setpoint mode for the validation. `done` is called after each evaluation with
 /// their number. `command` is stored in the result.
 ///
@@ -63,8 +68,8 @@ pub fn tune(
     done: impl FnMut(usize),
 ) -> Result<Tuned> {
     let mut record = Record::open(file, plan)?;
-    search(plan, evaluations.max(1), &mut record, &mut simulate, done)?;
-    let sets = validate(plan, evaluations.max(1), &mut record, &mut simulate)?;
+    let evaluations = search(plan, evaluations.max(1), &mut record, &mut simulate, done)?;
+    let sets = validate(plan, evaluations, &mut record, &mut simulate)?;
     let cells: Vec<Cells> = sets.iter().map(|(_, cells)| cells.clone()).collect();
     let chosen = select(plan, &cells);
     Ok(Tuned {
@@ -72,7 +77,7 @@ pub fn tune(
         objective: plan.objective,
         parameters: space::parameters(plan.axes(), &sets[chosen].0),
         measured: measured(plan, &cells[0], &cells[chosen]),
-        evaluations: evaluations.max(1),
+        evaluations,
         seed: plan.seed,
         dataset: plan.dataset.to_owned(),
         buildings: plan.buildings.clone(),
@@ -83,16 +88,17 @@ pub fn tune(
     })
 }
 
-/// Fills the record up to a number of evaluations.
+/// Fills the record up to a number of evaluations, or until the search stalls. Returns the number of evaluations.
 fn search(
     plan: &Plan,
     evaluations: usize,
     record: &mut Record,
     simulate: &mut impl FnMut(&ReactiveParameters, Building) -> Result<Vec<Outcome>>,
     mut done: impl FnMut(usize),
-) -> Result<()> {
+) -> Result<usize> {
     let mut search = Search::new(plan.axes(), plan.seed)?;
     let mut best: Option<Best> = None;
+    let mut scores = Vec::new();
     for number in 0..evaluations {
         if number == record.evaluations.len() {
             let values = match (plan.starts.get(number), &best) {
@@ -119,8 +125,21 @@ fn search(
             best = Some(candidate);
         }
         done(number + 1);
+        scores.push(best.as_ref().map_or(f64::INFINITY, Best::score));
+        if has_stalled(&scores) {
+            break;
+        }
     }
-    Ok(())
+    Ok(scores.len())
+}
+
+/// Whether the best score, given after each evaluation, no longer falls.
+fn has_stalled(scores: &[f64]) -> bool {
+    let Some(earlier) = scores.len().checked_sub(1 + PATIENCE).filter(|number| *number >= search::UNIFORM)
+    else {
+        return false;
+    };
+    scores[scores.len() - 1] > (1.0 - LEAST_GAIN) * scores[earlier]
 }
 
 /// Simulates the buildings of the search one after another, until the set is out of the race.

@@ -8,7 +8,7 @@ use super::space::Axis;
 use crate::{Error, Result};
 
 /// Number of first evaluations, after which proposals are no longer drawn uniformly: the estimators have enough data.
-const UNIFORM: usize = 12;
+pub(super) const UNIFORM: usize = 12;
 /// Fraction of the evaluations that counts as good.
 const GOOD: f64 = 0.2;
 /// Standard deviation of a variation, as a fraction of the range.

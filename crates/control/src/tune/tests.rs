@@ -55,6 +55,20 @@ fn the_search_approaches_the_optimum_and_is_never_worse_than_the_defaults() {
 }
 
 #[test]
+fn a_search_that_no_longer_improves_ends() {
+    let folder = tempfile::tempdir().unwrap();
+    let constant = |_: &ReactiveParameters, building| {
+        Ok(vec![outcome(1.0); if matches!(building, Building::Search(_)) { 1 } else { 2 }])
+    };
+    let file = folder.path().join("file");
+    let tuned = tune(&plan(0), 100, &file, "", constant, |_| ()).unwrap();
+    assert_eq!(tuned.evaluations, search::UNIFORM + PATIENCE + 1);
+    // The search resumes at its end.
+    let none = |_: &ReactiveParameters, _| unreachable!();
+    assert_eq!(tune(&plan(0), 100, &file, "", none, |_| ()).unwrap(), tuned);
+}
+
+#[test]
 fn an_interrupted_tuning_run_resumes_and_returns_the_same_result() {
     let folder = tempfile::tempdir().unwrap();
     let [whole, parts] = ["whole", "parts"].map(|name| folder.path().join(name));
