@@ -6,7 +6,7 @@ const GROUPS: &[(&str, &[&str])] = &[
     ("Simulate", &["run", "import"]),
     ("Explore buildings", &["list", "show", "view"]),
     ("Train agents", &["train", "export"]),
-    ("Evaluate policies", &["evaluate", "score", "benchmark"]),
+    ("Evaluate policies", &["evaluate", "score", "benchmark", "experiment"]),
     ("Dataset and baselines", &["dataset", "generate", "check", "tune", "baseline"]),
     ("Installation and performance", &["setup", "doctor", "bench"]),
 ];

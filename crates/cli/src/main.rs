@@ -15,6 +15,8 @@ mod evaluate;
 #[cfg(target_os = "linux")]
 mod evaluation;
 #[cfg(target_os = "linux")]
+mod experiment;
+#[cfg(target_os = "linux")]
 mod export;
 mod facts;
 mod front_page;
@@ -83,6 +85,8 @@ enum Command {
     #[cfg(target_os = "linux")]
     Export(export::Arguments),
     #[cfg(target_os = "linux")]
+    Experiment(experiment::Arguments),
+    #[cfg(target_os = "linux")]
     Tune(tune::Arguments),
 }
 
@@ -139,6 +143,8 @@ fn execute(command: Command) -> Result<ExitCode> {
         Command::Import(arguments) => return import::import(&arguments),
         #[cfg(target_os = "linux")]
         Command::Export(arguments) => export::export(&arguments)?,
+        #[cfg(target_os = "linux")]
+        Command::Experiment(arguments) => return experiment::experiment(&arguments),
         #[cfg(target_os = "linux")]
         Command::Train(arguments) => train::train(&arguments)?,
         #[cfg(target_os = "linux")]

@@ -13,22 +13,25 @@ const WIDE: f64 = 20.0;
 const DECADES: f64 = 100.0;
 
 /// A chart in a report.
-pub(super) struct Chart {
-    pub(super) title: String,
-    pub(super) note: String,
+#[derive(Clone, Debug)]
+pub struct Chart {
+    /// Title.
+    pub title: String,
+    /// How to read it.
+    pub note: String,
     /// Height, pixels.
-    pub(super) height: u32,
+    pub height: u32,
     /// Whether it takes the whole width of the page.
-    pub(super) wide: bool,
+    pub wide: bool,
     /// Plotly's traces.
-    pub(super) data: Value,
+    pub data: Value,
     /// Plotly's layout.
-    pub(super) layout: Value,
+    pub layout: Value,
 }
 
 impl Chart {
     /// Returns the chart as the page reads it.
-    pub(super) fn json(mut self) -> Value {
+    pub fn json(mut self) -> Value {
         self.layout["height"] = self.height.into();
         let Self { title, note, wide, data, layout, .. } = self;
         json!({"title": title, "note": note, "wide": wide, "data": data, "layout": layout})
@@ -36,24 +39,24 @@ impl Chart {
 }
 
 /// Returns the color of a series by its number.
-pub(super) fn color(series: usize) -> &'static str {
+pub fn color(series: usize) -> &'static str {
     PALETTE[series % PALETTE.len()]
 }
 
 /// Returns a dashed horizontal line across the chart.
-pub(super) fn horizontal_line(value: f64) -> Value {
+pub fn horizontal_line(value: f64) -> Value {
     json!({"type": "line", "xref": "paper", "x0": 0, "x1": 1, "y0": value, "y1": value,
            "line": {"dash": "dash", "width": 1.3, "color": "#b45309"}})
 }
 
 /// Returns the range of values.
-pub(super) fn range(values: &[f64]) -> (f64, f64) {
+pub fn range(values: &[f64]) -> (f64, f64) {
     let low = values.iter().copied().fold(f64::INFINITY, f64::min);
     (low, values.iter().copied().fold(f64::NEG_INFINITY, f64::max))
 }
 
 /// Makes an axis logarithmic if the range of its values is wide; returns whether it is.
-pub(super) fn make_logarithmic(axis: &mut Value, (low, high): (f64, f64)) -> bool {
+pub fn make_logarithmic(axis: &mut Value, (low, high): (f64, f64)) -> bool {
     let wide = low > 0.0 && high / low > WIDE;
     if wide {
         axis["type"] = "log".into();
@@ -64,7 +67,7 @@ pub(super) fn make_logarithmic(axis: &mut Value, (low, high): (f64, f64)) -> boo
 }
 
 /// Returns a diamond at a mean, over the violin of its values.
-pub(super) fn mean_diamond(name: &str, values: &[f64], color: &str) -> Value {
+pub fn mean_diamond(name: &str, values: &[f64], color: &str) -> Value {
     let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
     json!({
         "type": "scatter", "mode": "markers", "x": [name], "y": [mean], "showlegend": false,

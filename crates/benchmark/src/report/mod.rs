@@ -15,7 +15,10 @@ mod page;
 mod reward_chart;
 mod series;
 
+pub use chart::{Chart, color, horizontal_line, make_logarithmic, mean_diamond, range};
 pub use comparison::{Compared, write as write_comparison};
 pub use evaluation::write;
 pub use leaderboard::RankBy;
-pub use page::fill;
+pub use page::{fill, write_page};
+pub use reward_chart::step_rewards;
+pub use series::{Series, labels, rms_deviations};

@@ -12,7 +12,7 @@ const PLOTLY: &str = "{{PLOTLY}}";
 const DATA: &str = "{{DATA}}";
 
 /// Writes the page of a report.
-pub(super) fn write_page(file: &mut impl Write, data: &Value) -> std::io::Result<()> {
+pub fn write_page(file: &mut impl Write, data: &Value) -> std::io::Result<()> {
     file.write_all(fill(PAGE, data).as_bytes())
 }
 

@@ -14,7 +14,7 @@ const QUANTILES: usize = 300;
 const CUT: f64 = 0.002;
 
 /// Draws a violin per policy and building type, as in the paper's figures; every episode has the same weight.
-pub(super) fn step_rewards(series: &[Series<'_>]) -> Chart {
+pub fn step_rewards(series: &[Series<'_>]) -> Chart {
     let mut types: Vec<&str> = Vec::new();
     for (info, _) in series.iter().flat_map(|series| &series.episodes) {
         if !types.contains(&info.building_type.as_str()) {

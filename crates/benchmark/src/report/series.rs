@@ -6,13 +6,16 @@ use super::chart::{Chart, color, hover_name, mean_diamond};
 use crate::evaluation::{EpisodeInfo, Scored};
 
 /// A policy with its episodes.
-pub(super) struct Series<'a> {
-    pub(super) name: &'a str,
-    pub(super) episodes: Vec<(&'a EpisodeInfo, &'a Scored)>,
+#[derive(Clone, Debug)]
+pub struct Series<'a> {
+    /// Name of the policy.
+    pub name: &'a str,
+    /// Its episodes.
+    pub episodes: Vec<(&'a EpisodeInfo, &'a Scored)>,
 }
 
 /// Returns the hover labels of episodes.
-pub(super) fn labels(rows: &[(&EpisodeInfo, &Scored)]) -> Vec<String> {
+pub fn labels(rows: &[(&EpisodeInfo, &Scored)]) -> Vec<String> {
     let label = |(info, scored): &(&EpisodeInfo, &Scored)| {
         let (score, rms) = (scored.score.unwrap_or(f64::NAN), scored.metrics.rms_deviation);
         let resolved = scored.resolved_score.unwrap_or(f64::NAN);
@@ -22,7 +25,7 @@ pub(super) fn labels(rows: &[(&EpisodeInfo, &Scored)]) -> Vec<String> {
 }
 
 /// Draws violins of RMS deviations with their means, as in the paper's figure.
-pub(super) fn rms_deviations(series: &[Series<'_>]) -> Chart {
+pub fn rms_deviations(series: &[Series<'_>]) -> Chart {
     let mut data = Vec::new();
     for (number, Series { name, episodes }) in series.iter().enumerate() {
         let values: Vec<f64> = episodes.iter().map(|(_, scored)| scored.metrics.rms_deviation).collect();

@@ -1,0 +1,50 @@
+//! `b2b experiment`: the experiments of the paper, and others, as lists of resumable jobs.
+
+mod report;
+mod run;
+mod show;
+
+use std::process::ExitCode;
+
+use anyhow::Result;
+
+/// Run the paper's experiments, and others
+///
+/// An experiment trains and evaluates agents and makes one page of the results, beside the paper's numbers. Its jobs are
+/// independent: they run in parallel, resume after an interrupt, and can be divided between machines with --shard.
+#[derive(clap::Args)]
+#[command(
+    verbatim_doc_comment,
+    after_help = "\
+Examples:
+  b2b experiment list
+  b2b experiment show ppo
+  b2b experiment run speed
+  b2b experiment run dynamics --budget quick --out results/dynamics
+  b2b experiment run ppo --budget full --shard 0/16 --out results/ppo    one of 16 parts, into a shared folder
+  b2b experiment run mine.toml --budget quick
+  b2b experiment report results/dynamics"
+)]
+pub struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(clap::Subcommand)]
+enum Command {
+    List(show::ListArguments),
+    Show(show::ShowArguments),
+    Run(run::Arguments),
+    Report(report::Arguments),
+}
+
+/// Runs the command.
+pub fn experiment(arguments: &Arguments) -> Result<ExitCode> {
+    match &arguments.command {
+        Command::List(arguments) => show::list(arguments)?,
+        Command::Show(arguments) => show::show(arguments)?,
+        Command::Run(arguments) => return run::run(arguments),
+        Command::Report(arguments) => report::report(arguments)?,
+    }
+    Ok(ExitCode::SUCCESS)
+}

@@ -1,0 +1,93 @@
+//! `b2b experiment run`.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use anyhow::{Result, bail};
+use b2b_experiment::{BudgetName, Error, Experiment, Folder, Job, Runner, Shard, State};
+
+use super::{report, show};
+use crate::arguments::jobs::Jobs;
+use crate::progress::counter;
+use crate::{interrupt, stdout};
+
+/// Run the jobs of an experiment that are not done, and write its report
+///
+/// A failed job does not stop the others; the same command tries it again. Exits with code 1 if a job failed.
+#[derive(clap::Args)]
+#[command(verbatim_doc_comment)]
+pub struct Arguments {
+    /// Name of an experiment, or a TOML file
+    #[arg(value_name = "EXPERIMENT")]
+    experiment: String,
+    /// Budget: quick (what two cores do in a few hours) or full (what the paper spends)
+    #[arg(long, value_name = "BUDGET", default_value = "quick")]
+    budget: BudgetName,
+    /// Run part I of N of the jobs, with I from 0; the parts may share the folder
+    #[arg(long, value_name = "I/N")]
+    shard: Option<Shard>,
+    /// Print the jobs that are left and the time they take, without running them
+    #[arg(long)]
+    dry_run: bool,
+    #[command(flatten)]
+    jobs: Jobs,
+    /// Folder of the results [default: b2b-out/experiment-NAME-BUDGET]
+    #[arg(long, value_name = "FOLDER")]
+    out: Option<PathBuf>,
+    /// Print one JSON object instead of the text report
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments) -> Result<ExitCode> {
+    let experiment = Experiment::named(&arguments.experiment)?;
+    let budget = arguments.budget;
+    let default = || PathBuf::from("b2b-out").join(format!("experiment-{}-{budget}", experiment.name));
+    let out = arguments.out.clone().unwrap_or_else(default);
+    let folder = Folder::create(&out, &experiment, &source(&arguments.experiment)?, budget)?;
+    let shard = arguments.shard.unwrap_or(Shard::WHOLE);
+    let numbered = experiment.jobs(budget).into_iter().enumerate();
+    let jobs: Vec<Job> = numbered.filter(|(number, _)| shard.contains(*number)).map(|(_, job)| job).collect();
+    let parallel = arguments.jobs.count()?;
+    let left: Vec<&Job> = jobs.iter().filter(|job| !folder.is_done(job)).collect();
+    let hours = show::hours(Some(&folder), &jobs, parallel);
+    if !arguments.json {
+        stdout::print(&format!(
+            "{}: {} of {} jobs left, about {hours} hours",
+            experiment.title,
+            left.len(),
+            jobs.len()
+        ))?;
+    }
+    if arguments.dry_run {
+        let keys: Vec<String> = left.iter().map(|job| format!("  {}", job.key)).collect();
+        return stdout::print(&keys.join("\n")).map(|()| ExitCode::SUCCESS);
+    }
+    let bar = counter(jobs.len(), "jobs", arguments.json);
+    bar.set_position((jobs.len() - left.len()) as u64);
+    bar.reset_eta();
+    let ended = |job: &Job, state: &State| {
+        bar.inc(1);
+        if let Some(error) = &state.error {
+            bar.suspend(|| eprintln!("failed: {}: {error}\n  log: {}", job.key, folder.log(job).display()));
+        }
+    };
+    let program = std::env::current_exe()?;
+    let runner = Runner { program, folder: &folder, parallel, interrupted: interrupt::requested };
+    let ended = match runner.run(&jobs, &ended) {
+        Err(Error::Interrupted) => bail!("interrupted; the same command continues"),
+        ended => ended?,
+    };
+    bar.finish_and_clear();
+    report::write(&out, arguments.json)?;
+    Ok(if ended.failed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// Returns the name of a shipped experiment, or the absolute path of a file, so that the folder can be reported from anywhere.
+fn source(experiment: &str) -> Result<String> {
+    if experiment.ends_with(".toml") {
+        return Ok(std::path::absolute(experiment)?.to_string_lossy().into_owned());
+    }
+    Ok(experiment.to_owned())
+}

@@ -1,0 +1,81 @@
+//! `b2b experiment list` and `b2b experiment show`.
+
+use std::time::Duration;
+
+use anyhow::Result;
+use b2b_experiment::{BudgetName, Experiment, Folder, Job, estimate};
+use serde_json::json;
+
+use crate::stdout;
+use crate::table::Table;
+
+/// List the experiments
+#[derive(clap::Args)]
+pub struct ListArguments {
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Describe an experiment: question, agents, jobs and the time that they take
+#[derive(clap::Args)]
+pub struct ShowArguments {
+    /// Name of an experiment, or a TOML file
+    #[arg(value_name = "EXPERIMENT")]
+    experiment: String,
+    /// Print the jobs of both budgets as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+const BUDGETS: [BudgetName; 2] = [BudgetName::Quick, BudgetName::Full];
+
+/// Runs `list`.
+pub fn list(arguments: &ListArguments) -> Result<()> {
+    if arguments.json {
+        let entry =
+            |each: Experiment| json!({"name": each.name, "title": each.title, "question": each.question});
+        return stdout::print_json(&Experiment::all().map(entry).collect::<Vec<_>>());
+    }
+    let mut table = Table::new(["experiment", "title", "jobs quick", "full"]);
+    for experiment in Experiment::all() {
+        let jobs = BUDGETS.map(|budget| experiment.jobs(budget).len().to_string());
+        let [quick, full] = jobs;
+        table.row([experiment.name, experiment.title, quick, full]);
+    }
+    stdout::print(&format!("{}\n\n  `b2b experiment show NAME` describes an experiment", table.text()))
+}
+
+/// Runs `show`.
+pub fn show(arguments: &ShowArguments) -> Result<()> {
+    let experiment = Experiment::named(&arguments.experiment)?;
+    if arguments.json {
+        let jobs = |budget| experiment.jobs(budget).iter().map(|job| job.key.clone()).collect::<Vec<_>>();
+        return stdout::print_json(&json!({
+            "name": experiment.name, "title": experiment.title, "question": experiment.question, "paper": experiment.paper,
+            "quick": jobs(BudgetName::Quick), "full": jobs(BudgetName::Full),
+        }));
+    }
+    let agents: Vec<String> = experiment.agents.iter().map(|agent| agent.name.clone()).collect();
+    let mut table = Table::new(["budget", "jobs", "training steps", "hours on two cores"]);
+    for budget in BUDGETS {
+        let jobs = experiment.jobs(budget);
+        let steps: u64 = jobs.iter().map(Job::steps).sum();
+        table.row([budget.to_string(), jobs.len().to_string(), steps.to_string(), hours(None, &jobs, 2)]);
+    }
+    stdout::print(&format!(
+        "{}\n\n  {}\n  in the paper   {}\n  agents         {}\n\n{}",
+        experiment.title,
+        experiment.question,
+        experiment.paper,
+        if agents.is_empty() { "none".to_owned() } else { agents.join(", ") },
+        table.text(),
+    ))
+}
+
+/// Returns the estimated hours of the jobs that are left.
+pub fn hours(folder: Option<&Folder>, jobs: &[Job], parallel: usize) -> String {
+    let time: Duration = estimate(folder, jobs, parallel);
+    let hours = time.as_secs_f64() / 3600.0;
+    if hours < 10.0 { format!("{hours:.1}") } else { format!("{hours:.0}") }
+}

@@ -1,0 +1,319 @@
+//! The definition of an experiment.
+
+use std::path::Path;
+
+use b2b_building::{BuildingType, RunPeriod};
+use b2b_dataset::{BuildingId, Split};
+use b2b_env::Task;
+use b2b_learn::train::TrainConfig;
+use serde::{Deserialize, Serialize};
+use toml::Table;
+
+use crate::error::{Error, Result, at};
+
+/// The shipped experiments by name.
+const SHIPPED: [(&str, &str); 6] = [
+    ("ppo", include_str!("../data/ppo.toml")),
+    ("rewards", include_str!("../data/rewards.toml")),
+    ("dynamics", include_str!("../data/dynamics.toml")),
+    ("cross-domain", include_str!("../data/cross-domain.toml")),
+    ("weights", include_str!("../data/weights.toml")),
+    ("speed", include_str!("../data/speed.toml")),
+];
+
+/// An experiment.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Experiment {
+    /// Name: that of the shipped experiment or of the file.
+    #[serde(skip)]
+    pub name: String,
+    /// Title of the report.
+    pub title: String,
+    /// What the experiment answers.
+    pub question: String,
+    /// The result of the paper that it makes again, or what it adds.
+    pub paper: String,
+    /// Kind of the report.
+    pub report: ReportKind,
+    /// Building types.
+    pub types: Vec<BuildingType>,
+    /// Test buildings: the eight of each type in the small test, or the whole test split.
+    #[serde(default)]
+    pub small_test: bool,
+    /// Tasks.
+    #[serde(default)]
+    pub tasks: Vec<String>,
+    /// Run periods.
+    #[serde(default)]
+    pub periods: Vec<String>,
+    /// Whether the episodes of the reactive controllers are kept, too.
+    #[serde(default)]
+    pub reactive: bool,
+    /// Agents.
+    #[serde(default)]
+    pub agents: Vec<Agent>,
+    /// Arguments of one `b2b` command with `--json` that measures; the experiment has no agents then.
+    #[serde(default)]
+    pub measure: Vec<String>,
+    /// What two cores do in a few hours.
+    pub quick: Budget,
+    /// What the paper spends.
+    pub full: Budget,
+}
+
+/// An agent of an experiment.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Agent {
+    /// Name in folders and tables.
+    pub name: String,
+    /// What its trainings run on.
+    pub trains: Training,
+    /// Options of `b2b train`, as in a file for its `--config`.
+    pub options: Table,
+    /// Changes of the quick budget.
+    #[serde(default)]
+    pub quick: BudgetChange,
+    /// Changes of the full budget.
+    #[serde(default)]
+    pub full: BudgetChange,
+}
+
+/// What the trainings of an agent run on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Training {
+    /// One training on each test building: specialists.
+    Building,
+    /// One training on the training split of each type, evaluated on the test buildings of the type.
+    Type,
+    /// One training on the training splits of all types together, evaluated on the test buildings of all.
+    AllTypes,
+}
+
+/// The kind of a report.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ReportKind {
+    /// Scores by type, task and period.
+    Scores,
+    /// Distributions of the rewards of single steps.
+    StepRewards,
+    /// Median scores of agents over test buildings, and RMS deviations.
+    Adaptation,
+    /// Distributions of scores by type.
+    Transfer,
+    /// Temperature deviation and energy by the weight of energy.
+    Weights,
+    /// Times of a step by type.
+    StepTimes,
+}
+
+/// The name of a budget.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum BudgetName {
+    /// What two cores do in a few hours.
+    Quick,
+    /// What the paper spends.
+    Full,
+}
+
+/// What an experiment spends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Budget {
+    /// Environment steps of each training.
+    pub steps: u64,
+    /// Number of seeds.
+    pub seeds: u64,
+    /// Number of test buildings of each type, evenly spaced in the list of the dataset.
+    pub buildings: usize,
+}
+
+/// What an agent changes of a budget.
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BudgetChange {
+    steps: Option<u64>,
+    seeds: Option<u64>,
+    buildings: Option<usize>,
+}
+
+impl Experiment {
+    /// Returns the shipped experiments.
+    pub fn all() -> impl Iterator<Item = Self> {
+        let parse = |(name, text)| Self::parse(name, text).expect("a test reads every shipped experiment");
+        SHIPPED.into_iter().map(parse)
+    }
+
+    /// Returns the shipped experiment of a name, or that of a TOML file.
+    ///
+    /// # Errors
+    /// [`Error::Unknown`] with the most similar name; [`Error::Definition`]; [`Error::Io`].
+    pub fn named(name: &str) -> Result<Self> {
+        if let Some((name, text)) = SHIPPED.iter().find(|(known, _)| *known == name) {
+            return Self::parse(name, text);
+        }
+        let path = Path::new(name);
+        if path.extension().is_some_and(|extension| extension == "toml") {
+            let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+            return Self::parse(&stem, &std::fs::read_to_string(path).map_err(at(path))?);
+        }
+        let similarity = |known: &str| strsim::jaro_winkler(known, name);
+        let near = SHIPPED.iter().map(|(known, _)| *known).filter(|known| similarity(known) > 0.75);
+        let near = near.max_by(|a, b| similarity(a).total_cmp(&similarity(b)));
+        Err(Error::Unknown {
+            name: name.to_owned(),
+            near: near.map_or_else(String::new, |near| format!("`{near}`")),
+        })
+    }
+
+    fn parse(name: &str, text: &str) -> Result<Self> {
+        let invalid = |why: String| Error::Definition { path: name.to_owned(), why };
+        let mut experiment: Self = toml::from_str(text).map_err(|error| invalid(error.to_string()))?;
+        name.clone_into(&mut experiment.name);
+        experiment.check().map_err(invalid)?;
+        Ok(experiment)
+    }
+
+    /// Checks what the types do not.
+    fn check(&self) -> std::result::Result<(), String> {
+        for task in &self.tasks {
+            task.parse::<Task>().map_err(|error| error.to_string())?;
+        }
+        for period in &self.periods {
+            period.parse::<RunPeriod>().map_err(|error| error.to_string())?;
+        }
+        let names: Vec<&str> = self.agents.iter().map(|agent| agent.name.as_str()).collect();
+        for (number, agent) in self.agents.iter().enumerate() {
+            let is_plain = |c: char| c.is_ascii_alphanumeric() || c == '-';
+            if agent.name.is_empty() || !agent.name.chars().all(is_plain) {
+                return Err(format!("the agent `{}` has no name of letters, digits and hyphens", agent.name));
+            }
+            if names[..number].contains(&agent.name.as_str()) || agent.name == REACTIVE {
+                return Err(format!("the name `{}` of an agent is taken", agent.name));
+            }
+            TrainConfig::default()
+                .with_changes(&toml::to_string(&agent.options).map_err(|error| error.to_string())?)
+                .map_err(|error| format!("agent `{}`: {error}", agent.name))?;
+        }
+        let runs = self.reactive || !self.agents.is_empty();
+        match () {
+            () if self.types.is_empty() => Err("`types` is empty".into()),
+            () if runs && (self.tasks.is_empty() || self.periods.is_empty()) => {
+                Err("it has agents but no `tasks` or no `periods`".into())
+            }
+            () if runs != self.measure.is_empty() => {
+                Err("it has either agents (or `reactive = true`) or a command under `measure`".into())
+            }
+            () => Ok(()),
+        }
+    }
+
+    /// Returns a budget.
+    pub fn budget(&self, name: BudgetName) -> Budget {
+        match name {
+            BudgetName::Quick => self.quick,
+            BudgetName::Full => self.full,
+        }
+    }
+
+    /// Returns the first `count` test buildings of a type, evenly spaced in the list of the dataset.
+    pub fn buildings(&self, building_type: BuildingType, count: usize) -> Vec<BuildingId> {
+        let is_test = |row: &&b2b_dataset::Row| match self.small_test {
+            true => row.test_small,
+            false => row.split == Split::Test,
+        };
+        let ids: Vec<BuildingId> =
+            b2b_dataset::rows(building_type).iter().filter(is_test).map(|row| row.id).collect();
+        let count = count.min(ids.len());
+        (0..count).map(|index| ids[(2 * index + 1) * ids.len() / (2 * count)]).collect()
+    }
+}
+
+/// Name of the reactive controllers beside those of agents.
+pub(crate) const REACTIVE: &str = "reactive";
+
+impl Agent {
+    /// Returns what a training of this agent spends.
+    pub fn budget(&self, experiment: &Experiment, name: BudgetName) -> Budget {
+        let budget = experiment.budget(name);
+        let change = match name {
+            BudgetName::Quick => self.quick,
+            BudgetName::Full => self.full,
+        };
+        Budget {
+            steps: change.steps.unwrap_or(budget.steps),
+            seeds: change.seeds.unwrap_or(budget.seeds),
+            buildings: change.buildings.unwrap_or(budget.buildings),
+        }
+    }
+}
+
+impl std::str::FromStr for BudgetName {
+    type Err = String;
+
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        match text {
+            "quick" => Ok(Self::Quick),
+            "full" => Ok(Self::Full),
+            _ => Err(format!("unknown budget `{text}`; expected quick or full")),
+        }
+    }
+}
+
+impl std::fmt::Display for BudgetName {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Quick => "quick",
+            Self::Full => "full",
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_shipped_experiment_is_valid() {
+        assert_eq!(Experiment::all().count(), SHIPPED.len());
+    }
+
+    #[test]
+    fn a_misspelled_name_is_answered_with_the_right_one() {
+        let said = Experiment::named("dynamic").unwrap_err().to_string();
+        assert!(said.contains("did you mean `dynamics`?"), "{said}");
+        assert!(!Experiment::named("xyz").unwrap_err().to_string().contains("did you mean"));
+    }
+
+    #[test]
+    fn test_buildings_are_spread_over_the_list() {
+        let experiment = Experiment::named("ppo").unwrap();
+        let all = experiment.buildings(BuildingType::OfficeSmall, 8);
+        assert_eq!(all.len(), 8);
+        assert_eq!(experiment.buildings(BuildingType::OfficeSmall, 2), [all[2], all[6]]);
+        assert_eq!(experiment.buildings(BuildingType::OfficeSmall, 99), all);
+    }
+
+    #[test]
+    fn a_definition_with_a_fault_is_refused() {
+        let text = SHIPPED[0].1;
+        for (old, new, word) in [
+            ("\"winter\"", "\"monsoon\"", "monsoon"),
+            ("learning_rate", "lerning_rate", "learning_rate"),
+            ("name = \"residual\"", "name = \"paper\"", "taken"),
+            ("small_test", "smal_test", "smal_test"),
+        ] {
+            let broken = text.replacen(old, new, 1);
+            if old == "learning_rate" && broken == text {
+                continue;
+            }
+            assert_ne!(broken, text, "{old}");
+            let said = Experiment::parse("x", &broken).unwrap_err().to_string();
+            assert!(said.contains(word), "{said}");
+        }
+    }
+}

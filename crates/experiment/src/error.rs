@@ -1,0 +1,72 @@
+//! Errors of experiments.
+
+use std::path::{Path, PathBuf};
+
+/// The result of an operation of this crate.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// An error of this crate.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// An unknown experiment.
+    #[error("unknown experiment `{name}`{}; `b2b experiment list` lists all, and a path to a TOML file is one too",
+        if near.is_empty() { String::new() } else { format!(", did you mean {near}?") })]
+    Unknown {
+        /// The name given.
+        name: String,
+        /// The most similar name.
+        near: String,
+    },
+    /// A definition that is not valid.
+    #[error("the experiment {path} is not valid: {why}")]
+    Definition {
+        /// The file.
+        path: String,
+        /// The fault.
+        why: String,
+    },
+    /// A shard that is not valid.
+    #[error("`{text}` is not a shard; expected I/N with I from 0 to N - 1, such as 0/3")]
+    Shard {
+        /// The text given.
+        text: String,
+    },
+    /// A folder of another experiment or budget.
+    #[error("{path} has the results of {other}; choose another folder for {experiment}")]
+    OtherExperiment {
+        /// The folder.
+        path: PathBuf,
+        /// What it has results of.
+        other: String,
+        /// What was to run.
+        experiment: String,
+    },
+    /// A folder without results.
+    #[error("{path} has no results of an experiment; `b2b experiment run` writes them")]
+    NoResults {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// The user asked to stop.
+    #[error("interrupted")]
+    Interrupted,
+    /// An error of a file that is written aside.
+    #[error(transparent)]
+    Agent(#[from] b2b_agent::Error),
+    /// An error of the benchmark.
+    #[error(transparent)]
+    Benchmark(#[from] b2b_benchmark::Error),
+    /// A file that cannot be read or written.
+    #[error("{path}: {source}")]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// The cause.
+        source: std::io::Error,
+    },
+}
+
+/// Returns how an input or output error becomes one that names its path.
+pub(crate) fn at(path: &Path) -> impl FnOnce(std::io::Error) -> Error + '_ {
+    |source| Error::Io { path: path.to_owned(), source }
+}

@@ -1,0 +1,116 @@
+//! The folder of an experiment's results.
+
+use std::path::{Path, PathBuf};
+
+use b2b_agent::write_whole;
+use serde::{Deserialize, Serialize};
+
+use crate::definition::{BudgetName, Experiment};
+use crate::error::{Error, Result, at};
+use crate::job::Job;
+
+/// The folder of an experiment: `experiment.json`, and a folder of every job under `jobs`.
+#[derive(Clone, Debug)]
+pub struct Folder {
+    path: PathBuf,
+}
+
+/// What a folder has results of.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+struct Identity {
+    /// Name of the experiment, or path of its file.
+    experiment: String,
+    budget: BudgetName,
+}
+
+/// How a job ended.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    /// Why it failed; `None` if it did not.
+    pub error: Option<String>,
+    /// Wall-clock time of all attempts, s.
+    pub seconds: f64,
+}
+
+const IDENTITY: &str = "experiment.json";
+const STATE: &str = "job.json";
+
+impl Folder {
+    /// Opens the folder of an experiment with a budget, and creates it if there is none.
+    ///
+    /// # Errors
+    /// [`Error::OtherExperiment`] if it has results of another one; [`Error::Io`].
+    pub fn create(path: &Path, experiment: &Experiment, source: &str, budget: BudgetName) -> Result<Self> {
+        let identity = Identity { experiment: source.to_owned(), budget };
+        let folder = Self { path: path.to_owned() };
+        if let Some(other) = folder.identity()?
+            && other != identity
+        {
+            let name =
+                |identity: &Identity| format!("{} with budget {}", identity.experiment, identity.budget);
+            return Err(Error::OtherExperiment {
+                path: path.to_owned(),
+                other: name(&other),
+                experiment: format!("{} with budget {budget}", experiment.name),
+            });
+        }
+        std::fs::create_dir_all(path).map_err(at(path))?;
+        write_json(&path.join(IDENTITY), &identity)?;
+        Ok(folder)
+    }
+
+    /// Opens a folder with results, and returns it with its experiment and budget.
+    ///
+    /// # Errors
+    /// [`Error::NoResults`]; those of [`Experiment::named`].
+    pub fn open(path: &Path) -> Result<(Self, Experiment, BudgetName)> {
+        let folder = Self { path: path.to_owned() };
+        let identity = folder.identity()?.ok_or_else(|| Error::NoResults { path: path.to_owned() })?;
+        Ok((folder, Experiment::named(&identity.experiment)?, identity.budget))
+    }
+
+    /// Returns the path of the folder.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    fn identity(&self) -> Result<Option<Identity>> {
+        let path = self.path.join(IDENTITY);
+        if !path.exists() {
+            return Ok(None);
+        }
+        let text = std::fs::read_to_string(&path).map_err(at(&path))?;
+        Ok(Some(serde_json::from_str(&text).map_err(|error| at(&path)(error.into()))?))
+    }
+
+    /// Returns the folder of a job.
+    pub(crate) fn job(&self, job: &Job) -> PathBuf {
+        self.path.join("jobs").join(&job.key)
+    }
+
+    /// Returns the file with the output of a job's commands.
+    pub fn log(&self, job: &Job) -> PathBuf {
+        self.job(job).join("log.txt")
+    }
+
+    /// Returns how a job ended; `None` if it has not.
+    pub fn state(&self, job: &Job) -> Option<State> {
+        serde_json::from_str(&std::fs::read_to_string(self.job(job).join(STATE)).ok()?).ok()
+    }
+
+    /// Returns whether a job has ended without an error.
+    pub fn is_done(&self, job: &Job) -> bool {
+        self.state(job).is_some_and(|state| state.error.is_none())
+    }
+
+    /// Writes how a job ended.
+    pub(crate) fn set_state(&self, job: &Job, state: &State) -> Result<()> {
+        write_json(&self.job(job).join(STATE), state)
+    }
+}
+
+/// Writes a JSON file, which appears complete or not at all.
+pub(crate) fn write_json(path: &Path, value: &impl Serialize) -> Result<()> {
+    let text = serde_json::to_string_pretty(value).expect("plain data always serializes") + "\n";
+    Ok(write_whole(path, text.as_bytes())?)
+}

@@ -1,0 +1,26 @@
+//! Experiments: which agents are trained and evaluated on which buildings, and the report that comes of it.
+//!
+//! An [`Experiment`] is a TOML file. With a [`BudgetName`] it expands to independent [`Job`]s, each one or two `b2b` commands in a
+//! folder of its own: a training and the evaluation of its agent, an evaluation of the reactive controllers, or a measurement.
+//! A [`Runner`] starts them as processes, as many at a time as there are cores, and resumes what an interrupt left. [`Results`]
+//! reads the folder, and [`report`] makes one page of them, beside the numbers of the paper.
+
+mod definition;
+mod error;
+mod estimate;
+mod folder;
+mod job;
+mod paper;
+pub mod report;
+mod results;
+mod runner;
+mod shard;
+
+pub use definition::{Agent, Budget, BudgetName, Experiment, ReportKind, Training};
+pub use error::{Error, Result};
+pub use estimate::estimate;
+pub use folder::{Folder, State};
+pub use job::{Action, Job};
+pub use results::{JobResult, Results};
+pub use runner::{Ended, OWNER, Runner};
+pub use shard::Shard;

@@ -1,0 +1,118 @@
+//! Specialists and generalists on test buildings, as the paper's figures of dynamics adaptation.
+
+use b2b_benchmark::report::{Chart, Series, color, horizontal_line, rms_deviations};
+use b2b_benchmark::statistics::median;
+use b2b_benchmark::{EpisodeInfo, Scored};
+use serde_json::json;
+
+use super::group::Group;
+use super::{Content, SCORES};
+use crate::definition::{Experiment, Training};
+use crate::results::Results;
+
+pub(super) fn content(experiment: &Experiment, results: &Results) -> Content {
+    let mut rows = Vec::new();
+    let (mut names, mut medians, mut errors, mut colors) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    let mut series = Vec::new();
+    for (number, agent) in experiment.agents.iter().enumerate() {
+        let own = || results.of(&agent.name);
+        let Some(group) = Group::of(own().map(|(_, row)| row)) else { continue };
+        let jobs = results.done.iter().filter(|done| done.agent == agent.name);
+        let of_jobs: Vec<f64> =
+            jobs.clone().filter_map(|done| Some(Group::of(done.rows.iter())?.median())).collect();
+        // A generalist's median is the mean over the medians of its seeds; specialists have one building each.
+        let (value, error) = match agent.trains {
+            Training::Building => (group.median(), bootstrap_error(&of_jobs)),
+            _ => (mean(&of_jobs), standard_error(&of_jobs)),
+        };
+        let deviation = own().filter_map(|(_, row)| Some(row.metrics()?.rms_deviation)).collect::<Vec<_>>();
+        let [_, resolved, range, beats] = group.cells();
+        rows.push(vec![
+            agent.name.clone(),
+            of_jobs.len().to_string(),
+            group.count().to_string(),
+            format!("{value:.2} ± {error:.2}"),
+            resolved,
+            range,
+            beats,
+            format!("{:.2}", mean(&deviation)),
+        ]);
+        names.push(agent.name.clone());
+        medians.push(value);
+        errors.push(error);
+        colors.push(color(number));
+        let episodes: Vec<(&EpisodeInfo, &Scored)> =
+            own().filter_map(|(_, row)| Some((&row.info, row.outcome.as_ref().ok()?))).collect();
+        series.push(Series { name: &agent.name, episodes });
+    }
+    let bars = json!([{"type": "bar", "x": names, "y": medians, "marker": {"color": colors}, "width": 0.6,
+        "error_y": {"type": "data", "array": errors}, "hovertemplate": "%{x}: %{y:.3f}<extra></extra>"}]);
+    let chart = Chart {
+        title: "Median score on the test buildings".into(),
+        note: "dashed line: the reactive controllers; below beats them".into(),
+        height: 340,
+        wide: false,
+        data: bars,
+        layout: json!({"xaxis": {"type": "category"}, "yaxis": {"title": {"text": "median score"}, "rangemode": "tozero"},
+                       "shapes": [horizontal_line(1.0)], "showlegend": false}),
+    };
+    let table = json!({
+        "title": "on test buildings; ± standard error: over seeds, or by bootstrap over buildings for specialists",
+        "header": ["agent", "trainings", "episodes", "median score", "resolved median", "range", "beats baseline",
+                   "RMS deviation (K)"],
+        "rows": rows,
+    });
+    Content {
+        tables: vec![table],
+        charts: vec![chart, rms_deviations(&series)],
+        notes: SCORES.to_owned(),
+        ..Content::default()
+    }
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
+}
+
+fn standard_error(values: &[f64]) -> f64 {
+    if values.len() < 2 {
+        return 0.0;
+    }
+    let mean = mean(values);
+    let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (values.len() - 1) as f64;
+    (variance / values.len() as f64).sqrt()
+}
+
+/// Returns the standard deviation of the median of resampled values.
+fn bootstrap_error(values: &[f64]) -> f64 {
+    use rand::{RngExt, SeedableRng};
+    const DRAWS: usize = 2000;
+    if values.len() < 2 {
+        return 0.0;
+    }
+    let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(0);
+    let medians: Vec<f64> = (0..DRAWS)
+        .map(|_| {
+            let mut drawn: Vec<f64> =
+                values.iter().map(|_| values[random.random_range(0..values.len())]).collect();
+            drawn.sort_by(f64::total_cmp);
+            median(&drawn)
+        })
+        .collect();
+    standard_error(&medians) * (DRAWS as f64).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_follow_their_definitions() {
+        assert!((standard_error(&[1.0, 2.0, 3.0]) - 1.0 / 3.0_f64.sqrt()).abs() < 1e-12);
+        assert_eq!((standard_error(&[1.0]), bootstrap_error(&[1.0])), (0.0, 0.0));
+        // The median of a large normal sample has a standard error of 1.253 σ / √n.
+        let values: Vec<f64> = (0..100).map(|index| f64::from(index % 10)).collect();
+        let error = bootstrap_error(&values);
+        assert!(error > 0.1 && error < 1.0, "{error}");
+    }
+}

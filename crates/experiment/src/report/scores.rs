@@ -1,0 +1,103 @@
+//! Scores by type, task and period, beside the paper's table.
+
+use b2b_benchmark::report::{Chart, color, horizontal_line, make_logarithmic, range};
+use serde_json::{Value, json};
+
+use super::group::Group;
+use super::{Content, SCORES};
+use crate::definition::Experiment;
+use crate::paper;
+use crate::results::Results;
+
+pub(super) fn content(experiment: &Experiment, results: &Results) -> Content {
+    let (mut rows, mut tiles) = (Vec::new(), Vec::new());
+    let mut won: Vec<[usize; 2]> = vec![[0, 0]; experiment.agents.len()];
+    for building_type in &experiment.types {
+        for task in &experiment.tasks {
+            for period in &experiment.periods {
+                let mut cells = vec![building_type.to_string(), task.clone(), period.clone()];
+                cells.extend(paper_cells(building_type.name(), task, period));
+                for (agent, won) in experiment.agents.iter().zip(&mut won) {
+                    let own = results.of(&agent.name).map(|(_, row)| row).filter(|row| {
+                        let info = &row.info;
+                        info.building_type == building_type.name()
+                            && info.task == *task
+                            && info.period == *period
+                    });
+                    match Group::of(own) {
+                        Some(group) => {
+                            cells.extend(group.cells());
+                            *won = [won[0] + usize::from(group.median() < 1.0), won[1] + 1];
+                        }
+                        None => cells.extend(["–"; 4].map(str::to_owned)),
+                    }
+                }
+                rows.push(cells);
+            }
+        }
+    }
+    for (agent, [won, of]) in experiment.agents.iter().zip(won) {
+        tiles.push((
+            format!("rows whose median beats the baseline, {}", agent.name),
+            format!("{won} of {of}"),
+        ));
+    }
+    let mut header: Vec<String> =
+        ["type", "task", "period", "paper: median", "paper: range", "paper: beats"].map(str::to_owned).into();
+    for agent in &experiment.agents {
+        let name = &agent.name;
+        header.extend(
+            ["median", "resolved median", "range", "beats"].map(|column| format!("{name}: {column}")),
+        );
+    }
+    let title = "median, lowest and highest score over the buildings, and how many agents beat the reactive controllers";
+    let tables = vec![json!({"title": title, "header": header, "rows": rows})];
+    let charts = experiment.tasks.iter().map(|task| chart(experiment, results, task)).collect();
+    Content { tiles, tables, charts, notes: SCORES.to_owned() }
+}
+
+fn paper_cells(building_type: &str, task: &str, period: &str) -> [String; 3] {
+    match paper::score(building_type, task, period) {
+        Some(row) => [
+            format!("{:.2}", row.median),
+            format!("{:.2} to {:.2}", row.min, row.max),
+            format!("{}/8", row.beats),
+        ],
+        None => ["–"; 3].map(str::to_owned),
+    }
+}
+
+/// Draws the scores of a task, a point per episode.
+fn chart(experiment: &Experiment, results: &Results, task: &str) -> Chart {
+    let mut data = Vec::new();
+    let mut all = vec![1.0];
+    for (number, agent) in experiment.agents.iter().enumerate() {
+        let own = || results.of(&agent.name).map(|(_, row)| row).filter(|row| row.info.task == task);
+        let ran: Vec<_> = own().filter_map(|row| Some((&row.info, row.score()?))).collect();
+        let scores: Vec<f64> = ran.iter().map(|(_, score)| *score).collect();
+        all.extend(&scores);
+        let text = ran.iter().map(|(info, _)| format!("{}, {}", info.building, info.period));
+        let symbols =
+            ran.iter().map(|(info, _)| if info.period == "summer" { "circle-open" } else { "circle" });
+        data.push(json!({
+            "type": "box", "name": agent.name, "boxpoints": "all", "jitter": 0.5, "pointpos": 0,
+            "fillcolor": "rgba(0,0,0,0)", "line": {"color": "rgba(0,0,0,0)"},
+            "x": ran.iter().map(|(info, _)| info.building_type.as_str()).collect::<Vec<_>>(), "y": scores,
+            "text": text.collect::<Vec<_>>(), "hovertemplate": "%{text}: %{y:.3f}<extra></extra>",
+            "marker": {"color": color(number), "size": 7, "opacity": 0.8, "symbol": symbols.collect::<Vec<_>>()},
+        }));
+    }
+    let mut axis = json!({"title": {"text": "score"}, "zeroline": false});
+    make_logarithmic(&mut axis, range(&all));
+    let layout = json!({"boxmode": "group", "xaxis": {"type": "category"}, "yaxis": axis,
+                        "shapes": [horizontal_line(1.0)]});
+    let note = "one point per building and period; below the line beats the reactive controllers".to_owned();
+    Chart {
+        title: format!("Scores: {task}"),
+        note,
+        height: 340,
+        wide: false,
+        data: Value::from(data),
+        layout,
+    }
+}

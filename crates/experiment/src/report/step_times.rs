@@ -1,0 +1,60 @@
+//! Times of a step by type, beside the paper's table.
+
+use b2b_benchmark::report::{Chart, color};
+use b2b_building::BuildingType;
+use serde_json::{Value, json};
+
+use super::Content;
+use crate::paper;
+use crate::results::Results;
+
+pub(super) fn content(results: &Results) -> Content {
+    let measured: Vec<&Value> =
+        results.done.iter().filter_map(|done| done.measured.as_array()).flatten().collect();
+    let number = |entry: &Value, name: &str| entry[name].as_f64().unwrap_or(f64::NAN);
+    let (mut rows, mut names, mut ours, mut theirs, mut engine) = (vec![], vec![], vec![], vec![], vec![]);
+    for entry in measured {
+        let name = entry["type"].as_str().unwrap_or_default().to_owned();
+        let Ok(building_type) = name.parse::<BuildingType>() else { continue };
+        let [mean, deviation] = paper::step_time(building_type);
+        rows.push(vec![
+            name.clone(),
+            format!("{mean:.3} ± {deviation:.3}"),
+            format!("{:.3} ± {:.3}", number(entry, "env_mean_ms"), number(entry, "env_deviation_ms")),
+            format!("{:.3}", number(entry, "engine_ms")),
+            format!("{:.3}", number(entry, "env_to_engine")),
+        ]);
+        names.push(name);
+        ours.push(number(entry, "env_mean_ms"));
+        engine.push(number(entry, "engine_ms"));
+        theirs.push(mean);
+    }
+    let bar = |(number, (name, values)): (usize, (&str, &Vec<f64>))| {
+        json!({"type": "bar", "name": name, "x": names, "y": values, "marker": {"color": color(number)},
+               "hovertemplate": "%{x}: %{y:.3f} ms<extra></extra>"})
+    };
+    let data = [("environment", &ours), ("bare engine", &engine), ("paper", &theirs)]
+        .into_iter()
+        .enumerate()
+        .map(bar);
+    let chart = Chart {
+        title: "Time of a step".into(),
+        note: "CPU time, mean".into(),
+        height: 340,
+        wide: true,
+        data: Value::from(data.collect::<Vec<_>>()),
+        layout: json!({"barmode": "group", "xaxis": {"type": "category"}, "yaxis": {"title": {"text": "ms"}}}),
+    };
+    let table = json!({
+        "name": "Time of a step", "title": "mean ± standard deviation over 10,000 steps, ms; and the ratio to the bare engine",
+        "header": ["type", "paper", "here", "bare engine", "ratio"],
+        "rows": rows,
+    });
+    Content {
+        tables: vec![table],
+        charts: vec![chart],
+        notes: "Here: CPU time of a whole step of the environment, with the engine; the machines of the paper are other ones."
+            .to_owned(),
+        ..Content::default()
+    }
+}

@@ -1,0 +1,101 @@
+//! Comfort and energy by the weight of energy.
+
+use b2b_benchmark::report::{Chart, color};
+use serde_json::{Value, json};
+
+use super::{Content, SCORES};
+use crate::definition::Experiment;
+use crate::results::Results;
+
+/// Means over buildings under one task.
+struct Point {
+    weight: f64,
+    deviation: f64,
+    energy: f64,
+    episodes: usize,
+}
+
+pub(super) fn content(experiment: &Experiment, results: &Results) -> Content {
+    let (mut rows, mut charts) = (Vec::new(), Vec::new());
+    let mut setpoints: Vec<&str> = experiment.tasks.iter().map(|task| setpoints(task)).collect();
+    setpoints.dedup();
+    for building_type in &experiment.types {
+        for setpoints in &setpoints {
+            let mut data = Vec::new();
+            for (number, agent) in experiment.agents.iter().enumerate() {
+                let points = points(experiment, results, &agent.name, building_type.name(), setpoints);
+                for Point { weight, deviation, energy, episodes } in &points {
+                    rows.push(vec![
+                        building_type.to_string(),
+                        (*setpoints).to_owned(),
+                        agent.name.clone(),
+                        weight.to_string(),
+                        episodes.to_string(),
+                        format!("{deviation:.2}"),
+                        format!("{energy:.2}"),
+                    ]);
+                }
+                data.push(json!({
+                    "type": "scatter", "mode": "lines+markers+text", "name": agent.name,
+                    "x": points.iter().map(|point| point.energy).collect::<Vec<_>>(),
+                    "y": points.iter().map(|point| point.deviation).collect::<Vec<_>>(),
+                    "text": points.iter().map(|point| format!("{}", point.weight)).collect::<Vec<_>>(),
+                    "textposition": "top center", "line": {"color": color(number), "width": 1.2}, "marker": {"size": 8},
+                    "hovertemplate": "weight %{text}: energy %{x:.2f}, %{y:.2f} K<extra></extra>",
+                }));
+            }
+            charts.push(Chart {
+                title: format!("{building_type}: {setpoints} targets"),
+                note: "means over buildings; the number is the weight of energy".into(),
+                height: 330,
+                wide: false,
+                data: Value::from(data),
+                layout: json!({
+                    "xaxis": {"title": {"text": "HVAC energy / that of the reactive controllers"}, "zeroline": false},
+                    "yaxis": {"title": {"text": "RMS deviation (K)"}, "rangemode": "tozero", "zeroline": false},
+                }),
+            });
+        }
+    }
+    let table = json!({
+        "name": "Comfort and energy", "title": "means over buildings",
+        "header": ["type", "targets", "agent", "weight of energy", "episodes", "RMS deviation (K)", "energy / baseline"],
+        "rows": rows,
+    });
+    Content { tables: vec![table], charts, notes: SCORES.to_owned(), ..Content::default() }
+}
+
+fn setpoints(task: &str) -> &str {
+    task.split('+').next().unwrap_or(task)
+}
+
+/// Returns the means of an agent, by weight.
+fn points(
+    experiment: &Experiment,
+    results: &Results,
+    agent: &str,
+    building_type: &str,
+    wanted: &str,
+) -> Vec<Point> {
+    let tasks = experiment.tasks.iter().filter(|task| setpoints(task) == wanted);
+    let point = |task: &String| {
+        let own = results
+            .of(agent)
+            .filter(|(_, row)| row.info.building_type == building_type && row.info.task == *task);
+        let values: Vec<[f64; 2]> = own
+            .filter_map(|(_, row)| {
+                let scored = row.outcome.as_ref().ok()?;
+                Some([scored.metrics.rms_deviation, scored.relative_energy()?])
+            })
+            .collect();
+        let mean = |of: usize| values.iter().map(|value| value[of]).sum::<f64>() / values.len() as f64;
+        let weight = task.split_once("+energy").map_or(Some(0.0), |(_, weight)| weight.parse().ok())?;
+        (!values.is_empty()).then(|| Point {
+            weight,
+            deviation: mean(0),
+            energy: mean(1),
+            episodes: values.len(),
+        })
+    };
+    tasks.filter_map(point).collect()
+}

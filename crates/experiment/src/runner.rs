@@ -1,0 +1,179 @@
+//! Runs jobs as processes of `b2b`.
+
+use std::fs::{File, OpenOptions};
+use std::io::{Read, Seek, SeekFrom, Write};
+use std::os::unix::process::CommandExt;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
+
+use b2b_agent::write_whole;
+use rustix::process::{Pid, Signal, kill_process};
+
+use crate::definition::REACTIVE;
+use crate::error::{Error, Result, at};
+use crate::folder::{Folder, State};
+use crate::job::{Action, Episodes, Job};
+
+/// Names in the folder of a job.
+const CONFIG: &str = "config.toml";
+const AGENT: &str = "agent";
+pub(crate) const EVALUATION: &str = "evaluation";
+pub(crate) const MEASURED: &str = "result.json";
+/// What a finished training leaves in its folder.
+const TRAINED: &str = "summary.json";
+
+/// Environment variable with the process that a command of a job belongs to: the command stops when its owner is gone.
+pub const OWNER: &str = "B2B_OWNER";
+/// Interval at which processes are polled.
+const POLL: Duration = Duration::from_millis(50);
+/// Bytes at the end of a log that are searched for an error.
+const TAIL: u64 = 4000;
+
+/// Runs jobs, as many at a time as it is told.
+pub struct Runner<'a> {
+    /// The program `b2b`.
+    pub program: PathBuf,
+    /// The folder of results.
+    pub folder: &'a Folder,
+    /// Number of jobs at a time, each with one environment process.
+    pub parallel: usize,
+    /// Returns whether to stop.
+    pub interrupted: fn() -> bool,
+}
+
+/// How the jobs of a run ended.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Ended {
+    /// Number of jobs without an error, including those of earlier runs.
+    pub done: usize,
+    /// Number of jobs with an error.
+    pub failed: usize,
+}
+
+impl Runner<'_> {
+    /// Runs the jobs that are not done, in their order, and returns how all ended. A failed job does not stop the others.
+    /// `done` is called with every job that ends and with how it ended.
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`], when the processes have written their checkpoints; [`Error::Io`].
+    pub fn run(&self, jobs: &[Job], done: &(dyn Fn(&Job, &State) + Sync)) -> Result<Ended> {
+        let left: Vec<&Job> = jobs.iter().filter(|job| !self.folder.is_done(job)).collect();
+        let next = AtomicUsize::new(0);
+        let work = || -> Result<()> {
+            while let Some(job) = left.get(next.fetch_add(1, Ordering::Relaxed)) {
+                let state = self.run_job(job)?;
+                done(job, &state);
+            }
+            Ok(())
+        };
+        std::thread::scope(|scope| {
+            let threads: Vec<_> = (0..self.parallel.min(left.len())).map(|_| scope.spawn(work)).collect();
+            let ended =
+                threads.into_iter().map(|thread| thread.join().expect("a thread of the runner panicked"));
+            ended.collect::<Vec<_>>().into_iter().collect::<Result<()>>()
+        })?;
+        let done = jobs.iter().filter(|job| self.folder.is_done(job)).count();
+        Ok(Ended { done, failed: jobs.len() - done })
+    }
+
+    /// Runs a job from where it is, and writes how it ended.
+    fn run_job(&self, job: &Job) -> Result<State> {
+        let path = self.folder.job(job);
+        std::fs::create_dir_all(&path).map_err(at(&path))?;
+        let earlier = self.folder.state(job).map_or(0.0, |state| state.seconds);
+        let begun = Instant::now();
+        let mut error = None;
+        for action in &job.actions {
+            error = self.act(job, &path, action)?;
+            if error.is_some() {
+                break;
+            }
+        }
+        let state = State { error, seconds: earlier + begun.elapsed().as_secs_f64() };
+        self.folder.set_state(job, &state)?;
+        Ok(state)
+    }
+
+    /// Runs an action unless it has its result. Returns why it failed.
+    fn act(&self, job: &Job, path: &Path, action: &Action) -> Result<Option<String>> {
+        let arguments: Vec<String> = match action {
+            Action::Train { config, .. } => {
+                if path.join(AGENT).join(TRAINED).exists() {
+                    return Ok(None);
+                }
+                let text = toml::to_string(config).expect("a table of plain values always serializes");
+                write_whole(&path.join(CONFIG), text.as_bytes())?;
+                words(&["train", "--config", CONFIG, "--out", AGENT, "--jobs", "1", "--json"])
+            }
+            Action::Evaluate(Episodes { buildings, tasks, periods }) => {
+                let policy = if job.agent() == REACTIVE { REACTIVE } else { AGENT };
+                let mut arguments = words(&["evaluate", "--policy", policy, "--out", EVALUATION]);
+                arguments.extend(words(&["--jobs", "1", "--json", "--task"]));
+                arguments.extend(tasks.iter().cloned());
+                arguments.push("--period".into());
+                arguments.extend(periods.iter().cloned());
+                arguments.push("--".into());
+                arguments.extend(buildings.iter().cloned());
+                arguments
+            }
+            Action::Measure(arguments) => arguments.iter().cloned().chain(words(&["--json"])).collect(),
+        };
+        let log = self.folder.log(job);
+        let mut file = OpenOptions::new().create(true).append(true).open(&log).map_err(at(&log))?;
+        writeln!(file, "$ b2b {}", arguments.join(" ")).map_err(at(&log))?;
+        let mut printed = tempfile::tempfile().map_err(at(path))?;
+        let mut command = Command::new(&self.program);
+        command.args(&arguments).current_dir(path).env(OWNER, std::process::id().to_string());
+        command.stdin(Stdio::null()).process_group(0);
+        command.stdout(printed.try_clone().map_err(at(&log))?);
+        command.stderr(file.try_clone().map_err(at(&log))?);
+        let mut child = command.spawn().map_err(at(&self.program))?;
+        if !self.wait(&mut child)? {
+            let tail = tail(&log).map_err(at(&log))?;
+            let last = tail.lines().rev().find(|line| !line.trim().is_empty()).unwrap_or("no message");
+            let said = tail.lines().rev().find_map(|line| line.strip_prefix("error: "));
+            return Ok(Some(said.unwrap_or(last).to_owned()));
+        }
+        printed.rewind().map_err(at(&log))?;
+        let mut text = Vec::new();
+        printed.read_to_end(&mut text).map_err(at(&log))?;
+        match action {
+            Action::Measure(_) => write_whole(&path.join(MEASURED), &text)?,
+            _ => file.write_all(&text).map_err(at(&log))?,
+        }
+        Ok(None)
+    }
+
+    /// Waits for a process, and returns whether it succeeded. An interrupt is passed on, so that a training writes its
+    /// checkpoint.
+    fn wait(&self, child: &mut Child) -> Result<bool> {
+        let mut told = false;
+        loop {
+            if let Some(status) = child.try_wait().map_err(at(&self.program))? {
+                return if told { Err(Error::Interrupted) } else { Ok(status.success()) };
+            }
+            if !told && (self.interrupted)() {
+                told = true;
+                // A process that has just ended cannot be told.
+                let _ = kill_process(Pid::from_child(child), Signal::TERM);
+            }
+            std::thread::sleep(POLL);
+        }
+    }
+}
+
+fn words(words: &[&str]) -> Vec<String> {
+    words.iter().map(|word| (*word).to_owned()).collect()
+}
+
+/// Returns the end of a log.
+fn tail(path: &Path) -> std::io::Result<String> {
+    let mut file = File::open(path)?;
+    let length = file.metadata()?.len();
+    file.seek(SeekFrom::Start(length.saturating_sub(TAIL)))?;
+    let mut bytes = Vec::new();
+    file.read_to_end(&mut bytes)?;
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
+}

@@ -1,0 +1,55 @@
+//! A part of an experiment's jobs, for job arrays.
+
+use std::str::FromStr;
+
+use crate::error::Error;
+
+/// The part `index` of `count`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shard {
+    index: usize,
+    count: usize,
+}
+
+impl Shard {
+    /// All jobs.
+    pub const WHOLE: Self = Self { index: 0, count: 1 };
+
+    /// Returns whether a job belongs to the part, by its number.
+    pub fn contains(self, number: usize) -> bool {
+        number % self.count == self.index
+    }
+}
+
+impl FromStr for Shard {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self, Error> {
+        let parsed = text.split_once('/').and_then(|(index, count)| {
+            let shard = Self { index: index.parse().ok()?, count: count.parse().ok()? };
+            (shard.index < shard.count).then_some(shard)
+        });
+        parsed.ok_or_else(|| Error::Shard { text: text.to_owned() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_job_belongs_to_one_shard() {
+        let shards: Vec<Shard> = ["0/3", "1/3", "2/3"].map(|text| text.parse().unwrap()).into();
+        for number in 0..10 {
+            assert_eq!(shards.iter().filter(|shard| shard.contains(number)).count(), 1);
+            assert!(Shard::WHOLE.contains(number));
+        }
+    }
+
+    #[test]
+    fn other_text_is_refused() {
+        for text in ["3/3", "1", "a/b", "1/0", "-1/2"] {
+            assert!(text.parse::<Shard>().unwrap_err().to_string().contains(text));
+        }
+    }
+}
