@@ -53,11 +53,12 @@ pub fn write(file: &mut impl Write, experiment: &Experiment, results: &Results) 
     let failed = results.failed.iter().map(|(job, error)| format!("{job}: {error}"));
     let data = json!({
         "title": experiment.title,
+        "lead": experiment.question,
         "tiles": tiles,
         "tables": content.tables,
         "lost": failed.collect::<Vec<_>>(),
         "drawings": content.charts.into_iter().map(Chart::json).collect::<Vec<_>>(),
-        "footer": format!("{} In the paper: {}. {}", experiment.question, experiment.paper, content.notes),
+        "footer": format!("In the paper: {}. {}", experiment.paper, content.notes),
     });
     write_page(file, &data)
 }
