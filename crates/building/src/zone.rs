@@ -124,7 +124,8 @@ fn floor_area(surfaces: &[Surface], zone: &str) -> f64 {
         .iter()
         .filter(|s| s.kind == SurfaceKind::Floor && s.zone.eq_ignore_ascii_case(zone))
         .map(Surface::area)
-        .sum()
+        // Not `sum`, which is -0 of nothing.
+        .fold(0.0, |sum, area| sum + area)
 }
 
 /// Returns the area of a plane polygon in space, m².

@@ -10,6 +10,14 @@ pub enum Error {
     /// A parameter of the reactive controllers outside its bounds.
     #[error(transparent)]
     Parameter(#[from] OutOfBounds),
+    /// A name that no parameter of the reactive controllers has.
+    #[error("unknown parameter `{name}` of the reactive controllers; expected one of {}", known.join(", "))]
+    UnknownParameter {
+        /// The name.
+        name: String,
+        /// The names of all parameters.
+        known: Vec<&'static str>,
+    },
     /// A file that does not hold parameters.
     #[error("{path} does not hold parameters of the reactive controllers: {why}")]
     ParameterFile {

@@ -138,12 +138,14 @@ pub enum Error {
     },
     /// Text that does not name a task.
     #[error(
-        "unknown task `{text}`; expected constant, occupancy or random, optionally followed by +deadband or +pmv and by \
+        "unknown task `{text}`{renamed}; expected constant, occupancy or random, optionally followed by +deadband or +pmv and by \
          +energyW, +costW, +carbonW or +peakW with a weight W, for example occupancy+energy0.5; or the path of a JSON file"
     )]
     UnknownTask {
         /// The text.
         text: String,
+        /// For the name of a preset of the first version, what it is now.
+        renamed: String,
     },
     /// A file that does not hold a task.
     #[error("{path} is not a valid task: {why}")]

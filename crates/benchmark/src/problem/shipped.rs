@@ -50,6 +50,16 @@ impl Problem {
     pub fn named(name: &str) -> Result<Self> {
         let found = Self::all().iter().find(|problem| problem.name == name);
         found.cloned().ok_or_else(|| {
+            // Difficulties of the first version of the project.
+            let difficulty = match name {
+                "easy" => Some("dynamics-house"),
+                "medium" => Some("dynamics-office-small"),
+                "hard" => Some("dynamics-office-medium"),
+                _ => None,
+            };
+            if let Some(problem) = difficulty {
+                return Error::UnknownProblem { text: name.to_owned(), near: problem.to_owned() };
+            }
             let mut near: Vec<_> = Self::all().iter().map(|problem| problem.name.as_str()).collect();
             let similarity =
                 |known: &str| strsim::jaro_winkler(known, &name.to_lowercase().replace('_', "-"));

@@ -87,6 +87,19 @@ impl ReactiveParameters {
         Self::TABLE.into_iter().find(|field| field.parameter.name == name)
     }
 
+    /// Sets a parameter by its name in [`ReactiveParameters::TABLE`]; [`ReactiveParameters::check`] checks its value.
+    ///
+    /// # Errors
+    /// [`Error::UnknownParameter`].
+    pub fn set(&mut self, name: &str, value: f64) -> Result<()> {
+        let field = Self::parameter(name).ok_or_else(|| Error::UnknownParameter {
+            name: name.to_owned(),
+            known: Self::TABLE.map(|field| field.parameter.name).to_vec(),
+        })?;
+        field.set(self, value);
+        Ok(())
+    }
+
     /// Returns a text that identifies the parameters. Results store hashes of it, so that it does not change when a field
     /// is renamed.
     pub fn fingerprint(&self) -> String {

@@ -60,7 +60,10 @@ impl FromStr for Task {
     type Err = Error;
 
     fn from_str(text: &str) -> Result<Self> {
-        let unknown = || Error::UnknownTask { text: text.to_owned() };
+        let unknown = || {
+            let renamed = of_preset(text).map(|task| format!(", which is now {task} (docs/coming_from.md)"));
+            Error::UnknownTask { text: text.to_owned(), renamed: renamed.unwrap_or_default() }
+        };
         let mut parts = text.split('+');
         let setpoints = parts.next().unwrap_or_default();
         let mut task = Self { setpoints: setpoints.parse().map_err(|()| unknown())?, ..Self::default() };
@@ -89,6 +92,25 @@ impl FromStr for Task {
         task.check()?;
         Ok(task)
     }
+}
+
+/// Returns the text form of a preset of the first version of the project, such as `task_occ_e05`.
+fn of_preset(text: &str) -> Option<String> {
+    let (mode, energy) = text.strip_prefix("task_")?.split_once('_')?;
+    let setpoints = match mode {
+        "const" => "constant",
+        "occ" => "occupancy",
+        "rand" => "random",
+        _ => return None,
+    };
+    let rest = match energy {
+        "e0" => "",
+        "e05" => "+energy0.5",
+        "emed" => "+deadband+energy1",
+        "ehigh" => "+deadband+energy5",
+        _ => return None,
+    };
+    Some(format!("{setpoints}{rest}"))
 }
 
 /// Splits `deadband0.5` into word and number. `None` where what follows the word is not a number.
@@ -160,6 +182,19 @@ mod tests {
         ] {
             let said = text.parse::<Task>().unwrap_err().to_string();
             assert!(words.iter().all(|word| said.contains(word)), "{said}");
+        }
+    }
+
+    #[test]
+    fn a_preset_of_the_first_version_is_answered_with_a_task_that_reads() {
+        for mode in ["const", "occ", "rand"] {
+            for energy in ["e0", "e05", "emed", "ehigh"] {
+                let preset = format!("task_{mode}_{energy}");
+                let said = preset.parse::<Task>().unwrap_err().to_string();
+                let now = of_preset(&preset).unwrap();
+                assert!(said.contains(&format!("`{preset}`, which is now {now} ")), "{said}");
+                assert_eq!(task(&now).to_string(), now);
+            }
         }
     }
 
