@@ -2,7 +2,6 @@
 
 use std::io::Write;
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use anyhow::{Result, bail};
 use b2b_benchmark::{Baselines, Episode, Key, ReturnTerms, SiteInfo, Subject, baseline_table};
@@ -16,6 +15,7 @@ use crate::arguments::buildings::Buildings;
 use crate::arguments::jobs::Jobs;
 use crate::arguments::task;
 use crate::evaluation::{Bars, evaluation};
+use crate::exit_code::ExitCode;
 use crate::output_folder::OutputFolder;
 use crate::progress::Download;
 use crate::{interrupt, shipped, stdout};
@@ -83,7 +83,7 @@ pub fn baseline(arguments: &Arguments) -> Result<ExitCode> {
     let baselines = Baselines::without_shipped(if arguments.fresh { fresh.path() } else { cache.as_path() });
     let missing = baselines.missing(episodes.clone());
     let bars = Bars::new(false);
-    let lost = baselines.compute(&evaluation(&catalog, arguments.jobs.count()?)?, &missing, &bars)?;
+    let lost = baselines.compute(&evaluation(&catalog, arguments.jobs.count()?), &missing, &bars)?;
     drop(bars);
     if let Some((key, why)) = lost.iter().min_by_key(|(key, _)| *key) {
         bail!("{} episodes failed; first: {}: {why}", lost.len(), describe(key));
@@ -93,7 +93,7 @@ pub fn baseline(arguments: &Arguments) -> Result<ExitCode> {
     let Some(path) = &arguments.out else { return check(&rows) };
     let table = baseline_table::text(&rows);
     OutputFolder::write_file(path, |file| Ok(file.write_all(table.as_bytes())?))?;
-    Ok(ExitCode::SUCCESS)
+    Ok(ExitCode::Success)
 }
 
 impl Arguments {
@@ -153,7 +153,7 @@ fn check(rows: &[(Key, ReturnTerms)]) -> Result<ExitCode> {
         wrong.len()
     ))?;
     wrong.iter().try_for_each(|line| stdout::print(&format!("  {line}")))?;
-    Ok(if wrong.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+    Ok(ExitCode::of(wrong.is_empty()))
 }
 
 #[cfg(test)]

@@ -1,7 +1,5 @@
 //! `b2b check`: sizing and simulation of dataset buildings.
 
-use std::process::ExitCode;
-
 use anyhow::{Context, Result};
 use b2b_building::{Conditioning, PreparedBuilding, RunPeriod};
 use b2b_dataset::BuildingId;
@@ -15,6 +13,7 @@ use crate::arguments::buildings::DatasetBuildings;
 use crate::arguments::controller::{Parameters, reactive};
 use crate::arguments::jobs::Jobs;
 use crate::arguments::location::Location;
+use crate::exit_code::ExitCode;
 use crate::prepare::Prepared;
 use crate::progress::counter;
 use crate::rollout::roll_out;
@@ -100,12 +99,12 @@ struct Extreme {
 pub fn check(arguments: &Arguments) -> Result<ExitCode> {
     if let Some(id) = arguments.one {
         stdout::print(&serde_json::to_string(&episodes(id, &arguments.periods)?)?)?;
-        return Ok(ExitCode::SUCCESS);
+        return Ok(ExitCode::Success);
     }
     let reports = arguments.reports()?;
     stdout::print_result(arguments.json, &reports, || text(&reports))?;
     let passed = reports.iter().all(|report| report.passed);
-    Ok(if passed { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+    Ok(ExitCode::of(passed))
 }
 
 impl Arguments {

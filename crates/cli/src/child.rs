@@ -6,14 +6,14 @@ use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
 
-use crate::interrupt;
+use crate::{interrupt, program};
 
 /// Runs this program with these arguments and returns its standard output, or its standard error if it fails. Errors if
 /// it is interrupted.
 pub fn run<I: AsRef<std::ffi::OsStr>>(
     arguments: impl IntoIterator<Item = I>,
 ) -> Result<Result<String, String>> {
-    let mut command = Command::new(std::env::current_exe()?);
+    let mut command = program::command();
     command.args(arguments);
     output(command)
 }

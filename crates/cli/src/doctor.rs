@@ -1,7 +1,5 @@
 //! `b2b doctor`: the state of the installation, and the actuator response check.
 
-use std::process::ExitCode;
-
 use anyhow::Result;
 use b2b_building::{BuildingType, RunPeriod};
 use b2b_climate::weather::PACKAGES;
@@ -14,6 +12,7 @@ use b2b_env::{Task, authority};
 use serde_json::json;
 
 use crate::arguments::location::Location;
+use crate::exit_code::ExitCode;
 use crate::prepare::Prepared;
 use crate::stdout;
 
@@ -56,7 +55,7 @@ pub fn doctor(arguments: &Arguments) -> Result<ExitCode> {
     findings.extend(arguments.building_type.map(|each| building(each, arguments.json)));
     print(&findings, arguments.json)?;
     let bad = findings.iter().any(|finding| finding.health == Health::Bad);
-    Ok(if bad { ExitCode::FAILURE } else { ExitCode::SUCCESS })
+    Ok(if bad { ExitCode::Failure } else { ExitCode::Success })
 }
 
 /// Checks the actuator response of a building. Exit code 1 if an actuator does not respond.
@@ -64,7 +63,7 @@ fn authority(building: &BuildingName, location: &Location, json: bool) -> Result
     let prepared = Prepared::new(building, location, json)?;
     let report = authority::measure(&prepared.library, &prepared.building, &prepared.weather)?;
     stdout::print_result(json, &report, || report.to_string())?;
-    Ok(if report.failures().next().is_none() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+    Ok(ExitCode::of(report.failures().next().is_none()))
 }
 
 /// Simulates one day of a building.

@@ -5,16 +5,14 @@ use std::sync::Mutex;
 use anyhow::Result;
 use b2b_benchmark::{Episode, Evaluation, Progress};
 use b2b_dataset::{BuildingName, Catalog};
-use b2b_env::vector::Launcher;
 use indicatif::ProgressBar;
 
 use crate::progress::counter;
-use crate::{interrupt, weather};
+use crate::{interrupt, program, weather};
 
 /// Returns an evaluation whose episodes run in worker processes of this program.
-pub fn evaluation(catalog: &Catalog, jobs: usize) -> Result<Evaluation<'_>> {
-    let launcher = Launcher::this_program()?;
-    Ok(Evaluation { catalog, launcher, jobs, interrupted: interrupt::requested })
+pub fn evaluation(catalog: &Catalog, jobs: usize) -> Evaluation<'_> {
+    Evaluation { catalog, launcher: program::launcher(), jobs, interrupted: interrupt::requested }
 }
 
 /// Downloads weather ahead, where progress is shown and can be interrupted. Types and model files fetch theirs later.

@@ -1,5 +1,7 @@
 //! The help text of `b2b`: where to start, and the commands by purpose.
 
+use crate::wrap;
+
 /// Commands by purpose.
 #[cfg(target_os = "linux")]
 const GROUPS: &[(&str, &[&str])] = &[
@@ -20,8 +22,8 @@ const GROUPS: &[(&str, &[&str])] = &[
 
 const START: &str = "\
 Start here:
-  b2b run OfficeSmall       Simulate a winter in Denver: metrics, trajectory and an interactive plot
-  b2b show OfficeSmall      Describe the building, what an agent observes and what it controls
+  b2b run OfficeSmall       Simulate a winter: metrics, trajectory, plots
+  b2b show OfficeSmall      Describe the building, observation and action
   b2b view OfficeSmall      Draw the building in 3D";
 
 const NOTES: &str = "\
@@ -34,13 +36,15 @@ Environment variables:
   B2B_CACHE        cache folder
   B2B_OFFLINE=1    never download
 
-Exit codes: 0 success, 1 failure, 130 interrupted.";
+Exit codes: 0 success, 1 failure, 2 wrong usage, 130 interrupted.";
 
 /// Gives a parser the help text.
 pub fn add(parser: clap::Command) -> clap::Command {
-    let commands = commands(&parser);
+    let start = wrap::lines(&format!("{START}\n\n{}", commands(&parser)), wrap::help_width());
     parser
-        .help_template(format!("{{about}}\n\n{{usage-heading}} {{usage}}\n\n{START}\n\n{commands}Options:\n{{options}}{{after-help}}"))
+        .help_template(format!(
+            "{{about}}\n\n{{usage-heading}} {{usage}}\n\n{start}\nOptions:\n{{options}}{{after-help}}"
+        ))
         .after_help(NOTES)
 }
 

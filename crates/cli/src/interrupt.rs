@@ -5,9 +5,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::{Context, Result, bail};
 
-/// Exit code of an interrupted command, by the convention of shells.
-pub const EXIT_CODE: u8 = 130;
-
 static REQUESTED: AtomicBool = AtomicBool::new(false);
 /// The process that this one belongs to, if it is a command of an experiment's job.
 static OWNER: OnceLock<u32> = OnceLock::new();

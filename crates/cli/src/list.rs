@@ -111,9 +111,10 @@ fn type_json(building_type: BuildingType, sizes: &Option<Sizes>) -> Value {
 }
 
 fn places_text() -> String {
-    let mut table = Table::new(["place", "climate zone", "weather file", "package"]);
+    let mut table =
+        Table::new(["place", "climate zone", "weather station (WMO)", "package of the weather file"]);
     for place in &PLACES {
-        let cells = [place.name, place.ashrae_zone, place.file_name, place.package.name];
+        let cells = [place.name, place.ashrae_zone, place.wmo, place.package.name];
         table.row(cells.map(str::to_owned));
     }
     table.text()

@@ -33,7 +33,7 @@ impl Prepared {
         use anyhow::Context;
         use b2b_env::vector::{EpisodeOptions, Workers};
 
-        let workers = Workers::new(self.worker_options()?)?;
+        let workers = Workers::new(self.worker_options())?;
         let options = EpisodeOptions { finish_run: true, ..EpisodeOptions::default() };
         let mut episode = workers.episode(&self.setting(spaces.episode.clone()))?.with_options(options);
         let Recorded { metrics, trajectory, wall } = roll_out(&mut episode, controller, quiet)?;

@@ -86,7 +86,7 @@ pub fn score(arguments: &Arguments) -> Result<()> {
         Episode { subject: subject.clone(), task: task.clone(), period: *period, seed: 0, steps_per_hour };
     let baselines = Baselines::open()?;
     let bars = Bars::new(arguments.json);
-    let evaluation = evaluation(&catalog, 1)?;
+    let evaluation = evaluation(&catalog, 1);
     let baseline = baselines.baseline(&evaluation, &episode, &site, &bars)?;
     drop(bars);
     let episode_return = -trajectory.temperature_penalty - trajectory.energy_penalty;

@@ -5,14 +5,23 @@ use std::io::{ErrorKind, Write};
 use anyhow::Result;
 use serde::Serialize;
 
-/// Prints a text and a newline.
+use crate::wrap;
+
+/// Prints a text and a newline. On a terminal, lines are broken where it ends.
 pub fn print(text: &str) -> Result<()> {
+    match wrap::width() {
+        Some(width) => write(&wrap::lines(text, width)),
+        None => write(text),
+    }
+}
+
+fn write(text: &str) -> Result<()> {
     Ok(writeln!(std::io::stdout().lock(), "{text}")?)
 }
 
 /// Prints one JSON value and a newline.
 pub fn print_json(value: &impl Serialize) -> Result<()> {
-    print(&serde_json::to_string_pretty(value)?)
+    write(&serde_json::to_string_pretty(value)?)
 }
 
 /// Prints a result: as JSON, or as the text that `text` returns.

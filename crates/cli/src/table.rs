@@ -2,6 +2,8 @@
 
 use serde_json::{Value, json};
 
+use crate::wrap;
+
 /// Rows under a header. Columns of numbers are right-aligned.
 pub struct Table {
     rows: Vec<Vec<String>>,
@@ -18,14 +20,48 @@ impl Table {
         self.rows.push(cells.to_vec());
     }
 
-    /// Returns one line per row, indented by two spaces.
+    /// Returns one line per row, indented by two spaces. On a terminal that is too narrow, words of a cell go to further
+    /// lines, and columns for which there is no room at all follow in a table below.
     pub fn text(&self) -> String {
+        self.within(wrap::width().unwrap_or(usize::MAX))
+    }
+
+    fn within(&self, width: usize) -> String {
         let columns: Vec<_> = (0..self.rows[0].len()).map(|column| self.column(column)).collect();
-        let line = |row: &Vec<String>| {
-            let cells: Vec<_> = row.iter().zip(&columns).map(|(cell, column)| column.pad(cell)).collect();
-            format!("  {}", cells.join("  ")).trim_end().to_owned()
+        let mut parts = vec![];
+        let mut rest = &columns[..];
+        while let Some((next, others)) = rest.split_first() {
+            // Every further table begins with the first column as well.
+            let mut part = if parts.is_empty() { vec![*next] } else { vec![columns[0], *next] };
+            let room = |part: &[Column], column: &Column| {
+                let taken: usize = part.iter().chain([column]).map(|column| column.least + GAP).sum();
+                taken <= width
+            };
+            let more = others.iter().take_while(|column| {
+                let fits = room(&part, column);
+                part.extend(fits.then_some(**column));
+                fits
+            });
+            rest = &others[more.count()..];
+            shrink(&mut part, width);
+            parts.push(self.lines(&part));
+        }
+        parts.join("\n\n")
+    }
+
+    fn lines(&self, columns: &[Column]) -> String {
+        let row = |row: &Vec<String>| {
+            let cells: Vec<_> = columns.iter().map(|column| column.broken(&row[column.index])).collect();
+            let height = cells.iter().map(Vec::len).max().unwrap_or(0);
+            let line = |line: usize| {
+                let cells = columns.iter().zip(&cells);
+                let cells =
+                    cells.map(|(column, lines)| column.pad(lines.get(line).map_or("", String::as_str)));
+                format!("  {}", cells.collect::<Vec<_>>().join("  ")).trim_end().to_owned()
+            };
+            (0..height).map(line).collect::<Vec<_>>().join("\n")
         };
-        self.rows.iter().map(line).collect::<Vec<_>>().join("\n")
+        self.rows.iter().map(row).collect::<Vec<_>>().join("\n")
     }
 
     /// Returns an object with the header and the rows.
@@ -35,19 +71,44 @@ impl Table {
 
     fn column(&self, index: usize) -> Column {
         let cells = || self.rows.iter().map(move |row| row[index].as_str());
+        let longest = |lengths: &mut dyn Iterator<Item = usize>| lengths.max().unwrap_or(0);
         Column {
-            width: cells().map(|cell| cell.chars().count()).max().unwrap_or(0),
+            index,
+            width: longest(&mut cells().map(|cell| cell.chars().count())),
+            least: longest(&mut cells().flat_map(|cell| cell.split(' ').map(|word| word.chars().count()))),
             numbers: cells().skip(1).all(is_number),
         }
     }
 }
 
+/// Spaces ahead of a column.
+const GAP: usize = 2;
+
+/// Narrows the widest columns, down to their longest words, until all fit.
+fn shrink(columns: &mut [Column], width: usize) {
+    while columns.iter().map(|column| column.width + GAP).sum::<usize>() > width {
+        let narrowable = columns.iter_mut().filter(|column| column.width > column.least);
+        let Some(widest) = narrowable.max_by_key(|column| column.width) else { return };
+        widest.width -= 1;
+    }
+}
+
+#[derive(Clone, Copy)]
 struct Column {
+    /// Its number in the table.
+    index: usize,
     width: usize,
+    /// The length of its longest word.
+    least: usize,
     numbers: bool,
 }
 
 impl Column {
+    /// Returns the lines of a cell.
+    fn broken(&self, cell: &str) -> Vec<String> {
+        wrap::lines(cell, self.width).lines().map(str::to_owned).collect()
+    }
+
     fn pad(&self, cell: &str) -> String {
         let width = self.width;
         if self.numbers { format!("{cell:>width$}") } else { format!("{cell:<width$}") }
@@ -67,6 +128,18 @@ mod tests {
         let mut table = Table::new(["zone", "K"]);
         table.row(["Core".into(), "0.5".into()]);
         table.row(["Büro".into(), "12.5".into()]);
-        assert_eq!(table.text(), "  zone     K\n  Core   0.5\n  Büro  12.5");
+        assert_eq!(table.within(80), "  zone     K\n  Core   0.5\n  Büro  12.5");
+    }
+
+    #[test]
+    fn a_narrow_terminal_breaks_words_and_then_the_table() {
+        let mut table = Table::new(["zone", "floor area (m²)", "equipment"]);
+        table.row(["Core".into(), "149.7".into(), "heating and cooling".into()]);
+        let broken = table.within(26);
+        assert!(broken.lines().all(|line| line.chars().count() <= 26), "{broken}");
+        assert!(broken.lines().count() > 2 && broken.matches("zone").count() == 1, "{broken}");
+        let parts = table.within(17);
+        assert_eq!(parts.matches("zone").count(), 2, "{parts}");
+        assert!(parts.lines().all(|line| line.chars().count() <= 17), "{parts}");
     }
 }

@@ -57,12 +57,12 @@ impl Sandbox {
         entries(self.work.path()).chain(entries(self.temporary.path())).collect()
     }
 
-    /// Asserts that a command fails with code 1, prints `words` on standard error and leaves nothing behind.
+    /// Asserts that a command fails with the code of its message, prints `words` on standard error and leaves nothing behind.
     fn assert_refused(&self, command: &mut Command, words: &[&str]) {
         let before = self.left_behind();
         let output = command.output().unwrap();
         let said = stderr(&output);
-        assert_eq!(output.status.code(), Some(1), "{said}");
+        assert_eq!(output.status.code(), Some(program::failure_code(&said)), "{said}");
         assert!(said.starts_with("error: ") && !said.contains("panicked"), "{said}");
         for word in words {
             assert!(said.contains(word), "`{word}` is not in: {said}");

@@ -152,7 +152,7 @@ fn the_manifest_records_the_weather_file_and_the_parameters() {
     let folder = tempfile::tempdir().unwrap();
     let weather = undesigned(folder.path());
     let out = folder.path().join("o");
-    let settings = "--set x_scale=1.25 infiltration=0.5..0.6";
+    let settings = "--set x_scale=1.25 --set infiltration=0.5..0.6";
     let generate = |zone: &str| {
         let arguments =
             format!("generate RetailStandalone --count 4 --weather somewhere.epw {settings} {zone}");
@@ -196,8 +196,7 @@ fn dataset_buildings_and_new_ones_share_a_folder() {
 fn houses_accept_any_weather_file_and_have_no_climate_zone() {
     let folder = tempfile::tempdir().unwrap();
     undesigned(folder.path());
-    let arguments =
-        "generate SingleFamilyHouse --count 3 --weather somewhere.epw --set year=1950 storeys=2 --out o";
+    let arguments = "generate SingleFamilyHouse --count 3 --weather somewhere.epw --set year=1950 --set storeys=2 --out o";
     let output = b2b(folder.path(), arguments);
     assert!(output.status.success() && !stderr(&output).contains("climate zone"), "{}", stderr(&output));
     for row in manifest(&folder.path().join("o")) {

@@ -3,7 +3,7 @@
 use std::fs::{File, OpenOptions};
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::os::unix::process::CommandExt;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
@@ -33,8 +33,8 @@ const TAIL: u64 = 4000;
 
 /// Runs jobs, as many at a time as it is told.
 pub struct Runner<'a> {
-    /// The program `b2b`.
-    pub program: PathBuf,
+    /// Makes a command that starts `b2b`.
+    pub command: fn() -> Command,
     /// The folder of results.
     pub folder: &'a Folder,
     /// Number of jobs at a time, each with one environment process.
@@ -124,12 +124,12 @@ impl Runner<'_> {
         let mut file = OpenOptions::new().create(true).append(true).open(&log).map_err(at(&log))?;
         writeln!(file, "$ b2b {}", arguments.join(" ")).map_err(at(&log))?;
         let mut printed = tempfile::tempfile().map_err(at(path))?;
-        let mut command = Command::new(&self.program);
+        let mut command = (self.command)();
         command.args(&arguments).current_dir(path).env(OWNER, std::process::id().to_string());
         command.stdin(Stdio::null()).process_group(0);
         command.stdout(printed.try_clone().map_err(at(&log))?);
         command.stderr(file.try_clone().map_err(at(&log))?);
-        let mut child = command.spawn().map_err(at(&self.program))?;
+        let mut child = command.spawn().map_err(at(Path::new("b2b")))?;
         if !self.wait(&mut child)? {
             let tail = tail(&log).map_err(at(&log))?;
             let last = tail.lines().rev().find(|line| !line.trim().is_empty()).unwrap_or("no message");
@@ -151,7 +151,7 @@ impl Runner<'_> {
     fn wait(&self, child: &mut Child) -> Result<bool> {
         let mut told = false;
         loop {
-            if let Some(status) = child.try_wait().map_err(at(&self.program))? {
+            if let Some(status) = child.try_wait().map_err(at(Path::new("b2b")))? {
                 return if told { Err(Error::Interrupted) } else { Ok(status.success()) };
             }
             if !told && (self.interrupted)() {

@@ -113,7 +113,7 @@ impl ControllerArguments {
 
         let steps = spaces.episode_steps();
         let bar = crate::progress::counter(steps, "steps planned", quiet);
-        let workers = Workers::new(prepared.worker_options()?)?;
+        let workers = Workers::new(prepared.worker_options())?;
         let mut episode = workers.episode(&prepared.setting(spaces.episode.clone()))?;
         let reactive = reactive(spaces, &self.parameters)?;
         let mut planner = Planner::new(PlannerParameters::default(), reactive, self.seed);

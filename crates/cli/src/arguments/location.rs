@@ -3,6 +3,7 @@
 use std::ffi::OsString;
 use std::path::PathBuf;
 
+use anyhow::{Result, bail};
 use b2b_climate::Place;
 use b2b_dataset::Placement;
 
@@ -10,11 +11,23 @@ use b2b_dataset::Placement;
 #[derive(clap::Args, Default)]
 pub struct Location {
     /// Place that supplies weather and climate (`b2b list places`) [default: the building's own]
-    #[arg(long, value_name = "NAME", value_parser = Place::find, conflicts_with = "weather")]
+    #[arg(long, value_name = "NAME", value_parser = find_place, conflicts_with = "weather")]
     place: Option<&'static Place>,
     /// EPW weather file to use instead of a known place
     #[arg(long, value_name = "FILE.epw")]
     weather: Option<PathBuf>,
+}
+
+fn find_place(name: &str) -> Result<&'static Place> {
+    Ok(Place::find(&place_name(name)?)?)
+}
+
+/// Returns the name of a place or a region. Errors if it is a weather file.
+pub fn place_name(name: &str) -> Result<String> {
+    if name.to_lowercase().ends_with(".epw") {
+        bail!("`{name}` is a weather file; use `--weather {name}`");
+    }
+    Ok(name.to_owned())
 }
 
 impl Location {

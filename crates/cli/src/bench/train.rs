@@ -124,7 +124,7 @@ fn costs(building: BuildingId, arguments: &Arguments, catalog: &Arc<Catalog>) ->
     };
     let mut turns = Vec::new();
     for design in Design::ALL {
-        let workers = worker_options(catalog.library().path())?;
+        let workers = worker_options(catalog.library().path());
         let mut training = TrainingLoop::new(&config, design, catalog, workers)?;
         training.update()?;
         turns.push((design, training, Cost::default()));

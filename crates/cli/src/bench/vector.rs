@@ -1,7 +1,7 @@
 //! `b2b bench vector`: the cost of many environments at once.
 
 use std::io::{BufRead, BufReader, Write};
-use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::process::{Child, ChildStdin, ChildStdout, Stdio};
 use std::time::Instant;
 
 use anyhow::{Context, Result};
@@ -18,7 +18,7 @@ use crate::arguments::location::Location;
 use crate::prepare::Prepared;
 use crate::progress::spinner;
 use crate::table::Table;
-use crate::{interrupt, stdout};
+use crate::{interrupt, program, stdout};
 
 /// Measure throughput, resets and memory of many environments at once
 ///
@@ -150,7 +150,7 @@ fn fresh_reset_ms(prepared: &Prepared, period: RunPeriod) -> Result<f64> {
 
 /// Wall-clock times of resets from a template, ms, and the template's memory, MB.
 fn resets(prepared: &Prepared, setting: &Setting, count: u32) -> Result<(Vec<f64>, f64)> {
-    let workers = Workers::new(prepared.worker_options()?)?;
+    let workers = Workers::new(prepared.worker_options())?;
     let mut episode = workers.episode(setting)?;
     let process = *workers.template_processes().first().context("the template is gone")?;
     let template_mb = proportional_mb(process)?;
@@ -181,7 +181,7 @@ impl Rates {
         arguments: &Arguments,
     ) -> Result<Self> {
         let count = arguments.environments as usize;
-        let mut batch = VecEnv::new(count, Box::new(Fixed(vec![setting])), prepared.vec_env_options()?)?;
+        let mut batch = VecEnv::new(count, Box::new(Fixed(vec![setting])), prepared.vec_env_options())?;
         batch.reset(0)?;
         let spaces = batch.spaces(0).context("no environment was reset")?;
         let actions = spaces.action.middle().repeat(count);
@@ -253,7 +253,7 @@ struct Single {
 
 impl Single {
     fn start(building: &BuildingName, days: u32) -> Result<Self> {
-        let mut process = Command::new(std::env::current_exe()?)
+        let mut process = program::command()
             .args(["bench", "vector", "--single", &building.to_string(), "--days", &days.to_string()])
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())

@@ -6,9 +6,9 @@ mod run;
 mod selection;
 mod verify;
 
-use std::process::ExitCode;
-
 use anyhow::Result;
+
+use crate::exit_code::ExitCode;
 
 /// Run policies on the benchmark problems, and verify and compare results
 ///
@@ -48,5 +48,5 @@ pub fn benchmark(arguments: &Arguments) -> Result<ExitCode> {
         Command::Verify(arguments) => return verify::verify(arguments),
         Command::Report(arguments) => report::report(arguments)?,
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(ExitCode::Success)
 }

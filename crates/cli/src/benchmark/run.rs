@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use anyhow::{Context, Result, bail};
 use b2b_benchmark::entry::{Entry, EntryPolicy, Measures, Performance, RunOutcome, RunResult};
@@ -16,6 +15,7 @@ use crate::arguments::jobs::Jobs;
 use crate::arguments::policy::PolicyArguments;
 use crate::evaluate::ratio;
 use crate::evaluation::{Bars, evaluation, fetch_weather};
+use crate::exit_code::ExitCode;
 use crate::progress::Download;
 use crate::stdout;
 use crate::table::Table;
@@ -85,7 +85,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     let catalog = Catalog::open(&mut Download::new(arguments.json))?;
     let episodes: Vec<_> = entry.stages().into_iter().flat_map(|stage| entry.episodes(stage)).collect();
     fetch_weather(&episodes, arguments.json)?;
-    let evaluation = evaluation(&catalog, arguments.jobs.count()?)?;
+    let evaluation = evaluation(&catalog, arguments.jobs.count()?);
     let bars = Bars::new(arguments.json);
     let ended = entry.run(&arguments.out, &evaluation, &Baselines::open()?, &bars)?;
     drop(bars);
@@ -94,10 +94,10 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         RunOutcome::Complete(result, _) => stdout::print(&text(&result, arguments))?,
         RunOutcome::Incomplete(rows) => {
             eprintln!("{}", lost(&rows));
-            return Ok(ExitCode::FAILURE);
+            return Ok(ExitCode::Failure);
         }
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(ExitCode::Success)
 }
 
 impl Arguments {

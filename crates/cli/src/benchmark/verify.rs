@@ -1,7 +1,6 @@
 //! `b2b benchmark verify`: the check of a result.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use anyhow::Result;
 use b2b_benchmark::entry::{self, Check, Sample};
@@ -10,6 +9,7 @@ use serde_json::json;
 
 use crate::arguments::jobs::Jobs;
 use crate::evaluation::{Bars, evaluation};
+use crate::exit_code::ExitCode;
 use crate::progress::Download;
 use crate::stdout;
 
@@ -46,7 +46,7 @@ pub struct Arguments {
 /// Runs the command.
 pub fn verify(arguments: &Arguments) -> Result<ExitCode> {
     let catalog = Catalog::open(&mut Download::new(arguments.json))?;
-    let evaluation = evaluation(&catalog, arguments.jobs.count()?)?;
+    let evaluation = evaluation(&catalog, arguments.jobs.count()?);
     let sample = Sample { episodes: arguments.episodes, seed: arguments.sample_seed };
     let bars = Bars::new(arguments.json);
     let checks = entry::verify(&arguments.folder, &evaluation, sample, &bars)?;
@@ -67,5 +67,5 @@ pub fn verify(arguments: &Arguments) -> Result<ExitCode> {
         };
         stdout::print(&checks.iter().map(line).collect::<Vec<_>>().join("\n"))?;
     }
-    Ok(if passed { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+    Ok(ExitCode::of(passed))
 }

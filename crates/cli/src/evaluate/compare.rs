@@ -2,13 +2,13 @@
 
 use std::fs::File;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use anyhow::{Context, Result};
 use b2b_benchmark::Row;
 use b2b_benchmark::read_episodes;
 use b2b_benchmark::report::{Compared, write_comparison};
 
+use crate::exit_code::ExitCode;
 use crate::output_folder::OutputFolder;
 use crate::stdout;
 
@@ -39,7 +39,7 @@ pub fn compare(arguments: &Arguments) -> Result<ExitCode> {
     let all = arguments.folders.iter().map(|folder| read(folder)).collect::<Result<Vec<_>>>()?;
     OutputFolder::write_file(&arguments.out, |file| Ok(write_comparison(file, &all)?))?;
     stdout::print(&arguments.out.display().to_string())?;
-    Ok(ExitCode::SUCCESS)
+    Ok(ExitCode::Success)
 }
 
 /// Reads the episodes of an evaluation; its name is that of the folder.

@@ -3,7 +3,6 @@
 mod compare;
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use anyhow::{Context, Result};
 use b2b_benchmark::statistics::Aggregate;
@@ -18,6 +17,7 @@ use crate::arguments::location::Location;
 use crate::arguments::policy::PolicyArguments;
 use crate::arguments::task;
 use crate::evaluation::{Bars, evaluation, fetch_weather};
+use crate::exit_code::ExitCode;
 use crate::progress::Download;
 use crate::stdout;
 use crate::table::Table;
@@ -107,7 +107,7 @@ fn run(arguments: &Run) -> Result<ExitCode> {
     let folder = Folder::open(out, policy.as_ref(), &episodes)?;
     let catalog = Catalog::open(&mut Download::new(arguments.json))?;
     fetch_weather(&episodes, arguments.json)?;
-    let evaluation = evaluation(&catalog, arguments.jobs.count()?)?;
+    let evaluation = evaluation(&catalog, arguments.jobs.count()?);
     let baselines = Baselines::open()?;
     let bars = Bars::new(arguments.json);
     let results = Results::of(&evaluation, &folder, &episodes, policy.as_ref(), &baselines, &bars)?;
@@ -115,7 +115,7 @@ fn run(arguments: &Run) -> Result<ExitCode> {
     let summary = results.summary(policy.as_ref());
     let files = results.write(&folder, &summary)?;
     stdout::print_result(arguments.json, &summary, || text(&summary, &files))?;
-    Ok(if summary.lost.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+    Ok(ExitCode::of(summary.lost.is_empty()))
 }
 
 impl Run {

@@ -4,9 +4,9 @@ mod report;
 mod run;
 mod show;
 
-use std::process::ExitCode;
-
 use anyhow::Result;
+
+use crate::exit_code::ExitCode;
 
 /// Run the paper's experiments, and others
 ///
@@ -46,5 +46,5 @@ pub fn experiment(arguments: &Arguments) -> Result<ExitCode> {
         Command::Run(arguments) => return run::run(arguments),
         Command::Report(arguments) => report::report(arguments)?,
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(ExitCode::Success)
 }

@@ -1,15 +1,15 @@
 //! `b2b experiment run`.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use anyhow::{Result, bail};
 use b2b_experiment::{BudgetName, Error, Experiment, Folder, Job, Runner, Shard, State};
 
 use super::{report, show};
 use crate::arguments::jobs::Jobs;
+use crate::exit_code::ExitCode;
 use crate::progress::counter;
-use crate::{interrupt, stdout};
+use crate::{interrupt, program, stdout};
 
 /// Run the jobs of an experiment that are not done, and write its report
 ///
@@ -62,7 +62,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     }
     if arguments.dry_run {
         let keys: Vec<String> = left.iter().map(|job| format!("  {}", job.key)).collect();
-        return stdout::print(&keys.join("\n")).map(|()| ExitCode::SUCCESS);
+        return stdout::print(&keys.join("\n")).map(|()| ExitCode::Success);
     }
     let bar = counter(jobs.len(), "jobs", arguments.json);
     bar.set_position((jobs.len() - left.len()) as u64);
@@ -73,15 +73,15 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
             bar.suspend(|| eprintln!("failed: {}: {error}\n  log: {}", job.key, folder.log(job).display()));
         }
     };
-    let program = std::env::current_exe()?;
-    let runner = Runner { program, folder: &folder, parallel, interrupted: interrupt::requested };
+    let command = program::command;
+    let runner = Runner { command, folder: &folder, parallel, interrupted: interrupt::requested };
     let ended = match runner.run(&jobs, &ended) {
         Err(Error::Interrupted) => bail!("interrupted; the same command continues"),
         ended => ended?,
     };
     bar.finish_and_clear();
     report::write(&out, arguments.json)?;
-    Ok(if ended.failed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+    Ok(ExitCode::of(ended.failed == 0))
 }
 
 /// Returns the name of a shipped experiment, or the absolute path of a file, so that the folder can be reported from anywhere.

@@ -17,6 +17,7 @@ use serde_json::json;
 
 use crate::arguments::buildings::Split;
 use crate::arguments::jobs::Jobs;
+use crate::arguments::location::place_name;
 use crate::progress::{Download, counter};
 use crate::{interrupt, stdout, weather};
 use model_folder::{MANIFEST, ModelFolder};
@@ -37,18 +38,18 @@ pub struct Arguments {
     /// Random seed of the Latin hypercube that samples the parameters
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
-    /// Places, each with an equal share of the buildings; for houses, regions of Québec [default: the 16 places in the
+    /// Place, may be repeated: each has an equal share of the buildings; for houses, regions of Québec [default: the 16 places in the
     /// United States; the 15 regions, in proportion to their houses]
-    #[arg(long = "place", value_name = "NAME", num_args = 1..)]
+    #[arg(long = "place", value_name = "NAME", value_parser = place_name)]
     places: Vec<String>,
-    /// EPW weather files of other places, each with an equal share of the buildings
-    #[arg(long, value_name = "FILE.epw", num_args = 1.., conflicts_with = "places")]
+    /// EPW weather file of another place, may be repeated: each has an equal share of the buildings
+    #[arg(long, value_name = "FILE.epw", conflicts_with = "places")]
     weather: Vec<PathBuf>,
     /// ASHRAE 169 climate zone of the weather files, such as 5A [default: derived from their hourly data]
     #[arg(long, value_name = "ZONE", requires = "weather")]
     zone: Option<String>,
-    /// Parameters to fix or to draw from a narrower range, by their names in the manifest
-    #[arg(long = "set", value_name = "NAME=VALUE|LOW..HIGH", num_args = 1..)]
+    /// Parameter to fix or to draw from a narrower range, by its name in the manifest; may be repeated
+    #[arg(long = "set", value_name = "NAME=VALUE|LOW..HIGH")]
     settings: Vec<Setting>,
     /// Write buildings of this dataset instead of new ones
     #[arg(long, value_enum, value_name = "VERSION", conflicts_with_all = ["count", "seed", "places", "weather", "settings"])]
@@ -70,8 +71,8 @@ const EXAMPLES: &str = "\
 Examples:
   b2b generate Warehouse --count 100 --seed 7 --place Miami --place 'Great Falls' --out warehouses
   b2b generate SingleFamilyHouse --count 50 --place Estrie --out houses
-  b2b generate OfficeSmall --set window_to_wall=0.3 infiltration=0.5..1 --out offices
-  b2b generate SingleFamilyHouse --set year=1946..1970 foundation=slab --out bungalows
+  b2b generate OfficeSmall --set window_to_wall=0.3 --set infiltration=0.5..1 --out offices
+  b2b generate SingleFamilyHouse --set year=1946..1970 --set foundation=slab --out bungalows
   b2b generate Warehouse --weather Oslo.epw --out oslo     any place with a weather file
   b2b generate --dataset v1 --out v1                       all 6,000 buildings, 1.5 GB
   b2b generate OfficeSmall --dataset v1 --split test --out v1

@@ -6,13 +6,13 @@ mod text;
 mod trial;
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use anyhow::{Context, Result, bail};
 use b2b_building::{RunPeriod, import};
 use b2b_dataset::BuildingName;
 
 use crate::arguments::location::Location;
+use crate::exit_code::ExitCode;
 use crate::prepare::Prepared;
 use crate::progress::counter;
 use crate::{child, interrupt, stdout};
@@ -64,7 +64,7 @@ pub fn import(arguments: &Arguments) -> Result<ExitCode> {
 fn import_one(arguments: &Arguments, model: &Path) -> Result<ExitCode> {
     let report = arguments.report(model)?;
     stdout::print_result(arguments.json, &report, || text::text(&report, model, &arguments.location))?;
-    Ok(ExitCode::SUCCESS)
+    Ok(ExitCode::Success)
 }
 
 fn import_all(arguments: &Arguments) -> Result<ExitCode> {
@@ -79,7 +79,7 @@ fn import_all(arguments: &Arguments) -> Result<ExitCode> {
     let values = imported.iter().map(Imported::json).collect::<Result<Vec<_>>>()?;
     stdout::print_result(arguments.json, &values, || overview::text(&imported))?;
     let all_passed = imported.iter().all(Imported::passed);
-    Ok(if all_passed { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+    Ok(ExitCode::of(all_passed))
 }
 
 /// Returns the models among files and folders, ordered by name within a folder.

@@ -177,12 +177,21 @@ impl Summary {
             ("HVAC gas", format!("{:.2} kWh/m²", metrics.gas / 1000.0)),
             (
                 "cost, emissions",
-                format!("{:.2} currency/m², {:.2} kg CO₂/m²", metrics.cost, metrics.emissions),
+                format!("{:.2} {}, {:.2} kg CO₂/m²", metrics.cost, self.cost_unit(), metrics.emissions),
             ),
             ("peak electric demand", format!("{:.1} W/m²", metrics.peak_electricity)),
             ("actuator travel", format!("{:.1} full strokes/day", metrics.daily_travel)),
             ("outdoor air per person", format!("{:.1} L/s", metrics.outdoor_air_per_person)),
         ]
+    }
+
+    /// Returns the unit of costs: only the default prices have a known currency.
+    fn cost_unit(&self) -> &'static str {
+        if self.task_definition.prices == Task::default().prices {
+            "USD/m²"
+        } else {
+            "per m² at the task's prices"
+        }
     }
 
     /// Returns the deviation of the zones with heating and cooling, and that of the zones without cooling if there are any.

@@ -10,12 +10,11 @@ use b2b_agent::{Acting, ObservationForm};
 use b2b_building::{BuildingType, RunPeriod};
 use b2b_dataset::{BuildingName, Catalog};
 use b2b_env::Task;
-use b2b_env::vector::Launcher;
 use b2b_learn::train::{Algorithm, CONFIG, PAGE, Place, SUMMARY, Summary, TrainConfig};
 
 use crate::arguments::jobs::Jobs;
 use crate::progress::Download;
-use crate::{interrupt, stdout};
+use crate::{interrupt, program, stdout};
 use bar::Bar;
 
 /// Train an agent and score it against the reactive controllers
@@ -102,7 +101,7 @@ pub fn train(arguments: &Arguments) -> Result<()> {
     let place = Place {
         out: out.clone(),
         catalog,
-        launcher: Launcher::this_program()?,
+        launcher: program::launcher(),
         jobs: arguments.jobs.count()?,
         interrupted: interrupt::requested,
         monitor: &mut bar,

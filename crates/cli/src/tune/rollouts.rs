@@ -2,7 +2,7 @@
 
 use b2b_building::RunPeriod;
 use b2b_control::tune::{Building, Cells, Outcome, Plan, Rollouts, TrainingBuildings};
-use b2b_control::{Error, ReactiveParameters, Result};
+use b2b_control::{ReactiveParameters, Result};
 use b2b_dataset::{BuildingId, Catalog};
 use b2b_env::Task;
 
@@ -63,7 +63,6 @@ pub fn rollouts(
     periods: &[RunPeriod],
     tasks: &[Task],
 ) -> Result<Rollouts> {
-    let options = worker_options(catalog.library().path())
-        .map_err(|source| Error::Io { path: "this program".into(), source })?;
+    let options = worker_options(catalog.library().path());
     Rollouts::new(options, catalog, ids, periods, tasks, &mut Download::new(true))
 }

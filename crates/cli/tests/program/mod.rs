@@ -35,11 +35,16 @@ pub fn json(folder: &Path, arguments: &str) -> Value {
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
-/// Asserts that a command fails with code 1 and a message that contains all words.
+/// Returns the exit code that belongs to a message: 2 if the arguments are wrong, otherwise 1.
+pub fn failure_code(message: &str) -> i32 {
+    if message.contains("For more information, try '--help'") { 2 } else { 1 }
+}
+
+/// Asserts that a command fails with the code of its message, which contains all words.
 pub fn assert_rejected(folder: &Path, arguments: &str, words: &[&str]) {
     let output = b2b(folder, arguments);
     let message = both_outputs(&output);
-    assert_eq!(output.status.code(), Some(1), "{arguments}: {message}");
+    assert_eq!(output.status.code(), Some(failure_code(&message)), "{arguments}: {message}");
     assert!(!message.contains("panicked"), "{arguments}: {message}");
     for word in words {
         assert!(message.contains(word), "{arguments}: `{word}` is not in: {message}");

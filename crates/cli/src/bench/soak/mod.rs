@@ -169,7 +169,7 @@ impl Arguments {
             .collect();
         let sampler =
             Windows { of: AnyOf(settings), days: (self.days[0], self.days[1]), starts: self.starts };
-        let mut options = VecEnvOptions { widths: Some(widths), ..prepared[0].vec_env_options()? };
+        let mut options = VecEnvOptions { widths: Some(widths), ..prepared[0].vec_env_options() };
         if self.chaos.is_some() {
             options.workers = chaos::impatient(options.workers);
         }

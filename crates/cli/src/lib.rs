@@ -1,0 +1,220 @@
+//! The `b2b` command: buildings as reinforcement-learning environments, from a terminal.
+//!
+//! A library, because the Python package has the command too.
+
+mod arguments;
+#[cfg(target_os = "linux")]
+mod baseline;
+mod bench;
+#[cfg(target_os = "linux")]
+mod benchmark;
+mod check;
+mod child;
+mod dataset;
+mod doctor;
+#[cfg(target_os = "linux")]
+mod evaluate;
+#[cfg(target_os = "linux")]
+mod evaluation;
+mod exit_code;
+#[cfg(target_os = "linux")]
+mod experiment;
+#[cfg(target_os = "linux")]
+mod export;
+mod facts;
+mod front_page;
+mod generate;
+mod import;
+mod interrupt;
+mod list;
+mod output_folder;
+mod prepare;
+mod program;
+mod progress;
+mod rollout;
+mod run;
+#[cfg(target_os = "linux")]
+mod score;
+mod setup;
+#[cfg(target_os = "linux")]
+mod shipped;
+mod show;
+mod stdout;
+mod table;
+#[cfg(target_os = "linux")]
+mod train;
+#[cfg(target_os = "linux")]
+mod tune;
+mod view;
+mod weather;
+#[cfg(target_os = "linux")]
+mod workers;
+mod wrap;
+
+use std::ffi::OsString;
+
+use anyhow::Result;
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+
+pub use exit_code::ExitCode;
+pub use program::Program;
+
+/// Building simulations as reinforcement-learning environments, powered by EnergyPlus
+#[derive(Parser)]
+#[command(name = "b2b", version)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Run(Box<run::Arguments>),
+    List(list::Arguments),
+    Show(show::Arguments),
+    View(view::Arguments),
+    Setup(setup::Arguments),
+    Doctor(doctor::Arguments),
+    Bench(bench::Arguments),
+    #[cfg(target_os = "linux")]
+    Evaluate(evaluate::Arguments),
+    #[cfg(target_os = "linux")]
+    Score(score::Arguments),
+    #[cfg(target_os = "linux")]
+    Baseline(baseline::Arguments),
+    #[cfg(target_os = "linux")]
+    Benchmark(benchmark::Arguments),
+    Generate(generate::Arguments),
+    Dataset(dataset::Arguments),
+    Check(check::Arguments),
+    Import(import::Arguments),
+    #[cfg(target_os = "linux")]
+    Train(Box<train::Arguments>),
+    #[cfg(target_os = "linux")]
+    Export(export::Arguments),
+    #[cfg(target_os = "linux")]
+    Experiment(experiment::Arguments),
+    #[cfg(target_os = "linux")]
+    Tune(tune::Arguments),
+}
+
+/// Runs the command with these arguments, of which the first is the program's name, and returns its exit code.
+///
+/// `program` is what `b2b` starts when it needs further processes, so it must call this function as well. Called before
+/// a thread is started. Does not return if this process was started as a worker.
+pub fn run(program: Program, arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    #[cfg(target_os = "linux")]
+    b2b_learn::fragments::run_if_worker();
+    program.set();
+    let arguments: Vec<_> = arguments.into_iter().collect();
+    let mut parser = wrap::help(front_page::add(Cli::command()));
+    if arguments.len() <= 1 {
+        // Nothing can be done when the terminal is gone.
+        let _ = parser.print_help();
+        return ExitCode::Success;
+    }
+    let parsed = parser.try_get_matches_from(arguments).and_then(|matches| Cli::from_arg_matches(&matches));
+    let command = match parsed {
+        Ok(cli) => cli.command,
+        Err(usage) => {
+            let _ = usage.print();
+            return if usage.use_stderr() { ExitCode::Usage } else { ExitCode::Success };
+        }
+    };
+    match interrupt::listen().and_then(|()| execute(command)) {
+        Ok(code) => code,
+        Err(error) if interrupt::requested() => {
+            eprintln!("{error}");
+            ExitCode::Interrupted
+        }
+        Err(error) if stdout::is_closed(&error) => ExitCode::Success,
+        Err(error) => {
+            eprintln!("error: {}", with_causes(&error));
+            ExitCode::Failure
+        }
+    }
+}
+
+fn execute(command: Command) -> Result<ExitCode> {
+    match command {
+        Command::Run(arguments) => run::run(&arguments)?,
+        Command::List(arguments) => list::list(&arguments)?,
+        Command::Show(arguments) => show::show(&arguments)?,
+        Command::View(arguments) => view::view(&arguments)?,
+        Command::Setup(arguments) => setup::setup(&arguments)?,
+        Command::Doctor(arguments) => return doctor::doctor(&arguments),
+        Command::Bench(arguments) => bench::bench(&arguments)?,
+        #[cfg(target_os = "linux")]
+        Command::Evaluate(arguments) => return evaluate::evaluate(&arguments),
+        #[cfg(target_os = "linux")]
+        Command::Score(arguments) => score::score(&arguments)?,
+        #[cfg(target_os = "linux")]
+        Command::Baseline(arguments) => return baseline::baseline(&arguments),
+        #[cfg(target_os = "linux")]
+        Command::Benchmark(arguments) => return benchmark::benchmark(&arguments),
+        Command::Generate(arguments) => generate::generate(&arguments)?,
+        Command::Check(arguments) => return check::check(&arguments),
+        Command::Import(arguments) => return import::import(&arguments),
+        #[cfg(target_os = "linux")]
+        Command::Export(arguments) => export::export(&arguments)?,
+        #[cfg(target_os = "linux")]
+        Command::Experiment(arguments) => return experiment::experiment(&arguments),
+        #[cfg(target_os = "linux")]
+        Command::Train(arguments) => train::train(&arguments)?,
+        #[cfg(target_os = "linux")]
+        Command::Tune(arguments) => tune::tune(&arguments)?,
+        Command::Dataset(arguments) => dataset::dataset(&arguments)?,
+    }
+    Ok(ExitCode::Success)
+}
+
+/// Returns an error with the causes that it does not mention itself.
+fn with_causes(error: &anyhow::Error) -> String {
+    let mut text = error.to_string();
+    for cause in error.chain().skip(1).map(ToString::to_string) {
+        if !text.contains(&cause) {
+            text += &format!("\n  because: {cause}");
+        }
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_arguments_are_well_formed() {
+        let mut command = front_page::add(Cli::command());
+        command.clone().debug_assert();
+        // What clap checks for itself, it does not check in a release build.
+        command.build();
+        assert_no_duplicate_argument(&command);
+    }
+
+    fn assert_no_duplicate_argument(command: &clap::Command) {
+        let mut ids: Vec<_> = command.get_arguments().map(|argument| argument.get_id().to_string()).collect();
+        ids.sort();
+        let count = ids.len();
+        ids.dedup();
+        assert_eq!(ids.len(), count, "{}: {ids:?}", command.get_name());
+        command.get_subcommands().for_each(assert_no_duplicate_argument);
+    }
+
+    #[test]
+    fn the_front_page_lists_every_command_once() {
+        let command = Cli::command();
+        let listed: Vec<_> = front_page::listed().collect();
+        for subcommand in command.get_subcommands() {
+            let name = subcommand.get_name();
+            assert_eq!(listed.iter().filter(|each| **each == name).count(), 1, "{name}");
+        }
+        assert_eq!(listed.len(), command.get_subcommands().count());
+    }
+
+    #[test]
+    fn a_cause_that_is_already_mentioned_is_not_repeated() {
+        let error = anyhow::anyhow!("disk full").context("a.txt: disk full").context("cannot write");
+        assert_eq!(with_causes(&error), "cannot write\n  because: a.txt: disk full");
+    }
+}

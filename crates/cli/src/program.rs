@@ -1,0 +1,55 @@
+//! How this program is started once more: as a worker, or as a child that runs another command.
+
+use std::ffi::OsString;
+use std::path::PathBuf;
+use std::process::Command;
+use std::sync::OnceLock;
+
+/// A program that calls [`run`](crate::run), and the arguments ahead of those of `b2b`.
+#[derive(Clone, Debug)]
+pub struct Program {
+    executable: PathBuf,
+    arguments: Vec<OsString>,
+}
+
+static THIS: OnceLock<Program> = OnceLock::new();
+
+impl Program {
+    /// Creates a program.
+    pub fn new(executable: impl Into<PathBuf>) -> Self {
+        Self { executable: executable.into(), arguments: Vec::new() }
+    }
+
+    /// Adds an argument ahead of those of `b2b`, as an interpreter needs.
+    #[must_use]
+    pub fn argument(mut self, argument: impl Into<OsString>) -> Self {
+        self.arguments.push(argument.into());
+        self
+    }
+
+    /// Makes it this program. Only the first call has an effect.
+    pub(crate) fn set(self) {
+        let _ = THIS.set(self);
+    }
+
+    fn this() -> &'static Self {
+        THIS.get().expect("`run` sets it before a command begins")
+    }
+}
+
+/// Returns a command that starts this program.
+pub fn command() -> Command {
+    let Program { executable, arguments } = Program::this();
+    let mut command = Command::new(executable);
+    command.args(arguments);
+    command
+}
+
+/// Returns what starts this program as a worker.
+#[cfg(target_os = "linux")]
+pub fn launcher() -> b2b_env::vector::Launcher {
+    let Program { executable, arguments } = Program::this();
+    arguments
+        .iter()
+        .fold(b2b_env::vector::Launcher::new(executable), |launcher, each| launcher.argument(each))
+}
