@@ -226,11 +226,6 @@ impl Setting {
         let steps = steps.unwrap_or(self.episode_steps() as usize);
         Ok((Self { setting, building: Arc::clone(&self.building) }, steps))
     }
-
-    /// Returns the cost (currency/m²) and emissions (g CO₂/m²) of electricity and gas (Wh/m²) at an hour of the day.
-    fn cost_and_emissions(&self, electricity: f64, gas: f64, hour: f64) -> (f64, f64) {
-        self.setting.episode.task.cost_and_emissions([electricity, gas], hour)
-    }
 }
 
 /// Reads a task from its spelling, a JSON file or JSON text.

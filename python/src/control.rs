@@ -1,5 +1,6 @@
 //! The built-in controllers, and the metrics of an episode.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Mutex;
 
@@ -12,7 +13,7 @@ use pyo3::types::PyDict;
 
 use crate::arrays;
 use crate::catalog::locked;
-use crate::error::{Exception, of_agent};
+use crate::error::{Exception, of_agent, of_control};
 use crate::spaces::Spaces;
 
 /// A controller of the core: reactive, random, constant, or a trained agent.
@@ -43,15 +44,22 @@ impl Kind {
 
 #[pymethods]
 impl Controller {
+    /// Creates a controller; `parameters` are changes of the tuned parameters of the reactive controllers.
     #[new]
-    fn new(kind: &str, spaces: &Spaces, seed: u64) -> PyResult<Self> {
+    #[pyo3(signature = (kind, spaces, seed, parameters=None))]
+    fn new(
+        kind: &str,
+        spaces: &Spaces,
+        seed: u64,
+        parameters: Option<BTreeMap<String, f64>>,
+    ) -> PyResult<Self> {
         let inner = spaces.inner();
         let controller = match kind {
             "reactive" => Kind::Reactive(Reactive::new(
                 &inner.building,
                 &inner.observation,
                 inner.episode.steps_per_hour,
-                &ReactiveParameters::tuned_for(&inner.building, &inner.episode.task),
+                &changed(tuned(spaces), parameters.unwrap_or_default()).map_err(of_control)?,
             )),
             "random" => Kind::Random(Box::new(Random::new(&inner.action, seed))),
             "constant" => Kind::Constant(Constant::middle(&inner.action)),
@@ -99,6 +107,28 @@ impl Controller {
         locked(&self.controller).controller().act(&observation, &mut action);
         Ok(arrays::row(py, &action))
     }
+}
+
+/// Returns the parameters of the reactive controllers that are tuned for a building and a task, by name.
+#[pyfunction]
+pub fn reactive_parameters(spaces: &Spaces) -> BTreeMap<&'static str, f64> {
+    let tuned = tuned(spaces);
+    ReactiveParameters::TABLE.iter().map(|field| (field.parameter.name, field.of(&tuned))).collect()
+}
+
+fn tuned(spaces: &Spaces) -> ReactiveParameters {
+    let inner = spaces.inner();
+    ReactiveParameters::tuned_for(&inner.building, &inner.episode.task)
+}
+
+/// Returns the parameters with changes.
+fn changed(
+    mut parameters: ReactiveParameters,
+    changes: BTreeMap<String, f64>,
+) -> b2b_control::Result<ReactiveParameters> {
+    changes.iter().try_for_each(|(name, value)| parameters.set(name, *value))?;
+    parameters.check()?;
+    Ok(parameters)
 }
 
 /// Returns the trajectory hash that `b2b run` prints; observations, actions and penalties have one row per step.

@@ -160,6 +160,11 @@ pub fn of_env(error: b2b_env::Error) -> PyErr {
     exception.new_err(error.to_string())
 }
 
+/// Returns an error of a controller as an exception.
+pub fn of_control(error: b2b_control::Error) -> PyErr {
+    Exception::Setting.new_err(error.to_string())
+}
+
 /// Returns an error of an agent as an exception.
 pub fn of_agent(error: b2b_agent::Error) -> PyErr {
     let exception = match &error {

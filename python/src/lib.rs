@@ -4,11 +4,13 @@
 //! [`morphology`] describe observations and actions; [`env`] is an environment in its own process, [`vector`] a batch
 //! over the buildings of [`population`],
 //! [`local`] one in this process; [`control`] has the built-in controllers, [`evaluation`] evaluates a policy on many
-//! buildings, [`learning`] trains agents, [`benchmarks`] has the benchmark problems; [`error`] defines the exceptions.
+//! buildings, [`learning`] trains agents, [`benchmarks`] has the benchmark problems; [`command`] is the command `b2b`, and
+//! [`error`] defines the exceptions.
 
 mod arrays;
 mod benchmarks;
 mod catalog;
+mod command;
 mod control;
 mod env;
 mod error;
@@ -37,7 +39,9 @@ mod _core {
         Building, Setting, TypeInfo, building_types, dataset_rows, find_building, generate, places,
     };
     #[pymodule_export]
-    use super::control::{Controller, trajectory_hash};
+    use super::command::run_command;
+    #[pymodule_export]
+    use super::control::{Controller, reactive_parameters, trajectory_hash};
     #[pymodule_export]
     use super::env::Env;
     #[pymodule_export]
@@ -61,11 +65,5 @@ mod _core {
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         super::error::register(module)?;
         module.add("__version__", env!("CARGO_PKG_VERSION"))
-    }
-
-    /// Runs the worker loop and never returns, if this process was started as a worker.
-    #[pyfunction]
-    fn run_if_worker() {
-        b2b_learn::fragments::run_if_worker();
     }
 }

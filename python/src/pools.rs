@@ -15,8 +15,8 @@ use crate::error::Exception;
 /// Memory limit for the idle templates of one environment, bytes.
 pub const TEMPLATES: u64 = 1 << 30;
 
-/// The code that the interpreter runs as a worker. It loads this extension module from its file and nothing else, so
-/// that the worker starts in tens of milliseconds and has one thread.
+/// The code that the interpreter runs as a worker or as the command `b2b`. It loads this extension module from its file
+/// and nothing else, so that the process starts in tens of milliseconds and has one thread.
 const BOOTSTRAP: &str = "\
 import sys
 from importlib.machinery import ExtensionFileLoader, ModuleSpec
@@ -25,7 +25,7 @@ spec = ModuleSpec('building2building._core', ExtensionFileLoader('building2build
 origin=sys.argv[1])
 module = _imp.create_dynamic(spec)
 _imp.exec_dynamic(module)
-module.run_if_worker()";
+module.run_command(*sys.argv[1:])";
 
 thread_local! {
     /// The exception that a signal handler raised while this thread waited.
@@ -53,6 +53,12 @@ pub fn interrupt() -> PyErr {
     RAISED.take().unwrap_or_else(|| PyKeyboardInterrupt::new_err(()))
 }
 
+/// Returns the arguments with which an interpreter loads this extension module from its file, ahead of those of a worker
+/// or of a command.
+pub fn interpreter_arguments(file: &str) -> [&str; 5] {
+    ["-I", "-S", "-c", BOOTSTRAP, file]
+}
+
 /// Returns the options of a pool whose processes run this interpreter.
 pub fn options(py: Python<'_>) -> PyResult<WorkerOptions> {
     let text = |module: &str, name: &str| -> PyResult<String> {
@@ -62,9 +68,9 @@ pub fn options(py: Python<'_>) -> PyResult<WorkerOptions> {
                 .new_err(format!("`{module}.{name}` is empty, but worker processes are started from it"))
         })
     };
-    let launcher = ["-I", "-S", "-c", BOOTSTRAP, &text("building2building._core", "__file__")?]
-        .into_iter()
-        .fold(Launcher::new(text("sys", "executable")?), |launcher, argument| launcher.argument(argument));
+    let file = text("building2building._core", "__file__")?;
+    let launcher = Launcher::new(text("sys", "executable")?);
+    let launcher = interpreter_arguments(&file).into_iter().fold(launcher, Launcher::argument);
     let library = py.detach(catalog::library)?;
     Ok(WorkerOptions { interrupted, template_memory: TEMPLATES, ..WorkerOptions::new(launcher, library) })
 }

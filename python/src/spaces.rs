@@ -21,7 +21,8 @@ use crate::owner::{Owner, name_of};
 #[pyclass(frozen, module = "building2building._core")]
 pub struct Spaces {
     spaces: Arc<b2b_env::Spaces>,
-    building: Arc<Inner>,
+    /// `None` if a batch of environments drew it.
+    building: Option<Arc<Inner>>,
 }
 
 /// A slot of the observation.
@@ -102,7 +103,12 @@ impl Spaces {
     /// Creates the spaces of an environment of a building.
     pub fn new(spaces: Arc<b2b_env::Spaces>, building: Arc<Inner>) -> Self {
         building.keep(&spaces);
-        Self { spaces, building }
+        Self { spaces, building: Some(building) }
+    }
+
+    /// Creates the spaces of a building that was drawn.
+    pub fn drawn(spaces: Arc<b2b_env::Spaces>) -> Self {
+        Self { spaces, building: None }
     }
 
     /// Returns the spaces as the crates have them.
@@ -116,7 +122,10 @@ impl Spaces {
     }
 
     fn describe(&self) -> PyResult<Description> {
-        let origin = self.building.origin.clone();
+        let origin = match &self.building {
+            Some(building) => building.origin.clone(),
+            None => Inner::of_spaces(&self.spaces).origin,
+        };
         Description::of(&self.spaces.building, &self.spaces.episode.weather, origin).map_err(of_building)
     }
 }
@@ -276,6 +285,11 @@ impl Spaces {
     #[getter]
     fn episode_steps(&self) -> usize {
         self.spaces.episode_steps()
+    }
+
+    /// Returns the cost (currency/m²) and emissions (g CO₂/m²) of electricity and gas (Wh/m²) at an hour of the day.
+    fn cost_and_emissions(&self, electricity: f64, gas: f64, hour: f64) -> (f64, f64) {
+        self.spaces.episode.task.cost_and_emissions([electricity, gas], hour)
     }
 
     /// Returns the description that `b2b show --json` prints, as JSON text.

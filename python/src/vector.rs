@@ -159,11 +159,10 @@ impl VecEnv {
         })?;
         let same =
             |known: &&(Arc<b2b_env::Spaces>, Arc<Inner>)| known.0.building.name == spaces.building.name;
-        let building = match self.spaces.iter().find(same) {
-            Some((_, building)) => Arc::clone(building),
-            None => Arc::new(Inner::of_spaces(&spaces)),
-        };
-        Ok(Spaces::new(spaces, building))
+        Ok(match self.spaces.iter().find(same) {
+            Some((_, building)) => Spaces::new(spaces, Arc::clone(building)),
+            None => Spaces::drawn(spaces),
+        })
     }
 
     /// Returns for each environment which numbers of a row of observations and of a row of actions are not padding.

@@ -1,0 +1,27 @@
+//! The command `b2b`, in an interpreter that has loaded this extension module alone.
+
+use std::ffi::OsString;
+use std::path::Path;
+
+use b2b_cli::Program;
+use b2b_energyplus::install::look_in;
+use pyo3::prelude::*;
+
+use crate::pools::interpreter_arguments;
+
+/// Runs the command `b2b` with arguments, or the worker loop if this process was started as a worker, and ends the process.
+///
+/// `file` is that of this extension module. The engine and weather files that pip installed next to the package are used.
+#[pyfunction]
+#[pyo3(signature = (file, *arguments))]
+pub fn run_command(py: Python<'_>, file: &str, arguments: Vec<OsString>) -> PyResult<()> {
+    let interpreter: OsString = py.import("sys")?.getattr("executable")?.extract()?;
+    if let Some(site_packages) = Path::new(file).parent().and_then(Path::parent) {
+        look_in(site_packages.to_owned());
+    }
+    let program = interpreter_arguments(file).into_iter().fold(Program::new(interpreter), Program::argument);
+    let arguments = std::iter::once("b2b".into()).chain(arguments);
+    let code = py.detach(|| b2b_cli::run(program, arguments));
+    // Ends the process, because the interpreter's handlers of signals have been replaced.
+    std::process::exit(code as i32)
+}

@@ -1,0 +1,63 @@
+"""The command ``b2b`` that the package installs, which is this extension module."""
+
+import json
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import building2building as b2b
+import pytest
+
+SCRIPT = Path(sys.executable).with_name("b2b")
+
+
+def command(*arguments, folder=None, interpreter=()):
+    return subprocess.run([*interpreter, SCRIPT, *arguments], cwd=folder, capture_output=True, text=True)
+
+
+def test_the_command_has_the_version_of_the_package():
+    assert command("--version").stdout == f"b2b {b2b.__version__}\n"
+    module = subprocess.run([sys.executable, "-m", "building2building", "--version"], capture_output=True, text=True)
+    assert module.stdout == f"b2b {b2b.__version__}\n"
+
+
+def test_the_command_does_not_load_numpy():
+    imported = command("list", interpreter=[sys.executable, "-X", "importtime"])
+    assert imported.returncode == 0
+    assert "numpy" not in imported.stderr and "gymnasium" not in imported.stderr
+
+
+def test_wrong_usage_exits_with_2_and_a_failure_with_1(tmp_path):
+    wrong = command("run", "OfficeSmall", "--no-such-option")
+    assert wrong.returncode == 2 and "--no-such-option" in wrong.stderr
+    failed = command("run", "OfficeSmall", "--period", "01-01..01-01", "--task", "nothing", folder=tmp_path)
+    assert failed.returncode in (1, 2) and "nothing" in failed.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_run_of_the_command_is_the_rollout_of_the_package(tmp_path):
+    ran = command("run", "OfficeSmall", "--period", "01-01..01-01", "--out", "run", "--json", folder=tmp_path)
+    assert ran.returncode == 0, ran.stderr
+    with b2b.make_env("OfficeSmall", run_period="01-01..01-01") as env:
+        trajectory = b2b.rollout(env, b2b.ReactiveController(env))
+    summary = json.loads(ran.stdout)
+    assert summary["trajectory_hash"] == trajectory.hash()
+    assert (tmp_path / "run" / "trajectory.parquet").stat().st_size > 0
+
+
+def test_the_command_starts_workers_and_children_of_its_own(tmp_path):
+    arguments = ["--policy", "random", "--period", "01-01..01-01", "--jobs", "1", "--out", "results", "--json"]
+    evaluated = command("evaluate", "OfficeSmall", *arguments, folder=tmp_path)
+    assert evaluated.returncode == 0, evaluated.stderr
+    checked = command("check", "OfficeSmall-0042", folder=tmp_path)
+    assert checked.returncode == 0, checked.stderr
+
+
+def test_an_interrupt_ends_the_command_with_130(tmp_path):
+    process = subprocess.Popen([SCRIPT, "run", "OfficeSmall"], cwd=tmp_path, stderr=subprocess.PIPE)
+    with pytest.raises(subprocess.TimeoutExpired):
+        process.wait(timeout=3)
+    process.send_signal(signal.SIGINT)
+    assert process.wait(timeout=60) == 130
+    assert list(tmp_path.iterdir()) == []
