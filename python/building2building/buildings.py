@@ -61,9 +61,18 @@ def get_climate_zone(building_id: str) -> str | None:
     return _row(building_id).get("climate_zone")
 
 
-def list_buildings_by_climate_zone(building_type: str, climate_zone: str, split: str = "train") -> list[str]:
-    """Returns the ids of the dataset's buildings of a type in one climate zone, such as ``5A``."""
-    return [each for each in list_buildings(building_type, split) if get_climate_zone(each) == climate_zone]
+def list_buildings_by_climate_zone(building_type: str, climate_zone: str | int, split: str = "train") -> list[str]:
+    """Returns the ids of the dataset's buildings of a type in an ASHRAE 169 climate zone.
+
+    ``5A`` is one zone; ``5`` stands for all of that number.
+    """
+    wanted = str(climate_zone).upper()
+    zones = {each: get_climate_zone(each) for each in list_buildings(building_type, split)}
+    known = sorted({zone for zone in zones.values() if zone is not None})
+    if not any(zone.startswith(wanted) for zone in known):
+        expected = f"expected one of {', '.join(known)}" if known else "houses have none"
+        raise SettingError(f"no building of {building_type} is in climate zone `{climate_zone}`; {expected}")
+    return [each for each, zone in zones.items() if zone is not None and zone.startswith(wanted)]
 
 
 def building_parameters(building_id: str) -> dict[str, Any]:

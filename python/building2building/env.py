@@ -24,7 +24,7 @@ from .render import Renderer, Scene
 from .snapshot import Position, Snapshot
 
 
-class BuildingEnv(gymnasium.Env[Any, Any]):
+class BuildingEnv(gymnasium.Env[NDArray[Any], ArrayLike]):
     """A building simulated by EnergyPlus; :func:`make_env` makes one.
 
     - Observation: ``Box`` f32, with names and units in ``metadata["observation_names"]`` and
@@ -187,7 +187,7 @@ class BuildingEnv(gymnasium.Env[Any, Any]):
         self._steps += 1
         self._truncated = truncated
         info = StepInfo()
-        info.record = self.layout, self.setting, before, after, temperature, energy, self._steps
+        info.record = self.layout, before, after, temperature, energy, self._steps
         if truncated:
             info["metrics"] = core.metrics()
         reward = -temperature - energy if self._reward is None else float(self._reward(info))

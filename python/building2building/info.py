@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _core
 from .layout import Layout
 
 
@@ -98,9 +97,9 @@ class Info(dict[str, Any]):
         return dict, (self.copy(),)
 
 
-#: The data that the info of a step is computed from: layout, setting, observation before and after the step,
+#: The data that the info of a step is computed from: layout, observation before and after the step,
 #: temperature and energy penalty, number of the step.
-StepRecord = tuple[Layout, _core.Setting, NDArray[np.float64], NDArray[np.float64], float, float, int]
+StepRecord = tuple[Layout, NDArray[np.float64], NDArray[np.float64], float, float, int]
 
 
 class StepInfo(Info):
@@ -123,7 +122,6 @@ class StepInfo(Info):
 
 def _step_info(
     layout: Layout,
-    setting: _core.Setting,
     before: NDArray[np.float64],
     after: NDArray[np.float64],
     temperature_penalty: float,
@@ -132,7 +130,7 @@ def _step_info(
 ) -> dict[str, Any]:
     electricity, gas = float(after[layout.electricity]), float(after[layout.gas])
     hour = (step - 1) % (24 * layout.steps_per_hour) / layout.steps_per_hour
-    cost, emissions = setting.cost_and_emissions(electricity, gas, hour)
+    cost, emissions = layout.spaces.cost_and_emissions(electricity, gas, hour)
     temperatures, targets = after[layout.temperatures], layout.targets_in(before)
     info = {
         "step": step,

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import os
-from collections.abc import Callable
+import zipfile
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol, runtime_checkable
 
@@ -13,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _core
 from .env import unwrap
-from .errors import need
+from .errors import SettingError, need
 from .layout import Layout, index_of
 
 Array = NDArray[Any]
@@ -44,12 +46,18 @@ class BuiltInController:
 
     kind = ""
 
-    def __init__(self, env: gymnasium.Env[Any, Any] | ControlledEnv, seed: int | None = None):
+    def __init__(
+        self,
+        env: gymnasium.Env[Any, Any] | ControlledEnv,
+        seed: int | None = None,
+        *,
+        parameters: Mapping[str, float] | None = None,
+    ):
         core: Any = env.unwrapped
         self._layout: Layout = core.layout
         self._rescale: bool = core.rescale_action
         seed = getattr(core, "seed", 0) if seed is None else seed
-        self._core = _core.Controller(self.kind, self._layout.spaces, seed)
+        self._core = _core.Controller(self.kind, self._layout.spaces, seed, parameters)
 
     def reset(self) -> None:
         """Resets the state for a new episode."""
@@ -75,9 +83,19 @@ class BuiltInController:
 
 
 class ReactiveController(BuiltInController):
-    """The paper's reactive controllers, after ASHRAE Guideline 36."""
+    """The paper's reactive controllers, after ASHRAE Guideline 36.
+
+    They have the parameters that are tuned for the building and the task (:meth:`tuned`), with the changes of
+    ``parameters``, such as ``{"unitary.deadband": 0.5}``.
+    """
 
     kind = "reactive"
+
+    @staticmethod
+    def tuned(env: gymnasium.Env[Any, Any] | ControlledEnv) -> dict[str, float]:
+        """Returns the tuned parameters for an environment, by name."""
+        core: Any = env.unwrapped
+        return _core.reactive_parameters(core.layout.spaces)
 
 
 class RandomController(BuiltInController):
@@ -108,6 +126,10 @@ class CallableController:
 def callable_controller(function: Callable[[Array], ArrayLike]) -> Controller:
     """Makes a controller from a function that maps an observation to an action."""
     return CallableController(function)
+
+
+#: The arrays of a trajectory.
+_ARRAYS = ("observations", "actions", "rewards", "penalties")
 
 
 @dataclass
@@ -155,6 +177,30 @@ class Trajectory:
         columns |= {f"action: {name}": self.actions[:, i] for i, name in enumerate(self.metadata["action_names"])}
         columns |= {"temperature penalty": self.penalties[:, 0], "energy penalty": self.penalties[:, 1]}
         return columns | {"reward": self.rewards}
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes a NumPy file (.npz) atomically, which :meth:`load` reads."""
+        described = {"truncated": self.truncated, "metadata": self.metadata, "metrics": self.metrics}
+        text = json.dumps(described, default=lambda value: np.asarray(value).tolist())
+        partial = f"{os.fspath(path)}.partial"
+        try:
+            with open(partial, "wb") as file:
+                np.savez_compressed(file, described=np.array(text), **{name: getattr(self, name) for name in _ARRAYS})
+            os.replace(partial, path)
+        finally:
+            if os.path.exists(partial):
+                os.unlink(partial)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Trajectory:
+        """Reads a file that :meth:`save` wrote."""
+        try:
+            with np.load(path, allow_pickle=False) as file:
+                arrays = {name: file[name] for name in _ARRAYS}
+                described = json.loads(str(file["described"]))
+        except (KeyError, ValueError, zipfile.BadZipFile) as error:
+            raise SettingError(f"{os.fspath(path)} does not hold a trajectory; expected a file of save()") from error
+        return cls(**arrays, **described)
 
     def to_parquet(self, path: str | os.PathLike[str]) -> None:
         """Writes a Parquet file atomically. Needs ``pyarrow``."""

@@ -15,6 +15,7 @@ from gymnasium.vector import AutoresetMode
 from .errors import SettingError, need
 
 need("stable_baselines3", "train")
+from stable_baselines3.common.monitor import Monitor  # noqa: E402
 from stable_baselines3.common.vec_env import VecEnv  # noqa: E402
 
 from .registration import make_vec  # noqa: E402
@@ -86,17 +87,26 @@ class SB3VecEnv(VecEnv):
         return [seed] * self.num_envs
 
     def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
-        value = getattr(self.envs, attr_name, None)
-        return [value for _ in self._get_indices(indices)]
+        """Returns an attribute of each environment: ``layout``, a space, or one that all share, such as ``spec``.
+
+        Raises ``AttributeError`` if they do not have it.
+        """
+        indices = self._get_indices(indices)
+        if attr_name == "layout":
+            return [self.envs.layout_of(index) for index in indices]
+        value = getattr(self if attr_name in ("observation_space", "action_space") else self.envs, attr_name)
+        return [value for _ in indices]
 
     def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
-        setattr(self.envs, attr_name, value)
+        """Raises: what the environments are made with is fixed."""
+        raise AttributeError(f"`{attr_name}` cannot be set; make other environments")
 
     def env_method(self, method_name: str, *arguments: Any, indices: Any = None, **options: Any) -> list[Any]:
         raise NotImplementedError(f"`{method_name}` cannot be called: the environments are in other processes")
 
     def env_is_wrapped(self, wrapper_class: Any, indices: Any = None) -> list[bool]:
-        return [False for _ in self._get_indices(indices)]
+        """Returns true for :class:`Monitor`, whose ``infos[i]["episode"]`` these environments have, else false."""
+        return [issubclass(Monitor, wrapper_class) for _ in self._get_indices(indices)]
 
 
 def make_sb3_vec(

@@ -29,12 +29,13 @@ from .info import Info
 from .layout import Layout, rounded_inward
 from .open_envs import close_at_exit
 from .scaling import Scale
+from .vector_info import Row, step_info
 
 Array = NDArray[Any]
 _Task = str | dict[str, Any]
 
 
-class BuildingVectorEnv(VectorEnv[Any, Any, Any]):
+class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
     """N environments stepped together, each in its own process; :func:`make_vec` makes one.
 
     - Observations: f32 ``[N, slots]``, padded with zeros to the width of the largest building; with ``normalize=True``
@@ -45,6 +46,8 @@ class BuildingVectorEnv(VectorEnv[Any, Any, Any]):
     - With ``resample``, the building of every environment's next episode is prepared while the current episode runs, so
       that hundreds of buildings take the time and the memory of a few. Which buildings an environment runs depends on
       the seed alone; if the next is not ready in time, the environment waits (:attr:`statistics`).
+    - Infos: those of :class:`BuildingEnv` as arrays with a row per environment, computed when they are read. Columns of
+      zones that a building does not have are NaN. ``step`` is 0 where an episode has just begun.
     - Autoreset: ``metadata["autoreset_mode"]``. With ``SAME_STEP``, ``infos["final_obs"]`` and ``infos["final_info"]``
       describe the end of an episode, as in Gymnasium.
     - An environment whose process dies is truncated; ``infos["lost"]`` has the reason, and the next episode begins as
@@ -144,7 +147,11 @@ class BuildingVectorEnv(VectorEnv[Any, Any, Any]):
         if self._plain:
             self.metadata["observation_names"] = [name for name, _, _ in slots[0]]
             self.metadata["action_names"] = [name for name, _, _ in actuators[0]]
-        self._names = np.full(num_envs, None, dtype=object)
+        self._steps_per_hour = timesteps_per_hour
+        self._by_role = by_role
+        #: Number of steps done in every environment's episode.
+        self._steps = np.zeros(num_envs, dtype=int)
+        self._rows = [Row(self.layouts[i % len(self.layouts)].spaces, by_role) for i in range(num_envs)]
         self._observations = np.zeros(self.observation_space.shape or (), dtype=np.float32)
         self._done = np.zeros(num_envs, dtype=bool)
 
@@ -184,16 +191,22 @@ class BuildingVectorEnv(VectorEnv[Any, Any, Any]):
                     f"reset_mask must be an array of {self.num_envs} booleans, at least one of them true"
                 )
             observations = core.reset_some([int(i) for i in np.flatnonzero(mask)])
-            self._done[mask] = False
+            self._done[mask], self._steps = False, np.where(mask, 0, self._steps)
         else:
             observations = core.reset(self._episode_seed(seed))
-            self._done[:] = False
+            self._done[:], self._steps = False, np.zeros_like(self._steps)
         self._observations = observations
-        self._names = self._current_names()
-        return self._seen(observations), {"building": self._names.copy()}
+        self._read_rows(np.ones(self.num_envs, dtype=bool) if mask is None else mask)
+        return self._seen(observations), {"building": np.array(core.buildings(), dtype=object)}
 
-    def _current_names(self) -> Array:
-        return np.array(self._open_core().buildings(), dtype=object)
+    def _read_rows(self, begun: Array) -> None:
+        """Reads what the rows of the environments are whose episode has begun."""
+        if self._resample:
+            core = self._open_core()
+            self._rows = [
+                Row(core.spaces_of(environment), self._by_role) if begun[environment] else row
+                for environment, row in enumerate(self._rows)
+            ]
 
     def _seen(self, observations: Array) -> Array:
         return self.scale(observations) if self.normalize else observations
@@ -215,17 +228,20 @@ class BuildingVectorEnv(VectorEnv[Any, Any, Any]):
         observations, rewards, penalties, truncated = self._open_core().step(actions)
         before, self._observations = self._observations, observations
         reset, self._done = self._done, truncated
-        if reset.any():
-            self._names = self._current_names()
-        names = self._names
+        self._steps = np.where(reset & (self.autoreset_mode == AutoresetMode.NEXT_STEP), 0, self._steps + 1)
+        if reset.any() and self.autoreset_mode == AutoresetMode.NEXT_STEP:
+            self._read_rows(reset)
+        rows, steps = self._rows, self._steps
         if truncated.any():
             info = Info()
-            info.update(self._step_info(names, before, self._at_end(observations, truncated), penalties))
+            at_end = self._at_end(observations, truncated)
+            info.update(step_info(rows, before, at_end, penalties, steps, self._steps_per_hour))
             self._add_final_info(info, truncated)
             if self.autoreset_mode == AutoresetMode.SAME_STEP:
-                self._names = self._current_names()
+                self._read_rows(truncated)
+                self._steps = np.where(truncated, 0, steps)
         else:
-            info = Info(lambda: self._step_info(names, before, observations, penalties))
+            info = Info(lambda: step_info(rows, before, observations, penalties, steps, self._steps_per_hour))
         if self._reward is not None:
             # The step after an episode only resets; Gymnasium gives it no reward.
             rewards = np.where(reset, 0.0, np.asarray(self._reward(info), dtype=np.float64))
@@ -241,22 +257,6 @@ class BuildingVectorEnv(VectorEnv[Any, Any, Any]):
             final = core.ended(int(environment))[0]
             observations[environment, : len(final)] = final
         return observations
-
-    def _step_info(self, names: Array, before: Array, after: Array, penalties: Array) -> dict[str, Any]:
-        """Computes the info of a step. Where the next episode has begun, it describes the one that ended."""
-        after = np.array(after, dtype=np.float64)
-        info: dict[str, Any] = {
-            "building": names.copy(),
-            "reward_terms": {"temperature": -penalties[:, 0], "energy": -penalties[:, 1]},
-            "observation": after,
-        }
-        if self._plain:
-            layout = self.layouts[0]
-            temperatures, targets = after[:, layout.temperatures], layout.targets_in(before)
-            info["energy"] = {"electricity": after[:, layout.electricity], "gas": after[:, layout.gas]}
-            info["zone_temperature"], info["zone_target"] = temperatures, targets
-            info["zone_deviation"] = temperatures - targets
-        return info
 
     def _add_final_info(self, info: Info, truncated: Array) -> None:
         """Adds the ends of episodes in the layout of Gymnasium's vector environments."""

@@ -19,6 +19,11 @@ def test_the_dataset_is_listed_by_type_split_and_climate_zone():
     assert not set(train) & set(test)
     cold = b2b.list_buildings_by_climate_zone("OfficeSmall", "8", "all")
     assert cold and all(b2b.get_climate_zone(each) == "8" for each in cold)
+    fifth = b2b.list_buildings_by_climate_zone("OfficeSmall", 5)
+    assert {b2b.get_climate_zone(each) for each in fifth} == {"5A", "5B", "5C"}
+    for building_type, zone, words in [("OfficeSmall", 9, "1A, 2A"), ("SingleFamilyHouse", 6, "houses have none")]:
+        with pytest.raises(errors.SettingError, match=words):
+            b2b.list_buildings_by_climate_zone(building_type, zone)
     assert 0 < b2b.building_parameters(train[0])["window_to_wall"] < 1
     with pytest.raises(errors.SettingError, match="test_small"):
         b2b.list_buildings("OfficeSmall", "valid")
@@ -114,3 +119,28 @@ def test_trajectories_are_read_by_name(office, tmp_path):
     middle = b2b.callable_controller(lambda _: (office.layout.action_low + office.layout.action_high) / 2)
     constant = b2b.rollout(office, b2b.ConstantController(office), steps=10)
     assert b2b.rollout(office, middle, steps=10).hash() == constant.hash()
+
+
+def test_a_trajectory_is_saved_and_loaded(office, tmp_path):
+    trajectory = b2b.rollout(office, b2b.ReactiveController(office))
+    trajectory.save(tmp_path / "day.npz")
+    loaded = b2b.Trajectory.load(tmp_path / "day.npz")
+    assert loaded.hash() == trajectory.hash() and loaded.metrics == trajectory.metrics and loaded.truncated
+    np.testing.assert_array_equal(loaded.observed("outdoor air temperature"), trajectory.observations[:, 6])
+    assert [each.name for each in tmp_path.iterdir()] == ["day.npz"]
+    (tmp_path / "other.npz").write_text("no trajectory")
+    with pytest.raises(b2b.Error, match="other.npz does not hold a trajectory"):
+        b2b.Trajectory.load(tmp_path / "other.npz")
+
+
+def test_reactive_controllers_are_tuned_and_can_be_changed(office):
+    tuned = b2b.ReactiveController.tuned(office)
+    assert len(tuned) == 30 and tuned["unitary.deadband"] < 0.5
+    default, same, changed = (
+        b2b.rollout(office, b2b.ReactiveController(office, parameters=parameters), steps=50).hash()
+        for parameters in (None, tuned, {"unitary.gains.proportional": 2.0})
+    )
+    assert default == same != changed
+    for parameters, words in [({"unitary.dedband": 1}, "unitary.deadband"), ({"unitary.deadband": 9}, "0 to 2")]:
+        with pytest.raises(b2b.Error, match=words):
+            b2b.ReactiveController(office, parameters=parameters)

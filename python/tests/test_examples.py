@@ -51,6 +51,16 @@ def test_the_readme_shows_what_it_prints():
     assert run("-c", code) == shown
 
 
+def test_the_first_agent_of_the_documentation_is_trained_and_evaluated(tmp_path, monkeypatch):
+    """With few steps."""
+    monkeypatch.chdir(tmp_path)
+    blocks = re.findall(r"```python\n(.*?)```", (ROOT / "docs/first_agent.md").read_text(), re.S)
+    printed = run("-c", "\n".join(blocks).replace("steps=20_000", "steps=2_000, environments=2"))
+    for words in ["Core_ZN air temperature", "ReactiveController", "normalized_score"]:
+        assert words in printed
+    assert (tmp_path / "runs/first/agent.json").is_file()
+
+
 SHORT = ["--steps", 1, "--envs", 2, "--n-steps", 336, "--period", "01-01..01-14"]
 
 

@@ -1,5 +1,7 @@
 """Training for a few hundred steps; run with --learners."""
 
+import warnings
+
 import building2building as b2b
 import numpy as np
 import pytest
@@ -66,6 +68,28 @@ def test_sb3_sees_the_last_observation_of_an_episode():
     np.testing.assert_array_equal(infos[1]["terminal_observation"], last)
     np.testing.assert_array_equal(observations[1], first)
     env.close()
+    envs.close()
+
+
+def test_sb3_reads_attributes_and_takes_the_episodes_for_those_of_its_monitor():
+    import gymnasium
+    from building2building.sb3 import make_sb3_vec
+    from stable_baselines3 import PPO
+    from stable_baselines3.common.evaluation import evaluate_policy
+    from stable_baselines3.common.monitor import Monitor
+
+    envs = make_sb3_vec("SingleFamilyHouse", 2, **DAYS)
+    assert envs.get_attr("action_space") == [envs.action_space] * 2
+    assert [layout.controlled_zones for layout in envs.get_attr("layout", [1])] == [["living"]]
+    with pytest.raises(AttributeError, match="no_such"):
+        envs.get_attr("no_such")
+    with pytest.raises(AttributeError, match="reward_range"):
+        envs.set_attr("reward_range", (0, 1))
+    assert envs.env_is_wrapped(Monitor) == [True, True]
+    assert envs.env_is_wrapped(gymnasium.wrappers.TimeLimit, 0) == [False]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        evaluate_policy(PPO("MlpPolicy", envs, n_steps=8, batch_size=16, device="cpu"), envs, n_eval_episodes=2)
     envs.close()
 
 

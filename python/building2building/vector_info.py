@@ -1,0 +1,98 @@
+"""The ``info`` of a step of a vector environment, whose buildings may differ."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _core
+from .layout import Layout
+
+Array = NDArray[Any]
+
+
+class Row:
+    """Where a row of observations has the quantities of a building; read from its spaces when it is first used."""
+
+    def __init__(self, spaces: _core.Spaces, by_role: bool):
+        self.spaces, self.by_role = spaces, by_role
+
+    @cached_property
+    def layout(self) -> Layout:
+        return Layout(self.spaces)
+
+    @cached_property
+    def _places(self) -> Array:
+        """For every slot of the building's own observation, its place in the row."""
+        places = np.arange(len(self.layout.observation))
+        roles = self.spaces.roles if self.by_role else None
+        for place, role in enumerate(roles or []):
+            if role.slot is not None:
+                places[role.slot] = place
+        return places
+
+    @cached_property
+    def temperatures(self) -> Array:
+        return self._places[self.layout.temperatures]
+
+    @cached_property
+    def targets(self) -> Array | None:
+        return None if self.layout.targets is None else self._places[self.layout.targets]
+
+    @cached_property
+    def occupancies(self) -> Array | None:
+        return None if self.layout.occupancies is None else self._places[self.layout.occupancies]
+
+    @cached_property
+    def energy(self) -> Array:
+        """Places of electricity and gas."""
+        return self._places[[self.layout.electricity, self.layout.gas]]
+
+
+def hours(steps: Array, steps_per_hour: int) -> Array:
+    """Returns the hour of the day at which each environment's step begins; 0 for those that have not stepped."""
+    return np.maximum(steps - 1, 0) % (24 * steps_per_hour) / steps_per_hour
+
+
+def step_info(
+    rows: Sequence[Row], before: Array, after: Array, penalties: Array, steps: Array, steps_per_hour: int
+) -> dict[str, Any]:
+    """Returns what the info of a single environment has, with a row for every environment.
+
+    ``steps`` is 0 where an episode has just begun. Arrays with a column per controlled zone are as wide as the largest
+    building; the columns that a building does not have are NaN, and ``False`` in ``zone_occupied``.
+    """
+    before = np.where((steps == 0)[:, None], after, before).astype(np.float64)
+    after = np.array(after, dtype=np.float64)
+    count, zones = len(rows), max(len(row.temperatures) for row in rows)
+    hour = hours(steps, steps_per_hour)
+    energy, cost, emissions = np.zeros((count, 2)), np.zeros(count), np.zeros(count)
+    temperatures, targets = np.full((count, zones), np.nan), np.full((count, zones), np.nan)
+    occupied = np.zeros((count, zones), dtype=bool)
+    for i, row in enumerate(rows):
+        own = slice(len(row.temperatures))
+        energy[i] = after[i, row.energy]
+        cost[i], emissions[i] = row.spaces.cost_and_emissions(energy[i, 0], energy[i, 1], hour[i])
+        temperatures[i, own] = after[i, row.temperatures]
+        targets[i, own] = row.layout.constant_target if row.targets is None else before[i, row.targets]
+        occupied[i, own] = row.occupancies is None or before[i, row.occupancies] > 0.5
+    info = {
+        "building": np.array([row.spaces.name for row in rows], dtype=object),
+        "step": steps,
+        "hour": hour,
+        "reward_terms": {"temperature": -penalties[:, 0], "energy": -penalties[:, 1]},
+        "energy": {"electricity": energy[:, 0], "gas": energy[:, 1]},
+        "cost": cost,
+        "emissions": emissions,
+        "zone_temperature": temperatures,
+        "zone_target": targets,
+        "zone_deviation": temperatures - targets,
+        "observation": after,
+    }
+    if any(row.occupancies is not None for row in rows):
+        info["zone_occupied"] = occupied
+    return info
