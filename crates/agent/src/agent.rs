@@ -3,12 +3,14 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use b2b_building::morphology::NodeType;
 use b2b_control::Controller;
 use b2b_env::Spaces;
 
 use crate::folder;
 use crate::info::AgentInfo;
-use crate::network::{Actor, Scratch};
+use crate::network::{Actor, Graph, Scratch};
+use crate::observation::NodeSpaces;
 use crate::pilot::Pilot;
 use crate::{Error, Result};
 
@@ -78,16 +80,41 @@ impl Agent {
     /// Returns a controller for an episode of a building.
     ///
     /// # Errors
-    /// [`Error::OtherBuilding`] when the building's observation or actuators are not those that it was trained with.
+    /// [`Error::OtherBuilding`] when the building's observation or actuators are not those that it was trained with;
+    /// [`Error::UnknownNodeType`] when a graph agent does not know one of its nodes' types.
     pub fn controller(&self, spaces: &Arc<Spaces>) -> Result<AgentController> {
-        let pilot = Pilot::new(self.info.interface, spaces);
-        self.check(&pilot, spaces)?;
+        let pilot = Pilot::new(self.info.interface, spaces)?;
+        match pilot.graph() {
+            None => self.check(&pilot.observation().names(), spaces.action.names(), spaces)?,
+            Some(graph) => {
+                let types = NodeSpaces::of(self.info.interface);
+                self.check(&types.slots(), &types.actuators(), spaces)?;
+                self.check_types(graph, spaces)?;
+            }
+        }
         Ok(AgentController::new(pilot, Arc::clone(&self.actor)))
     }
 
-    fn check(&self, pilot: &Pilot, spaces: &Spaces) -> Result<()> {
-        let why = difference("observation", &self.info.slots, &pilot.observation().names())
-            .or_else(|| difference("actuator", &self.info.actuators, spaces.action.names()));
+    /// Checks that every node has a type that the agent was trained with.
+    fn check_types(&self, graph: &Graph, spaces: &Spaces) -> Result<()> {
+        let known = &self.info.node_types;
+        let names = graph.types.iter().map(|index| NodeType::ALL[*index].name());
+        let unknown = names.enumerate().find(|(_, name)| !known.iter().any(|each| each == name));
+        match unknown {
+            None => Ok(()),
+            Some((node, node_type)) => Err(Error::UnknownNodeType {
+                agent: self.folder.display().to_string(),
+                building: spaces.building.name.clone(),
+                node: graph.names[node].clone(),
+                node_type,
+                known: known.join(", "),
+            }),
+        }
+    }
+
+    fn check(&self, slots: &[String], actuators: &[String], spaces: &Spaces) -> Result<()> {
+        let why = difference("observation", &self.info.slots, slots)
+            .or_else(|| difference("actuator", &self.info.actuators, actuators));
         match why {
             None => Ok(()),
             Some(why) => Err(Error::OtherBuilding {
@@ -124,7 +151,8 @@ pub struct AgentController {
 impl AgentController {
     /// Returns the controller of an actor that has the widths of the pilot.
     pub fn new(pilot: Pilot, actor: Arc<Actor>) -> Self {
-        Self { scratch: actor.scratch(), row: vec![0.0; actor.actions()], pilot, actor }
+        let scratch = actor.scratch(pilot.graph());
+        Self { row: vec![0.0; scratch.actions()], scratch, pilot, actor }
     }
 }
 

@@ -41,9 +41,34 @@ pub enum Error {
         /// Its training buildings.
         trained_on: String,
     },
+    /// A building with a node of a type that a graph agent was not trained with.
+    #[error(
+        "the agent {agent} does not know the node type `{node_type}` of `{node}` in {building}; it knows {known}: train it with a \
+         building that has one"
+    )]
+    UnknownNodeType {
+        /// Name of the agent.
+        agent: String,
+        /// Name of the building.
+        building: String,
+        /// The node.
+        node: String,
+        /// Its type.
+        node_type: &'static str,
+        /// The types that the agent knows.
+        known: String,
+    },
+    /// A building whose graph cannot be made.
+    #[error("the graph of {building} cannot be made: {source}")]
+    Graph {
+        /// Name of the building.
+        building: String,
+        /// Reason.
+        source: Box<dyn std::error::Error + Send + Sync>,
+    },
     /// An agent that is no plain network from an observation to an action.
     #[error(
-        "the agent {agent} is not a plain network: {why}; only direct agents with the observation raw or roles export to ONNX"
+        "the agent {agent} is not a plain network: {why}; only direct agents that are not graph networks, with the observation raw or roles, export to ONNX"
     )]
     NotPlain {
         /// Name of the agent.

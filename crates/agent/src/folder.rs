@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use b2b_building::morphology::NodeType;
 use b2b_energyplus::digest::sha256;
 use safetensors::tensor::{Dtype, TensorView};
 use safetensors::{SafeTensors, serialize};
@@ -9,7 +10,8 @@ use safetensors::{SafeTensors, serialize};
 use crate::aside;
 use crate::error::at;
 use crate::info::{AgentInfo, FORMAT};
-use crate::network::Actor;
+use crate::network::graph::NodeWidths;
+use crate::network::{Actor, Distribution, Shape, Tensor};
 use crate::{Error, Result};
 
 /// The file that describes an agent.
@@ -68,20 +70,11 @@ pub(crate) fn write(path: &Path, mut info: AgentInfo, actor: &Actor) -> Result<(
     aside::put(new_description, &description)
 }
 
-/// Returns the weights of an actor as a file: a matrix inputs × outputs and a vector for each layer.
+/// Returns the weights of an actor as a file: among others a matrix inputs × outputs and a vector for each layer.
 fn weights(actor: &Actor) -> Vec<u8> {
-    let tensors: Vec<(String, Vec<usize>, Vec<u8>)> = actor
-        .shape
-        .layers()
-        .enumerate()
-        .flat_map(|(index, layer)| {
-            let bytes = |range| little_endian(&actor.parameters[range]);
-            [
-                (name(index, "weight"), vec![layer.inputs, layer.outputs], bytes(layer.weights)),
-                (name(index, "bias"), vec![layer.outputs], bytes(layer.biases)),
-            ]
-        })
-        .collect();
+    let bytes =
+        |tensor: Tensor| (name(&tensor), tensor.sizes, little_endian(&actor.parameters[tensor.place]));
+    let tensors: Vec<(String, Vec<usize>, Vec<u8>)> = actor.shape.tensors().into_iter().map(bytes).collect();
     let views = tensors.iter().map(|(name, shape, bytes)| {
         let view = TensorView::new(Dtype::F32, shape.clone(), bytes);
         (name.clone(), view.expect("the bytes are those of the shape"))
@@ -92,42 +85,58 @@ fn weights(actor: &Actor) -> Vec<u8> {
 /// Returns the actor whose weights a file has.
 fn actor(info: &AgentInfo, bytes: &[u8]) -> std::result::Result<Actor, String> {
     let tensors = SafeTensors::deserialize(bytes).map_err(|error| format!("{WEIGHTS}: {error}"))?;
-    if info.network.widths.len() < 2 {
-        return Err(format!("{INFO}: its network has no layer"));
-    }
+    check_shape(info).map_err(|why| format!("{INFO}: {why}"))?;
     let shape = info.network.clone();
     let mut parameters = vec![0.0; shape.parameters()];
-    for (index, layer) in shape.layers().enumerate() {
-        let mut fill = |part: &str, shape: Vec<usize>, range: std::ops::Range<usize>| {
-            let name = name(index, part);
-            let tensor = tensors.tensor(&name).map_err(|error| format!("{WEIGHTS}: {error}"))?;
-            if tensor.shape() != shape || tensor.dtype() != Dtype::F32 {
-                return Err(format!(
-                    "{WEIGHTS}: {name} has the shape {:?}, expected {shape:?}",
-                    tensor.shape()
-                ));
-            }
-            for (value, bytes) in parameters[range].iter_mut().zip(tensor.data().chunks_exact(4)) {
-                *value = f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
-            }
-            Ok(())
-        };
-        fill("weight", vec![layer.inputs, layer.outputs], layer.weights.clone())?;
-        fill("bias", vec![layer.outputs], layer.biases.clone())?;
+    for expected in shape.tensors() {
+        let name = name(&expected);
+        let tensor = tensors.tensor(&name).map_err(|error| format!("{WEIGHTS}: {error}"))?;
+        if tensor.shape() != expected.sizes || tensor.dtype() != Dtype::F32 {
+            let (found, expected) = (tensor.shape(), expected.sizes);
+            return Err(format!("{WEIGHTS}: {name} has the shape {found:?}, expected {expected:?}"));
+        }
+        let values = parameters[expected.place].iter_mut();
+        for (value, bytes) in values.zip(tensor.data().chunks_exact(4)) {
+            *value = f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
+        }
     }
     let actor = Actor { shape, parameters, distribution: info.distribution.clone() };
-    let widths = (info.slots.len(), info.actuators.len());
-    if (actor.observations(), actor.actions()) != widths {
-        return Err(format!("{INFO}: the network does not have the widths of observation and actuators"));
-    }
     match actor.parameters.iter().position(|value| !value.is_finite()) {
         Some(_) => Err(format!("{WEIGHTS} has a value that is not finite")),
         None => Ok(actor),
     }
 }
 
-fn name(layer: usize, part: &str) -> String {
-    format!("actor.{layer}.{part}")
+/// Checks that the network has the widths of observation and actuators.
+fn check_shape(info: &AgentInfo) -> std::result::Result<(), &'static str> {
+    let halves = if matches!(info.distribution, Distribution::Gaussian { .. }) { 1 } else { 2 };
+    let widths = (info.slots.len(), info.actuators.len() * halves);
+    let log_stds = match &info.distribution {
+        Distribution::Gaussian { log_std } => log_std.len(),
+        _ => info.actuators.len(),
+    };
+    let found = match &info.network {
+        Shape::Mlp(mlp) if mlp.widths.len() < 2 => return Err("its network has no layer"),
+        Shape::Mlp(mlp) => (mlp.inputs(), mlp.outputs()),
+        Shape::Graph(network) if network.types.len() != NodeType::ALL.len() => {
+            return Err("its network has another number of node types");
+        }
+        Shape::Graph(network) if network.heads == 0 || !network.embedding.is_multiple_of(network.heads) => {
+            return Err("the heads of its network do not share the embedding evenly");
+        }
+        Shape::Graph(network) => {
+            let sum = |width: fn(&NodeWidths) -> usize| network.types.iter().map(width).sum();
+            (sum(|node| node.features), sum(|node| node.outputs))
+        }
+    };
+    if found != widths || log_stds != info.actuators.len() {
+        return Err("the network does not have the widths of observation and actuators");
+    }
+    Ok(())
+}
+
+fn name(tensor: &Tensor) -> String {
+    format!("actor.{}", tensor.name)
 }
 
 fn little_endian(values: &[f32]) -> Vec<u8> {

@@ -3,7 +3,7 @@
 use b2b_env::Task;
 use serde::{Deserialize, Serialize};
 
-use crate::network::{Distribution, Mlp};
+use crate::network::{Distribution, Shape};
 use crate::pilot::Interface;
 
 /// Version of the format of agents' folders.
@@ -16,12 +16,15 @@ pub struct AgentInfo {
     pub format: u32,
     /// Form of observations and meaning of actions.
     pub interface: Interface,
-    /// Name of every number that the network observes.
+    /// Name of every number that the network observes; of a graph network those of all node types, whether it knows them or not.
     pub slots: Vec<String>,
-    /// Name of every actuator that it controls.
+    /// Name of every actuator that it controls; of a graph network those of all node types.
     pub actuators: Vec<String>,
+    /// Node types that a graph network was trained with: it controls every building that has no others.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub node_types: Vec<String>,
     /// Shape of the network.
-    pub network: Mlp,
+    pub network: Shape,
     /// Distribution of its actions in training.
     pub distribution: Distribution,
     /// Task of its training.

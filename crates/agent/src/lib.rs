@@ -22,5 +22,5 @@ pub use aside::write_whole;
 pub use error::{Error, Result};
 pub use folder::{FILES, INFO};
 pub use info::{AgentInfo, FORMAT, TrainingInfo};
-pub use observation::{AgentObservation, Feature, ObservationForm};
+pub use observation::{AgentObservation, Feature, NodeForm, NodeSpaces, NodeView, ObservationForm};
 pub use pilot::{Interface, Pilot};

@@ -7,7 +7,7 @@ use b2b_env::vector::Arrangement;
 
 use crate::acting::Acting;
 use crate::agent::Agent;
-use crate::network::{Activation, Distribution, Layer};
+use crate::network::{Activation, Distribution, Layer, Mlp, Shape};
 use crate::observation::ObservationForm;
 use crate::protobuf::{bytes, integer, text};
 use crate::{Error, Result};
@@ -27,6 +27,9 @@ impl Agent {
     /// [`Error::OtherBuilding`] for a building that it was not made for.
     pub fn to_onnx(&self, spaces: &Arc<Spaces>) -> Result<Vec<u8>> {
         self.controller(spaces)?;
+        let Shape::Mlp(mlp) = &self.actor().shape else {
+            return Err(self.not_plain("it is a graph network"));
+        };
         let interface = self.info().interface;
         let arrangement = match interface.observation {
             ObservationForm::Raw => Arrangement::InOrder,
@@ -38,7 +41,7 @@ impl Agent {
         }
         let bounds: Vec<_> =
             arrangement.of(spaces).slots().into_iter().map(|slot| [slot.low, slot.high]).collect();
-        Ok(model(&self.graph(&bounds)))
+        Ok(model(&self.graph(mlp, &bounds)))
     }
 
     fn not_plain(&self, why: &'static str) -> Error {
@@ -46,7 +49,7 @@ impl Agent {
     }
 
     /// Returns the graph: scaling, and the layers of the network.
-    fn graph(&self, bounds: &[[f64; 2]]) -> Vec<u8> {
+    fn graph(&self, mlp: &Mlp, bounds: &[[f64; 2]]) -> Vec<u8> {
         let actor = self.actor();
         let scale: Vec<f32> = bounds.iter().map(|[low, high]| (2.0 / (high - low)) as f32).collect();
         let offset: Vec<f32> =
@@ -58,12 +61,12 @@ impl Agent {
             tensor("scale", &[width], &scale),
             tensor("offset", &[width], &offset),
         ];
-        let layers: Vec<Layer> = actor.shape.layers().collect();
+        let (actions, layers): (usize, Vec<Layer>) = (self.info().actuators.len(), mlp.layers().collect());
         let mut input = "scaled".to_owned();
         for (index, layer) in layers.iter().enumerate() {
             let is_last = index + 1 == layers.len();
             // Standard deviations behind the means of the last layer are for training.
-            let outputs = if is_last { actor.actions() } else { layer.outputs };
+            let outputs = if is_last { actions } else { layer.outputs };
             let [weights, biases, sums] = ["weights", "biases", "sums"].map(|part| format!("{part} {index}"));
             parts.push(node("Gemm", &[&input, &weights, &biases], &sums));
             parts.push(tensor(
@@ -72,7 +75,7 @@ impl Agent {
                 &columns(&actor.parameters, layer, outputs),
             ));
             parts.push(tensor(&biases, &[outputs], &actor.parameters[layer.biases.clone()][..outputs]));
-            let activation = match actor.shape.activation {
+            let activation = match mlp.activation {
                 _ if is_last && actor.distribution == Distribution::SquashedGaussian => "Tanh",
                 _ if is_last => "Identity",
                 Activation::Tanh => "Tanh",
@@ -83,7 +86,7 @@ impl Agent {
         }
         parts.push(text(2, "agent"));
         parts.push(bytes(11, &value("observation", width)));
-        parts.push(bytes(12, &value("action", actor.actions())));
+        parts.push(bytes(12, &value("action", actions)));
         parts.concat()
     }
 }

@@ -5,8 +5,10 @@ use std::sync::Arc;
 use b2b_env::Spaces;
 use serde::{Deserialize, Serialize};
 
+use crate::Result;
 use crate::acting::{Acting, Driver};
-use crate::observation::{AgentObservation, ObservationForm};
+use crate::network::Graph;
+use crate::observation::{AgentObservation, NodeForm, NodeView, ObservationForm};
 
 /// What an agent observes and how it acts.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -15,6 +17,9 @@ pub struct Interface {
     pub observation: ObservationForm,
     /// Meaning of its actions.
     pub acting: Acting,
+    /// How it observes a building node by node, if it is a graph network.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub nodes: Option<NodeForm>,
 }
 
 /// An agent's observations and actions in an episode of a building, around its network. Allocates nothing in a step.
@@ -23,6 +28,7 @@ pub struct Interface {
 #[derive(Clone, Debug)]
 pub struct Pilot {
     observation: AgentObservation,
+    graph: Option<Arc<Graph>>,
     driver: Driver,
     /// The last action of the network, within ±1.
     previous: Vec<f32>,
@@ -31,15 +37,30 @@ pub struct Pilot {
 
 impl Pilot {
     /// Returns the pilot of a building, at the beginning of an episode.
-    pub fn new(interface: Interface, spaces: &Arc<Spaces>) -> Self {
-        let Interface { observation, acting } = interface;
-        let observation = AgentObservation::new(observation, spaces, acting.has_base());
-        Self {
+    ///
+    /// # Errors
+    /// [`Error::Graph`](crate::Error::Graph) for a building whose graph cannot be made, of a graph network.
+    pub fn new(interface: Interface, spaces: &Arc<Spaces>) -> Result<Self> {
+        let Interface { observation, acting, nodes } = interface;
+        let (observation, graph) = match nodes {
+            None => (AgentObservation::new(observation, spaces, acting.has_base()), None),
+            Some(_) => {
+                let NodeView { observation, graph } = AgentObservation::by_node(interface, spaces)?;
+                (observation, Some(Arc::new(graph)))
+            }
+        };
+        Ok(Self {
             row: vec![0.0; observation.width()],
             observation,
+            graph,
             driver: Driver::new(acting, spaces),
             previous: vec![0.0; spaces.action.len()],
-        }
+        })
+    }
+
+    /// The building as a graph network sees it; `None` for another network.
+    pub fn graph(&self) -> Option<&Arc<Graph>> {
+        self.graph.as_ref()
     }
 
     /// Begins an episode.

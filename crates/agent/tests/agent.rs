@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use b2b_agent::network::{Activation, Actor, Distribution, Mlp};
+use b2b_agent::network::{Activation, Actor, Distribution, Mlp, Shape};
 use b2b_agent::{
     Acting, Agent, AgentInfo, AgentObservation, Error, FORMAT, Interface, ObservationForm, Pilot,
     TrainingInfo,
@@ -32,7 +32,7 @@ fn actor(pilot: &Pilot, scale: f32) -> Actor {
     Actor {
         parameters: parameters.collect(),
         distribution: Distribution::Gaussian { log_std: vec![-1.0; outputs] },
-        shape,
+        shape: Shape::Mlp(shape),
     }
 }
 
@@ -42,6 +42,7 @@ fn info(pilot: &Pilot, spaces: &Spaces, interface: Interface, actor: &Actor) -> 
         interface,
         slots: pilot.observation().names(),
         actuators: spaces.action.names().to_vec(),
+        node_types: vec![],
         network: actor.shape.clone(),
         distribution: actor.distribution.clone(),
         task: spaces.episode.task.clone(),
@@ -52,13 +53,16 @@ fn info(pilot: &Pilot, spaces: &Spaces, interface: Interface, actor: &Actor) -> 
 
 /// Writes an agent of a building to a folder.
 fn write(folder: &Path, spaces: &Arc<Spaces>, interface: Interface, scale: f32) {
-    let pilot = Pilot::new(interface, spaces);
+    let pilot = Pilot::new(interface, spaces).unwrap();
     let actor = actor(&pilot, scale);
     Agent::write(folder, info(&pilot, spaces, interface, &actor), &actor).unwrap();
 }
 
-const RESIDUAL: Interface =
-    Interface { observation: ObservationForm::Features, acting: Acting::Residual { authority: 0.5 } };
+const RESIDUAL: Interface = Interface {
+    observation: ObservationForm::Features,
+    acting: Acting::Residual { authority: 0.5 },
+    nodes: None,
+};
 
 #[test]
 fn a_correction_of_zero_is_the_reactive_controllers() {
@@ -78,7 +82,7 @@ fn corrections_are_within_their_authority_and_actions_within_bounds() {
     let mut env = env("OfficeSmall-0042", "occupancy");
     let spaces = Arc::clone(env.spaces());
     let mut reactive = Reactive::for_env(&env);
-    let mut pilot = Pilot::new(RESIDUAL, &spaces);
+    let mut pilot = Pilot::new(RESIDUAL, &spaces).unwrap();
     let observation = env.reset().unwrap().to_vec();
     let mut base = vec![0.0; spaces.action.len()];
     reactive.act(&observation, &mut base);
@@ -100,7 +104,7 @@ fn an_agent_reads_back_as_it_was_written_and_acts_alike() {
     let spaces = Arc::clone(env.spaces());
     for observation in [ObservationForm::Raw, ObservationForm::Roles, ObservationForm::Features] {
         for acting in [Acting::Direct, RESIDUAL.acting] {
-            let interface = Interface { observation, acting };
+            let interface = Interface { observation, acting, nodes: None };
             write(folder.path(), &spaces, interface, 0.4);
             let agent = Agent::read(folder.path()).unwrap();
             assert_eq!(agent.info().interface, interface);
@@ -123,7 +127,7 @@ fn features_are_of_the_order_of_one_and_have_the_same_names_in_all_houses() {
         let observation = AgentObservation::new(ObservationForm::Features, &spaces, true);
         let here: Vec<String> = observation.names();
         assert_eq!(*names.get_or_insert(here.clone()), here, "{house}");
-        let mut pilot = Pilot::new(RESIDUAL, &spaces);
+        let mut pilot = Pilot::new(RESIDUAL, &spaces).unwrap();
         let mut seen = env.reset().unwrap().to_vec();
         for _ in 0..200 {
             let row = pilot.observe(&seen).to_vec();

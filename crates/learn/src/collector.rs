@@ -32,6 +32,34 @@ pub trait Collector {
     fn collect(&mut self, actor: &Actor, steps: usize, rollout: &mut Rollout) -> Result<()>;
 }
 
+impl Widths {
+    /// Returns the larger of each width.
+    #[must_use]
+    pub fn covering(self, other: Self) -> Self {
+        Self {
+            observation: self.observation.max(other.observation),
+            action: self.action.max(other.action),
+            parts: self.parts.max(other.parts),
+        }
+    }
+
+    /// Checks that a building has these widths, or for a graph network at most these.
+    ///
+    /// # Errors
+    /// [`Error::Collect`] when it has others.
+    pub(crate) fn check(self, building: &str, widths: (usize, usize), is_graph: bool) -> Result<()> {
+        let fits = (widths.0 <= self.observation, widths.1 <= self.action) == (true, true);
+        if widths == (self.observation, self.action) || (is_graph && fits) {
+            return Ok(());
+        }
+        let why = match is_graph {
+            false => format!("{building} does not have the observation and the actuators of the network"),
+            true => format!("{building} is larger than the training buildings for which there is room"),
+        };
+        Err(Error::Collect(why.into()))
+    }
+}
+
 /// Episodes of one environment that may be lost in a row before the collection is given up.
 const LOST_IN_A_ROW: u32 = 5;
 

@@ -7,6 +7,7 @@
 //! This is the usual loop of learning libraries. In [`fragments`](crate::fragments) no environment waits for another. Both give
 //! the same bits.
 
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use b2b_agent::network::{Actor, Scratch};
@@ -14,10 +15,10 @@ use b2b_agent::{Interface, Pilot};
 use b2b_env::vector::VecEnv;
 
 use crate::collector::{Collector, Widths, count_lost};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::fragments::{RewardScale, spaces_of, stream};
 use crate::random::{Noise, Random};
-use crate::rollout::{End, Rollout};
+use crate::rollout::{End, Rollout, Scene};
 
 /// Collects rollouts step by step in a [`VecEnv`] with [`Autoreset::Disabled`](b2b_env::vector::Autoreset::Disabled). A reward
 /// has one part.
@@ -44,6 +45,8 @@ pub struct LockstepCollector {
 /// One environment in the course of a collection.
 struct Seat {
     pilot: Pilot,
+    /// Buffers of the actor in the building of the episode in progress.
+    scratch: Option<Scratch>,
     noise: Noise,
     /// Factor of the rewards of the episode in progress.
     scale: f32,
@@ -52,6 +55,8 @@ struct Seat {
     /// Fragments that the rollout has of this environment: one more than episodes that ended.
     fragments: u64,
     ends: Vec<End>,
+    /// Buildings of the rollout, each from a step on, for a graph network.
+    scenes: Vec<Scene>,
     lost_in_a_row: u32,
     /// The action in physical units, padded to the width of the batch.
     command: Vec<f64>,
@@ -70,17 +75,24 @@ impl LockstepCollector {
         seed: u64,
     ) -> Result<Self> {
         environments.reset(seed)?;
-        let (observation, action) = Pilot::new(interface, spaces_of(&environments, 0)?).widths();
+        let mut widths = Widths { observation: 0, action: 0, parts: 1 };
         let mut seats = Vec::with_capacity(environments.len());
         for index in 0..environments.len() {
             let spaces = spaces_of(&environments, index)?;
+            let pilot = Pilot::new(interface, spaces)?;
+            let (observation, action) = pilot.widths();
+            if index == 0 || interface.nodes.is_some() {
+                widths = widths.covering(Widths { observation, action, parts: 1 });
+            }
             seats.push(Seat {
-                pilot: Pilot::new(interface, spaces),
+                pilot,
+                scratch: None,
                 noise: Noise::new(action, correlation, Random::new(seed, 0)),
-                scale: scale(spaces) as f32,
+                scale: scale(spaces)? as f32,
                 done: 0,
                 fragments: 0,
                 ends: Vec::new(),
+                scenes: Vec::new(),
                 lost_in_a_row: 0,
                 command: vec![0.0; environments.widths().0],
             });
@@ -88,7 +100,7 @@ impl LockstepCollector {
         let mut collector = Self {
             environments,
             interface,
-            widths: Widths { observation, action, parts: 1 },
+            widths,
             scale,
             seed,
             correlation,
@@ -119,12 +131,9 @@ impl LockstepCollector {
 
     /// Observes the beginning of an episode, whose building must have the observation and the actuators of the first.
     fn check_and_observe(&mut self, environment: usize) -> Result<()> {
-        let widths = self.seats[environment].pilot.widths();
-        if widths != (self.widths.observation, self.widths.action) {
-            let name = &spaces_of(&self.environments, environment)?.building.name;
-            let why = format!("{name} does not have the observation and the actuators of the network");
-            return Err(Error::Collect(why.into()));
-        }
+        let pilot = &self.seats[environment].pilot;
+        let name = &spaces_of(&self.environments, environment)?.building.name;
+        self.widths.check(name, pilot.widths(), pilot.graph().is_some())?;
         self.observe(environment)
     }
 
@@ -145,6 +154,8 @@ impl LockstepCollector {
             let seat = &mut self.seats[index];
             (seat.done, seat.fragments) = (0, 0);
             seat.ends.clear();
+            seat.scenes.clear();
+            seat.begin_scene(index);
             self.begin_fragment(index);
         }
     }
@@ -153,15 +164,15 @@ impl LockstepCollector {
     fn begin_fragment(&mut self, environment: usize) {
         let seat = &mut self.seats[environment];
         let random = Random::new(self.seed, stream(self.rollouts, environment, seat.fragments));
-        seat.noise = Noise::new(self.widths.action, self.correlation, random);
+        seat.noise = Noise::new(seat.pilot.widths().1, self.correlation, random);
         seat.fragments += 1;
     }
 
     /// Makes one step of every environment whose rollout is not complete.
-    fn step(&mut self, actor: &Actor, scratch: &mut Scratch, rollout: &mut Rollout) -> Result<()> {
+    fn step(&mut self, actor: &Actor, rollout: &mut Rollout) -> Result<()> {
         let (before, steps) = (Instant::now(), rollout.steps);
         for (index, seat) in self.seats.iter_mut().enumerate().filter(|(_, seat)| seat.done < steps) {
-            seat.act(actor, scratch, index * steps + seat.done, rollout);
+            seat.act(actor, self.widths, index * steps + seat.done, rollout);
         }
         self.times[0] += before.elapsed();
         for (index, seat) in self.seats.iter().enumerate().filter(|(_, seat)| seat.done < steps) {
@@ -196,10 +207,11 @@ impl LockstepCollector {
         seat.lost_in_a_row = 0;
         if seat.done == rollout.steps {
             let width = self.widths.observation;
-            rollout.next[environment * width..][..width].copy_from_slice(seat.pilot.observed());
+            let observed = seat.pilot.observed();
+            rollout.next[environment * width..][..observed.len()].copy_from_slice(observed);
         }
         if self.environments.truncated()[environment] {
-            seat.end(environment);
+            seat.end(environment, self.widths);
             self.environments.reset_one(environment)?;
         }
         Ok(())
@@ -208,8 +220,10 @@ impl LockstepCollector {
     fn begin_episode(&mut self, environment: usize) -> Result<()> {
         let spaces = spaces_of(&self.environments, environment)?;
         let seat = &mut self.seats[environment];
-        seat.pilot = Pilot::new(self.interface, spaces);
-        seat.scale = (self.scale)(spaces) as f32;
+        seat.pilot = Pilot::new(self.interface, spaces)?;
+        seat.scratch = None;
+        seat.scale = (self.scale)(spaces)? as f32;
+        seat.begin_scene(environment);
         self.begin_fragment(environment);
         self.check_and_observe(environment)
     }
@@ -219,28 +233,38 @@ impl LockstepCollector {
         self.lost += 1;
         let seat = &mut self.seats[environment];
         count_lost(&mut seat.lost_in_a_row, why)?;
-        seat.end(environment);
+        seat.end(environment, self.widths);
         Ok(self.environments.reset_one(environment)?)
     }
 }
 
 impl Seat {
     /// Chooses the action of a step, and records it with the observation before, in a row of the rollout.
-    fn act(&mut self, actor: &Actor, scratch: &mut Scratch, row: usize, rollout: &mut Rollout) {
+    fn act(&mut self, actor: &Actor, widths: Widths, row: usize, rollout: &mut Rollout) {
+        let scratch = self.scratch.get_or_insert_with(|| actor.scratch(self.pilot.graph()));
         let observation = self.pilot.observed();
         let (slots, actuators) = self.pilot.widths();
-        let action = &mut rollout.actions[row * actuators..][..actuators];
+        let action = &mut rollout.actions[row * widths.action..][..actuators];
         actor.sample(observation, self.noise.draw(), scratch, action);
-        rollout.observations[row * slots..][..slots].copy_from_slice(observation);
+        rollout.observations[row * widths.observation..][..slots].copy_from_slice(observation);
         let physical = self.pilot.act(action);
         self.command[..physical.len()].copy_from_slice(physical);
     }
 
+    /// Notes the building from this step on.
+    fn begin_scene(&mut self, environment: usize) {
+        if let Some(graph) = self.pilot.graph() {
+            self.scenes.retain(|scene| scene.step < self.done);
+            self.scenes.push(Scene { environment, step: self.done, graph: Arc::clone(graph) });
+        }
+    }
+
     /// Ends the episode at the last step, unless one has ended there or the rollout has no step yet.
-    fn end(&mut self, environment: usize) {
+    fn end(&mut self, environment: usize, widths: Widths) {
         let ended = self.ends.last().map_or(0, |end| end.step + 1);
         if self.done > ended {
-            let observation = self.pilot.observed().to_vec();
+            let mut observation = self.pilot.observed().to_vec();
+            observation.resize(widths.observation, 0.0);
             self.ends.push(End { environment, step: self.done - 1, observation });
         }
     }
@@ -258,11 +282,13 @@ impl Collector for LockstepCollector {
     fn collect(&mut self, actor: &Actor, steps: usize, rollout: &mut Rollout) -> Result<()> {
         let began = Instant::now();
         self.begin_rollout(steps, rollout);
-        let mut scratch = actor.scratch();
         while self.seats.iter().any(|seat| seat.done < steps) {
-            self.step(actor, &mut scratch, rollout)?;
+            self.step(actor, rollout)?;
         }
         rollout.ends.extend(self.seats.iter_mut().flat_map(|seat| seat.ends.drain(..)));
+        let scenes = self.seats.iter_mut().flat_map(|seat| seat.scenes.drain(..));
+        rollout.scenes.extend(scenes.filter(|scene| scene.step < steps));
+        rollout.clear_padding(self.widths);
         self.times[1] = began.elapsed();
         Ok(())
     }

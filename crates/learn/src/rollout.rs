@@ -1,5 +1,9 @@
 //! Steps of several environments, as a learner reads them.
 
+use std::sync::Arc;
+
+use b2b_agent::network::Graph;
+
 use crate::collector::Widths;
 use crate::error::{Error, Result};
 
@@ -22,6 +26,20 @@ pub struct Rollout {
     pub next: Vec<f32>,
     /// Steps that ended an episode, ordered by environment and step.
     pub ends: Vec<End>,
+    /// Buildings, for a graph network: ordered by environment and step, each environment from its first step on. Rows of a
+    /// building that is smaller than the widths are padded with zeros.
+    pub scenes: Vec<Scene>,
+}
+
+/// The building of an environment from a step on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene {
+    /// Environment.
+    pub environment: usize,
+    /// First step of the rollout in the building.
+    pub step: usize,
+    /// The building.
+    pub graph: Arc<Graph>,
 }
 
 /// The end of an episode. It is a truncation: the return does not end there.
@@ -50,11 +68,45 @@ impl Rollout {
         self.rewards.resize(rows * widths.parts, 0.0);
         self.next.resize(environments * widths.observation, 0.0);
         self.ends.clear();
+        self.scenes.clear();
+    }
+
+    /// Sets what is behind the last number of smaller buildings to 0.
+    pub(crate) fn clear_padding(&mut self, widths: Widths) {
+        let Self { environments, steps, observations, actions, next, ends, scenes, .. } = self;
+        for (number, scene) in scenes.iter().enumerate() {
+            let following = scenes.get(number + 1).filter(|next| next.environment == scene.environment);
+            let end = following.map_or(*steps, |next| next.step);
+            let rows = scene.environment * *steps + scene.step..scene.environment * *steps + end;
+            let clear = |values: &mut [f32], width: usize, used: usize| {
+                let rows = values[rows.start * width..rows.end * width].chunks_exact_mut(width);
+                rows.for_each(|row| row[used..].fill(0.0));
+            };
+            let (observed, acted) = (scene.graph.width(), scene.graph.actions.len());
+            clear(observations, widths.observation, observed);
+            clear(actions, widths.action, acted);
+            if end == *steps {
+                next[scene.environment * widths.observation..][..widths.observation][observed..].fill(0.0);
+            }
+            let own = |end_: &&mut End| {
+                end_.environment == scene.environment && (scene.step..end).contains(&end_.step)
+            };
+            ends.iter_mut().filter(own).for_each(|end| end.observation[observed..].fill(0.0));
+        }
+        debug_assert!(
+            scenes.is_empty() || scenes.last().is_some_and(|last| last.environment + 1 == *environments)
+        );
     }
 
     /// Returns the mean penalty of a step: the negated mean reward, over all parts.
     pub fn mean_penalty(&self) -> f64 {
         -self.rewards.iter().map(|reward| f64::from(*reward)).sum::<f64>() / self.rows() as f64
+    }
+
+    /// Returns the number of the scene of a step of an environment. Without graphs it is 0.
+    pub fn scene_of(&self, environment: usize, step: usize) -> usize {
+        let later = |scene: &Scene| (scene.environment, scene.step) > (environment, step);
+        self.scenes.iter().position(later).unwrap_or(self.scenes.len()).saturating_sub(1)
     }
 
     /// Checks the lengths of the arrays and the order of the ends.

@@ -3,8 +3,8 @@
 
 use std::time::Duration;
 
-use b2b_agent::network::Actor;
-use b2b_agent::{Acting, Interface, ObservationForm};
+use b2b_agent::network::{Activation, Actor, Edges, GraphNetwork};
+use b2b_agent::{Acting, Interface, NodeForm, NodeSpaces, ObservationForm};
 use b2b_building::BuildingType;
 use b2b_dataset::{BuildingName, Catalog, Placement};
 use b2b_energyplus::install::Quiet;
@@ -22,22 +22,36 @@ const ENVIRONMENTS: usize = 3;
 /// Steps of an episode of one day.
 const DAY: usize = 288;
 const SEED: u64 = 7;
-const DIRECT: Interface = Interface { observation: ObservationForm::Raw, acting: Acting::Direct };
-const RESIDUAL: Interface =
-    Interface { observation: ObservationForm::Features, acting: Acting::Residual { authority: 0.5 } };
+const DIRECT: Interface =
+    Interface { observation: ObservationForm::Raw, acting: Acting::Direct, nodes: None };
+const RESIDUAL: Interface = Interface {
+    observation: ObservationForm::Features,
+    acting: Acting::Residual { authority: 0.5 },
+    nodes: None,
+};
 
-/// Returns environments of a house on a winter's day.
-fn environments() -> VecEnv {
+/// Graph networks of houses and offices.
+const GRAPH: Interface = Interface { nodes: Some(NodeForm { attributes: true }), ..RESIDUAL };
+
+/// Returns environments of a house on a winter's day; for graph networks, the second of a small office.
+fn environments(interface: Interface) -> VecEnv {
     let catalog = Catalog::open(&mut Quiet).unwrap();
-    let house = BuildingName::Type(BuildingType::SingleFamilyHouse);
-    let found = catalog.find(&house, &Placement::default(), &mut Quiet).unwrap();
-    let episode = EpisodeConfig {
-        weather: found.weather.clone(),
-        period: "01-10..01-10".parse().unwrap(),
-        steps_per_hour: 12,
-        task: Task::default(),
+    let setting = |building_type| {
+        let name = BuildingName::Type(building_type);
+        let found = catalog.find(&name, &Placement::default(), &mut Quiet).unwrap();
+        let episode = EpisodeConfig {
+            weather: found.weather.clone(),
+            period: "01-10..01-10".parse().unwrap(),
+            steps_per_hour: 12,
+            task: Task::default(),
+        };
+        Setting::new(Source::from(found), episode)
     };
-    let sampler = Fixed(vec![Setting::new(Source::from(found), episode)]);
+    let types: &[BuildingType] = match interface.nodes {
+        None => &[BuildingType::SingleFamilyHouse],
+        Some(_) => &[BuildingType::SingleFamilyHouse, BuildingType::OfficeSmall],
+    };
+    let sampler = Fixed(types.iter().copied().map(setting).collect());
     let launcher = Launcher::new(env!("CARGO_BIN_EXE_b2b-learn-worker"));
     let workers = WorkerOptions::new(launcher, catalog.library().path());
     let options = VecEnvOptions { workers, autoreset: Autoreset::Disabled, widths: None };
@@ -45,30 +59,44 @@ fn environments() -> VecEnv {
 }
 
 fn fragments(interface: Interface, correlation: f32) -> FragmentCollector {
-    let scale = Box::new(|_: &_| 0.3);
-    FragmentCollector::new(environments(), interface, false, correlation, scale, SEED).unwrap()
+    let scale = Box::new(|_: &_| Ok(0.3));
+    FragmentCollector::new(environments(interface), interface, false, correlation, scale, SEED).unwrap()
 }
 
 fn lockstep(interface: Interface, correlation: f32) -> LockstepCollector {
-    LockstepCollector::new(environments(), interface, correlation, Box::new(|_: &_| 0.3), SEED).unwrap()
+    LockstepCollector::new(environments(interface), interface, correlation, Box::new(|_: &_| Ok(0.3)), SEED)
+        .unwrap()
 }
 
 /// Returns an actor that is another for every seed.
-fn actor(widths: Widths, seed: u64) -> Actor {
+fn actor(widths: Widths, interface: Interface, seed: u64) -> Actor {
     let config = PpoConfig { actor_hidden: vec![16], critic_hidden: vec![16], ..PpoConfig::default() };
-    Ppo::new(widths, config, seed).unwrap().actor()
+    if interface.nodes.is_none() {
+        return Ppo::new(widths, config, seed).unwrap().actor();
+    }
+    let network = GraphNetwork {
+        types: NodeSpaces::of(interface).widths(),
+        embedding: 16,
+        heads: 2,
+        layers: 2,
+        feed_forward: 16,
+        activation: Activation::Relu,
+        edges: Edges::Mixed,
+    };
+    Ppo::of_graphs(&network, widths, config, true, seed).unwrap().actor()
 }
 
 /// Collects the rollouts of these numbers, each with an actor of its own.
 fn rollouts(
     collector: &mut dyn Collector,
+    interface: Interface,
     numbers: std::ops::RangeInclusive<u64>,
     steps: usize,
 ) -> Vec<Rollout> {
     let mut collect = |number| {
         let mut rollout = Rollout::default();
         let widths = collector.widths();
-        collector.collect(&actor(widths, number), steps, &mut rollout).unwrap();
+        collector.collect(&actor(widths, interface, number), steps, &mut rollout).unwrap();
         rollout.check(widths).unwrap();
         rollout
     };
@@ -78,35 +106,56 @@ fn rollouts(
 #[test]
 fn fragments_and_lockstep_collect_the_same_bits() {
     // Of 100 steps, the episode ends within the third rollout; of 96 steps, with its last step.
-    for (interface, correlation, steps) in [(DIRECT, 0.0, 100), (DIRECT, 0.4, 96), (RESIDUAL, 0.4, 100)] {
-        let ours = rollouts(&mut fragments(interface, correlation), 1..=4, steps);
-        let theirs = rollouts(&mut lockstep(interface, correlation), 1..=4, steps);
+    for (interface, correlation, steps) in
+        [(DIRECT, 0.0, 100), (DIRECT, 0.4, 96), (RESIDUAL, 0.4, 100), (GRAPH, 0.4, 100)]
+    {
+        let ours = rollouts(&mut fragments(interface, correlation), interface, 1..=4, steps);
+        let theirs = rollouts(&mut lockstep(interface, correlation), interface, 1..=4, steps);
         let ends = |rollouts: &[Rollout]| rollouts.iter().map(|each| each.ends.len()).collect::<Vec<_>>();
         assert_eq!(ends(&ours), [0, 0, ENVIRONMENTS, 0]);
         assert_eq!(ours[2].ends[0].step, DAY - 2 * steps - 1);
         for (number, (one, other)) in ours.iter().zip(&theirs).enumerate() {
             assert!(one == other, "rollout {number} of {steps} steps with {interface:?}");
+            assert_scenes(one, interface);
         }
+    }
+}
+
+/// Asserts that a rollout of graph networks has the buildings of its environments, and zeros behind the smaller ones.
+fn assert_scenes(rollout: &Rollout, interface: Interface) {
+    let widths: Vec<usize> = rollout.scenes.iter().map(|scene| scene.graph.width()).collect();
+    if interface.nodes.is_none() {
+        return assert!(widths.is_empty());
+    }
+    let environments: Vec<usize> = rollout.scenes.iter().map(|scene| scene.environment).collect();
+    let mut distinct = environments.clone();
+    distinct.dedup();
+    assert_eq!(distinct, [0, 1, 2]);
+    let stride = rollout.observations.len() / rollout.rows();
+    let of = |environment: usize| widths[environments.iter().position(|each| *each == environment).unwrap()];
+    assert!(of(0) == of(2) && of(0) < of(1) && of(1) == stride, "{widths:?}");
+    for (row, values) in rollout.observations.chunks(stride).enumerate() {
+        assert!(values[of(row / rollout.steps)..].iter().all(|value| *value == 0.0));
     }
 }
 
 #[test]
 fn a_restored_collection_continues_with_the_same_bits() {
-    for interface in [DIRECT, RESIDUAL] {
+    for interface in [DIRECT, RESIDUAL, GRAPH] {
         let mut whole = fragments(interface, 0.4);
-        rollouts(&mut whole, 1..=2, 100);
+        rollouts(&mut whole, interface, 1..=2, 100);
         let first = whole.state();
-        let mut expected = rollouts(&mut whole, 3..=4, 100);
+        let mut expected = rollouts(&mut whole, interface, 3..=4, 100);
         let second = whole.state();
-        expected.extend(rollouts(&mut whole, 5..=6, 100));
+        expected.extend(rollouts(&mut whole, interface, 5..=6, 100));
         // The first state is in the first episodes, the second in the next.
         for (state, from) in [(first, 3), (second, 5)] {
             let state = State::from_bytes(&state.to_bytes()).unwrap();
             let mut restored = fragments(interface, 0.4);
-            let any = actor(restored.widths(), 0);
+            let any = actor(restored.widths(), interface, 0);
             restored.restore(&state, &any).unwrap();
             assert!(restored.state() == state, "the state is kept");
-            let continued = rollouts(&mut restored, from..=6, 100);
+            let continued = rollouts(&mut restored, interface, from..=6, 100);
             assert!(
                 continued == expected[from as usize - 3..],
                 "continued at rollout {from} with {interface:?}"
@@ -127,7 +176,7 @@ fn with_a_kill(collector: &mut dyn Collector, process: u32) -> Rollout {
         std::thread::sleep(Duration::from_millis(100));
         signal(process, Signal::KILL);
     });
-    let rollout = rollouts(collector, 2..=2, 100).remove(0);
+    let rollout = rollouts(collector, DIRECT, 2..=2, 100).remove(0);
     killer.join().unwrap();
     rollout
 }
@@ -148,18 +197,18 @@ fn assert_one_episode_is_another(rollout: &Rollout, expected: &Rollout, widths: 
 fn a_worker_killed_in_a_rollout_costs_its_episode_alone() {
     let mut whole = fragments(DIRECT, 0.0);
     let widths = whole.widths();
-    let expected = rollouts(&mut whole, 1..=2, 100).remove(1);
+    let expected = rollouts(&mut whole, DIRECT, 1..=2, 100).remove(1);
 
     let mut collector = fragments(DIRECT, 0.0);
-    rollouts(&mut collector, 1..=1, 100);
+    rollouts(&mut collector, DIRECT, 1..=1, 100);
     let process = collector.environments().process(1).unwrap();
     assert_one_episode_is_another(&with_a_kill(&mut collector, process), &expected, widths);
     assert_eq!(collector.lost(), 1);
-    rollouts(&mut collector, 3..=4, 100);
+    rollouts(&mut collector, DIRECT, 3..=4, 100);
     assert_eq!((collector.lost(), collector.ended()), (1, ENVIRONMENTS as u64));
 
     let mut collector = lockstep(DIRECT, 0.0);
-    rollouts(&mut collector, 1..=1, 100);
+    rollouts(&mut collector, DIRECT, 1..=1, 100);
     let process = collector.environments().process(1).unwrap();
     assert_one_episode_is_another(&with_a_kill(&mut collector, process), &expected, widths);
     assert_eq!(collector.lost(), 1);

@@ -15,7 +15,7 @@ const SEEDS: [u64; 3] = [0, 1, 2];
 
 /// Returns the mean return of the actor without exploration.
 fn evaluate<T: Toy>(actor: &Actor) -> f64 {
-    let mut scratch = actor.scratch();
+    let mut scratch = actor.scratch(None);
     mean_return::<T>(20, |observation, action| actor.mean(observation, &mut scratch, action))
 }
 
@@ -134,6 +134,7 @@ fn time_of_an_update() {
         rewards: draw(336),
         next: draw(11),
         ends: vec![],
+        scenes: vec![],
     };
     for (threads, epochs) in [(1, 1), (2, 1), (1, 10), (2, 10)] {
         let mut ppo = Ppo::new(widths, PpoConfig { epochs, ..config.clone() }, 0).unwrap();

@@ -22,7 +22,7 @@ fn train<T: Toy>(config: &SacConfig, environments: usize, updates: usize, seed: 
         assert_eq!(sac.update(&rollout).unwrap().skipped, 0);
     }
     let actor = sac.actor();
-    let mut scratch = actor.scratch();
+    let mut scratch = actor.scratch(None);
     mean_return::<T>(20, |observation, action| actor.mean(observation, &mut scratch, action))
 }
 

@@ -1,10 +1,12 @@
 //! Actors: networks that compute actions from observations.
 
 use std::ops::RangeInclusive;
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Mlp, tanh};
+use super::graph::{Batch, Places, Tape};
+use super::{Graph, Layer, Shape, tanh};
 
 /// Bounds of the logarithm of the standard deviation of a squashed Gaussian. Haarnoja et al. 2018 use -20 and 2; the higher
 /// lower bound keeps densities finite in single precision.
@@ -34,73 +36,117 @@ pub enum Distribution {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Actor {
     /// Shape of the network.
-    pub shape: Mlp,
+    pub shape: Shape,
     /// Parameters of the network.
     pub parameters: Vec<f32>,
-    /// Distribution of the actions.
+    /// Distribution of the actions. Of a graph network, the logarithms of standard deviations of a [`Distribution::Gaussian`] are
+    /// those of the actions of all node types.
     pub distribution: Distribution,
 }
 
-/// Buffers of an actor, reused from step to step.
+/// Buffers of an actor in a building, reused from step to step.
 #[derive(Clone, Debug)]
 pub struct Scratch {
-    layers: Vec<f32>,
+    form: Form,
+    /// Width of an observation.
+    observations: usize,
+    /// Means, and behind them logarithms of standard deviations if they depend on the state.
     outputs: Vec<f32>,
+    /// Place of each action among the free logarithms of standard deviations.
+    free: Vec<usize>,
+}
+
+#[derive(Clone, Debug)]
+enum Form {
+    Flat { layers: Vec<f32> },
+    Graph { graph: Arc<Graph>, places: Places, tape: Box<Tape> },
 }
 
 impl Actor {
-    /// Returns the number of inputs.
-    pub fn observations(&self) -> usize {
-        self.shape.inputs()
-    }
-
-    /// Returns the number of actions.
-    pub fn actions(&self) -> usize {
-        match self.distribution {
-            Distribution::Gaussian { .. } => self.shape.outputs(),
-            Distribution::GaussianOfState { .. } | Distribution::SquashedGaussian => self.shape.outputs() / 2,
+    /// Returns buffers for [`Actor::mean`] and [`Actor::sample`] in a building: its graph for a graph network.
+    ///
+    /// # Panics
+    /// When a graph network has no graph.
+    pub fn scratch(&self, graph: Option<&Arc<Graph>>) -> Scratch {
+        match (&self.shape, graph) {
+            (Shape::Mlp(mlp), _) => {
+                let actions = if self.is_of_state() { mlp.outputs() / 2 } else { mlp.outputs() };
+                let form = Form::Flat { layers: mlp.scratch() };
+                let (observations, outputs) = (mlp.inputs(), vec![0.0; mlp.outputs()]);
+                Scratch { form, observations, outputs, free: (0..actions).collect() }
+            }
+            (Shape::Graph(network), Some(graph)) => {
+                let actions = graph.actions.len();
+                let outputs = vec![0.0; if self.is_of_state() { 2 * actions } else { actions }];
+                let free = graph.actions.iter().map(|place| place.number).collect();
+                let (graph, places) = (Arc::clone(graph), network.places());
+                let observations = graph.width();
+                let form = Form::Graph { graph, places, tape: Box::default() };
+                Scratch { form, observations, outputs, free }
+            }
+            (Shape::Graph(_), None) => panic!("a graph network acts on the graph of a building"),
         }
     }
 
-    /// Returns buffers for [`Actor::mean`] and [`Actor::sample`].
-    pub fn scratch(&self) -> Scratch {
-        Scratch { layers: self.shape.scratch(), outputs: vec![0.0; self.shape.outputs()] }
-    }
-
-    /// Writes the action without exploration: the mean, squashed if the distribution is. Allocates nothing.
+    /// Writes the action without exploration: the mean, squashed if the distribution is. Allocates nothing after the first.
     ///
     /// # Panics
     /// When a slice has another length than the shape.
     pub fn mean(&self, observation: &[f32], scratch: &mut Scratch, action: &mut [f32]) {
-        let Scratch { layers, outputs } = scratch;
-        self.shape.forward(&self.parameters, observation, layers, outputs);
-        action.copy_from_slice(&outputs[..self.actions()]);
+        self.forward(observation, scratch);
+        action.copy_from_slice(&scratch.outputs[..scratch.actions()]);
         self.squash(action);
     }
 
     /// Writes an action of the distribution: mean + standard deviation × normal, squashed if the distribution is. `normals` has a
-    /// standard normal number per action. Allocates nothing.
+    /// standard normal number per action. Allocates nothing after the first.
     ///
     /// # Panics
     /// When a slice has another length than the shape.
     pub fn sample(&self, observation: &[f32], normals: &[f32], scratch: &mut Scratch, action: &mut [f32]) {
-        assert_eq!(normals.len(), self.actions(), "one normal number per action");
-        let Scratch { layers, outputs } = scratch;
-        self.shape.forward(&self.parameters, observation, layers, outputs);
-        action.copy_from_slice(&outputs[..self.actions()]);
+        assert_eq!(normals.len(), scratch.actions(), "one normal number per action");
+        self.forward(observation, scratch);
+        action.copy_from_slice(&scratch.outputs[..scratch.actions()]);
         for (index, (value, normal)) in action.iter_mut().zip(normals).enumerate() {
-            *value += self.log_std(index, outputs).exp() * normal;
+            *value += self.log_std(index, scratch).exp() * normal;
         }
         self.squash(action);
     }
 
-    fn log_std(&self, action: usize, outputs: &[f32]) -> f32 {
-        let of_state = || outputs[self.actions() + action];
+    fn forward(&self, observation: &[f32], scratch: &mut Scratch) {
+        match (&self.shape, &mut scratch.form) {
+            (Shape::Mlp(mlp), Form::Flat { layers }) => {
+                mlp.forward(&self.parameters, observation, layers, &mut scratch.outputs);
+            }
+            (Shape::Graph(network), Form::Graph { graph, places, tape }) => {
+                assert_eq!(observation.len(), graph.width(), "width of an observation");
+                let batch = Batch::of_one(graph, observation);
+                tape.forward(network, places, &self.parameters, batch, Layer::forward_rows);
+                let count = graph.actions.len();
+                for (action, place) in graph.actions.iter().enumerate() {
+                    let outputs = tape.outputs_of(network, 0, place.node);
+                    scratch.outputs[action] = outputs[place.output];
+                    if self.is_of_state() {
+                        scratch.outputs[count + action] = outputs[outputs.len() / 2 + place.output];
+                    }
+                }
+            }
+            _ => panic!("buffers of another network"),
+        }
+    }
+
+    fn log_std(&self, action: usize, scratch: &Scratch) -> f32 {
+        let of_state = || scratch.outputs[scratch.actions() + action];
         match &self.distribution {
-            Distribution::Gaussian { log_std } => log_std[action],
+            Distribution::Gaussian { log_std } => log_std[scratch.free[action]],
             Distribution::GaussianOfState { minimum } => of_state().clamp(*minimum, *LOG_STD.end()),
             Distribution::SquashedGaussian => of_state().clamp(*LOG_STD.start(), *LOG_STD.end()),
         }
+    }
+
+    /// Whether standard deviations depend on the state.
+    fn is_of_state(&self) -> bool {
+        !matches!(self.distribution, Distribution::Gaussian { .. })
     }
 
     fn squash(&self, action: &mut [f32]) {
@@ -110,10 +156,22 @@ impl Actor {
     }
 }
 
+impl Scratch {
+    /// Returns the number of actions.
+    pub fn actions(&self) -> usize {
+        self.free.len()
+    }
+
+    /// Returns the width of an observation.
+    pub fn observations(&self) -> usize {
+        self.observations
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::network::Activation;
+    use crate::network::{Activation, Mlp};
 
     /// Returns an actor of one input x without hidden layers: a mean of 2 x and, if it has a second output, -x.
     fn actor(distribution: Distribution) -> Actor {
@@ -121,12 +179,12 @@ mod tests {
         let shape = Mlp::new(1, &[], outputs, Activation::Tanh);
         let mut parameters = vec![0.0; shape.parameters()];
         parameters[..outputs].copy_from_slice(&[2.0, -1.0][..outputs]);
-        Actor { shape, parameters, distribution }
+        Actor { shape: Shape::Mlp(shape), parameters, distribution }
     }
 
     fn action(actor: &Actor, x: f32, normal: f32) -> f32 {
         let mut action = [0.0];
-        actor.sample(&[x], &[normal], &mut actor.scratch(), &mut action);
+        actor.sample(&[x], &[normal], &mut actor.scratch(None), &mut action);
         action[0]
     }
 
@@ -147,7 +205,7 @@ mod tests {
         {
             let actor = actor(distribution);
             let mut mean = [0.0];
-            actor.mean(&[0.3], &mut actor.scratch(), &mut mean);
+            actor.mean(&[0.3], &mut actor.scratch(None), &mut mean);
             assert_eq!(mean[0], action(&actor, 0.3, 0.0));
         }
     }

@@ -1,8 +1,10 @@
 //! Multilayer perceptrons.
 
+use std::ops::Range;
+
 use serde::{Deserialize, Serialize};
 
-use super::Activation;
+use super::{Activation, Tensor};
 
 /// The shape of a multilayer perceptron: the activation follows every layer but the last.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -21,9 +23,9 @@ pub struct Layer {
     /// Number of outputs.
     pub outputs: usize,
     /// Place of the weights, `inputs` rows of `outputs`.
-    pub weights: std::ops::Range<usize>,
+    pub weights: Range<usize>,
     /// Place of the biases.
-    pub biases: std::ops::Range<usize>,
+    pub biases: Range<usize>,
 }
 
 impl Mlp {
@@ -90,6 +92,9 @@ impl Mlp {
     }
 }
 
+/// Inputs and outputs that [`Layer::forward_rows`] computes together, in registers.
+const TILE: (usize, usize) = (4, 8);
+
 impl Layer {
     fn forward(&self, parameters: &[f32], input: &[f32], output: &mut [f32]) {
         output.copy_from_slice(&parameters[self.biases.clone()]);
@@ -97,6 +102,81 @@ impl Layer {
         for (value, row) in input.iter().zip(rows) {
             output.iter_mut().zip(row).for_each(|(sum, weight)| *sum += value * weight);
         }
+    }
+
+    /// Writes the outputs for rows of inputs, each with the bits that it has alone.
+    ///
+    /// # Panics
+    /// When a slice has another length than the shape.
+    pub fn forward_rows(&self, parameters: &[f32], inputs: &[f32], outputs: &mut [f32]) {
+        let rows = outputs.len() / self.outputs;
+        assert_eq!(inputs.len(), rows * self.inputs, "inputs of a layer");
+        let tiled = (rows - rows % TILE.0, self.outputs - self.outputs % TILE.1);
+        for row in (0..tiled.0).step_by(TILE.0) {
+            for first in (0..tiled.1).step_by(TILE.1) {
+                self.forward_tile(parameters, inputs, row, first, outputs);
+            }
+        }
+        self.forward_rest(parameters, inputs, 0..tiled.0, tiled.1..self.outputs, outputs);
+        self.forward_rest(parameters, inputs, tiled.0..rows, 0..self.outputs, outputs);
+    }
+
+    fn forward_tile(
+        &self,
+        parameters: &[f32],
+        inputs: &[f32],
+        row: usize,
+        first: usize,
+        outputs: &mut [f32],
+    ) {
+        let biases = &parameters[self.biases.clone()][first..];
+        let mut sums = [[0.0; TILE.1]; TILE.0];
+        sums.iter_mut().for_each(|sums| sums.copy_from_slice(&biases[..TILE.1]));
+        let inputs: [&[f32]; TILE.0] =
+            std::array::from_fn(|each| &inputs[(row + each) * self.inputs..][..self.inputs]);
+        let weights = parameters[self.weights.clone()].chunks_exact(self.outputs);
+        for (input, weights) in weights.enumerate() {
+            let weights: [f32; TILE.1] = std::array::from_fn(|output| weights[first..][output]);
+            for (sums, inputs) in sums.iter_mut().zip(inputs) {
+                let value = inputs[input];
+                sums.iter_mut().zip(weights).for_each(|(sum, weight)| *sum += value * weight);
+            }
+        }
+        for (each, sums) in sums.iter().enumerate() {
+            outputs[(row + each) * self.outputs + first..][..TILE.1].copy_from_slice(sums);
+        }
+    }
+
+    fn forward_rest(
+        &self,
+        parameters: &[f32],
+        inputs: &[f32],
+        rows: Range<usize>,
+        columns: Range<usize>,
+        outputs: &mut [f32],
+    ) {
+        for row in rows {
+            let output = &mut outputs[row * self.outputs..][columns.clone()];
+            output.copy_from_slice(&parameters[self.biases.clone()][columns.clone()]);
+            let weights = parameters[self.weights.clone()].chunks_exact(self.outputs);
+            for (value, weights) in inputs[row * self.inputs..][..self.inputs].iter().zip(weights) {
+                let weights = &weights[columns.clone()];
+                output.iter_mut().zip(weights).for_each(|(sum, weight)| *sum += value * weight);
+            }
+        }
+    }
+
+    /// Returns the tensors of the layer, whose names begin with `name`.
+    pub fn tensors(&self, name: &str) -> [Tensor; 2] {
+        let tensor = |part: &str, sizes, place: &Range<usize>| Tensor {
+            name: format!("{name}.{part}"),
+            sizes,
+            place: place.clone(),
+        };
+        [
+            tensor("weight", vec![self.inputs, self.outputs], &self.weights),
+            tensor("bias", vec![self.outputs], &self.biases),
+        ]
     }
 }
 
@@ -116,6 +196,24 @@ mod tests {
         assert_eq!(output, [2.0 * 2.0 + 3.0 * 2.0 - 1.0]);
         shape.forward(&parameters, &[-3.0, -4.0], &mut scratch, &mut output);
         assert_eq!(output, [-1.0]);
+    }
+
+    #[test]
+    fn rows_have_the_bits_of_single_inputs() {
+        let shape = Mlp::new(5, &[], 19, Activation::Tanh);
+        let number = |index: usize| ((index * 7919) % 101) as f32 / 50.0 - 1.0;
+        let parameters: Vec<f32> = (0..shape.parameters()).map(number).collect();
+        let layer = shape.layers().next().unwrap();
+        for rows in [1, 4, 11] {
+            let inputs: Vec<f32> = (0..rows * 5).map(|index| number(index + 3)).collect();
+            let mut outputs = vec![f32::NAN; rows * 19];
+            layer.forward_rows(&parameters, &inputs, &mut outputs);
+            for (input, output) in inputs.chunks(5).zip(outputs.chunks(19)) {
+                let mut single = [0.0; 19];
+                layer.forward(&parameters, input, &mut single);
+                assert_eq!(output, single);
+            }
+        }
     }
 
     #[test]

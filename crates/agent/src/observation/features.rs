@@ -17,11 +17,20 @@ const POWER: f64 = 20.0;
 /// actuators.
 pub(super) fn features(spaces: &Spaces, has_base: bool) -> Vec<Feature> {
     let mut features = Vec::new();
-    for (index, slot) in spaces.controlled_zones().enumerate() {
-        controlled_zone(spaces, index, slot, &mut features);
+    let space = &spaces.observation;
+    for (zone, temperature) in spaces.controlled_zones().enumerate() {
+        let (target, occupancy) = (space.target(zone), space.occupancy(zone));
+        let name = &spaces.building.zones[temperature].name;
+        let of_zone = ControlledZone { zone, temperature, target, occupancy }.features();
+        features.extend(of_zone.map(|(what, source)| Feature::new(format!("{name} {what}"), source)));
     }
     other_zones(spaces, &mut features);
-    surroundings(spaces, &mut features);
+    let of_weather = weather(space.outdoor_temperature(), space.outdoor_humidity());
+    features.extend(of_weather.map(|(name, source)| Feature::new(name, source)));
+    let of_calendar = calendar(space.time_of_day(), space.day_of_week(), space.day_of_year());
+    features.extend(of_calendar.into_iter().map(|(name, source)| Feature::new(name, source)));
+    let of_energy = energy(space.electricity(), space.gas(), spaces.episode.steps_per_hour);
+    features.extend(of_energy.map(|(name, source)| Feature::new(name, source)));
     for (actuator, name) in spaces.action.names().iter().enumerate() {
         features.push(Feature::new(format!("{name} previous"), Source::Previous(actuator)));
         if has_base {
@@ -31,31 +40,48 @@ pub(super) fn features(spaces: &Spaces, has_base: bool) -> Vec<Feature> {
     features
 }
 
-/// The features of a controlled zone. Errors are those against the target of the step to come.
-fn controlled_zone(spaces: &Spaces, zone: usize, slot: usize, features: &mut Vec<Feature>) {
-    let (space, name) = (&spaces.observation, &spaces.building.zones[slot].name);
-    let mut add = |what: &str, source| features.push(Feature::new(format!("{name} {what}"), source));
-    add("error/5K", Source::Error { zone, scale: 5.0, limit: 2.0 });
-    add("error/1K", Source::Error { zone, scale: 1.0, limit: 2.0 });
-    add("error/0.2K", Source::Error { zone, scale: 0.2, limit: 2.0 });
-    add("change/0.1K", Source::Change { slot, scale: 0.1, limit: 3.0 });
-    add("recent error/0.2K", Source::RecentError { zone, scale: 0.2, limit: 3.0 });
-    add("target", Source::Target { target: space.target(zone), center: COMFORTABLE, scale: 3.0 });
-    match (space.occupancy(zone), space.target(zone)) {
-        (Some(occupancy), Target::Slot(target)) => {
-            add("occupancy", Source::Bounded { slot: occupancy, low: 0.0, high: 1.0 });
-            add("target change/1K", Source::Change { slot: target, scale: 1.0, limit: 5.0 });
-        }
-        _ => {
-            add("occupancy", Source::Constant(1.0));
-            add("target change/1K", Source::Constant(0.0));
-        }
+/// Where the values of a controlled zone are.
+pub(super) struct ControlledZone {
+    /// Its index among the controlled zones.
+    pub(super) zone: usize,
+    /// Slot of its temperature.
+    pub(super) temperature: usize,
+    pub(super) target: Target,
+    /// Slot of its occupancy, if it varies.
+    pub(super) occupancy: Option<usize>,
+}
+
+impl ControlledZone {
+    /// Returns its features. Errors are those against the target of the step to come.
+    pub(super) fn features(&self) -> [(&'static str, Source); 8] {
+        let Self { zone, temperature, target, occupancy } = *self;
+        let (occupancy, target_change) = match (occupancy, target) {
+            (Some(occupancy), Target::Slot(target)) => (
+                Source::Bounded { slot: occupancy, low: 0.0, high: 1.0 },
+                Source::Change { slot: target, scale: 1.0, limit: 5.0 },
+            ),
+            _ => (Source::Constant(1.0), Source::Constant(0.0)),
+        };
+        [
+            ("error/5K", Source::Error { zone, scale: 5.0, limit: 2.0 }),
+            ("error/1K", Source::Error { zone, scale: 1.0, limit: 2.0 }),
+            ("error/0.2K", Source::Error { zone, scale: 0.2, limit: 2.0 }),
+            ("change/0.1K", Source::Change { slot: temperature, scale: 0.1, limit: 3.0 }),
+            ("recent error/0.2K", Source::RecentError { zone, scale: 0.2, limit: 3.0 }),
+            ("target", Source::Target { target, center: COMFORTABLE, scale: 3.0 }),
+            ("occupancy", occupancy),
+            ("target change/1K", target_change),
+        ]
     }
+}
+
+/// The temperature of a zone that is not controlled.
+pub(super) fn temperature(slot: usize) -> Source {
+    Source::Deviation { slot, center: COMFORTABLE, scale: 10.0, limit: 5.0 }
 }
 
 /// Temperatures of the zones that are not controlled: of a house by role, with a flag of presence.
 fn other_zones(spaces: &Spaces, features: &mut Vec<Feature>) {
-    let temperature = |slot| Source::Deviation { slot, center: COMFORTABLE, scale: 10.0, limit: 5.0 };
     let zones = &spaces.building.zones;
     if !is_house(spaces) {
         for slot in (0..zones.len()).filter(|slot| zones[*slot].conditioning == Conditioning::None) {
@@ -72,29 +98,38 @@ fn other_zones(spaces: &Spaces, features: &mut Vec<Feature>) {
     }
 }
 
-/// Weather, calendar and energy.
-fn surroundings(spaces: &Spaces, features: &mut Vec<Feature>) {
-    let space = &spaces.observation;
-    let (outdoor, humidity) = (space.outdoor_temperature(), space.outdoor_humidity());
-    let (hour, day, date) = (space.time_of_day(), space.day_of_week(), space.day_of_year());
-    let mut add = |name: &str, source| features.push(Feature::new(name, source));
-    add("outdoor temperature", Source::Deviation { slot: outdoor, center: 10.0, scale: 15.0, limit: 4.0 });
-    add("outdoor temperature change/1K", Source::Change { slot: outdoor, scale: 1.0, limit: 3.0 });
-    add("outdoor humidity", Source::Bounded { slot: humidity, low: 0.0, high: 100.0 });
+/// Outdoor temperature and humidity, which are in these slots.
+pub(super) fn weather(outdoor: usize, humidity: usize) -> [(&'static str, Source); 3] {
+    [
+        ("outdoor temperature", Source::Deviation { slot: outdoor, center: 10.0, scale: 15.0, limit: 4.0 }),
+        ("outdoor temperature change/1K", Source::Change { slot: outdoor, scale: 1.0, limit: 3.0 }),
+        ("outdoor humidity", Source::Bounded { slot: humidity, low: 0.0, high: 100.0 }),
+    ]
+}
+
+/// Waves of the time, and the hours of the week, from the slots of hour, day of the week and day of the year.
+pub(super) fn calendar(hour: usize, day: usize, date: usize) -> Vec<(String, Source)> {
+    let mut features = Vec::new();
     for (name, cosine) in [("sine", false), ("cosine", true)] {
-        add(&format!("day, {name}"), Source::Day { slot: hour, periods: 1.0, cosine });
-        add(&format!("half day, {name}"), Source::Day { slot: hour, periods: 2.0, cosine });
-        add(&format!("week, {name}"), Source::Week { day, hour, cosine });
-        add(&format!("year, {name}"), Source::Year { slot: date, cosine });
+        features.extend([
+            (format!("day, {name}"), Source::Day { slot: hour, periods: 1.0, cosine }),
+            (format!("half day, {name}"), Source::Day { slot: hour, periods: 2.0, cosine }),
+            (format!("week, {name}"), Source::Week { day, hour, cosine }),
+            (format!("year, {name}"), Source::Year { slot: date, cosine }),
+        ]);
     }
     for at in 0..HOURS_OF_WEEK as u32 {
         let (weekday, clock) = (WEEKDAYS[at as usize / 24], at % 24);
-        add(&format!("{weekday} {clock} h"), Source::HourOfWeek { day, hour, at: at.into() });
+        features.push((format!("{weekday} {clock} h"), Source::HourOfWeek { day, hour, at: at.into() }));
     }
-    let scale = POWER / f64::from(spaces.episode.steps_per_hour);
-    for (name, slot) in [("electricity", space.electricity()), ("gas", space.gas())] {
-        add(name, Source::Deviation { slot, center: 0.0, scale, limit: 5.0 });
-    }
+    features
+}
+
+/// HVAC power, from the slots of the energy of a step.
+pub(super) fn energy(electricity: usize, gas: usize, steps_per_hour: u32) -> [(&'static str, Source); 2] {
+    let scale = POWER / f64::from(steps_per_hour);
+    let power = |slot| Source::Deviation { slot, center: 0.0, scale, limit: 5.0 };
+    [("electricity", power(electricity)), ("gas", power(gas))]
 }
 
 fn is_house(spaces: &Spaces) -> bool {

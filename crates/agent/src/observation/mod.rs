@@ -3,6 +3,7 @@
 mod feature;
 mod features;
 mod memory;
+mod nodes;
 mod scaled;
 
 use std::fmt;
@@ -17,6 +18,7 @@ use crate::Error;
 use feature::Context;
 pub use feature::Feature;
 use memory::Memory;
+pub use nodes::{NodeForm, NodeSpaces, NodeView};
 
 /// The form of an agent's observation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use b2b_agent::network::Actor;
-use b2b_agent::{Interface, Pilot};
+use b2b_agent::network::{Actor, Graph};
+use b2b_agent::{AgentObservation, Interface, Pilot};
 use b2b_env::Spaces;
 use b2b_env::vector::{SharedMemory, VecEnv};
 
@@ -11,14 +11,14 @@ use super::blocks::Block;
 use super::order::{Order, Use, stream};
 use crate::collector::{Collector, Widths, count_lost};
 use crate::error::{Error, Result};
-use crate::rollout::{End, Rollout};
+use crate::rollout::{End, Rollout, Scene};
 use crate::state::State;
 
 /// Steps of an environment that are carried out again at a time.
 const REPLAYED: usize = 1024;
 
 /// The factor by which the rewards of a building are multiplied.
-pub type RewardScale = Box<dyn Fn(&Spaces) -> f64 + Send>;
+pub type RewardScale = Box<dyn Fn(&Spaces) -> Result<f64> + Send>;
 
 /// Collects rollouts in the worker processes of a [`VecEnv`] with [`Autoreset::Disabled`](b2b_env::vector::Autoreset::Disabled).
 ///
@@ -56,6 +56,10 @@ struct Seat {
     /// Factors of the rewards of the rollout, each from a step on.
     scales: Vec<(usize, f32)>,
     ends: Vec<End>,
+    /// Building of the episode in progress, for a graph network.
+    graph: Option<Arc<Graph>>,
+    /// Buildings of the rollout, each from a step on.
+    scenes: Vec<Scene>,
     /// Episodes begun since the first reset.
     episodes: u64,
     /// Actions of the episode in progress.
@@ -76,8 +80,10 @@ enum Phase {
 }
 
 impl Seat {
-    fn new(scale: f32) -> Self {
+    fn new(scale: f32, graph: Option<Arc<Graph>>) -> Self {
         Self {
+            graph,
+            scenes: Vec::new(),
             phase: Phase::Ready,
             done: 0,
             fragments: 0,
@@ -91,11 +97,21 @@ impl Seat {
         }
     }
 
-    fn begin_rollout(&mut self) {
+    fn begin_rollout(&mut self, environment: usize) {
         (self.done, self.fragments, self.times) = (0, 0, [0.0; 2]);
         self.ends.clear();
         self.scales.clear();
-        self.scales.push((0, self.scale));
+        self.scenes.clear();
+        self.begin_scene(environment);
+    }
+
+    /// Notes scale and building from this step on.
+    fn begin_scene(&mut self, environment: usize) {
+        self.scales.push((self.done, self.scale));
+        if let Some(graph) = &self.graph {
+            self.scenes.retain(|scene| scene.step < self.done);
+            self.scenes.push(Scene { environment, step: self.done, graph: Arc::clone(graph) });
+        }
     }
 }
 
@@ -115,17 +131,21 @@ impl FragmentCollector {
     ) -> Result<Self> {
         environments.reset(seed)?;
         let mut seats = Vec::with_capacity(environments.len());
+        let parts = if by_zone { spaces_of(&environments, 0)?.controlled_zones().count() + 1 } else { 1 };
+        let mut widths = Widths { observation: 0, action: 0, parts };
         for index in 0..environments.len() {
-            seats.push(Seat::new(scale(spaces_of(&environments, index)?) as f32));
+            let spaces = spaces_of(&environments, index)?;
+            if index == 0 || interface.nodes.is_some() {
+                let (observation, action) = Pilot::new(interface, spaces)?.widths();
+                widths = widths.covering(Widths { observation, action, parts });
+            }
+            seats.push(Seat::new(scale(spaces)? as f32, graph_of(interface, spaces)?));
         }
-        let spaces = spaces_of(&environments, 0)?;
-        let (observation, action) = Pilot::new(interface, spaces).widths();
-        let parts = if by_zone { spaces.controlled_zones().count() + 1 } else { 1 };
         Ok(Self {
             memory: environments.workers().memory(),
             environments,
             interface,
-            widths: Widths { observation, action, parts },
+            widths,
             scale,
             seed,
             correlation,
@@ -136,6 +156,12 @@ impl FragmentCollector {
             ended: 0,
             lost: 0,
         })
+    }
+
+    /// Makes room for buildings of these widths, for a graph network whose later episodes may be in larger ones than the first.
+    /// Called before the first rollout.
+    pub fn make_room(&mut self, widths: Widths) {
+        self.widths = self.widths.covering(widths);
     }
 
     /// Returns the state, from which [`FragmentCollector::restore`] continues: of every environment the number of its episode,
@@ -164,9 +190,10 @@ impl FragmentCollector {
         let skipped: Vec<u64> = episodes.iter().map(|episodes| episodes.saturating_sub(1)).collect();
         self.environments.reset_after(self.seed, &skipped)?;
         for (index, episodes) in episodes.into_iter().enumerate() {
-            let scale = (self.scale)(spaces_of(&self.environments, index)?) as f32;
+            let spaces = spaces_of(&self.environments, index)?;
+            let (scale, graph) = ((self.scale)(spaces)? as f32, graph_of(self.interface, spaces)?);
             let actions = state.values_f32(&actions_of(index))?;
-            self.seats[index] = Seat { episodes, actions, ..Seat::new(scale) };
+            self.seats[index] = Seat { episodes, actions, ..Seat::new(scale, graph) };
         }
         self.replay(actor)
     }
@@ -177,7 +204,7 @@ impl FragmentCollector {
         let rows: Vec<usize> = self.seats.iter().map(|seat| seat.actions.len() / width).collect();
         self.share(actor, REPLAYED)?;
         for first in (0..rows.iter().copied().max().unwrap_or(0)).step_by(REPLAYED) {
-            self.seats.iter_mut().for_each(Seat::begin_rollout);
+            self.begin_rollout();
             let steps: Vec<usize> =
                 rows.iter().map(|rows| rows.saturating_sub(first).min(REPLAYED)).collect();
             for (index, steps) in steps.iter().enumerate().filter(|(_, steps)| **steps > 0) {
@@ -187,6 +214,10 @@ impl FragmentCollector {
             self.run(actor, Use::Replay, &steps)?;
         }
         Ok(())
+    }
+
+    fn begin_rollout(&mut self) {
+        self.seats.iter_mut().enumerate().for_each(|(environment, seat)| seat.begin_rollout(environment));
     }
 
     /// Returns how many episodes ended.
@@ -322,13 +353,17 @@ impl FragmentCollector {
     }
 
     fn begin_episode(&mut self, environment: usize) -> Result<()> {
-        let scale = (self.scale)(spaces_of(&self.environments, environment)?) as f32;
+        let spaces = spaces_of(&self.environments, environment)?;
         let seat = &mut self.seats[environment];
+        seat.scale = (self.scale)(spaces)? as f32;
+        seat.graph = graph_of(self.interface, spaces)?;
+        if let Some(graph) = &seat.graph {
+            self.widths.check(&spaces.building.name, (graph.width(), graph.actions.len()), true)?;
+        }
         seat.phase = Phase::Ready;
         seat.episodes += 1;
         seat.actions.clear();
-        seat.scale = scale;
-        seat.scales.push((seat.done, scale));
+        seat.begin_scene(environment);
         Ok(())
     }
 
@@ -362,7 +397,9 @@ impl FragmentCollector {
             self.memory.read(block.reward(0), rewards);
             seat.scale_rewards(rewards, parts);
             rollout.ends.extend_from_slice(&seat.ends);
+            rollout.scenes.extend(seat.scenes.iter().filter(|scene| scene.step < steps).cloned());
         }
+        rollout.clear_padding(self.widths);
     }
 }
 
@@ -387,7 +424,7 @@ impl Collector for FragmentCollector {
     fn collect(&mut self, actor: &Actor, steps: usize, rollout: &mut Rollout) -> Result<()> {
         self.rollouts += 1;
         self.share(actor, steps)?;
-        self.seats.iter_mut().for_each(Seat::begin_rollout);
+        self.begin_rollout();
         self.run(actor, Use::Explore, &vec![steps; self.seats.len()])?;
         self.write(steps, rollout);
         Ok(())
@@ -397,6 +434,14 @@ impl Collector for FragmentCollector {
 /// Returns the name of an environment's actions in a state.
 fn actions_of(environment: usize) -> String {
     format!("actions.{environment}")
+}
+
+/// Returns the graph of a building, for a graph network.
+fn graph_of(interface: Interface, spaces: &Arc<Spaces>) -> Result<Option<Arc<Graph>>> {
+    if interface.nodes.is_none() {
+        return Ok(None);
+    }
+    Ok(Some(Arc::new(AgentObservation::by_node(interface, spaces)?.graph)))
 }
 
 /// Returns the spaces of an environment's current episode.

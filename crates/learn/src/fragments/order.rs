@@ -1,7 +1,7 @@
 //! The order of a fragment.
 
 use b2b_agent::Interface;
-use b2b_agent::network::{Actor, Distribution, Mlp};
+use b2b_agent::network::{Actor, Distribution, Shape};
 use serde::{Deserialize, Serialize};
 
 use super::blocks::Block;
@@ -28,7 +28,7 @@ pub struct Order {
     /// What the agent observes and how it acts.
     pub interface: Interface,
     /// Shape of its network.
-    pub shape: Mlp,
+    pub shape: Shape,
     /// Distribution of its actions. The parameters of a [`Distribution::Gaussian`] follow those of the network.
     pub distribution: Distribution,
     /// Place of the parameters in the shared memory.

@@ -16,20 +16,21 @@ use crate::random::{Noise, Random};
 /// When the order cannot be read.
 pub fn make_runner(env: &Env, order: &[u8]) -> Result<Box<dyn Runner>, RunnerError> {
     let order: Order = serde_json::from_slice(order)?;
-    let mut pilot = Pilot::new(order.interface, env.spaces());
+    let mut pilot = Pilot::new(order.interface, env.spaces())?;
     pilot.observe(env.observation());
     let actor = Actor {
         parameters: vec![0.0; order.shape.parameters()],
         shape: order.shape,
         distribution: order.distribution,
     };
-    if (actor.observations(), actor.actions()) != pilot.widths() {
+    let scratch = actor.scratch(pilot.graph());
+    if (scratch.observations(), scratch.actions()) != pilot.widths() {
         let name = &env.building().name;
         return Err(format!("{name} does not have the observation and the actuators of the network").into());
     }
     Ok(Box::new(FragmentRunner {
-        scratch: actor.scratch(),
-        action: vec![0.0; actor.actions()],
+        action: vec![0.0; scratch.actions()],
+        scratch,
         rewards: vec![0.0; env.spaces().controlled_zones().count() + 1],
         actor,
         pilot,

@@ -1,6 +1,7 @@
 //! Training of networks over flat parameters: products of matrices, batched passes, initialization and optimization.
 
 mod adam;
+pub mod graph;
 mod orthogonal;
 mod parallel;
 mod pass;
@@ -8,10 +9,10 @@ mod product;
 mod schedule;
 
 pub use adam::{Adam, clip_norm};
+pub(crate) use b2b_agent::network::graph::sized;
 pub use orthogonal::{Gains, orthogonal};
 pub use parallel::{chunk, chunk_count, for_each, threads_for};
 pub use pass::Pass;
-pub(crate) use pass::sized;
 pub use product::{Matrix, multiply};
 pub use schedule::Schedule;
 

@@ -25,7 +25,7 @@ pub fn orthogonal(shape: &Mlp, gains: Gains, random: &mut Random) -> Vec<f32> {
 }
 
 /// Writes weights whose rows or columns, whichever are fewer, are orthogonal and of length `gain`.
-fn write_weights(layer: &Layer, gain: f32, random: &mut Random, weights: &mut [f32]) {
+pub(super) fn write_weights(layer: &Layer, gain: f32, random: &mut Random, weights: &mut [f32]) {
     let (inputs, outputs) = (layer.inputs, layer.outputs);
     let vectors = orthonormal(inputs.min(outputs), inputs.max(outputs), random);
     for (index, weight) in weights.iter_mut().enumerate() {

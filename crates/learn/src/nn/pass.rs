@@ -2,7 +2,7 @@
 
 use b2b_agent::network::{Layer, Mlp};
 
-use super::{Matrix, multiply};
+use super::{Matrix, multiply, sized};
 
 /// Buffers of passes of batches through a network. They grow to the largest batch and are reused.
 ///
@@ -91,15 +91,8 @@ impl Pass {
     }
 }
 
-/// Returns the first `length` values of a buffer, which grows if it is shorter.
-pub(crate) fn sized(buffer: &mut Vec<f32>, length: usize) -> &mut [f32] {
-    if buffer.len() < length {
-        buffer.resize(length, 0.0);
-    }
-    &mut buffer[..length]
-}
-
-fn forward(layer: &Layer, parameters: &[f32], inputs: &[f32], outputs: &mut [f32]) {
+/// Computes the outputs of a layer for rows of inputs.
+pub(super) fn forward(layer: &Layer, parameters: &[f32], inputs: &[f32], outputs: &mut [f32]) {
     let rows = outputs.len() / layer.outputs;
     let biases = &parameters[layer.biases.clone()];
     outputs.chunks_exact_mut(layer.outputs).for_each(|row| row.copy_from_slice(biases));
@@ -107,7 +100,14 @@ fn forward(layer: &Layer, parameters: &[f32], inputs: &[f32], outputs: &mut [f32
     multiply(Matrix::new(inputs, rows, layer.inputs), weights, 1.0, outputs);
 }
 
-fn add_parameter_gradients(layer: &Layer, inputs: &[f32], gradients: &[f32], rows: usize, sums: &mut [f32]) {
+/// Adds the gradients of the weights and the biases of a layer to `sums`.
+pub(super) fn add_parameter_gradients(
+    layer: &Layer,
+    inputs: &[f32],
+    gradients: &[f32],
+    rows: usize,
+    sums: &mut [f32],
+) {
     let inputs = Matrix::new(inputs, rows, layer.inputs).transposed();
     multiply(inputs, Matrix::new(gradients, rows, layer.outputs), 1.0, &mut sums[layer.weights.clone()]);
     let biases = &mut sums[layer.biases.clone()];

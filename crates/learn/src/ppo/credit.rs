@@ -53,9 +53,9 @@ impl Credit {
         self.groups
     }
 
-    /// Returns the actions of a group.
-    pub fn actions(&self, group: usize) -> Range<usize> {
-        group * self.size..(group + 1) * self.size
+    /// Returns the actions of a group, in a building that has this many.
+    pub fn actions(&self, group: usize, count: usize) -> Range<usize> {
+        group * self.size..((group + 1) * self.size).min(count)
     }
 
     /// Writes the advantages of the groups, rows × groups, from those of the parts, rows × parts.
@@ -82,7 +82,7 @@ mod tests {
         let mut advantages = [0.0; 6];
         credit.assign(&[1.0, 10.0, 2.0, 20.0], &mut advantages);
         assert_eq!(advantages, [1.0, 10.0, 6.0, 2.0, 20.0, 12.0]);
-        assert_eq!(credit.actions(2), 2..3);
+        assert_eq!(credit.actions(2, 3), 2..3);
     }
 
     #[test]
@@ -90,7 +90,7 @@ mod tests {
         let ones = vec![vec![1.0, 1.0]; 3];
         let credit = Credit::new(Some(&ones), WIDTHS).unwrap();
         assert_eq!(credit, Credit::new(None, WIDTHS).unwrap());
-        assert_eq!((credit.groups(), credit.actions(0)), (1, 0..3));
+        assert_eq!((credit.groups(), credit.actions(0, 3)), (1, 0..3));
         assert!(Credit::new(Some(&ones[..2]), WIDTHS).is_err());
     }
 }

@@ -54,7 +54,7 @@ pub struct PolicyLoss<'a> {
     pub rows: usize,
 }
 
-/// A step of the rollout, and the distribution that the actor now has for it.
+/// A step of the rollout, and the distribution that the actor now has for it. A building may have fewer actions than a group.
 #[derive(Clone, Copy, Debug)]
 pub struct Step<'a> {
     /// Action, not clipped.
@@ -75,7 +75,7 @@ impl PolicyLoss<'_> {
         let share = 1.0 / self.rows as f32;
         for group in 0..self.credit.groups() {
             let weight = share * self.add_surrogate(step, group, losses);
-            for action in self.credit.actions(group) {
+            for action in self.credit.actions(group, step.action.len()) {
                 let (of_mean, of_log_std) =
                     log_density_gradient(step.action[action], step.mean[action], step.log_std[action]);
                 means[action] += weight * of_mean;
@@ -112,7 +112,7 @@ pub fn group_log_density(
     mean: &[f32],
     log_std: &[f32],
 ) -> f32 {
-    credit.actions(group).map(|each| log_density(action[each], mean[each], log_std[each])).sum()
+    credit.actions(group, action.len()).map(|each| log_density(action[each], mean[each], log_std[each])).sum()
 }
 
 /// Writes the gradients of `coefficient` × mean squared error of values, rows × parts, over a minibatch of `total` values, and
@@ -155,7 +155,7 @@ mod tests {
                         (f64::from(actions[row * ACTIONS + action]) - means[action]) / log_stds[action].exp();
                     -0.5 * normal * normal - log_stds[action] - 0.5 * std::f64::consts::TAU.ln()
                 };
-                let log_density: f64 = credit.actions(group).map(density).sum();
+                let log_density: f64 = credit.actions(group, ACTIONS).map(density).sum();
                 let ratio = (log_density - f64::from(old[row * groups + group])).exp();
                 let advantage = f64::from(advantages[row * groups + group]);
                 sum -= (advantage * ratio).min(advantage * ratio.clamp(0.8, 1.2));

@@ -12,6 +12,7 @@
 pub mod advantage;
 mod config;
 pub mod credit;
+mod features;
 pub mod loss;
 mod networks;
 mod samples;
@@ -19,17 +20,20 @@ mod scale;
 mod update;
 mod worker;
 
-use b2b_agent::network::Actor;
+use std::sync::Arc;
+
+use b2b_agent::network::{Actor, Graph, GraphNetwork};
 
 pub use config::{LogStd, PpoConfig};
 pub use update::Update;
 
 use crate::collector::Widths;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::nn::Adam;
 use crate::random::Random;
 use crate::state::State;
 use credit::Credit;
+use features::FeatureScale;
 use networks::Networks;
 use samples::Samples;
 use scale::ValueScale;
@@ -47,6 +51,7 @@ pub struct Ppo {
     /// Factor of the learning rate of the actor.
     rate: f64,
     scale: ValueScale,
+    features: FeatureScale,
     random: Random,
     /// Number of updates.
     updates: u64,
@@ -55,6 +60,8 @@ pub struct Ppo {
     threads: usize,
     /// Steps of the rollout and of the minibatch.
     samples: Samples,
+    /// Buildings of the scenes of the rollout.
+    graphs: Vec<Arc<Graph>>,
     minibatch: Samples,
     order: Vec<usize>,
     workers: Vec<Worker>,
@@ -67,8 +74,36 @@ impl Ppo {
     /// # Errors
     /// When a value of the configuration is outside its range, or its credit has another shape than actions × parts.
     pub fn new(widths: Widths, config: PpoConfig, seed: u64) -> Result<Self> {
+        Self::with_networks(Networks::new(widths, &config, None), FeatureScale::new(&[], false), config, seed)
+    }
+
+    /// Returns a learner of graph networks: for an actor of this shape, whose outputs are its actions, and a critic alike. `widths`
+    /// are those of the largest building. With `normalize`, features have mean 0 and deviation 1 over all nodes of a type.
+    ///
+    /// # Errors
+    /// As [`Ppo::new`]; when a reward has several parts, or there is a credit matrix.
+    pub fn of_graphs(
+        network: &GraphNetwork,
+        widths: Widths,
+        config: PpoConfig,
+        normalize: bool,
+        seed: u64,
+    ) -> Result<Self> {
+        if widths.parts != 1 {
+            return Err(Error::config("parts", widths.parts, "it must be 1 for graph networks"));
+        }
+        let networks = Networks::new(widths, &config, Some(network));
+        Self::with_networks(networks, FeatureScale::new(&network.types, normalize), config, seed)
+    }
+
+    fn with_networks(
+        networks: Networks,
+        features: FeatureScale,
+        config: PpoConfig,
+        seed: u64,
+    ) -> Result<Self> {
         config.check()?;
-        let networks = Networks::new(widths, &config);
+        let widths = networks.widths;
         let mut random = Random::new(seed, 0);
         let parameters = networks.initialize(&config, &mut random);
         Ok(Self {
@@ -79,7 +114,9 @@ impl Ppo {
             gradients: vec![0.0; parameters.len()],
             workers: vec![Worker::new(&networks)],
             threads: 1,
+            features,
             samples: Samples::default(),
+            graphs: Vec::new(),
             minibatch: Samples::default(),
             order: Vec::new(),
             updates: 0,
@@ -113,6 +150,11 @@ impl Ppo {
         self.networks.project(&mut self.parameters);
     }
 
+    /// Returns the number of each node type that rollouts had so far.
+    pub fn seen_types(&self) -> Vec<usize> {
+        self.features.seen()
+    }
+
     /// Returns the actor with the current parameters.
     pub fn actor(&self) -> Actor {
         self.networks.actor(&self.parameters)
@@ -124,6 +166,7 @@ impl Ppo {
         state.put_f32("parameters", &self.parameters);
         self.adam.save("adam", &mut state);
         self.scale.save(&mut state);
+        self.features.save(&mut state);
         state.put_f64("rate", &[self.rate]);
         state.put_u64("random", &self.random.words());
         state.put_u64("updates", &[self.updates, self.failures]);
@@ -138,6 +181,7 @@ impl Ppo {
         state.read_f32("parameters", &mut self.parameters)?;
         self.adam.restore("adam", state)?;
         self.scale.restore(state)?;
+        self.features.restore(state)?;
         state.read_f64("rate", std::slice::from_mut(&mut self.rate))?;
         self.random = Random::from_words(state.read_u64("random")?);
         [self.updates, self.failures] = state.read_u64("updates")?;
@@ -145,5 +189,7 @@ impl Ppo {
     }
 }
 
+#[cfg(test)]
+mod graph_tests;
 #[cfg(test)]
 mod tests;

@@ -2,11 +2,12 @@
 
 use std::ops::Range;
 
-use b2b_agent::network::{Actor, Distribution, LOG_STD, Layer, Mlp};
+use b2b_agent::network::graph::{EncoderPlaces, NodeWidths};
+use b2b_agent::network::{Actor, Distribution, Graph, GraphNetwork, LOG_STD, Layer, Mlp, Shape};
 
 use super::{LogStd, PpoConfig};
 use crate::collector::Widths;
-use crate::nn::{Gains, orthogonal};
+use crate::nn::{Gains, graph, orthogonal};
 use crate::random::Random;
 
 /// The shapes of actor and critic. All parameters are one slice: those of the actor, the free logarithms of standard deviations,
@@ -14,41 +15,90 @@ use crate::random::Random;
 #[derive(Clone, Debug)]
 pub(super) struct Networks {
     /// Shape of the actor: outputs are means and, if they depend on the observation, logarithms of standard deviations.
-    pub actor: Mlp,
-    /// Shape of the critic: a value per part of the reward.
-    pub critic: Mlp,
-    /// Number of actions.
-    pub actions: usize,
+    pub actor: Shape,
+    /// Shape of the critic: a value per part of the reward; of a graph network one of each node, whose mean is the value.
+    pub critic: Shape,
+    pub widths: Widths,
+    /// Whether standard deviations depend on the observation.
+    of_state: bool,
     /// Lower bound of the logarithm of the standard deviation.
     minimum: f32,
 }
 
 impl Networks {
-    pub fn new(widths: Widths, config: &PpoConfig) -> Self {
-        let outputs = match config.log_std {
-            LogStd::Free => widths.action,
-            LogStd::OfState => 2 * widths.action,
+    /// Returns the shapes: multilayer perceptrons, or graph networks for an actor of this shape, whose outputs are its actions.
+    pub fn new(widths: Widths, config: &PpoConfig, graph: Option<&GraphNetwork>) -> Self {
+        let of_state = config.log_std == LogStd::OfState;
+        let halves = if of_state { 2 } else { 1 };
+        let (actor, critic) = match graph {
+            None => {
+                let mlp = |hidden: &[usize], outputs| {
+                    Shape::Mlp(Mlp::new(widths.observation, hidden, outputs, config.activation))
+                };
+                (mlp(&config.actor_hidden, halves * widths.action), mlp(&config.critic_hidden, widths.parts))
+            }
+            Some(network) => {
+                let with = |outputs: &dyn Fn(usize) -> usize| {
+                    let types = network.types.iter();
+                    let types = types.map(|node| NodeWidths { outputs: outputs(node.outputs), ..*node });
+                    Shape::Graph(GraphNetwork { types: types.collect(), ..network.clone() })
+                };
+                (with(&|actions| halves * actions), with(&|_| 1))
+            }
         };
-        Self {
-            actor: Mlp::new(widths.observation, &config.actor_hidden, outputs, config.activation),
-            critic: Mlp::new(widths.observation, &config.critic_hidden, widths.parts, config.activation),
-            actions: widths.action,
-            minimum: config.minimum_log_std,
-        }
+        Self { actor, critic, widths, of_state, minimum: config.minimum_log_std }
     }
 
     /// Returns initial parameters.
     pub fn initialize(&self, config: &PpoConfig, random: &mut Random) -> Vec<f32> {
-        let hidden = std::f32::consts::SQRT_2;
-        let mut parameters = orthogonal(&self.actor, Gains { hidden, last: config.actor_gain }, random);
-        if self.of_state() {
-            let biases = self.actor.layers().last().map_or(0..0, |layer| layer.biases);
-            parameters[biases][self.actions..].fill(config.initial_log_std);
+        let mut parameters = initialize(&self.actor, config.actor_gain, random);
+        if self.of_state {
+            for (biases, start) in self.log_std_biases() {
+                parameters[biases][start..].fill(config.initial_log_std);
+            }
         }
         parameters.extend(self.log_stds().map(|_| config.initial_log_std));
-        parameters.extend(orthogonal(&self.critic, Gains { hidden, last: 1.0 }, random));
+        parameters.extend(initialize(&self.critic, 1.0, random));
         self.project(&mut parameters);
         parameters
+    }
+
+    /// Returns the biases of the last layers of the actor, and where those of logarithms of standard deviations begin.
+    fn log_std_biases(&self) -> Vec<(Range<usize>, usize)> {
+        let half = |layer: Layer| (layer.biases, layer.outputs / 2);
+        match &self.actor {
+            Shape::Mlp(mlp) => mlp.layers().last().map(half).into_iter().collect(),
+            Shape::Graph(network) => network.places().decoders.into_iter().map(half).collect(),
+        }
+    }
+
+    /// Returns the number of free logarithms of standard deviations: of a graph network one for every action of a node type.
+    fn free(&self) -> usize {
+        match &self.actor {
+            _ if self.of_state => 0,
+            Shape::Mlp(_) => self.widths.action,
+            Shape::Graph(network) => network.types.iter().map(|node| node.outputs).sum(),
+        }
+    }
+
+    /// Returns the width of a row of outputs of the actor.
+    pub fn outputs(&self) -> usize {
+        if self.of_state { 2 * self.widths.action } else { self.widths.action }
+    }
+
+    /// Returns the place of the means and scales of features among all parameters, which are not learned: those of each type of
+    /// the actor, and those of the critic.
+    pub fn feature_places(&self) -> Vec<[EncoderPlaces; 2]> {
+        let of = |shape: &Shape, start: usize| -> Vec<EncoderPlaces> {
+            let places = shape.graph().map(|network| network.places().encoders).unwrap_or_default();
+            let moved = |range: Range<usize>| range.start + start..range.end + start;
+            places
+                .into_iter()
+                .map(|place| EncoderPlaces { mean: moved(place.mean), scale: moved(place.scale), ..place })
+                .collect()
+        };
+        let critic = of(&self.critic, self.critics().start);
+        of(&self.actor, 0).into_iter().zip(critic).map(|(actor, critic)| [actor, critic]).collect()
     }
 
     /// Returns the place of the parameters of the actor.
@@ -59,7 +109,7 @@ impl Networks {
     /// Returns the place of the free logarithms of standard deviations.
     pub fn log_stds(&self) -> Range<usize> {
         let start = self.actor.parameters();
-        start..start + if self.of_state() { 0 } else { self.actions }
+        start..start + self.free()
     }
 
     /// Returns the place of the parameters of the critic.
@@ -68,14 +118,17 @@ impl Networks {
         start..start + self.critic.parameters()
     }
 
-    /// Returns the last layer of the critic. Its places are those within the parameters of the critic.
-    pub fn value_layer(&self) -> Layer {
-        self.critic.layers().last().expect("a network has a layer")
+    /// Returns the last layers of the critic. Their places are those within the parameters of the critic.
+    pub fn value_layers(&self) -> Vec<Layer> {
+        match &self.critic {
+            Shape::Mlp(mlp) => mlp.layers().last().into_iter().collect(),
+            Shape::Graph(network) => network.places().decoders,
+        }
     }
 
     /// Returns the actor with these parameters.
     pub fn actor(&self, parameters: &[f32]) -> Actor {
-        let distribution = match self.of_state() {
+        let distribution = match self.of_state {
             true => Distribution::GaussianOfState { minimum: self.minimum },
             false => Distribution::Gaussian { log_std: parameters[self.log_stds()].to_vec() },
         };
@@ -84,22 +137,44 @@ impl Networks {
 
     /// Returns whether standard deviations depend on the observation.
     pub fn of_state(&self) -> bool {
-        self.actor.outputs() > self.actions
+        self.of_state
     }
 
-    /// Writes the logarithms of standard deviations for the outputs of the actor.
-    pub fn write_log_std(&self, parameters: &[f32], outputs: &[f32], log_std: &mut [f32]) {
-        match self.of_state() {
-            true => log_std.copy_from_slice(&outputs[self.actions..]),
-            false => log_std.copy_from_slice(&parameters[self.log_stds()]),
+    /// Writes the logarithms of standard deviations for the outputs of the actor, in the building of a graph network.
+    pub fn write_log_std(
+        &self,
+        parameters: &[f32],
+        outputs: &[f32],
+        graph: Option<&Graph>,
+        log_std: &mut [f32],
+    ) {
+        let free = &parameters[self.log_stds()];
+        match graph {
+            _ if self.of_state => log_std.copy_from_slice(&outputs[self.widths.action..]),
+            None => log_std.copy_from_slice(free),
+            Some(graph) => {
+                let places = log_std.iter_mut().zip(&graph.actions);
+                places.for_each(|(value, place)| *value = free[place.number]);
+            }
         }
         log_std.iter_mut().for_each(|value| *value = value.clamp(self.minimum, *LOG_STD.end()));
+    }
+
+    /// Adds the gradients of the logarithms of standard deviations of a row to those of the free parameters.
+    pub fn add_log_std_gradients(&self, gradients: &[f32], graph: Option<&Graph>, sums: &mut [f32]) {
+        match graph {
+            None => sums.iter_mut().zip(gradients).for_each(|(sum, gradient)| *sum += gradient),
+            Some(graph) => {
+                let places = graph.actions.iter().zip(gradients);
+                places.for_each(|(place, gradient)| sums[place.number] += gradient);
+            }
+        }
     }
 
     /// Sets gradients to 0 where the logarithm of the standard deviation of these outputs is at a bound.
     pub fn clamp_gradients(&self, outputs: &[f32], gradients: &mut [f32]) {
         let range = self.minimum..=*LOG_STD.end();
-        for (output, gradient) in outputs[self.actions..].iter().zip(gradients) {
+        for (output, gradient) in outputs[self.widths.action..].iter().zip(gradients) {
             if !range.contains(output) {
                 *gradient = 0.0;
             }
@@ -110,5 +185,12 @@ impl Networks {
     pub fn project(&self, parameters: &mut [f32]) {
         let (minimum, maximum) = (self.minimum, *LOG_STD.end());
         parameters[self.log_stds()].iter_mut().for_each(|value| *value = value.clamp(minimum, maximum));
+    }
+}
+
+fn initialize(shape: &Shape, last: f32, random: &mut Random) -> Vec<f32> {
+    match shape {
+        Shape::Mlp(mlp) => orthogonal(mlp, Gains { hidden: std::f32::consts::SQRT_2, last }, random),
+        Shape::Graph(network) => graph::initialize(network, last, random),
     }
 }

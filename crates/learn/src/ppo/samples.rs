@@ -8,6 +8,8 @@ use crate::rollout::Rollout;
 pub(super) struct Samples {
     /// Observations: rows × width.
     pub observations: Vec<f32>,
+    /// Building of each row among the scenes of the rollout.
+    pub scenes: Vec<usize>,
     /// Actions: rows × width.
     pub actions: Vec<f32>,
     /// Log densities of the groups of actions, under the policy that made the steps: rows × groups.
@@ -23,11 +25,18 @@ impl Samples {
     pub fn read(&mut self, rollout: &Rollout) {
         self.observations.clone_from(&rollout.observations);
         self.actions.clone_from(&rollout.actions);
+        self.scenes.clear();
+        for environment in 0..rollout.environments {
+            let of_step = |step| rollout.scene_of(environment, step);
+            self.scenes.extend((0..rollout.steps).map(of_step));
+        }
     }
 
     /// Copies rows of other samples.
     pub fn gather(&mut self, all: &Self, rows: &[usize], widths: Widths, groups: usize) {
         gather(&mut self.observations, &all.observations, rows, widths.observation);
+        self.scenes.clear();
+        self.scenes.extend(rows.iter().map(|row| all.scenes[*row]));
         gather(&mut self.actions, &all.actions, rows, widths.action);
         gather(&mut self.old, &all.old, rows, groups);
         gather(&mut self.advantages, &all.advantages, rows, groups);

@@ -40,9 +40,9 @@ impl ValueScale {
         self.map(returns, |value, mean, deviation| (value - mean) / deviation);
     }
 
-    /// Adds the returns of an update, rows × parts, to the running statistics, and changes the last layer of the critic so that its
-    /// values stay as they are. Returns that are not finite are left out.
-    pub fn update(&mut self, returns: &[f32], layer: &Layer, critic: &mut [f32]) {
+    /// Adds the returns of an update, rows × parts, to the running statistics, and changes the last layers of the critic so that its
+    /// values, means of their outputs, stay as they are. Returns that are not finite are left out.
+    pub fn update(&mut self, returns: &[f32], layers: &[Layer], critic: &mut [f32]) {
         if returns.is_empty() || returns.iter().any(|value| !value.is_finite()) {
             return;
         }
@@ -53,7 +53,7 @@ impl ValueScale {
             let (mean, square) = moments(returns.iter().skip(part).step_by(self.means.len()));
             self.means[part] += rate * (mean - self.means[part]);
             self.squares[part] += rate * (square - self.squares[part]);
-            preserve(layer, critic, part, before, self.of(part));
+            layers.iter().for_each(|layer| preserve(layer, critic, part, before, self.of(part)));
         }
     }
 
@@ -119,7 +119,7 @@ mod tests {
     fn values_stay_as_they_are_when_the_scale_changes() {
         let shape = Mlp::new(2, &[8], 2, Activation::Tanh);
         let mut critic = orthogonal(&shape, Gains { hidden: 1.0, last: 1.0 }, &mut Random::new(0, 0));
-        let layer = shape.layers().last().unwrap();
+        let layer = [shape.layers().last().unwrap()];
         let mut scale = ValueScale::new(2, 0.3);
         let value = |critic: &[f32], scale: &ValueScale| {
             let mut output = [0.0; 2];
@@ -139,11 +139,11 @@ mod tests {
     fn normalized_returns_have_mean_0_and_deviation_1() {
         let shape = Mlp::new(1, &[], 1, Activation::Tanh);
         let (mut scale, mut returns) = (ValueScale::new(1, 0.1), [-12.0, -8.0]);
-        scale.update(&returns, &shape.layers().last().unwrap(), &mut [0.0; 2]);
+        scale.update(&returns, &[shape.layers().last().unwrap()], &mut [0.0; 2]);
         assert_eq!(scale.of(0), (-10.0, 2.0));
         scale.normalize(&mut returns);
         assert_eq!(returns, [-1.0, 1.0]);
-        scale.update(&[f32::NAN], &shape.layers().last().unwrap(), &mut [0.0; 2]);
+        scale.update(&[f32::NAN], &[shape.layers().last().unwrap()], &mut [0.0; 2]);
         assert_eq!(scale.of(0), (-10.0, 2.0));
     }
 }

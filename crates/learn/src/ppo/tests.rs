@@ -38,6 +38,7 @@ fn rollout(steps: usize, seed: u64) -> Rollout {
         rewards: draw(2 * steps * 2),
         next: draw(2 * 4),
         ends: vec![end(0, 5, draw(4)), end(1, steps - 1, draw(4))],
+        scenes: vec![],
     }
 }
 
@@ -120,7 +121,8 @@ fn loss(batch: &Minibatch<'_>, parameters: &[f64]) -> f64 {
     let mut sum = 0.0;
     for row in 0..batch.rows {
         let input = wide(&samples.observations[row * 4..][..4]);
-        let outputs = reference::forward(&networks.actor, &parameters[networks.actors()], &input);
+        let outputs =
+            reference::forward(networks.actor.mlp().unwrap(), &parameters[networks.actors()], &input);
         let log_stds = if networks.of_state() { &outputs[2..] } else { &parameters[networks.log_stds()] };
         let density = |action: usize| {
             let normal =
@@ -129,12 +131,14 @@ fn loss(batch: &Minibatch<'_>, parameters: &[f64]) -> f64 {
         };
         for group in 0..credit.groups() {
             let at = row * credit.groups() + group;
-            let ratio = (credit.actions(group).map(density).sum::<f64>() - f64::from(samples.old[at])).exp();
+            let ratio =
+                (credit.actions(group, 2).map(density).sum::<f64>() - f64::from(samples.old[at])).exp();
             let advantage = f64::from(samples.advantages[at]);
             sum -= (advantage * ratio).min(advantage * ratio.clamp(0.8, 1.2));
         }
         sum -= f64::from(config.entropy_coefficient) * log_stds.iter().sum::<f64>();
-        let values = reference::forward(&networks.critic, &parameters[networks.critics()], &input);
+        let values =
+            reference::forward(networks.critic.mlp().unwrap(), &parameters[networks.critics()], &input);
         let errors =
             values.iter().zip(&samples.returns[row * 2..]).map(|(value, target)| value - f64::from(*target));
         sum += 0.5 * errors.map(|error| error * error).sum::<f64>() / 2.0;
@@ -156,6 +160,7 @@ fn gradients_of_all_parameters_are_those_of_finite_differences() {
             credit: &ppo.credit,
             parameters: &parameters,
             samples: &ppo.samples,
+            graphs: &[],
             rows: 32,
         };
         worker.learn(&batch, 0..32);
@@ -165,7 +170,7 @@ fn gradients_of_all_parameters_are_those_of_finite_differences() {
 
 impl Ppo {
     /// Prepares the steps of a rollout as those of an actor that has changed since.
-    fn prepare_for_test(&mut self, rollout: &Rollout) {
+    pub(super) fn prepare_for_test(&mut self, rollout: &Rollout) {
         self.prepare(rollout);
         let mut random = Random::new(1, 0);
         self.samples.old.iter_mut().for_each(|old| *old += 0.2 * random.normal() as f32);

@@ -1,5 +1,9 @@
 //! An update of PPO.
 
+use std::sync::Arc;
+
+use b2b_agent::network::graph::Batch;
+
 use super::Ppo;
 use super::advantage::{Values, advantages};
 use super::loss::Losses;
@@ -61,11 +65,14 @@ impl Ppo {
     /// When an array of the rollout has a wrong length, or losses or gradients were not finite in three updates in a row.
     pub fn update(&mut self, rollout: &Rollout) -> Result<Update> {
         rollout.check(self.widths)?;
+        self.graphs = rollout.scenes.iter().map(|scene| Arc::clone(&scene.graph)).collect();
         let explained_variance = self.prepare(rollout);
         let learning_rate = self.learning_rate() * self.rate;
         let mut update = Update { explained_variance, learning_rate, ..Update::default() };
         self.run_epochs(&mut update);
         self.adapt_rate(&update);
+        self.features.update(rollout, self.widths.observation);
+        self.features.write(&self.networks, &mut self.parameters);
         self.updates += 1;
         self.failures = if update.skipped > 0 { self.failures + 1 } else { 0 };
         match self.failures >= FAILURES {
@@ -106,27 +113,33 @@ impl Ppo {
         let explained = explained_variance(&values.steps, returns, self.widths.parts);
         if self.config.normalize_values {
             let critic = &mut self.parameters[self.networks.critics()];
-            self.scale.update(returns, &self.networks.value_layer(), critic);
+            self.scale.update(returns, &self.networks.value_layers(), critic);
             self.scale.normalize(returns);
         }
         explained
     }
 
     fn evaluate_actions(&mut self) {
-        let Self { samples, workers, networks, credit, parameters, widths, .. } = self;
+        let Self { samples, workers, networks, credit, parameters, widths, graphs, .. } = self;
         samples.old.clear();
         let observations = samples.observations.chunks(BLOCK * widths.observation);
-        for block in observations.zip(samples.actions.chunks(BLOCK * widths.action)) {
-            workers[0].log_densities(networks, credit, parameters, block, &mut samples.old);
+        let actions = samples.actions.chunks(BLOCK * widths.action);
+        for ((observations, actions), of_rows) in observations.zip(actions).zip(samples.scenes.chunks(BLOCK))
+        {
+            let batch = Batch { graphs, of_rows, observations, width: widths.observation };
+            workers[0].log_densities(networks, credit, parameters, (batch, actions), &mut samples.old);
         }
     }
 
     fn evaluate(&mut self, rollout: &Rollout) -> Values {
-        let Self { workers, networks, parameters, widths, scale, config, .. } = self;
-        let mut of = |observations: &[f32]| {
+        let Self { workers, networks, parameters, widths, scale, config, graphs, samples, .. } = self;
+        let mut of = |observations: &[f32], scenes: &[usize]| {
             let mut values = Vec::new();
-            for block in observations.chunks(BLOCK * widths.observation) {
-                workers[0].values(networks, parameters, block, &mut values);
+            for (observations, of_rows) in
+                observations.chunks(BLOCK * widths.observation).zip(scenes.chunks(BLOCK))
+            {
+                let batch = Batch { graphs, of_rows, observations, width: widths.observation };
+                workers[0].values(networks, parameters, batch, &mut values);
             }
             if config.normalize_values {
                 scale.denormalize(&mut values);
@@ -134,7 +147,16 @@ impl Ppo {
             values
         };
         let ends: Vec<f32> = rollout.ends.iter().flat_map(|end| &end.observation).copied().collect();
-        Values { steps: of(&rollout.observations), next: of(&rollout.next), ends: of(&ends) }
+        let of_ends: Vec<usize> =
+            rollout.ends.iter().map(|end| rollout.scene_of(end.environment, end.step)).collect();
+        let last = rollout.steps.saturating_sub(1);
+        let of_next: Vec<usize> =
+            (0..rollout.environments).map(|environment| rollout.scene_of(environment, last)).collect();
+        Values {
+            steps: of(&rollout.observations, &samples.scenes),
+            next: of(&rollout.next, &of_next),
+            ends: of(&ends, &of_ends),
+        }
     }
 
     fn run_epochs(&mut self, update: &mut Update) {
@@ -184,13 +206,15 @@ impl Ppo {
 
     /// Computes the gradients of the minibatch, and returns its losses.
     fn differentiate(&mut self, rows: usize) -> Losses {
-        let Self { workers, networks, config, credit, parameters, minibatch, gradients, threads, .. } = self;
+        let Self {
+            workers, networks, config, credit, parameters, minibatch, graphs, gradients, threads, ..
+        } = self;
         let used = chunk_count(rows);
         while workers.len() < used {
             workers.push(Worker::new(networks));
         }
         let workers = &mut workers[..used];
-        let batch = Minibatch { config, networks, credit, parameters, samples: minibatch, rows };
+        let batch = Minibatch { config, networks, credit, parameters, samples: minibatch, graphs, rows };
         let threads = threads_for(rows, batch.parameters.len(), *threads);
         for_each(workers, threads, |index, worker| worker.learn(&batch, chunk(rows, index)));
         gradients.fill(0.0);

@@ -1,13 +1,18 @@
 //! Passes of a chunk of a minibatch through actor and critic.
 
 use std::ops::Range;
+use std::sync::Arc;
+
+use b2b_agent::network::graph::Batch;
+use b2b_agent::network::{Graph, Shape};
 
 use super::PpoConfig;
 use super::credit::Credit;
 use super::loss::{Losses, PolicyLoss, Step, group_log_density, value_loss};
 use super::networks::Networks;
 use super::samples::Samples;
-use crate::nn::Pass;
+use crate::nn::graph::{GraphPass, Readout};
+use crate::nn::{Pass, sized};
 
 /// Inputs that all chunks of a minibatch share.
 #[derive(Clone, Copy)]
@@ -17,6 +22,8 @@ pub(super) struct Minibatch<'a> {
     pub credit: &'a Credit,
     pub parameters: &'a [f32],
     pub samples: &'a Samples,
+    /// Buildings of the scenes of the rollout.
+    pub graphs: &'a [Arc<Graph>],
     /// Number of rows.
     pub rows: usize,
 }
@@ -24,14 +31,74 @@ pub(super) struct Minibatch<'a> {
 impl<'a> Minibatch<'a> {
     /// Returns the step of a row with these outputs of the actor.
     fn step(&self, row: usize, outputs: &'a [f32], log_std: &'a [f32]) -> Step<'a> {
-        let row = row..row + 1;
-        let groups = times(&row, self.credit.groups());
+        let (groups, actions) = (self.credit.groups(), log_std.len());
         Step {
-            action: &self.samples.actions[times(&row, self.networks.actions)],
-            mean: &outputs[..self.networks.actions],
+            action: &self.samples.actions[row * self.networks.widths.action..][..actions],
+            mean: &outputs[..actions],
             log_std,
-            old: &self.samples.old[groups.clone()],
-            advantages: &self.samples.advantages[groups],
+            old: &self.samples.old[row * groups..][..groups],
+            advantages: &self.samples.advantages[row * groups..][..groups],
+        }
+    }
+
+    /// Returns the observations of rows.
+    fn batch(&self, rows: &Range<usize>) -> Batch<'a> {
+        let width = self.networks.widths.observation;
+        Batch {
+            graphs: self.graphs,
+            of_rows: &self.samples.scenes[rows.clone()],
+            observations: &self.samples.observations[times(rows, width)],
+            width,
+        }
+    }
+
+    /// Returns the building of a row, of a graph network.
+    fn graph(&self, row: usize) -> Option<&'a Graph> {
+        self.graphs.get(self.samples.scenes[row]).map(|graph| &**graph)
+    }
+}
+
+/// Passes of either kind of network.
+#[derive(Clone, Debug)]
+enum NetworkPass {
+    Flat(Pass),
+    Graph(Box<GraphPass>),
+}
+
+impl NetworkPass {
+    fn new(shape: &Shape, readout: Readout) -> Self {
+        match shape {
+            Shape::Mlp(mlp) => Self::Flat(Pass::new(mlp)),
+            Shape::Graph(network) => Self::Graph(Box::new(GraphPass::new(network, readout))),
+        }
+    }
+
+    /// Returns how many rows are passed at a time: all of a chunk, or as many buildings as the processor's cache holds.
+    fn rows(&self) -> usize {
+        match self {
+            Self::Flat(_) => usize::MAX,
+            Self::Graph(_) => 32,
+        }
+    }
+
+    fn forward(&mut self, parameters: &[f32], batch: Batch<'_>) -> &[f32] {
+        match self {
+            Self::Flat(pass) => pass.forward(parameters, batch.observations, batch.of_rows.len()),
+            Self::Graph(pass) => pass.forward(parameters, batch),
+        }
+    }
+
+    fn outputs(&self) -> &[f32] {
+        match self {
+            Self::Flat(pass) => pass.outputs(),
+            Self::Graph(pass) => pass.outputs(),
+        }
+    }
+
+    fn backward(&mut self, parameters: &[f32], batch: Batch<'_>, gradients: &[f32], sums: &mut [f32]) {
+        match self {
+            Self::Flat(pass) => pass.backward(parameters, batch.observations, gradients, Some(sums), None),
+            Self::Graph(pass) => pass.backward(parameters, batch, gradients, sums),
         }
     }
 }
@@ -39,8 +106,8 @@ impl<'a> Minibatch<'a> {
 /// The buffers of a chunk, and its losses and gradients.
 #[derive(Clone, Debug)]
 pub(super) struct Worker {
-    actor: Pass,
-    critic: Pass,
+    actor: NetworkPass,
+    critic: NetworkPass,
     /// Logarithms of the standard deviations of a row, and their gradients.
     log_std: [Vec<f32>; 2],
     /// Gradients of the outputs of actor and critic.
@@ -53,10 +120,11 @@ pub(super) struct Worker {
 
 impl Worker {
     pub fn new(networks: &Networks) -> Self {
+        let (actions, of_state) = (networks.widths.action, networks.of_state());
         Self {
-            actor: Pass::new(&networks.actor),
-            critic: Pass::new(&networks.critic),
-            log_std: [vec![0.0; networks.actions], vec![0.0; networks.actions]],
+            actor: NetworkPass::new(&networks.actor, Readout::Actions { actions, of_state }),
+            critic: NetworkPass::new(&networks.critic, Readout::Mean),
+            log_std: [vec![0.0; actions], vec![0.0; actions]],
             outputs: Default::default(),
             gradients: vec![0.0; networks.critics().end],
             losses: Losses::default(),
@@ -67,26 +135,31 @@ impl Worker {
     pub fn learn(&mut self, batch: &Minibatch<'_>, rows: Range<usize>) {
         self.gradients.fill(0.0);
         self.losses = Losses::default();
-        self.learn_policy(batch, rows.clone());
-        self.learn_values(batch, rows);
+        let size = self.actor.rows();
+        let mut first = rows.start;
+        while first < rows.end {
+            let block = first..rows.end.min(first.saturating_add(size));
+            first = block.end;
+            self.learn_policy(batch, block.clone());
+            self.learn_values(batch, block);
+        }
     }
 
     fn learn_policy(&mut self, batch: &Minibatch<'_>, rows: Range<usize>) {
-        let Minibatch { networks, samples, .. } = batch;
-        let parameters = &batch.parameters[networks.actors()];
-        let inputs = &samples.observations[times(&rows, networks.actor.inputs())];
-        let length = self.actor.forward(parameters, inputs, rows.len()).len();
+        let parameters = &batch.parameters[batch.networks.actors()];
+        let inputs = batch.batch(&rows);
+        let length = self.actor.forward(parameters, inputs).len();
         self.outputs[0].clear();
         self.outputs[0].resize(length, 0.0);
         self.add_policy_loss(batch, rows);
-        let sums = &mut self.gradients[networks.actors()];
-        self.actor.backward(parameters, inputs, &self.outputs[0], Some(sums), None);
+        let sums = &mut self.gradients[batch.networks.actors()];
+        self.actor.backward(parameters, inputs, &self.outputs[0], sums);
     }
 
     /// Adds the loss of the policy in these rows, and writes the gradients of the outputs of the actor.
     fn add_policy_loss(&mut self, batch: &Minibatch<'_>, rows: Range<usize>) {
         let Minibatch { networks, config, .. } = batch;
-        let width = networks.actor.outputs();
+        let width = networks.outputs();
         let loss = PolicyLoss {
             credit: batch.credit,
             clip_range: config.clip_range,
@@ -96,9 +169,11 @@ impl Worker {
         let [log_std, log_std_gradients] = &mut self.log_std;
         let outputs = self.actor.outputs().chunks_exact(width);
         for (row, (outputs, gradients)) in rows.zip(outputs.zip(self.outputs[0].chunks_exact_mut(width))) {
-            networks.write_log_std(batch.parameters, outputs, log_std);
-            let step = batch.step(row, outputs, log_std);
-            let (means, of_state) = gradients.split_at_mut(networks.actions);
+            let graph = batch.graph(row);
+            networks.write_log_std(batch.parameters, outputs, graph, log_std);
+            let actions = graph.map_or(networks.widths.action, |graph| graph.actions.len());
+            let step = batch.step(row, outputs, &log_std[..actions]);
+            let (means, of_state) = gradients.split_at_mut(networks.widths.action);
             if networks.of_state() {
                 loss.add(&step, means, of_state, &mut self.losses);
                 networks.clamp_gradients(outputs, of_state);
@@ -106,7 +181,7 @@ impl Worker {
                 log_std_gradients.fill(0.0);
                 loss.add(&step, means, log_std_gradients, &mut self.losses);
                 let sums = &mut self.gradients[networks.log_stds()];
-                sums.iter_mut().zip(&*log_std_gradients).for_each(|(sum, gradient)| *sum += gradient);
+                networks.add_log_std_gradients(log_std_gradients, graph, sums);
             }
         }
     }
@@ -114,16 +189,15 @@ impl Worker {
     fn learn_values(&mut self, batch: &Minibatch<'_>, rows: Range<usize>) {
         let Minibatch { networks, samples, config, .. } = batch;
         let parameters = &batch.parameters[networks.critics()];
-        let inputs = &samples.observations[times(&rows, networks.critic.inputs())];
-        let parts = networks.critic.outputs();
+        let inputs = batch.batch(&rows);
+        let parts = networks.widths.parts;
         let returns = &samples.returns[times(&rows, parts)];
-        let values = self.critic.forward(parameters, inputs, rows.len());
-        let gradients = &mut self.outputs[1];
-        gradients.resize(values.len(), 0.0);
+        let values = self.critic.forward(parameters, inputs);
+        let gradients = sized(&mut self.outputs[1], values.len());
         let total = batch.rows * parts;
-        self.losses.value = value_loss(values, returns, config.value_coefficient, total, gradients);
+        self.losses.value += value_loss(values, returns, config.value_coefficient, total, gradients);
         let sums = &mut self.gradients[networks.critics()];
-        self.critic.backward(parameters, inputs, gradients, Some(sums), None);
+        self.critic.backward(parameters, inputs, gradients, sums);
     }
 
     /// Appends the log densities of groups of actions: rows × groups.
@@ -132,17 +206,17 @@ impl Worker {
         networks: &Networks,
         credit: &Credit,
         parameters: &[f32],
-        (observations, actions): (&[f32], &[f32]),
+        (observations, actions): (Batch<'_>, &[f32]),
         densities: &mut Vec<f32>,
     ) {
-        let rows = observations.len() / networks.actor.inputs();
-        let outputs = self.actor.forward(&parameters[networks.actors()], observations, rows);
-        let log_std = &mut self.log_std[0];
-        let per_row =
-            outputs.chunks_exact(networks.actor.outputs()).zip(actions.chunks_exact(networks.actions));
-        for (outputs, action) in per_row {
-            networks.write_log_std(parameters, outputs, log_std);
-            let mean = &outputs[..networks.actions];
+        let outputs = self.actor.forward(&parameters[networks.actors()], observations);
+        let outputs = outputs.chunks_exact(networks.outputs());
+        let rows = outputs.zip(actions.chunks_exact(networks.widths.action)).zip(observations.of_rows);
+        for ((outputs, action), of_row) in rows {
+            let graph = observations.graphs.get(*of_row).map(|graph| &**graph);
+            networks.write_log_std(parameters, outputs, graph, &mut self.log_std[0]);
+            let count = graph.map_or(action.len(), |graph| graph.actions.len());
+            let (action, mean, log_std) = (&action[..count], &outputs[..count], &self.log_std[0][..count]);
             let density = |group| group_log_density(credit, group, action, mean, log_std);
             densities.extend((0..credit.groups()).map(density));
         }
@@ -153,11 +227,10 @@ impl Worker {
         &mut self,
         networks: &Networks,
         parameters: &[f32],
-        observations: &[f32],
+        observations: Batch<'_>,
         values: &mut Vec<f32>,
     ) {
-        let rows = observations.len() / networks.critic.inputs();
-        values.extend_from_slice(self.critic.forward(&parameters[networks.critics()], observations, rows));
+        values.extend_from_slice(self.critic.forward(&parameters[networks.critics()], observations));
     }
 }
 

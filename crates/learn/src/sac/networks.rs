@@ -1,6 +1,6 @@
 //! The networks of SAC and their parameters.
 
-use b2b_agent::network::{Actor, Distribution, Mlp};
+use b2b_agent::network::{Actor, Distribution, Mlp, Shape};
 
 use super::SacConfig;
 use crate::collector::Widths;
@@ -56,7 +56,7 @@ impl Networks {
     /// Returns the actor with these parameters.
     pub fn actor(&self, parameters: &Parameters) -> Actor {
         let distribution = Distribution::SquashedGaussian;
-        Actor { shape: self.actor.clone(), parameters: parameters.actor.clone(), distribution }
+        Actor { shape: Shape::Mlp(self.actor.clone()), parameters: parameters.actor.clone(), distribution }
     }
 }
 

@@ -320,7 +320,7 @@ impl TrainConfig {
 
     /// Returns what the agent observes and how it acts.
     pub fn interface(&self) -> Interface {
-        Interface { observation: self.observation, acting: self.acting }
+        Interface { observation: self.observation, acting: self.acting, nodes: None }
     }
 
     /// Returns the training buildings as a reader names them.

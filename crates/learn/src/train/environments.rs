@@ -110,7 +110,7 @@ impl<'a> Environments<'a> {
     /// be run first.
     pub(super) fn scale(&self, evaluation: &Evaluation<'_>, baselines: &Baselines) -> Result<RewardScale> {
         if !self.config.scale_rewards {
-            return Ok(Box::new(|_: &Spaces| 1.0));
+            return Ok(Box::new(|_: &Spaces| Ok(1.0)));
         }
         let mut scales = HashMap::new();
         for name in self.evaluated_or_named()? {
@@ -119,7 +119,8 @@ impl<'a> Environments<'a> {
         let mut sorted: Vec<f64> = scales.values().copied().collect();
         sorted.sort_by(f64::total_cmp);
         let median = sorted[sorted.len() / 2];
-        Ok(Box::new(move |spaces: &Spaces| scales.get(&spaces.building.name).copied().unwrap_or(median)))
+        let of = move |spaces: &Spaces| Ok(scales.get(&spaces.building.name).copied().unwrap_or(median));
+        Ok(Box::new(of))
     }
 
     fn evaluated_or_named(&self) -> Result<Vec<BuildingName>> {

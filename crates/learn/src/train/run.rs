@@ -162,7 +162,7 @@ impl<'a> Run<'a> {
         monitor: &'a mut dyn Monitor,
     ) -> Result<Self> {
         let spaces = spaces_of(collector.environments(), 0)?;
-        let pilot = Pilot::new(config.interface(), spaces);
+        let pilot = Pilot::new(config.interface(), spaces)?;
         let learner = Learner::new(config, collector.widths(), spaces)?;
         let actor = learner.actor();
         let info = AgentInfo {
@@ -170,6 +170,7 @@ impl<'a> Run<'a> {
             interface: config.interface(),
             slots: pilot.observation().names(),
             actuators: spaces.action.names().to_vec(),
+            node_types: Vec::new(),
             network: actor.shape,
             distribution: actor.distribution,
             task: config.task()?,

@@ -44,7 +44,7 @@ impl<T: Toy> Collector for Local<T> {
 
     fn collect(&mut self, actor: &Actor, steps: usize, rollout: &mut Rollout) -> Result<()> {
         *rollout = Rollout { environments: self.environments.len(), steps, ..Rollout::default() };
-        let mut scratch = actor.scratch();
+        let mut scratch = actor.scratch(None);
         for (environment, running) in self.environments.iter_mut().enumerate() {
             for step in 0..steps {
                 running.step(actor, &mut scratch, rollout);

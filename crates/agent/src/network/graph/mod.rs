@@ -1,0 +1,23 @@
+//! Graph networks: one network for buildings of every shape, as in the paper's appendix on cross-domain transfer (after
+//! Amorpheus, Kurin et al. 2021).
+//!
+//! 1. A linear encoder of its type brings the features of each node to the embedding.
+//! 2. A transformer without a causal mask and with normalization before each part lets every node attend to every other.
+//! 3. A linear decoder of its type brings the embedding of each node to its outputs.
+//!
+//! A [`GraphNetwork`] is made for the node types of the universe, a [`Graph`] is one building. A batch has any buildings: their
+//! nodes are one list of tokens without padding, and only attention knows where a building begins ([`Tape::forward`]).
+
+mod attention;
+mod forward;
+mod layer_norm;
+mod network;
+mod places;
+mod topology;
+
+pub use attention::{EdgeScores, attend, transpose};
+pub use forward::{Batch, BlockTape, Linear, NormTape, Span, Tape, sized};
+pub use layer_norm::lane_sum;
+pub use network::{Edges, GraphNetwork, NodeWidths};
+pub use places::{BlockPlaces, EncoderPlaces, NormPlaces, Places};
+pub use topology::{ActionPlace, Graph, REACHES, RELATIONS};

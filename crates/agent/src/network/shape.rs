@@ -1,0 +1,65 @@
+//! Shapes of networks.
+
+use std::ops::Range;
+
+use serde::{Deserialize, Serialize};
+
+use super::{GraphNetwork, Mlp};
+
+/// The shape of an actor's network.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Shape {
+    /// A multilayer perceptron, for buildings with one set of spaces.
+    Mlp(Mlp),
+    /// A graph network, for every building whose node types it knows.
+    Graph(GraphNetwork),
+}
+
+/// A tensor among the parameters of a network.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Tensor {
+    /// Name, such as `0.weight`.
+    pub name: String,
+    /// Sizes: of a matrix inputs and outputs.
+    pub sizes: Vec<usize>,
+    /// Place among the parameters.
+    pub place: Range<usize>,
+}
+
+impl Shape {
+    /// Returns the number of parameters.
+    pub fn parameters(&self) -> usize {
+        match self {
+            Self::Mlp(mlp) => mlp.parameters(),
+            Self::Graph(network) => network.places().parameters(),
+        }
+    }
+
+    /// Returns the tensors, which have every parameter once.
+    pub fn tensors(&self) -> Vec<Tensor> {
+        match self {
+            Self::Mlp(mlp) => {
+                let layers = mlp.layers().enumerate();
+                layers.flat_map(|(index, layer)| layer.tensors(&index.to_string())).collect()
+            }
+            Self::Graph(network) => network.places().tensors(),
+        }
+    }
+
+    /// Returns the multilayer perceptron, if it is one.
+    pub fn mlp(&self) -> Option<&Mlp> {
+        match self {
+            Self::Mlp(mlp) => Some(mlp),
+            Self::Graph(_) => None,
+        }
+    }
+
+    /// Returns the graph network, if it is one.
+    pub fn graph(&self) -> Option<&GraphNetwork> {
+        match self {
+            Self::Mlp(_) => None,
+            Self::Graph(network) => Some(network),
+        }
+    }
+}

@@ -1,0 +1,288 @@
+//! What a graph network observes of a building, node by node.
+
+use std::sync::Arc;
+
+use b2b_building::description::Origin;
+use b2b_building::hvac::Quantity;
+use b2b_building::morphology::{Attribute, COMMON, LocalSlot, Node, NodeType, Observed, Owner};
+use b2b_building::{Description, Morphology};
+use b2b_env::{Spaces, Target};
+use serde::{Deserialize, Serialize};
+
+use super::feature::{Feature, Source};
+use super::features::{ControlledZone, calendar, energy, temperature, weather};
+use super::memory::Memory;
+use super::{AgentObservation, ObservationForm};
+use crate::network::Graph;
+use crate::network::graph::NodeWidths;
+use crate::pilot::Interface;
+use crate::{Error, Result};
+
+/// How a graph network observes a building.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct NodeForm {
+    /// Whether nodes have their attributes as features, and the weather those of the whole building.
+    pub attributes: bool,
+}
+
+/// The observation of a building node by node, and its graph.
+#[derive(Clone, Debug)]
+pub struct NodeView {
+    /// The features of all nodes, one node after another.
+    pub observation: AgentObservation,
+    /// Which of them are whose.
+    pub graph: Graph,
+}
+
+/// What a graph network observes and controls of the nodes of each type: the same in every building.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct NodeSpaces {
+    types: Vec<TypeSpaces>,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct TypeSpaces {
+    name: &'static str,
+    features: Vec<String>,
+    actions: Vec<String>,
+}
+
+impl NodeSpaces {
+    /// Returns the spaces of all node types for an agent with a [`NodeForm`].
+    pub fn of(interface: Interface) -> Self {
+        let types = NodeType::ALL.map(|node_type| TypeSpaces {
+            name: node_type.name(),
+            features: local_features(interface, node_type, &Nowhere)
+                .into_iter()
+                .map(|(name, _)| name)
+                .collect(),
+            actions: node_type.action().iter().map(|slot| text(&slot.quantity)).collect(),
+        });
+        Self { types: types.into() }
+    }
+
+    /// Returns the name of every feature of every type.
+    pub fn slots(&self) -> Vec<String> {
+        self.names(|each| &each.features)
+    }
+
+    /// Returns the name of every action of every type.
+    pub fn actuators(&self) -> Vec<String> {
+        self.names(|each| &each.actions)
+    }
+
+    /// Returns the features and the actions of a node of each type.
+    pub fn widths(&self) -> Vec<NodeWidths> {
+        let widths =
+            |each: &TypeSpaces| NodeWidths { features: each.features.len(), outputs: each.actions.len() };
+        self.types.iter().map(widths).collect()
+    }
+
+    fn names(&self, of: fn(&TypeSpaces) -> &Vec<String>) -> Vec<String> {
+        let named = |each| of(each).iter().map(move |name| format!("{}: {name}", TypeSpaces::name(each)));
+        self.types.iter().flat_map(named).collect()
+    }
+}
+
+impl TypeSpaces {
+    fn name(&self) -> &'static str {
+        self.name
+    }
+}
+
+impl AgentObservation {
+    /// Returns the observation of a building node by node. Of the forms, `raw` is the observation of each node from the bounds of
+    /// the universe to [-1, 1], `features` has the features of the node's own zone or actuators.
+    ///
+    /// # Errors
+    /// [`Error::Graph`] for a building whose graph cannot be made.
+    pub fn by_node(interface: Interface, spaces: &Arc<Spaces>) -> Result<NodeView> {
+        let failed = |source: Box<dyn std::error::Error + Send + Sync>| Error::Graph {
+            building: spaces.building.name.clone(),
+            source,
+        };
+        let described = Description::of(&spaces.building, &spaces.episode.weather, Origin::default());
+        let morphology = Morphology::of(&spaces.building, &described.map_err(|error| failed(error.into()))?);
+        let (mut features, mut widths) = (Vec::new(), Vec::new());
+        for node in &morphology.nodes {
+            let view = Placed { spaces, morphology: &morphology, node };
+            let local = local_features(interface, node.node_type, &view);
+            widths.push(local.len());
+            let name = |what: String| {
+                if what.starts_with(&node.name) { what } else { format!("{} {what}", node.name) }
+            };
+            features.extend(local.into_iter().map(|(what, source)| Feature::new(name(what), source)));
+        }
+        let actuators =
+            spaces.action.names().iter().zip(spaces.action.owners()).zip(spaces.action.quantities());
+        let actions = actuators.map(|((name, owner), quantity)| {
+            let node =
+                morphology.node_of(*owner).ok_or_else(|| failed(format!("no node has {name}").into()))?;
+            let outputs = morphology.nodes[node].node_type.action();
+            let output = outputs.iter().position(|slot| slot.quantity == *quantity);
+            Ok((node, output.ok_or_else(|| failed(format!("its node does not have {name}").into()))?))
+        });
+        let graph = Graph::new(&morphology, &widths, &actions.collect::<Result<Vec<_>>>()?);
+        Ok(NodeView { observation: Self { features, memory: Memory::new(spaces) }, graph })
+    }
+}
+
+/// Where the values of a node are.
+trait Places {
+    /// Slot of a quantity in the environment's observation.
+    fn slot(&self, quantity: Observed) -> Option<usize>;
+
+    /// Number of an actuator.
+    fn actuator(&self, quantity: Quantity) -> Option<usize>;
+
+    /// Where the values of a controlled zone are.
+    fn controlled_zone(&self) -> ControlledZone;
+
+    /// Scaled attributes of the node, and of the building.
+    fn attributes(&self) -> [Vec<f64>; 2];
+
+    fn steps_per_hour(&self) -> u32;
+}
+
+/// A node of a building.
+struct Placed<'a> {
+    spaces: &'a Spaces,
+    morphology: &'a Morphology,
+    node: &'a Node,
+}
+
+/// A node of no building, of which only the names of its features count.
+struct Nowhere;
+
+impl Places for Placed<'_> {
+    fn slot(&self, quantity: Observed) -> Option<usize> {
+        let slots = self.spaces.observation.slots();
+        slots.iter().position(|slot| slot.owner == self.node.owner && slot.quantity == quantity)
+    }
+
+    fn actuator(&self, quantity: Quantity) -> Option<usize> {
+        let action = &self.spaces.action;
+        let mut actuators = action.owners().iter().zip(action.quantities());
+        actuators.position(|(owner, each)| *owner == self.node.owner && *each == quantity)
+    }
+
+    fn controlled_zone(&self) -> ControlledZone {
+        let space = &self.spaces.observation;
+        let is_own = |zone: usize| self.node.owner == Owner::Zone(zone);
+        let own = self.spaces.controlled_zones().enumerate().find(|(_, zone)| is_own(*zone));
+        let (zone, temperature) = own.expect("a zone with equipment is controlled");
+        ControlledZone { zone, temperature, target: space.target(zone), occupancy: space.occupancy(zone) }
+    }
+
+    fn attributes(&self) -> [Vec<f64>; 2] {
+        let own = self.node.node_type.attributes().iter().zip(&self.node.attributes);
+        [own.map(|(slot, value)| slot.scaled(*value)).collect(), self.morphology.scaled_common_attributes()]
+    }
+
+    fn steps_per_hour(&self) -> u32 {
+        self.spaces.episode.steps_per_hour
+    }
+}
+
+impl Places for Nowhere {
+    fn slot(&self, _: Observed) -> Option<usize> {
+        Some(0)
+    }
+
+    fn actuator(&self, _: Quantity) -> Option<usize> {
+        Some(0)
+    }
+
+    fn controlled_zone(&self) -> ControlledZone {
+        ControlledZone { zone: 0, temperature: 0, target: Target::Always(0.0), occupancy: None }
+    }
+
+    fn attributes(&self) -> [Vec<f64>; 2] {
+        [
+            vec![0.0; NodeType::ALL.map(|each| each.attributes().len()).into_iter().max().unwrap_or(0)],
+            vec![0.0; COMMON.len()],
+        ]
+    }
+
+    fn steps_per_hour(&self) -> u32 {
+        1
+    }
+}
+
+/// Returns the features of a node, in an order that only depends on its type.
+fn local_features(interface: Interface, node_type: NodeType, places: &dyn Places) -> Vec<(String, Source)> {
+    let mut features = match interface.observation {
+        ObservationForm::Raw | ObservationForm::Roles => observed(node_type, places),
+        ObservationForm::Features => computed(interface, node_type, places),
+    };
+    if interface.nodes.is_some_and(|form| form.attributes) {
+        let [own, common] = places.attributes();
+        features.extend(constants(node_type.attributes(), &own));
+        if node_type == NodeType::Weather {
+            features.extend(constants(COMMON, &common));
+        }
+    }
+    features
+}
+
+fn constants(slots: &[LocalSlot<Attribute>], values: &[f64]) -> impl Iterator<Item = (String, Source)> {
+    slots.iter().zip(values).map(|(slot, value)| (text(&slot.quantity), Source::Constant(*value)))
+}
+
+/// Returns the observation of a node, from the bounds of the universe to [-1, 1]. Without targets that vary, a zone has the constant
+/// one, and is occupied.
+fn observed(node_type: NodeType, places: &dyn Places) -> Vec<(String, Source)> {
+    let source = |slot: &LocalSlot<Observed>| {
+        let LocalSlot { quantity, low, high, .. } = *slot;
+        if let Some(slot) = places.slot(quantity) {
+            return Source::Bounded { slot, low, high };
+        }
+        let value = match (quantity, places.controlled_zone().target) {
+            (Observed::TargetTemperature, Target::Always(target)) => target,
+            (Observed::Occupancy, _) => 1.0,
+            _ => low,
+        };
+        Source::Constant(slot.scaled(value))
+    };
+    node_type.observation().iter().map(|slot| (text(&slot.quantity), source(slot))).collect()
+}
+
+/// Returns the features of a node, as [`ObservationForm::Features`] has them.
+fn computed(interface: Interface, node_type: NodeType, places: &dyn Places) -> Vec<(String, Source)> {
+    let slot = |quantity| places.slot(quantity).unwrap_or_default();
+    let owned = |features: &[(&str, Source)]| -> Vec<(String, Source)> {
+        features.iter().map(|(name, source)| ((*name).to_owned(), *source)).collect()
+    };
+    let mut features = match node_type {
+        NodeType::Weather => {
+            owned(&weather(slot(Observed::OutdoorTemperature), slot(Observed::OutdoorHumidity)))
+        }
+        NodeType::Calendar => {
+            calendar(slot(Observed::TimeOfDay), slot(Observed::DayOfWeek), slot(Observed::DayOfYear))
+        }
+        NodeType::Energy => {
+            owned(&energy(slot(Observed::Electricity), slot(Observed::Gas), places.steps_per_hour()))
+        }
+        NodeType::AirLoop => Vec::new(),
+        NodeType::UnitaryZone | NodeType::VavZone | NodeType::HeatingOnlyZone => {
+            owned(&places.controlled_zone().features())
+        }
+        NodeType::UncontrolledZone => owned(&[("temperature", temperature(slot(Observed::AirTemperature)))]),
+    };
+    for action in node_type.action() {
+        let actuator = places.actuator(action.quantity);
+        let of = |source: fn(usize) -> Source| actuator.map_or(Source::Constant(0.0), source);
+        let name = text(&action.quantity);
+        features.push((format!("{name} previous"), of(Source::Previous)));
+        if interface.acting.has_base() {
+            features.push((format!("{name} base"), of(Source::Base)));
+        }
+    }
+    features
+}
+
+/// Returns the name of a quantity, such as `air temperature`.
+fn text(quantity: &impl Serialize) -> String {
+    let name = serde_json::to_value(quantity).expect("a quantity is a name");
+    name.as_str().unwrap_or_default().replace('_', " ")
+}

@@ -1,0 +1,158 @@
+//! Graph agents in buildings of several types, on the real engine.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use b2b_agent::network::{Activation, Actor, Distribution, Edges, GraphNetwork, Shape};
+use b2b_agent::{
+    Acting, Agent, AgentInfo, AgentObservation, Error, FORMAT, Interface, NodeForm, NodeSpaces,
+    ObservationForm, Pilot, TrainingInfo,
+};
+use b2b_building::morphology::NodeType;
+use b2b_control::Reactive;
+use b2b_dataset::{Catalog, Placement};
+use b2b_energyplus::install::Quiet;
+use b2b_env::{Env, EpisodeConfig, rollout};
+
+fn env(building: &str, task: &str) -> Env {
+    let catalog = Catalog::open(&mut Quiet).unwrap();
+    let found = catalog.find(&building.parse().unwrap(), &Placement::default(), &mut Quiet).unwrap();
+    let weather = found.weather.clone();
+    let building = Arc::new(found.prepare(catalog.library()).unwrap());
+    let (period, task) = ("01-10..01-10".parse().unwrap(), task.parse().unwrap());
+    Env::new(catalog.library().clone(), building, EpisodeConfig { weather, period, steps_per_hour: 12, task })
+        .unwrap()
+}
+
+fn interface(observation: ObservationForm, acting: Acting, attributes: bool) -> Interface {
+    Interface { observation, acting, nodes: Some(NodeForm { attributes }) }
+}
+
+const RESIDUAL: Acting = Acting::Residual { authority: 0.5 };
+
+/// Writes an agent with weights of this size that knows these types.
+fn write(folder: &Path, interface: Interface, scale: f32, known: &[NodeType]) {
+    let spaces = NodeSpaces::of(interface);
+    let network = GraphNetwork {
+        types: spaces.widths(),
+        embedding: 16,
+        heads: 2,
+        layers: 2,
+        feed_forward: 24,
+        activation: Activation::Relu,
+        edges: Edges::Bias,
+    };
+    let shape = Shape::Graph(network.clone());
+    let number = |index: usize| scale * (((index * 7919) % 101) as f32 / 50.0 - 1.0);
+    let mut parameters: Vec<f32> = (0..shape.parameters()).map(number).collect();
+    for encoder in network.places().encoders {
+        parameters[encoder.mean].fill(0.0);
+        parameters[encoder.scale].fill(1.0);
+    }
+    let log_std = vec![-1.0; spaces.actuators().len()];
+    let actor = Actor { shape, parameters, distribution: Distribution::Gaussian { log_std } };
+    let info = AgentInfo {
+        format: FORMAT,
+        interface,
+        slots: spaces.slots(),
+        actuators: spaces.actuators(),
+        node_types: known.iter().map(|node_type| node_type.name().to_owned()).collect(),
+        network: actor.shape.clone(),
+        distribution: actor.distribution.clone(),
+        task: "occupancy".parse().unwrap(),
+        training: TrainingInfo { buildings: "several".into(), ..TrainingInfo::default() },
+        weights: String::new(),
+    };
+    Agent::write(folder, info, &actor).unwrap();
+}
+
+#[test]
+fn one_agent_controls_buildings_of_several_types_and_acts_alike_when_read_again() {
+    let folder = tempfile::tempdir().unwrap();
+    for (observation, acting, attributes) in
+        [(ObservationForm::Raw, Acting::Direct, false), (ObservationForm::Features, RESIDUAL, true)]
+    {
+        write(folder.path(), interface(observation, acting, attributes), 0.3, &NodeType::ALL);
+        let agent = Agent::read(folder.path()).unwrap();
+        let mut returns = Vec::new();
+        for building in ["SingleFamilyHouse-0014", "OfficeSmall-0042", "OfficeMedium-0007"] {
+            let mut env = env(building, "occupancy");
+            let spaces = Arc::clone(env.spaces());
+            let both = [0, 1].map(|_| {
+                let mut controller = agent.controller(&spaces).unwrap();
+                rollout(&mut env, &mut controller, &mut ()).unwrap().episode_return
+            });
+            assert_eq!(both[0], both[1], "{building}");
+            returns.push(both[0]);
+        }
+        assert!(returns.iter().all(|value| *value < 0.0) && returns[0] != returns[1], "{returns:?}");
+    }
+}
+
+#[test]
+fn a_correction_of_zero_is_the_reactive_controllers() {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), interface(ObservationForm::Features, RESIDUAL, false), 0.0, &NodeType::ALL);
+    let mut env = env("OfficeSmall-0042", "occupancy");
+    let spaces = Arc::clone(env.spaces());
+    let mut agent = Agent::read(folder.path()).unwrap().controller(&spaces).unwrap();
+    let corrected = rollout(&mut env, &mut agent, &mut ()).unwrap();
+    let mut reactive = Reactive::for_env(&env);
+    let reactive = rollout(&mut env, &mut reactive, &mut ()).unwrap();
+    assert_eq!(corrected.episode_return, reactive.episode_return);
+}
+
+#[test]
+fn a_building_with_an_unknown_node_type_is_an_error_that_names_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let known: Vec<_> = NodeType::ALL.into_iter().filter(|each| *each != NodeType::AirLoop).collect();
+    write(folder.path(), interface(ObservationForm::Raw, Acting::Direct, false), 0.1, &known);
+    let agent = Agent::read(folder.path()).unwrap();
+    agent.controller(env("SingleFamilyHouse-0014", "constant").spaces()).unwrap();
+    let error = agent.controller(env("OfficeMedium-0007", "constant").spaces()).unwrap_err();
+    assert!(matches!(&error, Error::UnknownNodeType { node_type: "air loop", .. }), "{error}");
+    let said = error.to_string();
+    assert!(said.contains("OfficeMedium-0007") && said.contains("unitary zone, VAV zone"), "{said}");
+}
+
+#[test]
+fn an_agent_of_other_features_is_an_error_that_names_the_first() {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), interface(ObservationForm::Raw, Acting::Direct, false), 0.1, &NodeType::ALL);
+    let path = folder.path().join("agent.json");
+    let text = std::fs::read_to_string(&path).unwrap();
+    std::fs::write(&path, text.replace("VAV zone: occupancy", "VAV zone: presence")).unwrap();
+    let agent = Agent::read(folder.path()).unwrap();
+    let said = agent.controller(env("OfficeSmall-0042", "occupancy").spaces()).unwrap_err().to_string();
+    assert!(said.contains("VAV zone: occupancy") && said.contains("VAV zone: presence"), "{said}");
+}
+
+#[test]
+fn every_node_has_the_features_of_its_type_and_every_actuator_a_place() {
+    let widths = |interface| NodeSpaces::of(interface).widths();
+    for building in ["SingleFamilyHouse-0014", "OfficeMedium-0007", "Warehouse-0003"] {
+        for task in ["constant", "occupancy"] {
+            let mut env = env(building, task);
+            let spaces = Arc::clone(env.spaces());
+            for (form, attributes) in [(ObservationForm::Raw, true), (ObservationForm::Features, false)] {
+                let interface = interface(form, RESIDUAL, attributes);
+                let graph = AgentObservation::by_node(interface, &spaces).unwrap().graph;
+                let widths = widths(interface);
+                for (node, node_type) in graph.types.iter().enumerate() {
+                    let features = graph.features[node + 1] - graph.features[node];
+                    assert_eq!(features, widths[*node_type].features, "{building}: {}", graph.names[node]);
+                }
+                assert_eq!(graph.actions.len(), spaces.action.len());
+                for (place, name) in graph.actions.iter().zip(spaces.action.names()) {
+                    assert!(name.starts_with(&graph.names[place.node]), "{name}");
+                    assert!(place.output < widths[graph.types[place.node]].outputs);
+                }
+                let mut pilot = Pilot::new(interface, &spaces).unwrap();
+                let seen = env.reset().unwrap().to_vec();
+                let row = pilot.observe(&seen);
+                assert_eq!(row.len(), graph.width());
+                assert!(row.iter().all(|value| value.abs() <= 6.0), "{building}, {task}, {form}: {row:?}");
+            }
+        }
+    }
+}

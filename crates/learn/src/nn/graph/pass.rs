@@ -1,0 +1,123 @@
+//! Forward and backward passes of batches of buildings.
+
+use b2b_agent::network::graph::{Batch, Graph, GraphNetwork, Places, Tape};
+
+use super::backward::{Gradients, Target};
+use crate::nn::pass::forward;
+use crate::nn::sized;
+
+/// What becomes of the outputs of nodes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Readout {
+    /// The outputs of the actions of a building in the order of its actuators, padded to `actions`; with `of_state` as many
+    /// logarithms of standard deviations follow.
+    Actions {
+        /// Actions in a row.
+        actions: usize,
+        /// Whether logarithms of standard deviations follow.
+        of_state: bool,
+    },
+    /// The mean of the outputs of all nodes.
+    Mean,
+}
+
+/// Buffers of passes through a graph network. They grow to the largest batch and are reused: see [`Pass`](crate::nn::Pass).
+#[derive(Clone, Debug)]
+pub struct GraphPass {
+    network: GraphNetwork,
+    places: Places,
+    readout: Readout,
+    tape: Tape,
+    gradients: Gradients,
+    outputs: Vec<f32>,
+}
+
+impl GraphPass {
+    /// Returns the buffers of a network.
+    pub fn new(network: &GraphNetwork, readout: Readout) -> Self {
+        Self {
+            network: network.clone(),
+            places: network.places(),
+            readout,
+            tape: Tape::default(),
+            gradients: Gradients::default(),
+            outputs: Vec::new(),
+        }
+    }
+
+    /// Returns the numbers of a row of outputs.
+    pub fn width(&self) -> usize {
+        match self.readout {
+            Readout::Actions { actions, of_state } => actions * if of_state { 2 } else { 1 },
+            Readout::Mean => 1,
+        }
+    }
+
+    /// Returns the outputs of the last forward pass: rows × width.
+    pub fn outputs(&self) -> &[f32] {
+        &self.outputs[..self.tape.rows.len() * self.width()]
+    }
+
+    /// Computes and returns the outputs of a batch: rows × width. Padding is 0.
+    ///
+    /// # Panics
+    /// When the parameters or the rows have another length than the shape.
+    pub fn forward(&mut self, parameters: &[f32], batch: Batch<'_>) -> &[f32] {
+        let (width, rows) = (self.width(), batch.of_rows.len());
+        self.tape.forward(&self.network, &self.places, parameters, batch, forward);
+        let Self { network, tape, outputs, readout, .. } = self;
+        let outputs = sized(outputs, rows * width);
+        outputs.fill(0.0);
+        for ((row, graph), outputs) in batch.graphs().enumerate().zip(outputs.chunks_exact_mut(width)) {
+            each(*readout, network, graph, |node, output, place, share| {
+                outputs[place] += share * tape.outputs_of(network, row, node)[output];
+            });
+        }
+        self.outputs()
+    }
+
+    /// Propagates the gradients of the outputs of the last forward pass, which was of this batch, and adds those of the parameters
+    /// to `sums`.
+    ///
+    /// # Panics
+    /// When a slice has another length than the shape.
+    pub fn backward(&mut self, parameters: &[f32], batch: Batch<'_>, gradients: &[f32], sums: &mut [f32]) {
+        let width = self.width();
+        let Self { network, places, readout, tape, gradients: buffers, .. } = self;
+        buffers.begin(network, tape);
+        for ((row, graph), gradients) in batch.graphs().enumerate().zip(gradients.chunks_exact(width)) {
+            each(*readout, network, graph, |node, output, place, share| {
+                let token = tape.rows[row].first + node;
+                let outputs = network.types[tape.types[token]].outputs;
+                buffers.outputs[tape.types[token]][tape.places[token] * outputs + output] +=
+                    share * gradients[place];
+            });
+        }
+        let mut target = Target { network, places, parameters, sums };
+        buffers.propagate(&mut target, tape, batch);
+    }
+}
+
+/// Calls a function with every output of a building that is read: node, output of the node, place in the row, and its share there.
+fn each(
+    readout: Readout,
+    network: &GraphNetwork,
+    graph: &Graph,
+    mut read: impl FnMut(usize, usize, usize, f32),
+) {
+    match readout {
+        Readout::Actions { actions, of_state } => {
+            for (action, place) in graph.actions.iter().enumerate() {
+                read(place.node, place.output, action, 1.0);
+                if of_state {
+                    let half = network.types[graph.types[place.node]].outputs / 2;
+                    read(place.node, half + place.output, actions + action, 1.0);
+                }
+            }
+        }
+        Readout::Mean => {
+            let share = 1.0 / graph.nodes() as f32;
+            (0..graph.nodes()).for_each(|node| read(node, 0, 0, share));
+        }
+    }
+}

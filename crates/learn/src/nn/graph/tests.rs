@@ -1,0 +1,198 @@
+use std::sync::Arc;
+
+use b2b_agent::network::graph::{ActionPlace, Batch, Edges, Graph, GraphNetwork, NodeWidths, REACHES, Tape};
+use b2b_agent::network::{Activation, Layer};
+
+use super::{GraphPass, Readout, initialize, reference};
+use crate::nn::reference::{assert_gradients, wide};
+use crate::random::Random;
+
+/// Features and outputs of three node types, the last of which is observed alone, and the second controlled alone.
+const TYPES: [(usize, usize); 3] = [(3, 2), (0, 1), (2, 0)];
+
+fn network(edges: Edges, outputs: fn(usize) -> usize) -> GraphNetwork {
+    GraphNetwork {
+        types: TYPES.map(|(features, actions)| NodeWidths { features, outputs: outputs(actions) }).to_vec(),
+        embedding: 8,
+        heads: 2,
+        layers: 2,
+        feed_forward: 6,
+        activation: Activation::Tanh,
+        edges,
+    }
+}
+
+/// Returns a building with nodes of these types, and random edges.
+fn graph(types: &[usize], seed: u64) -> Graph {
+    let mut random = Random::new(seed, 0);
+    let mut features = vec![0];
+    types.iter().for_each(|each| features.push(features[features.len() - 1] + TYPES[*each].0));
+    let nodes = types.len();
+    let relations = (0..nodes * nodes).map(|pair| match (pair / nodes == pair % nodes, random.below(3)) {
+        (true, _) => REACHES,
+        (_, 0) => REACHES | 1 << random.below(5),
+        _ => 0,
+    });
+    let actions = types.iter().enumerate().flat_map(|(node, each)| {
+        let number = TYPES[..*each].iter().map(|(_, actions)| actions).sum::<usize>();
+        (0..TYPES[*each].1).map(move |output| ActionPlace { node, output, number: number + output })
+    });
+    Graph {
+        names: types.iter().map(usize::to_string).collect(),
+        types: types.to_vec(),
+        features,
+        actions: actions.collect(),
+        relations: relations.collect(),
+    }
+}
+
+/// Three buildings, the first two of which have one shape.
+fn graphs() -> Vec<Arc<Graph>> {
+    let types: [&[usize]; 3] = [&[0, 0, 1, 2], &[0, 0, 1, 2], &[0, 1, 0, 0, 0, 2, 2, 1]];
+    types.into_iter().zip(1..).map(|(types, seed)| Arc::new(graph(types, seed))).collect()
+}
+
+const OF_ROWS: [usize; 5] = [2, 0, 1, 2, 0];
+const WIDTH: usize = 18;
+
+fn random_parameters(network: &GraphNetwork) -> Vec<f32> {
+    let mut random = Random::new(5, 0);
+    let mut parameters = initialize(network, 1.0, &mut random);
+    parameters.iter_mut().for_each(|value| *value += 0.2 * random.normal() as f32);
+    parameters
+}
+
+fn observations() -> Vec<f32> {
+    let mut observations = vec![0.0; OF_ROWS.len() * WIDTH];
+    Random::new(9, 0).normals(&mut observations);
+    observations
+}
+
+const ALL: [Edges; 4] = [Edges::None, Edges::Bias, Edges::Mask, Edges::Mixed];
+
+/// Returns outputs of a batch by the definition, rows × 8 actions or rows × 1.
+fn expected(network: &GraphNetwork, parameters: &[f64], observations: &[f64], readout: Readout) -> Vec<f64> {
+    let graphs = graphs();
+    let rows = OF_ROWS.iter().zip(observations.chunks(WIDTH));
+    rows.flat_map(|(of_row, observation)| {
+        let graph = &graphs[*of_row];
+        let outputs = reference::forward(network, parameters, graph, observation);
+        match readout {
+            Readout::Actions { actions, .. } => {
+                let mut row: Vec<f64> =
+                    graph.actions.iter().map(|place| outputs[place.node][place.output]).collect();
+                row.resize(actions, 0.0);
+                row
+            }
+            Readout::Mean => vec![outputs.iter().map(|node| node[0]).sum::<f64>() / outputs.len() as f64],
+        }
+    })
+    .collect()
+}
+
+const ACTIONS: Readout = Readout::Actions { actions: 12, of_state: false };
+
+#[test]
+fn outputs_and_gradients_are_those_of_the_definition() {
+    for edges in ALL {
+        for (readout, outputs) in
+            [(ACTIONS, (|actions| actions) as fn(usize) -> usize), (Readout::Mean, |_| 1)]
+        {
+            let network = network(edges, outputs);
+            let (parameters, observations, graphs) = (random_parameters(&network), observations(), graphs());
+            let batch =
+                Batch { graphs: &graphs, of_rows: &OF_ROWS, observations: &observations, width: WIDTH };
+            let mut pass = GraphPass::new(&network, readout);
+            let outputs = pass.forward(&parameters, batch).to_vec();
+            let observed = wide(&observations);
+            let by_definition = expected(&network, &wide(&parameters), &observed, readout);
+            assert_eq!(outputs.len(), by_definition.len());
+            for (output, expected) in outputs.iter().zip(&by_definition) {
+                assert!((f64::from(*output) - expected).abs() < 2e-5, "{edges:?}: {output} {expected}");
+            }
+            let mut weights = vec![0.0; outputs.len()];
+            Random::new(2, 0).normals(&mut weights);
+            let mut sums = vec![0.0; parameters.len()];
+            pass.backward(&parameters, batch, &weights, &mut sums);
+            // Means and scales of features are not learned.
+            let mut fixed = vec![false; parameters.len()];
+            for encoder in network.places().encoders {
+                fixed[encoder.mean.start..encoder.scale.end].fill(true);
+            }
+            let all = wide(&parameters);
+            let learned: Vec<usize> = (0..all.len()).filter(|place| !fixed[*place]).collect();
+            let gradients: Vec<f32> = learned.iter().map(|place| sums[*place]).collect();
+            let start: Vec<f64> = learned.iter().map(|place| all[*place]).collect();
+            assert_gradients(&start, &gradients, |moved| {
+                let mut parameters = all.clone();
+                learned.iter().zip(moved).for_each(|(place, value)| parameters[*place] = *value);
+                let outputs = expected(&network, &parameters, &observed, readout);
+                outputs.iter().zip(&weights).map(|(output, weight)| output * f64::from(*weight)).sum()
+            });
+            assert!(sums.iter().zip(&fixed).all(|(sum, fixed)| !fixed || *sum == 0.0));
+        }
+    }
+}
+
+#[test]
+fn a_building_in_a_batch_has_the_outputs_that_it_has_alone() {
+    let (graphs, observations) = (graphs(), observations());
+    for edges in ALL {
+        let network = network(edges, |actions| actions);
+        let (parameters, places) = (random_parameters(&network), network.places());
+        let batch = Batch { graphs: &graphs, of_rows: &OF_ROWS, observations: &observations, width: WIDTH };
+        let mut together = Tape::default();
+        together.forward(&network, &places, &parameters, batch, Layer::forward_rows);
+        let mut pass = GraphPass::new(&network, ACTIONS);
+        let learned = pass.forward(&parameters, batch).to_vec();
+        let mut alone = Tape::default();
+        for (row, (of_row, observation)) in OF_ROWS.iter().zip(observations.chunks(WIDTH)).enumerate() {
+            let graph = &graphs[*of_row];
+            let batch = Batch::of_one(graph, &observation[..graph.width()]);
+            alone.forward(&network, &places, &parameters, batch, Layer::forward_rows);
+            for node in 0..graph.nodes() {
+                let bits =
+                    [(&together, row), (&alone, 0)].map(|(tape, row)| tape.outputs_of(&network, row, node));
+                assert_eq!(bits[0], bits[1]);
+            }
+            for (action, place) in graph.actions.iter().enumerate() {
+                let output = alone.outputs_of(&network, 0, place.node)[place.output];
+                assert!((output - learned[row * 12 + action]).abs() < 1e-5, "the learner's pass");
+            }
+        }
+    }
+}
+
+#[test]
+fn permuted_nodes_have_permuted_outputs() {
+    let order = [3, 7, 0, 4, 6, 1, 5, 2];
+    let original = &graphs()[2];
+    let types: Vec<usize> = order.iter().map(|node| original.types[*node]).collect();
+    let mut permuted = graph(&types, 0);
+    for (pair, relation) in permuted.relations.iter_mut().enumerate() {
+        *relation = original.relations[order[pair / 8] * 8 + order[pair % 8]];
+    }
+    let permuted = Arc::new(permuted);
+    let observation = &observations()[..original.width()];
+    let features = |node: &usize| &observation[original.features[*node]..original.features[*node + 1]];
+    let moved: Vec<f32> = order.iter().flat_map(features).copied().collect();
+    for edges in ALL {
+        let network = network(edges, |actions| actions);
+        let (parameters, places) = (random_parameters(&network), network.places());
+        let [mut before, mut after] = [Tape::default(), Tape::default()];
+        before.forward(
+            &network,
+            &places,
+            &parameters,
+            Batch::of_one(original, observation),
+            Layer::forward_rows,
+        );
+        after.forward(&network, &places, &parameters, Batch::of_one(&permuted, &moved), Layer::forward_rows);
+        for (place, node) in order.iter().enumerate() {
+            let outputs = after.outputs_of(&network, 0, place).iter();
+            for (output, expected) in outputs.zip(before.outputs_of(&network, 0, *node)) {
+                assert!((output - expected).abs() < 1e-5, "{edges:?}: {output} {expected}");
+            }
+        }
+    }
+}
