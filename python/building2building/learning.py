@@ -78,7 +78,7 @@ def train(
     buildings: str | Sequence[str] | None = None,
     *,
     out: PathLike,
-    building_type: str | None = None,
+    building_type: str | Sequence[str] | None = None,
     preset: str = "residual",
     task: str | None = None,
     run_period: str | None = None,
@@ -92,8 +92,8 @@ def train(
     """Trains an agent, as ``b2b train`` does, and returns it.
 
     ``buildings`` are trained on in turn; with ``building_type`` every episode has another building of its training
-    split.
-    ``preset`` is ``"residual"`` or ``"paper"``; ``options`` are any others of a run's ``config.toml``, such as
+    split; several types are for the preset ``"graph"``, whose agents control buildings of any types.
+    ``preset`` is ``"residual"``, ``"paper"`` or ``"graph"``; ``options`` are any others of a run's ``config.toml``, such as
     ``environments=4`` or ``ppo={"gamma": 0.99}``. ``out`` is the folder of the run, which is the agent's. A folder that
     has a run with the same options continues from its last checkpoint; with ``resume`` only ``steps`` can be given.
 
@@ -104,7 +104,7 @@ def train(
     """
     named = {
         "buildings": [buildings] if isinstance(buildings, str) else buildings and list(buildings),
-        "building_type": building_type,
+        "building_type": [building_type] if isinstance(building_type, str) else building_type and list(building_type),
         "task": task,
         "period": run_period,
         "steps": steps,

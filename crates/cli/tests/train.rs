@@ -154,6 +154,80 @@ fn a_run_that_was_killed_anywhere_and_resumed_ends_with_the_same_weights() {
     }
 }
 
+/// A small run of one policy for two building types.
+const GRAPH: &str = "\
+preset = \"graph\"
+buildings = [\"SingleFamilyHouse-0014\", \"OfficeSmall-0042\"]
+task = \"occupancy\"
+period = \"01-10..01-12\"
+steps = 1152
+environments = 2
+window_days = 1
+window_starts = 2
+checkpoint_every = 384
+evaluation = { every = 768, days = 1 }
+policy = { kind = \"graph\", embedding = 16, heads = 2, layers = 1, feed_forward = 16, edges = \"bias\" }
+ppo = { n_steps = 96, batch_size = 64, epochs = 2 }
+";
+
+#[test]
+fn one_policy_for_two_types_is_an_agent_that_is_resumed_entered_and_verified() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    std::fs::write(path.join("graph.toml"), GRAPH).unwrap();
+    let summary = json(path, "train --config graph.toml --out run");
+    assert_eq!((summary["steps"].as_u64(), summary["lost_episodes"].as_u64()), (Some(1152), Some(0)));
+    assert_eq!(summary["buildings"].as_array().or(summary["scores"].as_array()).map(Vec::len), Some(2));
+    let info: Value = serde_json::from_slice(&std::fs::read(path.join("run/agent.json")).unwrap()).unwrap();
+    let known = ["weather", "calendar", "energy", "unitary zone", "uncontrolled zone"];
+    assert_eq!(info["node_types"], serde_json::json!(known));
+
+    // Stopped at a checkpoint and continued.
+    assert!(b2b(path, "train --config graph.toml --steps 768 --out parts").status.success());
+    assert!(b2b(path, "train --resume parts --steps 1152").status.success());
+    assert_eq!(weights(path, "parts")[1], weights(path, "run")[1]);
+
+    // Buildings that it was not trained on, one of another type.
+    let evaluate =
+        "evaluate OfficeSmall-0007 --policy run --task occupancy --period 01-10..01-10 --out unseen";
+    assert_eq!(json(path, evaluate)["windows"][0]["all"]["episodes"].as_u64(), Some(1));
+    assert_rejected(
+        path,
+        "run OfficeMedium-0007 --controller run --period 01-10..01-10",
+        &["OfficeMedium-0007", "does not know the node type `air loop`", "it knows weather, calendar"],
+    );
+    let problem = "retail-to-office-small --test OfficeSmall-0007 --train RetailStandalone-0001 \
+                   --period 01-10..01-10 --seed 0";
+    let output = b2b(path, &format!("benchmark run {problem} --policy run --out entered"));
+    assert!(output.status.success(), "{}", stderr(&output));
+    let output = b2b(path, "benchmark verify entered");
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert_rejected(
+        path,
+        "export run --building OfficeSmall-0042 --out agent.onnx",
+        &["run is not a plain network", "it is a graph network"],
+    );
+}
+
+#[test]
+fn several_types_without_a_graph_network_are_an_error() {
+    let folder = folder_with_config();
+    let path = folder.path();
+    let several = "train --type OfficeSmall SingleFamilyHouse";
+    assert_rejected(path, several, &["several building types are for graph networks"]);
+    std::fs::write(path.join("wrong.toml"), "[policy]\nheads = 5").unwrap();
+    assert_rejected(
+        path,
+        &format!("{several} --preset graph --config wrong.toml"),
+        &["`policy.heads` is 5; expected a divisor of the embedding, 64"],
+    );
+    assert_rejected(
+        path,
+        &format!("{several} --preset graph --algorithm sac"),
+        &["`algorithm` with graph networks: it must be ppo"],
+    );
+}
+
 #[test]
 fn a_finished_run_continues_to_more_steps() {
     let folder = folder_with_config();

@@ -27,10 +27,11 @@ pub struct Arguments {
     /// Training buildings, such as OfficeSmall-0509; episodes run in them in turn
     #[arg(value_name = "BUILDING", conflicts_with = "building_type")]
     buildings: Vec<BuildingName>,
-    /// Train on the training split of a building type: another building every episode
-    #[arg(long = "type", value_name = "TYPE")]
-    building_type: Option<BuildingType>,
-    /// Preset: paper (PPO as in the paper) or residual (corrections of the tuned reactive controllers) [default: residual]
+    /// Train on the training split of a building type: another building every episode; of several types with a graph network
+    #[arg(long = "type", visible_alias = "types", value_name = "TYPE", num_args = 1..)]
+    building_type: Vec<BuildingType>,
+    /// Preset: paper (PPO as in the paper), residual (corrections of the tuned reactive controllers) or graph (one network for
+    /// buildings of several types) [default: residual]
     #[arg(long, value_name = "PRESET")]
     preset: Option<String>,
     /// TOML file with any of the options that a run's config.toml has; other arguments take precedence
@@ -84,6 +85,7 @@ Examples:
   b2b train OfficeSmall-0509 --task occupancy --period summer
   b2b train SingleFamilyHouse-0042 --preset paper --steps 400000
   b2b train --type SingleFamilyHouse --task random --steps 2000000 --out runs/houses
+  b2b train --preset graph --type OfficeSmall RetailStandalone   one policy for both types
   b2b train --resume runs/houses --steps 4000000       continue to more steps
   b2b train OfficeSmall-0509 --config mine.toml        unknown keys are errors, with suggestions
   b2b evaluate OfficeSmall-0509 --policy runs/x        the run's folder is the agent
@@ -145,8 +147,8 @@ impl Arguments {
             config.buildings = self.buildings.iter().map(ToString::to_string).collect();
             config.building_type.clear();
         }
-        if let Some(building_type) = self.building_type {
-            config.building_type = building_type.to_string();
+        if !self.building_type.is_empty() {
+            config.building_type = self.building_type.iter().map(ToString::to_string).collect();
             config.buildings.clear();
         }
         set(&mut config.task, &self.task.as_ref().map(ToString::to_string));
@@ -168,7 +170,7 @@ impl Arguments {
         let given = self.resume.clone().or_else(|| self.out.clone());
         given.unwrap_or_else(|| {
             let what = match (&config.buildings[..], &config.building_type) {
-                ([], building_type) => building_type.clone(),
+                ([], types) => types.join("-"),
                 ([one], _) => Path::new(one).file_stem().unwrap_or_default().to_string_lossy().into_owned(),
                 ([first, rest @ ..], _) => format!("{first}-and-{}-more", rest.len()),
             };

@@ -33,7 +33,7 @@ pub use form::{Arranged, Arrangement, EpisodeForm, Form, Padded, RowSlot, check_
 pub use fragment::{MakeRunner, Runner, RunnerError, SharedMemory};
 pub use launcher::Launcher;
 pub use population::{Buildings, Population};
-pub use sampler::{AnyOf, Draw, Fixed, Kept, Sampler, Weighted, Windows, WithTask};
+pub use sampler::{AnyOf, Draw, Fixed, InTurn, Kept, Sampler, Weighted, Windows, WithTask};
 pub use setting::{Setting, Source};
 pub use statistics::Statistics;
 pub use vec_env::{Autoreset, VecEnv, VecEnvOptions};

@@ -66,6 +66,20 @@ impl Sampler for AnyOf {
     }
 }
 
+/// A sampler for each environment, in turn: each has the same share of the environments.
+pub struct InTurn(pub Vec<Box<dyn Sampler>>);
+
+impl Sampler for InTurn {
+    fn draw(&mut self, environment: usize, random: &mut ChaCha8Rng) -> Result<Draw> {
+        let own = environment % self.0.len();
+        self.0[own].draw(environment, random)
+    }
+
+    fn restart(&mut self) {
+        self.0.iter_mut().for_each(|sampler| sampler.restart());
+    }
+}
+
 /// Several samplers, one of which makes each draw, with a probability in proportion to its weight.
 pub struct Weighted(Vec<(f64, Box<dyn Sampler>)>);
 

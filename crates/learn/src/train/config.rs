@@ -10,13 +10,15 @@ use b2b_env::Task;
 use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
 
+use super::policy::Policy;
 use super::suggestion::with_suggestion;
 use crate::error::{Error, Result, at};
 use crate::ppo::PpoConfig;
 use crate::sac::SacConfig;
 
 /// The presets by name: TOML files of what differs from the defaults.
-const PRESETS: [(&str, &str); 2] = [
+const PRESETS: [(&str, &str); 3] = [
+    ("graph", include_str!("../../data/graph.toml")),
     ("paper", include_str!("../../data/paper.toml")),
     ("residual", include_str!("../../data/residual.toml")),
 ];
@@ -61,8 +63,12 @@ pub enum Keep {
 pub struct TrainConfig {
     /// Training buildings by name, in turn for the environments. Empty: those of `building_type` in the training split.
     pub buildings: Vec<String>,
-    /// Building type whose training split every episode's building is drawn from. Empty: `buildings`.
-    pub building_type: String,
+    /// Building type whose training split every episode's building is drawn from, or a list of types, in turn for the
+    /// environments. Empty: `buildings`.
+    #[serde(with = "one_or_many")]
+    pub building_type: Vec<String>,
+    /// Episodes that an environment stays in a building that was drawn.
+    pub building_episodes: u32,
     /// Task, such as `occupancy+energy0.5`.
     pub task: String,
     /// Run period: `winter`, `summer`, `full_year` or `MM-DD..MM-DD`.
@@ -71,6 +77,8 @@ pub struct TrainConfig {
     pub steps_per_hour: u32,
     /// Algorithm.
     pub algorithm: Algorithm,
+    /// Kind of network: `{ kind = "flat" }` or `{ kind = "graph" }` with the options of [`GraphPolicy`](super::GraphPolicy).
+    pub policy: Policy,
     /// Form of the agent's observations: `raw`, `roles` or `features`.
     pub observation: ObservationForm,
     /// How the agent acts: `{ kind = "direct" }` or `{ kind = "residual", authority = 0.5 }`.
@@ -127,11 +135,13 @@ impl Default for TrainConfig {
     fn default() -> Self {
         Self {
             buildings: Vec::new(),
-            building_type: String::new(),
+            building_type: Vec::new(),
+            building_episodes: 1,
             task: "constant".into(),
             period: "winter".into(),
             steps_per_hour: 12,
             algorithm: Algorithm::Ppo,
+            policy: Policy::Flat,
             observation: ObservationForm::Features,
             acting: Acting::Direct,
             steps: 500_000,
@@ -272,11 +282,17 @@ impl TrainConfig {
             () if self.buildings.is_empty() == self.building_type.is_empty() => {
                 "expected either `buildings` or `building_type`".to_owned()
             }
+            () if self.building_episodes == 0 => "`building_episodes` is 0; expected at least 1".to_owned(),
+            () if self.policy == Policy::Flat && self.building_type.len() > 1 => {
+                "several building types are for graph networks; choose the preset graph, or one type"
+                    .to_owned()
+            }
+            () if self.fault_of_graph().is_some() => self.fault_of_graph().unwrap_or_default(),
             () => match self.acting {
                 Acting::Residual { authority } if !(authority > 0.0 && authority <= 1.0) => {
                     format!("`authority` is {authority}; expected more than 0, at most 1")
                 }
-                _ => return self.building_type().map(|_| ()),
+                _ => return self.building_types().map(|_| ()),
             },
         };
         Err(Error::Invalid(wrong))
@@ -306,21 +322,35 @@ impl TrainConfig {
         Ok(self.buildings.iter().map(|name| name.parse()).collect::<b2b_dataset::Result<_>>()?)
     }
 
-    /// Returns the building type whose buildings are drawn, if they are.
+    /// Returns the building types whose buildings are drawn; none for named buildings.
     ///
     /// # Errors
     /// [`Error::Invalid`].
-    pub fn building_type(&self) -> Result<Option<BuildingType>> {
-        if self.building_type.is_empty() {
-            return Ok(None);
+    pub fn building_types(&self) -> Result<Vec<BuildingType>> {
+        let parsed = |name: &String| {
+            name.parse().map_err(|error: b2b_building::Error| Error::Invalid(error.to_string()))
+        };
+        self.building_type.iter().map(parsed).collect()
+    }
+
+    /// Returns what does not go together with graph networks, if something does not.
+    fn fault_of_graph(&self) -> Option<String> {
+        if self.policy == Policy::Flat {
+            return None;
         }
-        let parsed = self.building_type.parse::<BuildingType>();
-        parsed.map(Some).map_err(|error| Error::Invalid(error.to_string()))
+        let excluded = [
+            ("algorithm", self.algorithm != Algorithm::Ppo, "it must be ppo"),
+            ("observation", self.observation == ObservationForm::Roles, "it must be raw or features"),
+            ("credit_by_zone", self.credit_by_zone, "it must be false"),
+        ];
+        let wrong = excluded.into_iter().find(|(_, is_wrong, _)| *is_wrong);
+        let wrong = wrong.map(|(name, _, remedy)| format!("`{name}` with graph networks: {remedy}"));
+        wrong.or_else(|| self.policy.fault())
     }
 
     /// Returns what the agent observes and how it acts.
     pub fn interface(&self) -> Interface {
-        Interface { observation: self.observation, acting: self.acting, nodes: None }
+        Interface { observation: self.observation, acting: self.acting, nodes: self.policy.nodes() }
     }
 
     /// Returns the training buildings as a reader names them.
@@ -328,8 +358,35 @@ impl TrainConfig {
         if self.building_type.is_empty() {
             self.buildings.join(", ")
         } else {
-            format!("{} of the training split", self.building_type)
+            format!("{} of the training split", self.building_type.join(", "))
         }
+    }
+}
+
+/// A name alone, or a list of names.
+mod one_or_many {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    #[derive(Deserialize)]
+    #[serde(untagged, expecting = "expected a name or a list of names")]
+    enum Names {
+        One(String),
+        Many(Vec<String>),
+    }
+
+    pub(super) fn serialize<S: Serializer>(names: &[String], serializer: S) -> Result<S::Ok, S::Error> {
+        match names {
+            [one] => one.serialize(serializer),
+            names => names.serialize(serializer),
+        }
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<String>, D::Error> {
+        Ok(match Names::deserialize(deserializer)? {
+            Names::One(name) if name.is_empty() => Vec::new(),
+            Names::One(name) => vec![name],
+            Names::Many(names) => names,
+        })
     }
 }
 
@@ -358,7 +415,7 @@ mod tests {
             assert_eq!(TrainConfig::default().with_changes(&named.to_toml()).unwrap(), named);
         }
         let said = TrainConfig::preset("papper").unwrap_err().to_string();
-        assert!(said.contains("unknown preset `papper`; expected paper or residual"), "{said}");
+        assert!(said.contains("unknown preset `papper`; expected graph or paper or residual"), "{said}");
     }
 
     #[test]

@@ -1,10 +1,12 @@
 //! The learner of a run.
 
 use b2b_agent::network::Actor;
+use b2b_building::morphology::NodeType;
 use b2b_env::Spaces;
 
 use super::config::{Algorithm, TrainConfig};
 use super::credit::credit;
+use super::policy::Policy;
 use crate::collector::Widths;
 use crate::error::Result;
 use crate::ppo::{Ppo, PpoConfig};
@@ -33,6 +35,13 @@ impl Learner {
         let threads = std::thread::available_parallelism().map_or(1, usize::from);
         match config.algorithm {
             Algorithm::Ppo => {
+                if let Policy::Graph(policy) = &config.policy {
+                    let network = policy.network(config.interface());
+                    let (ppo, seed) = (config.ppo.clone(), config.seed);
+                    let mut ppo = Ppo::of_graphs(&network, widths, ppo, policy.normalize, seed)?;
+                    ppo.set_threads(threads);
+                    return Ok(Self::Ppo(Box::new(ppo)));
+                }
                 let credit = config.credit_by_zone.then(|| credit(spaces));
                 let mut ppo = Ppo::new(widths, PpoConfig { credit, ..config.ppo.clone() }, config.seed)?;
                 ppo.set_threads(threads);
@@ -50,6 +59,16 @@ impl Learner {
         match self {
             Self::Ppo(ppo) => ppo.actor(),
             Self::Sac(sac) => sac.actor(),
+        }
+    }
+
+    /// Returns the names of the node types that rollouts had so far, of graph networks.
+    pub(super) fn node_types(&self) -> Vec<String> {
+        match self {
+            Self::Ppo(ppo) => {
+                ppo.seen_types().into_iter().map(|index| NodeType::ALL[index].name().to_owned()).collect()
+            }
+            Self::Sac(_) => Vec::new(),
         }
     }
 

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
-use b2b_agent::{Agent, AgentInfo, FORMAT, Pilot, TrainingInfo, write_whole};
+use b2b_agent::{Agent, AgentInfo, FORMAT, NodeSpaces, Pilot, TrainingInfo, write_whole};
 use b2b_benchmark::{Baselines, Evaluation, Versions};
 use b2b_dataset::Catalog;
 use b2b_env::vector::{Launcher, WorkerOptions};
@@ -162,14 +162,18 @@ impl<'a> Run<'a> {
         monitor: &'a mut dyn Monitor,
     ) -> Result<Self> {
         let spaces = spaces_of(collector.environments(), 0)?;
-        let pilot = Pilot::new(config.interface(), spaces)?;
+        let interface = config.interface();
+        let (slots, actuators) = match interface.nodes {
+            None => (Pilot::new(interface, spaces)?.observation().names(), spaces.action.names().to_vec()),
+            Some(_) => (NodeSpaces::of(interface).slots(), NodeSpaces::of(interface).actuators()),
+        };
         let learner = Learner::new(config, collector.widths(), spaces)?;
         let actor = learner.actor();
         let info = AgentInfo {
             format: FORMAT,
-            interface: config.interface(),
-            slots: pilot.observation().names(),
-            actuators: spaces.action.names().to_vec(),
+            interface,
+            slots,
+            actuators,
             node_types: Vec::new(),
             network: actor.shape,
             distribution: actor.distribution,
@@ -364,7 +368,8 @@ impl<'a> Run<'a> {
     /// Returns the description of the agent as it is now.
     fn info(&self) -> AgentInfo {
         let training = TrainingInfo { steps: self.steps, ..self.info.training.clone() };
-        AgentInfo { distribution: self.learner.actor().distribution, training, ..self.info.clone() }
+        let (distribution, node_types) = (self.learner.actor().distribution, self.learner.node_types());
+        AgentInfo { distribution, node_types, training, ..self.info.clone() }
     }
 }
 
