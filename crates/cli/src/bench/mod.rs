@@ -1,6 +1,8 @@
 //! `b2b bench`: the cost of environments and of training.
 
 #[cfg(target_os = "linux")]
+mod graph;
+#[cfg(target_os = "linux")]
 mod process;
 #[cfg(target_os = "linux")]
 mod sb3;
@@ -30,6 +32,8 @@ enum What {
     #[cfg(target_os = "linux")]
     Train(train::Arguments),
     #[cfg(target_os = "linux")]
+    Graph(graph::Arguments),
+    #[cfg(target_os = "linux")]
     Soak(soak::Arguments),
 }
 
@@ -41,6 +45,8 @@ pub fn bench(arguments: &Arguments) -> Result<()> {
         What::Vector(arguments) => vector::bench(arguments),
         #[cfg(target_os = "linux")]
         What::Train(arguments) => train::bench(arguments),
+        #[cfg(target_os = "linux")]
+        What::Graph(arguments) => graph::bench(arguments),
         #[cfg(target_os = "linux")]
         What::Soak(arguments) => soak::bench(arguments),
     }
