@@ -117,7 +117,7 @@ impl Experiment {
                 let all: Vec<BuildingId> = self.types.iter().flat_map(|each| tests(*each)).collect();
                 subjects.push((
                     "all-types".into(),
-                    option("building_types", Value::Array(types)),
+                    option("building_type", Value::Array(types)),
                     texts(&all),
                 ));
             }
