@@ -11,10 +11,11 @@ html_title = f"building2building {version}"
 extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
-    "sphinx.ext.intersphinx",
     "sphinx_copybutton",
 ]
 myst_heading_anchors = 3
+# Included in the first page.
+exclude_patterns = ["README.md"]
 html_theme = "furo"
 html_theme_options = {
     "source_repository": "https://github.com/vtaboga/building2building/",
@@ -24,10 +25,5 @@ html_theme_options = {
 autodoc_default_options = {"members": True, "show-inheritance": True}
 autodoc_member_order = "bysource"
 autodoc_typehints = "description"
-intersphinx_mapping = {
-    "python": ("https://docs.python.org/3", None),
-    "numpy": ("https://numpy.org/doc/stable", None),
-    "gymnasium": ("https://gymnasium.farama.org", None),
-}
-# Links out of the pages to files of the repository, and types of the Rust core, have no page.
-suppress_warnings = ["myst.xref_missing", "intersphinx.external"]
+# Links to files of the repository have no page.
+suppress_warnings = ["myst.xref_missing"]

@@ -95,14 +95,12 @@ fn broken(line: &str, width: usize) -> String {
     };
     let mut done = String::new();
     let mut current = line[..line.len() - line.trim_start().len()].to_owned();
-    let mut words = 0;
-    for word in split(line.trim_start(), is_command) {
-        if words > 0 && length(&current) + length(word.trim_end()) + end.len() > width {
+    for (index, word) in split(line.trim_start(), is_command).enumerate() {
+        if index > 0 && length(&current) + length(word.trim_end()) + end.len() > width {
             done += &format!("{}{end}\n", current.trim_end());
             current = " ".repeat(hanging);
         }
         current += word;
-        words += 1;
     }
     done + current.trim_end()
 }
