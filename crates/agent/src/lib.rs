@@ -22,5 +22,7 @@ pub use aside::write_whole;
 pub use error::{Error, Result};
 pub use folder::{FILES, INFO};
 pub use info::{AgentInfo, FORMAT, TrainingInfo};
-pub use observation::{AgentObservation, Feature, NodeForm, NodeSpaces, NodeView, ObservationForm};
+pub use observation::{
+    AgentObservation, Feature, NodeForm, NodePlan, NodeSpaces, NodeView, ObservationForm, PlannedNode,
+};
 pub use pilot::{Interface, Pilot};

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::Result;
 use crate::acting::{Acting, Driver};
 use crate::network::Graph;
-use crate::observation::{AgentObservation, NodeForm, NodeView, ObservationForm};
+use crate::observation::{AgentObservation, NodeForm, NodePlan, NodeView, ObservationForm};
 
 /// What an agent observes and how it acts.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -36,16 +36,25 @@ pub struct Pilot {
 }
 
 impl Pilot {
-    /// Returns the pilot of a building, at the beginning of an episode.
+    /// Returns the pilot of a building that has its model, at the beginning of an episode.
     ///
     /// # Errors
     /// [`Error::Graph`](crate::Error::Graph) for a building whose graph cannot be made, of a graph network.
     pub fn new(interface: Interface, spaces: &Arc<Spaces>) -> Result<Self> {
-        let Interface { observation, acting, nodes } = interface;
-        let (observation, graph) = match nodes {
-            None => (AgentObservation::new(observation, spaces, acting.has_base()), None),
-            Some(_) => {
-                let NodeView { observation, graph } = AgentObservation::by_node(interface, spaces)?;
+        let plan = interface.nodes.map(|form| NodePlan::of(form, spaces)).transpose()?;
+        Self::with_plan(interface, spaces, plan.as_ref())
+    }
+
+    /// As [`Pilot::new`], of a building whose model has been dropped: with its plan for a graph network.
+    ///
+    /// # Errors
+    /// As [`Pilot::new`].
+    pub fn with_plan(interface: Interface, spaces: &Arc<Spaces>, plan: Option<&NodePlan>) -> Result<Self> {
+        let acting = interface.acting;
+        let (observation, graph) = match plan {
+            None => (AgentObservation::new(interface.observation, spaces, acting.has_base()), None),
+            Some(plan) => {
+                let NodeView { observation, graph } = AgentObservation::by_node(interface, spaces, plan)?;
                 (observation, Some(Arc::new(graph)))
             }
         };

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use b2b_agent::network::{Activation, Actor, Distribution, Edges, GraphNetwork, Shape};
 use b2b_agent::{
-    Acting, Agent, AgentInfo, AgentObservation, Error, FORMAT, Interface, NodeForm, NodeSpaces,
+    Acting, Agent, AgentInfo, AgentObservation, Error, FORMAT, Interface, NodeForm, NodePlan, NodeSpaces,
     ObservationForm, Pilot, TrainingInfo,
 };
 use b2b_building::morphology::NodeType;
@@ -136,7 +136,8 @@ fn every_node_has_the_features_of_its_type_and_every_actuator_a_place() {
             let spaces = Arc::clone(env.spaces());
             for (form, attributes) in [(ObservationForm::Raw, true), (ObservationForm::Features, false)] {
                 let interface = interface(form, RESIDUAL, attributes);
-                let graph = AgentObservation::by_node(interface, &spaces).unwrap().graph;
+                let plan = NodePlan::of(NodeForm { attributes }, &spaces).unwrap();
+                let graph = AgentObservation::by_node(interface, &spaces, &plan).unwrap().graph;
                 let widths = widths(interface);
                 for (node, node_type) in graph.types.iter().enumerate() {
                     let features = graph.features[node + 1] - graph.features[node];

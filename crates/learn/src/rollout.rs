@@ -73,29 +73,27 @@ impl Rollout {
 
     /// Sets what is behind the last number of smaller buildings to 0.
     pub(crate) fn clear_padding(&mut self, widths: Widths) {
-        let Self { environments, steps, observations, actions, next, ends, scenes, .. } = self;
+        let Self { steps, observations, actions, next, ends, scenes, .. } = self;
         for (number, scene) in scenes.iter().enumerate() {
-            let following = scenes.get(number + 1).filter(|next| next.environment == scene.environment);
+            let environment = scene.environment;
+            let following = scenes.get(number + 1).filter(|next| next.environment == environment);
             let end = following.map_or(*steps, |next| next.step);
-            let rows = scene.environment * *steps + scene.step..scene.environment * *steps + end;
             let clear = |values: &mut [f32], width: usize, used: usize| {
-                let rows = values[rows.start * width..rows.end * width].chunks_exact_mut(width);
-                rows.for_each(|row| row[used..].fill(0.0));
+                let rows = (environment * *steps + scene.step) * width..(environment * *steps + end) * width;
+                values[rows].chunks_exact_mut(width).for_each(|row| row[used..].fill(0.0));
             };
-            let (observed, acted) = (scene.graph.width(), scene.graph.actions.len());
-            clear(observations, widths.observation, observed);
-            clear(actions, widths.action, acted);
+            let (observed, width) = (scene.graph.width(), widths.observation);
+            clear(observations, width, observed);
+            clear(actions, widths.action, scene.graph.actions.len());
             if end == *steps {
-                next[scene.environment * widths.observation..][..widths.observation][observed..].fill(0.0);
+                next[environment * width + observed..(environment + 1) * width].fill(0.0);
             }
-            let own = |end_: &&mut End| {
-                end_.environment == scene.environment && (scene.step..end).contains(&end_.step)
-            };
-            ends.iter_mut().filter(own).for_each(|end| end.observation[observed..].fill(0.0));
+            for last in ends.iter_mut().filter(|last| last.environment == environment) {
+                if (scene.step..end).contains(&last.step) {
+                    last.observation[observed..].fill(0.0);
+                }
+            }
         }
-        debug_assert!(
-            scenes.is_empty() || scenes.last().is_some_and(|last| last.environment + 1 == *environments)
-        );
     }
 
     /// Returns the mean penalty of a step: the negated mean reward, over all parts.

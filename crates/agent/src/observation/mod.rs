@@ -4,6 +4,7 @@ mod feature;
 mod features;
 mod memory;
 mod nodes;
+mod plan;
 mod scaled;
 
 use std::fmt;
@@ -19,6 +20,7 @@ use feature::Context;
 pub use feature::Feature;
 use memory::Memory;
 pub use nodes::{NodeForm, NodeSpaces, NodeView};
+pub use plan::{NodePlan, PlannedNode};
 
 /// The form of an agent's observation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

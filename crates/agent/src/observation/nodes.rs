@@ -2,16 +2,15 @@
 
 use std::sync::Arc;
 
-use b2b_building::description::Origin;
 use b2b_building::hvac::Quantity;
-use b2b_building::morphology::{Attribute, COMMON, LocalSlot, Node, NodeType, Observed, Owner};
-use b2b_building::{Description, Morphology};
+use b2b_building::morphology::{Attribute, COMMON, LocalSlot, NodeType, Observed, Owner};
 use b2b_env::{Spaces, Target};
 use serde::{Deserialize, Serialize};
 
 use super::feature::{Feature, Source};
 use super::features::{ControlledZone, calendar, energy, temperature, weather};
 use super::memory::Memory;
+use super::plan::{NodePlan, PlannedNode};
 use super::{AgentObservation, ObservationForm};
 use crate::network::Graph;
 use crate::network::graph::NodeWidths;
@@ -79,14 +78,11 @@ impl NodeSpaces {
     }
 
     fn names(&self, of: fn(&TypeSpaces) -> &Vec<String>) -> Vec<String> {
-        let named = |each| of(each).iter().map(move |name| format!("{}: {name}", TypeSpaces::name(each)));
-        self.types.iter().flat_map(named).collect()
-    }
-}
-
-impl TypeSpaces {
-    fn name(&self) -> &'static str {
-        self.name
+        let mut names = Vec::new();
+        for each in &self.types {
+            names.extend(of(each).iter().map(|name| format!("{}: {name}", each.name)));
+        }
+        names
     }
 }
 
@@ -95,34 +91,32 @@ impl AgentObservation {
     /// the universe to [-1, 1], `features` has the features of the node's own zone or actuators.
     ///
     /// # Errors
-    /// [`Error::Graph`] for a building whose graph cannot be made.
-    pub fn by_node(interface: Interface, spaces: &Arc<Spaces>) -> Result<NodeView> {
-        let failed = |source: Box<dyn std::error::Error + Send + Sync>| Error::Graph {
+    /// [`Error::Graph`] for a building with an actuator that no node has.
+    pub fn by_node(interface: Interface, spaces: &Arc<Spaces>, plan: &NodePlan) -> Result<NodeView> {
+        let failed = |what: &str, name: &str| Error::Graph {
             building: spaces.building.name.clone(),
-            source,
+            source: format!("{what} {name}").into(),
         };
-        let described = Description::of(&spaces.building, &spaces.episode.weather, Origin::default());
-        let morphology = Morphology::of(&spaces.building, &described.map_err(|error| failed(error.into()))?);
         let (mut features, mut widths) = (Vec::new(), Vec::new());
-        for node in &morphology.nodes {
-            let view = Placed { spaces, morphology: &morphology, node };
-            let local = local_features(interface, node.node_type, &view);
+        for node in &plan.nodes {
+            let local = local_features(interface, node.kind(), &Placed { spaces, plan, node });
             widths.push(local.len());
-            let name = |what: String| {
-                if what.starts_with(&node.name) { what } else { format!("{} {what}", node.name) }
+            let name = |what: String| match what.starts_with(&node.name) {
+                true => what,
+                false => format!("{} {what}", node.name),
             };
             features.extend(local.into_iter().map(|(what, source)| Feature::new(name(what), source)));
         }
         let actuators =
             spaces.action.names().iter().zip(spaces.action.owners()).zip(spaces.action.quantities());
         let actions = actuators.map(|((name, owner), quantity)| {
-            let node =
-                morphology.node_of(*owner).ok_or_else(|| failed(format!("no node has {name}").into()))?;
-            let outputs = morphology.nodes[node].node_type.action();
+            let node = plan.nodes.iter().position(|node| node.owner() == *owner);
+            let node = node.ok_or_else(|| failed("no node has", name))?;
+            let outputs = plan.nodes[node].kind().action();
             let output = outputs.iter().position(|slot| slot.quantity == *quantity);
-            Ok((node, output.ok_or_else(|| failed(format!("its node does not have {name}").into()))?))
+            Ok((node, output.ok_or_else(|| failed("its node does not have", name))?))
         });
-        let graph = Graph::new(&morphology, &widths, &actions.collect::<Result<Vec<_>>>()?);
+        let graph = Graph::new(plan, &widths, &actions.collect::<Result<Vec<_>>>()?);
         Ok(NodeView { observation: Self { features, memory: Memory::new(spaces) }, graph })
     }
 }
@@ -147,8 +141,8 @@ trait Places {
 /// A node of a building.
 struct Placed<'a> {
     spaces: &'a Spaces,
-    morphology: &'a Morphology,
-    node: &'a Node,
+    plan: &'a NodePlan,
+    node: &'a PlannedNode,
 }
 
 /// A node of no building, of which only the names of its features count.
@@ -157,26 +151,25 @@ struct Nowhere;
 impl Places for Placed<'_> {
     fn slot(&self, quantity: Observed) -> Option<usize> {
         let slots = self.spaces.observation.slots();
-        slots.iter().position(|slot| slot.owner == self.node.owner && slot.quantity == quantity)
+        slots.iter().position(|slot| slot.owner == self.node.owner() && slot.quantity == quantity)
     }
 
     fn actuator(&self, quantity: Quantity) -> Option<usize> {
         let action = &self.spaces.action;
         let mut actuators = action.owners().iter().zip(action.quantities());
-        actuators.position(|(owner, each)| *owner == self.node.owner && *each == quantity)
+        actuators.position(|(owner, each)| *owner == self.node.owner() && *each == quantity)
     }
 
     fn controlled_zone(&self) -> ControlledZone {
         let space = &self.spaces.observation;
-        let is_own = |zone: usize| self.node.owner == Owner::Zone(zone);
+        let is_own = |zone: usize| self.node.owner() == Owner::Zone(zone);
         let own = self.spaces.controlled_zones().enumerate().find(|(_, zone)| is_own(*zone));
         let (zone, temperature) = own.expect("a zone with equipment is controlled");
         ControlledZone { zone, temperature, target: space.target(zone), occupancy: space.occupancy(zone) }
     }
 
     fn attributes(&self) -> [Vec<f64>; 2] {
-        let own = self.node.node_type.attributes().iter().zip(&self.node.attributes);
-        [own.map(|(slot, value)| slot.scaled(*value)).collect(), self.morphology.scaled_common_attributes()]
+        [self.node.attributes.clone(), self.plan.common_attributes.clone()]
     }
 
     fn steps_per_hour(&self) -> u32 {

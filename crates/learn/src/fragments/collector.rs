@@ -2,12 +2,13 @@
 
 use std::sync::Arc;
 
-use b2b_agent::network::{Actor, Graph};
-use b2b_agent::{AgentObservation, Interface, Pilot};
+use b2b_agent::network::Actor;
+use b2b_agent::{Interface, Pilot};
 use b2b_env::Spaces;
 use b2b_env::vector::{SharedMemory, VecEnv};
 
 use super::blocks::Block;
+use super::building::GraphBuilding;
 use super::order::{Order, Use, stream};
 use crate::collector::{Collector, Widths, count_lost};
 use crate::error::{Error, Result};
@@ -57,7 +58,7 @@ struct Seat {
     scales: Vec<(usize, f32)>,
     ends: Vec<End>,
     /// Building of the episode in progress, for a graph network.
-    graph: Option<Arc<Graph>>,
+    building: Option<GraphBuilding>,
     /// Buildings of the rollout, each from a step on.
     scenes: Vec<Scene>,
     /// Episodes begun since the first reset.
@@ -80,9 +81,9 @@ enum Phase {
 }
 
 impl Seat {
-    fn new(scale: f32, graph: Option<Arc<Graph>>) -> Self {
+    fn new(scale: f32, building: Option<GraphBuilding>) -> Self {
         Self {
-            graph,
+            building,
             scenes: Vec::new(),
             phase: Phase::Ready,
             done: 0,
@@ -108,7 +109,7 @@ impl Seat {
     /// Notes scale and building from this step on.
     fn begin_scene(&mut self, environment: usize) {
         self.scales.push((self.done, self.scale));
-        if let Some(graph) = &self.graph {
+        if let Some(GraphBuilding { graph, .. }) = &self.building {
             self.scenes.retain(|scene| scene.step < self.done);
             self.scenes.push(Scene { environment, step: self.done, graph: Arc::clone(graph) });
         }
@@ -135,11 +136,13 @@ impl FragmentCollector {
         let mut widths = Widths { observation: 0, action: 0, parts };
         for index in 0..environments.len() {
             let spaces = spaces_of(&environments, index)?;
-            if index == 0 || interface.nodes.is_some() {
-                let (observation, action) = Pilot::new(interface, spaces)?.widths();
-                widths = widths.covering(Widths { observation, action, parts });
-            }
-            seats.push(Seat::new(scale(spaces)? as f32, graph_of(interface, spaces)?));
+            let building = GraphBuilding::of(interface, spaces)?;
+            let (observation, action) = match &building {
+                Some(building) => building.widths(),
+                None => Pilot::new(interface, spaces)?.widths(),
+            };
+            widths = widths.covering(Widths { observation, action, parts });
+            seats.push(Seat::new(scale(spaces)? as f32, building));
         }
         Ok(Self {
             memory: environments.workers().memory(),
@@ -191,9 +194,10 @@ impl FragmentCollector {
         self.environments.reset_after(self.seed, &skipped)?;
         for (index, episodes) in episodes.into_iter().enumerate() {
             let spaces = spaces_of(&self.environments, index)?;
-            let (scale, graph) = ((self.scale)(spaces)? as f32, graph_of(self.interface, spaces)?);
+            let building = GraphBuilding::of(self.interface, spaces)?;
+            let scale = (self.scale)(spaces)? as f32;
             let actions = state.values_f32(&actions_of(index))?;
-            self.seats[index] = Seat { episodes, actions, ..Seat::new(scale, graph) };
+            self.seats[index] = Seat { episodes, actions, ..Seat::new(scale, building) };
         }
         self.replay(actor)
     }
@@ -284,6 +288,7 @@ impl FragmentCollector {
         }
         let order = Order {
             interface: self.interface,
+            plan: seat.building.as_ref().map(|building| building.plan.clone()),
             shape: actor.shape.clone(),
             distribution: actor.distribution.clone(),
             parameters: self.parameters.0,
@@ -356,9 +361,9 @@ impl FragmentCollector {
         let spaces = spaces_of(&self.environments, environment)?;
         let seat = &mut self.seats[environment];
         seat.scale = (self.scale)(spaces)? as f32;
-        seat.graph = graph_of(self.interface, spaces)?;
-        if let Some(graph) = &seat.graph {
-            self.widths.check(&spaces.building.name, (graph.width(), graph.actions.len()), true)?;
+        seat.building = GraphBuilding::of(self.interface, spaces)?;
+        if let Some(building) = &seat.building {
+            self.widths.check(&spaces.building.name, building.widths(), true)?;
         }
         seat.phase = Phase::Ready;
         seat.episodes += 1;
@@ -434,14 +439,6 @@ impl Collector for FragmentCollector {
 /// Returns the name of an environment's actions in a state.
 fn actions_of(environment: usize) -> String {
     format!("actions.{environment}")
-}
-
-/// Returns the graph of a building, for a graph network.
-fn graph_of(interface: Interface, spaces: &Arc<Spaces>) -> Result<Option<Arc<Graph>>> {
-    if interface.nodes.is_none() {
-        return Ok(None);
-    }
-    Ok(Some(Arc::new(AgentObservation::by_node(interface, spaces)?.graph)))
 }
 
 /// Returns the spaces of an environment's current episode.

@@ -6,10 +6,12 @@
 //! 4. The owner copies the blocks to the rollout.
 
 mod blocks;
+mod building;
 mod collector;
 mod order;
 mod runner;
 
+pub(crate) use building::GraphBuilding;
 pub(crate) use collector::spaces_of;
 pub use collector::{FragmentCollector, RewardScale};
 pub(crate) use order::stream;

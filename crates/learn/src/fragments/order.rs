@@ -1,7 +1,7 @@
 //! The order of a fragment.
 
-use b2b_agent::Interface;
 use b2b_agent::network::{Actor, Distribution, Shape};
+use b2b_agent::{Interface, NodePlan};
 use serde::{Deserialize, Serialize};
 
 use super::blocks::Block;
@@ -27,6 +27,8 @@ pub(crate) fn stream(rollout: u64, environment: usize, fragment: u64) -> u64 {
 pub struct Order {
     /// What the agent observes and how it acts.
     pub interface: Interface,
+    /// The building, for a graph network.
+    pub plan: Option<NodePlan>,
     /// Shape of its network.
     pub shape: Shape,
     /// Distribution of its actions. The parameters of a [`Distribution::Gaussian`] follow those of the network.

@@ -16,7 +16,7 @@ use crate::random::{Noise, Random};
 /// When the order cannot be read.
 pub fn make_runner(env: &Env, order: &[u8]) -> Result<Box<dyn Runner>, RunnerError> {
     let order: Order = serde_json::from_slice(order)?;
-    let mut pilot = Pilot::new(order.interface, env.spaces())?;
+    let mut pilot = Pilot::with_plan(order.interface, env.spaces(), order.plan.as_ref())?;
     pilot.observe(env.observation());
     let actor = Actor {
         parameters: vec![0.0; order.shape.parameters()],

@@ -150,7 +150,7 @@ impl Ppo {
         self.networks.project(&mut self.parameters);
     }
 
-    /// Returns the number of each node type that rollouts had so far.
+    /// Returns the node types that rollouts had so far, as places among those of the graph network.
     pub fn seen_types(&self) -> Vec<usize> {
         self.features.seen()
     }

@@ -21,6 +21,8 @@ pub(super) struct Networks {
     pub widths: Widths,
     /// Whether standard deviations depend on the observation.
     of_state: bool,
+    /// Where the parameters of the actor, the free logarithms of standard deviations, and the parameters of the critic end.
+    ends: [usize; 3],
     /// Lower bound of the logarithm of the standard deviation.
     minimum: f32,
 }
@@ -46,7 +48,14 @@ impl Networks {
                 (with(&|actions| halves * actions), with(&|_| 1))
             }
         };
-        Self { actor, critic, widths, of_state, minimum: config.minimum_log_std }
+        let free = match &actor {
+            _ if of_state => 0,
+            Shape::Mlp(_) => widths.action,
+            Shape::Graph(network) => network.types.iter().map(|node| node.outputs).sum(),
+        };
+        let end = actor.parameters();
+        let ends = [end, end + free, end + free + critic.parameters()];
+        Self { actor, critic, widths, of_state, ends, minimum: config.minimum_log_std }
     }
 
     /// Returns initial parameters.
@@ -72,15 +81,6 @@ impl Networks {
         }
     }
 
-    /// Returns the number of free logarithms of standard deviations: of a graph network one for every action of a node type.
-    fn free(&self) -> usize {
-        match &self.actor {
-            _ if self.of_state => 0,
-            Shape::Mlp(_) => self.widths.action,
-            Shape::Graph(network) => network.types.iter().map(|node| node.outputs).sum(),
-        }
-    }
-
     /// Returns the width of a row of outputs of the actor.
     pub fn outputs(&self) -> usize {
         if self.of_state { 2 * self.widths.action } else { self.widths.action }
@@ -103,19 +103,17 @@ impl Networks {
 
     /// Returns the place of the parameters of the actor.
     pub fn actors(&self) -> Range<usize> {
-        0..self.actor.parameters()
+        0..self.ends[0]
     }
 
-    /// Returns the place of the free logarithms of standard deviations.
+    /// Returns the place of the free logarithms of standard deviations: of a graph network one for every action of a node type.
     pub fn log_stds(&self) -> Range<usize> {
-        let start = self.actor.parameters();
-        start..start + self.free()
+        self.ends[0]..self.ends[1]
     }
 
     /// Returns the place of the parameters of the critic.
     pub fn critics(&self) -> Range<usize> {
-        let start = self.log_stds().end;
-        start..start + self.critic.parameters()
+        self.ends[1]..self.ends[2]
     }
 
     /// Returns the last layers of the critic. Their places are those within the parameters of the critic.

@@ -10,6 +10,7 @@ use b2b_env::Task;
 use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
 
+use super::one_or_many;
 use super::policy::Policy;
 use super::suggestion::with_suggestion;
 use crate::error::{Error, Result, at};
@@ -360,33 +361,6 @@ impl TrainConfig {
         } else {
             format!("{} of the training split", self.building_type.join(", "))
         }
-    }
-}
-
-/// A name alone, or a list of names.
-mod one_or_many {
-    use serde::{Deserialize, Deserializer, Serialize, Serializer};
-
-    #[derive(Deserialize)]
-    #[serde(untagged, expecting = "expected a name or a list of names")]
-    enum Names {
-        One(String),
-        Many(Vec<String>),
-    }
-
-    pub(super) fn serialize<S: Serializer>(names: &[String], serializer: S) -> Result<S::Ok, S::Error> {
-        match names {
-            [one] => one.serialize(serializer),
-            names => names.serialize(serializer),
-        }
-    }
-
-    pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<String>, D::Error> {
-        Ok(match Names::deserialize(deserializer)? {
-            Names::One(name) if name.is_empty() => Vec::new(),
-            Names::One(name) => vec![name],
-            Names::Many(names) => names,
-        })
     }
 }
 

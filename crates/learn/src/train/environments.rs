@@ -3,7 +3,6 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use b2b_agent::AgentObservation;
 use b2b_benchmark::{Baseline, Baselines, Episode, Evaluation, Subject};
 use b2b_building::{BuildingType, RunPeriod};
 use b2b_dataset::{BuildingName, Catalog, Placement, Split};
@@ -18,7 +17,7 @@ use super::config::TrainConfig;
 use super::judge::window;
 use crate::collector::Widths;
 use crate::error::{Error, Result};
-use crate::fragments::{FragmentCollector, RewardScale};
+use crate::fragments::{FragmentCollector, GraphBuilding, RewardScale};
 use crate::lockstep::LockstepCollector;
 
 /// Smallest mean penalty of a baseline that rewards are divided by, K²: a deviation of 0.02 K.
@@ -70,8 +69,8 @@ impl<'a> Environments<'a> {
                 let found = self.catalog.find(&name.parse()?, &Placement::default(), &mut Quiet)?;
                 let prepared = Arc::new(found.prepare(self.catalog.library())?);
                 let spaces = Arc::new(Spaces::new(prepared, setting.episode));
-                let graph = AgentObservation::by_node(interface, &spaces)?.graph;
-                all.push(Widths { observation: graph.width(), action: graph.actions.len(), parts: 1 });
+                let widths = GraphBuilding::of(interface, &spaces)?.map(|building| building.widths());
+                all.extend(widths.map(|(observation, action)| Widths { observation, action, parts: 1 }));
             }
         }
         Ok(all)

@@ -37,7 +37,7 @@ pub struct Scores {
     #[serde(flatten)]
     pub mean: Measures,
     /// The same for each building, if there are several.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(rename = "by_building", skip_serializing_if = "Vec::is_empty")]
     pub buildings: Vec<BuildingScores>,
 }
 

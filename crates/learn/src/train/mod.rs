@@ -13,6 +13,7 @@ mod environments;
 mod judge;
 mod learner;
 mod measure;
+mod one_or_many;
 mod policy;
 mod progress;
 mod run;

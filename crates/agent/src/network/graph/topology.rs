@@ -1,7 +1,8 @@
 //! A building as a graph network sees it.
 
-use b2b_building::Morphology;
 use b2b_building::morphology::{EdgeKind, NodeType};
+
+use crate::observation::NodePlan;
 
 /// Kinds of edges as a node sees them: adjacent, serves, is served by, controls, is controlled by.
 pub const RELATIONS: usize = 5;
@@ -39,8 +40,8 @@ pub struct ActionPlace {
 
 impl Graph {
     /// Returns the graph of a building whose nodes have this many features, and whose actions are these outputs of nodes.
-    pub fn new(morphology: &Morphology, widths: &[usize], actions: &[(usize, usize)]) -> Self {
-        let nodes = &morphology.nodes;
+    pub fn new(plan: &NodePlan, widths: &[usize], actions: &[(usize, usize)]) -> Self {
+        let nodes = &plan.nodes;
         let mut features = vec![0];
         for width in widths {
             features.push(features[features.len() - 1] + width);
@@ -52,14 +53,14 @@ impl Graph {
         let place = |(node, output): &(usize, usize)| ActionPlace {
             node: *node,
             output: *output,
-            number: before(nodes[*node].node_type) + output,
+            number: before(nodes[*node].kind()) + output,
         };
         Self {
             names: nodes.iter().map(|node| node.name.clone()).collect(),
-            types: nodes.iter().map(|node| node.node_type as usize).collect(),
+            types: nodes.iter().map(|node| node.node_type).collect(),
             features,
             actions: actions.iter().map(place).collect(),
-            relations: relations(morphology),
+            relations: relations(plan),
         }
     }
 
@@ -74,20 +75,20 @@ impl Graph {
     }
 }
 
-fn relations(morphology: &Morphology) -> Vec<u8> {
-    let nodes = &morphology.nodes;
+fn relations(plan: &NodePlan) -> Vec<u8> {
+    let nodes = &plan.nodes;
     let mut relations = vec![0u8; nodes.len() * nodes.len()];
     let mut mark = |from: usize, to: usize, bit: u8| relations[from * nodes.len() + to] |= 1 << bit;
-    for edge in morphology.edges.iter().filter(|edge| edge.from != edge.to) {
-        let [there, back] = match edge.kind {
+    for (from, to, kind) in plan.edges.iter().copied().filter(|(from, to, _)| from != to) {
+        let [there, back] = match EdgeKind::ALL[kind] {
             EdgeKind::Adjacent => [0, 0],
             EdgeKind::Serves => [1, 2],
             EdgeKind::Controls => [3, 4],
         };
-        mark(edge.from, edge.to, there);
-        mark(edge.to, edge.from, back);
+        mark(from, to, there);
+        mark(to, from, back);
     }
-    let is_part = |node: usize| nodes[node].node_type.is_zone() || nodes[node].node_type == NodeType::AirLoop;
+    let is_part = |node: usize| nodes[node].kind().is_zone() || nodes[node].kind() == NodeType::AirLoop;
     for (pair, relation) in relations.iter_mut().enumerate() {
         let (from, to) = (pair / nodes.len(), pair % nodes.len());
         if *relation != 0 || from == to || !is_part(from) || !is_part(to) {

@@ -1,0 +1,89 @@
+//! What graph networks need of a building beside its spaces.
+
+use b2b_building::description::Origin;
+use b2b_building::morphology::{EdgeKind, NodeType, Owner};
+use b2b_building::{Description, Morphology};
+use b2b_env::Spaces;
+use serde::{Deserialize, Serialize};
+
+use super::nodes::NodeForm;
+use crate::{Error, Result};
+
+/// The nodes and edges of a building, as they follow from its model. A worker process, which drops the model, gets it from its owner.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct NodePlan {
+    /// The nodes, in the order of the morphology.
+    pub nodes: Vec<PlannedNode>,
+    /// The edges: from, to, and number of the kind among [`EdgeKind::ALL`].
+    pub edges: Vec<(usize, usize, usize)>,
+    /// Scaled attributes of the building, if they are observed.
+    pub common_attributes: Vec<f64>,
+}
+
+/// A node of a [`NodePlan`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PlannedNode {
+    /// Its type, as a place in [`NodeType::ALL`].
+    pub node_type: usize,
+    /// Its name.
+    pub name: String,
+    /// Number of its zone or system.
+    pub number: usize,
+    /// Scaled attributes, if they are observed.
+    pub attributes: Vec<f64>,
+}
+
+impl NodePlan {
+    /// Returns the plan of a building that has its model.
+    ///
+    /// # Errors
+    /// [`Error::Graph`] for a model that cannot be described.
+    pub fn of(form: NodeForm, spaces: &Spaces) -> Result<Self> {
+        let described = Description::of(&spaces.building, &spaces.episode.weather, Origin::default());
+        let failed = |source: b2b_building::Error| Error::Graph {
+            building: spaces.building.name.clone(),
+            source: source.into(),
+        };
+        let morphology = Morphology::of(&spaces.building, &described.map_err(failed)?);
+        let nodes = morphology.nodes.iter().map(|node| {
+            let own = node.node_type.attributes().iter().zip(&node.attributes);
+            PlannedNode {
+                node_type: node.node_type as usize,
+                name: node.name.clone(),
+                number: match node.owner {
+                    Owner::Zone(number) | Owner::AirLoop(number) => number,
+                    Owner::Weather | Owner::Calendar | Owner::Energy => 0,
+                },
+                attributes: own
+                    .filter(|_| form.attributes)
+                    .map(|(slot, value)| slot.scaled(*value))
+                    .collect(),
+            }
+        });
+        let number = |kind: EdgeKind| EdgeKind::ALL.iter().position(|each| *each == kind).unwrap_or_default();
+        let edges = morphology.edges.iter().map(|edge| (edge.from, edge.to, number(edge.kind)));
+        let common = if form.attributes { morphology.scaled_common_attributes() } else { Vec::new() };
+        Ok(Self { nodes: nodes.collect(), edges: edges.collect(), common_attributes: common })
+    }
+}
+
+impl PlannedNode {
+    /// Returns its type.
+    pub fn kind(&self) -> NodeType {
+        NodeType::ALL[self.node_type]
+    }
+
+    /// Returns the owner of its slots.
+    pub fn owner(&self) -> Owner {
+        match self.kind() {
+            NodeType::Weather => Owner::Weather,
+            NodeType::Calendar => Owner::Calendar,
+            NodeType::Energy => Owner::Energy,
+            NodeType::AirLoop => Owner::AirLoop(self.number),
+            NodeType::UnitaryZone
+            | NodeType::VavZone
+            | NodeType::HeatingOnlyZone
+            | NodeType::UncontrolledZone => Owner::Zone(self.number),
+        }
+    }
+}
