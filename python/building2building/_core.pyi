@@ -14,8 +14,8 @@ __version__: str
 _Observed = tuple[NDArray[np.float32], NDArray[np.float64]]
 #: Observation as f32 and as f64, temperature penalty, energy penalty, truncated.
 _Stepped = tuple[NDArray[np.float32], NDArray[np.float64], float, float, bool]
-#: Building, place, weather, task, run period, seed and steps per hour of an episode.
-_Episode = tuple[str, str | None, str | None, str, str, int, int]
+#: Building, place, weather, allow_external, task, run period, seed and steps per hour of an episode.
+_Episode = tuple[str, str | None, str | None, bool, str, str, int, int]
 #: Makes the controller of an episode from its spaces, building and seed.
 _ControllerMaker = Callable[[Spaces, Building, int], Callable[[NDArray[Any]], ArrayLike]]
 
@@ -34,7 +34,12 @@ def run_command(file: str, *arguments: str) -> NoReturn: ...
 def building_types() -> list[TypeInfo]: ...
 def places() -> list[tuple[str, str]]: ...
 def dataset_rows(building_type: str) -> list[dict[str, str | float | int | bool]]: ...
-def find_building(name: str, place: str | None = None, weather: str | PathLike[str] | None = None) -> Building: ...
+def find_building(
+    name: str,
+    place: str | None = None,
+    weather: str | PathLike[str] | None = None,
+    allow_external: bool = False,
+) -> Building: ...
 def generate(
     building_type: str,
     count: int,

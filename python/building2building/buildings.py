@@ -86,9 +86,10 @@ class Found(NamedTuple):
     name: str
     place: str | None
     weather: str | None
+    allow_external: bool = False
 
     def build(self) -> Building:
-        return find_building(*self)
+        return find_building(self.name, self.place, self.weather, allow_external=self.allow_external)
 
 
 class Generated(NamedTuple):
@@ -161,24 +162,29 @@ def _rebuild(origin: Found | Generated) -> Building:
     return origin.build()
 
 
-def find_building(name: str, place: str | None = None, weather: PathLike | None = None) -> Building:
+def find_building(
+    name: str, place: str | None = None, weather: PathLike | None = None, *, allow_external: bool = False
+) -> Building:
     """Finds a building by its name: a building type, an id of the dataset, or the path of a model.
 
-    A type stands at its home unless ``place`` or a ``weather`` file is given.
+    A type stands at its home unless ``place`` or a ``weather`` file is given. ``allow_external`` is that of
+    :func:`import_building`.
     """
     file = None if weather is None else os.fspath(weather)
-    return Building(_core.find_building(name, place, file), Found(name, place, file))
+    origin = Found(name, place, file, allow_external)
+    return Building(_core.find_building(name, place, file, allow_external), origin)
 
 
-def import_building(model: PathLike, weather: PathLike) -> Building:
+def import_building(model: PathLike, weather: PathLike, *, allow_external: bool = False) -> Building:
     """Imports an EnergyPlus model (IDF or epJSON, version 25.2) with a weather file (EPW).
 
-    Supported systems become controllable; the others keep the model's own controls.
+    Supported systems become controllable; the others keep the model's own controls. A model that runs code (FMU,
+    Python) or names a file outside its folder raises :class:`BuildingError` unless ``allow_external``.
     """
     path = Path(model).resolve()
     if not path.is_file():
         raise BuildingError(f"{path}: no such model file")
-    return find_building(os.fspath(path), None, Path(weather).resolve())
+    return find_building(os.fspath(path), None, Path(weather).resolve(), allow_external=allow_external)
 
 
 def select_building(

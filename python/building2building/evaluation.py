@@ -25,8 +25,8 @@ from .scaling import Scale
 
 Array = NDArray[Any]
 Policy = str | os.PathLike[str] | Callable[[Array], ArrayLike] | Controller | type[Any]
-#: Building, place, weather, task, run period, seed and steps per hour of an episode.
-_Episode = tuple[str, str | None, str | None, str, str, int, int]
+#: Building, place, weather, allow_external, task, run period, seed and steps per hour of an episode.
+_Episode = tuple[str, str | None, str | None, bool, str, str, int, int]
 
 
 @dataclass
@@ -258,8 +258,9 @@ def _name_of(policy: Any) -> str:
 
 def _found(
     building: PathLike | Building, place: str | None, weather: PathLike | None
-) -> tuple[str, str | None, str | None]:
-    """Returns building, place and weather as the evaluation finds them."""
+) -> tuple[str, str | None, str | None, bool]:
+    """Returns building, place, weather and allow_external as the evaluation finds them."""
+    allow_external = False
     if isinstance(building, Building):
         origin = building.origin
         if not isinstance(origin, Found):
@@ -269,5 +270,5 @@ def _found(
             )
         if place is not None or weather is not None:
             raise SettingError(f"{building!r} already has a place; omit place and weather")
-        building, place, weather = origin
-    return os.fspath(building), place, None if weather is None else os.path.abspath(weather)
+        building, place, weather, allow_external = origin
+    return os.fspath(building), place, None if weather is None else os.path.abspath(weather), allow_external

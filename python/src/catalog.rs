@@ -243,19 +243,20 @@ pub fn read_task(text: &str) -> PyResult<Task> {
 
 /// Finds a building by its name: a type, a dataset id or a model file. The same names share the same data.
 #[pyfunction]
-#[pyo3(signature = (name, place=None, weather=None))]
+#[pyo3(signature = (name, place=None, weather=None, allow_external=false))]
 pub fn find_building(
     py: Python<'_>,
     name: &str,
     place: Option<&str>,
     weather: Option<PathBuf>,
+    allow_external: bool,
 ) -> PyResult<Building> {
     /// The buildings found last, by name and placement.
     static KNOWN: Mutex<Vec<(BuildingName, Placement, Arc<Inner>)>> = Mutex::new(Vec::new());
     const MAX_KNOWN: usize = 64;
     let name: BuildingName = name.parse().map_err(of_building)?;
     let place = place.map(Place::find).transpose().map_err(of_building)?;
-    let placement = Placement { place, weather };
+    let placement = Placement { place, weather, allow_external };
     let is_file = matches!(name, BuildingName::Model(_));
     let known = locked(&KNOWN)
         .iter()

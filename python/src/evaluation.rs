@@ -40,7 +40,7 @@ pub fn stopped() -> bool {
 }
 
 /// An episode to run: building, place, weather, task, run period, seed, steps per hour.
-type Asked = (String, Option<String>, Option<PathBuf>, String, String, u64, u32);
+type Asked = (String, Option<String>, Option<PathBuf>, bool, String, String, u64, u32);
 
 /// Runs a policy on episodes and returns the columns of their table and the summary as JSON text. Episodes that the
 /// folder already holds are not run again.
@@ -158,11 +158,12 @@ pub fn wait_for<T: Send>(run: impl FnOnce() -> T + Send, mut report: impl FnMut(
     })
 }
 
-fn episode((name, place, weather, task, period, seed, steps_per_hour): Asked) -> PyResult<Episode> {
+fn episode(asked: Asked) -> PyResult<Episode> {
+    let (name, place, weather, allow_external, task, period, seed, steps_per_hour) = asked;
     let place = place.as_deref().map(Place::find).transpose().map_err(of_building)?;
     let name = name.parse().map_err(of_building)?;
     Ok(Episode {
-        subject: Subject { name, placement: Placement { place, weather } },
+        subject: Subject { name, placement: Placement { place, weather, allow_external } },
         task: catalog::read_task(&task)?,
         period: period.parse().map_err(of_building)?,
         seed,

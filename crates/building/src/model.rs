@@ -108,6 +108,18 @@ impl Model {
             .and_then(|(_, value)| value.as_object_mut())
     }
 
+    /// Every object to edit: its class, its name and its fields.
+    pub fn objects_mut(&mut self) -> impl Iterator<Item = (&str, &str, &mut Fields)> {
+        let classes =
+            self.classes.iter_mut().filter_map(|(class, objects)| Some((class, objects.as_object_mut()?)));
+        classes.flat_map(|(class, objects)| {
+            let with_class = move |(name, fields)| {
+                Some((class.as_str(), String::as_str(name), Value::as_object_mut(fields)?))
+            };
+            objects.iter_mut().filter_map(with_class)
+        })
+    }
+
     /// Returns the fields of an object that must exist.
     ///
     /// # Errors

@@ -28,7 +28,7 @@ impl Stock {
     }
 
     fn prepare(&self, path: &Path) -> b2b_building::Result<PreparedBuilding> {
-        let model = import::read(path, &self.library)?;
+        let model = import::read(path, &self.library, false)?;
         PreparedBuilding::as_far_as_possible("imported", model, &self.weather, &self.library)
     }
 
@@ -41,7 +41,7 @@ impl Stock {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join(name);
         std::fs::write(&path, content).unwrap();
-        import::read(&path, &self.library).unwrap_err().to_string()
+        import::read(&path, &self.library, false).unwrap_err().to_string()
     }
 }
 
@@ -58,7 +58,7 @@ fn every_model_that_ships_with_the_engine_is_accepted() {
     let models: Vec<_> = files.filter(|path| import::is_model_file(path)).collect();
     assert_eq!(models.len(), 32);
     for model in models {
-        import::read(&model, &stock.library).unwrap();
+        import::read(&model, &stock.library, false).unwrap();
     }
 }
 
@@ -127,7 +127,7 @@ fn models_of_another_version_and_other_files_are_rejected() {
     assert_says(&stock.refusal("list.epJSON", "[1, 2]"), &["not a JSON object"]);
     assert_says(&stock.refusal("model.txt", ""), &[".idf", ".epJSON"]);
     for (path, words) in [("/nowhere/a.idf", "does not exist"), (".", "it is a folder")] {
-        let error = import::read(Path::new(path), &stock.library).unwrap_err();
+        let error = import::read(Path::new(path), &stock.library, false).unwrap_err();
         assert!(matches!(error, Error::Import { .. }), "{error}");
         assert_says(&error.to_string(), &[path, words]);
     }

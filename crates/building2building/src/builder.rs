@@ -75,6 +75,13 @@ impl EnvBuilder {
         })
     }
 
+    /// Lets the user's model run code and open files outside its folder.
+    #[must_use]
+    pub fn allow_external(mut self) -> Self {
+        self.placement.allow_external = true;
+        self
+    }
+
     /// Sets the weather file (EPW). It takes precedence over a place.
     #[must_use]
     pub fn weather(mut self, file: impl Into<PathBuf>) -> Self {

@@ -26,13 +26,15 @@ pub enum BuildingName {
     Model(PathBuf),
 }
 
-/// The location of a building, if it is not the default.
+/// The location of a building, if it is not the default, and what a user's model may do.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Placement {
     /// A known place.
     pub place: Option<&'static Place>,
     /// A weather file (EPW). It takes precedence over a place.
     pub weather: Option<PathBuf>,
+    /// Whether a user's model may run code and open files outside its folder ([`import::read`]).
+    pub allow_external: bool,
 }
 
 /// Finds buildings; caches prototypes and sites.
@@ -148,7 +150,9 @@ impl Catalog {
             BuildingName::Id(id) => {
                 return crate::row(*id).building.model(&*self.prototype(id.building_type())?, site);
             }
-            BuildingName::Model(path) => return Ok(import::read(path, &self.library)?),
+            BuildingName::Model(path) => {
+                return Ok(import::read(path, &self.library, placement.allow_external)?);
+            }
         };
         let base = archetype::base_model(building_type, &self.engine, &self.library, site)?;
         match placement.place {
@@ -309,7 +313,8 @@ mod tests {
     #[test]
     fn the_class_of_a_building_follows_from_its_name_and_location() {
         let class = |text: &str, place: Option<&str>| {
-            let placement = Placement { place: place.map(|name| Place::find(name).unwrap()), weather: None };
+            let placement =
+                Placement { place: place.map(|name| Place::find(name).unwrap()), ..Placement::default() };
             placement.class(&text.parse().unwrap(), Path::new("")).unwrap().map(|class| class.to_string())
         };
         assert_eq!(class("Warehouse", None).unwrap(), "Warehouse in zone 5");
@@ -317,7 +322,8 @@ mod tests {
         assert_eq!(class("SingleFamilyHouse-0003", None).unwrap(), "SingleFamilyHouse");
         assert_eq!(class("my.idf", Some("Miami")), None);
         let prototype = |text: &str, place: Option<&str>| {
-            let placement = Placement { place: place.map(|name| Place::find(name).unwrap()), weather: None };
+            let placement =
+                Placement { place: place.map(|name| Place::find(name).unwrap()), ..Placement::default() };
             placement.is_prototype(&text.parse().unwrap())
         };
         assert!(prototype("Warehouse", None) && prototype("Warehouse", Some("Denver")));

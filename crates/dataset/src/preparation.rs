@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use b2b_building::import::external;
 use b2b_building::{Class, Model, PreparedBuilding};
 use b2b_energyplus::Library;
 
@@ -53,15 +54,18 @@ impl Preparation {
         Ok(building)
     }
 
-    /// Returns the digest of everything that the result depends on; `None` if the weather file cannot be read.
+    /// Returns the digest of everything that the result depends on; `None` if a file cannot be read.
     fn key(&self, weather: &Path, library: &Library) -> Option<String> {
         use b2b_energyplus::digest::sha256;
         let Self { name, class, prototype, own, model } = self;
+        let files = external::files(model).into_iter().map(|path| std::fs::read(path).map(sha256));
+        let files: std::io::Result<Vec<_>> = files.collect();
         let inputs = (
             concat!(env!("CARGO_PKG_VERSION"), " ", env!("B2B_PREPARATION_SOURCES")),
             library.version(),
             sha256(std::fs::read(weather).ok()?),
             sha256(serde_json::to_vec(model).ok()?),
+            files.ok()?,
             (name, class, prototype, own),
         );
         Some(sha256(serde_json::to_vec(&inputs).ok()?))

@@ -11,6 +11,7 @@
 //! - The temperature of every zone is observed; controlled zones count in the reward.
 //! - Energy is that of all HVAC, controlled or not, per floor area of all conditioned zones.
 
+pub mod external;
 mod idf;
 mod references;
 
@@ -23,12 +24,17 @@ use crate::{Error, Result};
 
 /// Reads a user's model, IDF or epJSON, and checks what the engine does not check.
 ///
+/// The engine would load native code that a model names, and open any file. Unless `allow_external`, a model that runs code
+/// or names a file outside its own folder is refused before the engine simulates it.
+///
 /// # Errors
 /// [`Error::Import`] with every problem; [`Error::Malformed`] for a file that is not a model; [`Error::Engine`] with the
 /// engine's messages when it cannot read an IDF.
-pub fn read(path: &Path, library: &Library) -> Result<Model> {
+pub fn read(path: &Path, library: &Library, allow_external: bool) -> Result<Model> {
     check_file(path)?;
-    let model = Model::read(path, library)?;
+    let mut model = Model::read(path, library)?;
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    external::resolve(&mut model, folder, allow_external).map_err(|problems| refused(path, problems))?;
     check(&model, &library.version()).map_err(|problems| refused(path, problems))?;
     Ok(model)
 }

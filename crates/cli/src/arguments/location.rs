@@ -1,4 +1,4 @@
-//! The location of a building.
+//! The location of a building, and what its model may do.
 
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -16,6 +16,9 @@ pub struct Location {
     /// EPW weather file to use instead of a known place
     #[arg(long, value_name = "FILE.epw")]
     weather: Option<PathBuf>,
+    /// Let a model file run code (FMU, Python) and open files outside its folder; only for models that you trust
+    #[arg(long)]
+    allow_external: bool,
 }
 
 fn find_place(name: &str) -> Result<&'static Place> {
@@ -35,11 +38,12 @@ impl Location {
     pub fn arguments(&self) -> Vec<OsString> {
         let place = self.place.map(|place| ["--place".into(), place.name.into()]);
         let weather = self.weather.as_ref().map(|path| ["--weather".into(), path.clone().into_os_string()]);
-        place.into_iter().chain(weather).flatten().collect()
+        let external = self.allow_external.then(|| "--allow-external".into());
+        place.into_iter().chain(weather).flatten().chain(external).collect()
     }
 
     /// Returns the same for the catalog.
     pub fn placement(&self) -> Placement {
-        Placement { place: self.place, weather: self.weather.clone() }
+        Placement { place: self.place, weather: self.weather.clone(), allow_external: self.allow_external }
     }
 }

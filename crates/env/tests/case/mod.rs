@@ -40,7 +40,7 @@ impl Case {
         let library = Library::load(&engine.library).unwrap();
         let models = engine.models.unwrap();
         let weather = models.parent().unwrap().join("weather").join(weather);
-        let read = import::read(&models.join(model), &library).unwrap();
+        let read = import::read(&models.join(model), &library, false).unwrap();
         let building = PreparedBuilding::as_far_as_possible(model, read, &weather, &library).unwrap();
         Self { library, building: Arc::new(building), weather }
     }
