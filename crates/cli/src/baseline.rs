@@ -79,7 +79,7 @@ pub fn baseline(arguments: &Arguments) -> Result<ExitCode> {
         draw(&mut episodes, count as usize, arguments.seed);
     }
     let fresh = tempfile::tempdir()?;
-    let cache = b2b_energyplus::install::cache_dir()?.join("baselines");
+    let cache = Baselines::folder_in(&b2b_energyplus::install::cache_dir()?);
     let baselines = Baselines::without_shipped(if arguments.fresh { fresh.path() } else { cache.as_path() });
     let missing = baselines.missing(episodes.clone());
     let bars = Bars::new(false);

@@ -14,7 +14,7 @@ use serde_json::json;
 use crate::arguments::location::Location;
 use crate::exit_code::ExitCode;
 use crate::prepare::Prepared;
-use crate::stdout;
+use crate::{derived, stdout};
 
 /// Check the installation, or the actuator response of a building
 ///
@@ -50,8 +50,9 @@ pub fn doctor(arguments: &Arguments) -> Result<ExitCode> {
     if let Some(building) = &arguments.authority {
         return authority(building, &arguments.location, arguments.json);
     }
-    let installed = Engine::installed_by_user();
-    let mut findings = report(&Cache::from_env()?, installed.as_deref(), &PACKAGES);
+    let (cache, installed) = (Cache::from_env()?, Engine::installed_by_user());
+    let mut findings = report(&cache, installed.as_deref(), &PACKAGES);
+    findings.extend(derived::findings(&cache));
     findings.extend(arguments.building_type.map(|each| building(each, arguments.json)));
     print(&findings, arguments.json)?;
     let bad = findings.iter().any(|finding| finding.health == Health::Bad);

@@ -11,6 +11,7 @@ mod benchmark;
 mod check;
 mod child;
 mod dataset;
+mod derived;
 mod doctor;
 #[cfg(target_os = "linux")]
 mod evaluate;

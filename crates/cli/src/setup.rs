@@ -5,7 +5,7 @@ use b2b_climate::weather::PACKAGES;
 use b2b_energyplus::install::{Cache, ENGINE, Engine, Package};
 
 use crate::progress::Download;
-use crate::stdout;
+use crate::{derived, stdout};
 
 /// Download EnergyPlus and weather files, and repair damaged ones
 ///
@@ -33,6 +33,7 @@ pub fn setup(arguments: &Arguments) -> Result<()> {
         let installed = package.repair(&cache, &mut Download::new(false))?;
         lines.push(format!("✓ {package} in {}", installed.root.display()));
     }
+    lines.extend(derived::remove_damaged(&cache)?);
     if Engine::installed_by_user().is_some() {
         lines.push(format!("✓ B2B_ENERGYPLUS: using {}", Engine::find()?.library.display()));
     }

@@ -6,7 +6,7 @@ pub mod epw;
 mod error;
 mod location;
 mod morph;
-mod region;
+pub mod region;
 pub mod site;
 mod station;
 mod sun;

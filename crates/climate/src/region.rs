@@ -1,9 +1,11 @@
 //! The administrative regions of Québec and their weather.
 
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
-use b2b_energyplus::install::{Cache, Progress};
+use b2b_energyplus::digest::sha256;
+use b2b_energyplus::install::{Cache, Progress, State};
 
 use super::station::{Station, rows};
 use super::weather::{Place, plain};
@@ -12,6 +14,8 @@ use crate::{Error, Result};
 
 /// One row per region: its name, its station and the reason for that station.
 const REGIONS: &str = include_str!("../data/quebec_regions.csv");
+/// SHA-256 of the morphed file of each station.
+const MORPHED: &str = include_str!("../data/morphed_sha256.csv");
 /// The place whose weather file is the base of the morphed files.
 const BASE: &str = "Montréal";
 /// The station of the base file.
@@ -49,20 +53,73 @@ impl Region {
     /// Returns its EPW file: the published file of Montréal, or one morphed from it and kept in the cache.
     ///
     /// # Errors
-    /// Those of [`Place::epw_in`] and [`morph`]; [`Error::Io`] when the cache cannot be written.
+    /// Those of [`Place::epw_in`] and [`morph`]; [`Error::Io`] when the cache cannot be written; [`Error::Malformed`] when
+    /// this machine morphs to other bytes than those of the dataset.
     pub fn epw(&self, cache: &Cache, progress: &mut dyn Progress) -> Result<PathBuf> {
         let mut base = || Place::find(BASE)?.epw_in(cache, progress);
         if self.station.name == BASE_STATION {
             return base();
         }
-        let folder = cache.root.join(format!("morphed-{MORPH_VERSION}"));
-        let file = folder.join(format!("{}_morphed.epw", self.station.name.replace('\'', "")));
-        if !file.exists() {
+        let file = self.morphed_file(cache);
+        // A file that was changed is written anew.
+        if !std::fs::read(&file).is_ok_and(|text| sha256(text) == self.morphed_sha256()) {
             let base = base()?;
             let text = std::fs::read(&base).map_err(|source| Error::Io { path: base, source })?;
-            write(&folder, &file, &morph(&String::from_utf8_lossy(&text), self.station)?)?;
+            let text = morph(&String::from_utf8_lossy(&text), self.station)?;
+            let (found, expected) = (sha256(&text), self.morphed_sha256());
+            if found != expected {
+                let why = format!("morphed to SHA-256 {found}, expected {expected}");
+                return Err(Error::Malformed { path: file, why });
+            }
+            write(&morphed_folder(cache), &file, &text)?;
         }
         Ok(file)
+    }
+
+    fn morphed_file(&self, cache: &Cache) -> PathBuf {
+        morphed_folder(cache).join(format!("{}_morphed.epw", self.station.name.replace('\'', "")))
+    }
+
+    fn morphed_sha256(&self) -> &'static str {
+        let row = rows(MORPHED).find(|row| row[0] == self.station.name);
+        row.expect("the embedded table has every morphed station")[1]
+    }
+}
+
+fn morphed_folder(cache: &Cache) -> PathBuf {
+    cache.root.join(format!("morphed-{MORPH_VERSION}"))
+}
+
+/// Verifies the morphed files in a cache.
+pub fn verify_morphed(cache: &Cache) -> State {
+    let (mut files, mut bytes, mut damaged) = (0, 0, Vec::new());
+    let mut seen = HashSet::new();
+    let stations = Region::all().iter().filter(|region| region.station.name != BASE_STATION);
+    for region in stations.filter(|region| seen.insert(region.station.name)) {
+        let file = region.morphed_file(cache);
+        match std::fs::read(&file) {
+            Ok(text) if sha256(&text) == region.morphed_sha256() => {
+                files += 1;
+                bytes += text.len() as u64;
+            }
+            Ok(_) => damaged.push(format!("{}: it was changed", file.display())),
+            Err(_) => {}
+        }
+    }
+    State::of_files(files, bytes, damaged)
+}
+
+/// Removes the morphed files of a cache; they are written again when needed.
+///
+/// # Errors
+/// [`Error::Io`].
+pub fn remove_morphed(cache: &Cache) -> Result<()> {
+    let folder = morphed_folder(cache);
+    match std::fs::remove_dir_all(&folder) {
+        Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
+            Err(Error::Io { path: folder, source })
+        }
+        _ => Ok(()),
     }
 }
 
@@ -87,6 +144,8 @@ fn write(folder: &Path, file: &Path, text: &str) -> Result<()> {
 
 #[cfg(test)]
 mod tests {
+    use b2b_energyplus::install::Quiet;
+
     use super::*;
 
     #[test]
@@ -96,6 +155,33 @@ mod tests {
             assert_eq!(Region::find(&region.name.to_uppercase()).unwrap(), region);
         }
         assert_eq!(Region::find("Cote Nord").unwrap().name, "Côte-Nord");
+    }
+
+    #[test]
+    fn every_morphed_file_has_the_bytes_of_the_dataset_and_a_changed_one_is_written_anew() {
+        let user = Cache::from_env().unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let base = Place::find(BASE).unwrap().epw_in(&user, &mut Quiet).unwrap();
+        let mut cache = Cache::new(folder.path());
+        cache.packages = None;
+        let package = user.root.join("cerc-hub-0.3.5");
+        assert!(base.starts_with(&package));
+        #[cfg(unix)]
+        std::os::unix::fs::symlink(&package, folder.path().join("cerc-hub-0.3.5")).unwrap();
+        for region in Region::all() {
+            region.epw(&cache, &mut Quiet).unwrap();
+        }
+        assert!(matches!(verify_morphed(&cache), State::Whole { files: 13, .. }));
+        let file = Region::find("Côte-Nord").unwrap().morphed_file(&cache);
+        let whole = std::fs::read_to_string(&file).unwrap();
+        let changed = whole.replacen(",0,", ",9,", 1);
+        assert!(changed != whole && changed.len() == whole.len());
+        std::fs::write(&file, changed).unwrap();
+        assert!(matches!(verify_morphed(&cache), State::Damaged(lines) if lines.len() == 1));
+        Region::find("Côte-Nord").unwrap().epw(&cache, &mut Quiet).unwrap();
+        assert_eq!(std::fs::read_to_string(&file).unwrap(), whole);
+        remove_morphed(&cache).unwrap();
+        assert_eq!(verify_morphed(&cache), State::Absent);
     }
 
     #[test]

@@ -37,6 +37,7 @@ pub use error::{Error, Result};
 pub use id::{BUILDINGS_PER_TYPE, BuildingId};
 pub use manifest::manifest;
 pub use preparation::Preparation;
+pub use preparation_cache::prepared_folder;
 pub use sample::{Places, sample};
 pub use setting::Setting;
 pub use split::Split;

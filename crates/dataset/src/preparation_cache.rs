@@ -7,8 +7,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, SystemTime};
 
 use b2b_building::PreparedBuilding;
-use b2b_energyplus::digest::sha256;
-use b2b_energyplus::install::cache_dir;
+use b2b_energyplus::install::{cache_dir, seal, unseal};
 
 /// Environment variable with the capacity in megabytes; 0 disables the cache.
 const CAPACITY: &str = "B2B_PREPARED_MB";
@@ -17,7 +16,12 @@ const DEFAULT_MB: u64 = 2000;
 /// Age at which the unfinished file of a process that was killed is removed.
 const ABANDONED: Duration = Duration::from_secs(600);
 
-/// A folder of prepared buildings, one file each: the SHA-256 of the rest, a line feed, and the building as JSON.
+/// Returns the folder of prepared buildings in a cache.
+pub fn prepared_folder(cache: &Path) -> PathBuf {
+    cache.join("prepared")
+}
+
+/// A folder of prepared buildings, one sealed JSON file each.
 ///
 /// A file is written aside and renamed, so that processes may share the folder. A file whose digest does not match is
 /// ignored and replaced. Beyond the capacity, the files that were not used for the longest time are removed. Failures to
@@ -34,19 +38,14 @@ impl PreparationCache {
     pub(crate) fn from_env() -> Option<Self> {
         let given = std::env::var(CAPACITY).ok().and_then(|text| text.trim().parse().ok());
         let capacity = given.unwrap_or(DEFAULT_MB) * 1_000_000;
-        (capacity > 0).then_some(Self { folder: cache_dir().ok()?.join("prepared"), capacity })
+        (capacity > 0).then_some(Self { folder: prepared_folder(&cache_dir().ok()?), capacity })
     }
 
     /// Returns the building of a key, if it is there and undamaged, and marks it as used.
     pub(crate) fn read(&self, key: &str) -> Option<PreparedBuilding> {
         let path = self.path(key);
-        let text = fs::read(&path).ok()?;
-        let line = text.iter().position(|byte| *byte == b'\n')?;
-        let (digest, json) = (&text[..line], &text[line + 1..]);
-        if sha256(json).as_bytes() != digest {
-            return None;
-        }
-        let building = serde_json::from_slice(json).ok()?;
+        let file = fs::read(&path).ok()?;
+        let building = serde_json::from_slice(unseal(&file)?).ok()?;
         let used = File::options().append(true).open(&path);
         let _ = used.and_then(|file| file.set_modified(SystemTime::now()));
         Some(building)
@@ -63,8 +62,7 @@ impl PreparationCache {
         fs::create_dir_all(&self.folder)?;
         let number = NUMBER.fetch_add(1, Ordering::Relaxed);
         let aside = self.folder.join(format!("{key}.{}-{number}.partial", std::process::id()));
-        let written = fs::write(&aside, [sha256(&json).as_bytes(), b"\n", &json].concat())
-            .and_then(|()| fs::rename(&aside, self.path(key)));
+        let written = fs::write(&aside, seal(&json)).and_then(|()| fs::rename(&aside, self.path(key)));
         if written.is_err() {
             let _ = fs::remove_file(&aside);
         }

@@ -5,7 +5,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-use b2b_energyplus::install::cache_dir;
+use b2b_energyplus::install::{cache_dir, seal, unseal};
 use serde::{Deserialize, Serialize};
 
 use super::key::{Key, without_energy};
@@ -40,7 +40,12 @@ impl Baselines {
     /// # Errors
     /// [`Error::Install`] if the home folder is unknown.
     pub fn open() -> Result<Self> {
-        Ok(Self::in_folder(&cache_dir()?.join("baselines")))
+        Ok(Self::in_folder(&Self::folder_in(&cache_dir()?)))
+    }
+
+    /// Returns the folder of baselines in a cache; its number changes with the format of the files.
+    pub fn folder_in(cache: &Path) -> PathBuf {
+        cache.join("baselines-1")
     }
 
     /// Opens the shipped baselines and those in a folder.
@@ -64,9 +69,9 @@ impl Baselines {
         if let Some(terms) = self.shipped.get(key) {
             return Some(*terms);
         }
-        let text = std::fs::read(self.folder.join(key.file_name())).ok()?;
-        // An unreadable file is computed again.
-        let cached: Cached = serde_json::from_slice(&text).ok()?;
+        let file = std::fs::read(self.folder.join(key.file_name())).ok()?;
+        // A file that is unreadable or was changed is computed again.
+        let cached: Cached = serde_json::from_slice(unseal(&file)?).ok()?;
         (cached.key == *key).then_some(cached.terms)
     }
 
@@ -80,7 +85,7 @@ impl Baselines {
             .expect("plain data always serializes");
         // Another process may write the same file.
         let aside = tempfile::NamedTempFile::new_in(&self.folder).map_err(at(&self.folder))?;
-        aside.as_file().write_all(&text).map_err(at(aside.path()))?;
+        aside.as_file().write_all(&seal(&text)).map_err(at(aside.path()))?;
         let path = self.folder.join(key.file_name());
         aside.persist(&path).map_err(|error| at(&path)(error.error))?;
         Ok(())
@@ -219,10 +224,15 @@ mod tests {
         assert_eq!(baselines.get(&key("constant")), Some(TERMS));
         assert_eq!(baselines.get(&Key { revision: REVISION + 1, ..key("constant") }), None);
         assert_eq!(baselines.missing([(key("constant"), episode("constant"))]), []);
-        // A file that was cut short is no baseline.
+        // A file that was cut short or edited is no baseline.
         let file = folder.path().join(key("constant").file_name());
-        std::fs::write(&file, &std::fs::read(&file).unwrap()[..40]).unwrap();
-        assert_eq!(baselines.get(&key("constant")), None);
+        let whole = std::fs::read_to_string(&file).unwrap();
+        let edited = whole.replace("614.725", "614725.");
+        assert_ne!(edited, whole);
+        for damaged in [&whole[..40], &edited] {
+            std::fs::write(&file, damaged).unwrap();
+            assert_eq!(baselines.get(&key("constant")), None);
+        }
     }
 
     #[test]

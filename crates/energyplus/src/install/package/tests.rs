@@ -1,6 +1,6 @@
 //! Real runs of the package client on tiny wheels in a local folder.
 
-use std::io::Write;
+use std::io::{Read, Write};
 use std::ops::ControlFlow;
 use std::panic::AssertUnwindSafe;
 use std::sync::Barrier;
@@ -57,14 +57,9 @@ impl Registry {
             file_name: "tiny-1.0-py3-none-any.whl",
             sha256: manifest::sha256(&wheel).unwrap().leak(),
             bytes: wheel.metadata().unwrap().len(),
+            files_sha256: list_of(&wheel, keep).leak(),
         };
-        let package = Package {
-            name: "tiny",
-            version: "1.0",
-            wheels: vec![pinned].leak(),
-            keep,
-            corrections: &[("San.Deigo", "San.Diego")],
-        };
+        let package = package_of(vec![pinned].leak(), keep);
         Self { folder, cache, package }
     }
 
@@ -72,16 +67,39 @@ impl Registry {
         self.folder.path().join("tiny-1.0-py3-none-any.whl")
     }
 
-    /// What is in the cache, but for the lock.
+    /// What is in the cache, but for the lock and the stamp.
     fn cached(&self) -> Vec<String> {
         let Ok(entries) = std::fs::read_dir(&self.cache.root) else {
             return Vec::new();
         };
         entries
             .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-            .filter(|name| !name.ends_with(".lock"))
+            .filter(|name| !name.ends_with(".lock") && !name.ends_with(".verified"))
             .collect()
     }
+}
+
+/// Returns the SHA-256 of the list of wanted files in a wheel.
+fn list_of(wheel: &Path, keep: &'static [&'static str]) -> String {
+    let package = package_of(&[], keep);
+    let mut archive = ZipArchive::new(File::open(wheel).unwrap()).unwrap();
+    let mut files = Vec::new();
+    for index in 0..archive.len() {
+        let mut entry = archive.by_index(index).unwrap();
+        let name = entry.name().unwrap().into_owned();
+        if package.wants(&name) {
+            let mut content = Vec::new();
+            entry.read_to_end(&mut content).unwrap();
+            let (path, bytes) = (package.corrected(&name), content.len() as u64);
+            files.push(UnpackedFile { path, bytes, sha256: crate::digest::sha256(content) });
+        }
+    }
+    let (package, version, wheel_sha256) = (String::new(), String::new(), String::new());
+    Manifest { package, version, wheel_sha256, keep: Vec::new(), files }.digest()
+}
+
+fn package_of(wheels: &'static [Wheel], keep: &'static [&'static str]) -> Package {
+    Package { name: "tiny", version: "1.0", wheels, keep, corrections: &[("San.Deigo", "San.Diego")] }
 }
 
 /// Counts downloads.
@@ -157,7 +175,7 @@ fn offline_without_a_cache_says_what_to_do() {
 
 #[test]
 fn what_the_client_installed_for_itself_is_used_where_it_is_while_it_is_whole() {
-    let registry = Registry::new();
+    let registry = Registry::with(&[EPW], &[]);
     let package = Package { corrections: &[], ..registry.package };
     let there = registry.folder.path().join("site-packages");
     std::fs::create_dir_all(there.join("tiny/weather")).unwrap();
@@ -165,16 +183,19 @@ fn what_the_client_installed_for_itself_is_used_where_it_is_while_it_is_whole() 
     let mut cache = registry.cache.clone();
     (cache.packages, cache.offline) = (Some(there.clone()), true);
     assert!(package.find(&cache).is_none(), "without a record");
-    let digest = "47DEQpj8HBSa-_TImW-5JCeuQeRkm5NMpJWZG3hSuFU";
-    let record = format!("tiny/__init__.py,sha256={digest},0\n{EPW},sha256={digest},14\nlist,,\n");
+    let empty = "47DEQpj8HBSa-_TImW-5JCeuQeRkm5NMpJWZG3hSuFU";
+    let here = "sPt8GLj0tOGtgAmHynCgJpDm7GlTy9eWIND6s1nFWHY";
+    let record = format!("tiny/__init__.py,sha256={empty},0\n{EPW},sha256={here},14\nlist,,\n");
     std::fs::write(there.join("tiny-1.0.dist-info/RECORD"), record).unwrap();
     assert!(package.find(&cache).is_none(), "without its file");
     std::fs::write(there.join(EPW), "LOCATION,Here\n").unwrap();
     let found = package.ensure(&cache, &mut Quiet).unwrap();
     let (path, file) = found.file("AK_Here.epw").unwrap();
     assert_eq!((path, found.manifest.files.len()), (there.join(EPW), 1));
-    assert!(file.sha256.starts_with("e3b0c44298fc"), "{}", file.sha256);
+    assert_eq!(file.sha256, crate::digest::sha256("LOCATION,Here\n"));
     assert!(!cache.root.exists());
+    std::fs::write(there.join(EPW), "LOCATION,hERE\n").unwrap();
+    assert!(package.find(&cache).is_none(), "with a changed byte");
 }
 
 #[test]
@@ -232,7 +253,6 @@ fn a_changed_byte_is_found_by_the_doctor_and_repaired_by_setup() {
     };
     assert_eq!(health().0, Health::Good);
     std::fs::write(found.root.join(EPW), "LOCATION,hERE\n").unwrap();
-    assert!(package.find(cache).is_some(), "sizes alone do not tell");
     let (bad, detail) = health();
     assert_eq!(bad, Health::Bad);
     assert!(detail.contains(EPW), "{detail}");
@@ -241,10 +261,57 @@ fn a_changed_byte_is_found_by_the_doctor_and_repaired_by_setup() {
 }
 
 #[test]
+fn a_changed_byte_is_never_used() {
+    let Registry { cache, package, folder: _folder } = &Registry::new();
+    let found = package.ensure(cache, &mut Quiet).unwrap();
+    let file = found.root.join(EPW);
+    let modified = file.metadata().unwrap().modified().unwrap();
+    assert!(package.find(cache).is_some());
+    std::fs::write(&file, "LOCATION,hERE\n").unwrap();
+    File::options().append(true).open(&file).unwrap().set_modified(modified).unwrap();
+    assert!(package.find(cache).is_none(), "size and time of modification do not tell");
+    let offline = Cache { offline: true, ..cache.clone() };
+    let error = package.ensure(&offline, &mut Quiet).unwrap_err();
+    assert!(error.to_string().contains("damaged"), "{error}");
+    package.ensure(cache, &mut Quiet).unwrap();
+    assert_eq!(std::fs::read_to_string(&file).unwrap(), "LOCATION,Here\n");
+}
+
+#[test]
+fn a_manifest_with_another_list_of_files_is_damaged() {
+    let Registry { cache, package, folder: _folder } = &Registry::new();
+    let found = package.ensure(cache, &mut Quiet).unwrap();
+    let mut changed = found.manifest.clone();
+    changed.files[0].sha256 = crate::digest::sha256("LOCATION,hERE\n");
+    for manifest in [Manifest { files: Vec::new(), ..changed.clone() }, changed] {
+        manifest.write(&found.root).unwrap();
+        std::fs::write(found.root.join(EPW), "LOCATION,hERE\n").unwrap();
+        assert!(package.find(cache).is_none());
+        assert!(matches!(package.verify(cache), State::Damaged(_)));
+        package.repair(cache, &mut Quiet).unwrap();
+        assert!(matches!(package.verify(cache), State::Whole { files: 2, .. }));
+    }
+}
+
+#[test]
+fn a_verified_package_is_not_read_again() {
+    let Registry { cache, package, folder: _folder } = &Registry::new();
+    let found = package.ensure(cache, &mut Quiet).unwrap();
+    assert!(package.find(cache).is_some());
+    let wheel = package.wheel().unwrap();
+    let stamp = Stamp::of(package, &found.manifest, &found.root, cache).unwrap();
+    assert!(stamp.is_known() && package.is_whole(&found, wheel, cache));
+}
+
+#[test]
 fn another_choice_of_files_is_another_installation() {
     let mut registry = Registry::new();
     registry.package.ensure(&registry.cache, &mut Quiet).unwrap();
-    registry.package.keep = &["tiny/__init__.py"];
+    let keep = &["tiny/__init__.py"];
+    let Wheel { platform, file_name, sha256, bytes, .. } = registry.package.wheels[0];
+    let files_sha256 = list_of(&registry.wheel(), keep).leak();
+    let wheel = Wheel { platform, file_name, sha256, bytes, files_sha256 };
+    registry.package = package_of(vec![wheel].leak(), keep);
     assert!(registry.package.find(&registry.cache).is_none());
     let found = registry.package.ensure(&registry.cache, &mut Quiet).unwrap();
     assert!(found.file("tiny/__init__.py").is_some());

@@ -1,0 +1,61 @@
+//! Files in the cache that were computed instead of downloaded: morphed weather, prepared buildings and baselines.
+
+use std::path::PathBuf;
+
+use anyhow::{Context, Result};
+use b2b_benchmark::Baselines;
+use b2b_climate::region::{remove_morphed, verify_morphed};
+use b2b_dataset::prepared_folder;
+use b2b_energyplus::install::doctor::{Finding, Health};
+use b2b_energyplus::install::{Cache, State, check_sealed, unseal};
+
+/// Verifies all of them.
+pub fn findings(cache: &Cache) -> Vec<Finding> {
+    let states = std::iter::once(("morphed weather", verify_morphed(cache)))
+        .chain(sealed(cache).map(|(about, folder)| (about, check_sealed(&folder))));
+    let finding = |(about, state): (&str, State)| {
+        let (health, detail) = match state {
+            State::Absent => (Health::Absent, "computed when first needed".to_owned()),
+            State::Whole { files, bytes } => {
+                (Health::Good, format!("{files} files, {:.0} MB, all SHA-256 verified", bytes as f64 / 1e6))
+            }
+            State::Damaged(lines) => {
+                (Health::Bad, format!("not used; run `b2b setup` to remove: {}", lines.join("; ")))
+            }
+        };
+        Finding { about: about.to_owned(), health, detail }
+    };
+    states.map(finding).collect()
+}
+
+/// Removes the damaged ones, which are computed again when needed. Returns a line for each kind that had some.
+pub fn remove_damaged(cache: &Cache) -> Result<Vec<String>> {
+    let mut lines = Vec::new();
+    if matches!(verify_morphed(cache), State::Damaged(_)) {
+        remove_morphed(cache)?;
+        lines.push("✓ removed damaged morphed weather".to_owned());
+    }
+    for (about, folder) in sealed(cache) {
+        let mut removed = 0;
+        for entry in std::fs::read_dir(&folder).into_iter().flatten().flatten() {
+            let path = entry.path();
+            let is_damaged = |file: Vec<u8>| unseal(&file).is_none();
+            if path.extension().is_some_and(|each| each == "json")
+                && std::fs::read(&path).is_ok_and(is_damaged)
+            {
+                std::fs::remove_file(&path).with_context(|| format!("cannot remove {}", path.display()))?;
+                removed += 1;
+            }
+        }
+        if removed > 0 {
+            lines.push(format!("✓ removed {removed} damaged files of {about}"));
+        }
+    }
+    Ok(lines)
+}
+
+/// The folders of sealed files.
+fn sealed(cache: &Cache) -> impl Iterator<Item = (&'static str, PathBuf)> {
+    [("prepared buildings", prepared_folder(&cache.root)), ("baselines", Baselines::folder_in(&cache.root))]
+        .into_iter()
+}

@@ -1,0 +1,58 @@
+//! Stamps of verified packages: what the file system said of every file when its content was last verified.
+//!
+//! Reading a package takes a tenth of a second or more, and asking the file system takes microseconds. A file whose size, time
+//! of modification or, on Unix, time of change and inode number differ from the stamp is read again.
+
+use std::fs::Metadata;
+use std::path::{Path, PathBuf};
+
+use super::cache::Cache;
+use super::manifest::Manifest;
+use super::pinned::Package;
+use crate::digest::sha256;
+
+/// The stamp of the files of a package in a folder.
+pub(super) struct Stamp {
+    /// The file that keeps the stamp of the last verification.
+    path: PathBuf,
+    text: String,
+}
+
+impl Stamp {
+    /// Takes the stamp of the files of a manifest; `None` if one is missing.
+    pub(super) fn of(package: &Package, manifest: &Manifest, root: &Path, cache: &Cache) -> Option<Self> {
+        let mut all = format!("{} {}\n", root.display(), manifest.digest());
+        for file in &manifest.files {
+            let found = std::fs::metadata(root.join(&file.path)).ok()?;
+            all.push_str(&line(&found));
+        }
+        let path = cache.root.join(format!(".{}.verified", package.stem()));
+        Some(Self { path, text: sha256(all) })
+    }
+
+    /// Whether these files were verified as they are.
+    pub(super) fn is_known(&self) -> bool {
+        std::fs::read_to_string(&self.path).is_ok_and(|known| known == self.text)
+    }
+
+    /// Keeps the stamp. Without it, in a cache that cannot be written, the files are verified again.
+    pub(super) fn keep(&self) {
+        let aside = self.path.with_added_extension(std::process::id().to_string());
+        let written = std::fs::write(&aside, &self.text).and_then(|()| std::fs::rename(&aside, &self.path));
+        if written.is_err() {
+            // It may not exist.
+            let _ = std::fs::remove_file(&aside);
+        }
+    }
+}
+
+fn line(found: &Metadata) -> String {
+    #[cfg(unix)]
+    let changed = {
+        use std::os::unix::fs::MetadataExt;
+        (found.ino(), found.ctime(), found.ctime_nsec())
+    };
+    #[cfg(not(unix))]
+    let changed = ();
+    format!("{} {:?} {changed:?}\n", found.len(), found.modified().ok())
+}
