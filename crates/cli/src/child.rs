@@ -15,6 +15,8 @@ pub fn run<I: AsRef<std::ffi::OsStr>>(
 ) -> Result<Result<String, String>> {
     let mut command = program::command();
     command.args(arguments);
+    #[cfg(target_os = "linux")]
+    command.env_remove(crate::supervision::SUPERVISED);
     output(command)
 }
 

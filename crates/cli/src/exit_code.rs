@@ -19,6 +19,13 @@ impl ExitCode {
     pub(crate) fn of(passed: bool) -> Self {
         if passed { Self::Success } else { Self::Failure }
     }
+
+    /// Returns how a process of this program ended.
+    #[cfg(target_os = "linux")]
+    pub(crate) fn of_process(code: i32) -> Self {
+        let all = [Self::Success, Self::Usage, Self::Interrupted];
+        all.into_iter().find(|each| *each as i32 == code).unwrap_or(Self::Failure)
+    }
 }
 
 impl From<ExitCode> for std::process::ExitCode {

@@ -41,6 +41,8 @@ mod setup;
 mod shipped;
 mod show;
 mod stdout;
+#[cfg(target_os = "linux")]
+mod supervision;
 mod table;
 #[cfg(target_os = "linux")]
 mod train;
@@ -99,6 +101,14 @@ enum Command {
     Tune(tune::Arguments),
 }
 
+impl Command {
+    /// Whether it runs EnergyPlus on a user's model or weather in its own process, for which it is supervised.
+    #[cfg(target_os = "linux")]
+    fn is_foreign(&self) -> bool {
+        matches!(self, Self::Run(_) | Self::Show(_) | Self::View(_) | Self::Doctor(_) | Self::Import(_))
+    }
+}
+
 /// Runs the command with these arguments, of which the first is the program's name, and returns its exit code.
 ///
 /// `program` is what `b2b` starts when it needs further processes, so it must call this function as well. Called before
@@ -114,7 +124,7 @@ pub fn run(program: Program, arguments: impl IntoIterator<Item = OsString>) -> E
         let _ = parser.print_help();
         return ExitCode::Success;
     }
-    let parsed = parser.try_get_matches_from(arguments).and_then(|matches| Cli::from_arg_matches(&matches));
+    let parsed = parser.try_get_matches_from(&arguments).and_then(|matches| Cli::from_arg_matches(&matches));
     let command = match parsed {
         Ok(cli) => cli.command,
         Err(usage) => {
@@ -122,7 +132,14 @@ pub fn run(program: Program, arguments: impl IntoIterator<Item = OsString>) -> E
             return if usage.use_stderr() { ExitCode::Usage } else { ExitCode::Success };
         }
     };
-    match interrupt::listen().and_then(|()| execute(command)) {
+    #[cfg(target_os = "linux")]
+    let outcome = match command.is_foreign() && !supervision::is_supervised() {
+        true => supervision::supervise(&arguments[1..]),
+        false => interrupt::listen().and_then(|()| execute(command)),
+    };
+    #[cfg(not(target_os = "linux"))]
+    let outcome = interrupt::listen().and_then(|()| execute(command));
+    match outcome {
         Ok(code) => code,
         Err(error) if interrupt::requested() => {
             eprintln!("{error}");

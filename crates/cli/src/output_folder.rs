@@ -20,6 +20,12 @@ impl OutputFolder {
     /// Checks that the destination can be written, without changing anything there yet.
     pub fn stage(destination: &Path) -> Result<Self> {
         let cannot = || format!("cannot write the folder {}", destination.display());
+        if destination.to_str().is_none() {
+            bail!(
+                "--out {}: the path is not valid UTF-8, as summary.json needs it; choose another",
+                destination.display()
+            );
+        }
         let destination_path = std::path::absolute(destination).with_context(cannot)?;
         if destination.exists() && !destination.is_dir() {
             bail!("--out expects a folder, but {} is a file", destination.display());

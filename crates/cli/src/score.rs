@@ -1,22 +1,19 @@
 //! `b2b score`: the normalized score of a trajectory.
 
-use std::fs::File;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
-use arrow_array::types::Float64Type;
-use arrow_array::{Array, PrimitiveArray};
 use b2b_benchmark::{Baselines, Episode, SiteInfo, Subject, Versions};
 use b2b_building::RunPeriod;
 use b2b_climate::Place;
 use b2b_dataset::{BuildingName, Catalog};
 use b2b_env::Task;
-use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use serde::Serialize;
 
 use crate::arguments::location::Location;
 use crate::evaluation::{Bars, evaluation};
 use crate::progress::Download;
+use crate::run::trajectory_file::Stored;
 use crate::stdout;
 
 /// Score a trajectory against the reactive controllers
@@ -148,32 +145,21 @@ impl Score {
 impl Trajectory {
     fn read(arguments: &Arguments) -> Result<Self> {
         let path = &arguments.trajectory;
+        let stored = Stored::read(path)?;
         let not_ours = || format!("{} is not a trajectory written by b2b run", path.display());
-        let file = File::open(path).with_context(|| format!("cannot read {}", path.display()))?;
-        let reader = ParquetRecordBatchReaderBuilder::try_new(file).with_context(not_ours)?;
-        let metadata = reader.schema().metadata().clone();
-        let word = |key: &str| metadata.get(key).cloned().with_context(not_ours);
-        let (building, place) = (word("building")?, word("place")?);
+        let word = |key: &str| stored.word(key).with_context(not_ours);
+        let (building, place) = (word("building")?, word("place")?.to_owned());
         let period: RunPeriod = word("period")?.parse()?;
-        let controller = word("controller")?;
-        let task: Task = serde_json::from_str(&word("task_definition")?).with_context(not_ours)?;
+        let controller = word("controller")?.to_owned();
+        let task: Task = serde_json::from_str(word("task_definition")?).with_context(not_ours)?;
         task.check()?;
-        let versions: Versions = serde_json::from_str(&word("versions")?).with_context(not_ours)?;
+        let versions: Versions = serde_json::from_str(word("versions")?).with_context(not_ours)?;
         check_versions(path, &versions)?;
-        let subject = arguments.subject(&building, &place)?;
-        let [mut temperature_penalty, mut energy_penalty] = [0.0; 2];
-        let mut steps = 0;
-        for batch in reader.build()? {
-            let batch = batch.with_context(not_ours)?;
-            let sum = |name: &str| -> Result<f64> {
-                let column = batch.column_by_name(name).with_context(not_ours)?;
-                let column = column.as_any().downcast_ref::<PrimitiveArray<Float64Type>>();
-                Ok(column.with_context(not_ours)?.values().iter().sum())
-            };
-            temperature_penalty += sum("temperature penalty")?;
-            energy_penalty += sum("energy penalty")?;
-            steps += batch.num_rows();
-        }
+        let subject = arguments.subject(building, &place)?;
+        let penalties = &stored.trajectory.penalties;
+        let [temperature_penalty, energy_penalty] =
+            [0, 1].map(|term| penalties.iter().map(|penalty| penalty[term]).sum());
+        let steps = penalties.len();
         Ok(Self { subject, place, period, task, controller, steps, temperature_penalty, energy_penalty })
     }
 

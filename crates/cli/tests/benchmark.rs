@@ -6,12 +6,13 @@ mod onnx_file;
 mod program;
 
 use std::collections::HashMap;
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use b2b_benchmark::entry::{Check, Sample, read_result, verify};
+use b2b_benchmark::entry::{Check, Sample, check, read_result, verify};
 use b2b_benchmark::problem::Stage;
 use b2b_benchmark::{Evaluation, Problem, Row, Scored, Versions, write_stages};
 use b2b_building::{Conditioning, PreparedBuilding};
@@ -314,7 +315,10 @@ impl Judged {
     fn wrong(&self, folder: &Path, episodes: usize) -> String {
         let launcher = Launcher::new(env!("CARGO_BIN_EXE_b2b"));
         let evaluation = Evaluation { catalog: &self.catalog, launcher, jobs: 2, interrupted: || false };
-        let checks = verify(folder, &evaluation, Sample { episodes, seed: 0 }, &()).unwrap();
+        let checks = match NonZeroUsize::new(episodes) {
+            None => check(folder).unwrap(),
+            episodes => verify(folder, &evaluation, Sample { episodes, seed: 0 }, &()).unwrap(),
+        };
         let wrong = |check: &Check| Some(format!("{}: {}", check.name, check.outcome.as_ref().err()?));
         checks.iter().filter_map(wrong).collect::<Vec<_>>().join("\n")
     }
@@ -343,6 +347,24 @@ fn a_tampered_result_fails_verification() {
     let said = judged.after(|stages| drop(stages.pop()), 0);
     assert!(said.contains("stage train is missing"), "{said}");
 
+    // A baseline that was lowered together with the score that follows from it.
+    let lower = |stages: &mut Vec<(Stage, Vec<Row>)>| {
+        let scored = scored(&mut stages[0].1[1]);
+        let (episode_return, steps) = (scored.metrics.episode_return, scored.metrics.steps);
+        let baseline = scored.baseline_return.unwrap() * 2.0;
+        scored.baseline_return = Some(baseline);
+        scored.score = b2b_benchmark::normalized_score(episode_return, baseline);
+        scored.resolved_score = b2b_benchmark::resolved_score(episode_return, baseline, steps);
+    };
+    let said = judged.after(lower, 0);
+    assert!(said.contains("baselines: test: SingleFamilyHouse-0018"), "{said}");
+    let said = judged.after(|stages| scored(&mut stages[0].1[1]).step_rewards.counts[0] += 1, 0);
+    assert!(said.contains("rewards of steps are counted"), "{said}");
+    let said = judged.after(|stages| scored(&mut stages[0].1[1]).trajectory_hash = "é".repeat(32), 0);
+    assert!(said.contains("is not a trajectory hash"), "{said}");
+    let said = judged.after(|stages| stages[0].1[1].info.place = "Miami".into(), 0);
+    assert!(said.contains("episodes: test: expected"), "{said}");
+
     // A return that adds up, with score and measures made to fit, is found out by running it again.
     let halve = |stages: &mut Vec<(Stage, Vec<Row>)>| {
         for row in stages.iter_mut().flat_map(|(_, rows)| rows) {
@@ -369,6 +391,29 @@ fn a_tampered_result_fails_verification() {
     assert_eq!(judged.wrong(&copy, 0), "");
     let said = judged.wrong(&copy, 1);
     assert!(said.contains("episodes run again") && said.contains("its metrics differ"), "{said}");
+
+    // Policies are read and hashed without any sample.
+    let honest = json!({"kind": "built_in", "name": "random"});
+    let network = linear_policy(3, 2, 0.0);
+    let [hash, other] = [sha256(&network), sha256(b"another")];
+    std::fs::create_dir_all(copy.join("policy")).unwrap();
+    std::fs::write(copy.join(format!("policy/{}.onnx", &other[..16])), &network).unwrap();
+    let missing = "is missing";
+    for (name, hash, words) in [
+        ("p.onnx", "é".repeat(32), "is not a SHA-256"),
+        ("p.onnx", "../".repeat(20), "is not a SHA-256"),
+        ("p.onnx", other, "is not the file that was run"),
+        ("p.onnx", hash.clone(), &hash[..16]),
+    ] {
+        let onnx = json!({"kind": "onnx", "pattern": "p.onnx", "actions": "rescaled", "files": {name: hash}});
+        edit("/policies/test", onnx);
+        let said = judged.wrong(&copy, 0);
+        assert!(said.contains("policies: ") && said.contains(words), "{said}");
+    }
+    edit("/policies/test", json!({"kind": "onnx", "pattern": "p.onnx", "actions": "rescaled", "files": {}}));
+    let said = judged.wrong(&copy, 0);
+    assert!(said.contains(missing), "{said}");
+    edit("/policies/test", honest);
 
     edit("/versions/generator", json!("v0"));
     assert!(judged.wrong(&copy, 0).contains("dataset v0 there and v1 here"));
@@ -428,5 +473,8 @@ fn invalid_arguments_are_rejected_with_a_remedy() {
     std::fs::write(folder.path().join("thesis.tex"), "").unwrap();
     refused("run dynamics-house --policy random --out .", &["contains no evaluation"]);
     refused("verify .", &["contains no result"]);
+    let none = b2b(folder.path(), "benchmark verify . --episodes 0");
+    assert_eq!(none.status.code(), Some(1));
+    assert!(both_outputs(&none).contains("at least 1"), "{}", both_outputs(&none));
     refused("report .", &["contains no result"]);
 }

@@ -305,7 +305,8 @@ fn an_interrupted_run_stops_between_steps_and_leaves_nothing_behind() {
     }
 }
 
-/// Returns whether a command has its template and the copy that runs the episode, all in its process group.
+/// Returns whether a command has its supervised process, the template and the copy that runs the episode, all in its process
+/// group.
 #[cfg(target_os = "linux")]
 fn runs_an_episode(command: Pid) -> bool {
     let processes = std::fs::read_dir("/proc").unwrap().flatten();
@@ -314,7 +315,7 @@ fn runs_an_episode(command: Pid) -> bool {
         // After the name in parentheses: state, parent, process group.
         stat.rsplit(')').next()?.split_whitespace().nth(2)?.parse::<i32>().ok()
     };
-    processes.filter_map(group).filter(|group| *group == command.as_raw_nonzero().get()).count() >= 3
+    processes.filter_map(group).filter(|group| *group == command.as_raw_nonzero().get()).count() >= 4
 }
 
 fn wait_until(done: impl Fn() -> bool) {

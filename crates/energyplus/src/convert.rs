@@ -16,7 +16,7 @@ impl Library {
         if !idf.is_file() {
             return Err(Error::MissingFile { what: "model", path: idf.to_owned() });
         }
-        let folder = temporary_folder()?;
+        let folder = temporary_folder("b2b-")?;
         let arguments =
             ["energyplus", "-c", "--convert-only", "-d", path_text(folder.path())?, path_text(idf)?];
         let mut run = EngineRun::new(self, &arguments, &[], Stops { warmup_steps: false, every: 0 })?;

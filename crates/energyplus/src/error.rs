@@ -82,6 +82,16 @@ pub enum Error {
         /// Error of the operating system.
         source: std::io::Error,
     },
+    /// A temporary folder that cannot be used.
+    #[error(
+        "cannot use the temporary folder {path}: {why}. Free some space in it, or set TMPDIR to another folder"
+    )]
+    TemporaryFolder {
+        /// The folder.
+        path: PathBuf,
+        /// Reason.
+        why: String,
+    },
     /// A process that cannot be copied because it has several threads: the copy would have only one of them, with the locks
     /// of all.
     #[error("cannot copy a simulation in a process with {threads} threads; expected 1")]

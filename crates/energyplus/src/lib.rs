@@ -35,6 +35,7 @@ mod error;
 mod event;
 pub mod install;
 mod library;
+pub mod machine;
 mod message;
 mod simulation;
 #[cfg(target_os = "linux")]
@@ -44,4 +45,4 @@ pub use error::{Error, Result};
 pub use event::Event;
 pub use library::Library;
 pub use message::{Level, Message, Messages};
-pub use simulation::{Actuator, Clock, Meter, Run, Simulation, Variable};
+pub use simulation::{Actuator, Clock, Meter, Run, Simulation, Variable, temporary_folder};

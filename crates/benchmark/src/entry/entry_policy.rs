@@ -141,6 +141,10 @@ impl EntryPolicy {
             PolicyDescription::Agents { pattern, files, .. } => (pattern, Format::Agents, files),
         };
         let file = |(name, sha256): (&String, &String)| {
+            if sha256.len() != 64 || !sha256.bytes().all(|byte| byte.is_ascii_hexdigit()) {
+                let what = format!("`{sha256}` of the policy `{name}` is not a SHA-256");
+                return Err(Error::Modified { folder: folder.to_owned(), what });
+            }
             let file = File::read(folder.join(format.name_of(sha256)), format)?;
             if file.sha256 != *sha256 {
                 return Err(Error::Modified {
@@ -183,6 +187,15 @@ impl EntryPolicy {
         self.description().seeds(seeds)
     }
 
+    /// Returns the name of a file that one of these episodes needs and that there is not.
+    pub fn missing(&self, episodes: &[Episode]) -> Option<String> {
+        let Self::Files(Files { pattern, files, .. }) = self else { return None };
+        let name = |episode: &Episode| {
+            fill(pattern, episode.seed, &episode.subject.name.to_string(), &episode.task.to_string())
+        };
+        episodes.iter().map(name).find(|name| !files.contains_key(name))
+    }
+
     /// Returns the path of each file, and its name in a result.
     pub fn files(&self) -> Vec<(PathBuf, String)> {
         match self {
@@ -214,7 +227,7 @@ fn fill(pattern: &str, seed: u64, building: &str, task: &str) -> String {
 impl Format {
     /// Returns the name of a file or a folder in a result.
     fn name_of(self, sha256: &str) -> String {
-        let short = &sha256[..sha256.len().min(16)];
+        let short = sha256.get(..16).unwrap_or(sha256);
         match self {
             Self::Onnx(_) => format!("{short}.onnx"),
             Self::Agents => short.to_owned(),

@@ -4,7 +4,7 @@
 //! 2. [`Entry::run`] evaluates them stage by stage and keeps each episode under `unfinished/` as it ends, so that an
 //!    interrupted run resumes.
 //! 3. A [`RunResult`] remains: `result.json`, `episodes.parquet`, and the ONNX files in `policy/`. Two runs leave the same
-//!    bytes.
+//!    bytes on machines that compute alike.
 //! 4. [`verify`] checks that a folder contains what it claims.
 
 mod adaptation;
@@ -23,4 +23,4 @@ pub use measures::{Measures, Stratum, measure_scores};
 pub use result::{RunResult, Stages, read_result};
 pub use run::RunOutcome;
 pub use scores::{Performance, Score};
-pub use verify::{Check, Sample, verify};
+pub use verify::{Check, Sample, TOLERANCE, check, verify};

@@ -27,7 +27,7 @@ pub(super) const POLICY: &str = "policy";
 /// The folder of stages that have not all ended.
 pub(super) const UNFINISHED: &str = "unfinished";
 /// Raised when the format of a result changes.
-const FORMAT: u32 = 2;
+const FORMAT: u32 = 3;
 
 /// The result of a run: `result.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -53,6 +53,8 @@ pub struct RunResult {
     pub seeds: BTreeMap<String, Vec<u64>>,
     /// Versions that the result depends on.
     pub versions: Versions,
+    /// [`b2b_energyplus::machine::fingerprint`]: machines with the same one give the same bits.
+    pub machine: String,
     /// Number of rows in `episodes.parquet` by stage.
     pub episodes: BTreeMap<String, usize>,
     /// SHA-256 of `episodes.parquet`.
@@ -91,6 +93,7 @@ impl RunResult {
             episodes: stages.iter().map(|(stage, rows)| (stage.to_string(), rows.len())).collect(),
             episodes_sha256: sha256(table(stages, &versions)?),
             versions,
+            machine: b2b_energyplus::machine::fingerprint(),
             measures,
         })
     }

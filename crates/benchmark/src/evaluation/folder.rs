@@ -27,6 +27,8 @@ pub struct Folder {
 #[derive(Serialize)]
 struct Definition {
     versions: Versions,
+    /// Episodes of machines that round differently do not belong into one result.
+    machine: String,
     policy: String,
     policy_identity: String,
     episodes: Vec<EpisodeDefinition>,
@@ -144,6 +146,7 @@ impl Definition {
         };
         Ok(Self {
             versions: Versions::current(),
+            machine: b2b_energyplus::machine::fingerprint(),
             policy: policy.name(),
             policy_identity: policy.identity(),
             episodes: episodes.iter().map(definition).collect::<Result<_>>()?,
@@ -169,7 +172,7 @@ fn check_empty(path: &Path) -> Result<()> {
 fn differences(there: &Value, here: &Value) -> String {
     const NONE: &Value = &Value::Null;
     let mut found = Vec::new();
-    for name in ["policy", "policy_identity"] {
+    for name in ["machine", "policy", "policy_identity"] {
         compare(name, &there[name], &here[name], &mut found);
     }
     for name in ["package", "generator", "engine", "controllers"] {

@@ -1,5 +1,6 @@
 //! Runs the episodes of an evaluation in parallel.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use super::bench::{Bench, Group};
@@ -8,6 +9,7 @@ use super::finished::{Finished, Lost, Outcome};
 use super::parallel::{Evaluation, Work};
 use super::progress::Progress;
 use super::rollout;
+use crate::error::panic_message;
 use crate::policy::Policy;
 use crate::{Error, Result};
 
@@ -56,10 +58,16 @@ impl Evaluation<'_> {
         let mut bench = None;
         while let Some(position) = group.take() {
             let (number, episode) = work.episodes[position];
-            let outcome = match self.finish(group, &mut bench, episode, work) {
-                Ok(finished) => Ok(finished),
-                Err(error) if ends_evaluation(&error) => return Err(error),
-                Err(error) => Err(Lost { reason: error.to_string() }),
+            // A panic, as of a library on a damaged network, loses one episode and its processes.
+            let finish = AssertUnwindSafe(|| self.finish(group, &mut bench, episode, work));
+            let outcome = match catch_unwind(finish) {
+                Ok(Ok(finished)) => Ok(finished),
+                Ok(Err(error)) if ends_evaluation(&error) => return Err(error),
+                Ok(Err(error)) => Err(Lost { reason: error.to_string() }),
+                Err(panic) => {
+                    bench = None;
+                    Err(Lost { reason: format!("it panicked: {}", panic_message(&*panic)) })
+                }
             };
             (work.keep)(number, outcome)?;
             work.progress.episode();

@@ -1,5 +1,6 @@
 //! Policies in ONNX files, as learning libraries export them.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -13,7 +14,7 @@ use rten_tensor::prelude::*;
 
 use super::action_scale::ActionScale;
 use super::interface::{EpisodeContext, Interface, Policy};
-use crate::error::at;
+use crate::error::{at, panic_message};
 use crate::{Error, Result};
 
 /// A policy in an ONNX file. Takes one float32 array [1, observation], the environment's observation without scaling,
@@ -36,7 +37,7 @@ impl OnnxPolicy {
         let bytes = std::fs::read(path).map_err(at(path))?;
         let identity = format!("onnx {}, actions {scale:?}", sha256(&bytes)).to_lowercase();
         let invalid = |why: String| Error::InvalidOnnx { path: path.to_owned(), why };
-        let model = Model::load(bytes).map_err(|error| invalid(one_line(&error)))?;
+        let model = guarded(|| Model::load(bytes)).map_err(invalid)?;
         let (inputs, outputs) = (model.input_ids().len(), model.output_ids().len());
         if inputs != 1 || outputs == 0 {
             let why = format!("it has {inputs} inputs and {outputs} outputs");
@@ -70,10 +71,8 @@ impl OnnxPolicy {
 
     /// Runs the model once and checks the width of its output.
     fn check_action(&self, inference: &Inference, spaces: &Spaces, interface: &Interface) -> Result<()> {
-        let output = inference.run(&vec![0.0; interface.observation.len()]);
-        let given = output
-            .map_err(|error| Error::InvalidPolicy { path: self.path.clone(), why: one_line(&error) })?
-            .len();
+        let output = guarded(|| inference.run(&vec![0.0; interface.observation.len()]));
+        let given = output.map_err(|why| Error::InvalidPolicy { path: self.path.clone(), why })?.len();
         if given == interface.action.len() {
             return Ok(());
         }
@@ -160,9 +159,14 @@ impl Inference {
     }
 }
 
-/// Formats an error in one line.
-fn one_line(error: &dyn std::error::Error) -> String {
-    error.to_string().replace('\n', " ")
+/// Runs a function of the ONNX library, whose panics on a model that it cannot run become errors. Errors are in one line.
+fn guarded<T, E: std::error::Error>(
+    run: impl FnOnce() -> std::result::Result<T, E>,
+) -> std::result::Result<T, String> {
+    match catch_unwind(AssertUnwindSafe(run)) {
+        Ok(result) => result.map_err(|error| error.to_string().replace('\n', " ")),
+        Err(panic) => Err(format!("it cannot be run: {}", panic_message(&*panic))),
+    }
 }
 
 #[cfg(test)]

@@ -25,7 +25,7 @@ mod exceptions;
 
 use std::path::Path;
 
-use b2b_energyplus::{Library, Run};
+use b2b_energyplus::{Library, Run, temporary_folder};
 use exceptions::{ALIASES, OPTIONAL, POSITIVE, UNUSED};
 use rusqlite::{Connection, OpenFlags};
 use serde_json::{Value, json};
@@ -65,10 +65,7 @@ impl Sizes {
     /// [`Error::Engine`] with the engine's messages when it rejects the model; [`Error::SizeTable`] when its
     /// output cannot be read; [`Error::Io`] when temporary files cannot be written.
     pub fn of(model: &Model, weather: &Path, library: &Library) -> Result<Self> {
-        let folder = tempfile::Builder::new()
-            .prefix("b2b-sizing-")
-            .tempdir()
-            .map_err(|source| Error::Io { path: std::env::temp_dir(), source })?;
+        let folder = temporary_folder("b2b-sizing-")?;
         let input = folder.path().join("model.epJSON");
         std::fs::write(&input, sizing_only(model).to_epjson())
             .map_err(|source| Error::Io { path: input.clone(), source })?;

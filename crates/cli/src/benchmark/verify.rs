@@ -1,8 +1,9 @@
 //! `b2b benchmark verify`: the check of a result.
 
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use b2b_benchmark::entry::{self, Check, Sample};
 use b2b_dataset::Catalog;
 use serde_json::json;
@@ -15,9 +16,10 @@ use crate::stdout;
 
 /// Verify a result
 ///
-/// Recomputes the list of episodes, the scores and the aggregate measures, simulates a sample of the episodes and of
-/// their baselines again, and compares them bit for bit. Requires the version of b2b that wrote the result. Exits with
-/// code 1 if anything differs.
+/// Recomputes the list of episodes, the scores and the aggregate measures, checks the SHA-256 of every policy, simulates
+/// a random sample of the episodes and of their baselines again, and compares them bit for bit, or within 1e-6 if the
+/// result is from a machine that rounds differently. Requires the version of b2b that wrote the result. Exits with code 1
+/// if anything differs.
 #[derive(clap::Args)]
 #[command(
     verbatim_doc_comment,
@@ -30,12 +32,13 @@ pub struct Arguments {
     /// Result folder
     #[arg(value_name = "FOLDER")]
     folder: PathBuf,
-    /// Number of episodes to simulate again
-    #[arg(long, value_name = "N", default_value_t = 3)]
-    episodes: usize,
-    /// Random seed of the choice of episodes
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    sample_seed: u64,
+    /// Number of episodes to simulate again, at least 1 [default: enough to find a forged one with a probability of 95 %
+    /// if a tenth of the episodes are forged]
+    #[arg(long, value_name = "N", value_parser = at_least_one)]
+    episodes: Option<NonZeroUsize>,
+    /// Random seed of the choice of episodes, to repeat a verification [default: from the operating system]
+    #[arg(long, value_name = "N")]
+    sample_seed: Option<u64>,
     #[command(flatten)]
     jobs: Jobs,
     /// Print JSON
@@ -47,7 +50,13 @@ pub struct Arguments {
 pub fn verify(arguments: &Arguments) -> Result<ExitCode> {
     let catalog = Catalog::open(&mut Download::new(arguments.json))?;
     let evaluation = evaluation(&catalog, arguments.jobs.count()?);
-    let sample = Sample { episodes: arguments.episodes, seed: arguments.sample_seed };
+    let seed = match arguments.sample_seed {
+        Some(seed) => seed,
+        None => getrandom::u32()
+            .context("the operating system gives no random number; pass --sample-seed")?
+            .into(),
+    };
+    let sample = Sample { episodes: arguments.episodes, seed };
     let bars = Bars::new(arguments.json);
     let checks = entry::verify(&arguments.folder, &evaluation, sample, &bars)?;
     drop(bars);
@@ -58,7 +67,7 @@ pub fn verify(arguments: &Arguments) -> Result<ExitCode> {
             json!({"check": check.name, "passed": check.outcome.is_ok(), "message": message})
         };
         stdout::print_json(
-            &json!({"passed": passed, "checks": checks.iter().map(check).collect::<Vec<_>>()}),
+            &json!({"passed": passed, "sample_seed": seed, "checks": checks.iter().map(check).collect::<Vec<_>>()}),
         )?;
     } else {
         let line = |check: &Check| match &check.outcome {
@@ -68,4 +77,10 @@ pub fn verify(arguments: &Arguments) -> Result<ExitCode> {
         stdout::print(&checks.iter().map(line).collect::<Vec<_>>().join("\n"))?;
     }
     Ok(ExitCode::of(passed))
+}
+
+fn at_least_one(text: &str) -> Result<NonZeroUsize, String> {
+    text.parse().map_err(|_| {
+        "expected a whole number of at least 1: the other checks alone do not find a forged episode".into()
+    })
 }

@@ -2,7 +2,7 @@
 
 mod picture;
 pub mod summary;
-mod trajectory_file;
+pub mod trajectory_file;
 
 use std::path::PathBuf;
 use std::sync::Arc;

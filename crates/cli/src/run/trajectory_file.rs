@@ -1,16 +1,27 @@
 //! `trajectory.parquet`: one row per step, one named column per observation, action and penalty.
 
 use std::collections::HashMap;
+#[cfg(target_os = "linux")]
+use std::fs::File;
 use std::io::Write;
+#[cfg(target_os = "linux")]
+use std::path::Path;
 use std::sync::Arc;
 
 use anyhow::Result;
+#[cfg(target_os = "linux")]
+use anyhow::{Context, anyhow, bail};
+#[cfg(target_os = "linux")]
+use arrow_array::Array;
 use arrow_array::types::{Float64Type, UInt8Type, UInt32Type};
 use arrow_array::{ArrayRef, ArrowPrimitiveType, PrimitiveArray, RecordBatch};
 use arrow_schema::{Field, Schema};
 use b2b_building::Date;
+use b2b_energyplus::digest::sha256;
 use b2b_env::{Spaces, Trajectory};
 use parquet::arrow::ArrowWriter;
+#[cfg(target_os = "linux")]
+use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use parquet::basic::Compression;
 use parquet::file::properties::WriterProperties;
 
@@ -18,6 +29,12 @@ use super::summary::Summary;
 
 /// Name of the file.
 pub const NAME: &str = "trajectory.parquet";
+/// The entry of the metadata with the SHA-256 of the others.
+const DIGEST: &str = "metadata_sha256";
+/// Columns before the observations: step, month, day, hour and minute.
+const CALENDAR: usize = 5;
+/// Columns after the actions.
+const PENALTIES: [&str; 3] = ["temperature penalty", "energy penalty", "reward"];
 
 /// Writes a trajectory. Columns are named after the slots of the spaces; units are in the field metadata.
 pub fn write(
@@ -36,10 +53,92 @@ pub fn write(
         columns.push::<Float64Type>(name, quantity.unit(), trajectory.acted(k));
     }
     let penalties = &trajectory.penalties;
-    columns.push::<Float64Type>("temperature penalty", "K²", penalties.iter().map(|p| p[0]));
-    columns.push::<Float64Type>("energy penalty", "1", penalties.iter().map(|p| p[1]));
-    columns.push::<Float64Type>("reward", "1", penalties.iter().map(|p| -p[0] - p[1]));
-    columns.write(file, summary)
+    columns.push::<Float64Type>(PENALTIES[0], "K²", penalties.iter().map(|p| p[0]));
+    columns.push::<Float64Type>(PENALTIES[1], "1", penalties.iter().map(|p| p[1]));
+    columns.push::<Float64Type>(PENALTIES[2], "1", penalties.iter().map(|p| -p[0] - p[1]));
+    columns.write(file, summary, spaces.observation.len())
+}
+
+/// A trajectory that was read from a file: what was run, and its steps.
+#[cfg(target_os = "linux")]
+pub struct Stored {
+    metadata: HashMap<String, String>,
+    pub trajectory: Trajectory,
+}
+
+#[cfg(target_os = "linux")]
+impl Stored {
+    /// Reads a file and compares its content with its hashes.
+    pub fn read(path: &Path) -> Result<Self> {
+        let file = File::open(path).with_context(|| format!("cannot read {}", path.display()))?;
+        let not_ours = || format!("{} is not a trajectory written by b2b run", path.display());
+        // The reader panics on some damaged files.
+        let hook = std::panic::take_hook();
+        std::panic::set_hook(Box::new(|_| {}));
+        let read = std::panic::catch_unwind(|| Self::of(file));
+        std::panic::set_hook(hook);
+        let stored = read.map_err(|_| anyhow!("its tables are damaged")).flatten().with_context(not_ours)?;
+        if stored.metadata.get(DIGEST) != Some(&digest(&stored.metadata)) {
+            bail!(
+                "{} was changed: its metadata do not have their SHA-256; run the episode again",
+                path.display()
+            );
+        }
+        let (found, expected) =
+            (stored.trajectory.hash(), stored.word("trajectory_hash").with_context(not_ours)?);
+        if found != expected {
+            bail!(
+                "{} was changed: its trajectory hash is {found}, expected {expected}; run the episode again",
+                path.display()
+            );
+        }
+        Ok(stored)
+    }
+
+    fn of(file: File) -> Result<Self> {
+        let reader = ParquetRecordBatchReaderBuilder::try_new(file)?;
+        let metadata = reader.schema().metadata().clone();
+        let width = reader.schema().fields().len();
+        let observed: usize = metadata.get("observations").context("no number of observations")?.parse()?;
+        let acted = width.checked_sub(CALENDAR + PENALTIES.len() + observed).context("too few columns")?;
+        let mut trajectory = Trajectory::default();
+        for batch in reader.build()? {
+            let batch = batch?;
+            let columns: Vec<&[f64]> =
+                batch.columns()[CALENDAR..].iter().map(values).collect::<Result<_>>()?;
+            for row in 0..batch.num_rows() {
+                let step: Vec<f64> = columns.iter().map(|column| column[row]).collect();
+                trajectory.observations.extend(&step[..observed]);
+                trajectory.actions.extend(&step[observed..observed + acted]);
+                trajectory.penalties.push([step[observed + acted], step[observed + acted + 1]]);
+            }
+        }
+        Ok(Self { metadata: metadata.into(), trajectory })
+    }
+
+    /// Returns an entry of the metadata.
+    pub fn word(&self, key: &str) -> Result<&str> {
+        Ok(self.metadata.get(key).with_context(|| format!("its metadata have no `{key}`"))?)
+    }
+}
+
+#[cfg(target_os = "linux")]
+fn values(column: &ArrayRef) -> Result<&[f64]> {
+    let column =
+        column.as_any().downcast_ref::<PrimitiveArray<Float64Type>>().context("a column of another type")?;
+    if column.null_count() > 0 {
+        bail!("a column with missing values");
+    }
+    Ok(column.values())
+}
+
+/// Returns the SHA-256 of the metadata: a line `KEY=VALUE` for each entry but the digest, in the order of their keys.
+fn digest(metadata: &HashMap<String, String>) -> String {
+    let mut entries: Vec<_> = metadata.iter().filter(|(key, _)| **key != DIGEST).collect();
+    entries.sort();
+    // Arrow adds its own schema.
+    let ours = entries.into_iter().filter(|(key, _)| !key.starts_with("ARROW:"));
+    sha256(ours.map(|(key, value)| format!("{key}={value}\n")).collect::<String>())
 }
 
 #[derive(Default)]
@@ -73,7 +172,7 @@ impl Columns {
         self.push::<UInt8Type>("minute", "min", ends().map(|step| (step % per_hour * 60 / per_hour) as u8));
     }
 
-    fn write(self, file: &mut (impl Write + Send), summary: &Summary) -> Result<()> {
+    fn write(self, file: &mut (impl Write + Send), summary: &Summary, observations: usize) -> Result<()> {
         let metadata = [
             ("building", summary.building.clone()),
             ("place", summary.info.place.clone()),
@@ -83,9 +182,13 @@ impl Columns {
             ("task_hash", summary.task_hash.clone()),
             ("versions", serde_json::to_string(&summary.versions)?),
             ("task_definition", serde_json::to_string(&summary.task_definition)?),
+            ("trajectory_hash", summary.trajectory_hash.clone()),
+            ("observations", observations.to_string()),
         ];
-        let metadata = metadata.map(|(key, value)| (key.to_owned(), value));
-        let schema = Arc::new(Schema::new_with_metadata(self.fields, HashMap::from(metadata)));
+        let mut metadata = HashMap::from(metadata.map(|(key, value)| (key.to_owned(), value)));
+        let digest = digest(&metadata);
+        metadata.insert(DIGEST.to_owned(), digest);
+        let schema = Arc::new(Schema::new_with_metadata(self.fields, metadata));
         let properties = WriterProperties::builder().set_compression(Compression::SNAPPY).build();
         let mut writer = ArrowWriter::try_new(file, Arc::clone(&schema), Some(properties))?;
         writer.write(&RecordBatch::try_new(schema, self.arrays)?)?;

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use b2b_building::PreparedBuilding;
-use b2b_energyplus::{Clock, Event, Level, Library, Messages};
+use b2b_energyplus::{Clock, Event, Level, Library, Messages, temporary_folder};
 use tempfile::TempDir;
 
 use self::engine::Engine;
@@ -83,10 +83,7 @@ impl Env {
     /// [`Error::StepsPerHour`]; [`Error::TaskValue`]; [`Error::Io`] when the model cannot be written to the temporary folder.
     pub fn new(library: Library, building: Arc<PreparedBuilding>, episode: EpisodeConfig) -> Result<Self> {
         episode.check()?;
-        let folder = tempfile::Builder::new()
-            .prefix("b2b-env-")
-            .tempdir()
-            .map_err(|source| Error::Io { path: std::env::temp_dir(), source })?;
+        let folder = temporary_folder("b2b-env-")?;
         let mut model = building.model_for(episode.period, episode.steps_per_hour);
         meters::request(&mut model);
         let path = folder.path().join(MODEL_FILE);

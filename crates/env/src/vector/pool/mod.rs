@@ -16,6 +16,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use b2b_building::PreparedBuilding;
+use b2b_energyplus::temporary_folder;
 use tempfile::TempDir;
 
 pub(super) use self::template::TemplateId;
@@ -63,10 +64,7 @@ impl Pool {
     /// # Errors
     /// [`Error::Io`] when there is no temporary folder.
     pub(super) fn new(options: WorkerOptions, region: Arc<Region>) -> Result<Self> {
-        let folder = tempfile::Builder::new()
-            .prefix("b2b-pool-")
-            .tempdir()
-            .map_err(|source| Error::Io { path: std::env::temp_dir(), source })?;
+        let folder = temporary_folder("b2b-pool-")?;
         Ok(Self {
             slots: Slots::new(Arc::clone(&region), folder.path()),
             region,

@@ -1,0 +1,356 @@
+//! Verification of a result's folder.
+
+mod rows;
+mod sample;
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::{Mutex, PoisonError};
+
+use b2b_energyplus::machine;
+use b2b_env::EpisodeMetrics;
+
+pub use sample::Sample;
+
+use super::entry_policy::EntryPolicy;
+use super::measures::Measures;
+use super::result::{POLICY, RunResult, Stages, read_result};
+use crate::evaluation::{Episode, Evaluation, Outcome, Progress, Row};
+use crate::problem::{Problem, Stage, WrappedPolicy};
+use crate::versions::Versions;
+use crate::{Baselines, Error, Result};
+
+/// Relative tolerance for sums in another order.
+const ROUNDING: f64 = 1e-9;
+/// Relative tolerance of returns and energies on a machine whose libm rounds differently. Without fused multiply-add, returns
+/// of a season differ by 4e-9.
+pub const TOLERANCE: f64 = 1e-6;
+
+/// The outcome of one check.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Check {
+    /// What was checked.
+    pub name: &'static str,
+    /// A description, or the fault.
+    pub outcome: CheckOutcome,
+}
+
+type CheckOutcome = std::result::Result<String, String>;
+
+/// Verifies a result: checks it as [`check`] does and, if all checks pass, runs a sample of the episodes and their baselines
+/// again. They are compared bit for bit on a machine that computes as that of the result does ([`machine::fingerprint`]),
+/// and within [`TOLERANCE`] on another.
+///
+/// # Errors
+/// Those of [`check`] and [`Evaluation::run`]; faults of the folder are in a [`Check`].
+pub fn verify(
+    folder: &Path,
+    evaluation: &Evaluation<'_>,
+    sample: Sample,
+    progress: &dyn Progress,
+) -> Result<Vec<Check>> {
+    let (mut checks, read) = read_and_check(folder)?;
+    if let Some((result, stages, policies)) = read
+        && checks.iter().all(|check| check.outcome.is_ok())
+    {
+        let outcome = run_again(&result, &stages, &policies, evaluation, sample, progress)?;
+        checks.push(Check { name: "episodes run again", outcome });
+    }
+    Ok(checks)
+}
+
+/// Checks what a result says of itself: format, versions, problem, policies by their hashes, list of episodes, sums and
+/// scores, known baselines, measures.
+///
+/// # Errors
+/// [`Error::Install`] if the home folder is unknown; faults of the folder are in a [`Check`].
+pub fn check(folder: &Path) -> Result<Vec<Check>> {
+    Ok(read_and_check(folder)?.0)
+}
+
+/// A result that was read, its rows and its policies by stage.
+type Read = (RunResult, Stages, Policies);
+type Policies = BTreeMap<String, EntryPolicy>;
+
+fn read_and_check(folder: &Path) -> Result<(Vec<Check>, Option<Read>)> {
+    let (result, stages) = match read_result(folder) {
+        Ok(read) => read,
+        Err(error) => return Ok((vec![Check { name: "folder", outcome: Err(error.to_string()) }], None)),
+    };
+    let episodes: usize = stages.iter().map(|(_, rows)| rows.len()).sum();
+    let policies = policies(folder, &result);
+    let baselines = Baselines::open()?;
+    let checks = vec![
+        Check {
+            name: "folder",
+            outcome: Ok(format!("{} of {}, {episodes} episodes", result.name, result.problem.name)),
+        },
+        Check { name: "versions", outcome: versions(&result) },
+        Check { name: "problem", outcome: problem(&result) },
+        Check { name: "policies", outcome: policies.as_ref().map(described).map_err(Clone::clone) },
+        Check { name: "episodes", outcome: episode_list(&result, &stages) },
+        Check { name: "scores", outcome: rows::scores(&stages) },
+        Check { name: "baselines", outcome: rows::baselines(&result, &stages, &baselines) },
+        Check { name: "measures", outcome: measures(&result, &stages) },
+    ];
+    Ok((checks, policies.ok().map(|policies| (result, stages, policies))))
+}
+
+/// Reads the policies of every stage, whose files must have the hashes that the result gives.
+fn policies(folder: &Path, result: &RunResult) -> std::result::Result<Policies, String> {
+    let mut policies = Policies::new();
+    for (stage, description) in &result.policies {
+        let policy = EntryPolicy::of(description, &folder.join(POLICY)).map_err(|error| error.to_string())?;
+        if policy.description() != *description {
+            return Err(format!("{stage}: the description of the policy is not that of its files"));
+        }
+        let stage_of = stage.parse::<Stage>()?;
+        let episodes = expected(result, stage_of).unwrap_or_default();
+        if let Some(missing) = policy.missing(&episodes) {
+            return Err(format!("{stage}: the policy `{missing}` is missing"));
+        }
+        policies.insert(stage.clone(), policy);
+    }
+    Ok(policies)
+}
+
+fn described(policies: &Policies) -> String {
+    let files: usize = policies.values().map(|policy| policy.files().len()).sum();
+    format!("{} stages, {files} files with the given SHA-256", policies.len())
+}
+
+fn versions(result: &RunResult) -> CheckOutcome {
+    let here = Versions::current();
+    match result.versions.differences(&here) {
+        None => Ok(format!("dataset {}, EnergyPlus {}", here.generator, here.engine)),
+        Some(differences) => Err(differences),
+    }
+}
+
+fn problem(result: &RunResult) -> CheckOutcome {
+    let problem = &result.problem;
+    problem.check().map_err(|error| error.to_string())?;
+    if problem.hash() != result.problem_hash {
+        return Err("the problem does not have the hash that is given".into());
+    }
+    if problem.changes() != result.problem_changes {
+        return Err(format!("the changes to {} are not those that are listed", problem.name));
+    }
+    let budget = problem.protocol.training_steps;
+    if let Some(steps) = result.training_steps.filter(|steps| *steps > budget) {
+        return Err(format!("it was trained for {steps} steps; the budget is {budget}"));
+    }
+    Ok(match result.problem_changes.as_deref() {
+        Some([]) => format!("{}, version {}, unchanged", problem.name, problem.version),
+        Some(changes) => format!("{} with changes: {}", problem.name, changes.join(", ")),
+        None => format!("{}, a custom problem", problem.name),
+    })
+}
+
+/// Returns the episodes that a stage must contain.
+fn expected(result: &RunResult, stage: Stage) -> Option<Vec<Episode>> {
+    let Problem { protocol, .. } = &result.problem;
+    let seeds = result.policies.get(&stage.to_string())?.seeds(&protocol.seeds);
+    Some(result.problem.episodes(stage, &seeds))
+}
+
+fn episode_list(result: &RunResult, stages: &[(Stage, Vec<Row>)]) -> CheckOutcome {
+    let names: Vec<_> = stages.iter().map(|(stage, _)| *stage).collect();
+    let mut wanted = vec![Stage::Test];
+    wanted.extend((result.problem.protocol.train_sample > 0).then_some(Stage::Train));
+    for stage in wanted {
+        if !names.contains(&stage) {
+            return Err(format!("stage {stage} is missing"));
+        }
+    }
+    for (stage, rows) in stages {
+        let expected = expected(result, *stage).ok_or(format!("no policy for stage {stage}"))?;
+        for (number, episode) in expected.iter().enumerate() {
+            match rows.get(number) {
+                None => return Err(format!("{stage}: {episode} is missing")),
+                Some(row) if !rows::is_of(row, episode) => {
+                    return Err(format!("{stage}: expected {episode}, found {}", row.info));
+                }
+                Some(_) => {}
+            }
+        }
+        if let Some(row) = rows.get(expected.len()) {
+            return Err(format!("{stage}: {} is not part of the problem", row.info));
+        }
+    }
+    Ok("exactly those of the problem".into())
+}
+
+fn near(a: f64, b: f64) -> bool {
+    a == b || (a - b).abs() <= ROUNDING * a.abs().max(b.abs())
+}
+
+fn measures(result: &RunResult, stages: &[(Stage, Vec<Row>)]) -> CheckOutcome {
+    match Measures::of(stages) {
+        Some(measures) if measures == result.measures => Ok("those of the episodes".into()),
+        _ => Err("they differ from those of the episodes".into()),
+    }
+}
+
+/// Runs a sample again and compares hashes, metrics and baselines.
+fn run_again(
+    result: &RunResult,
+    stages: &[(Stage, Vec<Row>)],
+    policies: &Policies,
+    evaluation: &Evaluation<'_>,
+    sample: Sample,
+    progress: &dyn Progress,
+) -> Result<CheckOutcome> {
+    let all: Vec<(Stage, usize)> =
+        stages.iter().flat_map(|(stage, rows)| (0..rows.len()).map(|number| (*stage, number))).collect();
+    let drawn = sample.draw(all.len());
+    let accuracy = Accuracy::on(&result.machine);
+    for (stage, rows) in stages {
+        let of_stage = drawn.iter().map(|index| all[*index]).filter(|(of, _)| of == stage);
+        let numbers: Vec<usize> = of_stage.map(|(_, number)| number).collect();
+        let Some(episodes) = expected(result, *stage).filter(|_| !numbers.is_empty()) else { continue };
+        let policy = &policies[&stage.to_string()];
+        let policy = WrappedPolicy::new(policy.policy(), &result.problem, result.problem.side(*stage));
+        let chosen: Vec<_> = numbers.iter().map(|number| (*number, &episodes[*number])).collect();
+        let outcomes = Mutex::new(Vec::new());
+        progress.begin("episodes", chosen.len(), chosen.iter().map(|(_, episode)| episode.days()).sum());
+        evaluation.run(&chosen, &policy, progress, &|number, outcome| {
+            outcomes.lock().unwrap_or_else(PoisonError::into_inner).push((number, outcome));
+            Ok(())
+        })?;
+        for (number, outcome) in outcomes.into_inner().unwrap_or_else(PoisonError::into_inner) {
+            let (row, episode) = (&rows[number], &episodes[number]);
+            if let Err(why) = compare(row, episode, outcome, accuracy, evaluation, progress)? {
+                return Ok(Err(format!("{stage}: {}: {why}", row.info)));
+            }
+        }
+    }
+    let (size, total) = (drawn.len(), all.len());
+    let power = sample.power(size, total);
+    Ok(Ok(format!("{size} of {total} agree {accuracy}, and so do their baselines; {power}")))
+}
+
+/// How exactly episodes that ran again are compared.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Accuracy {
+    /// Bit for bit: this machine computes as that of the result does.
+    Bits,
+    /// Within [`TOLERANCE`]: libm or instruction set differ.
+    Tolerance,
+}
+
+impl Accuracy {
+    fn on(machine_of_result: &str) -> Self {
+        if machine_of_result == machine::fingerprint() { Self::Bits } else { Self::Tolerance }
+    }
+
+    fn same(self, there: f64, here: f64) -> bool {
+        match self {
+            Self::Bits => there == here,
+            Self::Tolerance => {
+                there == here || (there - here).abs() <= TOLERANCE * there.abs().max(here.abs())
+            }
+        }
+    }
+}
+
+impl std::fmt::Display for Accuracy {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Bits => f.write_str("bit for bit"),
+            Self::Tolerance => {
+                write!(f, "within a relative {TOLERANCE:e} (the result is of another kind of machine)")
+            }
+        }
+    }
+}
+
+fn compare(
+    row: &Row,
+    episode: &Episode,
+    outcome: Outcome,
+    accuracy: Accuracy,
+    evaluation: &Evaluation<'_>,
+    progress: &dyn Progress,
+) -> Result<CheckOutcome> {
+    let mut here = match outcome {
+        Ok(finished) => finished.record,
+        Err(lost) => return Ok(Err(format!("it was lost: {lost}"))),
+    };
+    // The name of the policy is that of the user's file.
+    here.info.policy.clone_from(&row.info.policy);
+    let there = match row.outcome.clone() {
+        Ok(there) => there,
+        Err(lost) => return Ok(Err(format!("it was lost: {lost}"))),
+    };
+    if accuracy == Accuracy::Bits && here.trajectory_hash != there.trajectory_hash {
+        let (there, here) = (&there.trajectory_hash, &here.trajectory_hash);
+        return Ok(Err(format!("its trajectory differs: hash {there} there and {here} here")));
+    }
+    if accuracy == Accuracy::Tolerance {
+        // It includes the energy scale, which the engine computes.
+        here.info.task_hash.clone_from(&row.info.task_hash);
+    }
+    if here.info != row.info {
+        return Ok(Err(format!("it is {:?} there and {:?} here", row.info, here.info)));
+    }
+    if let Some((name, there, here)) = different_metric(&there.metrics, &here.metrics, accuracy) {
+        return Ok(Err(format!("its metrics differ: {name} is {there} there and {here} here")));
+    }
+    let site = here.info.site();
+    let cache = tempfile::tempdir().map_err(|source| Error::Io { path: std::env::temp_dir(), source })?;
+    let baselines = Baselines::without_shipped(cache.path());
+    let baseline = match baselines.baseline(evaluation, episode, &site, progress) {
+        Err(Error::NoBaseline { why, .. }) => return Ok(Err(format!("its baseline was lost: {why}"))),
+        baseline => baseline?,
+    };
+    let returns = (there.baseline_return.unwrap_or(f64::NAN), baseline.episode_return);
+    let energies = (there.baseline_energy.unwrap_or(f64::NAN), baseline.energy);
+    for (what, (there, here)) in [("return", returns), ("energy", energies)] {
+        if !near(there, here) && !accuracy.same(there, here) {
+            return Ok(Err(format!("the {what} of its baseline is {there} there and {here} here")));
+        }
+    }
+    Ok(Ok(String::new()))
+}
+
+/// Returns the first metric that differs: all of them bit for bit, or return, penalties and energy within the tolerance.
+fn different_metric(
+    there: &EpisodeMetrics,
+    here: &EpisodeMetrics,
+    accuracy: Accuracy,
+) -> Option<(&'static str, f64, f64)> {
+    let values = |metrics: &EpisodeMetrics| {
+        [
+            ("return", metrics.episode_return),
+            ("temperature penalty", metrics.temperature_penalty),
+            ("energy penalty", metrics.energy_penalty),
+            ("energy", metrics.energy()),
+        ]
+    };
+    let mut pairs = values(there).into_iter().zip(values(here));
+    let different = pairs.find(|((_, there), (_, here))| !accuracy.same(*there, *here));
+    let found = different.map(|((name, there), (_, here))| (name, there, here));
+    let all_bits = accuracy == Accuracy::Tolerance || there == here;
+    found.or_else(|| (!all_bits).then_some(("return", there.episode_return, here.episode_return)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bits_are_compared_on_the_same_kind_of_machine_and_values_on_another() {
+        assert_eq!(Accuracy::on(&machine::fingerprint()), Accuracy::Bits);
+        assert_eq!(Accuracy::on("x86_64, glibc 2.17"), Accuracy::Tolerance);
+        let there =
+            EpisodeMetrics { episode_return: -100.0, temperature_penalty: 100.0, ..Default::default() };
+        let near = EpisodeMetrics { episode_return: -100.0 * (1.0 + 4e-9), ..there.clone() };
+        let far = EpisodeMetrics { episode_return: -100.01, ..there.clone() };
+        let different = |here: &EpisodeMetrics, accuracy| different_metric(&there, here, accuracy);
+        assert_eq!(different(&there, Accuracy::Bits), None);
+        assert_eq!(different(&near, Accuracy::Bits).unwrap().0, "return");
+        assert_eq!(different(&near, Accuracy::Tolerance), None);
+        assert_eq!(different(&far, Accuracy::Tolerance).unwrap().0, "return");
+    }
+}

@@ -1,0 +1,120 @@
+//! Checks of every row that need no simulation.
+
+use std::collections::HashMap;
+
+use b2b_dataset::BuildingName;
+use b2b_env::EpisodeMetrics;
+
+use super::{CheckOutcome, expected, near};
+use crate::entry::result::RunResult;
+use crate::evaluation::{Episode, EpisodeInfo, Row};
+use crate::problem::Stage;
+use crate::scores::Baseline;
+use crate::tuned::task_for;
+use crate::{Baselines, Key};
+
+/// Length of a trajectory hash: a SHA-256 in hexadecimal.
+const HASH_DIGITS: usize = 64;
+
+/// Returns whether a row is that of an episode. Task hashes are not compared: they include the building's energy scale.
+pub(super) fn is_of(row: &Row, episode: &Episode) -> bool {
+    let EpisodeInfo { building, building_type, split, task, period, seed, steps_per_hour, .. } = &row.info;
+    let Episode { subject, .. } = episode;
+    *building == subject.name.to_string()
+        && building_type == subject.building_type()
+        && *split == subject.split()
+        && *task == episode.task.to_string()
+        && *period == episode.period.to_string()
+        && *seed == episode.seed
+        && *steps_per_hour == episode.steps_per_hour
+        && is_at(row, episode)
+        && row.metrics().is_none_or(|metrics| metrics.steps as u64 == episode.steps())
+}
+
+/// Whether a row has the place of its building, and the climate zone where the dataset lists it.
+fn is_at(row: &Row, episode: &Episode) -> bool {
+    let BuildingName::Id(id) = episode.subject.name else { return true };
+    let building = &b2b_dataset::row(id).building;
+    row.info.place == building.place()
+        && building.location().ashrae_zone().is_none_or(|zone| row.info.climate_zone == zone)
+}
+
+/// Checks the sums and scores of every row.
+pub(super) fn scores(stages: &[(Stage, Vec<Row>)]) -> CheckOutcome {
+    for (stage, row) in stages.iter().flat_map(|(stage, rows)| rows.iter().map(move |row| (stage, row))) {
+        score(row).map_err(|why| format!("{stage}: {}: {why}", row.info))?;
+    }
+    Ok("returns are the sums of their penalties, and scores are the ratios of returns".into())
+}
+
+fn score(row: &Row) -> Result<(), String> {
+    let scored = row.outcome.as_ref().map_err(|lost| format!("it was lost: {lost}"))?;
+    let EpisodeMetrics { episode_return, temperature_penalty, energy_penalty, steps, .. } = scored.metrics;
+    let sum = -temperature_penalty - energy_penalty;
+    if !near(episode_return, sum) {
+        return Err(format!("the return is {episode_return}; its penalties sum to {sum}"));
+    }
+    let counted: u64 = scored.step_rewards.counts.iter().map(|count| u64::from(*count)).sum();
+    if counted != steps as u64 {
+        return Err(format!("{counted} rewards of steps are counted; it has {steps} steps"));
+    }
+    let hash = &scored.trajectory_hash;
+    if hash.len() != HASH_DIGITS || !hash.bytes().all(|byte| byte.is_ascii_hexdigit()) {
+        return Err(format!("`{hash}` is not a trajectory hash; expected {HASH_DIGITS} hexadecimal digits"));
+    }
+    let (Some(baseline_return), Some(energy)) = (scored.baseline_return, scored.baseline_energy) else {
+        return Err("its baseline is missing".into());
+    };
+    let baseline = Baseline { episode_return: baseline_return, energy };
+    let score = baseline.score(episode_return);
+    if score.is_none() || score != scored.score {
+        return Err(format!("the score is {:?}; return over baseline is {score:?}", scored.score));
+    }
+    let resolved = baseline.resolved_score(episode_return, steps);
+    if resolved.is_none() || resolved != scored.resolved_score {
+        return Err(format!("the resolved score is {:?}; expected {resolved:?}", scored.resolved_score));
+    }
+    Ok(())
+}
+
+/// Checks the baseline of every row: equal in rows with the same one, and that of `known` where it is known.
+pub(super) fn baselines(result: &RunResult, stages: &[(Stage, Vec<Row>)], known: &Baselines) -> CheckOutcome {
+    let mut first: HashMap<(Key, String), Baseline> = HashMap::new();
+    let (mut rows_checked, mut rows_known) = (0, 0);
+    for (stage, rows) in stages {
+        let episodes = expected(result, *stage).unwrap_or_default();
+        for (row, episode) in rows.iter().zip(&episodes) {
+            let Ok(scored) = &row.outcome else { continue };
+            let (Some(episode_return), Some(energy)) = (scored.baseline_return, scored.baseline_energy)
+            else {
+                continue;
+            };
+            let here = Baseline { episode_return, energy };
+            let site = row.info.site();
+            let key = Key::of(episode, &site).map_err(|error| error.to_string())?;
+            let wrong = |other: &Baseline, whose: &str| {
+                format!(
+                    "{stage}: {}: the return of its baseline is {episode_return}; {whose} is {}",
+                    row.info, other.episode_return
+                )
+            };
+            let same = |other: &Baseline| {
+                near(other.episode_return, here.episode_return) && near(other.energy, here.energy)
+            };
+            if let Some(terms) = known.get(&key) {
+                let there =
+                    terms.baseline(&task_for(&episode.subject, &site, &episode.task, episode.steps_per_hour));
+                if !same(&there) {
+                    return Err(wrong(&there, "the known one"));
+                }
+                rows_known += 1;
+            }
+            let there = first.entry((key, row.info.task.clone())).or_insert(here);
+            if !same(there) {
+                return Err(wrong(there, "that of the same episode elsewhere"));
+            }
+            rows_checked += 1;
+        }
+    }
+    Ok(format!("equal where they are the same; {rows_known} of {rows_checked} compared with known ones"))
+}
