@@ -72,6 +72,17 @@ def test_an_imported_model_is_an_environment(make):
         b2b.import_building("nowhere.idf", building.weather)
 
 
+def test_a_model_that_runs_code_is_refused_unless_it_is_allowed(tmp_path):
+    weather = b2b.find_building("OfficeSmall").weather
+    model = tmp_path / "hostile.epJSON"
+    model.write_text('{"PythonPlugin:Instance": {"Plugin": {}}, "Zone": {"A": {}}}')
+    with pytest.raises(errors.BuildingError, match="`Plugin` runs Python code.*allow_external"):
+        b2b.import_building(model, weather)
+    building = b2b.import_building(model, weather, allow_external=True)
+    assert "PythonPlugin:Instance" in building.to_epjson()
+    assert pickle.loads(pickle.dumps(building)).origin.allow_external
+
+
 def test_a_morphology_splits_observations_and_joins_actions(office):
     graph = office.morphology
     observation, _ = office.reset()

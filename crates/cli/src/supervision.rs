@@ -70,7 +70,9 @@ pub fn supervise(arguments: &[OsString]) -> Result<ExitCode> {
 fn stop() {
     let Some(child) = CHILD.get().copied() else { std::process::exit(ExitCode::Interrupted as i32) };
     // The process may have ended just now.
-    let send = move |signal| drop(kill_process(child, signal));
+    let send = move |signal| {
+        let _ = kill_process(child, signal);
+    };
     if STOPPING.swap(true, Ordering::Relaxed) {
         return send(Signal::KILL);
     }
