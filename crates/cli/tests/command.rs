@@ -266,7 +266,9 @@ fn a_full_disk_is_reported_with_the_file_and_leaves_nothing_behind() {
     wait_until(|| runs_an_episode(pid));
     // Once its workers run, its files may have 400 KiB at most: too little for a season of random actions.
     let limit = Some(400 << 10);
-    prlimit(Some(pid), Resource::Fsize, Rlimit { current: limit, maximum: limit }).unwrap();
+    let supervised = processes().into_iter().find(|process| process.parent == pid.as_raw_nonzero().get());
+    let supervised = Pid::from_raw(supervised.unwrap().id);
+    prlimit(supervised, Resource::Fsize, Rlimit { current: limit, maximum: limit }).unwrap();
     let output = child.wait_with_output().unwrap();
     let said = stderr(&output);
     assert_eq!(output.status.code(), Some(1), "{said}");
@@ -309,13 +311,28 @@ fn an_interrupted_run_stops_between_steps_and_leaves_nothing_behind() {
 /// group.
 #[cfg(target_os = "linux")]
 fn runs_an_episode(command: Pid) -> bool {
-    let processes = std::fs::read_dir("/proc").unwrap().flatten();
-    let group = |process: std::fs::DirEntry| {
-        let stat = std::fs::read_to_string(process.path().join("stat")).ok()?;
+    processes().iter().filter(|process| process.group == command.as_raw_nonzero().get()).count() >= 4
+}
+
+/// A process of this machine.
+#[cfg(target_os = "linux")]
+struct Process {
+    id: i32,
+    parent: i32,
+    group: i32,
+}
+
+#[cfg(target_os = "linux")]
+fn processes() -> Vec<Process> {
+    let process = |entry: std::fs::DirEntry| {
+        let id = entry.file_name().to_str()?.parse().ok()?;
+        let stat = std::fs::read_to_string(entry.path().join("stat")).ok()?;
         // After the name in parentheses: state, parent, process group.
-        stat.rsplit(')').next()?.split_whitespace().nth(2)?.parse::<i32>().ok()
+        let mut fields = stat.rsplit(')').next()?.split_whitespace().skip(1);
+        let [parent, group] = [fields.next()?.parse().ok()?, fields.next()?.parse().ok()?];
+        Some(Process { id, parent, group })
     };
-    processes.filter_map(group).filter(|group| *group == command.as_raw_nonzero().get()).count() >= 4
+    std::fs::read_dir("/proc").unwrap().flatten().filter_map(process).collect()
 }
 
 fn wait_until(done: impl Fn() -> bool) {

@@ -15,7 +15,7 @@ use b2b_energyplus::digest::sha256;
 use b2b_energyplus::install::Quiet;
 use b2b_env::vector::Launcher;
 use onnx_file::linear_policy;
-use program::{b2b, both_outputs};
+use program::{b2b, both_outputs, command};
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
@@ -172,6 +172,22 @@ fn a_tampered_result_fails_verification() {
     // The table alone.
     std::fs::write(copy.join("episodes.parquet"), bytes(&judged.path(), "episodes.parquet")).unwrap();
     assert!(judged.wrong(&copy, 0).contains("episodes.parquet is not the table"));
+}
+
+#[test]
+fn a_result_of_a_machine_that_rounds_differently_agrees_within_the_tolerance() {
+    let folder = tempfile::tempdir().unwrap();
+    // glibc chooses other functions, as on a CPU without these instructions.
+    let tunables = "glibc.cpu.hwcaps=-FMA,-FMA_Usable,-AVX2,-AVX2_Usable";
+    let mut command = command(folder.path(), &format!("benchmark run {SMALL} --policy random --out result"));
+    let output = command.env("GLIBC_TUNABLES", tunables).output().unwrap();
+    assert!(output.status.success(), "{}", both_outputs(&output));
+    let result: Value = serde_json::from_slice(&bytes(folder.path(), "result/result.json")).unwrap();
+    let same = result["machine"] == b2b_energyplus::machine::fingerprint();
+    let output = b2b(folder.path(), "benchmark verify result");
+    assert!(output.status.success(), "{}", both_outputs(&output));
+    let words = if same { "agree bit for bit" } else { "agree within a relative 1e-6" };
+    assert!(both_outputs(&output).contains(words), "{}", both_outputs(&output));
 }
 
 #[test]

@@ -182,7 +182,11 @@ fn episode_list(result: &RunResult, stages: &[(Stage, Vec<Row>)]) -> CheckOutcom
 }
 
 fn near(a: f64, b: f64) -> bool {
-    a == b || (a - b).abs() <= ROUNDING * a.abs().max(b.abs())
+    is_near(a, b, ROUNDING)
+}
+
+fn is_near(a: f64, b: f64, tolerance: f64) -> bool {
+    a == b || (a - b).abs() <= tolerance * a.abs().max(b.abs())
 }
 
 fn measures(result: &RunResult, stages: &[(Stage, Vec<Row>)]) -> CheckOutcome {
@@ -247,9 +251,7 @@ impl Accuracy {
     fn same(self, there: f64, here: f64) -> bool {
         match self {
             Self::Bits => there == here,
-            Self::Tolerance => {
-                there == here || (there - here).abs() <= TOLERANCE * there.abs().max(here.abs())
-            }
+            Self::Tolerance => is_near(there, here, TOLERANCE),
         }
     }
 }

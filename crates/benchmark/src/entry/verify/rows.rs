@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use b2b_dataset::BuildingName;
 use b2b_env::EpisodeMetrics;
 
-use super::{CheckOutcome, expected, near};
+use super::{CheckOutcome, ROUNDING, TOLERANCE, expected, is_near, near};
 use crate::entry::result::RunResult;
 use crate::evaluation::{Episode, EpisodeInfo, Row};
 use crate::problem::Stage;
@@ -77,7 +77,8 @@ fn score(row: &Row) -> Result<(), String> {
     Ok(())
 }
 
-/// Checks the baseline of every row: equal in rows with the same one, and that of `known` where it is known.
+/// Checks the baseline of every row: equal in rows with the same one, and that of `known` where it is known, which may be of
+/// a machine that rounds differently.
 pub(super) fn baselines(result: &RunResult, stages: &[(Stage, Vec<Row>)], known: &Baselines) -> CheckOutcome {
     let mut first: HashMap<(Key, String), Baseline> = HashMap::new();
     let (mut rows_checked, mut rows_known) = (0, 0);
@@ -98,23 +99,25 @@ pub(super) fn baselines(result: &RunResult, stages: &[(Stage, Vec<Row>)], known:
                     row.info, other.episode_return
                 )
             };
-            let same = |other: &Baseline| {
-                near(other.episode_return, here.episode_return) && near(other.energy, here.energy)
-            };
             if let Some(terms) = known.get(&key) {
                 let there =
                     terms.baseline(&task_for(&episode.subject, &site, &episode.task, episode.steps_per_hour));
-                if !same(&there) {
+                if !same(&there, &here, TOLERANCE) {
                     return Err(wrong(&there, "the known one"));
                 }
                 rows_known += 1;
             }
             let there = first.entry((key, row.info.task.clone())).or_insert(here);
-            if !same(there) {
+            if !same(there, &here, ROUNDING) {
                 return Err(wrong(there, "that of the same episode elsewhere"));
             }
             rows_checked += 1;
         }
     }
     Ok(format!("equal where they are the same; {rows_known} of {rows_checked} compared with known ones"))
+}
+
+fn same(there: &Baseline, here: &Baseline, tolerance: f64) -> bool {
+    is_near(there.episode_return, here.episode_return, tolerance)
+        && is_near(there.energy, here.energy, tolerance)
 }
