@@ -79,6 +79,7 @@ def train(
     *,
     out: PathLike,
     building_type: str | Sequence[str] | None = None,
+    problem: str | None = None,
     preset: str = "residual",
     task: str | None = None,
     run_period: str | None = None,
@@ -92,7 +93,8 @@ def train(
     """Trains an agent, as ``b2b train`` does, and returns it.
 
     ``buildings`` are trained on in turn; with ``building_type`` every episode has another building of its training
-    split; several types are for the preset ``"graph"``, whose agents control buildings of any types.
+    split, and with ``problem`` the run is for a benchmark problem, whose training side it does not go beyond.
+    Several types are for the preset ``"graph"``, whose agents control buildings of any types.
     ``preset`` is ``"residual"``, ``"paper"`` or ``"graph"``; ``options`` are any others of a run's ``config.toml``, such as
     ``environments=4`` or ``ppo={"gamma": 0.99}``. ``out`` is the folder of the run, which is the agent's. A folder that
     has a run with the same options continues from its last checkpoint; with ``resume`` only ``steps`` can be given.
@@ -105,6 +107,7 @@ def train(
     named = {
         "buildings": [buildings] if isinstance(buildings, str) else buildings and list(buildings),
         "building_type": [building_type] if isinstance(building_type, str) else building_type and list(building_type),
+        "problem": problem,
         "task": task,
         "period": run_period,
         "steps": steps,

@@ -81,7 +81,7 @@ impl Agent {
     ///
     /// # Errors
     /// [`Error::OtherBuilding`] when the building's observation or actuators are not those that it was trained with;
-    /// [`Error::UnknownNodeType`] when a graph agent does not know one of its nodes' types.
+    /// [`Error::UnknownNodeType`] when a graph agent does not know one of its nodes' types; those of [`Pilot::new`].
     pub fn controller(&self, spaces: &Arc<Spaces>) -> Result<AgentController> {
         let pilot = Pilot::new(self.info.interface, spaces)?;
         match pilot.graph() {

@@ -76,6 +76,22 @@ pub enum Error {
         /// Reason.
         why: &'static str,
     },
+    /// A building whose attributes cannot be determined.
+    #[error("the attributes of {building} cannot be determined: {source}; train without `attributes`")]
+    Attributes {
+        /// The building.
+        building: String,
+        /// Reason.
+        source: Box<b2b_building::Error>,
+    },
+    /// A weather file without the hours of a year.
+    #[error("{path} has {hours} hours of weather instead of 8760; a forecast needs a whole year")]
+    Forecast {
+        /// The file.
+        path: PathBuf,
+        /// Its hours.
+        hours: usize,
+    },
     /// A file that cannot be read or written.
     #[error("{path}: {source}")]
     Io {

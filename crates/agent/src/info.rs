@@ -42,6 +42,12 @@ pub struct TrainingInfo {
     pub algorithm: String,
     /// Training buildings, as they were named.
     pub buildings: String,
+    /// Tasks, separated by commas; empty if it is that of the agent.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub tasks: String,
+    /// Benchmark problem on whose training side it was trained; empty if none.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub problem: String,
     /// Run period.
     pub period: String,
     /// Zone time steps per hour.

@@ -23,6 +23,7 @@ pub use error::{Error, Result};
 pub use folder::{FILES, INFO};
 pub use info::{AgentInfo, FORMAT, TrainingInfo};
 pub use observation::{
-    AgentObservation, Feature, NodeForm, NodePlan, NodeSpaces, NodeView, ObservationForm, PlannedNode,
+    AgentObservation, Feature, NodeForm, NodePlan, NodeSpaces, NodeView, ObservationForm, ObservationOptions,
+    PlannedNode, attributes,
 };
 pub use pilot::{Interface, Pilot};

@@ -31,7 +31,10 @@ impl Agent {
             return Err(self.not_plain("it is a graph network"));
         };
         let interface = self.info().interface;
-        let arrangement = match interface.observation {
+        if interface.observation != interface.observation.form.into() {
+            return Err(self.not_plain("it observes attributes or a forecast"));
+        }
+        let arrangement = match interface.observation.form {
             ObservationForm::Raw => Arrangement::InOrder,
             ObservationForm::Roles => Arrangement::ByRole,
             ObservationForm::Features => return Err(self.not_plain("its features depend on earlier steps")),

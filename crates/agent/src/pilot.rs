@@ -8,13 +8,13 @@ use serde::{Deserialize, Serialize};
 use crate::Result;
 use crate::acting::{Acting, Driver};
 use crate::network::Graph;
-use crate::observation::{AgentObservation, NodeForm, NodePlan, NodeView, ObservationForm};
+use crate::observation::{AgentObservation, NodeForm, NodePlan, NodeView, ObservationOptions, attributes};
 
 /// What an agent observes and how it acts.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Interface {
-    /// Form of its observation.
-    pub observation: ObservationForm,
+    /// What it observes.
+    pub observation: ObservationOptions,
     /// Meaning of its actions.
     pub acting: Acting,
     /// How it observes a building node by node, if it is a graph network.
@@ -39,20 +39,31 @@ impl Pilot {
     /// Returns the pilot of a building that has its model, at the beginning of an episode.
     ///
     /// # Errors
-    /// [`Error::Graph`](crate::Error::Graph) for a building whose graph cannot be made, of a graph network.
+    /// Those of [`attributes`] and [`AgentObservation::new`]; [`Error::Graph`](crate::Error::Graph) for a building whose graph
+    /// cannot be made, of a graph network.
     pub fn new(interface: Interface, spaces: &Arc<Spaces>) -> Result<Self> {
         let plan = interface.nodes.map(|form| NodePlan::of(form, spaces)).transpose()?;
-        Self::with_plan(interface, spaces, plan.as_ref())
+        let attributes = attributes(interface.observation, spaces)?;
+        Self::without_model(interface, spaces, plan.as_ref(), &attributes)
     }
 
-    /// As [`Pilot::new`], of a building whose model has been dropped: with its plan for a graph network.
+    /// As [`Pilot::new`], of a building whose model has been dropped, as in a worker process: with its plan for a graph network, and
+    /// its attributes.
     ///
     /// # Errors
     /// As [`Pilot::new`].
-    pub fn with_plan(interface: Interface, spaces: &Arc<Spaces>, plan: Option<&NodePlan>) -> Result<Self> {
+    pub fn without_model(
+        interface: Interface,
+        spaces: &Arc<Spaces>,
+        plan: Option<&NodePlan>,
+        attributes: &[f64],
+    ) -> Result<Self> {
         let acting = interface.acting;
         let (observation, graph) = match plan {
-            None => (AgentObservation::new(interface.observation, spaces, acting.has_base()), None),
+            None => {
+                let options = interface.observation;
+                (AgentObservation::new(options, attributes, spaces, acting.has_base())?, None)
+            }
             Some(plan) => {
                 let NodeView { observation, graph } = AgentObservation::by_node(interface, spaces, plan)?;
                 (observation, Some(Arc::new(graph)))

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use b2b_agent::network::{Activation, Actor, Distribution, Mlp, Shape};
 use b2b_agent::{
-    Acting, Agent, AgentInfo, AgentObservation, Error, FORMAT, Interface, ObservationForm, Pilot,
-    TrainingInfo,
+    Acting, Agent, AgentInfo, AgentObservation, Error, FORMAT, Interface, ObservationForm,
+    ObservationOptions, Pilot, TrainingInfo,
 };
 use b2b_control::{Controller, Reactive};
 use b2b_dataset::{Catalog, Placement};
@@ -58,11 +58,10 @@ fn write(folder: &Path, spaces: &Arc<Spaces>, interface: Interface, scale: f32) 
     Agent::write(folder, info(&pilot, spaces, interface, &actor), &actor).unwrap();
 }
 
-const RESIDUAL: Interface = Interface {
-    observation: ObservationForm::Features,
-    acting: Acting::Residual { authority: 0.5 },
-    nodes: None,
-};
+const FEATURES: ObservationOptions =
+    ObservationOptions { form: ObservationForm::Features, attributes: false, forecast: 0 };
+const RESIDUAL: Interface =
+    Interface { observation: FEATURES, acting: Acting::Residual { authority: 0.5 }, nodes: None };
 
 #[test]
 fn a_correction_of_zero_is_the_reactive_controllers() {
@@ -104,7 +103,7 @@ fn an_agent_reads_back_as_it_was_written_and_acts_alike() {
     let spaces = Arc::clone(env.spaces());
     for observation in [ObservationForm::Raw, ObservationForm::Roles, ObservationForm::Features] {
         for acting in [Acting::Direct, RESIDUAL.acting] {
-            let interface = Interface { observation, acting, nodes: None };
+            let interface = Interface { observation: observation.into(), acting, nodes: None };
             write(folder.path(), &spaces, interface, 0.4);
             let agent = Agent::read(folder.path()).unwrap();
             assert_eq!(agent.info().interface, interface);
@@ -124,7 +123,7 @@ fn features_are_of_the_order_of_one_and_have_the_same_names_in_all_houses() {
     for house in ["SingleFamilyHouse-0014", "SingleFamilyHouse-0018", "SingleFamilyHouse-0387"] {
         let mut env = env(house, "occupancy");
         let spaces = Arc::clone(env.spaces());
-        let observation = AgentObservation::new(ObservationForm::Features, &spaces, true);
+        let observation = AgentObservation::new(FEATURES, &[], &spaces, true).unwrap();
         let here: Vec<String> = observation.names();
         assert_eq!(*names.get_or_insert(here.clone()), here, "{house}");
         let mut pilot = Pilot::new(RESIDUAL, &spaces).unwrap();
@@ -138,6 +137,40 @@ fn features_are_of_the_order_of_one_and_have_the_same_names_in_all_houses() {
             seen = env.step(&action).unwrap().observation.to_vec();
         }
     }
+}
+
+#[test]
+fn attributes_and_a_forecast_follow_the_features_and_the_weather_becomes_what_was_forecast() {
+    let observation = ObservationOptions { attributes: true, forecast: 3, ..FEATURES };
+    let interface = Interface { observation, ..RESIDUAL };
+    let mut env = env("OfficeSmall-0042", "occupancy+energy0.5");
+    let spaces = Arc::clone(env.spaces());
+    let mut pilot = Pilot::new(interface, &spaces).unwrap();
+    let names = pilot.observation().names();
+    let place =
+        |name: &str| names.iter().position(|each| each == name).unwrap_or_else(|| panic!("no {name}"));
+    let plain = Pilot::new(RESIDUAL, &spaces).unwrap().observation().names();
+    assert_eq!(names[..plain.len()], plain);
+    assert_eq!(names.len(), plain.len() + b2b_building::morphology::COMMON.len() + 1 + 3);
+
+    let (now, ahead) = (place("outdoor temperature"), place("outdoor temperature in 3 h"));
+    let (area, weight) = (place("building floor_area"), place("task energy weight"));
+    let mut seen = env.reset().unwrap().to_vec();
+    let mut rows: Vec<Vec<f32>> = Vec::new();
+    for _ in 0..100 {
+        rows.push(pilot.observe(&seen).to_vec());
+        let action = pilot.act(&vec![0.0; spaces.action.len()]).to_vec();
+        seen = env.step(&action).unwrap().observation.to_vec();
+    }
+    for (early, late) in rows.iter().zip(&rows[36..]) {
+        // The engine interpolates within the hour, and its weather is that at the end of a step.
+        assert!((early[ahead] - late[now]).abs() * 15.0 < 0.5, "{} {}", early[ahead], late[now]);
+        assert_eq!((early[area], early[weight]), (rows[0][area], 0.5));
+    }
+    assert!(rows[0][area] > -1.0 && rows[0][area] < 0.0, "a small office: {}", rows[0][area]);
+    let known = b2b_agent::attributes(observation, &spaces).unwrap();
+    let mut in_worker = Pilot::without_model(interface, &spaces, None, &known).unwrap();
+    assert_eq!(in_worker.observe(env.reset().unwrap()), rows[0]);
 }
 
 #[test]

@@ -25,7 +25,7 @@ fn env(building: &str, task: &str) -> Env {
 }
 
 fn interface(observation: ObservationForm, acting: Acting, attributes: bool) -> Interface {
-    Interface { observation, acting, nodes: Some(NodeForm { attributes }) }
+    Interface { observation: observation.into(), acting, nodes: Some(NodeForm { attributes }) }
 }
 
 const RESIDUAL: Acting = Acting::Residual { authority: 0.5 };

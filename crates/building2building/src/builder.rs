@@ -165,7 +165,7 @@ impl EnvBuilder {
 }
 
 /// The engine and the prototypes, loaded once in a process.
-fn catalog() -> Result<Arc<Catalog>> {
+pub(crate) fn catalog() -> Result<Arc<Catalog>> {
     static CATALOG: Mutex<Option<Arc<Catalog>>> = Mutex::new(None);
     let mut catalog = CATALOG.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some(catalog) = &*catalog {

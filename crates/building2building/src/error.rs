@@ -25,6 +25,12 @@ pub enum Error {
     /// Evaluation and benchmark problems.
     #[cfg(target_os = "linux")]
     Evaluation(Box<b2b_benchmark::Error>),
+    /// Trained agents.
+    #[cfg(target_os = "linux")]
+    Agent(Box<b2b_agent::Error>),
+    /// Training.
+    #[cfg(target_os = "linux")]
+    Training(Box<b2b_learn::Error>),
     /// The system.
     System(#[from] std::io::Error),
 }
@@ -50,4 +56,4 @@ boxed!(
     Control: b2b_control::Error
 );
 #[cfg(target_os = "linux")]
-boxed!(Evaluation: b2b_benchmark::Error);
+boxed!(Evaluation: b2b_benchmark::Error, Agent: b2b_agent::Error, Training: b2b_learn::Error);

@@ -16,7 +16,7 @@
 //! ```
 //!
 //! EnergyPlus and weather files are downloaded into the cache when they are first used. The folder `examples` of this
-//! crate shows one episode, a batch, a custom reward, a custom controller and snapshots.
+//! crate shows one episode, a batch, a custom reward, a custom controller, snapshots and the training of an agent.
 //!
 //! What most programs need is at the top level; the modules hold the rest:
 //!
@@ -34,6 +34,8 @@
 
 mod builder;
 mod error;
+#[cfg(target_os = "linux")]
+mod training;
 
 #[cfg(target_os = "linux")]
 pub use b2b_agent as agent;
@@ -61,6 +63,8 @@ pub use b2b_env::{
 pub use b2b_learn::fragments::run_if_worker;
 pub use builder::{EnvBuilder, make};
 pub use error::{Error, Result};
+#[cfg(target_os = "linux")]
+pub use training::train;
 
 /// The example in the documentation, which runs as a test.
 #[cfg(doctest)]

@@ -49,3 +49,19 @@ fn a_restored_episode_continues_bit_for_bit() {
     let output = output_of("snapshots", &[]);
     assert!(output.contains("the same bits"), "{output}");
 }
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_trained_agent_scores_what_its_return_is_over_that_of_the_reactive_controllers() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = folder.path().join("run");
+    let arguments = [run.to_str().unwrap(), "SingleFamilyHouse-0014", "01-10..01-12", "2304"];
+    let output = output_of("train", &arguments);
+    let after = |words: &str| {
+        let (_, rest) = output.split_once(words).unwrap_or_else(|| panic!("no `{words}`: {output}"));
+        rest.split([',', '\n']).next().unwrap().parse::<f64>().unwrap()
+    };
+    let [score, reactive, agent] = ["score ", "reactive: return ", "agent: return "].map(after);
+    assert!((score - agent / reactive).abs() < 1e-3, "{output}");
+    assert!(run.join("agent.json").is_file());
+}

@@ -5,7 +5,7 @@ mod program;
 
 use std::collections::HashMap;
 use std::fs::File;
-use std::os::unix::process::{CommandExt, ExitStatusExt};
+use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::Duration;
@@ -15,8 +15,8 @@ use b2b_climate::Place;
 use b2b_energyplus::Library;
 use b2b_energyplus::install::{Engine, Quiet};
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
-use program::stderr;
-use rustix::process::{Pid, Signal, kill_process, test_kill_process_group};
+use program::{stderr, wait_until, workers_of};
+use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -261,13 +261,11 @@ fn a_full_disk_is_reported_with_the_file_and_leaves_nothing_behind() {
     let mut command = sandbox.command("bash", "-c");
     let run = "run RestaurantFastFood --period 01-01..03-31 --controller random --json";
     command.arg(format!("trap '' XFSZ; exec {B2B} {run}"));
-    let child = command.process_group(0).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    let pid = Pid::from_child(&child);
-    wait_until(|| runs_an_episode(pid));
+    let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    wait_until(|| runs_an_episode(child.id()));
     // Once its workers run, its files may have 400 KiB at most: too little for a season of random actions.
     let limit = Some(400 << 10);
-    let supervised = processes().into_iter().find(|process| process.parent == pid.as_raw_nonzero().get());
-    let supervised = Pid::from_raw(supervised.unwrap().id);
+    let supervised = Pid::from_raw(children_of(child.id())[0] as i32);
     prlimit(supervised, Resource::Fsize, Rlimit { current: limit, maximum: limit }).unwrap();
     let output = child.wait_with_output().unwrap();
     let said = stderr(&output);
@@ -293,56 +291,37 @@ fn an_interrupted_run_stops_between_steps_and_leaves_nothing_behind() {
     for signal in [Signal::INT, Signal::TERM] {
         let sandbox = Sandbox::new();
         let mut command = sandbox.command(B2B, "run OfficeSmall --period full_year");
-        let child = command.process_group(0).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-        let pid = Pid::from_child(&child);
-        wait_until(|| runs_an_episode(pid));
+        let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        wait_until(|| runs_an_episode(child.id()));
+        let supervised = children_of(child.id())[0];
         std::thread::sleep(Duration::from_secs(1));
-        kill_process(pid, signal).unwrap();
+        kill_process(Pid::from_child(&child), signal).unwrap();
         let output = child.wait_with_output().unwrap();
         let said = stderr(&output);
         assert_eq!((output.status.code(), output.status.signal()), (Some(130), None), "{said}");
         assert!(said.starts_with("interrupted after "), "{said}");
         assert_eq!(sandbox.left_behind(), Vec::<PathBuf>::new());
-        assert!(test_kill_process_group(pid).is_err(), "a process of the run is still there");
+        assert_eq!(workers_of(supervised), Vec::<u32>::new(), "processes of the run that are still there");
     }
 }
 
-/// Returns whether a command has its supervised process, the template and the copy that runs the episode, all in its process
-/// group.
+/// Returns the child processes of a process.
 #[cfg(target_os = "linux")]
-fn runs_an_episode(command: Pid) -> bool {
-    processes().iter().filter(|process| process.group == command.as_raw_nonzero().get()).count() >= 4
-}
-
-/// A process of this machine.
-#[cfg(target_os = "linux")]
-struct Process {
-    id: i32,
-    parent: i32,
-    group: i32,
-}
-
-#[cfg(target_os = "linux")]
-fn processes() -> Vec<Process> {
-    let process = |entry: std::fs::DirEntry| {
+fn children_of(process: u32) -> Vec<u32> {
+    let child = |entry: std::fs::DirEntry| {
         let id = entry.file_name().to_str()?.parse().ok()?;
         let stat = std::fs::read_to_string(entry.path().join("stat")).ok()?;
-        // After the name in parentheses: state, parent, process group.
-        let mut fields = stat.rsplit(')').next()?.split_whitespace().skip(1);
-        let [parent, group] = [fields.next()?.parse().ok()?, fields.next()?.parse().ok()?];
-        Some(Process { id, parent, group })
+        // After the name in parentheses: state, parent.
+        let parent: u32 = stat.rsplit(')').next()?.split_whitespace().nth(1)?.parse().ok()?;
+        (parent == process).then_some(id)
     };
-    std::fs::read_dir("/proc").unwrap().flatten().filter_map(process).collect()
+    std::fs::read_dir("/proc").unwrap().flatten().filter_map(child).collect()
 }
 
-fn wait_until(done: impl Fn() -> bool) {
-    for _ in 0..1200 {
-        if done() {
-            return;
-        }
-        std::thread::sleep(Duration::from_millis(50));
-    }
-    panic!("it did not happen within a minute");
+/// Returns whether a command has a supervised process with a template and the copy that runs the episode.
+#[cfg(target_os = "linux")]
+fn runs_an_episode(command: u32) -> bool {
+    children_of(command).iter().any(|supervised| workers_of(*supervised).len() >= 2)
 }
 
 #[test]

@@ -3,11 +3,12 @@
 
 mod program;
 
+use std::os::unix::process::CommandExt as _;
 use std::path::Path;
-use std::process::Stdio;
-use std::time::{Duration, Instant};
+use std::process::{Child, Command, Stdio};
 
-use program::{assert_rejected, b2b, command, json, stderr};
+use program::{assert_rejected, b2b, both_outputs, command, json, stderr, wait_until};
+use rustix::process::{Pid, Resource, Rlimit, Signal, kill_process_group, prlimit};
 use serde_json::Value;
 
 /// A small run: two environments, episodes of a day, an evaluation and a checkpoint at every other update.
@@ -63,6 +64,7 @@ fn a_run_is_an_agent_that_evaluations_take_as_a_policy() {
         assert!(path.join("run").join(file).is_file(), "{file}");
     }
     assert_eq!(course(path, "run").len(), 13, "a header and twelve updates");
+    assert!(number("relative_travel") > 0.0 && number("oscillating_share") <= 1.0);
 
     let evaluate = "evaluate SingleFamilyHouse-0014 --policy run --task occupancy --period 01-10..01-12";
     let evaluated = json(path, &format!("{evaluate} --out evaluated"));
@@ -128,6 +130,43 @@ fn agents_enter_a_benchmark_problem_one_for_each_seed() {
     assert_rejected(path, restricted, &["x-0"]);
 }
 
+/// A problem that asks for other targets in the same house.
+const PROBLEM: &str = r#"{
+    "name": "house-random", "version": 1, "family": "goal_adaptation", "question": "Does it follow random targets?",
+    "train": {"buildings": {"ids": ["SingleFamilyHouse-0001"]}, "tasks": ["constant", "occupancy+energy0.5"]},
+    "test": {"buildings": {"ids": ["SingleFamilyHouse-0001"]}, "tasks": ["random"]},
+    "protocol": {
+        "training_steps": 4000, "training_period": "01-10..01-12", "windows": ["01-10..01-10"], "steps_per_hour": 12,
+        "seeds": [0], "train_sample": 1, "adaptation": [], "attributes": "given"
+    }
+}"#;
+
+#[test]
+fn a_run_for_a_problem_trains_on_its_side_and_enters_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let own = |line: &&str| !line.starts_with("task") && !line.starts_with("period");
+    let config: Vec<&str> = SMALL.lines().filter(own).collect();
+    std::fs::write(path.join("small.toml"), config.join("\n") + "\nobservation = { forecast = 3 }").unwrap();
+    std::fs::write(path.join("mine.json"), PROBLEM).unwrap();
+    let train = "train --problem mine.json --config small.toml --out run";
+    let summary = json(path, &format!("{train} --steps 768"));
+    let scores = summary["buildings"].as_array().unwrap();
+    let tasks: Vec<_> = scores.iter().map(|each| each["task"].as_str().unwrap()).collect();
+    assert_eq!(tasks, ["constant", "occupancy+energy0.5"]);
+    let agent: Value = serde_json::from_slice(&std::fs::read(path.join("run/agent.json")).unwrap()).unwrap();
+    assert_eq!(agent["training"]["problem"], "mine.json");
+    for slot in ["outdoor temperature in 3 h", "building floor_area", "task energy weight"] {
+        assert!(agent["slots"].as_array().unwrap().iter().any(|each| each == slot), "{slot}");
+    }
+    let output = b2b(path, "train --resume run --steps 1536");
+    assert!(output.status.success(), "{}", stderr(&output));
+    let output = b2b(path, "benchmark run mine.json --policy run --out entered");
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert!(path.join("entered/result.json").is_file());
+    assert_rejected(path, &format!("{train} --steps 5000"), &["5000", "house-random", "at most 4000"]);
+}
+
 #[test]
 fn a_run_that_was_killed_anywhere_and_resumed_ends_with_the_same_weights() {
     let folder = folder_with_config();
@@ -135,22 +174,10 @@ fn a_run_that_was_killed_anywhere_and_resumed_ends_with_the_same_weights() {
     assert!(b2b(path, &train("whole")).status.success());
     // The times at which it is killed differ from machine to machine, and need not be the same.
     for (run, updates) in [("first", 1), ("second", 4), ("third", 9)] {
-        let mut process =
-            command(path, &train(run)).stderr(Stdio::null()).stdout(Stdio::null()).spawn().unwrap();
-        let deadline = Instant::now() + Duration::from_secs(300);
-        let rows = || {
-            std::fs::read_to_string(path.join(run).join("progress.csv")).unwrap_or_default().lines().count()
-        };
-        while rows() <= updates && process.try_wait().unwrap().is_none() {
-            assert!(Instant::now() < deadline, "no update");
-            std::thread::sleep(Duration::from_millis(3));
-        }
+        let mut process = started(&mut command(path, &train(run)), path, run, updates);
         process.kill().unwrap();
         process.wait().unwrap();
-        let output = b2b(path, &format!("train --resume {run}"));
-        assert!(output.status.success(), "{}", stderr(&output));
-        assert_eq!(weights(path, run), weights(path, "whole"), "{run}");
-        assert_eq!(course(path, run), course(path, "whole"), "{run}");
+        assert_resumes_as(path, run, "whole");
     }
 }
 
@@ -228,6 +255,75 @@ fn several_types_without_a_graph_network_are_an_error() {
         &format!("{several} --preset graph --algorithm sac"),
         &["`algorithm` with graph networks: it must be ppo"],
     );
+}
+
+#[test]
+fn a_signal_to_all_processes_of_a_run_does_not_reach_its_episodes() {
+    let folder = folder_with_config();
+    let path = folder.path();
+    assert!(b2b(path, &train("whole")).status.success());
+    // Ctrl-C in a terminal, the end of a job, and a terminal that is closed.
+    for (run, signal) in [("first", Signal::INT), ("second", Signal::TERM), ("third", Signal::HUP)] {
+        let process = started(command(path, &train(run)).process_group(0), path, run, 4);
+        kill_process_group(Pid::from_child(&process), signal).unwrap();
+        let output = process.wait_with_output().unwrap();
+        let said = stderr(&output);
+        assert_eq!(output.status.code(), Some(130), "{said}");
+        assert!(said.contains(&format!("continue with `b2b train --resume {run}`")), "{said}");
+        assert_resumes_as(path, run, "whole");
+    }
+}
+
+#[test]
+fn a_full_disk_is_said_and_leaves_the_last_checkpoint_whole() {
+    let folder = folder_with_config();
+    let path = folder.path();
+    assert!(b2b(path, &train("whole")).status.success());
+    // The checkpoint has 400 kB, a row of the table 300 bytes.
+    for (run, bytes, file) in
+        [("first", 200_000, "checkpoint.safetensors"), ("second", 1_500, "progress.csv")]
+    {
+        let mut ignoring = Command::new("bash");
+        let arguments = train(run);
+        ignoring.args(["-c", &format!("trap '' XFSZ; exec {} {arguments}", env!("CARGO_BIN_EXE_b2b"))]);
+        let process = started(ignoring.current_dir(path), path, run, 3);
+        let limit = Rlimit { current: Some(bytes), maximum: Some(bytes) };
+        prlimit(Some(Pid::from_child(&process)), Resource::Fsize, limit).unwrap();
+        let output = process.wait_with_output().unwrap();
+        let said = both_outputs(&output);
+        assert_eq!(output.status.code(), Some(1), "{said}");
+        let warning = said.lines().find(|line| line.starts_with("warning: ") && line.contains(file));
+        let warning = warning.unwrap_or_else(|| panic!("no warning of {file}: {said}"));
+        assert!(warning.contains("could not be saved") && warning.contains("File too large"), "{said}");
+        assert_eq!(said.matches(warning).count(), 1, "it is said once: {said}");
+        assert!(said.lines().any(|line| line.starts_with("error: ")), "{said}");
+        let table = std::fs::read_to_string(path.join(run).join("progress.csv")).unwrap();
+        let cells: Vec<usize> = table.lines().map(|line| line.split(',').count()).collect();
+        assert!(cells.iter().all(|count| *count == cells[0]), "no row is cut: {table}");
+        let litter = |folder: &Path| {
+            let names = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name());
+            names.filter(|name| name.to_string_lossy().starts_with('.')).count()
+        };
+        assert_eq!([litter(&path.join(run)), litter(&path.join(run).join("last"))], [0, 0]);
+        assert_resumes_as(path, run, "whole");
+    }
+}
+
+/// Starts a run and returns its process after this many updates, or when it has ended.
+fn started(command: &mut Command, folder: &Path, run: &str, updates: usize) -> Child {
+    let mut process = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let table = folder.join(run).join("progress.csv");
+    let rows = || std::fs::read_to_string(&table).unwrap_or_default().lines().count();
+    wait_until(|| rows() > updates || process.try_wait().unwrap().is_some());
+    process
+}
+
+/// Asserts that a run that was stopped continues to the agents and the course of another.
+fn assert_resumes_as(folder: &Path, run: &str, whole: &str) {
+    let output = b2b(folder, &format!("train --resume {run}"));
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert_eq!(weights(folder, run), weights(folder, whole), "{run}");
+    assert_eq!(course(folder, run), course(folder, whole), "{run}");
 }
 
 #[test]

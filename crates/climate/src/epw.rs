@@ -13,6 +13,8 @@ const HEADER_LINES: usize = 8;
 const COLUMNS: usize = 35;
 /// The column of source and uncertainty flags, the only text column.
 const FLAGS: usize = 5;
+/// Column of the dry-bulb temperature.
+const DRY_BULB: usize = 6;
 /// Hours of a common and a leap year.
 const HOURS: [usize; 2] = [8760, 8784];
 
@@ -38,6 +40,19 @@ pub fn check(text: &str, path: &Path) -> Result<usize> {
             "{hours} hours of weather instead of 8760 (or 8784): the file is truncated or does not cover a whole year"
         )))
     }
+}
+
+/// Returns the dry-bulb temperatures at the end of each hour of a year without 29 February, °C, of an EPW text that
+/// [`check`] accepts.
+pub fn dry_bulbs(text: &str) -> Vec<f64> {
+    let hour = |line: &str| {
+        let mut columns = line.split(',');
+        let [_, month, day] = std::array::from_fn(|_| columns.next().unwrap_or_default().trim());
+        let is_leap_day = month.parse() == Ok(2) && day.parse() == Ok(29);
+        let dry_bulb = columns.nth(DRY_BULB - 3)?.trim().parse().ok();
+        dry_bulb.filter(|_| !is_leap_day)
+    };
+    text.lines().skip(HEADER_LINES).filter_map(hour).collect()
 }
 
 fn check_hour(line: &str) -> std::result::Result<(), String> {
@@ -66,6 +81,15 @@ mod tests {
 
     fn why(text: &str) -> String {
         check(text, Path::new("a.epw")).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn the_dry_bulbs_of_a_leap_year_leave_out_its_leap_day() {
+        let hour =
+            |month: u32, day: u32, dry_bulb: f64| format!("1996,{month},{day},1,60,flags,{dry_bulb},1.0\n");
+        let text =
+            "header\n".repeat(HEADER_LINES) + &hour(2, 28, -3.5) + &hour(2, 29, 7.0) + &hour(3, 1, 4.0);
+        assert_eq!(dry_bulbs(&text), [-3.5, 4.0]);
     }
 
     #[test]

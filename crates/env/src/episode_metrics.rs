@@ -128,6 +128,8 @@ episode_metrics! {
     peak_gas: f64 = "peak_gas_w_m2", "W/m²", |metrics| metrics.peak_gas;
     /// Actuator travel, full strokes/day, mean over the actuators.
     daily_travel: f64 = "daily_travel", "1/d", Metrics::daily_travel;
+    /// Share of the steps of controlled zones in sustained oscillation: see [`Metrics::oscillating_share`].
+    oscillating_share: f64 = "oscillating_share", "1", Metrics::oscillating_share;
     /// Action values that were out of bounds and clamped.
     clamped_actions: usize = "clamped_actions", "1", |metrics| metrics.clamped_actions;
     /// Steps in which the ventilation interlock raised an action.

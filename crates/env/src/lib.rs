@@ -8,6 +8,7 @@
 //! of those. A [`Controller`] chooses the actions, and [`rollout`] runs a whole episode under it.
 
 mod action;
+mod attributes;
 pub mod authority;
 mod calendar;
 mod comfort;
@@ -23,6 +24,7 @@ mod limits;
 mod metrics;
 mod morphology;
 mod observation;
+mod oscillation;
 mod reward;
 mod role_observation;
 mod rollout;
@@ -37,6 +39,7 @@ mod warmup;
 mod zones;
 
 pub use action::{ActionSpace, rescale};
+pub use attributes::{attribute_name, attributes};
 pub use comfort::{Comfort, Pmv};
 pub use controller::Controller;
 pub use energy_scale::EnergyScale;

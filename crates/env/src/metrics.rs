@@ -12,6 +12,8 @@ pub struct ZoneMetrics {
     pub slot: usize,
     /// Whether it has both heating and cooling.
     pub fully_conditioned: bool,
+    /// Steps in sustained oscillation: see [`Metrics::oscillating_share`].
+    pub oscillating_steps: usize,
     /// Thermal discomfort: the rewarded deviation outside the task's comfort band, integrated over time, K h.
     pub discomfort: f64,
     squares: f64,
@@ -190,6 +192,13 @@ impl Metrics {
         self.travel.iter().sum::<f64>()
             / self.travel.len().max(1) as f64
             / days.max(self.hours_per_step / 24.0)
+    }
+
+    /// Returns the share of the steps of controlled zones that were in sustained oscillation: ten or more swings of the air
+    /// temperature in a row, each of at least 0.2 K and at most an hour, under one and the same target.
+    pub fn oscillating_share(&self) -> f64 {
+        let steps: usize = self.zones.iter().map(|zone| zone.oscillating_steps).sum();
+        steps as f64 / (self.steps * self.zones.len()).max(1) as f64
     }
 
     /// Returns the root mean square of the rewarded deviation, K, averaged over the zones without cooling; 0 if there are

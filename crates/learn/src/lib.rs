@@ -5,6 +5,7 @@
 //! the processor. The same seed, rollouts and machine give the same bits, whatever the number of threads.
 
 pub mod collector;
+mod credit;
 pub mod error;
 pub mod fragments;
 pub mod gaussian;
@@ -16,5 +17,6 @@ pub mod rollout;
 pub mod sac;
 pub mod state;
 pub mod train;
+mod travel;
 
 pub use error::{Error, Result};

@@ -4,7 +4,7 @@
 use std::time::Duration;
 
 use b2b_agent::network::{Activation, Actor, Edges, GraphNetwork};
-use b2b_agent::{Acting, Interface, NodeForm, NodeSpaces, ObservationForm};
+use b2b_agent::{Acting, Interface, NodeForm, NodeSpaces, ObservationForm, ObservationOptions};
 use b2b_building::BuildingType;
 use b2b_dataset::{BuildingName, Catalog, Placement};
 use b2b_energyplus::install::Quiet;
@@ -22,10 +22,13 @@ const ENVIRONMENTS: usize = 3;
 /// Steps of an episode of one day.
 const DAY: usize = 288;
 const SEED: u64 = 7;
-const DIRECT: Interface =
-    Interface { observation: ObservationForm::Raw, acting: Acting::Direct, nodes: None };
+const DIRECT: Interface = Interface {
+    observation: ObservationOptions { form: ObservationForm::Raw, attributes: false, forecast: 0 },
+    acting: Acting::Direct,
+    nodes: None,
+};
 const RESIDUAL: Interface = Interface {
-    observation: ObservationForm::Features,
+    observation: ObservationOptions { form: ObservationForm::Features, attributes: true, forecast: 2 },
     acting: Acting::Residual { authority: 0.5 },
     nodes: None,
 };
@@ -59,8 +62,18 @@ fn environments(interface: Interface) -> VecEnv {
 }
 
 fn fragments(interface: Interface, correlation: f32) -> FragmentCollector {
+    fragments_with(interface, false, correlation, 0.0)
+}
+
+fn fragments_with(
+    interface: Interface,
+    by_zone: bool,
+    correlation: f32,
+    travel_cost: f32,
+) -> FragmentCollector {
     let scale = Box::new(|_: &_| Ok(0.3));
-    FragmentCollector::new(environments(interface), interface, false, correlation, scale, SEED).unwrap()
+    let environments = environments(interface);
+    FragmentCollector::new(environments, interface, by_zone, correlation, travel_cost, scale, SEED).unwrap()
 }
 
 fn lockstep(interface: Interface, correlation: f32) -> LockstepCollector {
@@ -136,6 +149,46 @@ fn assert_scenes(rollout: &Rollout, interface: Interface) {
     assert!(of(0) == of(2) && of(0) < of(1) && of(1) == stride, "{widths:?}");
     for (row, values) in rollout.observations.chunks(stride).enumerate() {
         assert!(values[of(row / rollout.steps)..].iter().all(|value| *value == 0.0));
+    }
+}
+
+#[test]
+fn a_full_stroke_of_all_actuators_costs_what_it_is_said_to() {
+    const COST: f32 = 0.7;
+    for by_zone in [false, true] {
+        let free = rollouts(&mut fragments_with(DIRECT, by_zone, 0.0, 0.0), DIRECT, 1..=4, 100);
+        let mut collector = fragments_with(DIRECT, by_zone, 0.0, COST);
+        let Widths { action, parts, .. } = collector.widths();
+        let costly = rollouts(&mut collector, DIRECT, 1..=4, 100);
+        let mut costs = Vec::new();
+        let mut expected = Vec::new();
+        for (free, costly) in free.iter().zip(&costly) {
+            assert!(free.actions == costly.actions, "the cost changes nothing but the reward");
+            // Of the first environment; a stroke is from -1 to 1.
+            let rows = |rewards: &[f32]| {
+                rewards.chunks_exact(parts).map(|row| row.iter().sum()).collect::<Vec<f32>>()
+            };
+            let (before, after) = (rows(&free.rewards[..100 * parts]), rows(&costly.rewards[..100 * parts]));
+            costs.extend(before.iter().zip(after).map(|(before, after)| before - after));
+            expected.extend(free.actions[..100 * action].iter().map(|value| value.clamp(-1.0, 1.0)));
+        }
+        assert!(costs[0] == 0.0 && costs[DAY] == 0.0, "the first action of an episode moves nothing");
+        for step in (1..costs.len()).filter(|step| *step != DAY) {
+            let [last, now] = [step - 1, step].map(|step| &expected[step * action..][..action]);
+            let strokes: f32 = last.iter().zip(now).map(|(last, now)| (now - last).abs() / 2.0).sum();
+            let cost = COST * strokes / action as f32;
+            assert!((costs[step] - cost).abs() < 1e-4, "step {step}: {} instead of {cost}", costs[step]);
+        }
+        // A collection that is restored charges the first step as the one that was not interrupted.
+        let state = {
+            let mut first = fragments_with(DIRECT, by_zone, 0.0, COST);
+            rollouts(&mut first, DIRECT, 1..=1, 100);
+            first.state()
+        };
+        let mut restored = fragments_with(DIRECT, by_zone, 0.0, COST);
+        let any = actor(restored.widths(), DIRECT, 0);
+        restored.restore(&state, &any).unwrap();
+        assert!(rollouts(&mut restored, DIRECT, 2..=2, 100)[0] == costly[1]);
     }
 }
 

@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use b2b_env::Target;
 
+use super::known::{OUTDOOR, at_hour};
 use super::memory::Memory;
 
 /// One slot of an agent's observation.
@@ -40,6 +41,8 @@ pub(super) enum Source {
     HourOfWeek { day: usize, hour: usize, at: f64 },
     /// Sine or cosine of the time of the year.
     Year { slot: usize, cosine: bool },
+    /// The outdoor temperature a number of hours ahead, by the slots of the day of the year and the time of day.
+    Forecast { day: usize, hour: usize, ahead: f64 },
     /// The agent's previous action for an actuator.
     Previous(usize),
     /// The base controller's next action for an actuator.
@@ -50,6 +53,8 @@ pub(super) enum Source {
 pub(super) struct Context<'a> {
     pub(super) observation: &'a [f64],
     pub(super) memory: &'a Memory,
+    /// Outdoor temperatures at the end of each hour of the year, °C.
+    pub(super) outdoor: &'a [f64],
     pub(super) previous: &'a [f32],
     pub(super) base: &'a [f32],
 }
@@ -60,7 +65,7 @@ impl Feature {
     }
 
     pub(super) fn value(&self, context: &Context<'_>) -> f64 {
-        let Context { observation, memory, previous, base } = context;
+        let Context { observation, memory, outdoor, previous, base } = context;
         match self.source {
             Source::Constant(value) => value,
             Source::Bounded { slot, low, high } => 2.0 * (observation[slot] - low) / (high - low) - 1.0,
@@ -80,6 +85,11 @@ impl Feature {
                 (1.0 - distance.min(HOURS_OF_WEEK - distance)).max(0.0)
             }
             Source::Year { slot, cosine } => wave(observation[slot] / 365.0, cosine),
+            Source::Forecast { day, hour, ahead } => {
+                let hour = 24.0 * (observation[day] - 1.0) + observation[hour] + ahead;
+                let (center, scale) = OUTDOOR;
+                (at_hour(outdoor, hour) - center) / scale
+            }
             Source::Previous(actuator) => f64::from(previous[actuator]),
             Source::Base(actuator) => f64::from(base[actuator]),
         }

@@ -5,6 +5,7 @@ use b2b_dataset::house::ZoneRole;
 use b2b_env::{Spaces, Target};
 
 use super::feature::{Feature, HOURS_OF_WEEK, Source};
+use super::known::OUTDOOR;
 
 /// Temperature about which zones and targets are scaled, °C.
 const COMFORTABLE: f64 = 21.0;
@@ -100,8 +101,9 @@ fn other_zones(spaces: &Spaces, features: &mut Vec<Feature>) {
 
 /// Outdoor temperature and humidity, which are in these slots.
 pub(super) fn weather(outdoor: usize, humidity: usize) -> [(&'static str, Source); 3] {
+    let (center, scale) = OUTDOOR;
     [
-        ("outdoor temperature", Source::Deviation { slot: outdoor, center: 10.0, scale: 15.0, limit: 4.0 }),
+        ("outdoor temperature", Source::Deviation { slot: outdoor, center, scale, limit: 4.0 }),
         ("outdoor temperature change/1K", Source::Change { slot: outdoor, scale: 1.0, limit: 3.0 }),
         ("outdoor humidity", Source::Bounded { slot: humidity, low: 0.0, high: 100.0 }),
     ]

@@ -2,8 +2,10 @@
 
 mod feature;
 mod features;
+mod known;
 mod memory;
 mod nodes;
+mod options;
 mod plan;
 mod scaled;
 
@@ -15,11 +17,14 @@ use b2b_env::Spaces;
 use b2b_env::vector::Arrangement;
 use serde::{Deserialize, Serialize};
 
-use crate::Error;
+use crate::{Error, Result};
 use feature::Context;
 pub use feature::Feature;
+pub use known::attributes;
+use known::{attribute_features, forecast_features, outdoor_temperatures};
 use memory::Memory;
 pub use nodes::{NodeForm, NodeSpaces, NodeView};
+pub use options::ObservationOptions;
 pub use plan::{NodePlan, PlannedNode};
 
 /// The form of an agent's observation.
@@ -31,7 +36,7 @@ pub enum ObservationForm {
     /// As `raw`, with a place for every role of a zone in houses: see [`RoleObservation`](b2b_env::RoleObservation).
     Roles,
     /// Features of the state that control needs: errors at several scales, their change and recent mean, targets, calendar
-    /// as sines, and the previous and the base controller's action. See `docs/agents.md`.
+    /// as sines, and the previous and the base controller's action. See `docs/training.md`.
     #[default]
     Features,
 }
@@ -49,7 +54,7 @@ impl fmt::Display for ObservationForm {
 impl FromStr for ObservationForm {
     type Err = Error;
 
-    fn from_str(text: &str) -> Result<Self, Error> {
+    fn from_str(text: &str) -> Result<Self> {
         [Self::Raw, Self::Roles, Self::Features]
             .into_iter()
             .find(|form| form.to_string() == text)
@@ -62,17 +67,30 @@ impl FromStr for ObservationForm {
 pub struct AgentObservation {
     features: Vec<Feature>,
     memory: Memory,
+    /// Outdoor temperatures at the end of each hour of the year, °C; empty without a forecast.
+    outdoor: Vec<f64>,
 }
 
 impl AgentObservation {
-    /// Returns the observation of a form for a building. With a base controller, features include its action.
-    pub fn new(form: ObservationForm, spaces: &Arc<Spaces>, has_base: bool) -> Self {
-        let features = match form {
+    /// Returns the observation for a building with these [`attributes`]. With a base controller, features include its action.
+    ///
+    /// # Errors
+    /// [`Error::Io`] and [`Error::Forecast`] for a weather file without a forecast.
+    pub fn new(
+        options: ObservationOptions,
+        attributes: &[f64],
+        spaces: &Arc<Spaces>,
+        has_base: bool,
+    ) -> Result<Self> {
+        let mut features = match options.form {
             ObservationForm::Raw => scaled::features(&Arrangement::InOrder.of(spaces)),
             ObservationForm::Roles => scaled::features(&Arrangement::ByRole.of(spaces)),
             ObservationForm::Features => features::features(spaces, has_base),
         };
-        Self { features, memory: Memory::new(spaces) }
+        features.extend(attribute_features(attributes, spaces));
+        features.extend(forecast_features(options.forecast, spaces));
+        let outdoor = outdoor_temperatures(options.forecast, spaces)?;
+        Ok(Self { features, memory: Memory::new(spaces), outdoor })
     }
 
     /// The slots in order.
@@ -99,7 +117,8 @@ impl AgentObservation {
     /// action that the agent gave last, `base` the base controller's next one; both from -1 to 1.
     pub fn write(&mut self, observation: &[f64], previous: &[f32], base: &[f32], row: &mut [f32]) {
         self.memory.remember(observation);
-        let context = Context { observation, memory: &self.memory, previous, base };
+        let Self { memory, outdoor, .. } = &*self;
+        let context = Context { observation, memory, outdoor, previous, base };
         for (value, feature) in row.iter_mut().zip(&self.features) {
             *value = feature.value(&context) as f32;
         }

@@ -117,7 +117,10 @@ impl AgentObservation {
             Ok((node, output.ok_or_else(|| failed("its node does not have", name))?))
         });
         let graph = Graph::new(plan, &widths, &actions.collect::<Result<Vec<_>>>()?);
-        Ok(NodeView { observation: Self { features, memory: Memory::new(spaces) }, graph })
+        Ok(NodeView {
+            observation: Self { features, memory: Memory::new(spaces), outdoor: Vec::new() },
+            graph,
+        })
     }
 }
 
@@ -204,7 +207,7 @@ impl Places for Nowhere {
 
 /// Returns the features of a node, in an order that only depends on its type.
 fn local_features(interface: Interface, node_type: NodeType, places: &dyn Places) -> Vec<(String, Source)> {
-    let mut features = match interface.observation {
+    let mut features = match interface.observation.form {
         ObservationForm::Raw | ObservationForm::Roles => observed(node_type, places),
         ObservationForm::Features => computed(interface, node_type, places),
     };

@@ -8,7 +8,6 @@
 //!    training side to a batch of environments.
 
 mod as_text;
-mod attributes;
 mod buildings;
 mod changes;
 mod check;

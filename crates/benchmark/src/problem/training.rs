@@ -6,9 +6,8 @@ use b2b_building::morphology::COMMON;
 use b2b_control::ReactiveParameters;
 use b2b_dataset::{BuildingName, Placement};
 use b2b_env::vector::{Arranged, Arrangement, EpisodeForm, Form, Padded, RowSlot, check_width};
-use b2b_env::{ActionSpace, Spaces};
+use b2b_env::{ActionSpace, Spaces, attribute_name, attributes};
 
-use super::attributes::{attribute_name, attributes};
 use super::definition::Problem;
 use super::protocol::Attributes;
 use super::restriction::{RestrictedAction, Restriction};
@@ -59,7 +58,7 @@ impl TrainingForm {
         }
         let name = spaces.building.name.parse::<BuildingName>();
         let origin = name.map(|name| Placement::default().origin(&name)).unwrap_or_default();
-        attributes(spaces, origin)
+        Ok(attributes(spaces, origin)?)
     }
 }
 

@@ -3,9 +3,8 @@
 use b2b_building::morphology::COMMON;
 use b2b_control::Controller;
 use b2b_energyplus::digest::sha256;
-use b2b_env::{RoleObservation, Spaces};
+use b2b_env::{RoleObservation, Spaces, attribute_name, attributes};
 
-use super::attributes::{attribute_name, attributes};
 use super::definition::Problem;
 use super::protocol::Attributes;
 use super::restriction::{Fallback, RestrictedAction};
@@ -35,7 +34,7 @@ impl<'a> WrappedPolicy<'a> {
             return Ok(Vec::new());
         }
         let EpisodeContext { subject, spaces, .. } = context;
-        attributes(spaces, subject.placement.origin(&subject.name))
+        Ok(attributes(spaces, subject.placement.origin(&subject.name))?)
     }
 
     /// Returns the form of the observations of a building, to which `attributes` values are appended.

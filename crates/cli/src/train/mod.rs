@@ -30,6 +30,9 @@ pub struct Arguments {
     /// Train on the training split of a building type: another building every episode; of several types with a graph network
     #[arg(long = "type", visible_alias = "types", value_name = "TYPE", num_args = 1..)]
     building_type: Vec<BuildingType>,
+    /// Train on the training side of a benchmark problem: a name from `b2b benchmark list`, or a JSON file
+    #[arg(long, value_name = "PROBLEM", conflicts_with_all = ["buildings", "building_type", "task", "period"])]
+    problem: Option<String>,
     /// Preset: paper (PPO as in the paper), residual (corrections of the tuned reactive controllers) or graph (one network for
     /// buildings of several types) [default: residual]
     #[arg(long, value_name = "PRESET")]
@@ -64,12 +67,12 @@ pub struct Arguments {
     /// Largest correction of the reactive controllers, as a share of an actuator's range
     #[arg(long, value_name = "SHARE")]
     authority: Option<f64>,
-    /// Folder of the run [default: b2b-out/train-BUILDING-TASK-PERIOD-PRESET-SEED]
+    /// Folder of the run [default: b2b-out/train-BUILDING-TASK-PERIOD-PRESET-SEED, or train-PROBLEM-PRESET-SEED]
     #[arg(long, value_name = "FOLDER")]
     out: Option<PathBuf>,
     /// Continue the run of a folder from its last checkpoint; with --steps to more steps
     #[arg(long, value_name = "FOLDER", conflicts_with_all = [
-        "buildings", "building_type", "algorithm", "preset", "config", "task", "period", "seed", "environments", "observation",
+        "buildings", "building_type", "problem", "algorithm", "preset", "config", "task", "period", "seed", "environments", "observation",
         "direct", "authority", "out",
     ])]
     resume: Option<PathBuf>,
@@ -86,6 +89,7 @@ Examples:
   b2b train SingleFamilyHouse-0042 --preset paper --steps 400000
   b2b train --type SingleFamilyHouse --task random --steps 2000000 --out runs/houses
   b2b train --preset graph --type OfficeSmall RetailStandalone   one policy for both types
+  b2b train --problem dynamics-office-small --steps 1000000 --out runs/offices-0
   b2b train --resume runs/houses --steps 4000000       continue to more steps
   b2b train OfficeSmall-0509 --config mine.toml        unknown keys are errors, with suggestions
   b2b evaluate OfficeSmall-0509 --policy runs/x        the run's folder is the agent
@@ -133,6 +137,10 @@ impl Arguments {
             Some(algorithm) => base.with_algorithm(algorithm),
             None => base,
         };
+        let base = match &self.problem {
+            Some(problem) => base.with_problem(problem)?,
+            None => base,
+        };
         let mut config = match &self.config {
             Some(path) => base.with_file(path)?,
             None => base,
@@ -156,7 +164,7 @@ impl Arguments {
         set(&mut config.steps, &self.steps);
         set(&mut config.seed, &self.seed);
         set(&mut config.environments, &self.environments);
-        set(&mut config.observation, &self.observation);
+        set(&mut config.observation.form, &self.observation);
         if self.direct {
             config.acting = Acting::Direct;
         }
@@ -174,9 +182,14 @@ impl Arguments {
                 ([one], _) => Path::new(one).file_stem().unwrap_or_default().to_string_lossy().into_owned(),
                 ([first, rest @ ..], _) => format!("{first}-and-{}-more", rest.len()),
             };
+            let what = if config.problem.is_empty() {
+                format!("{what}-{}-{}", config.task, config.period)
+            } else {
+                Path::new(&config.problem).file_stem().unwrap_or_default().to_string_lossy().into_owned()
+            };
             let preset = self.preset.as_deref().unwrap_or("residual");
-            let name = format!("train-{what}-{}-{}-{preset}-{}", config.task, config.period, config.seed);
-            PathBuf::from("b2b-out").join(name.replace([':', '#', '/'], "_"))
+            let name = format!("train-{what}-{preset}-{}", config.seed);
+            PathBuf::from("b2b-out").join(name.replace([':', '#', '/', ','], "_"))
         })
     }
 }
@@ -199,7 +212,8 @@ fn text(summary: &Summary) -> String {
          resolved score    {:.3}\n\
          RMS deviation     {:.3} K\n\
          energy            {:.3} of the reactive controllers'\n\
-         actuator travel   {:.1} strokes/day\n\n\
+         actuator travel   {:.1} strokes/day, {:.2} of the limit\n\
+         oscillation       {:.1} % of zone-steps\n\n\
          agent    {}\n\
          curve    {}\n\
          result   {}",
@@ -212,6 +226,8 @@ fn text(summary: &Summary) -> String {
         scores.rms_deviation_k,
         scores.energy_ratio,
         scores.travel_per_day,
+        scores.relative_travel,
+        100.0 * scores.oscillating_share,
         out.display(),
         out.join(PAGE).display(),
         out.join(SUMMARY).display(),

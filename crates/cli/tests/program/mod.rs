@@ -3,6 +3,7 @@
 
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
+use std::time::Duration;
 
 use serde_json::Value;
 
@@ -49,4 +50,30 @@ pub fn assert_rejected(folder: &Path, arguments: &str, words: &[&str]) {
     for word in words {
         assert!(message.contains(word), "{arguments}: `{word}` is not in: {message}");
     }
+}
+
+/// Returns the worker processes of a process: templates, and the copies of them that run episodes.
+#[cfg(target_os = "linux")]
+pub fn workers_of(owner: u32) -> Vec<u32> {
+    let owner = owner.to_string();
+    let worker = |process: std::fs::DirEntry| {
+        let line = std::fs::read_to_string(process.path().join("cmdline")).ok()?;
+        let mut arguments = line.split('\0').skip_while(|argument| *argument != "--b2b-worker").skip(1);
+        (arguments.next() == Some(&owner)).then(|| process.file_name().to_str()?.parse().ok())?
+    };
+    std::fs::read_dir("/proc").unwrap().flatten().filter_map(worker).collect()
+}
+
+/// Waits until something has happened.
+///
+/// # Panics
+/// If it does not happen within five minutes.
+pub fn wait_until(mut has_happened: impl FnMut() -> bool) {
+    for _ in 0..30_000 {
+        if has_happened() {
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    panic!("it did not happen within five minutes");
 }

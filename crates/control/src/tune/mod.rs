@@ -25,7 +25,7 @@ mod space;
 
 use std::path::Path;
 
-pub use outcome::Outcome;
+pub use outcome::{Outcome, travel_limit};
 use outcome::{is_calm, relative_losses, travel_factor};
 pub use plan::{Plan, TrainingBuildings};
 use race::Best;

@@ -18,9 +18,15 @@ pub struct Outcome {
     pub daily_travel: f64,
 }
 
-/// Actuator travel above which actuators hunt, full strokes/day, unless it is higher under the defaults. A target that
+/// Actuator travel above which actuators hunt, full strokes/day, unless it is higher under the reference. A target that
 /// jumps up and down once a day moves an actuator there and back twice: four strokes.
 const MAX_TRAVEL: f64 = 5.0;
+
+/// Returns the actuator travel above which actuators hunt, full strokes/day, given that of a reference under the same
+/// conditions: 5, or that of the reference if it is higher.
+pub fn travel_limit(reference: f64) -> f64 {
+    reference.max(MAX_TRAVEL)
+}
 
 impl Outcome {
     /// Sums up the metrics of some episodes.
@@ -41,7 +47,7 @@ impl Outcome {
 
     /// Returns the actuator travel relative to the limit, given the outcome of the defaults in the same cell.
     fn relative_travel(&self, default: &Self) -> f64 {
-        self.daily_travel / default.daily_travel.max(MAX_TRAVEL)
+        self.daily_travel / travel_limit(default.daily_travel)
     }
 }
 

@@ -21,6 +21,7 @@ use crate::engine_report::EngineReport;
 use crate::environment::{Environment, Step};
 use crate::metrics::Metrics;
 use crate::observation::ObservationSpace;
+use crate::oscillation::Oscillation;
 use crate::reward::{RewardFunction, ZoneStep};
 use crate::setpoints::Targets;
 use crate::spaces::{EpisodeConfig, Spaces};
@@ -60,6 +61,8 @@ pub struct Env {
     observation: Vec<f64>,
     action: Vec<f64>,
     metrics: Metrics,
+    /// Of each controlled zone.
+    oscillations: Vec<Oscillation>,
     truncated: bool,
     messages: Messages,
     never_occupied: Vec<String>,
@@ -97,6 +100,7 @@ impl Env {
             observation: vec![0.0; spaces.observation.len()],
             action: vec![0.0; spaces.action.len()],
             metrics: new_metrics(&zones, &spaces),
+            oscillations: vec![Oscillation::default(); zones.len()],
             targets: Targets::new(&task.setpoints, spaces.building.class, zones.len()),
             reward: Box::new(reward),
             interlock: Interlock::new(&spaces.building),
@@ -140,6 +144,7 @@ impl Env {
         self.engine = None;
         self.truncated = false;
         self.metrics = new_metrics(&self.zones, &self.spaces);
+        self.oscillations.fill(Oscillation::default());
         self.reward.reset();
         if let Some(history) = &mut self.history {
             history.clear();

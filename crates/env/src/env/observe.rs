@@ -55,6 +55,11 @@ impl Env {
         };
         let reward = self.reward.reward(&step);
         self.metrics.add(reward, &step, self.spaces.action.low(), self.spaces.action.high());
+        let hours_per_step = 1.0 / f64::from(self.spaces.episode.steps_per_hour);
+        let zones = self.zone_steps.iter().zip(&mut self.oscillations).zip(&mut self.metrics.zones);
+        for ((step, oscillation), metrics) in zones {
+            metrics.oscillating_steps += oscillation.add(step.temperature, step.target, hours_per_step);
+        }
         reward
     }
 

@@ -4,6 +4,7 @@ use std::ffi::OsString;
 use std::fs::File;
 use std::io;
 use std::os::fd::OwnedFd;
+use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
@@ -38,7 +39,8 @@ impl Launcher {
         self
     }
 
-    /// Starts a worker on shared memory, in a slot, with an order. Its temporary files go to `folder`.
+    /// Starts a worker on shared memory, in a slot, with an order. Its temporary files go to `folder`. It has a process group of
+    /// its own: signals of a terminal or a job scheduler to the group of the owner are for the owner, which ends its workers.
     pub(super) fn start(
         &self,
         memory: OwnedFd,
@@ -57,6 +59,7 @@ impl Launcher {
             .stdin(Stdio::from(memory))
             .stdout(Stdio::null())
             .stderr(Stdio::from(log))
+            .process_group(0)
             .spawn()
     }
 

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use b2b_agent::network::Actor;
-use b2b_agent::{Interface, Pilot};
+use b2b_agent::{Interface, Pilot, attributes};
 use b2b_env::Spaces;
 use b2b_env::vector::{SharedMemory, VecEnv};
 
@@ -31,6 +31,7 @@ pub struct FragmentCollector {
     scale: RewardScale,
     seed: u64,
     correlation: f32,
+    travel_cost: f32,
     memory: SharedMemory,
     /// Place of the parameters and how many there is room for.
     parameters: (usize, usize),
@@ -54,6 +55,8 @@ struct Seat {
     fragments: u64,
     /// Factor of the rewards of the episode in progress.
     scale: f32,
+    /// Attributes that the agent observes of its building.
+    attributes: Vec<f64>,
     /// Factors of the rewards of the rollout, each from a step on.
     scales: Vec<(usize, f32)>,
     ends: Vec<End>,
@@ -81,7 +84,7 @@ enum Phase {
 }
 
 impl Seat {
-    fn new(scale: f32, building: Option<GraphBuilding>) -> Self {
+    fn new(scale: f32, building: Option<GraphBuilding>, attributes: Vec<f64>) -> Self {
         Self {
             building,
             scenes: Vec::new(),
@@ -89,6 +92,7 @@ impl Seat {
             done: 0,
             fragments: 0,
             scale,
+            attributes,
             scales: Vec::new(),
             ends: Vec::new(),
             episodes: 1,
@@ -118,7 +122,8 @@ impl Seat {
 
 impl FragmentCollector {
     /// Begins the first episodes. With `by_zone` a reward has a part for each controlled zone and one for energy, so that all
-    /// buildings must have the same zones. `correlation` is that of the exploration noise between consecutive steps.
+    /// buildings must have the same zones. `correlation` is that of the exploration noise between consecutive steps, `travel_cost`
+    /// what a full stroke costs, averaged over the actuators, in the unit of the scaled rewards.
     ///
     /// # Errors
     /// [`Error::Env`] when an environment cannot begin.
@@ -127,6 +132,7 @@ impl FragmentCollector {
         interface: Interface,
         by_zone: bool,
         correlation: f32,
+        travel_cost: f32,
         scale: RewardScale,
         seed: u64,
     ) -> Result<Self> {
@@ -142,7 +148,8 @@ impl FragmentCollector {
                 None => Pilot::new(interface, spaces)?.widths(),
             };
             widths = widths.covering(Widths { observation, action, parts });
-            seats.push(Seat::new(scale(spaces)? as f32, building));
+            let attributes = attributes(interface.observation, spaces)?;
+            seats.push(Seat::new(scale(spaces)? as f32, building, attributes));
         }
         Ok(Self {
             memory: environments.workers().memory(),
@@ -152,6 +159,7 @@ impl FragmentCollector {
             scale,
             seed,
             correlation,
+            travel_cost,
             parameters: (0, 0),
             blocks: (0, 0),
             rollouts: 0,
@@ -196,8 +204,9 @@ impl FragmentCollector {
             let spaces = spaces_of(&self.environments, index)?;
             let building = GraphBuilding::of(self.interface, spaces)?;
             let scale = (self.scale)(spaces)? as f32;
+            let attributes = attributes(self.interface.observation, spaces)?;
             let actions = state.values_f32(&actions_of(index))?;
-            self.seats[index] = Seat { episodes, actions, ..Seat::new(scale, building) };
+            self.seats[index] = Seat { episodes, actions, ..Seat::new(scale, building, attributes) };
         }
         self.replay(actor)
     }
@@ -289,6 +298,7 @@ impl FragmentCollector {
         let order = Order {
             interface: self.interface,
             plan: seat.building.as_ref().map(|building| building.plan.clone()),
+            attributes: seat.attributes.clone(),
             shape: actor.shape.clone(),
             distribution: actor.distribution.clone(),
             parameters: self.parameters.0,
@@ -299,6 +309,8 @@ impl FragmentCollector {
             done: seat.done,
             random: (self.seed, stream(self.rollouts, environment, seat.fragments)),
             correlation: self.correlation,
+            // The scale comes after.
+            travel_cost: self.travel_cost / seat.scale,
         };
         let text = serde_json::to_vec(&order).map_err(|error| Error::Collect(error.into()))?;
         self.environments.send_fragment(environment, &text, order.steps)?;
@@ -361,6 +373,7 @@ impl FragmentCollector {
         let spaces = spaces_of(&self.environments, environment)?;
         let seat = &mut self.seats[environment];
         seat.scale = (self.scale)(spaces)? as f32;
+        seat.attributes = attributes(self.interface.observation, spaces)?;
         seat.building = GraphBuilding::of(self.interface, spaces)?;
         if let Some(building) = &seat.building {
             self.widths.check(&spaces.building.name, building.widths(), true)?;

@@ -29,6 +29,8 @@ pub struct Order {
     pub interface: Interface,
     /// The building, for a graph network.
     pub plan: Option<NodePlan>,
+    /// Attributes of the building that it observes: see [`b2b_agent::attributes`].
+    pub attributes: Vec<f64>,
     /// Shape of its network.
     pub shape: Shape,
     /// Distribution of its actions. The parameters of a [`Distribution::Gaussian`] follow those of the network.
@@ -49,6 +51,8 @@ pub struct Order {
     pub random: (u64, u64),
     /// Correlation of the exploration noise between consecutive steps.
     pub correlation: f32,
+    /// Cost of a full stroke, averaged over the actuators, in the unit of the environment's rewards.
+    pub travel_cost: f32,
 }
 
 impl Order {

@@ -9,6 +9,7 @@ use b2b_env::{Env, Reward};
 
 use super::order::{Order, Use};
 use crate::random::{Noise, Random};
+use crate::travel::TravelCost;
 
 /// Makes the runner of an episode: see [`b2b_env::vector::run_if_worker_with`].
 ///
@@ -16,7 +17,8 @@ use crate::random::{Noise, Random};
 /// When the order cannot be read.
 pub fn make_runner(env: &Env, order: &[u8]) -> Result<Box<dyn Runner>, RunnerError> {
     let order: Order = serde_json::from_slice(order)?;
-    let mut pilot = Pilot::with_plan(order.interface, env.spaces(), order.plan.as_ref())?;
+    let Order { interface, plan, attributes, .. } = &order;
+    let mut pilot = Pilot::without_model(*interface, env.spaces(), plan.as_ref(), attributes)?;
     pilot.observe(env.observation());
     let actor = Actor {
         parameters: vec![0.0; order.shape.parameters()],
@@ -31,7 +33,8 @@ pub fn make_runner(env: &Env, order: &[u8]) -> Result<Box<dyn Runner>, RunnerErr
     Ok(Box::new(FragmentRunner {
         action: vec![0.0; scratch.actions()],
         scratch,
-        rewards: vec![0.0; env.spaces().controlled_zones().count() + 1],
+        rewards: vec![0.0; order.block.parts()],
+        travel: TravelCost::new(env.spaces(), order.block.parts()),
         actor,
         pilot,
         version: None,
@@ -45,7 +48,9 @@ struct FragmentRunner {
     version: Option<u64>,
     scratch: Scratch,
     action: Vec<f32>,
+    /// Parts of the reward of a step.
     rewards: Vec<f32>,
+    travel: TravelCost,
 }
 
 impl Runner for FragmentRunner {
@@ -61,6 +66,7 @@ impl Runner for FragmentRunner {
             self.choose(&order, order.done + done, &mut noise, memory);
             let action = self.pilot.act(&self.action);
             acting += before.elapsed();
+            self.travel.before_step(env.metrics());
             let reward = env.step(action)?.reward;
             if order.purpose == Use::Explore {
                 self.record_reward(&order, order.done + done, reward, env, memory);
@@ -102,7 +108,7 @@ impl FragmentRunner {
         }
     }
 
-    /// Records the reward: as a whole, or a part for each controlled zone and one for energy.
+    /// Records the reward: as a whole, or a part for each controlled zone and one for energy, less the cost of travel.
     fn record_reward(
         &mut self,
         order: &Order,
@@ -111,15 +117,20 @@ impl FragmentRunner {
         env: &Env,
         memory: &SharedMemory,
     ) {
-        let place = order.block.reward(step);
-        if order.block.parts() == 1 {
-            return memory.write(place, &[reward.total() as f32]);
+        match &mut self.rewards[..] {
+            [whole] => *whole = reward.total() as f32,
+            [zones @ .., energy] => {
+                let count = zones.len() as f64;
+                for (part, penalty) in zones.iter_mut().zip(env.comfort_penalties()) {
+                    *part = (-penalty / count) as f32;
+                }
+                *energy = -reward.energy_penalty as f32;
+            }
+            [] => {}
         }
-        let zones = self.rewards.len() - 1;
-        for (part, penalty) in self.rewards.iter_mut().zip(env.comfort_penalties()) {
-            *part = (-penalty / zones as f64) as f32;
+        if order.travel_cost > 0.0 {
+            self.travel.subtract(env.metrics(), order.travel_cost, &mut self.rewards);
         }
-        self.rewards[zones] = -reward.energy_penalty as f32;
-        memory.write(place, &self.rewards);
+        memory.write(order.block.reward(step), &self.rewards);
     }
 }

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::judge::Standing;
 use crate::error::{Error, Result};
 use crate::state::State;
 
@@ -13,8 +14,8 @@ pub const CHECKPOINT: &str = "checkpoint.safetensors";
 pub(super) struct Checkpoint {
     /// Environment steps so far.
     pub(super) steps: u64,
-    /// Best score of the evaluations so far.
-    pub(super) best: f64,
+    /// The best agent of the evaluations so far.
+    pub(super) best: Standing,
     /// Seconds of training so far.
     pub(super) seconds: f64,
     /// Logarithm of the standard deviation of actions when training began.
@@ -30,7 +31,7 @@ impl Checkpoint {
     pub(super) fn write(&self, folder: &Path) -> Result<()> {
         let mut all = State::default();
         all.put_u64("steps", &[self.steps]);
-        all.put_f64("best", &[self.best, self.seconds, self.log_std]);
+        all.put_f64("best", &[self.best.score, self.best.relative_travel, self.seconds, self.log_std]);
         all.put_all("learner", &self.learner);
         all.put_all("collector", &self.collector);
         Ok(b2b_agent::write_whole(&folder.join(CHECKPOINT), &all.to_bytes())?)
@@ -47,9 +48,10 @@ impl Checkpoint {
         };
         let all = State::from_bytes(&bytes).map_err(|error| wrong(error.to_string()))?;
         let [steps] = all.read_u64("steps").map_err(|error| wrong(error.to_string()))?;
-        let mut numbers = [0.0; 3];
+        let mut numbers = [0.0; 4];
         all.read_f64("best", &mut numbers).map_err(|error| wrong(error.to_string()))?;
-        let [best, seconds, log_std] = numbers;
+        let [score, relative_travel, seconds, log_std] = numbers;
+        let best = Standing { score, relative_travel };
         let (learner, collector) = (all.part("learner"), all.part("collector"));
         Ok(Some(Self { steps, best, seconds, log_std, learner, collector }))
     }
@@ -63,8 +65,9 @@ mod tests {
     fn a_checkpoint_reads_back_as_it_was_and_a_damaged_one_is_an_error() {
         let folder = tempfile::tempdir().unwrap();
         assert_eq!(Checkpoint::read(folder.path()).unwrap(), None);
+        let best = Standing { score: 0.9, relative_travel: 1.5 };
         let mut checkpoint =
-            Checkpoint { steps: 7, best: 0.9, seconds: 1.5, log_std: -2.0, ..Checkpoint::default() };
+            Checkpoint { steps: 7, best, seconds: 1.5, log_std: -2.0, ..Checkpoint::default() };
         checkpoint.learner.put_f32("weights", &[1.0, -0.0]);
         checkpoint.collector.put_u64("episodes", &[3]);
         checkpoint.write(folder.path()).unwrap();

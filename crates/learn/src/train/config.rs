@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::str::FromStr;
 
-use b2b_agent::{Acting, Interface, ObservationForm};
+use b2b_agent::{Acting, Interface, ObservationForm, ObservationOptions};
 use b2b_building::{BuildingType, RunPeriod};
 use b2b_dataset::BuildingName;
 use b2b_env::Task;
@@ -70,7 +70,10 @@ pub struct TrainConfig {
     pub building_type: Vec<String>,
     /// Episodes that an environment stays in a building that was drawn.
     pub building_episodes: u32,
-    /// Task, such as `occupancy+energy0.5`.
+    /// Benchmark problem, by name or JSON file, that the agent is for. It sets buildings, tasks, run period, steps per hour,
+    /// steps and attributes, and none of them may go beyond its training side. Empty: none.
+    pub problem: String,
+    /// Task, such as `occupancy+energy0.5`, or several, separated by commas: every episode has another one.
     pub task: String,
     /// Run period: `winter`, `summer`, `full_year` or `MM-DD..MM-DD`.
     pub period: String,
@@ -80,8 +83,8 @@ pub struct TrainConfig {
     pub algorithm: Algorithm,
     /// Kind of network: `{ kind = "flat" }` or `{ kind = "graph" }` with the options of [`GraphPolicy`](super::GraphPolicy).
     pub policy: Policy,
-    /// Form of the agent's observations: `raw`, `roles` or `features`.
-    pub observation: ObservationForm,
+    /// What the agent observes: a form, `raw`, `roles` or `features`, or a table with `form`, `attributes` and `forecast`.
+    pub observation: ObservationOptions,
     /// How the agent acts: `{ kind = "direct" }` or `{ kind = "residual", authority = 0.5 }`.
     pub acting: Acting,
     /// Environment steps, all environments together.
@@ -97,6 +100,9 @@ pub struct TrainConfig {
     /// Whether rewards are divided by the mean penalty of the reactive controllers in the building, so that a mean reward of -1
     /// is the baseline's.
     pub scale_rewards: bool,
+    /// What a full stroke costs, averaged over the actuators, in the unit of the rewards that are learned from: with
+    /// `scale_rewards`, the mean penalty per step of the reactive controllers. 0: travel is free. Scores do not count it.
+    pub travel_cost: f32,
     /// Whether a reward has a part for every zone and one for energy, and each action is credited with the parts that it
     /// affects.
     pub credit_by_zone: bool,
@@ -128,6 +134,8 @@ pub struct EvaluationConfig {
     pub every: u64,
     /// Days of the window, in the middle of the run period.
     pub days: u32,
+    /// Whether training episodes leave these days out, where the run period has room for episodes of `window_days` beside them.
+    pub held_out: bool,
     /// Buildings to evaluate on, at most this many of the training buildings.
     pub buildings: usize,
 }
@@ -138,12 +146,13 @@ impl Default for TrainConfig {
             buildings: Vec::new(),
             building_type: Vec::new(),
             building_episodes: 1,
+            problem: String::new(),
             task: "constant".into(),
             period: "winter".into(),
             steps_per_hour: 12,
             algorithm: Algorithm::Ppo,
             policy: Policy::Flat,
-            observation: ObservationForm::Features,
+            observation: ObservationForm::Features.into(),
             acting: Acting::Direct,
             steps: 500_000,
             seed: 0,
@@ -151,6 +160,7 @@ impl Default for TrainConfig {
             window_days: 0,
             window_starts: 1,
             scale_rewards: true,
+            travel_cost: 0.0,
             credit_by_zone: false,
             noise_correlation: 0.0,
             noise_cost: 0.0,
@@ -166,7 +176,7 @@ impl Default for TrainConfig {
 
 impl Default for EvaluationConfig {
     fn default() -> Self {
-        Self { every: 50_000, days: 14, buildings: 4 }
+        Self { every: 50_000, days: 14, held_out: true, buildings: 4 }
     }
 }
 
@@ -222,6 +232,12 @@ impl TrainConfig {
             Some(other) => return Err(format!("`preset` is {other}; expected a name")),
             None => self.clone(),
         };
+        let base = match changes.get("problem") {
+            Some(Value::String(name)) if !name.is_empty() => {
+                base.with_problem(name).map_err(|error| error.to_string())?
+            }
+            _ => base,
+        };
         let algorithm = changes.get("algorithm").and_then(|name| name.as_str()?.parse().ok());
         let base = match algorithm {
             Some(algorithm) => base.with_algorithm(algorithm),
@@ -246,65 +262,12 @@ impl TrainConfig {
         toml::to_string(self).expect("plain data always serializes")
     }
 
-    /// Checks that the values go together.
-    ///
-    /// # Errors
-    /// [`Error::Invalid`] for the first that does not, and those of the algorithm's own options.
-    pub fn check(&self) -> Result<()> {
-        self.ppo.check()?;
-        self.sac.check()?;
-        let days = self.run_period()?.days();
-        self.named()?;
-        self.task()?;
-        let wrong = match () {
-            () if self.environments == 0 => "`environments` is 0; expected at least 1".to_owned(),
-            () if self.credit_by_zone && self.algorithm == Algorithm::Sac => {
-                "`credit_by_zone` is for ppo; with sac it must be false".to_owned()
-            }
-            () if self.steps == 0 => "`steps` is 0; expected at least 1".to_owned(),
-            () if self.window_days > days => {
-                format!("`window_days` is {}; the run period has {days} days", self.window_days)
-            }
-            () if !(0.0..1.0).contains(&self.noise_correlation) => {
-                format!("`noise_correlation` is {}; expected 0 to less than 1", self.noise_correlation)
-            }
-            () if self.noise_cost != 0.0 && !(self.noise_cost > 1.0 && self.noise_cost.is_finite()) => {
-                format!("`noise_cost` is {}; expected more than 1, or 0 for none", self.noise_cost)
-            }
-            () if !(self.final_noise > 0.0 && self.final_noise <= 1.0) => {
-                format!("`final_noise` is {}; expected more than 0, at most 1", self.final_noise)
-            }
-            () if self.noise_cost != 0.0 && self.algorithm == Algorithm::Sac => {
-                "`noise_cost` is for ppo; with sac it must be 0".to_owned()
-            }
-            () if self.evaluation.every > 0 && self.evaluation.days == 0 => {
-                "`evaluation.days` is 0; expected at least 1".to_owned()
-            }
-            () if self.buildings.is_empty() == self.building_type.is_empty() => {
-                "expected either `buildings` or `building_type`".to_owned()
-            }
-            () if self.building_episodes == 0 => "`building_episodes` is 0; expected at least 1".to_owned(),
-            () if self.policy == Policy::Flat && self.building_type.len() > 1 => {
-                "several building types are for graph networks; choose the preset graph, or one type"
-                    .to_owned()
-            }
-            () if self.fault_of_graph().is_some() => self.fault_of_graph().unwrap_or_default(),
-            () => match self.acting {
-                Acting::Residual { authority } if !(authority > 0.0 && authority <= 1.0) => {
-                    format!("`authority` is {authority}; expected more than 0, at most 1")
-                }
-                _ => return self.building_types().map(|_| ()),
-            },
-        };
-        Err(Error::Invalid(wrong))
-    }
-
-    /// Returns the task.
+    /// Returns the tasks, of which there is at least one.
     ///
     /// # Errors
     /// [`Error::Env`].
-    pub fn task(&self) -> Result<Task> {
-        Ok(self.task.parse()?)
+    pub fn tasks(&self) -> Result<Vec<Task>> {
+        Ok(self.task.split(',').map(|task| task.trim().parse()).collect::<b2b_env::Result<_>>()?)
     }
 
     /// Returns the run period.
@@ -335,14 +298,16 @@ impl TrainConfig {
     }
 
     /// Returns what does not go together with graph networks, if something does not.
-    fn fault_of_graph(&self) -> Option<String> {
+    pub(super) fn fault_of_graph(&self) -> Option<String> {
         if self.policy == Policy::Flat {
             return None;
         }
         let excluded = [
             ("algorithm", self.algorithm != Algorithm::Ppo, "it must be ppo"),
-            ("observation", self.observation == ObservationForm::Roles, "it must be raw or features"),
+            ("observation", self.observation.form == ObservationForm::Roles, "it must be raw or features"),
             ("credit_by_zone", self.credit_by_zone, "it must be false"),
+            ("observation.attributes", self.observation.attributes, "use `policy.attributes`"),
+            ("observation.forecast", self.observation.forecast > 0, "it must be 0"),
         ];
         let wrong = excluded.into_iter().find(|(_, is_wrong, _)| *is_wrong);
         let wrong = wrong.map(|(name, _, remedy)| format!("`{name}` with graph networks: {remedy}"));
@@ -401,7 +366,7 @@ mod tests {
         assert_eq!((ppo.clip_range, ppo.entropy_coefficient, ppo.value_coefficient), (0.2, 0.01, 0.5));
         assert_eq!((ppo.max_grad_norm, ppo.initial_log_std, environments), (0.5, -1.0, 14));
         assert_eq!((ppo.actor_hidden, ppo.critic_hidden), (vec![256, 256], vec![256, 256]));
-        assert_eq!((acting, observation), (Acting::Direct, ObservationForm::Raw));
+        assert_eq!((acting, observation), (Acting::Direct, ObservationForm::Raw.into()));
     }
 
     #[test]
@@ -430,17 +395,5 @@ mod tests {
         let error =
             residual.with_changes(&format!("{changes}\nnoise_cost = 2.0")).unwrap().check().unwrap_err();
         assert!(error.to_string().contains("noise_cost"), "{error}");
-    }
-
-    #[test]
-    fn values_that_do_not_go_together_are_errors() {
-        let valid = TrainConfig { buildings: vec!["OfficeSmall-0042".into()], ..TrainConfig::default() };
-        let error = |config: TrainConfig| config.check().unwrap_err().to_string();
-        assert!(error(TrainConfig { environments: 0, ..valid.clone() }).contains("environments"));
-        assert!(error(TrainConfig { window_days: 100, ..valid.clone() }).contains("window_days"));
-        assert!(error(TrainConfig { buildings: Vec::new(), ..valid.clone() }).contains("building_type"));
-        assert!(error(TrainConfig { task: "warm".into(), ..valid.clone() }).contains("warm"));
-        let acting = Acting::Residual { authority: 1.5 };
-        assert!(error(TrainConfig { acting, ..valid }).contains("authority"));
     }
 }

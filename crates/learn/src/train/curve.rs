@@ -14,13 +14,15 @@ pub const PAGE: &str = "curve.html";
 const TEMPLATE: &str = include_str!("curve.html");
 
 /// Panels of the page: columns of the progress, titles, and the value of the baseline.
-const PANELS: [(&str, &str, Option<f64>); 8] = [
+const PANELS: [(&str, &str, Option<f64>); 10] = [
     ("score", "Score (below 1 beats the reactive controllers)", Some(1.0)),
     ("resolved_score", "Resolved score", Some(1.0)),
     ("rms_deviation_k", "RMS deviation (K)", None),
     ("energy_ratio", "HVAC energy over baseline", Some(1.0)),
     ("training_penalty", "Mean penalty in training, with exploration", None),
     ("travel_per_day", "Actuator travel (strokes/day)", None),
+    ("relative_travel", "Actuator travel over its limit (above 1 actuators hunt)", Some(1.0)),
+    ("oscillating_share", "Zone-steps in sustained oscillation (share)", None),
     ("explained_variance", "Explained variance of the critic", None),
     ("steps_per_s", "Environment steps per second", None),
 ];

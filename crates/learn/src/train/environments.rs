@@ -9,12 +9,12 @@ use b2b_dataset::{BuildingName, Catalog, Placement, Split};
 use b2b_energyplus::install::Quiet;
 use b2b_env::vector::{
     Autoreset, Buildings, Fixed, InTurn, Kept, Launcher, Population, Sampler, Setting, Source, VecEnv,
-    VecEnvOptions, Windows, WorkerOptions,
+    VecEnvOptions, Weighted, Windows, WithTask, WorkerOptions,
 };
-use b2b_env::{EpisodeConfig, Spaces};
+use b2b_env::{EpisodeConfig, Spaces, Task};
 
 use super::config::TrainConfig;
-use super::judge::window;
+use super::days;
 use crate::collector::Widths;
 use crate::error::{Error, Result};
 use crate::fragments::{FragmentCollector, GraphBuilding, RewardScale};
@@ -48,6 +48,7 @@ impl<'a> Environments<'a> {
             config.interface(),
             config.credit_by_zone,
             config.noise_correlation,
+            config.travel_cost,
             scale,
             config.seed,
         )?;
@@ -63,7 +64,7 @@ impl<'a> Environments<'a> {
         }
         let mut all = Vec::new();
         for building_type in self.config.building_types()? {
-            let buildings = self.population(building_type)?;
+            let buildings = self.population(building_type, self.config.run_period()?)?;
             for (name, building) in buildings.population.representatives()? {
                 let setting = buildings.setting(name.clone(), &building)?;
                 let found = self.catalog.find(&name.parse()?, &Placement::default(), &mut Quiet)?;
@@ -76,13 +77,13 @@ impl<'a> Environments<'a> {
         Ok(all)
     }
 
-    fn population(&self, building_type: BuildingType) -> Result<Buildings> {
+    fn population(&self, building_type: BuildingType, period: RunPeriod) -> Result<Buildings> {
         Ok(Buildings {
             catalog: Arc::clone(&self.catalog),
             population: Population::of_split(building_type, Split::Train),
-            period: self.config.run_period()?,
+            period,
             steps_per_hour: self.config.steps_per_hour,
-            task: self.config.task()?,
+            task: self.config.tasks()?.remove(0),
         })
     }
 
@@ -91,6 +92,10 @@ impl<'a> Environments<'a> {
         let Self { config, .. } = self;
         if config.credit_by_zone {
             let why = "`credit_by_zone` is for fragments; in lockstep it must be false";
+            return Err(Error::Invalid(why.into()));
+        }
+        if config.travel_cost > 0.0 {
+            let why = "`travel_cost` is for fragments; in lockstep it must be 0";
             return Err(Error::Invalid(why.into()));
         }
         LockstepCollector::new(
@@ -102,50 +107,85 @@ impl<'a> Environments<'a> {
         )
     }
 
+    /// Returns the sampler of training episodes: in each part of the run period that they may be in, windows of some days.
     fn sampler(&self) -> Result<Box<dyn Sampler>> {
-        let buildings = self.buildings()?;
+        let (parts, settings) = (days::trained(self.config)?, self.settings()?);
+        let all: u32 = parts.iter().map(|part| part.days()).sum();
+        let mut samplers = Vec::new();
+        for part in parts {
+            let starts = (self.config.window_starts * part.days()).div_ceil(all);
+            samplers.push((f64::from(starts), self.part(part, starts, &settings)?));
+        }
+        match samplers.len() {
+            1 => Ok(samplers.remove(0).1),
+            _ => Ok(Box::new(Weighted::new(samplers)?)),
+        }
+    }
+
+    /// Returns the sampler of windows that begin on a number of days of a part of the run period.
+    fn part(&self, part: RunPeriod, starts: u32, settings: &[Setting]) -> Result<Box<dyn Sampler>> {
+        let tasks = self.config.tasks()?;
+        let buildings = self.buildings(part, settings)?;
+        let buildings = match tasks.len() {
+            1 => buildings,
+            _ => Box::new(WithTask { of: buildings, tasks }),
+        };
         let days = self.config.window_days;
         if days == 0 {
             return Ok(buildings);
         }
-        Ok(Box::new(Windows { of: buildings, days: (days, days), starts: self.config.window_starts }))
+        Ok(Box::new(Windows { of: buildings, days: (days, days), starts }))
     }
 
-    /// Returns the sampler of whole run periods.
-    fn buildings(&self) -> Result<Box<dyn Sampler>> {
-        let (period, steps_per_hour) = (self.config.run_period()?, self.config.steps_per_hour);
-        let task = self.config.task()?;
+    /// Returns the sampler of the buildings over all days of a part of the run period.
+    fn buildings(&self, period: RunPeriod, settings: &[Setting]) -> Result<Box<dyn Sampler>> {
         let types = self.config.building_types()?;
         if !types.is_empty() {
             let of_type = |building_type: &BuildingType| -> Result<Box<dyn Sampler>> {
-                Ok(Box::new(self.population(*building_type)?))
+                Ok(Box::new(self.population(*building_type, period)?))
             };
             let all = InTurn(types.iter().map(of_type).collect::<Result<_>>()?);
             return Ok(Box::new(Kept::new(all, self.config.building_episodes)));
         }
+        let mut settings = settings.to_vec();
+        settings.iter_mut().for_each(|setting| setting.episode.period = period);
+        Ok(Box::new(Fixed(settings)))
+    }
+
+    /// Returns the settings of the buildings that are named, over the whole run period.
+    fn settings(&self) -> Result<Vec<Setting>> {
+        let (period, steps_per_hour) = (self.config.run_period()?, self.config.steps_per_hour);
+        let task = self.config.tasks()?.remove(0);
         let setting = |name: &BuildingName| {
             let found = self.catalog.find(name, &Placement::default(), &mut Quiet)?;
             let weather = found.weather.clone();
             let episode = EpisodeConfig { weather, period, steps_per_hour, task: task.clone() };
             Ok(Setting::new(Source::from(found), episode))
         };
-        let settings = self.config.named()?.iter().map(setting).collect::<Result<_>>()?;
-        Ok(Box::new(Fixed(settings)))
+        self.config.named()?.iter().map(setting).collect()
     }
 
-    /// Returns the buildings that the agent is evaluated on during training: training buildings, evenly spread.
-    pub(super) fn evaluated(&self) -> Result<Vec<BuildingName>> {
+    /// Returns what the agent is evaluated on during training: training buildings, evenly spread, each with every task.
+    pub(super) fn evaluated(&self) -> Result<Vec<(BuildingName, Task)>> {
         let all: Vec<BuildingName> = match &self.config.building_types()?[..] {
             [] => self.config.named()?,
             types => types.iter().flat_map(|each| training_rows(*each)).map(BuildingName::Id).collect(),
         };
         let count = self.config.evaluation.buildings.clamp(1, all.len());
-        Ok((0..count).map(|index| all[index * all.len() / count].clone()).collect())
+        let spread = (0..count).map(|index| all[index * all.len() / count].clone()).collect();
+        self.with_every_task(spread)
     }
 
-    /// Returns the factors of rewards: 1 over the mean penalty per step of the reactive controllers in the building. For a
-    /// building drawn from many it is the median of those of the evaluated ones, because a baseline of its own would have to
-    /// be run first; only for graph networks, whose buildings differ more, it is that of the building: see [`DrawnScale`].
+    fn with_every_task(&self, names: Vec<BuildingName>) -> Result<Vec<(BuildingName, Task)>> {
+        let tasks = self.config.tasks()?;
+        let with = |name: BuildingName| tasks.iter().map(move |task| (name.clone(), task.clone()));
+        Ok(names.into_iter().flat_map(with).collect())
+    }
+
+    /// Returns the factors of rewards: 1 over the mean penalty per step of the reactive controllers in the building under the
+    /// task. For a building drawn from many it is the median of those of the evaluated ones, because a baseline of its own
+    /// would have to be run first; only for graph networks, whose buildings differ more, it is that of the building: see
+    /// [`DrawnScale`].
     pub(super) fn scale(&self, evaluation: &Evaluation<'_>, baselines: &Baselines) -> Result<RewardScale> {
         if !self.config.scale_rewards {
             return Ok(Box::new(|_: &Spaces| Ok(1.0)));
@@ -160,29 +200,31 @@ impl<'a> Environments<'a> {
             };
             return Ok(Box::new(move |spaces: &Spaces| scale.of(spaces)));
         }
-        let (period, mut scales) = (self.config.run_period()?, HashMap::new());
-        for name in self.evaluated_or_named()? {
-            scales.insert(name.to_string(), self.scale_of(&name, period, evaluation, baselines)?);
+        let known = match self.config.building_type.is_empty() {
+            true => self.with_every_task(self.config.named()?)?,
+            false => self.evaluated()?,
+        };
+        let period = self.config.run_period()?;
+        let mut scales: HashMap<String, HashMap<String, f64>> = HashMap::new();
+        for (name, task) in known {
+            let scale = self.scale_of(&name, &task, period, evaluation, baselines)?;
+            scales.entry(task.hash()).or_default().insert(name.to_string(), scale);
         }
-        let mut sorted: Vec<f64> = scales.values().copied().collect();
-        sorted.sort_by(f64::total_cmp);
-        let median = sorted[sorted.len() / 2];
-        let of = move |spaces: &Spaces| Ok(scales.get(&spaces.building.name).copied().unwrap_or(median));
-        Ok(Box::new(of))
-    }
-
-    fn evaluated_or_named(&self) -> Result<Vec<BuildingName>> {
-        if self.config.building_type.is_empty() { self.config.named() } else { self.evaluated() }
+        Ok(Box::new(move |spaces: &Spaces| {
+            let of_task = &scales[&spaces.episode.task.hash()];
+            Ok(of_task.get(&spaces.building.name).copied().unwrap_or_else(|| median(of_task)))
+        }))
     }
 
     fn scale_of(
         &self,
         name: &BuildingName,
+        task: &Task,
         period: RunPeriod,
         evaluation: &Evaluation<'_>,
         baselines: &Baselines,
     ) -> Result<f64> {
-        let (episode, baseline) = self.scored(name, period, evaluation, baselines)?;
+        let (episode, baseline) = self.scored(name, task, period, evaluation, baselines)?;
         let mean = -baseline.episode_return / episode.steps() as f64;
         Ok(1.0 / mean.max(SMALLEST_PENALTY))
     }
@@ -191,13 +233,14 @@ impl<'a> Environments<'a> {
     pub(super) fn scored(
         &self,
         name: &BuildingName,
+        task: &Task,
         period: RunPeriod,
         evaluation: &Evaluation<'_>,
         baselines: &Baselines,
     ) -> Result<(Episode, Baseline)> {
         let subject = Subject::at_home(name.clone());
         let site = subject.locate(&self.catalog, &mut Quiet)?;
-        let (task, steps_per_hour) = (self.config.task()?, self.config.steps_per_hour);
+        let (task, steps_per_hour) = (task.clone(), self.config.steps_per_hour);
         let episode = Episode { subject, task, period, seed: 0, steps_per_hour };
         let baseline = baselines.baseline(evaluation, &episode, &site, &())?;
         Ok((episode, baseline))
@@ -205,8 +248,7 @@ impl<'a> Environments<'a> {
 }
 
 /// The factors of rewards of drawn buildings: 1 over the mean penalty per step of the reactive controllers in the building, over
-/// the days of an evaluation in the middle of the run period. An episode of them runs when a building is first drawn, and is kept in
-/// the cache of baselines.
+/// the days of an evaluation. An episode of them runs when a building is first drawn, and is kept in the cache of baselines.
 struct DrawnScale {
     config: TrainConfig,
     catalog: Arc<Catalog>,
@@ -221,12 +263,50 @@ impl DrawnScale {
         let environments = Environments::new(config, Arc::clone(catalog));
         let (launcher, interrupted) = (launcher.clone(), *interrupted);
         let evaluation = Evaluation { catalog, launcher, jobs: 1, interrupted };
-        let days = config.evaluation.days.max(1);
-        let period = window(config.run_period()?, days);
-        environments.scale_of(&spaces.building.name.parse()?, period, &evaluation, baselines)
+        let (name, task) = (spaces.building.name.parse()?, &spaces.episode.task);
+        environments.scale_of(&name, task, days::evaluated(config)?, &evaluation, baselines)
     }
+}
+
+fn median(scales: &HashMap<String, f64>) -> f64 {
+    let mut sorted: Vec<f64> = scales.values().copied().collect();
+    sorted.sort_by(f64::total_cmp);
+    sorted[sorted.len() / 2]
 }
 
 fn training_rows(building_type: BuildingType) -> impl Iterator<Item = b2b_dataset::BuildingId> {
     b2b_dataset::rows(building_type).iter().filter(|row| row.split == Split::Train).map(|row| row.id)
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::SeedableRng as _;
+
+    use super::*;
+
+    #[test]
+    fn no_training_episode_has_a_day_of_the_evaluations() {
+        let catalog = Arc::new(Catalog::open(&mut Quiet).unwrap());
+        let named = TrainConfig { buildings: vec!["OfficeSmall-0042".into()], ..TrainConfig::default() };
+        let drawn = TrainConfig { building_type: vec!["OfficeSmall".into()], ..TrainConfig::default() };
+        for config in [named, drawn] {
+            let config = TrainConfig { window_days: 14, window_starts: 6, ..config };
+            let day = |date: b2b_building::Date| date.day_of_year();
+            let held_out = days::evaluated(&config).unwrap();
+            let mut sampler = Environments::new(&config, Arc::clone(&catalog)).sampler().unwrap();
+            let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(0);
+            let mut first_days: Vec<u32> = Vec::new();
+            for _ in 0..40 {
+                let draw = sampler.draw(0, &mut random).unwrap();
+                let period = draw.setting.episode.period;
+                assert_eq!((period.days(), draw.steps), (14, Some(14 * 288)));
+                let is_apart = period.last() < held_out.first() || period.first() > held_out.last();
+                assert!(is_apart, "{period} has days of {held_out}");
+                first_days.push(day(period.first()));
+            }
+            first_days.sort_unstable();
+            first_days.dedup();
+            assert_eq!(first_days, [1, 13, 25, 53, 65, 77], "six first days");
+        }
+    }
 }

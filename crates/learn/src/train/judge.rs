@@ -1,10 +1,12 @@
 //! Scores of an agent against the reactive controllers.
 
+use std::cell::OnceCell;
 use std::sync::{Mutex, PoisonError};
 
 use b2b_agent::Agent;
-use b2b_benchmark::{Baseline, Episode, Evaluation, Outcome};
-use b2b_building::RunPeriod;
+use b2b_benchmark::{Baseline, BuiltIn, Episode, Evaluation, Outcome, Policy};
+use b2b_control::tune::travel_limit;
+use b2b_env::EpisodeMetrics;
 use serde::Serialize;
 
 use crate::error::{Error, Result};
@@ -13,6 +15,8 @@ use crate::error::{Error, Result};
 pub(super) struct Judge<'a> {
     evaluation: &'a Evaluation<'a>,
     episodes: Vec<(Episode, Baseline)>,
+    /// Actuator travel above which actuators hunt, full strokes/day, of each episode; empty before the first agent.
+    travel_limits: OnceCell<Vec<f64>>,
 }
 
 /// What an agent is judged by.
@@ -26,8 +30,22 @@ pub struct Measures {
     pub rms_deviation_k: f64,
     /// HVAC energy over that of the reactive controllers.
     pub energy_ratio: f64,
-    /// Actuator travel, full strokes a day: a limit cycle shows here.
+    /// Actuator travel, full strokes/day.
     pub travel_per_day: f64,
+    /// Actuator travel over its limit: 5 strokes/day, or that of the reactive controllers where it is higher. Above 1, actuators
+    /// hunt. The worst building counts, not the mean.
+    pub relative_travel: f64,
+    /// Share of zone-steps in sustained oscillation: see [`b2b_env::Metrics::oscillating_share`].
+    pub oscillating_share: f64,
+}
+
+/// What an agent is chosen by.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Standing {
+    /// Score: infinite if there is no agent yet.
+    pub(super) score: f64,
+    /// Actuator travel over its limit.
+    pub(super) relative_travel: f64,
 }
 
 /// The scores of an agent.
@@ -46,6 +64,8 @@ pub struct Scores {
 pub struct BuildingScores {
     /// The building.
     pub building: String,
+    /// The task.
+    pub task: String,
     /// Its scores.
     #[serde(flatten)]
     pub measures: Measures,
@@ -54,36 +74,50 @@ pub struct BuildingScores {
 impl<'a> Judge<'a> {
     /// Returns the judge of episodes with what they are scored against.
     pub(super) fn new(evaluation: &'a Evaluation<'a>, episodes: Vec<(Episode, Baseline)>) -> Self {
-        Self { evaluation, episodes }
+        Self { evaluation, episodes, travel_limits: OnceCell::new() }
     }
 
     /// Returns the scores of an agent. It acts without exploration.
     pub(super) fn judge(&self, agent: &Agent) -> Result<Scores> {
+        let limits = self.travel_limits()?;
+        let metrics = self.metrics(agent)?;
+        let judged = self.episodes.iter().zip(limits).zip(&metrics);
+        let scores = judged.map(|(((episode, baseline), limit), metrics)| BuildingScores {
+            building: episode.subject.name.to_string(),
+            task: episode.task.to_string(),
+            measures: Measures::of(metrics, baseline, *limit),
+        });
+        Ok(Scores::of(scores.collect()))
+    }
+
+    /// Returns the limits of actuator travel. The reactive controllers run for them once: travel is not part of a baseline.
+    fn travel_limits(&self) -> Result<&[f64]> {
+        if let Some(limits) = self.travel_limits.get() {
+            return Ok(limits);
+        }
+        let references = self.metrics(&BuiltIn::Reactive)?;
+        let limits = references.iter().map(|metrics| travel_limit(metrics.daily_travel)).collect();
+        Ok(self.travel_limits.get_or_init(|| limits))
+    }
+
+    /// Returns the metrics of a policy in the episodes.
+    fn metrics(&self, policy: &dyn Policy) -> Result<Vec<EpisodeMetrics>> {
         let outcomes: Mutex<Vec<Option<Outcome>>> = Mutex::new(vec![None; self.episodes.len()]);
         let numbered: Vec<_> = self.episodes.iter().map(|(episode, _)| episode).enumerate().collect();
-        self.evaluation.run(&numbered, agent, &(), &|number, outcome| {
+        self.evaluation.run(&numbered, policy, &(), &|number, outcome| {
             outcomes.lock().unwrap_or_else(PoisonError::into_inner)[number] = Some(outcome);
             Ok(())
         })?;
         let outcomes = outcomes.into_inner().unwrap_or_else(PoisonError::into_inner);
-        let scored = self.episodes.iter().zip(outcomes).map(|(known, outcome)| scores(known, outcome));
-        Ok(Scores::of(scored.collect::<Result<_>>()?))
+        let of = |((episode, _), outcome): (&(Episode, Baseline), Option<Outcome>)| {
+            let lost = |why: String| {
+                Error::Invalid(format!("the evaluation in {} was lost: {why}", episode.subject.name))
+            };
+            let finished = outcome.ok_or_else(|| lost("it did not run".into()))?;
+            Ok(finished.map_err(|why| lost(why.reason))?.record.metrics)
+        };
+        self.episodes.iter().zip(outcomes).map(of).collect()
     }
-}
-
-fn scores((episode, baseline): &(Episode, Baseline), outcome: Option<Outcome>) -> Result<BuildingScores> {
-    let building = episode.subject.name.to_string();
-    let lost = |why: String| Error::Invalid(format!("the evaluation in {building} was lost: {why}"));
-    let finished = outcome.ok_or_else(|| lost("it did not run".into()))?.map_err(|why| lost(why.reason))?;
-    let metrics = finished.record.metrics;
-    let measures = Measures {
-        score: baseline.score(metrics.episode_return).unwrap_or(f64::NAN),
-        resolved_score: baseline.resolved_score(metrics.episode_return, metrics.steps).unwrap_or(f64::NAN),
-        rms_deviation_k: metrics.rms_deviation,
-        energy_ratio: if baseline.energy > 0.0 { metrics.energy() / baseline.energy } else { f64::NAN },
-        travel_per_day: metrics.daily_travel,
-    };
-    Ok(BuildingScores { building, measures })
 }
 
 impl Measures {
@@ -94,17 +128,63 @@ impl Measures {
         rms_deviation_k: f64::NAN,
         energy_ratio: f64::NAN,
         travel_per_day: f64::NAN,
+        relative_travel: f64::NAN,
+        oscillating_share: f64::NAN,
     };
 
+    fn of(metrics: &EpisodeMetrics, baseline: &Baseline, travel_limit: f64) -> Self {
+        let (episode_return, steps) = (metrics.episode_return, metrics.steps);
+        Self {
+            score: baseline.score(episode_return).unwrap_or(f64::NAN),
+            resolved_score: baseline.resolved_score(episode_return, steps).unwrap_or(f64::NAN),
+            rms_deviation_k: metrics.rms_deviation,
+            energy_ratio: if baseline.energy > 0.0 { metrics.energy() / baseline.energy } else { f64::NAN },
+            travel_per_day: metrics.daily_travel,
+            relative_travel: metrics.daily_travel / travel_limit,
+            oscillating_share: metrics.oscillating_share,
+        }
+    }
+
+    /// Returns what the agent is chosen by.
+    pub(super) fn standing(&self) -> Standing {
+        Standing { score: self.score, relative_travel: self.relative_travel }
+    }
+
     /// Returns the measures by name, as they are in the progress of a run.
-    pub(super) fn named(self) -> [(&'static str, f64); 5] {
+    pub(super) fn named(self) -> [(&'static str, f64); 7] {
         [
             ("score", self.score),
             ("resolved_score", self.resolved_score),
             ("rms_deviation_k", self.rms_deviation_k),
             ("energy_ratio", self.energy_ratio),
             ("travel_per_day", self.travel_per_day),
+            ("relative_travel", self.relative_travel),
+            ("oscillating_share", self.oscillating_share),
         ]
+    }
+}
+
+impl Default for Standing {
+    /// That of no agent.
+    fn default() -> Self {
+        Self { score: f64::INFINITY, relative_travel: f64::INFINITY }
+    }
+}
+
+impl Standing {
+    /// Returns whether the actuators hunt in no building.
+    pub(super) fn is_calm(self) -> bool {
+        self.relative_travel <= 1.0
+    }
+
+    /// Returns whether an agent is better than another: a calm one than one whose actuators hunt, otherwise the one with the
+    /// lower score. An agent without a score is never better.
+    pub(super) fn is_better_than(self, other: Self) -> bool {
+        match (self.is_calm(), other.is_calm()) {
+            (true, false) => self.score.is_finite(),
+            (false, true) => false,
+            _ => self.score < other.score,
+        }
     }
 }
 
@@ -113,6 +193,7 @@ impl Scores {
         let mean = |value: fn(&Measures) -> f64| {
             buildings.iter().map(|each| value(&each.measures)).sum::<f64>() / buildings.len().max(1) as f64
         };
+        let relative_travel = buildings.iter().map(|each| each.measures.relative_travel).fold(0.0, f64::max);
         Self {
             mean: Measures {
                 score: mean(|each| each.score),
@@ -120,13 +201,28 @@ impl Scores {
                 rms_deviation_k: mean(|each| each.rms_deviation_k),
                 energy_ratio: mean(|each| each.energy_ratio),
                 travel_per_day: mean(|each| each.travel_per_day),
+                relative_travel,
+                oscillating_share: mean(|each| each.oscillating_share),
             },
             buildings: if buildings.len() > 1 { buildings } else { Vec::new() },
         }
     }
 }
 
-/// Returns `days` days in the middle of a run period.
-pub(super) fn window(period: RunPeriod, days: u32) -> RunPeriod {
-    period.part(period.days().saturating_sub(days) / 2, days)
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_agent_whose_actuators_hunt_is_the_best_only_while_there_is_no_other() {
+        let standing = |score, relative_travel| Standing { score, relative_travel };
+        let restless = standing(0.8, 9.6);
+        assert!(restless.is_better_than(Standing::default()));
+        assert!(standing(0.7, 20.0).is_better_than(restless));
+        let calm = standing(0.95, 1.0);
+        assert!(calm.is_better_than(restless) && !restless.is_better_than(calm));
+        assert!(standing(0.94, 0.2).is_better_than(calm) && !standing(0.96, 0.0).is_better_than(calm));
+        let unknown = standing(f64::NAN, 0.0);
+        assert!(!unknown.is_better_than(restless) && !unknown.is_better_than(Standing::default()));
+    }
 }

@@ -5,9 +5,9 @@ use b2b_building::morphology::NodeType;
 use b2b_env::Spaces;
 
 use super::config::{Algorithm, TrainConfig};
-use super::credit::credit;
 use super::policy::Policy;
 use crate::collector::Widths;
+use crate::credit::credit;
 use crate::error::Result;
 use crate::ppo::{Ppo, PpoConfig};
 use crate::rollout::Rollout;

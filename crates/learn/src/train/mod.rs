@@ -5,16 +5,19 @@
 //!    controllers, and writes checkpoints, so that a run that was killed continues to the same weights.
 //! 3. The folder of a run is an agent's: the best one so far. `last/` has the last one.
 
+mod check;
 mod checkpoint;
 mod config;
-mod credit;
 mod curve;
+mod days;
 mod environments;
+mod journal;
 mod judge;
 mod learner;
 mod measure;
 mod one_or_many;
 mod policy;
+mod problem;
 mod progress;
 mod run;
 mod suggestion;

@@ -1,9 +1,8 @@
 //! The course of a run: a row for every update, as `progress.csv` and as TensorBoard events.
 
-use std::fs::{File, OpenOptions};
-use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
+use super::journal::Journal;
 use super::tensorboard::EventFile;
 use crate::error::{Error, Result, at};
 
@@ -32,9 +31,7 @@ impl Row {
 
 /// Writes the rows of a run.
 pub(super) struct Progress {
-    path: PathBuf,
-    file: File,
-    has_header: bool,
+    table: Journal,
     /// `None` when the folder cannot be written.
     events: Option<EventFile>,
 }
@@ -46,29 +43,27 @@ impl Progress {
         let path = folder.join(TABLE);
         let kept = kept_lines(&path, steps)?;
         b2b_agent::write_whole(&path, kept.as_bytes())?;
-        let file = OpenOptions::new().append(true).open(&path).map_err(at(&path))?;
+        let table = Journal::open(&path)?;
         let (events, warning) = match EventFile::create(&folder.join(EVENTS)) {
             Ok(events) => (Some(events), None),
             Err(error) => (None, Some(format!("no TensorBoard events are written: {error}"))),
         };
-        Ok((Self { path, file, has_header: !kept.is_empty(), events }, warning))
+        Ok((Self { table, events }, warning))
     }
 
     /// Adds a row.
     pub(super) fn write(&mut self, row: &Row) -> Result<()> {
         let mut text = String::new();
-        if !std::mem::replace(&mut self.has_header, true) {
+        if self.table.is_empty() {
             let names: Vec<&str> = row.values.iter().map(|(name, _)| *name).collect();
             text = format!("{STEPS},{}\n", names.join(","));
         }
         let cell = |value: f64| if value.is_finite() { value.to_string() } else { String::new() };
         let cells: Vec<String> = row.values.iter().map(|(_, value)| cell(*value)).collect();
         text += &format!("{},{}\n", row.steps, cells.join(","));
-        self.file.write_all(text.as_bytes()).map_err(at(&self.path))?;
-        match &mut self.events {
-            Some(events) => events.scalars(row.steps, &row.values),
-            None => Ok(()),
-        }
+        let written = self.table.append(text.as_bytes());
+        let events = self.events.as_mut().map_or(Ok(()), |events| events.scalars(row.steps, &row.values));
+        written.and(events)
     }
 }
 

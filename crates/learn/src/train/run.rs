@@ -13,8 +13,9 @@ use serde::Serialize;
 use super::checkpoint::Checkpoint;
 use super::config::{Keep, TrainConfig};
 use super::curve;
+use super::days;
 use super::environments::Environments;
-use super::judge::{Judge, Measures, Scores, window};
+use super::judge::{Judge, Measures, Scores, Standing};
 use super::learner::Learner;
 use super::progress::{Progress, Row};
 use crate::collector::Collector as _;
@@ -99,17 +100,16 @@ pub fn train(config: &TrainConfig, place: Place<'_>) -> Result<Summary> {
     let baselines = Baselines::open()?;
     let environments = Environments::new(config, Arc::clone(&catalog));
     let evaluated = environments.evaluated()?;
-    let period = config.run_period()?;
-    let episodes = |days| {
-        let scored = |name| environments.scored(name, window(period, days), &evaluation, &baselines);
+    let episodes = |period| {
+        let scored = |(name, task): &(_, _)| environments.scored(name, task, period, &evaluation, &baselines);
         evaluated.iter().map(scored).collect::<Result<Vec<_>>>()
     };
 
     monitor.stage("computing baselines");
-    let whole = Judge::new(&evaluation, episodes(period.days())?);
+    let whole = Judge::new(&evaluation, episodes(config.run_period()?)?);
     let judge = match config.evaluation.every {
         0 => None,
-        _ => Some(Judge::new(&uninterrupted, episodes(config.evaluation.days)?)),
+        _ => Some(Judge::new(&uninterrupted, episodes(days::evaluated(config)?)?)),
     };
     monitor.stage("preparing environments");
     let workers = WorkerOptions::new(launcher, catalog.library().path());
@@ -143,11 +143,13 @@ struct Run<'a> {
     collector: FragmentCollector,
     learner: Learner,
     monitor: &'a mut dyn Monitor,
+    /// What could not be saved when it was last tried.
+    unsaved: Vec<&'static str>,
     /// Description of its agents.
     info: AgentInfo,
     steps: u64,
-    /// Best score of the evaluations.
-    best: f64,
+    /// The best agent of the evaluations.
+    best: Standing,
     /// Seconds spent on collection and learning.
     seconds: f64,
     /// Logarithm of the standard deviation of actions when training began.
@@ -177,7 +179,7 @@ impl<'a> Run<'a> {
             node_types: Vec::new(),
             network: actor.shape,
             distribution: actor.distribution,
-            task: config.task()?,
+            task: spaces.episode.task.clone(),
             training: training_info(config),
             weights: String::new(),
         };
@@ -187,9 +189,10 @@ impl<'a> Run<'a> {
             collector,
             learner,
             monitor,
+            unsaved: Vec::new(),
             info,
             steps: 0,
-            best: f64::INFINITY,
+            best: Standing::default(),
             seconds: 0.0,
             log_std: config.ppo.initial_log_std.into(),
         })
@@ -228,7 +231,7 @@ impl<'a> Run<'a> {
             let after = self.steps;
             let due = |every: u64| every > 0 && (is_last || before / every != after / every);
             if let Some(judge) = judge.filter(|_| due(self.config.evaluation.every)) {
-                self.evaluate(judge, &mut row)?;
+                self.evaluate(judge, &mut row);
             } else {
                 row.values.extend(Measures::UNKNOWN.named());
             }
@@ -239,6 +242,7 @@ impl<'a> Run<'a> {
             if is_last || stop || due(self.config.checkpoint_every) {
                 let saved = self.save();
                 self.warn_of(saved, "this checkpoint");
+                self.warn_of(curve::write(self.out, self.config), "the learning curve");
             }
             if stop {
                 return Err(Error::Interrupted);
@@ -299,17 +303,25 @@ impl<'a> Run<'a> {
         Ok(Row { steps: self.steps, values })
     }
 
-    /// Scores the agent as it is now, and keeps it if it is the best.
-    fn evaluate(&mut self, judge: &Judge<'_>, row: &mut Row) -> Result<()> {
+    /// Scores the agent as it is now, and keeps it if it is the best. A failure is a warning: training does not depend on it.
+    fn evaluate(&mut self, judge: &Judge<'_>, row: &mut Row) {
         let (info, actor) = (self.info(), self.learner.actor());
-        let measures = judge.judge(&Agent::new("agent", info.clone(), actor.clone()))?.mean;
+        let measures = match judge.judge(&Agent::new("agent", info.clone(), actor.clone())) {
+            Ok(scores) => scores.mean,
+            Err(error) => {
+                self.monitor
+                    .warn(&format!("the agent could not be evaluated at {} steps: {error}", self.steps));
+                Measures::UNKNOWN
+            }
+        };
         row.values.extend(measures.named());
-        if self.config.keep == Keep::Best && measures.score < self.best {
-            self.best = measures.score;
+        if self.config.keep == Keep::Best && measures.standing().is_better_than(self.best) {
             let written = Agent::write(self.out, info, &actor);
+            if written.is_ok() {
+                self.best = measures.standing();
+            }
             self.warn_of(written.map_err(Error::from), "the best agent");
         }
-        Ok(())
     }
 
     /// Writes the last agent and a checkpoint.
@@ -323,14 +335,19 @@ impl<'a> Run<'a> {
             learner: self.learner.state(),
             collector: self.collector.state(),
         };
-        checkpoint.write(self.out)?;
-        curve::write(self.out, self.config)
+        checkpoint.write(self.out)
     }
 
     /// Writes the agent of the run's folder if it is not there yet, scores it over the whole run period and writes the result.
     fn finish(self, whole: &Judge<'_>) -> Result<Summary> {
-        if self.config.keep == Keep::Last || self.best.is_infinite() {
+        if self.config.keep == Keep::Last || self.best == Standing::default() {
             Agent::write(self.out, self.info(), &self.learner.actor())?;
+        } else if !self.best.is_calm() {
+            self.monitor.warn(&format!(
+                "the actuators of every evaluated agent hunt; those of the best travel {:.1} times the limit; raise \
+                 `travel_cost`",
+                self.best.relative_travel
+            ));
         }
         self.monitor.stage("evaluating the agent over the whole run period");
         let summary = Summary {
@@ -352,16 +369,23 @@ impl<'a> Run<'a> {
 
     /// Keeps the last good agent where learning cannot continue.
     fn give_up(&mut self, error: Error) -> Error {
-        if matches!(error, Error::NotFinite { .. }) && self.best.is_infinite() {
+        if matches!(error, Error::NotFinite { .. }) && self.best == Standing::default() {
             let written = Agent::write(self.out, self.info(), &self.learner.actor());
             self.warn_of(written.map_err(Error::from), "the last good agent");
         }
         error
     }
 
-    fn warn_of(&mut self, written: Result<()>, what: &str) {
-        if let Err(error) = written {
-            self.monitor.warn(&format!("{what} could not be saved: {error}"));
+    /// Warns of what cannot be saved, until it can be saved again.
+    fn warn_of(&mut self, written: Result<()>, what: &'static str) {
+        let known = self.unsaved.iter().position(|each| *each == what);
+        match (written, known) {
+            (Err(error), None) => {
+                self.unsaved.push(what);
+                self.monitor.warn(&format!("{what} could not be saved: {error}"));
+            }
+            (Ok(()), Some(known)) => drop(self.unsaved.remove(known)),
+            (Err(_), Some(_)) | (Ok(()), None) => {}
         }
     }
 
@@ -382,6 +406,8 @@ fn training_info(config: &TrainConfig) -> TrainingInfo {
     TrainingInfo {
         algorithm: Learner::name(config.algorithm).into(),
         buildings: config.buildings_text(),
+        tasks: config.task.clone(),
+        problem: config.problem.clone(),
         period: config.period.clone(),
         steps_per_hour: config.steps_per_hour,
         steps: 0,

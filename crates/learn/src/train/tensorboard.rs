@@ -3,29 +3,28 @@
 //! A file is a sequence of records: length, its checksum, an `Event` message and its checksum. Messages are protocol buffers, of
 //! which three fields are used (TensorFlow's `event.proto` and `summary.proto`).
 
-use std::fs::File;
-use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use b2b_agent::protobuf::{bytes, double, integer, single, text};
 
+use super::journal::Journal;
 use crate::error::{Result, at};
 
 /// Writes an event file.
 pub(super) struct EventFile {
-    path: PathBuf,
-    file: File,
+    journal: Journal,
 }
 
 impl EventFile {
-    /// Begins an event file in a folder.
+    /// Begins an event file in a folder, or continues that of the same second.
     pub(super) fn create(folder: &Path) -> Result<Self> {
         std::fs::create_dir_all(folder).map_err(at(folder))?;
         let path = folder.join(format!("events.out.tfevents.{}.b2b", now() as u64));
-        let file = File::create(&path).map_err(at(&path))?;
-        let mut events = Self { path, file };
-        events.write(0, &text(3, "brain.Event:2"))?;
+        let mut events = Self { journal: Journal::open(&path)? };
+        if events.journal.is_empty() {
+            events.write(0, &text(3, "brain.Event:2"))?;
+        }
         Ok(events)
     }
 
@@ -43,7 +42,7 @@ impl EventFile {
         let event = [double(1, now()), integer(2, step), what.to_vec()].concat();
         let length = (event.len() as u64).to_le_bytes();
         let record = [&length[..], &checksum(&length), &event, &checksum(&event)].concat();
-        self.file.write_all(&record).map_err(at(&self.path))
+        self.journal.append(&record)
     }
 }
 
@@ -67,7 +66,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let mut events = EventFile::create(folder.path()).unwrap();
         events.scalars(7, &[("score", 0.5), ("none", f64::NAN)]).unwrap();
-        let bytes = std::fs::read(&events.path).unwrap();
+        let file = std::fs::read_dir(folder.path()).unwrap().next().unwrap().unwrap();
+        let bytes = std::fs::read(file.path()).unwrap();
         let mut rest = &bytes[..];
         let mut records = Vec::new();
         while !rest.is_empty() {

@@ -5,7 +5,7 @@ use b2b_env::Spaces;
 
 /// Returns the weight of each part of a reward, of the controlled zones and of energy, in the advantage of each actuator: that of
 /// a zone counts for its own actuators and for those of the air handler that serves it, energy for all.
-pub(super) fn credit(spaces: &Spaces) -> Vec<Vec<f32>> {
+pub(crate) fn credit(spaces: &Spaces) -> Vec<Vec<f32>> {
     let zones: Vec<usize> = spaces.controlled_zones().collect();
     let layouts: Vec<_> = spaces.building.laid_out_systems().map(|(_, layout)| layout).collect();
     let serves = |owner: &Owner, zone: usize| match owner {

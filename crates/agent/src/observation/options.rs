@@ -1,0 +1,85 @@
+//! Options of an agent's observation.
+
+use std::fmt;
+
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{MapAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
+
+use super::ObservationForm;
+
+/// What an agent observes. Read from a table, or from the name of a form alone.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct ObservationOptions {
+    /// The form of the environment's observation.
+    pub form: ObservationForm,
+    /// Whether attributes follow: of the building, as its floor area, climate and envelope
+    /// ([`COMMON`](b2b_building::morphology::COMMON)), and the weight of energy in the task.
+    pub attributes: bool,
+    /// Number of full hours ahead for which the outdoor temperature follows, from the weather file: a perfect forecast.
+    pub forecast: u32,
+}
+
+impl From<ObservationForm> for ObservationOptions {
+    fn from(form: ObservationForm) -> Self {
+        Self { form, ..Self::default() }
+    }
+}
+
+/// The options as a table.
+#[derive(Deserialize)]
+#[serde(default, deny_unknown_fields)]
+struct Table {
+    form: ObservationForm,
+    attributes: bool,
+    forecast: u32,
+}
+
+impl Default for Table {
+    fn default() -> Self {
+        let ObservationOptions { form, attributes, forecast } = ObservationOptions::default();
+        Self { form, attributes, forecast }
+    }
+}
+
+impl<'de> Deserialize<'de> for ObservationOptions {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct FormOrTable;
+
+        impl<'de> Visitor<'de> for FormOrTable {
+            type Value = ObservationOptions;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("raw, roles or features, or a table with `form`, `attributes` and `forecast`")
+            }
+
+            fn visit_str<E: serde::de::Error>(self, text: &str) -> Result<Self::Value, E> {
+                text.parse::<ObservationForm>().map(Into::into).map_err(E::custom)
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
+                let Table { form, attributes, forecast } =
+                    Table::deserialize(MapAccessDeserializer::new(map))?;
+                Ok(ObservationOptions { form, attributes, forecast })
+            }
+        }
+
+        deserializer.deserialize_any(FormOrTable)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn options_are_read_from_a_table_or_the_name_of_a_form() {
+        let read = |text: &str| serde_json::from_str::<ObservationOptions>(text).map_err(|e| e.to_string());
+        assert_eq!(read("\"roles\"").unwrap(), ObservationForm::Roles.into());
+        let all = ObservationOptions { form: ObservationForm::Raw, attributes: true, forecast: 6 };
+        assert_eq!(read(&serde_json::to_string(&all).unwrap()).unwrap(), all);
+        assert_eq!(read(r#"{"forecast": 6, "attributes": true, "form": "raw"}"#).unwrap(), all);
+        assert!(read("\"row\"").unwrap_err().contains("unknown observation `row`"));
+        assert!(read(r#"{"forcast": 6}"#).unwrap_err().contains("unknown field `forcast`"));
+    }
+}

@@ -1,0 +1,141 @@
+//! Sustained oscillation of a zone: the sign of a limit cycle.
+
+/// Least change of the air temperature from one turning point to the next that counts as a swing, K: the accuracy that ISO
+/// 7726:1998 (table 2, class C, comfort) calls desirable for an air temperature sensor. A loop that cycles within it does not
+/// show on a thermometer.
+const SWING: f64 = 0.2;
+
+/// Longest swing of an oscillation, h. The rhythm of days and of occupancy is slower.
+const LONGEST: f64 = 1.0;
+
+/// Swings in a row that make an oscillation sustained: the number of load disturbances within the supervision time by which
+/// Hägglund (*A control-loop performance monitor*, Control Engineering Practice 3(11), 1995) detects one.
+const SUSTAINED: u32 = 10;
+
+/// Detects sustained oscillation of the air temperature of a zone, step by step.
+///
+/// A *swing* is the way from one turning point of the temperature to the next, at least [`SWING`] apart; smaller reversals within
+/// it do not count. [`SUSTAINED`] swings in a row, each within [`LONGEST`], under one and the same target, are a sustained
+/// oscillation, of which all steps from the first turning point on count. Hägglund counts zero crossings of the control error
+/// instead; turning points also find cycles beside the target.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Oscillation {
+    /// Steps since the target changed.
+    age: usize,
+    target: f64,
+    /// Lowest and highest temperature since the last turning point, and their ages.
+    low: Extreme,
+    high: Extreme,
+    /// Direction of the swing under way; `None` before the first turning point.
+    rises: Option<bool>,
+    /// Age of the turning point at which the swing under way began.
+    began: usize,
+    /// Swings in a row that were short enough.
+    swings: u32,
+    /// Their steps that are not counted yet.
+    steps_of_swings: usize,
+}
+
+/// An extreme of the temperature.
+#[derive(Clone, Copy, Debug, Default)]
+struct Extreme {
+    temperature: f64,
+    age: usize,
+}
+
+impl Oscillation {
+    /// Adds the temperature at the end of a step, °C, and the target in it. Returns the steps that turn out to be in sustained
+    /// oscillation: none most of the time, and those of a swing or of the first ten where one ends.
+    pub(crate) fn add(&mut self, temperature: f64, target: f64, hours_per_step: f64) -> usize {
+        if self.age == 0 || target != self.target {
+            *self = Self { target, ..Self::default() };
+        }
+        let now = Extreme { temperature, age: self.age };
+        self.age += 1;
+        if now.age == 0 || temperature < self.low.temperature {
+            self.low = now;
+        }
+        if now.age == 0 || temperature > self.high.temperature {
+            self.high = now;
+        }
+        // The turning point that this step confirms, if it does.
+        let turn = match self.rises {
+            None | Some(false) if temperature - self.low.temperature >= SWING => Some(self.low),
+            None | Some(true) if self.high.temperature - temperature >= SWING => Some(self.high),
+            _ => None,
+        };
+        let Some(turn) = turn else { return 0 };
+        let steps = self.turn(turn, hours_per_step);
+        self.rises = Some(turn.temperature < temperature);
+        (self.low, self.high) = (now, now);
+        steps
+    }
+
+    /// Ends the swing under way at a turning point and begins the next. Returns the steps that turn out to be in oscillation.
+    fn turn(&mut self, turn: Extreme, hours_per_step: f64) -> usize {
+        if self.rises.is_some() {
+            let steps = turn.age - self.began;
+            if steps as f64 * hours_per_step <= LONGEST {
+                self.swings += 1;
+                self.steps_of_swings += steps;
+            } else {
+                (self.swings, self.steps_of_swings) = (0, 0);
+            }
+        }
+        self.began = turn.age;
+        if self.swings >= SUSTAINED { std::mem::take(&mut self.steps_of_swings) } else { 0 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use super::*;
+
+    const STEP: f64 = 1.0 / 12.0;
+
+    /// Returns the share of a day in sustained oscillation, with the temperature as a function of the hour.
+    fn share(temperature: impl Fn(f64) -> f64, target: impl Fn(f64) -> f64) -> f64 {
+        let mut oscillation = Oscillation::default();
+        let hours = (0..288).map(|step| f64::from(step) * STEP);
+        let steps: usize = hours.map(|hour| oscillation.add(temperature(hour), target(hour), STEP)).sum();
+        steps as f64 / 288.0
+    }
+
+    fn wave(period: f64, amplitude: f64) -> impl Fn(f64) -> f64 {
+        move |hour| 21.0 + amplitude * (TAU * hour / period).sin()
+    }
+
+    #[test]
+    fn a_cycle_of_half_an_hour_counts_from_its_first_turn_to_its_last_even_beside_the_target() {
+        for target in [21.0, 23.0] {
+            let share = share(wave(0.5, 0.5), |_| target);
+            assert!((0.95..=1.0).contains(&share), "{share}");
+        }
+    }
+
+    #[test]
+    fn what_is_small_slow_short_or_follows_the_target_does_not_count() {
+        assert_eq!(share(wave(0.5, 0.09), |_| 21.0), 0.0, "within the accuracy of a thermometer");
+        assert_eq!(share(wave(24.0, 3.0), |_| 21.0), 0.0, "the rhythm of the day");
+        assert_eq!(share(wave(3.0, 1.0), |_| 21.0), 0.0, "slower than an hour from turn to turn");
+        let short = |hour: f64| if hour < 2.0 { wave(0.5, 0.5)(hour) } else { 21.0 };
+        assert_eq!(share(short, |_| 21.0), 0.0, "eight swings");
+        assert_eq!(share(wave(0.5, 0.5), |hour| hour.floor()), 0.0, "another target every hour");
+    }
+
+    #[test]
+    fn an_oscillation_that_stops_counts_until_it_stops() {
+        let half = |hour: f64| if hour < 12.0 { wave(0.5, 0.5)(hour) } else { 21.0 };
+        let share = share(half, |_| 21.0);
+        assert!((0.45..=0.5).contains(&share), "{share}");
+    }
+
+    #[test]
+    fn noise_on_a_cycle_hides_it_no_more_than_its_own_size() {
+        let noisy = |hour: f64| wave(1.0, 0.5)(hour) + 0.04 * (1000.0 * hour).sin();
+        let share = share(noisy, |_| 21.0);
+        assert!(share > 0.9, "{share}");
+    }
+}

@@ -1,0 +1,87 @@
+//! Checks of a configuration.
+
+use b2b_agent::{Acting, ObservationForm};
+
+use super::config::{Algorithm, TrainConfig};
+use super::policy::Policy;
+use crate::error::{Error, Result};
+
+impl TrainConfig {
+    /// Checks that the values go together.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for the first that does not, and those of the algorithm's own options.
+    pub fn check(&self) -> Result<()> {
+        self.ppo.check()?;
+        self.sac.check()?;
+        let days = self.run_period()?.days();
+        self.named()?;
+        let tasks = self.tasks()?.len();
+        self.check_problem()?;
+        let wrong = match () {
+            () if self.environments == 0 => "`environments` is 0; expected at least 1".to_owned(),
+            () if self.credit_by_zone && self.algorithm == Algorithm::Sac => {
+                "`credit_by_zone` is for ppo; with sac it must be false".to_owned()
+            }
+            () if self.steps == 0 => "`steps` is 0; expected at least 1".to_owned(),
+            () if self.window_days > days => {
+                format!("`window_days` is {}; the run period has {days} days", self.window_days)
+            }
+            () if !(self.travel_cost >= 0.0 && self.travel_cost.is_finite()) => {
+                format!("`travel_cost` is {}; expected 0 or more", self.travel_cost)
+            }
+            () if !(0.0..1.0).contains(&self.noise_correlation) => {
+                format!("`noise_correlation` is {}; expected 0 to less than 1", self.noise_correlation)
+            }
+            () if self.noise_cost != 0.0 && !(self.noise_cost > 1.0 && self.noise_cost.is_finite()) => {
+                format!("`noise_cost` is {}; expected more than 1, or 0 for none", self.noise_cost)
+            }
+            () if !(self.final_noise > 0.0 && self.final_noise <= 1.0) => {
+                format!("`final_noise` is {}; expected more than 0, at most 1", self.final_noise)
+            }
+            () if self.noise_cost != 0.0 && self.algorithm == Algorithm::Sac => {
+                "`noise_cost` is for ppo; with sac it must be 0".to_owned()
+            }
+            () if tasks > 1 && self.observation.form != ObservationForm::Features => {
+                "several tasks differ in what is observed; they need the observation `features`".to_owned()
+            }
+            () if self.evaluation.every > 0 && self.evaluation.days == 0 => {
+                "`evaluation.days` is 0; expected at least 1".to_owned()
+            }
+            () if self.buildings.is_empty() == self.building_type.is_empty() => {
+                "expected either `buildings` or `building_type`".to_owned()
+            }
+            () if self.building_episodes == 0 => "`building_episodes` is 0; expected at least 1".to_owned(),
+            () if self.policy == Policy::Flat && self.building_type.len() > 1 => {
+                "several building types are for graph networks; choose the preset graph, or one type"
+                    .to_owned()
+            }
+            () if self.fault_of_graph().is_some() => self.fault_of_graph().unwrap_or_default(),
+            () => match self.acting {
+                Acting::Residual { authority } if !(authority > 0.0 && authority <= 1.0) => {
+                    format!("`authority` is {authority}; expected more than 0, at most 1")
+                }
+                _ => return self.building_types().map(|_| ()),
+            },
+        };
+        Err(Error::Invalid(wrong))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_that_do_not_go_together_are_errors() {
+        let valid = TrainConfig { buildings: vec!["OfficeSmall-0042".into()], ..TrainConfig::default() };
+        let error = |config: TrainConfig| config.check().unwrap_err().to_string();
+        assert!(error(TrainConfig { environments: 0, ..valid.clone() }).contains("environments"));
+        assert!(error(TrainConfig { window_days: 100, ..valid.clone() }).contains("window_days"));
+        assert!(error(TrainConfig { buildings: Vec::new(), ..valid.clone() }).contains("building_type"));
+        assert!(error(TrainConfig { task: "warm".into(), ..valid.clone() }).contains("warm"));
+        assert!(error(TrainConfig { travel_cost: -1.0, ..valid.clone() }).contains("travel_cost"));
+        let acting = Acting::Residual { authority: 1.5 };
+        assert!(error(TrainConfig { acting, ..valid }).contains("authority"));
+    }
+}

@@ -1,0 +1,61 @@
+//! The days of the run period that episodes are in: of training, and of evaluations during it.
+
+use b2b_building::RunPeriod;
+
+use super::config::TrainConfig;
+use crate::error::Result;
+
+/// Returns the window of evaluations during training: days in the middle of the run period.
+pub(super) fn evaluated(config: &TrainConfig) -> Result<RunPeriod> {
+    let (period, days) = (config.run_period()?, config.evaluation.days.max(1));
+    Ok(period.part(first_evaluated(config)?, days.min(period.days())))
+}
+
+/// Returns the parts of the run period that training episodes are in: those before and after the window of evaluations that have
+/// room for an episode, or all of it if the window is not held out or neither has room.
+pub(super) fn trained(config: &TrainConfig) -> Result<Vec<RunPeriod>> {
+    let period = config.run_period()?;
+    let (before, days) = (first_evaluated(config)?, config.evaluation.days);
+    let after = before + days;
+    let parts = [(0, before), (after, period.days().saturating_sub(after))];
+    let is_held_out = config.evaluation.held_out && config.evaluation.every > 0 && config.window_days > 0;
+    let has_room = |(_, days): &(u32, u32)| is_held_out && *days >= config.window_days;
+    let parts: Vec<RunPeriod> =
+        parts.into_iter().filter(has_room).map(|(first, days)| period.part(first, days)).collect();
+    Ok(if parts.is_empty() { vec![period] } else { parts })
+}
+
+fn first_evaluated(config: &TrainConfig) -> Result<u32> {
+    Ok(config.run_period()?.days().saturating_sub(config.evaluation.days) / 2)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::train::config::EvaluationConfig;
+
+    fn days(period: &str, window_days: u32, evaluation: EvaluationConfig) -> (String, Vec<String>) {
+        let config = TrainConfig { period: period.into(), window_days, evaluation, ..TrainConfig::default() };
+        let trained = trained(&config).unwrap().iter().map(ToString::to_string).collect();
+        (evaluated(&config).unwrap().to_string(), trained)
+    }
+
+    #[test]
+    fn training_leaves_out_the_days_of_evaluations_where_there_is_room() {
+        let of = |period, window| days(period, window, EvaluationConfig::default());
+        let (evaluated, trained) = of("winter", 14);
+        assert_eq!(
+            (evaluated.as_str(), trained),
+            ("02-08..02-21", vec!["01-01..02-07".into(), "02-22..03-31".into()])
+        );
+        // Neither side has fourteen days.
+        assert_eq!(of("01-01..01-31", 14).1, ["01-01..01-31"]);
+        assert_eq!(of("01-01..01-10", 14).0, "01-01..01-10");
+        // A whole run period has no room beside it.
+        assert_eq!(of("winter", 0).1, ["winter"]);
+        let seen = EvaluationConfig { held_out: false, ..EvaluationConfig::default() };
+        assert_eq!(days("winter", 14, seen).1, ["winter"]);
+        let none = EvaluationConfig { every: 0, ..EvaluationConfig::default() };
+        assert_eq!(days("winter", 14, none).1, ["winter"]);
+    }
+}

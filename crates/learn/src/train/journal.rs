@@ -1,0 +1,39 @@
+//! Files that grow by whole entries.
+
+use std::fs::{File, OpenOptions};
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use crate::error::{Result, at};
+
+/// A file that grows by whole entries: one that cannot be written, as on a full disk, leaves nothing of it behind.
+pub(super) struct Journal {
+    path: PathBuf,
+    file: File,
+    length: u64,
+}
+
+impl Journal {
+    /// Opens a file, or creates it, to append to.
+    pub(super) fn open(path: &Path) -> Result<Self> {
+        let file = OpenOptions::new().append(true).create(true).open(path).map_err(at(path))?;
+        let length = file.metadata().map_err(at(path))?.len();
+        Ok(Self { path: path.to_owned(), file, length })
+    }
+
+    /// Appends an entry.
+    pub(super) fn append(&mut self, entry: &[u8]) -> Result<()> {
+        let written = self.file.write_all(entry);
+        match written {
+            Ok(()) => self.length += entry.len() as u64,
+            // What of it was written is removed; should that fail too, there is nothing else to be done.
+            Err(_) => drop(self.file.set_len(self.length)),
+        }
+        written.map_err(at(&self.path))
+    }
+
+    /// Returns whether nothing was written to it yet.
+    pub(super) fn is_empty(&self) -> bool {
+        self.length == 0
+    }
+}

@@ -1,0 +1,46 @@
+//! The cost of actuator travel in rewards.
+
+use b2b_env::{Metrics, Spaces};
+
+use crate::credit::credit;
+
+/// Subtracts the cost of actuator travel from the rewards of an episode.
+pub(crate) struct TravelCost {
+    /// Share of each part of the reward in the mean travel, for each actuator: actuators × parts.
+    shares: Vec<f32>,
+    /// Travel of each actuator before the step, full strokes.
+    before: Vec<f64>,
+}
+
+impl TravelCost {
+    /// Returns the cost in a building, of rewards with this number of parts: one, or one for each controlled zone and one for
+    /// energy. An actuator is charged to its own zone, or in equal shares to the zones that it serves, so that it is credited
+    /// with its own travel.
+    pub(crate) fn new(spaces: &Spaces, parts: usize) -> Self {
+        let actuators = spaces.action.len();
+        let mut shares = vec![0.0; actuators * parts];
+        for (row, credits) in shares.chunks_exact_mut(parts).zip(credit(spaces)) {
+            let (energy, zones) = row.split_last_mut().expect("a reward has a part");
+            let served: f32 = credits.iter().take(zones.len()).sum();
+            match served > 0.0 {
+                true => zones.iter_mut().zip(credits).for_each(|(share, credit)| *share = credit / served),
+                false => *energy = 1.0,
+            }
+            row.iter_mut().for_each(|share| *share /= actuators as f32);
+        }
+        Self { shares, before: vec![0.0; actuators] }
+    }
+
+    /// Takes the travel so far, before a step.
+    pub(crate) fn before_step(&mut self, metrics: &Metrics) {
+        self.before.copy_from_slice(&metrics.travel);
+    }
+
+    /// Subtracts the cost of the step from the parts of its reward: `cost` for a full stroke, averaged over the actuators.
+    pub(crate) fn subtract(&self, metrics: &Metrics, cost: f32, rewards: &mut [f32]) {
+        let strokes = metrics.travel.iter().zip(&self.before).map(|(after, before)| (after - before) as f32);
+        for (strokes, shares) in strokes.zip(self.shares.chunks_exact(rewards.len())) {
+            rewards.iter_mut().zip(shares).for_each(|(reward, share)| *reward -= cost * share * strokes);
+        }
+    }
+}
