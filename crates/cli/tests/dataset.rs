@@ -66,7 +66,7 @@ fn parquet_equals_csv(folder: &Path) {
 fn the_same_arguments_generate_the_same_bytes_in_two_processes() {
     let folder = tempfile::tempdir().unwrap();
     for arguments in
-        ["generate Warehouse --count 3 --seed 7 --place Miami Denver", "generate SingleFamilyHouse --count 3"]
+        ["generate Warehouse --count 3 --seed 7 --place Miami --place Denver", "generate SingleFamilyHouse --count 3"]
     {
         for (out, jobs) in [("one", 1), ("two", 2)] {
             let said = json(folder.path(), &format!("{arguments} --out {out} --jobs {jobs}"));
