@@ -65,9 +65,10 @@ fn parquet_equals_csv(folder: &Path) {
 #[test]
 fn the_same_arguments_generate_the_same_bytes_in_two_processes() {
     let folder = tempfile::tempdir().unwrap();
-    for arguments in
-        ["generate Warehouse --count 3 --seed 7 --place Miami --place Denver", "generate SingleFamilyHouse --count 3"]
-    {
+    for arguments in [
+        "generate Warehouse --count 3 --seed 7 --place Miami --place Denver",
+        "generate SingleFamilyHouse --count 3",
+    ] {
         for (out, jobs) in [("one", 1), ("two", 2)] {
             let said = json(folder.path(), &format!("{arguments} --out {out} --jobs {jobs}"));
             assert_eq!((said["written"].as_u64(), said["kept"].as_u64()), (Some(3), Some(0)));

@@ -66,7 +66,7 @@ impl LockstepCollector {
     /// Begins the first episodes. `correlation` is that of the exploration noise between consecutive steps.
     ///
     /// # Errors
-    /// [`Error::Env`] when an environment cannot begin.
+    /// [`Error::Env`](crate::Error::Env) when an environment cannot begin.
     pub fn new(
         mut environments: VecEnv,
         interface: Interface,

@@ -133,7 +133,10 @@ mod tests {
     #[test]
     fn a_problem_sets_its_training_side_and_its_budget() {
         let houses = of("dynamics-house").unwrap();
-        assert_eq!((&houses.building_type[..], houses.buildings.len()), (&["SingleFamilyHouse".to_owned()][..], 0));
+        assert_eq!(
+            (&houses.building_type[..], houses.buildings.len()),
+            (&["SingleFamilyHouse".to_owned()][..], 0)
+        );
         assert_eq!((houses.task.as_str(), houses.steps), ("constant", 4_000_000));
         houses.check().unwrap();
         let goals = of("goal-setpoint-mode").unwrap();
