@@ -227,17 +227,15 @@ impl TrainConfig {
     }
 
     fn with_table(&self, mut changes: Table) -> std::result::Result<Self, String> {
-        let base = match changes.remove("preset") {
-            Some(Value::String(name)) => Self::preset(&name).map_err(|error| error.to_string())?,
+        let said = |error: Error| error.to_string();
+        let (base, problem) = match changes.remove("preset") {
+            // A preset is for no problem.
+            Some(Value::String(name)) => (Self::preset(&name).map_err(said)?, self.problem.clone()),
             Some(other) => return Err(format!("`preset` is {other}; expected a name")),
-            None => self.clone(),
+            None => (self.clone(), String::new()),
         };
-        let base = match changes.get("problem") {
-            Some(Value::String(name)) if !name.is_empty() => {
-                base.with_problem(name).map_err(|error| error.to_string())?
-            }
-            _ => base,
-        };
+        let problem = changes.get("problem").and_then(Value::as_str).unwrap_or(&problem);
+        let base = if problem.is_empty() { base } else { base.with_problem(problem).map_err(said)? };
         let algorithm = changes.get("algorithm").and_then(|name| name.as_str()?.parse().ok());
         let base = match algorithm {
             Some(algorithm) => base.with_algorithm(algorithm),

@@ -149,6 +149,8 @@ mod tests {
         let file = TrainConfig { steps: 1000, ..goals };
         assert_eq!(TrainConfig::default().with_changes(&file.to_toml()).unwrap(), file);
         file.check().unwrap();
+        let preset = of("dynamics-house").unwrap().with_changes("preset = \"paper\"").unwrap();
+        assert_eq!(preset, paper, "a preset in a file keeps the problem");
     }
 
     #[test]
