@@ -207,6 +207,6 @@ fn a_sample_is_drawn_anew_unless_its_seed_is_given_and_is_never_empty() {
     assert_ne!(seed(""), seed(""));
     assert_eq!(seed("--sample-seed 7"), 7);
     let none = b2b(judged.folder.path(), "benchmark verify result --episodes 0");
-    assert_eq!(none.status.code(), Some(1));
+    assert_eq!(none.status.code(), Some(2));
     assert!(both_outputs(&none).contains("at least 1"), "{}", both_outputs(&none));
 }
