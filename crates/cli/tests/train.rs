@@ -151,7 +151,7 @@ fn a_run_for_a_problem_trains_on_its_side_and_enters_it() {
     std::fs::write(path.join("mine.json"), PROBLEM).unwrap();
     let train = "train --problem mine.json --config small.toml --out run";
     let summary = json(path, &format!("{train} --steps 768"));
-    let scores = summary["buildings"].as_array().unwrap();
+    let scores = summary["by_building"].as_array().unwrap();
     let tasks: Vec<_> = scores.iter().map(|each| each["task"].as_str().unwrap()).collect();
     assert_eq!(tasks, ["constant", "occupancy+energy0.5"]);
     let agent: Value = serde_json::from_slice(&std::fs::read(path.join("run/agent.json")).unwrap()).unwrap();
