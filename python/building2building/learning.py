@@ -95,9 +95,10 @@ def train(
     ``buildings`` are trained on in turn; with ``building_type`` every episode has another building of its training
     split, and with ``problem`` the run is for a benchmark problem, whose training side it does not go beyond.
     Several types are for the preset ``"graph"``, whose agents control buildings of any types.
-    ``preset`` is ``"residual"``, ``"paper"`` or ``"graph"``; ``options`` are any others of a run's ``config.toml``, such as
-    ``environments=4`` or ``ppo={"gamma": 0.99}``. ``out`` is the folder of the run, which is the agent's. A folder that
-    has a run with the same options continues from its last checkpoint; with ``resume`` only ``steps`` can be given.
+    ``preset`` is ``"residual"``, ``"paper"`` or ``"graph"``; ``options`` are any others of a run's ``config.toml``,
+    such as ``environments=4`` or ``ppo={"gamma": 0.99}``. ``out`` is the folder of the run, which is the agent's. A
+    folder that has a run with the same options continues from its last checkpoint; with ``resume`` only ``steps`` can
+    be given.
 
     ``callback`` is called with the numbers of every update; when it returns ``False``, or at Ctrl-C, the run writes a
     checkpoint and ends with ``KeyboardInterrupt``.
