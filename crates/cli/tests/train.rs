@@ -280,8 +280,8 @@ fn a_full_disk_is_said_and_leaves_the_last_checkpoint_whole() {
     let path = folder.path();
     assert!(b2b(path, &train("whole")).status.success());
     // The checkpoint has 400 kB, a row of the table 300 bytes.
-    for (run, bytes, file) in
-        [("first", 200_000, "checkpoint.safetensors"), ("second", 1_500, "progress.csv")]
+    for (run, bytes, lost) in
+        [("first", 200_000, "checkpoint.safetensors"), ("second", 1_500, "the progress of this update")]
     {
         let mut ignoring = Command::new("bash");
         let arguments = train(run);
@@ -292,8 +292,8 @@ fn a_full_disk_is_said_and_leaves_the_last_checkpoint_whole() {
         let output = process.wait_with_output().unwrap();
         let said = both_outputs(&output);
         assert_eq!(output.status.code(), Some(1), "{said}");
-        let warning = said.lines().find(|line| line.starts_with("warning: ") && line.contains(file));
-        let warning = warning.unwrap_or_else(|| panic!("no warning of {file}: {said}"));
+        let warning = said.lines().find(|line| line.starts_with("warning: ") && line.contains(lost));
+        let warning = warning.unwrap_or_else(|| panic!("no warning of {lost}: {said}"));
         assert!(warning.contains("could not be saved") && warning.contains("File too large"), "{said}");
         assert_eq!(said.matches(warning).count(), 1, "it is said once: {said}");
         assert!(said.lines().any(|line| line.starts_with("error: ")), "{said}");

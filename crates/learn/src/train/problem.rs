@@ -9,6 +9,7 @@ use b2b_building::BuildingType;
 use b2b_dataset::BuildingName;
 
 use super::config::TrainConfig;
+use super::policy::Policy;
 use crate::error::{Error, Result};
 
 impl TrainConfig {
@@ -21,22 +22,30 @@ impl TrainConfig {
     pub fn with_problem(self, name: &str) -> Result<Self> {
         let problem = read(name)?;
         let (side, protocol) = (&problem.train, &problem.protocol);
-        let building_type = one_type(&problem)?;
-        let whole_split =
-            Buildings::Subset { types: vec![building_type], subset: Subset::Train, count: None };
+        let types = types(&problem, &self.policy)?;
+        let whole_split = Buildings::Subset { types: types.clone(), subset: Subset::Train, count: None };
         let buildings = match side.buildings == whole_split {
             true => Vec::new(),
             false => side.buildings.ids().iter().map(ToString::to_string).collect(),
         };
-        let mut observation = self.observation;
-        observation.attributes |= protocol.attributes == Attributes::Given;
-        let is_house = building_type == BuildingType::SingleFamilyHouse;
-        if is_house && protocol.observation.is_roles() && observation.form == ObservationForm::Raw {
-            observation.form = ObservationForm::Roles;
+        let (mut observation, mut policy) = (self.observation, self.policy.clone());
+        let are_given = protocol.attributes == Attributes::Given;
+        let has_roles = types == [BuildingType::SingleFamilyHouse] && protocol.observation.is_roles();
+        match &mut policy {
+            Policy::Graph(graph) => graph.attributes |= are_given,
+            Policy::Flat => {
+                observation.attributes |= are_given;
+                if has_roles && observation.form == ObservationForm::Raw {
+                    observation.form = ObservationForm::Roles;
+                }
+            }
         }
         let tasks: Vec<String> = side.tasks.iter().map(ToString::to_string).collect();
         Ok(Self {
-            building_type: if buildings.is_empty() { vec![building_type.to_string()] } else { Vec::new() },
+            building_type: match buildings.is_empty() {
+                true => types.iter().map(ToString::to_string).collect(),
+                false => Vec::new(),
+            },
             buildings,
             problem: name.to_owned(),
             task: tasks.join(","),
@@ -44,6 +53,7 @@ impl TrainConfig {
             steps_per_hour: protocol.steps_per_hour,
             steps: protocol.training_steps,
             observation,
+            policy,
             ..self
         })
     }
@@ -79,7 +89,11 @@ impl TrainConfig {
             let most = format!("at most {}", protocol.training_steps);
             return Err(beyond(&problem, "steps", &self.steps, &most));
         }
-        if self.observation.attributes && protocol.attributes == Attributes::Withheld {
+        let observes_attributes = match &self.policy {
+            Policy::Graph(graph) => graph.attributes,
+            Policy::Flat => self.observation.attributes,
+        };
+        if observes_attributes && protocol.attributes == Attributes::Withheld {
             return Err(beyond(&problem, "attributes", &"given", &protocol.attributes));
         }
         Ok(())
@@ -91,23 +105,24 @@ fn read(name: &str) -> Result<Problem> {
     Ok(if is_file { Problem::read(Path::new(name))? } else { Problem::named(name)? })
 }
 
-/// Returns the one building type of a problem, all of whose buildings have the same observation and actuators.
-fn one_type(problem: &Problem) -> Result<BuildingType> {
-    let unsuitable = |why: &str| {
-        let problem = &problem.name;
-        Error::Invalid(format!(
-            "no agent can be trained for {problem}: {why}; an agent has one network, for one observation and one set of \
-             actuators"
-        ))
-    };
+/// Returns the building types that are trained on for a problem: one, with the same observation and actuators in all buildings,
+/// unless the network is a graph.
+fn types(problem: &Problem, policy: &Policy) -> Result<Vec<BuildingType>> {
+    let name = &problem.name;
     let [train, test] = [&problem.train, &problem.test];
     if train.restriction.is_some() || test.restriction.is_some() {
-        return Err(unsuitable("it withholds actuators in training or in the test"));
+        let why =
+            format!("no agent can be trained for {name}: it withholds actuators, and an agent controls all");
+        return Err(Error::Invalid(why));
     }
-    match train.buildings.types()[..] {
-        [building_type] if test.buildings.types() == [building_type] => Ok(building_type),
-        _ => Err(unsuitable("its buildings are of several types")),
+    let types = train.buildings.types();
+    if *policy == Policy::Flat && (types.len() > 1 || test.buildings.types() != types) {
+        let why = format!(
+            "the buildings of {name} are of several types, which are for graph networks; choose the preset graph"
+        );
+        return Err(Error::Invalid(why));
     }
+    Ok(types)
 }
 
 fn beyond(
@@ -179,11 +194,14 @@ mod tests {
     }
 
     #[test]
-    fn a_problem_with_several_types_or_withheld_actuators_is_not_for_agents() {
+    fn several_types_are_for_graph_networks_and_withheld_actuators_for_no_agent() {
         for (problem, why) in [("unitary-10-5", "withholds actuators"), ("four-types", "several types")] {
             let said = of(problem).unwrap_err().to_string();
             assert!(said.contains(problem) && said.contains(why), "{said}");
         }
+        let graph = TrainConfig::preset("graph").unwrap().with_problem("four-types").unwrap();
+        assert_eq!(graph.building_type.len(), 4);
+        graph.check().unwrap();
         assert!(of("dynamics-hose").unwrap_err().to_string().contains("dynamics-house"));
     }
 }
