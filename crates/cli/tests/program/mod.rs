@@ -1,6 +1,8 @@
 //! The `b2b` program, run in a folder.
 #![allow(dead_code, reason = "every test file uses some of it")]
 
+pub mod sandbox;
+
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::time::Duration;

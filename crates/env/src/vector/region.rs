@@ -14,9 +14,12 @@ use std::time::Duration;
 
 use memmap2::{MmapOptions, MmapRaw};
 use rustix::fs::{FallocateFlags, MemfdFlags};
-use rustix::thread::futex::{self, Timespec};
 
 use super::episode_options::EpisodeOptions;
+
+mod futex;
+mod owner;
+mod worker;
 
 /// How often a waiting owner looks whether the workers it waits for are alive.
 pub(super) const LOOK: Duration = Duration::from_millis(50);
@@ -336,144 +339,6 @@ impl Region {
         let exit = self.slot(slot).exit.load(Ordering::Acquire);
         (exit & EXITED != 0).then_some((exit & !EXITED) as i32)
     }
-}
-
-/// The owner's side.
-impl Region {
-    /// Initializes a slot for a worker to come: busy until the worker reports.
-    pub(super) fn init(&self, slot: u32, options: EpisodeOptions) {
-        let entry = self.slot(slot);
-        let Ticket { generation, .. } = self.ticket(slot);
-        entry.report_bytes.store(0, Ordering::Relaxed);
-        entry.exit.store(0, Ordering::Relaxed);
-        let steps = options.max_steps.map_or(0, |steps| steps.clamp(1, u32::MAX as usize) as u32);
-        entry.steps.store(steps, Ordering::Relaxed);
-        entry.processor.store(options.processor.map_or(0, |processor| processor + 1), Ordering::Relaxed);
-        entry.finish_run.store(options.finish_run.into(), Ordering::Relaxed);
-        entry.status.store(Status::Running as u32, Ordering::Relaxed);
-        entry.state.store(BUSY, Ordering::Relaxed);
-        entry.occupant.store(pack(generation.wrapping_add(1), 0), Ordering::Release);
-    }
-
-    /// Takes a slot back from a worker that has not attached yet and now never can. False if it has attached.
-    pub(super) fn revoke(&self, slot: u32) -> bool {
-        let Ticket { generation, .. } = self.ticket(slot);
-        let (awaited, next) = (pack(generation, 0), pack(generation.wrapping_add(1), 0));
-        let occupant = &self.slot(slot).occupant;
-        occupant.compare_exchange(awaited, next, Ordering::AcqRel, Ordering::Acquire).is_ok()
-    }
-
-    /// Reports a failure in the name of a worker that never attached.
-    pub(super) fn fail(&self, slot: u32, why: &str) {
-        self.write_report(slot, why.as_bytes());
-        self.set_status(slot, Status::Failed);
-        self.slot(slot).state.store(READY, Ordering::Release);
-    }
-
-    /// Gives a command to the worker of a slot that is ready.
-    pub(super) fn command(&self, slot: u32, command: Command) {
-        let slot = self.slot(slot);
-        slot.command.store(command as u32, Ordering::Relaxed);
-        slot.state.store(BUSY, Ordering::Release);
-        wake(&slot.state);
-    }
-
-    /// Lists the slots for [`Command::Copy`].
-    pub(super) fn list_copies(&self, slot: u32, copies: &[u32]) {
-        let entry = self.slot(slot);
-        for (item, copy) in entry.copy_list.iter().zip(copies) {
-            let Ticket { slot, generation } = self.ticket(*copy);
-            item.store(pack(generation, slot), Ordering::Relaxed);
-        }
-        entry.copies.store(copies.len() as u32, Ordering::Relaxed);
-    }
-
-    /// Whether the owner holds a slot.
-    pub(super) fn is_ready(&self, slot: u32) -> bool {
-        self.slot(slot).state.load(Ordering::Acquire) == READY
-    }
-
-    /// Commands carried out so far: to be read before slots are looked at, and given to [`Region::sleep`].
-    pub(super) fn done(&self) -> u32 {
-        self.bell().done.load(Ordering::SeqCst)
-    }
-
-    /// Sleeps until `more` commands after `done` are carried out, or the time is over, or a signal comes.
-    pub(super) fn sleep(&self, done: u32, more: u32, at_most: Duration) {
-        let bell = self.bell();
-        bell.wanted.store(done.wrapping_add(more), Ordering::SeqCst);
-        let now = bell.done.load(Ordering::SeqCst);
-        if (now.wrapping_sub(done) as i32) < more as i32 {
-            wait(&bell.done, now, at_most);
-        }
-    }
-}
-
-/// A worker's side.
-impl Region {
-    /// Attaches this process to a slot. False if the slot was given to another meanwhile.
-    pub(super) fn attach(&self, Ticket { slot, generation }: Ticket) -> bool {
-        let (awaited, own) = (pack(generation, 0), pack(generation, std::process::id()));
-        let occupant = &self.slot(slot).occupant;
-        occupant.compare_exchange(awaited, own, Ordering::AcqRel, Ordering::Acquire).is_ok()
-    }
-
-    /// Hands the slot back to the owner, and rings the bell if that is the last it waits for.
-    pub(super) fn hand_back(&self, slot: u32) {
-        let slot = self.slot(slot);
-        slot.state.store(READY, Ordering::Release);
-        let bell = self.bell();
-        let done = bell.done.fetch_add(1, Ordering::SeqCst).wrapping_add(1);
-        if done.wrapping_sub(bell.wanted.load(Ordering::SeqCst)) as i32 >= 0 {
-            wake(&bell.done);
-        }
-    }
-
-    /// Waits for a command; `None` when there is none for a time, or a signal comes.
-    pub(super) fn next_command(&self, slot: u32, at_most: Duration) -> Option<Command> {
-        let slot = self.slot(slot);
-        if slot.state.load(Ordering::Acquire) == READY {
-            wait(&slot.state, READY, at_most);
-            if slot.state.load(Ordering::Acquire) == READY {
-                return None;
-            }
-        }
-        Some(match slot.command.load(Ordering::Relaxed) {
-            0 => Command::Step,
-            1 => Command::Copy,
-            _ => Command::Fragment,
-        })
-    }
-
-    /// The slots listed for copies, those left out that were revoked meanwhile.
-    pub(super) fn copies(&self, slot: u32) -> Vec<Ticket> {
-        let entry = self.slot(slot);
-        let count = (entry.copies.load(Ordering::Relaxed) as usize).min(COPIES);
-        let listed = entry.copy_list.iter().take(count).map(|item| {
-            let (generation, slot) = unpack(item.load(Ordering::Relaxed));
-            Ticket { slot, generation }
-        });
-        listed.filter(|ticket| self.ticket(ticket.slot) == *ticket).collect()
-    }
-
-    /// Keeps the wait status of a process that was attached to a slot.
-    pub(super) fn record_exit(&self, process: u32, status: i32) {
-        let slots = self.bell().slots.load(Ordering::SeqCst);
-        if let Some(slot) = (0..slots).find(|slot| self.process(*slot) == process) {
-            self.slot(slot).exit.store(status as u32 | EXITED, Ordering::Release);
-        }
-    }
-}
-
-fn wait(word: &AtomicU32, value: u32, at_most: Duration) {
-    let time = Timespec { tv_sec: at_most.as_secs() as i64, tv_nsec: at_most.subsec_nanos().into() };
-    // Every way of waking up is followed by another look at the word.
-    let _ = futex::wait(word, futex::Flags::empty(), value, Some(&time));
-}
-
-fn wake(word: &AtomicU32) {
-    // Cannot fail on a valid address.
-    let _ = futex::wake(word, futex::Flags::empty(), 1);
 }
 
 #[cfg(test)]

@@ -9,6 +9,7 @@ mod blocks;
 mod building;
 mod collector;
 mod order;
+mod progress;
 mod runner;
 
 pub(crate) use building::GraphBuilding;

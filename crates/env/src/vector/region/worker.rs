@@ -1,0 +1,62 @@
+//! A worker's side of the region.
+
+use std::sync::atomic::Ordering;
+use std::time::Duration;
+
+use super::futex::{wait, wake};
+use super::{COPIES, Command, EXITED, READY, Region, Ticket, pack, unpack};
+
+impl Region {
+    /// Attaches this process to a slot. False if the slot was given to another meanwhile.
+    pub(in crate::vector) fn attach(&self, Ticket { slot, generation }: Ticket) -> bool {
+        let (awaited, own) = (pack(generation, 0), pack(generation, std::process::id()));
+        let occupant = &self.slot(slot).occupant;
+        occupant.compare_exchange(awaited, own, Ordering::AcqRel, Ordering::Acquire).is_ok()
+    }
+
+    /// Hands the slot back to the owner, and rings the bell if that is the last it waits for.
+    pub(in crate::vector) fn hand_back(&self, slot: u32) {
+        let slot = self.slot(slot);
+        slot.state.store(READY, Ordering::Release);
+        let bell = self.bell();
+        let done = bell.done.fetch_add(1, Ordering::SeqCst).wrapping_add(1);
+        if done.wrapping_sub(bell.wanted.load(Ordering::SeqCst)) as i32 >= 0 {
+            wake(&bell.done);
+        }
+    }
+
+    /// Waits for a command; `None` when there is none for a time, or a signal comes.
+    pub(in crate::vector) fn next_command(&self, slot: u32, at_most: Duration) -> Option<Command> {
+        let slot = self.slot(slot);
+        if slot.state.load(Ordering::Acquire) == READY {
+            wait(&slot.state, READY, at_most);
+            if slot.state.load(Ordering::Acquire) == READY {
+                return None;
+            }
+        }
+        Some(match slot.command.load(Ordering::Relaxed) {
+            0 => Command::Step,
+            1 => Command::Copy,
+            _ => Command::Fragment,
+        })
+    }
+
+    /// The slots listed for copies, those left out that were revoked meanwhile.
+    pub(in crate::vector) fn copies(&self, slot: u32) -> Vec<Ticket> {
+        let entry = self.slot(slot);
+        let count = (entry.copies.load(Ordering::Relaxed) as usize).min(COPIES);
+        let listed = entry.copy_list.iter().take(count).map(|item| {
+            let (generation, slot) = unpack(item.load(Ordering::Relaxed));
+            Ticket { slot, generation }
+        });
+        listed.filter(|ticket| self.ticket(ticket.slot) == *ticket).collect()
+    }
+
+    /// Keeps the wait status of a process that was attached to a slot.
+    pub(in crate::vector) fn record_exit(&self, process: u32, status: i32) {
+        let slots = self.bell().slots.load(Ordering::SeqCst);
+        if let Some(slot) = (0..slots).find(|slot| self.process(*slot) == process) {
+            self.slot(slot).exit.store(status as u32 | EXITED, Ordering::Release);
+        }
+    }
+}

@@ -1,0 +1,89 @@
+//! Progress of one environment in a collection.
+
+use std::sync::Arc;
+
+use super::building::GraphBuilding;
+use crate::rollout::{End, Scene};
+
+/// Progress of one environment in a collection.
+#[derive(Clone, Debug)]
+pub(super) struct Progress {
+    pub(super) phase: Phase,
+    /// Steps of the rollout.
+    pub(super) done: usize,
+    /// Fragments that the rollout has of this environment.
+    pub(super) fragments: u64,
+    /// Factor of the rewards of the episode in progress.
+    pub(super) scale: f32,
+    /// Attributes that the agent observes of its building.
+    pub(super) attributes: Vec<f64>,
+    /// Factors of the rewards of the rollout, each from a step on.
+    pub(super) scales: Vec<(usize, f32)>,
+    pub(super) ends: Vec<End>,
+    /// Building of the episode in progress, for a graph network.
+    pub(super) building: Option<GraphBuilding>,
+    /// Buildings of the rollout, each from a step on.
+    pub(super) scenes: Vec<Scene>,
+    /// Episodes begun since the first reset.
+    pub(super) episodes: u64,
+    /// Actions of the episode in progress.
+    pub(super) actions: Vec<f32>,
+    pub(super) lost_in_a_row: u32,
+    /// Time spent on actions and on all steps of the rollout, s.
+    pub(super) times: [f32; 2],
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Phase {
+    /// Ready for a fragment.
+    Ready,
+    /// In a fragment.
+    Running,
+    /// Between two episodes.
+    Starting,
+}
+
+impl Progress {
+    pub(super) fn new(scale: f32, building: Option<GraphBuilding>, attributes: Vec<f64>) -> Self {
+        Self {
+            building,
+            scenes: Vec::new(),
+            phase: Phase::Ready,
+            done: 0,
+            fragments: 0,
+            scale,
+            attributes,
+            scales: Vec::new(),
+            ends: Vec::new(),
+            episodes: 1,
+            actions: Vec::new(),
+            lost_in_a_row: 0,
+            times: [0.0; 2],
+        }
+    }
+
+    pub(super) fn begin_rollout(&mut self, environment: usize) {
+        (self.done, self.fragments, self.times) = (0, 0, [0.0; 2]);
+        self.ends.clear();
+        self.scales.clear();
+        self.scenes.clear();
+        self.begin_scene(environment);
+    }
+
+    /// Notes scale and building from this step on.
+    pub(super) fn begin_scene(&mut self, environment: usize) {
+        self.scales.push((self.done, self.scale));
+        if let Some(GraphBuilding { graph, .. }) = &self.building {
+            self.scenes.retain(|scene| scene.step < self.done);
+            self.scenes.push(Scene { environment, step: self.done, graph: Arc::clone(graph) });
+        }
+    }
+
+    /// Multiplies the rewards of the rollout by the factors of their steps.
+    pub(super) fn scale_rewards(&self, rewards: &mut [f32], parts: usize) {
+        for (index, (from, scale)) in self.scales.iter().enumerate() {
+            let to = self.scales.get(index + 1).map_or(rewards.len(), |(step, _)| step * parts);
+            rewards[from * parts..to].iter_mut().for_each(|reward| *reward *= scale);
+        }
+    }
+}
