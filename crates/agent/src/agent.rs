@@ -57,6 +57,11 @@ impl Agent {
         &self.name
     }
 
+    /// Its folder.
+    pub(crate) fn folder(&self) -> &Path {
+        &self.folder
+    }
+
     /// What it observes and controls, and how it was trained.
     pub fn info(&self) -> &AgentInfo {
         &self.info

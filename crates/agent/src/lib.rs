@@ -7,6 +7,7 @@
 mod acting;
 mod agent;
 mod aside;
+mod description;
 mod error;
 mod folder;
 mod info;
@@ -19,6 +20,7 @@ pub mod protobuf;
 pub use acting::Acting;
 pub use agent::{Agent, AgentController};
 pub use aside::write_whole;
+pub use description::ControllerDescription;
 pub use error::{Error, Result};
 pub use folder::{FILES, INFO};
 pub use info::{AgentInfo, FORMAT, TrainingInfo};

@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use b2b_building::PreparedBuilding;
 use b2b_dataset::Catalog;
 use b2b_energyplus::install::Quiet;
-use b2b_env::vector::{Setting, Source, WorkerOptions, Workers};
+use b2b_env::vector::{RolloutMemory, Setting, Source, WorkerOptions, Workers};
 
 use super::episode::Episode;
 use super::parallel::Evaluation;
@@ -35,6 +35,8 @@ pub(super) struct Located {
 /// A pool of processes with a building.
 pub(super) struct Bench {
     pub(super) workers: Workers,
+    /// For the records of its episodes.
+    pub(super) memory: RolloutMemory,
     pub(super) located: Arc<Located>,
     /// Shared by its episodes, so that they share what is prepared.
     source: Arc<Source>,
@@ -103,7 +105,8 @@ impl Bench {
             template_memory: 0,
             ..WorkerOptions::new(evaluation.launcher.clone(), evaluation.catalog.library().path())
         };
-        Ok(Self { workers: Workers::new(options)?, located, source, prepared: None })
+        let workers = Workers::new(options)?;
+        Ok(Self { memory: RolloutMemory::new(&workers), workers, located, source, prepared: None })
     }
 
     /// An episode of the building.

@@ -25,13 +25,17 @@ pub(super) fn run(bench: &mut Bench, episode: &Episode, work: &Work<'_>) -> Resu
         seed: episode.seed,
         episode: &mut environment,
     };
+    let description = work.policy.description(&context)?;
     let mut controller = policy::controller(work.policy, context)?;
     let mut recorder = Recorder::new(&spaces, work);
-    let metrics =
-        rollout(&mut environment, controller.as_mut(), &mut recorder).map_err(|error| match error {
-            b2b_env::Error::Interrupted => Error::Interrupted,
-            error => error.into(),
-        })?;
+    let ran = match description {
+        Some(description) => environment.rollout(&description, &mut bench.memory, &mut recorder),
+        None => rollout(&mut environment, controller.as_mut(), &mut recorder),
+    };
+    let metrics = ran.map_err(|error| match error {
+        b2b_env::Error::Interrupted => Error::Interrupted,
+        error => error.into(),
+    })?;
     let info = EpisodeInfo::of_run(episode, work.policy, &spaces, &bench.located.site);
     let finished = Finished::new(info, &spaces, &metrics, &recorder.recording);
     bench.prepared.get_or_insert_with(|| Arc::clone(&spaces.building));

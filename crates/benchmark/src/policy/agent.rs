@@ -2,6 +2,7 @@
 
 use b2b_agent::Agent;
 use b2b_control::Controller;
+use serde_json::Value;
 
 use super::interface::{EpisodeContext, Policy};
 use crate::Result;
@@ -18,6 +19,11 @@ impl Policy for Agent {
 
     fn ignores_interface(&self) -> bool {
         true
+    }
+
+    fn description(&self, context: &EpisodeContext<'_>) -> Result<Option<Value>> {
+        let description = self.description(context.spaces)?;
+        Ok(description.map(|it| serde_json::to_value(it).expect("JSON has numbers, texts and lists")))
     }
 
     fn controller(&self, context: EpisodeContext<'_>) -> Result<Box<dyn Controller>> {

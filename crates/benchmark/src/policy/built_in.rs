@@ -3,7 +3,10 @@
 use std::fmt;
 use std::str::FromStr;
 
-use b2b_control::{Constant, Controller, Planner, PlannerParameters, Random, Reactive, Replay};
+use b2b_control::{
+    Constant, Controller, Planner, PlannerParameters, Random, Reactive, ReactiveParameters, Replay,
+};
+use serde_json::Value;
 
 use super::interface::{EpisodeContext, Policy};
 use crate::tuned::controller_parameters;
@@ -68,6 +71,10 @@ impl Policy for BuiltIn {
         matches!(self, Self::Reactive | Self::Planner)
     }
 
+    fn description(&self, context: &EpisodeContext<'_>) -> Result<Option<Value>> {
+        Ok((*self == Self::Reactive).then(|| Reactive::description(&parameters(context))))
+    }
+
     fn controller(&self, context: EpisodeContext<'_>) -> Result<Box<dyn Controller>> {
         let space = &context.interface.action;
         Ok(match self {
@@ -80,9 +87,13 @@ impl Policy for BuiltIn {
 }
 
 fn reactive(context: &EpisodeContext<'_>) -> Reactive {
-    let EpisodeContext { subject, site, spaces, .. } = context;
-    let parameters = controller_parameters(subject, site, &spaces.episode.task);
-    Reactive::new(&spaces.building, &spaces.observation, spaces.episode.steps_per_hour, &parameters)
+    let spaces = context.spaces;
+    let steps_per_hour = spaces.episode.steps_per_hour;
+    Reactive::new(&spaces.building, &spaces.observation, steps_per_hour, &parameters(context))
+}
+
+fn parameters(context: &EpisodeContext<'_>) -> ReactiveParameters {
+    controller_parameters(context.subject, context.site, &context.spaces.episode.task)
 }
 
 /// Plans the whole episode on copies of it; the plan is replayed afterwards.

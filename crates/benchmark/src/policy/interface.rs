@@ -6,6 +6,7 @@ use b2b_control::Controller;
 use b2b_env::ActionSpace;
 use b2b_env::Spaces;
 use b2b_env::vector;
+use serde_json::Value;
 
 use crate::{Result, SiteInfo, Subject};
 
@@ -31,6 +32,15 @@ pub trait Policy: Sync {
     /// Returns the width of the observations that the policy expects, if it is known.
     fn observation_width(&self) -> Option<usize> {
         None
+    }
+
+    /// Returns the description from which a worker makes the same controller of a whole building, if it can: the episode
+    /// then runs without a hand-over of every step.
+    ///
+    /// # Errors
+    /// As [`Policy::controller`].
+    fn description(&self, _context: &EpisodeContext<'_>) -> Result<Option<Value>> {
+        Ok(None)
     }
 
     /// Makes a controller for one episode. The controller keeps the state it needs.

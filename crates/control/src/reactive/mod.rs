@@ -13,6 +13,7 @@ use std::ops::Range;
 use b2b_building::PreparedBuilding;
 use b2b_building::hvac::{HeatingOnly, ServedZone, System, SystemLayout};
 use b2b_env::{Controller, Environment, ObservationSpace, Target};
+use serde_json::{Value, json};
 
 pub use air_loop::AirLoopParameters;
 pub use parameters::ReactiveParameters;
@@ -67,6 +68,11 @@ impl Reactive {
             (control, layout.actions.clone())
         };
         Self { systems: building.laid_out_systems().map(control).collect() }
+    }
+
+    /// Returns the description from which a worker makes the controllers: see [`Episode::rollout`](b2b_env::vector::Episode::rollout).
+    pub fn description(parameters: &ReactiveParameters) -> Value {
+        json!({ "reactive": parameters })
     }
 
     /// Creates controllers for an environment, with the parameters tuned for its class of buildings and the objective of its

@@ -8,7 +8,7 @@ use b2b_energyplus::install::Progress;
 use b2b_env::vector::{Episode, Setting, Source, WorkerOptions, Workers, recv};
 use b2b_env::{Environment, EpisodeConfig, Metrics, Task};
 
-use crate::{Controller, Error, Reactive, ReactiveParameters, Result};
+use crate::{Error, Reactive, ReactiveParameters, Result};
 
 const STEPS_PER_HOUR: u32 = 12;
 
@@ -18,13 +18,6 @@ pub struct Rollouts {
     workers: Workers,
     /// The settings of each building, for each task one for each period.
     settings: Vec<Vec<Setting>>,
-}
-
-/// The controller of an episode in progress.
-struct Run {
-    building: String,
-    controller: Reactive,
-    action: Vec<f64>,
 }
 
 impl Rollouts {
@@ -69,40 +62,27 @@ impl Rollouts {
     /// # Errors
     /// [`Error::Lost`] when an episode is lost; [`Error::Env`].
     pub fn run(&mut self, parameters: &ReactiveParameters, building: usize) -> Result<Vec<Metrics>> {
-        let (mut episodes, mut runs) = (Vec::new(), Vec::new());
+        let controller = Reactive::description(parameters);
+        let mut episodes = Vec::new();
         for setting in &self.settings[building] {
             let mut episode = self.workers.episode(setting)?;
             episode.begin()?;
-            let spaces = episode.spaces();
-            let controller = Reactive::new(&spaces.building, &spaces.observation, STEPS_PER_HOUR, parameters);
-            let (building, action) = (setting.source.name().to_owned(), vec![0.0; spaces.action.len()]);
-            runs.push(Run { building, controller, action });
             episodes.push(episode);
         }
-        finish(&mut episodes, &mut runs)?;
+        wait_for(&mut episodes)?;
+        episodes.iter_mut().try_for_each(|episode| episode.send_rollout(&controller))?;
+        wait_for(&mut episodes)?;
         Ok(episodes.iter().filter_map(|episode| episode.metrics().cloned()).collect())
     }
 }
 
-/// Steps episodes to their ends, each as it comes.
-fn finish(episodes: &mut [Episode], runs: &mut [Run]) -> Result<()> {
-    let mut ready = Vec::new();
-    let mut busy = episodes.len();
-    while busy > 0 {
-        // Half of them are enough to continue with: the others keep the processors busy meanwhile.
-        recv(episodes, busy.div_ceil(2), &mut ready)?;
-        for index in &ready {
-            let (episode, run) = (&mut episodes[*index], &mut runs[*index]);
-            if let Some(why) = episode.lost() {
-                return Err(Error::Lost { building: run.building.clone(), why: why.to_owned() });
-            }
-            if episode.is_truncated() {
-                busy -= 1;
-                continue;
-            }
-            run.controller.act(episode.observation(), &mut run.action);
-            episode.send(&run.action)?;
+/// Waits until no episode is busy.
+fn wait_for(episodes: &mut [Episode]) -> Result<()> {
+    recv(episodes, episodes.len(), &mut Vec::new())?;
+    match episodes.iter().find_map(|episode| Some((episode, episode.lost()?))) {
+        Some((episode, why)) => {
+            Err(Error::Lost { building: episode.setting().source.name().to_owned(), why: why.to_owned() })
         }
+        None => Ok(()),
     }
-    Ok(())
 }

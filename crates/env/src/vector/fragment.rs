@@ -60,4 +60,20 @@ impl SharedMemory {
     pub fn write(&self, place: usize, numbers: &[f32]) {
         self.0.write_shared(place, numbers);
     }
+
+    /// Reads f64 numbers, each in the place of two, from a place on.
+    ///
+    /// # Panics
+    /// When the place is beyond the memory.
+    pub(super) fn read_f64(&self, place: usize, numbers: &mut [f64]) {
+        self.0.read_shared_f64(place, numbers);
+    }
+
+    /// Writes f64 numbers, each in the place of two, from a place on.
+    ///
+    /// # Panics
+    /// When the place is beyond the memory.
+    pub(super) fn write_f64(&self, place: usize, numbers: &[f64]) {
+        self.0.write_shared_f64(place, numbers);
+    }
 }

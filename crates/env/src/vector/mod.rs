@@ -16,6 +16,7 @@ mod launcher;
 mod pool;
 mod population;
 mod region;
+mod rollout;
 mod sampler;
 mod setting;
 mod slots;
@@ -33,6 +34,7 @@ pub use form::{Arranged, Arrangement, EpisodeForm, Form, Padded, RowSlot, check_
 pub use fragment::{MakeRunner, Runner, RunnerError, SharedMemory};
 pub use launcher::Launcher;
 pub use population::{Buildings, Population};
+pub use rollout::{ControllerRunner, RolloutMemory, RolloutOrder};
 pub use sampler::{AnyOf, Draw, Fixed, InTurn, Kept, Sampler, Weighted, Windows, WithTask};
 pub use setting::{Setting, Source};
 pub use statistics::Statistics;

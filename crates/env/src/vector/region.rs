@@ -201,6 +201,25 @@ impl Region {
         }
     }
 
+    /// Reads f64 numbers that fragments share, each in the place of two.
+    pub(super) fn read_shared_f64(&self, place: usize, numbers: &mut [f64]) {
+        let shared = self.shared(place, 2 * numbers.len());
+        for (number, bits) in numbers.iter_mut().zip(shared.chunks_exact(2)) {
+            let [low, high] = [&bits[0], &bits[1]].map(|half| u64::from(half.load(Ordering::Relaxed)));
+            *number = f64::from_bits(high << 32 | low);
+        }
+    }
+
+    /// Writes f64 numbers that fragments share, each in the place of two.
+    pub(super) fn write_shared_f64(&self, place: usize, numbers: &[f64]) {
+        let shared = self.shared(place, 2 * numbers.len());
+        for (bits, number) in shared.chunks_exact(2).zip(numbers) {
+            let number = number.to_bits();
+            bits[0].store(number as u32, Ordering::Relaxed);
+            bits[1].store((number >> 32) as u32, Ordering::Relaxed);
+        }
+    }
+
     /// Steps of the last fragment.
     pub(super) fn fragment_steps(&self, slot: u32) -> usize {
         self.slot(slot).fragment_steps.load(Ordering::Relaxed) as usize

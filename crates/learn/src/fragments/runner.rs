@@ -2,9 +2,9 @@
 
 use std::time::{Duration, Instant};
 
-use b2b_agent::Pilot;
 use b2b_agent::network::{Actor, Distribution, Scratch};
-use b2b_env::vector::{Runner, RunnerError, SharedMemory};
+use b2b_agent::{ControllerDescription, Pilot};
+use b2b_env::vector::{ControllerRunner, RolloutOrder, Runner, RunnerError, SharedMemory};
 use b2b_env::{Env, Reward};
 
 use super::order::{Order, Use};
@@ -16,6 +16,11 @@ use crate::travel::TravelCost;
 /// # Errors
 /// When the order cannot be read.
 pub fn make_runner(env: &Env, order: &[u8]) -> Result<Box<dyn Runner>, RunnerError> {
+    if let Ok(RolloutOrder { controller, .. }) = serde_json::from_slice(order) {
+        let description: ControllerDescription = serde_json::from_value(controller)?;
+        let controller = description.controller(env.spaces())?;
+        return Ok(Box::new(ControllerRunner::new(controller, env)));
+    }
     let order: Order = serde_json::from_slice(order)?;
     let Order { interface, plan, attributes, .. } = &order;
     let mut pilot = Pilot::without_model(*interface, env.spaces(), plan.as_ref(), attributes)?;

@@ -1,0 +1,83 @@
+//! Controllers by description, from which a worker process makes them.
+
+use std::path::{Path, PathBuf, absolute};
+use std::sync::Arc;
+
+use b2b_control::{Controller, Reactive, ReactiveParameters};
+use b2b_env::Spaces;
+use serde::{Deserialize, Serialize};
+
+use crate::agent::{Agent, AgentController};
+use crate::error::at;
+use crate::observation::{NodePlan, attributes};
+use crate::pilot::Pilot;
+use crate::{Error, Result};
+
+/// Everything that it takes to make a controller of one building whose model has been dropped.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ControllerDescription {
+    /// The reactive controllers: see [`Reactive::description`].
+    Reactive(Box<ReactiveParameters>),
+    /// An agent in a folder.
+    Agent {
+        /// Its folder.
+        folder: PathBuf,
+        /// SHA-256 of its description and weights.
+        sha256: String,
+        /// The building, for a graph network.
+        plan: Option<NodePlan>,
+        /// Attributes of the building that it observes.
+        attributes: Vec<f64>,
+    },
+}
+
+impl ControllerDescription {
+    /// Makes the controller.
+    ///
+    /// # Errors
+    /// Those of [`Agent::read`] and [`Pilot::without_model`]; [`Error::Damaged`] for an agent that has changed since.
+    pub fn controller(&self, spaces: &Arc<Spaces>) -> Result<Box<dyn Controller>> {
+        Ok(match self {
+            Self::Reactive(parameters) => {
+                let steps_per_hour = spaces.episode.steps_per_hour;
+                Box::new(Reactive::new(&spaces.building, &spaces.observation, steps_per_hour, parameters))
+            }
+            Self::Agent { folder, sha256, plan, attributes } => {
+                let agent = read_unchanged(folder, sha256)?;
+                let interface = agent.info().interface;
+                let pilot = Pilot::without_model(interface, spaces, plan.as_ref(), attributes)?;
+                Box::new(AgentController::new(pilot, Arc::clone(agent.actor())))
+            }
+        })
+    }
+}
+
+impl Agent {
+    /// Returns the description of its controller in a building, whose model it needs; `None` for an agent that is in no
+    /// folder.
+    ///
+    /// # Errors
+    /// As [`Pilot::new`]; [`Error::Io`] without a current folder.
+    pub fn description(&self, spaces: &Arc<Spaces>) -> Result<Option<ControllerDescription>> {
+        if self.sha256().is_empty() {
+            return Ok(None);
+        }
+        let interface = self.info().interface;
+        Ok(Some(ControllerDescription::Agent {
+            folder: absolute(self.folder()).map_err(at(self.folder()))?,
+            sha256: self.sha256().to_owned(),
+            plan: interface.nodes.map(|form| NodePlan::of(form, spaces)).transpose()?,
+            attributes: attributes(interface.observation, spaces)?,
+        }))
+    }
+}
+
+fn read_unchanged(folder: &Path, sha256: &str) -> Result<Agent> {
+    let agent = Agent::read(folder)?;
+    if agent.sha256() != sha256 {
+        let why = "it was replaced while it was evaluated".to_owned();
+        return Err(Error::Damaged { path: folder.to_owned(), why });
+    }
+    Ok(agent)
+}

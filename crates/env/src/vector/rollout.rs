@@ -1,0 +1,169 @@
+//! Rollouts whose controller acts in the worker of the episode.
+//!
+//! The hand-over of every step costs a small building more than the step. A controller that a worker can make from a
+//! description acts there, a day of steps at a time; what it did comes back through [`SharedMemory`].
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::batch::wait;
+use super::episode::Episode;
+use super::fragment::{Runner, RunnerError, SharedMemory};
+use super::workers::Workers;
+use crate::environment::{Environment, Step};
+use crate::metrics::Metrics;
+use crate::reward::Reward;
+use crate::spaces::Spaces;
+use crate::{Controller, Env, Error, Observer, Result};
+
+/// The order of a part of a rollout. The worker's program makes a [`ControllerRunner`] from the first.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct RolloutOrder {
+    /// Description of the controller; the program knows its form.
+    pub controller: Value,
+    /// Maximum number of steps.
+    steps: usize,
+    /// Place of their records in the shared memory.
+    record: Option<usize>,
+}
+
+/// Runs rollouts under a controller, inside a worker.
+pub struct ControllerRunner {
+    controller: Box<dyn Controller>,
+    action: Vec<f64>,
+    /// Record of a step.
+    row: Vec<f64>,
+}
+
+impl ControllerRunner {
+    /// A runner in an episode.
+    pub fn new(mut controller: Box<dyn Controller>, env: &Env) -> Self {
+        controller.reset();
+        Self { controller, action: vec![0.0; env.spaces().action.len()], row: vec![0.0; width(env.spaces())] }
+    }
+}
+
+impl Runner for ControllerRunner {
+    fn run(
+        &mut self,
+        env: &mut Env,
+        order: &[u8],
+        memory: &SharedMemory,
+    ) -> std::result::Result<usize, RunnerError> {
+        let RolloutOrder { steps, record, .. } = serde_json::from_slice(order)?;
+        let mut done = 0;
+        while done < steps && !env.is_truncated() {
+            self.controller.act(env.observation(), &mut self.action);
+            let step = env.step(&self.action)?;
+            if let Some(place) = record {
+                write_record(&mut self.row, &step);
+                memory.write_f64(place + done * 2 * self.row.len(), &self.row);
+            }
+            done += 1;
+        }
+        Ok(done)
+    }
+}
+
+/// Memory of a set of workers for the records of one rollout after another.
+#[derive(Debug)]
+pub struct RolloutMemory {
+    workers: Workers,
+    memory: SharedMemory,
+    place: usize,
+    /// Number of f64 that fit.
+    room: usize,
+    records: Vec<f64>,
+}
+
+impl RolloutMemory {
+    /// Memory of a set of workers; it is taken when a rollout needs it.
+    pub fn new(workers: &Workers) -> Self {
+        let memory = workers.memory();
+        Self { workers: workers.clone(), memory, place: 0, room: 0, records: Vec::new() }
+    }
+
+    fn make_room(&mut self, count: usize) -> Result<()> {
+        if self.room < count {
+            self.place = self.workers.reserve_memory(2 * count)?;
+            self.room = count;
+        }
+        self.records.resize(count, 0.0);
+        Ok(())
+    }
+}
+
+impl Episode {
+    /// Resets the episode and runs it to its end under a controller that the worker makes of its description, and tells
+    /// the observer of the steps, a day at a time. The metrics and the steps are those of [`rollout`](crate::rollout) bit
+    /// for bit.
+    ///
+    /// # Errors
+    /// Those of the environment and of the observer; [`Error::Lost`] when the worker cannot make the controller.
+    pub fn rollout(
+        &mut self,
+        controller: &Value,
+        memory: &mut RolloutMemory,
+        observer: &mut dyn Observer,
+    ) -> Result<Metrics> {
+        let spaces = Arc::clone(self.known_spaces());
+        let (width, steps) = (width(&spaces), 24 * spaces.episode.steps_per_hour as usize);
+        memory.make_room(steps * width)?;
+        observer.begin(self.reset()?)?;
+        while !self.is_truncated() {
+            self.run_part(controller, steps, Some(memory.place))?;
+            let records = &mut memory.records[..self.fragment_steps() * width];
+            memory.memory.read_f64(memory.place, records);
+            let count = self.fragment_steps();
+            for (index, record) in records.chunks_exact(width).enumerate() {
+                let truncated = self.is_truncated() && index + 1 == count;
+                observer.step(&step_of_record(record, &spaces, truncated))?;
+            }
+        }
+        self.metrics().cloned().ok_or(Error::NotReset)
+    }
+
+    /// Has an episode that is ready run to its end under a controller that the worker makes of its description, and does
+    /// not wait for it.
+    ///
+    /// # Errors
+    /// As [`Episode::send_fragment`].
+    pub fn send_rollout(&mut self, controller: &Value) -> Result<()> {
+        let steps = Arc::clone(self.known_spaces()).episode_steps();
+        self.send_part(controller, steps, None)
+    }
+
+    fn run_part(&mut self, controller: &Value, steps: usize, record: Option<usize>) -> Result<()> {
+        self.send_part(controller, steps, record)?;
+        wait(std::slice::from_mut(self), 1)?;
+        self.last_step().map(|_| ())
+    }
+
+    fn send_part(&mut self, controller: &Value, steps: usize, record: Option<usize>) -> Result<()> {
+        let order = RolloutOrder { controller: controller.clone(), steps, record };
+        let order = serde_json::to_vec(&order).expect("JSON of values that are JSON");
+        self.send_fragment(&order, steps)
+    }
+}
+
+/// Numbers in the record of a step: observation, action and two penalties.
+fn width(spaces: &Spaces) -> usize {
+    spaces.observation.len() + spaces.action.len() + 2
+}
+
+fn write_record(record: &mut [f64], step: &Step<'_>) {
+    let (observation, rest) = record.split_at_mut(step.observation.len());
+    let (action, penalties) = rest.split_at_mut(step.action.len());
+    observation.copy_from_slice(step.observation);
+    action.copy_from_slice(step.action);
+    penalties.copy_from_slice(&[step.reward.temperature_penalty, step.reward.energy_penalty]);
+}
+
+fn step_of_record<'a>(record: &'a [f64], spaces: &Spaces, truncated: bool) -> Step<'a> {
+    let (observation, rest) = record.split_at(spaces.observation.len());
+    let (action, penalties) = rest.split_at(spaces.action.len());
+    let reward = Reward { temperature_penalty: penalties[0], energy_penalty: penalties[1] };
+    Step { observation, action, reward, truncated }
+}
