@@ -66,11 +66,11 @@ pub enum Error {
         /// Reason.
         source: Box<dyn std::error::Error + Send + Sync>,
     },
-    /// An agent that is no plain network from an observation to an action.
+    /// An agent whose actions depend on more than the current observation.
     #[error(
-        "the agent {agent} is not a plain network: {why}; only direct agents that are not graph networks, with the observation raw or roles, export to ONNX"
+        "cannot export the agent {agent} to ONNX: {why}; expected one trained with `--direct` and the observation raw or roles"
     )]
-    NotPlain {
+    NotExportable {
         /// Name of the agent.
         agent: String,
         /// Reason.

@@ -101,8 +101,33 @@ fn a_plain_network_exports_to_onnx_and_scores_alike() {
     assert_rejected(
         path,
         "export corrected --out other.onnx",
-        &["corrected is not a plain network", "raw or roles"],
+        &["cannot export the agent corrected", "its features depend on earlier steps", "raw or roles"],
     );
+}
+
+#[test]
+fn a_graph_network_exports_to_onnx_for_a_building_and_scores_alike() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    for edges in ["bias", "mixed"] {
+        let config = GRAPH.replace("bias", edges).replace("layers = 1", "layers = 2");
+        std::fs::write(path.join("graph.toml"), config).unwrap();
+        let run = format!("train --config graph.toml --steps 192 --direct --observation raw --out {edges}");
+        let output = b2b(path, &run);
+        assert!(output.status.success(), "{}", stderr(&output));
+        for building in ["SingleFamilyHouse-0064", "OfficeSmall-0011"] {
+            let file = format!("{edges}-{building}.onnx");
+            let output = b2b(path, &format!("export {edges} --building {building} --out {file}"));
+            assert!(output.status.success(), "{}", stderr(&output));
+            let returns = [edges, &file].map(|policy| {
+                let evaluate =
+                    format!("evaluate {building} --policy {policy} --task occupancy --period 01-10..01-10");
+                let evaluated = json(path, &format!("{evaluate} --out {building}-of-{policy}"));
+                evaluated["windows"][0]["all"]["scores"]["interquartile_mean"]["value"].as_f64().unwrap()
+            });
+            assert!((returns[0] / returns[1] - 1.0).abs() < 1e-4, "{edges} in {building}: {returns:?}");
+        }
+    }
 }
 
 #[test]
@@ -234,7 +259,7 @@ fn one_policy_for_two_types_is_an_agent_that_is_resumed_entered_and_verified() {
     assert_rejected(
         path,
         "export run --building OfficeSmall-0042 --out agent.onnx",
-        &["run is not a plain network", "it is a graph network"],
+        &["cannot export the agent run", "its features depend on earlier steps"],
     );
 }
 

@@ -6,6 +6,7 @@ use b2b_env::Target;
 
 use super::known::{OUTDOOR, at_hour};
 use super::memory::Memory;
+use crate::onnx::LinearFeature;
 
 /// One slot of an agent's observation.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,6 +63,18 @@ pub(super) struct Context<'a> {
 impl Feature {
     pub(super) fn new(name: impl Into<String>, source: Source) -> Self {
         Self { name: name.into(), source }
+    }
+
+    /// Returns it as a linear function of one slot, if it is one.
+    pub(super) fn linear(&self) -> Option<LinearFeature> {
+        match self.source {
+            Source::Constant(value) => Some(LinearFeature { slot: 0, scale: 0.0, offset: value }),
+            Source::Bounded { slot, low, high } => {
+                let (scale, offset) = (2.0 / (high - low), (low + high) / (low - high));
+                Some(LinearFeature { slot, scale, offset })
+            }
+            _ => None,
+        }
     }
 
     pub(super) fn value(&self, context: &Context<'_>) -> f64 {

@@ -17,6 +17,7 @@ use b2b_env::Spaces;
 use b2b_env::vector::Arrangement;
 use serde::{Deserialize, Serialize};
 
+use crate::onnx::LinearFeature;
 use crate::{Error, Result};
 use feature::Context;
 pub use feature::Feature;
@@ -96,6 +97,11 @@ impl AgentObservation {
     /// The slots in order.
     pub fn features(&self) -> &[Feature] {
         &self.features
+    }
+
+    /// Returns its slots as linear functions of the environment's, if they all are.
+    pub(crate) fn linear_features(&self) -> Option<Vec<LinearFeature>> {
+        self.features.iter().map(Feature::linear).collect()
     }
 
     /// The names of the slots in order.

@@ -1,0 +1,63 @@
+//! Agents as ONNX files: those whose actions depend on the current observation alone.
+
+mod file;
+mod graph;
+mod plain;
+
+use std::sync::Arc;
+
+use b2b_env::Spaces;
+use b2b_env::vector::Arrangement;
+
+use crate::acting::Acting;
+use crate::agent::Agent;
+use crate::network::Shape;
+use crate::observation::{ObservationForm, ObservationOptions};
+use crate::pilot::Pilot;
+use crate::{Error, Result};
+pub(crate) use graph::LinearFeature;
+
+impl Agent {
+    /// Returns the agent as an ONNX file that takes the environment's observation without scaling, or that by roles, and returns
+    /// actions from -1 to 1. That of a graph network is for this building alone.
+    ///
+    /// # Errors
+    /// [`Error::NotExportable`] for an agent with features, which depend on earlier steps, or on a base controller;
+    /// [`Error::OtherBuilding`] for a building that it was not made for.
+    pub fn to_onnx(&self, spaces: &Arc<Spaces>) -> Result<Vec<u8>> {
+        self.controller(spaces)?;
+        let interface = self.info().interface;
+        let ObservationOptions { form, attributes, forecast } = interface.observation;
+        if form == ObservationForm::Features {
+            return Err(self.not_exportable("its features depend on earlier steps"));
+        }
+        if attributes || forecast > 0 {
+            return Err(self.not_exportable("it observes attributes or a forecast"));
+        }
+        if interface.acting != Acting::Direct {
+            return Err(self.not_exportable("it corrects the reactive controllers"));
+        }
+        match &self.actor().shape {
+            Shape::Mlp(mlp) => {
+                let arrangement = match form {
+                    ObservationForm::Roles => Arrangement::ByRole,
+                    _ => Arrangement::InOrder,
+                };
+                let slots = arrangement.of(spaces).slots();
+                let bounds: Vec<_> = slots.into_iter().map(|slot| [slot.low, slot.high]).collect();
+                Ok(plain::file(self.actor(), mlp, &bounds, self.info().actuators.len()))
+            }
+            Shape::Graph(network) => {
+                let pilot = Pilot::new(interface, spaces)?;
+                let graph = pilot.graph().expect("a pilot of a graph network has a graph");
+                let features = pilot.observation().linear_features();
+                let features = features.ok_or_else(|| self.not_exportable("its features are not linear"))?;
+                Ok(graph::file(self.actor(), network, graph, &features, spaces.observation.len()))
+            }
+        }
+    }
+
+    fn not_exportable(&self, why: &'static str) -> Error {
+        Error::NotExportable { agent: self.name().to_owned(), why }
+    }
+}
