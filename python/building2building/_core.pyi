@@ -392,6 +392,21 @@ class Problem:
     def building_ids(self, side: str, sample: int | None = None) -> list[str]: ...
     def check_training_building(self, id: str) -> None: ...
     def restricted(self, side: str, spaces: Spaces) -> Restriction | None: ...
+    def run(
+        self,
+        make: _ControllerMaker,
+        train_make: _ControllerMaker | None,
+        folder: str | PathLike[str],
+        jobs: int,
+        rescale: bool,
+        whole: bool,
+        by_seed: bool,
+        name: str,
+        identity: str,
+        description: str | None,
+        training_steps: int | None,
+        progress: Callable[[str, int, int], None] | None = None,
+    ) -> str: ...
 
 @final
 class Restriction:

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -24,6 +25,7 @@ from numpy.typing import ArrayLike
 from . import _core
 from .env import BuildingEnv, unwrap
 from .errors import SettingError
+from .evaluation import ControllerMaker, ProgressLine, name_of
 from .rollouts import ReactiveController, Trajectory, rollout
 from .vector import BuildingVectorEnv
 from .wrappers import AugmentObservationWithBuildingParams, PadObservation, RoleObservation, action_of_shape
@@ -277,6 +279,62 @@ class Problem:
                 resolved.setdefault(stratum, []).append([resolved_score])
         measures = _core.measures(list(strata.values()), list(resolved.values()))
         return Result(self.name, episodes, json.loads(measures))
+
+    def run(
+        self,
+        policy: Callable[[Any], Any] | type[Any],
+        folder: str | os.PathLike[str],
+        *,
+        train_policy: Callable[[Any], Any] | type[Any] | None = None,
+        name: str | None = None,
+        version: str = "",
+        rescale_action: bool = False,
+        by_seed: bool = False,
+        description: str | None = None,
+        training_steps: int | None = None,
+        jobs: int | None = None,
+        progress: bool = False,
+    ) -> dict[str, Any]:
+        """Runs a policy on the problem as ``b2b benchmark run`` does, ``jobs`` episodes at a time, and returns the result.
+
+        ``policy`` is one of:
+
+        - a function from an observation to an action, both as the problem defines them: actions in physical units, or
+          in [-1, 1] with ``rescale_action=True``. It is called from several threads;
+        - a controller class, which is instantiated for every episode with an :class:`EpisodeContext` and observes and
+          controls the whole building. ``context.morphology`` is the building as a graph: ``split_observation`` gives
+          one array ``[nodes, slots]`` for each node type, ``to_pyg()["edge_index"]`` the edges, and ``join_actions``
+          makes an action of one array for each node type. So a graph policy of your own acts in any building.
+
+        The folder gets ``result.json`` and the episodes, for ``b2b benchmark report`` and ``b2b benchmark verify``.
+        The latter checks them as any other, but says that the policy was not run again: it is your program. The same
+        call resumes an interrupted run; change ``version`` after further training. With ``by_seed=True`` every seed of
+        the protocol is run (``context.seed``), otherwise the first. ``train_policy`` runs in the training buildings, where
+        a problem leaves other actuators than in the test buildings.
+        """
+        for each in (policy, train_policy):
+            if each is not None and not callable(each):
+                raise SettingError(f"{each!r} is not a policy; expected a function or a controller class")
+        whole = isinstance(policy, type)
+        if train_policy is not None and isinstance(train_policy, type) != whole:
+            raise SettingError("policy and train_policy must both be functions, or both controller classes")
+        name = name or name_of(policy)
+        identity = f"python {name} {version}, rescale_action={rescale_action}".strip()
+        result = self._core.run(
+            ControllerMaker(policy, rescale_action, normalize=False),
+            None if train_policy is None else ControllerMaker(train_policy, rescale_action, normalize=False),
+            os.fspath(folder),
+            jobs or len(os.sched_getaffinity(0)),
+            rescale_action,
+            whole,
+            by_seed,
+            name,
+            identity,
+            description,
+            training_steps,
+            ProgressLine() if progress else None,
+        )
+        return json.loads(result)
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self.name}>"

@@ -140,20 +140,20 @@ def evaluate(
         for text in (_task_text(task) for task in _listed(tasks))
         for seed in _listed(seeds)
     ]
-    name = name or ("" if named is not None else _name_of(policy))
+    name = name or ("" if named is not None else name_of(policy))
     rescale = named is not None if rescale_action is None else rescale_action
     identity = f"python {name} {version}, rescale_action={rescale}, normalize={normalize}"
     physical = isinstance(policy, type) and issubclass(policy, BuiltInController)
     with tempfile.TemporaryDirectory(prefix="b2b-evaluation-") as temporary:
         columns, summary = _core.evaluate(
-            _ControllerMaker(policy, rescale, normalize) if named is None else named,
+            ControllerMaker(policy, rescale, normalize) if named is None else named,
             episodes,
             temporary if folder is None else os.fspath(folder),
             jobs or len(os.sched_getaffinity(0)),
             rescale and not physical,
             name,
             identity,
-            _ProgressLine() if progress else None,
+            ProgressLine() if progress else None,
         )
     rows = [dict(zip(columns, row)) for row in zip(*columns.values())]
     return Evaluation(rows, json.loads(summary), None if folder is None else Path(folder))
@@ -202,7 +202,7 @@ def compute_resolved_score(
     return _core.resolved_score(float(episode_return), baseline, steps)
 
 
-class _ControllerMaker:
+class ControllerMaker:
     """Makes the controller of an episode for the core: a function from an f64 observation to an action."""
 
     def __init__(self, policy: Any, rescale_action: bool, normalize: bool):
@@ -227,7 +227,7 @@ class _ControllerMaker:
         return lambda observation: policy(observation.astype(np.float32))
 
 
-class _ProgressLine:
+class ProgressLine:
     """A line on standard error with the progress of an evaluation."""
 
     def __init__(self) -> None:
@@ -248,7 +248,7 @@ def _task_text(task: str | dict[str, Any]) -> str:
     return json.dumps(task) if isinstance(task, dict) else str(task)
 
 
-def _name_of(policy: Any) -> str:
+def name_of(policy: Any) -> str:
     policy = policy.function if isinstance(policy, CallableController) else policy
     name = getattr(policy, "__name__", None) or type(policy).__name__
     if name == "<lambda>":

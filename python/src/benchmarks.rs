@@ -1,9 +1,12 @@
 //! The benchmark problems.
 
-use std::sync::Mutex;
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex};
 
-use b2b_benchmark::entry::measure_scores;
+use b2b_benchmark::entry::{Entry, EntryPolicy, External, RunOutcome, measure_scores};
 use b2b_benchmark::problem::{RestrictedAction, Stage};
+use b2b_benchmark::{Baselines, Evaluation};
 use b2b_building::BuildingType;
 use b2b_control::ReactiveParameters;
 use b2b_dataset::BuildingId;
@@ -11,8 +14,10 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 
 use crate::arrays;
-use crate::catalog::locked;
-use crate::error::{Exception, of_building};
+use crate::catalog::{self, locked};
+use crate::error::{Exception, of_benchmark, of_building};
+use crate::evaluation::{Counter, InPython, running, stopped, wait_for};
+use crate::pools;
 use crate::spaces::Spaces;
 
 fn wrong(error: impl std::fmt::Display) -> PyErr {
@@ -90,6 +95,77 @@ impl Problem {
         let restricted = restriction.apply(inner, &parameters).map_err(wrong)?;
         let widths = (inner.observation.len(), inner.action.len());
         Ok(Some(Restriction { restricted: Mutex::new(restricted), widths }))
+    }
+
+    /// Runs a policy written in Python on the problem, writes the result to a folder and returns it as JSON text. Episodes that the
+    /// folder already holds are not run again.
+    ///
+    /// `make` takes spaces, building and seed and returns the controller of an episode, `train_make` that of an episode in a training
+    /// building, if it is another; `whole` if that observes and controls the whole
+    /// building instead of what the problem leaves it. `progress` is called from time to time with a label and the simulated days
+    /// done and in total.
+    #[pyo3(signature = (make, train_make, folder, jobs, rescale, whole, by_seed, name, identity, description, training_steps, progress=None))]
+    #[allow(clippy::too_many_arguments, reason = "called by one function of the package")]
+    fn run(
+        &self,
+        py: Python<'_>,
+        make: Py<PyAny>,
+        train_make: Option<Py<PyAny>>,
+        folder: PathBuf,
+        jobs: usize,
+        rescale: bool,
+        whole: bool,
+        by_seed: bool,
+        name: String,
+        identity: String,
+        description: Option<String>,
+        training_steps: Option<u64>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<String> {
+        let _running = running()?;
+        let raised = Arc::new(Mutex::new(None));
+        let external = |make: Py<PyAny>| {
+            let (name, identity, raised) = (name.clone(), identity.clone(), Arc::clone(&raised));
+            let own =
+                InPython { name: name.clone(), identity: identity.clone(), make, rescale, whole, raised };
+            EntryPolicy::External(External { name, identity, by_seed, policy: Some(Box::new(own)) })
+        };
+        let entry = Entry {
+            problem: self.inner.clone(),
+            policy: external(make),
+            train_policy: train_make.map(external),
+            name: name.clone(),
+            description,
+            training_steps,
+            adapted: BTreeMap::new(),
+            upper_bound: None,
+        };
+        let launcher = pools::options(py)?.launcher;
+        let counter = Counter::default();
+        let outcome = py.detach(|| {
+            let catalog = catalog::catalog()?;
+            let run = || -> b2b_benchmark::Result<_> {
+                let evaluation = Evaluation { catalog: &catalog, launcher, jobs, interrupted: stopped };
+                let outcome = entry.run(&folder, &evaluation, &Baselines::open()?, &counter)?;
+                // The last episode may have ended in an exception.
+                if stopped() { Err(b2b_benchmark::Error::Interrupted) } else { Ok(outcome) }
+            };
+            wait_for(run, || counter.report(progress.as_ref()))
+                .map_err(|error| locked(&raised).take().unwrap_or_else(|| of_benchmark(error)))
+        });
+        match outcome? {
+            RunOutcome::Complete(result, _) => Ok(serde_json::to_string(&result).expect("it is plain data")),
+            RunOutcome::Incomplete(rows) => {
+                let lost = rows.iter().map(|row| match &row.outcome {
+                    Err(why) => format!("{}: {why}", row.info),
+                    Ok(_) => format!("{}: undefined score", row.info),
+                });
+                let lost = lost.collect::<Vec<_>>().join("\n");
+                Err(Exception::Evaluation.new_err(format!(
+                    "{lost}\na result needs all episodes; the same call retries those that failed"
+                )))
+            }
+        }
     }
 }
 

@@ -72,7 +72,7 @@ pub fn evaluate<'py>(
         }
         Err(_) => {
             let make = policy.unbind();
-            Box::new(InPython { name, identity, make, rescale, raised: Arc::clone(&raised) })
+            Box::new(InPython { name, identity, make, rescale, whole: true, raised: Arc::clone(&raised) })
         }
     };
     let policy = policy.as_ref();
@@ -172,12 +172,17 @@ fn episode(asked: Asked) -> PyResult<Episode> {
 }
 
 /// A policy written in Python.
-struct InPython {
-    name: String,
-    identity: String,
-    make: Py<PyAny>,
-    rescale: bool,
-    raised: Arc<Mutex<Option<PyErr>>>,
+pub struct InPython {
+    pub name: String,
+    pub identity: String,
+    /// Takes spaces, building and seed and returns the controller of an episode.
+    pub make: Py<PyAny>,
+    /// Whether actions are in [-1, 1].
+    pub rescale: bool,
+    /// Whether it observes and controls the whole building, whatever the interface is.
+    pub whole: bool,
+    /// The first exception.
+    pub raised: Arc<Mutex<Option<PyErr>>>,
 }
 
 impl Policy for InPython {
@@ -189,8 +194,12 @@ impl Policy for InPython {
         self.identity.clone()
     }
 
+    fn ignores_interface(&self) -> bool {
+        self.whole
+    }
+
     fn controller(&self, context: EpisodeContext<'_>) -> b2b_benchmark::Result<Box<dyn Controller>> {
-        let EpisodeContext { subject, site, spaces, seed, .. } = context;
+        let EpisodeContext { subject, site, spaces, interface, seed, .. } = context;
         let building = Arc::new(Inner::of_subject(subject, site, spaces));
         let made = Python::attach(|py| {
             let seen = Spaces::new(Arc::clone(spaces), Arc::clone(&building));
@@ -200,7 +209,8 @@ impl Policy for InPython {
             fail(&self.raised, error);
             b2b_benchmark::Error::Interrupted
         })?;
-        let (space, raised) = (spaces.action.clone(), Arc::clone(&self.raised));
+        let space = if self.whole { &spaces.action } else { &interface.action };
+        let (space, raised) = (space.clone(), Arc::clone(&self.raised));
         Ok(Box::new(Acting { act, space, rescale: self.rescale, raised }))
     }
 }
@@ -249,7 +259,7 @@ fn fail(raised: &Mutex<Option<PyErr>>, error: PyErr) {
 
 /// Progress in simulated days.
 #[derive(Default)]
-struct Counter {
+pub struct Counter {
     what: Mutex<String>,
     done: AtomicU64,
     all: AtomicU64,
@@ -269,7 +279,7 @@ impl Progress for Counter {
 
 impl Counter {
     /// Calls the progress function and returns whether it succeeded.
-    fn report(&self, progress: Option<&Py<PyAny>>) -> bool {
+    pub fn report(&self, progress: Option<&Py<PyAny>>) -> bool {
         let Some(progress) = progress else { return true };
         let what = locked(&self.what).clone();
         let (done, all) = (self.done.load(Ordering::Relaxed), self.all.load(Ordering::Relaxed));

@@ -60,6 +60,12 @@ pub enum Error {
         /// The name given.
         text: String,
     },
+    /// A policy that is a program of the author of a result.
+    #[error("the policy `{name}` is a program of its author, which the result does not contain")]
+    ExternalPolicy {
+        /// Its name.
+        name: String,
+    },
     /// An unknown problem.
     #[error("unknown problem `{text}`{}; `b2b benchmark list` lists all", if near.is_empty() { String::new() } else { format!(", did you mean {near}?") })]
     UnknownProblem {

@@ -5,7 +5,7 @@ use b2b_building::{BuildingType, RunPeriod};
 use b2b_climate::weather::PACKAGES;
 use b2b_control::{Constant, Controller};
 use b2b_dataset::BuildingName;
-use b2b_energyplus::Level;
+use b2b_energyplus::{Confinement, Level};
 use b2b_energyplus::install::doctor::{Finding, Health, report};
 use b2b_energyplus::install::{Cache, Engine};
 use b2b_env::{Task, authority};
@@ -53,10 +53,18 @@ pub fn doctor(arguments: &Arguments) -> Result<ExitCode> {
     let (cache, installed) = (Cache::from_env()?, Engine::installed_by_user());
     let mut findings = report(&cache, installed.as_deref(), &PACKAGES);
     findings.extend(derived::findings(&cache));
+    findings.push(confinement());
     findings.extend(arguments.building_type.map(|each| building(each, arguments.json)));
     print(&findings, arguments.json)?;
     let bad = findings.iter().any(|finding| finding.health == Health::Bad);
     Ok(if bad { ExitCode::Failure } else { ExitCode::Success })
+}
+
+/// Says what worker processes are kept from.
+fn confinement() -> Finding {
+    let confinement = Confinement::available();
+    let health = if confinement == Confinement::Full { Health::Good } else { Health::Absent };
+    Finding { about: "workers".into(), health, detail: confinement.to_string() }
 }
 
 /// Checks the actuator response of a building. Exit code 1 if an actuator does not respond.

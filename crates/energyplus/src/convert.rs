@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use crate::coroutine::{EngineRun, Outcome, Stops};
-use crate::simulation::{path_text, temporary_folder};
+use crate::scratch::temporary_folder;
+use crate::simulation::path_text;
 use crate::{Error, Library, Result};
 
 impl Library {

@@ -28,6 +28,7 @@
 //! - A crash of EnergyPlus (a segmentation fault in its C++ code) ends the process. Validate models first.
 
 mod api;
+mod confinement;
 mod convert;
 mod coroutine;
 pub mod digest;
@@ -37,12 +38,15 @@ pub mod install;
 mod library;
 pub mod machine;
 mod message;
+mod scratch;
 mod simulation;
 #[cfg(target_os = "linux")]
 pub mod snapshot;
 
+pub use confinement::{Confinement, confine};
 pub use error::{Error, Result};
 pub use event::Event;
 pub use library::Library;
 pub use message::{Level, Message, Messages};
-pub use simulation::{Actuator, Clock, Meter, Run, Simulation, Variable, temporary_folder};
+pub use scratch::{folder_in, temporary_folder};
+pub use simulation::{Actuator, Clock, Meter, Run, Simulation, Variable};

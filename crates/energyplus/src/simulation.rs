@@ -7,6 +7,7 @@ use tempfile::TempDir;
 use crate::coroutine::{EngineRun, Outcome, Stops, c_string};
 use crate::event::Event;
 use crate::message::{Level, Messages};
+use crate::scratch::temporary_folder;
 use crate::{Error, Library, Result};
 
 /// A run to be started: model, weather file and the variables to read.
@@ -107,38 +108,6 @@ impl Run {
         let run = EngineRun::new(library, &arguments, &self.requests, self.stops)?;
         Ok(Simulation { run, model: self.model, _temporary: temporary })
     }
-}
-
-/// Free space that a run needs in the temporary folder, bytes: its model, its table of sizes and its messages. A medium office
-/// takes a tenth of it.
-const NEEDED: u64 = 8_000_000;
-
-/// Creates a temporary folder that only this user can read, for the files of EnergyPlus.
-///
-/// # Errors
-/// [`Error::TemporaryFolder`] if it cannot be created, or has no room for a run.
-pub fn temporary_folder(prefix: &str) -> Result<TempDir> {
-    let parent = std::env::temp_dir();
-    let cannot = |why: String| Error::TemporaryFolder { path: parent.clone(), why };
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(prefix);
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(std::fs::Permissions::from_mode(0o700));
-        let found = rustix::fs::statvfs(&parent).map_err(|error| cannot(error.to_string()))?;
-        check_space(found.f_bavail.saturating_mul(found.f_frsize)).map_err(cannot)?;
-    }
-    builder.tempdir_in(&parent).map_err(|error| cannot(error.to_string()))
-}
-
-#[cfg(unix)]
-fn check_space(free: u64) -> std::result::Result<(), String> {
-    if free >= NEEDED {
-        return Ok(());
-    }
-    let [free, needed] = [free, NEEDED].map(|bytes| bytes as f64 / 1e6);
-    Err(format!("it has {free:.1} MB of free space; a run needs {needed:.0} MB"))
 }
 
 pub(crate) fn path_text(path: &Path) -> Result<&str> {
@@ -315,20 +284,5 @@ impl Simulation {
 
     fn ended(&self) -> Error {
         Error::Ended { model: self.model.clone() }
-    }
-}
-
-#[cfg(all(test, unix))]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_temporary_folder_is_private_and_needs_space() {
-        use std::os::unix::fs::PermissionsExt;
-        let folder = temporary_folder("b2b-test-").unwrap();
-        assert_eq!(folder.path().metadata().unwrap().permissions().mode() & 0o777, 0o700);
-        check_space(NEEDED).unwrap();
-        let said = check_space(900_000).unwrap_err();
-        assert!(said.contains("0.9 MB") && said.contains("8 MB"), "{said}");
     }
 }

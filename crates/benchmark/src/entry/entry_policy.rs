@@ -1,4 +1,5 @@
-//! The policy of a benchmark entry: a built-in controller, or ONNX files or agents, one for all or one per seed, building or task.
+//! The policy of a benchmark entry: a built-in controller, ONNX files or agents, one for all or one per seed, building or task, or
+//! a program.
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -9,7 +10,9 @@ use b2b_control::Controller;
 use b2b_energyplus::digest::sha256;
 use b2b_env::Task;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
+use super::external::External;
 use crate::policy::{ActionScale, BuiltIn, EpisodeContext, OnnxPolicy, Policy, is_agent, is_onnx};
 use crate::subject::hash_of;
 use crate::{Episode, Error, Result};
@@ -24,6 +27,8 @@ pub enum EntryPolicy {
     BuiltIn(BuiltIn),
     /// ONNX files or agents.
     Files(Files),
+    /// A program of its author.
+    External(External),
 }
 
 /// The ONNX files or the agents of a pattern.
@@ -95,6 +100,15 @@ pub enum PolicyDescription {
         /// SHA-256 of each agent by name.
         files: BTreeMap<String, String>,
     },
+    /// A program of its author, whose episodes nobody else can run again.
+    External {
+        /// Its name.
+        name: String,
+        /// What identifies it, in a line.
+        identity: String,
+        /// Whether it acts differently with every seed.
+        by_seed: bool,
+    },
 }
 
 impl PolicyDescription {
@@ -104,6 +118,7 @@ impl PolicyDescription {
         let all = match self {
             Self::BuiltIn { name } => name.parse().is_ok_and(BuiltIn::is_stochastic),
             Self::Onnx { pattern, .. } | Self::Agents { pattern, .. } => pattern.contains(PLACEHOLDERS[0]),
+            Self::External { by_seed, .. } => *by_seed,
         };
         if all { seeds.to_vec() } else { seeds[..seeds.len().min(1)].to_vec() }
     }
@@ -137,6 +152,10 @@ impl EntryPolicy {
     pub fn of(description: &PolicyDescription, folder: &Path) -> Result<Self> {
         let (pattern, format, files) = match description {
             PolicyDescription::BuiltIn { name } => return Ok(Self::BuiltIn(name.parse()?)),
+            PolicyDescription::External { name, identity, by_seed } => {
+                let (name, identity) = (name.clone(), identity.clone());
+                return Ok(Self::External(External { name, identity, by_seed: *by_seed, policy: None }));
+            }
             PolicyDescription::Onnx { pattern, actions, files } => (pattern, Format::Onnx(*actions), files),
             PolicyDescription::Agents { pattern, files, .. } => (pattern, Format::Agents, files),
         };
@@ -163,6 +182,7 @@ impl EntryPolicy {
         match self {
             Self::BuiltIn(built_in) => built_in.name(),
             Self::Files(files) => files.name(),
+            Self::External(external) => external.name(),
         }
     }
 
@@ -171,6 +191,11 @@ impl EntryPolicy {
         match self {
             Self::BuiltIn(built_in) => PolicyDescription::BuiltIn { name: built_in.to_string() },
             Self::Files(files) => files.description(),
+            Self::External(External { name, identity, by_seed, .. }) => PolicyDescription::External {
+                name: name.clone(),
+                identity: identity.clone(),
+                by_seed: *by_seed,
+            },
         }
     }
 
@@ -179,6 +204,7 @@ impl EntryPolicy {
         match self {
             Self::BuiltIn(built_in) => built_in,
             Self::Files(files) => files,
+            Self::External(external) => external,
         }
     }
 
@@ -199,7 +225,7 @@ impl EntryPolicy {
     /// Returns the path of each file, and its name in a result.
     pub fn files(&self) -> Vec<(PathBuf, String)> {
         match self {
-            Self::BuiltIn(_) => Vec::new(),
+            Self::BuiltIn(_) | Self::External(_) => Vec::new(),
             Self::Files(Files { format, files, .. }) => {
                 files.values().flat_map(|file| file.parts(*format)).collect()
             }
@@ -301,6 +327,20 @@ impl Files {
     }
 }
 
+impl Files {
+    /// Returns the policy of the file for an episode.
+    fn of_episode(&self, context: &EpisodeContext<'_>) -> Result<&dyn Policy> {
+        let EpisodeContext { subject, spaces, seed, .. } = context;
+        // The energy scale is the building's: the task that was asked for has none.
+        let task = Task { energy_scale: None, ..spaces.episode.task.clone() };
+        let name = fill(&self.pattern, *seed, &subject.name.to_string(), &task.to_string());
+        match self.files.get(&name) {
+            Some(file) => Ok(file.policy.policy()),
+            None => Err(Error::UnknownPolicy { text: name }),
+        }
+    }
+}
+
 impl Policy for Files {
     fn name(&self) -> String {
         let path = Path::new(&self.pattern);
@@ -332,13 +372,12 @@ impl Policy for Files {
         self.format == Format::Agents
     }
 
+    fn description(&self, context: &EpisodeContext<'_>) -> Result<Option<Value>> {
+        self.of_episode(context)?.description(context)
+    }
+
     fn controller(&self, context: EpisodeContext<'_>) -> Result<Box<dyn Controller>> {
-        let EpisodeContext { subject, spaces, seed, .. } = &context;
-        // The energy scale is the building's: the task that was asked for has none.
-        let task = Task { energy_scale: None, ..spaces.episode.task.clone() };
-        let name = fill(&self.pattern, *seed, &subject.name.to_string(), &task.to_string());
-        let file = self.files.get(&name).ok_or_else(|| Error::UnknownPolicy { text: name })?;
-        file.policy.policy().controller(context)
+        self.of_episode(&context)?.controller(context)
     }
 }
 

@@ -10,6 +10,7 @@
 mod adaptation;
 mod definition;
 mod entry_policy;
+mod external;
 mod measures;
 mod result;
 mod run;
@@ -19,6 +20,7 @@ mod verify;
 pub use adaptation::{Adaptation, Point};
 pub use definition::Entry;
 pub use entry_policy::{EntryPolicy, PolicyDescription};
+pub use external::External;
 pub use measures::{Measures, Stratum, measure_scores};
 pub use result::{RunResult, Stages, read_result};
 pub use run::RunOutcome;

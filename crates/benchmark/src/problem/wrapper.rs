@@ -4,6 +4,7 @@ use b2b_building::morphology::COMMON;
 use b2b_control::Controller;
 use b2b_energyplus::digest::sha256;
 use b2b_env::{RoleObservation, Spaces, attribute_name, attributes};
+use serde_json::Value;
 
 use super::definition::Problem;
 use super::protocol::Attributes;
@@ -77,6 +78,13 @@ impl Policy for WrappedPolicy<'_> {
     fn is_baseline(&self) -> bool {
         let pinned = self.side.restriction.is_some_and(|restriction| restriction.fallback == Fallback::Pin);
         self.policy.is_baseline() && !pinned
+    }
+
+    fn description(&self, context: &EpisodeContext<'_>) -> Result<Option<Value>> {
+        match self.policy.ignores_interface() && self.side.restriction.is_none() {
+            true => self.policy.description(context),
+            false => Ok(None),
+        }
     }
 
     fn controller(&self, context: EpisodeContext<'_>) -> Result<Box<dyn Controller>> {

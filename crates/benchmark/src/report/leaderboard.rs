@@ -101,9 +101,10 @@ fn table(title: &str, header: &[&str], rows: Vec<Value>) -> Value {
     json!({"title": title, "header": header, "rows": rows})
 }
 
-/// Says what the agents of an entry stand on, if they do not act by themselves.
-fn base(result: &RunResult) -> String {
+/// Says what the agents of an entry stand on, if they do not act by themselves, and whether nobody else can run its policy.
+fn remark(result: &RunResult) -> String {
     match result.policies.get("test") {
+        Some(PolicyDescription::External { .. }) => " (own program)".to_owned(),
         Some(PolicyDescription::Agents { base: Some(base), .. }) => format!(" (on {base})"),
         _ => String::new(),
     }
@@ -114,7 +115,7 @@ fn scores(board: &[&Entry]) -> Value {
         let Measures { test, generalization_gap, .. } = &result.measures;
         let steps = result.training_steps.map_or("–".to_owned(), |steps| steps.to_string());
         json!([
-            format!("{}. {}{}", rank + 1, result.name, base(result)),
+            format!("{}. {}{}", rank + 1, result.name, remark(result)),
             test.resolved.interquartile_mean.to_string(),
             test.scores.interquartile_mean.to_string(),
             test.scores.median.to_string(),

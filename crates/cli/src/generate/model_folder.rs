@@ -23,7 +23,7 @@ impl ModelFolder {
     pub fn open(root: &Path, manifest: &Manifest) -> Result<Self> {
         let cannot = || format!("cannot write the folder {}", root.display());
         std::fs::create_dir_all(root).with_context(cannot)?;
-        let staging = tempfile::Builder::new().prefix(".b2b-unfinished-").tempdir_in(root);
+        let staging = b2b_energyplus::folder_in(root, ".b2b-unfinished-");
         let folder = Self { root: root.to_owned(), staging: staging.with_context(cannot)? };
         let text = manifest.to_csv();
         let (header, wanted) = rows(&text);

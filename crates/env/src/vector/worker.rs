@@ -16,7 +16,7 @@ use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use b2b_energyplus::Level;
+use b2b_energyplus::{Level, confine};
 use b2b_energyplus::snapshot::{Fork, become_ancestor, give_back_memory, leave};
 use rustix::event::{EventfdFlags, PollFd, PollFlags, Timespec};
 use rustix::process::{Pid, PidfdFlags, WaitOptions};
@@ -113,6 +113,8 @@ impl Worker {
     /// Prepares the building of an order up to the end of warm-up, and writes the prepared building for the owner.
     fn prepare(&self, order: &Path) -> Result<Env, Failure> {
         become_ancestor()?;
+        // The model may be anybody's.
+        confine();
         let watch = Watch::start(self.owner.process.try_clone()?, self.folder.clone())?;
         let mut env = serde_json::from_slice::<Order>(&std::fs::read(order)?)?.env()?;
         let before = cpu_time();

@@ -6,6 +6,7 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use b2b_building::BuildingType;
+use b2b_energyplus::Confinement;
 use b2b_env::Environment;
 use b2b_env::vector::{AnyOf, Autoreset, VecEnv, VecEnvOptions, Windows, Workers};
 
@@ -126,6 +127,25 @@ fn nothing_is_left_behind() {
     drop(vec);
     assert!(!folder.exists());
     assert!(processes.iter().all(|process| !is_alive(*process)));
+}
+
+#[test]
+fn workers_are_confined_where_the_kernel_can() {
+    let case = Case::at_home(BuildingType::SingleFamilyHouse);
+    let workers = Workers::new(options(&case)).unwrap();
+    let mut episode = workers.episode(&setting(&case, DAY)).unwrap();
+    episode.reset().unwrap();
+    let confined = |process: u32| {
+        let status = std::fs::read_to_string(format!("/proc/{process}/status")).unwrap();
+        // Landlock takes it from a process that it can never gain privileges again.
+        status.lines().any(|line| line == "NoNewPrivs:\t1")
+    };
+    let expected = Confinement::available() != Confinement::None;
+    let processes = workers.template_processes().into_iter().chain(episode.process());
+    for process in processes {
+        assert_eq!(confined(process), expected);
+    }
+    assert!(!confined(std::process::id()));
 }
 
 #[test]

@@ -13,12 +13,13 @@ use b2b_env::EpisodeMetrics;
 pub use sample::Sample;
 
 use super::entry_policy::EntryPolicy;
+use super::external::External;
 use super::measures::Measures;
 use super::result::{POLICY, RunResult, Stages, read_result};
 use crate::evaluation::{Episode, Evaluation, Outcome, Progress, Row};
 use crate::problem::{Problem, Stage, WrappedPolicy};
 use crate::versions::Versions;
-use crate::{Baselines, Error, Result};
+use crate::{Baselines, Error, Result, SiteInfo};
 
 /// Relative tolerance for sums in another order.
 const ROUNDING: f64 = 1e-9;
@@ -209,11 +210,23 @@ fn run_again(
         stages.iter().flat_map(|(stage, rows)| (0..rows.len()).map(|number| (*stage, number))).collect();
     let drawn = sample.draw(all.len());
     let accuracy = Accuracy::on(&result.machine);
+    let mut external = None;
     for (stage, rows) in stages {
         let of_stage = drawn.iter().map(|index| all[*index]).filter(|(of, _)| of == stage);
         let numbers: Vec<usize> = of_stage.map(|(_, number)| number).collect();
         let Some(episodes) = expected(result, *stage).filter(|_| !numbers.is_empty()) else { continue };
         let policy = &policies[&stage.to_string()];
+        if let EntryPolicy::External(External { name, .. }) = policy {
+            for number in numbers {
+                let (row, episode) = (&rows[number], &episodes[number]);
+                let site = row.info.site();
+                if let Err(why) = compare_baseline(row, episode, &site, accuracy, evaluation, progress)? {
+                    return Ok(Err(format!("{stage}: {}: {why}", row.info)));
+                }
+            }
+            external.get_or_insert(name);
+            continue;
+        }
         let policy = WrappedPolicy::new(policy.policy(), &result.problem, result.problem.side(*stage));
         let chosen: Vec<_> = numbers.iter().map(|number| (*number, &episodes[*number])).collect();
         let outcomes = Mutex::new(Vec::new());
@@ -230,6 +243,11 @@ fn run_again(
         }
     }
     let (size, total) = (drawn.len(), all.len());
+    if let Some(name) = external {
+        return Ok(Ok(format!(
+            "not run again: the policy `{name}` is a program of its author; the baselines of {size} of {total} agree {accuracy}"
+        )));
+    }
     let power = sample.power(size, total);
     Ok(Ok(format!("{size} of {total} agree {accuracy}, and so do their baselines; {power}")))
 }
@@ -275,16 +293,12 @@ fn compare(
     evaluation: &Evaluation<'_>,
     progress: &dyn Progress,
 ) -> Result<CheckOutcome> {
-    let mut here = match outcome {
-        Ok(finished) => finished.record,
-        Err(lost) => return Ok(Err(format!("it was lost: {lost}"))),
+    let (mut here, there) = match (outcome, row.outcome.clone()) {
+        (Ok(finished), Ok(there)) => (finished.record, there),
+        (Err(lost), _) | (_, Err(lost)) => return Ok(Err(format!("it was lost: {lost}"))),
     };
     // The name of the policy is that of the user's file.
     here.info.policy.clone_from(&row.info.policy);
-    let there = match row.outcome.clone() {
-        Ok(there) => there,
-        Err(lost) => return Ok(Err(format!("it was lost: {lost}"))),
-    };
     if accuracy == Accuracy::Bits && here.trajectory_hash != there.trajectory_hash {
         let (there, here) = (&there.trajectory_hash, &here.trajectory_hash);
         return Ok(Err(format!("its trajectory differs: hash {there} there and {here} here")));
@@ -299,10 +313,22 @@ fn compare(
     if let Some((name, there, here)) = different_metric(&there.metrics, &here.metrics, accuracy) {
         return Ok(Err(format!("its metrics differ: {name} is {there} there and {here} here")));
     }
-    let site = here.info.site();
+    compare_baseline(row, episode, &here.info.site(), accuracy, evaluation, progress)
+}
+
+/// Runs the baseline of an episode again and compares it.
+fn compare_baseline(
+    row: &Row,
+    episode: &Episode,
+    site: &SiteInfo,
+    accuracy: Accuracy,
+    evaluation: &Evaluation<'_>,
+    progress: &dyn Progress,
+) -> Result<CheckOutcome> {
+    let Ok(there) = &row.outcome else { return Ok(Err("it was lost".into())) };
     let cache = tempfile::tempdir().map_err(|source| Error::Io { path: std::env::temp_dir(), source })?;
     let baselines = Baselines::without_shipped(cache.path());
-    let baseline = match baselines.baseline(evaluation, episode, &site, progress) {
+    let baseline = match baselines.baseline(evaluation, episode, site, progress) {
         Err(Error::NoBaseline { why, .. }) => return Ok(Err(format!("its baseline was lost: {why}"))),
         baseline => baseline?,
     };

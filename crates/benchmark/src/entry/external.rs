@@ -1,0 +1,47 @@
+//! The policy of an entry that is a program of its author, such as a PyTorch policy in Python.
+
+use std::fmt;
+
+use b2b_control::Controller;
+
+use crate::policy::{EpisodeContext, Policy};
+use crate::{Error, Result};
+
+/// A policy that is a program of its author. Read from a result, it is known by its name alone and cannot act.
+pub struct External {
+    /// Its name.
+    pub name: String,
+    /// What identifies it, in a line.
+    pub identity: String,
+    /// Whether it acts differently with every seed.
+    pub by_seed: bool,
+    /// The program.
+    pub policy: Option<Box<dyn Policy + Send>>,
+}
+
+impl fmt::Debug for External {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "External({})", self.identity)
+    }
+}
+
+impl Policy for External {
+    fn name(&self) -> String {
+        self.name.clone()
+    }
+
+    fn identity(&self) -> String {
+        self.identity.clone()
+    }
+
+    fn ignores_interface(&self) -> bool {
+        self.policy.as_ref().is_some_and(|policy| policy.ignores_interface())
+    }
+
+    fn controller(&self, context: EpisodeContext<'_>) -> Result<Box<dyn Controller>> {
+        match &self.policy {
+            Some(policy) => policy.controller(context),
+            None => Err(Error::ExternalPolicy { name: self.name.clone() }),
+        }
+    }
+}

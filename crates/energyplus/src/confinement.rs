@@ -1,0 +1,114 @@
+//! Confinement of a process to what simulating takes, where the kernel has Landlock (Linux 5.13, network from 6.7 on).
+//!
+//! A model is data of somebody, and the engine that reads it is native code. A confined process cannot write outside the folders
+//! it is given, run programs, or open TCP connections; the engine may be made to try, but not to succeed.
+
+use std::fmt;
+use std::path::PathBuf;
+
+use crate::install::cache_dir;
+
+/// How far a process is confined.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Confinement {
+    /// To the fullest: files, programs and network.
+    Full,
+    /// As far as an older kernel can.
+    Partial,
+    /// Not at all: the kernel has no Landlock, or it is switched off.
+    None,
+}
+
+impl Confinement {
+    /// Returns how far this machine can confine.
+    pub fn available() -> Self {
+        std::thread::spawn(confine).join().unwrap_or(Self::None)
+    }
+}
+
+impl fmt::Display for Confinement {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Full => "may write to the temporary folder and the cache, run no programs, and not connect",
+            Self::Partial => "may write to the temporary folder and the cache, and run no programs (Linux before 6.7)",
+            Self::None => "not confined: this system has no Landlock",
+        })
+    }
+}
+
+/// Confines this thread, and every thread and process that it starts from here on, to writing in the temporary folder and in the
+/// cache of this package. There is no way back.
+pub fn confine() -> Confinement {
+    let cache = cache_dir().ok();
+    let devices = PathBuf::from("/dev/null");
+    restrict([std::env::temp_dir(), devices].into_iter().chain(cache))
+}
+
+#[cfg(target_os = "linux")]
+fn restrict(writable: impl Iterator<Item = PathBuf>) -> Confinement {
+    use landlock::{
+        ABI, Access, AccessFs, AccessNet, Ruleset, RulesetAttr, RulesetCreatedAttr, RulesetError, RulesetStatus,
+        path_beneath_rules,
+    };
+    let writing = AccessFs::from_write(ABI::V4);
+    let restrict = || -> Result<RulesetStatus, RulesetError> {
+        let ruleset = Ruleset::default()
+            .handle_access(writing | AccessFs::Execute)?
+            .handle_access(AccessNet::from_all(ABI::V4))?
+            .create()?
+            .add_rules(path_beneath_rules(writable, writing))?;
+        Ok(ruleset.restrict_self()?.ruleset)
+    };
+    match restrict() {
+        Ok(RulesetStatus::FullyEnforced) => Confinement::Full,
+        Ok(RulesetStatus::PartiallyEnforced) => Confinement::Partial,
+        Ok(RulesetStatus::NotEnforced) | Err(_) => Confinement::None,
+    }
+}
+
+#[cfg(not(target_os = "linux"))]
+fn restrict(_: impl Iterator<Item = PathBuf>) -> Confinement {
+    Confinement::None
+}
+
+#[cfg(all(test, target_os = "linux"))]
+mod tests {
+    use std::io::ErrorKind::PermissionDenied;
+    use std::process::Command;
+
+    use super::*;
+
+    #[test]
+    fn a_confined_thread_writes_where_it_may_and_neither_runs_programs_nor_connects() {
+        let root = tempfile::tempdir().unwrap();
+        let [inside, outside] = ["inside", "outside"].map(|name| {
+            let path = root.path().join(name);
+            std::fs::create_dir(&path).unwrap();
+            std::fs::write(path.join("there"), "before").unwrap();
+            path
+        });
+        let listener = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+        let address = listener.local_addr().unwrap();
+        let confined = std::thread::spawn(move || {
+            let confinement = restrict(std::iter::once(inside.clone()));
+            if confinement == Confinement::None {
+                return confinement;
+            }
+            std::fs::write(inside.join("new"), "text").unwrap();
+            assert_eq!(std::fs::read_to_string(outside.join("there")).unwrap(), "before");
+            let denied = |result: std::io::Result<()>| result.unwrap_err().kind() == PermissionDenied;
+            assert!(denied(std::fs::write(outside.join("new"), "text")));
+            assert!(denied(std::fs::write(outside.join("there"), "after")));
+            assert!(denied(std::fs::remove_file(outside.join("there"))));
+            assert!(denied(Command::new("/bin/true").status().map(drop)));
+            if confinement == Confinement::Full {
+                assert!(denied(std::net::TcpStream::connect(address).map(drop)));
+            }
+            confinement
+        });
+        let confinement = confined.join().unwrap();
+        // Other threads are free.
+        std::fs::write(root.path().join("outside/new"), "text").unwrap();
+        eprintln!("Landlock: {confinement:?}");
+    }
+}

@@ -1,0 +1,144 @@
+//! Temporary folders, which end with their owner: on drop, or when the next one is made after the owner was killed.
+//!
+//! The name has the owner, `b2b-pool-4242.891-x7Pq2a`: process 4242, which started at clock tick 891.
+
+use std::path::Path;
+use std::time::{Duration, SystemTime};
+
+use tempfile::TempDir;
+
+use crate::{Error, Result};
+
+/// Free space that a run needs in the temporary folder, bytes: its model, its table of sizes and its messages. A medium office
+/// takes a tenth of it.
+const NEEDED: u64 = 8_000_000;
+/// How long a folder stays after its owner, whose forks may still use it.
+const GRACE: Duration = Duration::from_secs(3600);
+
+/// Creates a temporary folder that only this user can read, for the files of EnergyPlus, and removes those that killed
+/// processes left behind for an hour or more.
+///
+/// # Errors
+/// [`Error::TemporaryFolder`] if it cannot be created, or has no room for a run.
+pub fn temporary_folder(prefix: &str) -> Result<TempDir> {
+    let parent = std::env::temp_dir();
+    let cannot = |why: String| Error::TemporaryFolder { path: parent.clone(), why };
+    #[cfg(unix)]
+    {
+        let found = rustix::fs::statvfs(&parent).map_err(|error| cannot(error.to_string()))?;
+        check_space(found.f_bavail.saturating_mul(found.f_frsize)).map_err(cannot)?;
+    }
+    folder_in(&parent, prefix).map_err(|error| cannot(error.to_string()))
+}
+
+/// As [`temporary_folder`], in any folder.
+///
+/// # Errors
+/// Those of the operating system.
+pub fn folder_in(parent: &Path, prefix: &str) -> std::io::Result<TempDir> {
+    sweep(parent, prefix);
+    let mut builder = tempfile::Builder::new();
+    let prefix = match started(std::process::id()) {
+        Some(start) => format!("{prefix}{}.{start}-", std::process::id()),
+        None => prefix.to_owned(),
+    };
+    builder.prefix(&prefix);
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(std::fs::Permissions::from_mode(0o700));
+    }
+    builder.tempdir_in(parent)
+}
+
+/// Removes the folders with a prefix whose owner is gone. One that cannot be removed stays: it may be of another user.
+fn sweep(parent: &Path, prefix: &str) {
+    let Ok(entries) = std::fs::read_dir(parent) else { return };
+    for entry in entries.flatten() {
+        let name = entry.file_name();
+        let owner = name.to_str().and_then(|name| owner(name.strip_prefix(prefix)?));
+        if owner.is_some_and(|(process, start)| started(process) != Some(start)) && is_old(&entry) {
+            let _ = std::fs::remove_dir_all(entry.path());
+        }
+    }
+}
+
+/// Reads process and start from a name without its prefix.
+fn owner(name: &str) -> Option<(u32, u64)> {
+    let (owner, _) = name.split_once('-')?;
+    let (process, start) = owner.split_once('.')?;
+    Some((process.parse().ok()?, start.parse().ok()?))
+}
+
+fn is_old(entry: &std::fs::DirEntry) -> bool {
+    let modified = entry.metadata().and_then(|metadata| metadata.modified());
+    let age = modified.map(|modified| SystemTime::now().duration_since(modified).unwrap_or_default());
+    age.is_ok_and(|age| age > GRACE)
+}
+
+/// Returns when a process started, in clock ticks since the boot. `None` if there is no such process, or no `/proc`.
+fn started(process: u32) -> Option<u64> {
+    let stat = std::fs::read_to_string(format!("/proc/{process}/stat")).ok()?;
+    // The name of the program, in parentheses, may contain anything.
+    let (_, fields) = stat.rsplit_once(')')?;
+    fields.split_whitespace().nth(19)?.parse().ok()
+}
+
+#[cfg(unix)]
+fn check_space(free: u64) -> std::result::Result<(), String> {
+    if free >= NEEDED {
+        return Ok(());
+    }
+    let [free, needed] = [free, NEEDED].map(|bytes| bytes as f64 / 1e6);
+    Err(format!("it has {free:.1} MB of free space; a run needs {needed:.0} MB"))
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_temporary_folder_is_private_and_needs_space() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = temporary_folder("b2b-test-").unwrap();
+        assert_eq!(folder.path().metadata().unwrap().permissions().mode() & 0o777, 0o700);
+        check_space(NEEDED).unwrap();
+        let said = check_space(900_000).unwrap_err();
+        assert!(said.contains("0.9 MB") && said.contains("8 MB"), "{said}");
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn folders_of_dead_owners_are_removed_after_an_hour_and_no_others() {
+        let root = tempfile::tempdir().unwrap();
+        let here = std::process::id();
+        let start = started(here).unwrap();
+        let old = SystemTime::now() - 2 * GRACE;
+        let make = |name: &str, modified: SystemTime| {
+            let path = root.path().join(name);
+            std::fs::create_dir(&path).unwrap();
+            std::fs::write(path.join("eplusout.err"), "").unwrap();
+            std::fs::File::open(&path).unwrap().set_modified(modified).unwrap();
+        };
+        make(&format!("b2b-{here}.{start}-mine"), old);
+        make(&format!("b2b-{here}.{}-reused", start + 1), old);
+        make("b2b-4194305.7-gone", old);
+        make("b2b-4194305.7-fresh", SystemTime::now());
+        make("b2b-pool-4194305.7-other", old);
+        make("b2b-notes", old);
+        let made = folder_in(root.path(), "b2b-").unwrap();
+        let mut left: Vec<_> = std::fs::read_dir(root.path())
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        left.retain(|name| name.as_str() != made.path().file_name().unwrap());
+        left.sort();
+        let expected = [
+            "b2b-4194305.7-fresh",
+            &format!("b2b-{here}.{start}-mine"),
+            "b2b-notes",
+            "b2b-pool-4194305.7-other",
+        ];
+        assert_eq!(left, expected.map(str::to_owned));
+    }
+}
