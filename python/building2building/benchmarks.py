@@ -295,7 +295,7 @@ class Problem:
         jobs: int | None = None,
         progress: bool = False,
     ) -> dict[str, Any]:
-        """Runs a policy on the problem as ``b2b benchmark run`` does, ``jobs`` episodes at a time, and returns the result.
+        """Runs a policy on the problem as ``b2b benchmark run`` does, ``jobs`` episodes at a time; returns the result.
 
         ``policy`` is one of:
 
@@ -309,8 +309,8 @@ class Problem:
         The folder gets ``result.json`` and the episodes, for ``b2b benchmark report`` and ``b2b benchmark verify``.
         The latter checks them as any other, but says that the policy was not run again: it is your program. The same
         call resumes an interrupted run; change ``version`` after further training. With ``by_seed=True`` every seed of
-        the protocol is run (``context.seed``), otherwise the first. ``train_policy`` runs in the training buildings, where
-        a problem leaves other actuators than in the test buildings.
+        the protocol is run (``context.seed``), otherwise the first. ``train_policy`` runs in the training buildings,
+        where a problem leaves other actuators than in the test buildings.
         """
         for each in (policy, train_policy):
             if each is not None and not callable(each):

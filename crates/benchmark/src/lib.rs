@@ -31,7 +31,8 @@ pub use baseline::{Baselines, Key};
 pub use error::{Error, Result};
 pub use evaluation::{
     Deviations, Episode, EpisodeInfo, Evaluation, Finished, Folder, Hours, Lost, Outcome, Progress, Record,
-    Row, Scored, StepRewards, episode_table, read_episodes, read_stages, write_episodes, write_stages,
+    Recorded, Row, Scored, StepRewards, episode_table, read_episodes, read_stages, write_episodes,
+    write_stages,
 };
 pub use policy::{ActionScale, BuiltIn, EpisodeContext, HouseForm, Interface, OnnxPolicy, Policy};
 pub use problem::Problem;

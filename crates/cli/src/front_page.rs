@@ -7,7 +7,7 @@ use crate::wrap;
 const GROUPS: &[(&str, &[&str])] = &[
     ("Simulate", &["run", "import"]),
     ("Explore buildings", &["list", "show", "view"]),
-    ("Train agents", &["train", "export"]),
+    ("Train agents", &["train", "collect", "clone", "export"]),
     ("Evaluate policies", &["evaluate", "score", "benchmark", "experiment"]),
     ("Dataset and baselines", &["dataset", "generate", "check", "tune", "baseline"]),
     ("Installation and performance", &["setup", "doctor", "bench"]),

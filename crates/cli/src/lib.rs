@@ -10,6 +10,10 @@ mod bench;
 mod benchmark;
 mod check;
 mod child;
+#[cfg(target_os = "linux")]
+mod clone;
+#[cfg(target_os = "linux")]
+mod collect;
 mod dataset;
 mod derived;
 mod doctor;
@@ -96,6 +100,10 @@ enum Command {
     #[cfg(target_os = "linux")]
     Export(export::Arguments),
     #[cfg(target_os = "linux")]
+    Collect(collect::Arguments),
+    #[cfg(target_os = "linux")]
+    Clone(clone::Arguments),
+    #[cfg(target_os = "linux")]
     Experiment(experiment::Arguments),
     #[cfg(target_os = "linux")]
     Tune(tune::Arguments),
@@ -175,6 +183,10 @@ fn execute(command: Command) -> Result<ExitCode> {
         Command::Import(arguments) => return import::import(&arguments),
         #[cfg(target_os = "linux")]
         Command::Export(arguments) => export::export(&arguments)?,
+        #[cfg(target_os = "linux")]
+        Command::Collect(arguments) => collect::collect(&arguments)?,
+        #[cfg(target_os = "linux")]
+        Command::Clone(arguments) => clone::clone(&arguments)?,
         #[cfg(target_os = "linux")]
         Command::Experiment(arguments) => return experiment::experiment(&arguments),
         #[cfg(target_os = "linux")]

@@ -2,7 +2,7 @@
 //!
 //! A [`Collector`](collector::Collector) makes steps with an actor and writes them to a [`Rollout`](rollout::Rollout). A learner,
 //! [`Ppo`](ppo::Ppo) or [`Sac`](sac::Sac), reads the rollout and improves the actor. Learners compute in single precision on
-//! the processor. The same seed, rollouts and machine give the same bits, whatever the number of threads.
+//! the processor. [`offline`] learns from recorded episodes instead. The same seed, rollouts and machine give the same bits, whatever the number of threads.
 
 pub mod collector;
 mod credit;
@@ -11,6 +11,7 @@ pub mod fragments;
 pub mod gaussian;
 pub mod lockstep;
 pub mod nn;
+pub mod offline;
 pub mod ppo;
 pub mod random;
 pub mod rollout;

@@ -29,6 +29,7 @@ pub use hours::Hours;
 pub use info::EpisodeInfo;
 pub use parallel::Evaluation;
 pub use progress::Progress;
+pub use recording::Recorded;
 pub(crate) use row::relative_energy;
 pub use row::{Row, Scored};
 pub use step_rewards::StepRewards;

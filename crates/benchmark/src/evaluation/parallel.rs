@@ -8,6 +8,7 @@ use b2b_env::vector::Launcher;
 use super::episode::Episode;
 use super::finished::Outcome;
 use super::progress::Progress;
+use super::recording::Recorded;
 use crate::policy::Policy;
 use crate::{Error, Result};
 
@@ -30,6 +31,8 @@ pub(super) struct Work<'a> {
     pub(super) policy: &'a dyn Policy,
     pub(super) progress: &'a dyn Progress,
     pub(super) keep: &'a (dyn Fn(usize, Outcome) -> Result<()> + Sync),
+    /// Told of every episode that was recorded, before it is kept.
+    pub(super) recorded: &'a (dyn Fn(usize, &Recorded<'_>) -> Result<()> + Sync),
     /// Set when a thread fails, to stop the others.
     pub(super) failed: AtomicBool,
     pub(super) interrupted: fn() -> bool,

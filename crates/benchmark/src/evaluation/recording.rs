@@ -1,5 +1,7 @@
 //! A recorded episode.
 
+use std::sync::Arc;
+
 use b2b_building::{Conditioning, Zone};
 use b2b_env::Spaces;
 use b2b_env::{Target, Trajectory};
@@ -10,6 +12,16 @@ pub(super) struct Recording {
     pub(super) first_observation: Vec<f64>,
     /// All steps.
     pub(super) trajectory: Trajectory,
+}
+
+/// A recorded episode and its spaces, as [`Evaluation::record`](super::Evaluation::record) passes it on.
+pub struct Recorded<'a> {
+    /// Spaces of the environment.
+    pub spaces: &'a Arc<Spaces>,
+    /// The observation before the first step.
+    pub first_observation: &'a [f64],
+    /// All steps.
+    pub trajectory: &'a Trajectory,
 }
 
 /// A controlled zone in an observation.

@@ -9,12 +9,16 @@ use super::episode::Episode;
 use super::finished::Finished;
 use super::info::EpisodeInfo;
 use super::parallel::Work;
-use super::recording::Recording;
+use super::recording::{Recorded, Recording};
 use crate::policy::{self, EpisodeContext, Interface};
 use crate::{Error, Result};
 
 /// Runs an episode.
-pub(super) fn run(bench: &mut Bench, episode: &Episode, work: &Work<'_>) -> Result<Finished> {
+pub(super) fn run(
+    bench: &mut Bench,
+    (number, episode): (usize, &Episode),
+    work: &Work<'_>,
+) -> Result<Finished> {
     let mut environment = bench.workers.episode(&bench.setting(episode))?;
     let spaces = Arc::clone(environment.spaces());
     let context = EpisodeContext {
@@ -36,6 +40,8 @@ pub(super) fn run(bench: &mut Bench, episode: &Episode, work: &Work<'_>) -> Resu
         b2b_env::Error::Interrupted => Error::Interrupted,
         error => error.into(),
     })?;
+    let Recording { first_observation, trajectory } = &recorder.recording;
+    (work.recorded)(number, &Recorded { spaces: &spaces, first_observation, trajectory })?;
     let info = EpisodeInfo::of_run(episode, work.policy, &spaces, &bench.located.site);
     let finished = Finished::new(info, &spaces, &metrics, &recorder.recording);
     bench.prepared.get_or_insert_with(|| Arc::clone(&spaces.building));

@@ -8,6 +8,7 @@ use super::episode::Episode;
 use super::finished::{Finished, Lost, Outcome};
 use super::parallel::{Evaluation, Work};
 use super::progress::Progress;
+use super::recording::Recorded;
 use super::rollout;
 use crate::error::panic_message;
 use crate::policy::Policy;
@@ -28,13 +29,37 @@ impl Evaluation<'_> {
         keep: &(dyn Fn(usize, Outcome) -> Result<()> + Sync),
     ) -> Result<()> {
         let (failed, interrupted) = (AtomicBool::new(false), self.interrupted);
-        let work = Work { episodes, policy, progress, keep, failed, interrupted };
-        let groups = Group::of(episodes);
+        let recorded = &|_: usize, _: &Recorded<'_>| Ok(());
+        self.run_all(&Work { episodes, policy, progress, keep, recorded, failed, interrupted })
+    }
+
+    /// Runs episodes as [`Evaluation::run`] does and passes the steps of each with its number to `keep`, or why it was lost.
+    ///
+    /// # Errors
+    /// As [`Evaluation::run`].
+    pub fn record(
+        &self,
+        episodes: &[(usize, &Episode)],
+        policy: &dyn Policy,
+        progress: &dyn Progress,
+        keep: &(dyn Fn(usize, std::result::Result<&Recorded<'_>, Lost>) -> Result<()> + Sync),
+    ) -> Result<()> {
+        let (failed, interrupted) = (AtomicBool::new(false), self.interrupted);
+        let recorded = &|number: usize, recorded: &Recorded<'_>| keep(number, Ok(recorded));
+        let lost = &|number: usize, outcome: Outcome| match outcome {
+            Ok(_) => Ok(()),
+            Err(lost) => keep(number, Err(lost)),
+        };
+        self.run_all(&Work { episodes, policy, progress, keep: lost, recorded, failed, interrupted })
+    }
+
+    fn run_all(&self, work: &Work<'_>) -> Result<()> {
+        let groups = Group::of(work.episodes);
         let next = AtomicUsize::new(0);
         let thread = || {
             // First buildings that no thread has taken; then the remaining episodes of the others'.
             let own = std::iter::from_fn(|| groups.get(next.fetch_add(1, Ordering::Relaxed)));
-            let outcome = own.chain(&groups).try_for_each(|group| self.work_on(group, &work));
+            let outcome = own.chain(&groups).try_for_each(|group| self.work_on(group, work));
             if outcome.is_err() {
                 work.failed.store(true, Ordering::Relaxed);
             }
@@ -59,7 +84,7 @@ impl Evaluation<'_> {
         while let Some(position) = group.take() {
             let (number, episode) = work.episodes[position];
             // A panic, as of a library on a damaged network, loses one episode and its processes.
-            let finish = AssertUnwindSafe(|| self.finish(group, &mut bench, episode, work));
+            let finish = AssertUnwindSafe(|| self.finish(group, &mut bench, (number, episode), work));
             let outcome = match catch_unwind(finish) {
                 Ok(Ok(finished)) => Ok(finished),
                 Ok(Err(error)) if ends_evaluation(&error) => return Err(error),
@@ -79,7 +104,7 @@ impl Evaluation<'_> {
         &self,
         group: &Group<'_>,
         bench: &mut Option<Bench>,
-        episode: &Episode,
+        episode: (usize, &Episode),
         work: &Work<'_>,
     ) -> Result<Finished> {
         work.check()?;

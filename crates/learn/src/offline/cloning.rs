@@ -1,0 +1,254 @@
+//! Behavior cloning (Pomerleau 1991): an agent whose actions are those of a dataset, by least squares.
+
+use std::sync::Arc;
+
+use b2b_agent::network::{Activation, Actor, Distribution, Mlp, Shape};
+use b2b_agent::{
+    Acting, AgentInfo, FORMAT, Interface, ObservationForm, ObservationOptions, Pilot, TrainingInfo,
+};
+use b2b_benchmark::Versions;
+use b2b_env::{ActionSpace, Spaces};
+
+use super::dataset::{Dataset, EpisodeFile, EpisodeMetadata};
+use crate::nn::{Adam, Gains, Pass, orthogonal};
+use crate::random::Random;
+use crate::{Error, Result};
+
+/// Gains of the initial weights.
+const GAINS: Gains = Gains { hidden: std::f32::consts::SQRT_2, last: 0.01 };
+/// Term that keeps Adam from dividing by 0.
+const EPSILON: f32 = 1e-8;
+/// Logarithm of the standard deviation with which training may continue.
+const LOG_STD: f32 = -2.0;
+/// The last step of this many of an episode's is held out.
+const HELD_OUT: usize = 10;
+
+/// How a policy is cloned.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CloneConfig {
+    /// What the agent observes.
+    pub observation: ObservationForm,
+    /// Widths of the hidden layers.
+    pub hidden: Vec<usize>,
+    /// Steps of the optimizer.
+    pub updates: usize,
+    /// Recorded steps in each of them.
+    pub batch_size: usize,
+    /// Learning rate, which falls linearly to 0.
+    pub learning_rate: f64,
+    /// Random seed.
+    pub seed: u64,
+}
+
+/// A cloned policy.
+#[derive(Clone, Debug)]
+pub struct Cloned {
+    /// Description of the agent.
+    pub info: AgentInfo,
+    /// Its network.
+    pub actor: Actor,
+    /// Root mean square of the error of an action, as a share of the half of its range: of the steps learned from, and of the
+    /// last tenth of every episode, which is held out.
+    pub errors: [f64; 2],
+}
+
+/// Learns the actions of a dataset. `spaces` finds the spaces of an episode, of a building with its model; `progress` is told the
+/// number of updates made.
+///
+/// # Errors
+/// [`Error::Invalid`] for buildings whose observations or actuators differ, and for a dataset without steps; those of
+/// [`Dataset::read`], [`Pilot::new`] and `spaces`.
+pub fn clone_policy(
+    dataset: &Dataset,
+    config: &CloneConfig,
+    spaces: &mut dyn FnMut(&EpisodeMetadata) -> Result<Arc<Spaces>>,
+    progress: &mut dyn FnMut(usize),
+) -> Result<Cloned> {
+    let options = ObservationOptions { form: config.observation, attributes: false, forecast: 0 };
+    let interface = Interface { observation: options, acting: Acting::Direct, nodes: None };
+    let (mut learned, mut held_out) = (Samples::default(), Samples::default());
+    let mut known: Option<(Vec<String>, Arc<Spaces>)> = None;
+    for (number, episode) in dataset.episodes.iter().enumerate() {
+        let spaces = spaces(episode)?;
+        let pilot = Pilot::new(interface, &spaces)?;
+        let names = [pilot.observation().names(), spaces.action.names().to_vec()].concat();
+        let (expected, _) = known.get_or_insert_with(|| (names.clone(), Arc::clone(&spaces)));
+        if names != *expected {
+            return Err(Error::Invalid(format!(
+                "{} has other observations or actuators than {}; with the observation `roles` all houses have the same, \
+                 or collect one dataset for each building",
+                episode.building, dataset.episodes[0].building
+            )));
+        }
+        let file = dataset.read(number)?;
+        check(&file, &spaces, episode)?;
+        add(file, pilot, &spaces.action, dataset.contents.rescaled, [&mut learned, &mut held_out]);
+    }
+    let Some((_, spaces)) = known.filter(|_| !learned.actions.is_empty()) else {
+        return Err(Error::Invalid("the dataset has no steps".into()));
+    };
+    let pilot = Pilot::new(interface, &spaces)?;
+    let (inputs, outputs) = pilot.widths();
+    let shape = Mlp::new(inputs, &config.hidden, outputs, Activation::Tanh);
+    let parameters = fit(&shape, &learned, config, progress);
+    let errors = [&learned, &held_out].map(|samples| samples.error(&shape, &parameters));
+    let distribution = Distribution::Gaussian { log_std: vec![LOG_STD; outputs] };
+    let actor = Actor { shape: Shape::Mlp(shape), parameters, distribution };
+    let info = AgentInfo {
+        format: FORMAT,
+        interface,
+        slots: pilot.observation().names(),
+        actuators: spaces.action.names().to_vec(),
+        node_types: Vec::new(),
+        network: actor.shape.clone(),
+        distribution: actor.distribution.clone(),
+        task: spaces.episode.task.clone(),
+        training: training(dataset, config),
+        weights: String::new(),
+    };
+    Ok(Cloned { info, actor, errors })
+}
+
+fn training(dataset: &Dataset, config: &CloneConfig) -> TrainingInfo {
+    let mut buildings: Vec<&str> = dataset.episodes.iter().map(|episode| episode.building.as_str()).collect();
+    buildings.dedup();
+    let Versions { package, generator, engine, .. } = Versions::current();
+    TrainingInfo {
+        algorithm: "behavior cloning".into(),
+        buildings: buildings.join(", "),
+        period: dataset.contents.period.clone(),
+        steps_per_hour: dataset.contents.steps_per_hour,
+        steps: dataset.episodes.iter().map(|episode| episode.total_steps as u64).sum(),
+        seed: config.seed,
+        package,
+        generator,
+        engine,
+        ..TrainingInfo::default()
+    }
+}
+
+/// Checks that an episode has the widths of its building.
+fn check(file: &EpisodeFile, spaces: &Spaces, episode: &EpisodeMetadata) -> Result<()> {
+    let steps = episode.total_steps;
+    let (observations, actions) = (spaces.observation.len(), spaces.action.len());
+    if file.observations.len() == (steps + 1) * observations && file.actions.len() == steps * actions {
+        return Ok(());
+    }
+    Err(Error::Invalid(format!(
+        "episode {} does not have {observations} observations and {actions} actions for each of {steps} steps, as {} has; \
+         collect the dataset again",
+        episode.id, episode.building
+    )))
+}
+
+/// Adds the steps of an episode: to learn from, and its end to the held out ones.
+fn add(
+    file: EpisodeFile,
+    mut pilot: Pilot,
+    space: &ActionSpace,
+    rescaled: bool,
+    [learned, held_out]: [&mut Samples; 2],
+) {
+    let (inputs, outputs) = pilot.widths();
+    let width = file.observations.len() / (file.rewards.len() + 1);
+    let steps = file.rewards.len();
+    pilot.reset();
+    let rows = file.observations.chunks_exact(width).zip(file.actions.chunks_exact(outputs));
+    for (step, (observation, action)) in rows.enumerate() {
+        let observation: Vec<f64> = observation.iter().map(|value| f64::from(*value)).collect();
+        let bounds = space.low().iter().zip(space.high());
+        let scaled = action.iter().zip(bounds).map(|(value, (low, high))| match rescaled {
+            true => *value,
+            false if high > low => (2.0 * (f64::from(*value) - low) / (high - low) - 1.0) as f32,
+            false => 0.0,
+        });
+        let scaled: Vec<f32> = scaled.map(|value| value.clamp(-1.0, 1.0)).collect();
+        let samples = if step >= steps - steps / HELD_OUT { &mut *held_out } else { &mut *learned };
+        samples.widths = (inputs, outputs);
+        samples.observations.extend_from_slice(pilot.observe(&observation));
+        samples.actions.extend_from_slice(&scaled);
+        pilot.act(&scaled);
+    }
+}
+
+/// Observations of the agent and the actions of the dataset.
+#[derive(Default)]
+struct Samples {
+    widths: (usize, usize),
+    observations: Vec<f32>,
+    actions: Vec<f32>,
+}
+
+impl Samples {
+    fn len(&self) -> usize {
+        self.actions.len() / self.widths.1.max(1)
+    }
+
+    /// Returns the root mean square of the errors; NaN without samples.
+    fn error(&self, shape: &Mlp, parameters: &[f32]) -> f64 {
+        let mut pass = Pass::new(shape);
+        let outputs = pass.forward(parameters, &self.observations, self.len());
+        let squares =
+            outputs.iter().zip(&self.actions).map(|(output, action)| f64::from(output - action).powi(2));
+        (squares.sum::<f64>() / self.actions.len() as f64).sqrt()
+    }
+}
+
+/// Minimizes the mean square of the errors and returns the parameters.
+fn fit(shape: &Mlp, samples: &Samples, config: &CloneConfig, progress: &mut dyn FnMut(usize)) -> Vec<f32> {
+    let mut random = Random::new(config.seed, 0);
+    let mut parameters = orthogonal(shape, GAINS, &mut random);
+    let (inputs, outputs) = samples.widths;
+    let rows = config.batch_size.min(samples.len());
+    let (mut pass, mut adam) = (Pass::new(shape), Adam::new(parameters.len(), EPSILON));
+    let (mut observations, mut actions) = (vec![0.0; rows * inputs], vec![0.0; rows * outputs]);
+    let mut gradients = vec![0.0; parameters.len()];
+    for update in 0..config.updates {
+        for row in 0..rows {
+            let sample = random.below(samples.len());
+            observations[row * inputs..][..inputs]
+                .copy_from_slice(&samples.observations[sample * inputs..][..inputs]);
+            actions[row * outputs..][..outputs]
+                .copy_from_slice(&samples.actions[sample * outputs..][..outputs]);
+        }
+        let errors = pass.forward(&parameters, &observations, rows).iter().zip(&actions);
+        let scale = 2.0 / actions.len() as f32;
+        let of_outputs: Vec<f32> = errors.map(|(output, action)| scale * (output - action)).collect();
+        gradients.fill(0.0);
+        pass.backward(&parameters, &observations, &of_outputs, Some(&mut gradients), None);
+        let left = 1.0 - update as f64 / config.updates as f64;
+        adam.step(&mut parameters, &gradients, config.learning_rate * left);
+        progress(update + 1);
+    }
+    parameters
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_linear_policy_is_found_again() {
+        let mut random = Random::new(3, 0);
+        let mut samples = Samples { widths: (3, 2), ..Samples::default() };
+        for _ in 0..2000 {
+            let row = [0, 1, 2].map(|_| 0.5 * random.normal() as f32);
+            samples.observations.extend(row);
+            samples.actions.extend([0.4 * row[0] - 0.2 * row[1], 0.3 * row[2] + 0.1]);
+        }
+        let config = CloneConfig {
+            observation: ObservationForm::Raw,
+            hidden: vec![32],
+            updates: 2000,
+            batch_size: 64,
+            learning_rate: 3e-3,
+            seed: 0,
+        };
+        let shape = Mlp::new(3, &config.hidden, 2, Activation::Tanh);
+        let mut updates = 0;
+        let parameters = fit(&shape, &samples, &config, &mut |update| updates = update);
+        let error = samples.error(&shape, &parameters);
+        assert!(updates == 2000 && error < 0.01, "{error}");
+        assert_eq!(parameters, fit(&shape, &samples, &config, &mut |_| {}));
+    }
+}

@@ -1,0 +1,230 @@
+//! Collecting a dataset.
+
+use std::path::Path;
+use std::sync::Mutex;
+use std::sync::PoisonError;
+
+use b2b_benchmark::{Episode, Evaluation, Policy, Progress, Recorded};
+use b2b_dataset::BuildingName;
+use b2b_env::Spaces;
+use serde_json::{Value, json};
+
+use super::dataset::{Contents, Dataset, EpisodeFile, EpisodeMetadata, NewDataset};
+use crate::{Error, Result};
+
+/// What is collected: every episode under every policy.
+pub struct Collection<'a> {
+    /// Name of the dataset, such as `b2b/office-small-v0`.
+    pub id: &'a str,
+    /// The episodes: buildings of one type under one task.
+    pub episodes: &'a [Episode],
+    /// The policies.
+    pub policies: &'a [Box<dyn Policy>],
+}
+
+/// Runs the episodes and writes the dataset to a folder. Of several buildings, actions are from -1 to 1, because their bounds
+/// differ; of one building, in physical units.
+///
+/// # Errors
+/// [`Error::Invalid`] for buildings of several types or with different observations, for a folder that exists, and when an
+/// episode is lost; those of [`Evaluation::record`].
+pub fn collect(
+    collection: &Collection<'_>,
+    destination: &Path,
+    evaluation: &Evaluation<'_>,
+    progress: &dyn Progress,
+) -> Result<Dataset> {
+    let building_type = collection.building_type()?;
+    let new = NewDataset::create(destination)?;
+    let count = collection.episodes.len();
+    let first = Mutex::new(None::<Shape>);
+    let rescaled = collection.buildings() > 1;
+    let mut episodes = Vec::new();
+    for (part, policy) in collection.policies.iter().enumerate() {
+        let numbered: Vec<(usize, &Episode)> = collection.episodes.iter().enumerate().collect();
+        let written = Mutex::new(Vec::new());
+        let write = |number: usize, recorded: &Recorded<'_>| -> Result<()> {
+            let episode = &collection.episodes[number];
+            let shape = Shape::of(recorded.spaces, rescaled);
+            lock(&first).get_or_insert_with(|| shape.clone()).merge(&shape, episode)?;
+            let file = file_of(recorded, rescaled);
+            let placement = &episode.subject.placement;
+            let metadata = EpisodeMetadata {
+                id: part * count + number,
+                total_steps: file.rewards.len(),
+                seed: episode.seed,
+                building: episode.subject.name.to_string(),
+                place: placement.place.map(|place| place.name.to_owned()),
+                weather: placement.weather.clone(),
+                policy: policy.name(),
+                episode_return: file.rewards.iter().sum(),
+            };
+            new.write(&metadata, &file)?;
+            lock(&written).push(metadata);
+            Ok(())
+        };
+        progress.begin(&policy.name(), count, collection.episodes.iter().map(Episode::days).sum());
+        let failure = Mutex::new(None);
+        evaluation
+            .record(&numbered, policy.as_ref(), progress, &|number, recorded| {
+                let outcome = match recorded {
+                    Ok(recorded) => write(number, recorded),
+                    Err(lost) => {
+                        Err(Error::Invalid(format!("{} was lost: {lost}", collection.episodes[number])))
+                    }
+                };
+                outcome.map_err(|error| {
+                    lock(&failure).get_or_insert(error);
+                    b2b_benchmark::Error::Interrupted
+                })
+            })
+            .map_err(|error| lock(&failure).take().unwrap_or_else(|| error.into()))?;
+        episodes.extend(written.into_inner().unwrap_or_else(PoisonError::into_inner));
+    }
+    episodes.sort_by_key(|episode| episode.id);
+    let shape = first.into_inner().unwrap_or_else(PoisonError::into_inner);
+    let (Some(shape), Some(example)) = (shape, collection.episodes.first()) else {
+        return Err(Error::Invalid("there is no episode to collect".into()));
+    };
+    let contents = Contents {
+        building_type: building_type.clone(),
+        task: example.task.to_string(),
+        period: example.period.to_string(),
+        steps_per_hour: example.steps_per_hour,
+        rescaled,
+        observation_names: shape.observation_names.clone(),
+        action_names: shape.action_names.clone(),
+    };
+    let names: Vec<String> = collection.policies.iter().map(|policy| policy.name()).collect();
+    let spec = spec(&building_type, example, rescaled);
+    new.finish(collection.id, &names.join(", "), &contents, &episodes, shape.boxes(), &spec)?;
+    Dataset::open(destination)
+}
+
+impl Collection<'_> {
+    /// Returns the type of all buildings.
+    fn building_type(&self) -> Result<String> {
+        let mut types: Vec<&str> =
+            self.episodes.iter().map(|episode| episode.subject.building_type()).collect();
+        types.sort_unstable();
+        types.dedup();
+        match types[..] {
+            [""] => Err(Error::Invalid(
+                "expected buildings of the dataset or building types, not model files".into(),
+            )),
+            [one] => Ok(one.to_owned()),
+            _ => Err(Error::Invalid(format!(
+                "the buildings are of the types {}; collect one dataset for each type",
+                types.join(", ")
+            ))),
+        }
+    }
+
+    fn buildings(&self) -> usize {
+        let mut names: Vec<String> =
+            self.episodes.iter().map(|episode| episode.subject.name.to_string()).collect();
+        names.sort_unstable();
+        names.dedup();
+        names.len()
+    }
+}
+
+/// The spaces of a dataset: names, and the bounds of all of its buildings.
+#[derive(Clone, Debug)]
+struct Shape {
+    observation_names: Vec<String>,
+    observation: Vec<[f32; 2]>,
+    action_names: Vec<String>,
+    action: Vec<[f32; 2]>,
+}
+
+impl Shape {
+    fn of(spaces: &Spaces, rescaled: bool) -> Self {
+        let slots = spaces.observation.slots();
+        let action = spaces.action.low().iter().zip(spaces.action.high());
+        Self {
+            observation_names: slots.iter().map(|slot| slot.name.clone()).collect(),
+            observation: slots.iter().map(|slot| [slot.low as f32, slot.high as f32]).collect(),
+            action_names: spaces.action.names().to_vec(),
+            action: action
+                .map(|(low, high)| if rescaled { [-1.0, 1.0] } else { [*low as f32, *high as f32] })
+                .collect(),
+        }
+    }
+
+    /// Widens the bounds by those of another building.
+    fn merge(&mut self, other: &Self, episode: &Episode) -> Result<()> {
+        let names = |shape: &Self| [shape.observation_names.clone(), shape.action_names.clone()].concat();
+        if names(self) != names(other) {
+            return Err(Error::Invalid(format!(
+                "{} has other observations or actuators than an earlier building; collect one dataset for each building",
+                episode.subject.name
+            )));
+        }
+        for (bounds, other) in self.observation.iter_mut().zip(&other.observation) {
+            *bounds = [bounds[0].min(other[0]), bounds[1].max(other[1])];
+        }
+        Ok(())
+    }
+
+    /// Returns the spaces of observation and action, as Minari writes them.
+    fn boxes(&self) -> [Value; 2] {
+        [&self.observation, &self.action].map(|bounds| {
+            let side = |index: usize| bounds.iter().map(|each| each[index]).collect::<Vec<f32>>();
+            json!({"type": "Box", "dtype": "float32", "shape": [bounds.len()], "low": side(0), "high": side(1)})
+        })
+    }
+}
+
+fn file_of(recorded: &Recorded<'_>, rescaled: bool) -> EpisodeFile {
+    let Recorded { spaces, first_observation, trajectory } = recorded;
+    let observations = first_observation.iter().chain(&trajectory.observations);
+    let bounds = || spaces.action.low().iter().zip(spaces.action.high()).cycle();
+    let action = |(value, (low, high)): (&f64, (&f64, &f64))| match rescaled {
+        false => *value as f32,
+        true if high > low => (2.0 * (value - low) / (high - low) - 1.0) as f32,
+        true => 0.0,
+    };
+    EpisodeFile {
+        observations: observations.map(|value| *value as f32).collect(),
+        actions: trajectory.actions.iter().zip(bounds()).map(action).collect(),
+        rewards: trajectory.penalties.iter().map(|[temperature, energy]| -(temperature + energy)).collect(),
+    }
+}
+
+/// Returns the specification from which Gymnasium makes the environment of an episode.
+fn spec(building_type: &str, episode: &Episode, rescaled: bool) -> Value {
+    let Episode { subject, task, period, steps_per_hour, .. } = episode;
+    let mut arguments = json!({
+        "building_type": building_type,
+        "run_period": period.to_string(),
+        "timesteps_per_hour": steps_per_hour,
+        "task": task.to_string(),
+        "rescale_action": rescaled,
+    });
+    if matches!(subject.name, BuildingName::Id(_)) {
+        arguments["building_id"] = subject.name.to_string().into();
+    }
+    if let Some(place) = subject.placement.place {
+        arguments["place"] = place.name.into();
+    }
+    if let Some(weather) = &subject.placement.weather {
+        arguments["weather"] = weather.display().to_string().into();
+    }
+    json!({
+        "id": format!("b2b/{building_type}-v0"),
+        "entry_point": "building2building.env:BuildingEnv",
+        "reward_threshold": null,
+        "nondeterministic": false,
+        "max_episode_steps": null,
+        "order_enforce": false,
+        "disable_env_checker": true,
+        "kwargs": arguments,
+        "additional_wrappers": [],
+        "vector_entry_point": "building2building.vector:BuildingVectorEnv",
+    })
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}

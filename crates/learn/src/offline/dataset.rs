@@ -1,0 +1,263 @@
+//! The files of a dataset.
+//!
+//! `data/metadata.json` describes all, `data/N/metadata.json` the episode N, and `data/N/part-0.parquet` has its steps: as Minari's
+//! storage of the format `parquet` has them.
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+use tempfile::TempDir;
+
+use super::episodes;
+use crate::error::at;
+use crate::{Error, Result};
+
+/// Version of Minari whose format it is.
+const MINARI: &str = "0.5.3";
+const METADATA: &str = "metadata.json";
+
+/// What a dataset contains, beside Minari's own description.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Contents {
+    /// Building type.
+    pub building_type: String,
+    /// Task.
+    pub task: String,
+    /// Run period.
+    pub period: String,
+    /// Zone time steps per hour.
+    pub steps_per_hour: u32,
+    /// Whether actions are from -1 to 1 between the bounds of each actuator; in physical units otherwise.
+    pub rescaled: bool,
+    /// Names of the values of an observation.
+    pub observation_names: Vec<String>,
+    /// Names of the actuators.
+    pub action_names: Vec<String>,
+}
+
+/// What is known of an episode.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct EpisodeMetadata {
+    /// Number.
+    pub id: usize,
+    /// Number of steps.
+    pub total_steps: usize,
+    /// Seed of the policy.
+    pub seed: u64,
+    /// Building.
+    pub building: String,
+    /// Place of its weather; `None` for that of the building.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub place: Option<String>,
+    /// Weather file, instead of a place.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub weather: Option<PathBuf>,
+    /// Policy.
+    pub policy: String,
+    /// Return.
+    pub episode_return: f64,
+}
+
+/// The steps of an episode, row by row.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct EpisodeFile {
+    /// Observations before the first and after each step.
+    pub observations: Vec<f32>,
+    /// Actions.
+    pub actions: Vec<f32>,
+    /// Rewards.
+    pub rewards: Vec<f64>,
+}
+
+/// A dataset on disk.
+#[derive(Clone, Debug)]
+pub struct Dataset {
+    path: PathBuf,
+    /// What it contains.
+    pub contents: Contents,
+    /// Its episodes, in order.
+    pub episodes: Vec<EpisodeMetadata>,
+}
+
+#[derive(Deserialize)]
+struct Metadata {
+    total_episodes: usize,
+    data_format: String,
+    b2b: Option<Contents>,
+}
+
+impl Dataset {
+    /// Reads the description of a dataset that [`collect`](super::collect) wrote.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for a folder that is no such dataset; [`Error::Io`].
+    pub fn open(path: &Path) -> Result<Self> {
+        let file = path.join("data").join(METADATA);
+        let Metadata { total_episodes, data_format, b2b } = read_json(&file)?;
+        let wrong = |why: &str| Error::Invalid(format!("{}: {why}", file.display()));
+        if data_format != "parquet" {
+            return Err(wrong(&format!(
+                "the format is {data_format}; expected parquet, as `b2b collect` writes"
+            )));
+        }
+        let contents =
+            b2b.ok_or_else(|| wrong("it does not name buildings; expected a dataset of `b2b collect`"))?;
+        let episode = |number: usize| read_json(&path.join("data").join(number.to_string()).join(METADATA));
+        let episodes = (0..total_episodes).map(episode).collect::<Result<_>>()?;
+        Ok(Self { path: path.to_owned(), contents, episodes })
+    }
+
+    /// Reads the steps of an episode.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for a damaged file; [`Error::Io`].
+    pub fn read(&self, episode: usize) -> Result<EpisodeFile> {
+        let path = episodes::path(&self.path.join("data"), episode);
+        let Contents { observation_names, action_names, .. } = &self.contents;
+        episodes::read(&path, observation_names.len(), action_names.len())
+    }
+}
+
+/// A dataset that is being written: aside, and in its place once it is whole.
+#[derive(Debug)]
+pub(super) struct NewDataset {
+    destination: PathBuf,
+    staging: TempDir,
+}
+
+impl NewDataset {
+    /// Begins a dataset.
+    pub(super) fn create(destination: &Path) -> Result<Self> {
+        let shown = destination.display();
+        if destination.exists() {
+            return Err(Error::Invalid(format!(
+                "{shown} exists; remove it, or choose another name or version"
+            )));
+        }
+        let parent = destination.parent().filter(|parent| !parent.as_os_str().is_empty());
+        let parent = parent.unwrap_or(Path::new("."));
+        std::fs::create_dir_all(parent).map_err(at(parent))?;
+        let staging = b2b_energyplus::folder_in(parent, ".b2b-unfinished-").map_err(at(parent))?;
+        Ok(Self { destination: destination.to_owned(), staging })
+    }
+
+    fn data(&self) -> PathBuf {
+        self.staging.path().join("data")
+    }
+
+    /// Writes an episode.
+    pub(super) fn write(&self, metadata: &EpisodeMetadata, episode: &EpisodeFile) -> Result<()> {
+        let path = episodes::path(&self.data(), metadata.id);
+        let folder = path.parent().unwrap_or(&path);
+        std::fs::create_dir_all(folder).map_err(at(folder))?;
+        episodes::write(&path, episode, metadata.total_steps)?;
+        write_json(&folder.join(METADATA), &serde_json::to_value(metadata).expect("it is plain data"))
+    }
+
+    /// Writes the description and moves everything to its place.
+    pub(super) fn finish(
+        self,
+        id: &str,
+        algorithm: &str,
+        contents: &Contents,
+        episodes: &[EpisodeMetadata],
+        [observation, action]: [Value; 2],
+        spec: &Value,
+    ) -> Result<()> {
+        let policies = format!("{algorithm} on {} episodes of {}", episodes.len(), contents.building_type);
+        let metadata = json!({
+            "total_episodes": episodes.len(),
+            "total_steps": episodes.iter().map(|episode| episode.total_steps).sum::<usize>(),
+            "data_format": "parquet",
+            "jpeg_encoding": false,
+            "observation_space": observation.to_string(),
+            "action_space": action.to_string(),
+            "env_spec": spec.to_string(),
+            "dataset_id": id,
+            "minari_version": MINARI,
+            "author": ["building2building"],
+            "algorithm_name": algorithm,
+            "description": policies,
+            "requirements": ["building2building"],
+            "b2b": contents,
+        });
+        write_json(&self.data().join(METADATA), &metadata)?;
+        let staging = self.staging.keep();
+        std::fs::rename(&staging, &self.destination).map_err(at(&self.destination))
+    }
+}
+
+fn read_json<T: for<'a> Deserialize<'a>>(path: &Path) -> Result<T> {
+    let text = std::fs::read(path).map_err(at(path))?;
+    serde_json::from_slice(&text).map_err(|error| Error::Invalid(format!("{}: {error}", path.display())))
+}
+
+fn write_json(path: &Path, value: &Value) -> Result<()> {
+    std::fs::write(path, value.to_string()).map_err(at(path))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn contents() -> Contents {
+        Contents {
+            building_type: "OfficeSmall".into(),
+            task: "occupancy".into(),
+            period: "winter".into(),
+            steps_per_hour: 12,
+            rescaled: true,
+            observation_names: vec!["a".into(), "b".into()],
+            action_names: vec!["c".into()],
+        }
+    }
+
+    #[test]
+    fn a_dataset_reads_back_as_it_was_written_and_is_never_half_there() {
+        let root = tempfile::tempdir().unwrap();
+        let path = root.path().join("b2b/small-v0");
+        let episode = EpisodeFile {
+            observations: vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0],
+            actions: vec![0.5, -0.5],
+            rewards: vec![-1.25, -0.5],
+        };
+        let metadata = |id| EpisodeMetadata {
+            id,
+            total_steps: 2,
+            seed: 7,
+            building: "OfficeSmall-0042".into(),
+            place: None,
+            weather: None,
+            policy: "reactive".into(),
+            episode_return: -1.75,
+        };
+        let new = NewDataset::create(&path).unwrap();
+        let episodes = [metadata(0), metadata(1)];
+        episodes.iter().for_each(|metadata| new.write(metadata, &episode).unwrap());
+        assert!(!path.exists());
+        let box_space = json!({"type": "Box"});
+        new.finish(
+            "b2b/small-v0",
+            "reactive",
+            &contents(),
+            &episodes,
+            [box_space.clone(), box_space],
+            &json!({}),
+        )
+        .unwrap();
+        let dataset = Dataset::open(&path).unwrap();
+        assert_eq!((&dataset.contents, &dataset.episodes[..]), (&contents(), &episodes[..]));
+        assert_eq!(dataset.read(1).unwrap(), episode);
+        let left = std::fs::read_dir(root.path().join("b2b")).unwrap().count();
+        assert_eq!(left, 1);
+
+        let said = NewDataset::create(&path).unwrap_err().to_string();
+        assert!(said.contains("small-v0 exists"), "{said}");
+        drop(NewDataset::create(&root.path().join("b2b/other-v0")).unwrap());
+        assert_eq!(std::fs::read_dir(root.path().join("b2b")).unwrap().count(), 1);
+        std::fs::write(path.join("data/1/part-0.parquet"), "damaged").unwrap();
+        assert!(dataset.read(1).unwrap_err().to_string().contains("part-0.parquet"));
+        assert!(Dataset::open(root.path()).is_err());
+    }
+}

@@ -1,0 +1,94 @@
+//! The Parquet file of an episode: one row for every observation, the last without an action.
+
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use arrow_array::cast::AsArray;
+use arrow_array::types::{Float32Type, Float64Type};
+use arrow_array::{ArrayRef, BooleanArray, FixedSizeListArray, Float32Array, Float64Array, RecordBatch};
+use arrow_schema::{DataType, Field};
+use parquet::arrow::ArrowWriter;
+use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use parquet::basic::Compression;
+use parquet::file::properties::WriterProperties;
+
+use super::dataset::EpisodeFile;
+use crate::error::at;
+use crate::{Error, Result};
+
+/// Returns the path of the steps of an episode.
+pub(super) fn path(data: &Path, episode: usize) -> PathBuf {
+    data.join(episode.to_string()).join("part-0.parquet")
+}
+
+/// Writes the steps of an episode, with zeros behind the actions and rewards.
+pub(super) fn write(path: &Path, episode: &EpisodeFile, steps: usize) -> Result<()> {
+    let rows = steps + 1;
+    let flags = |last: bool| -> ArrayRef {
+        Arc::new(BooleanArray::from_iter((0..rows).map(|row| Some(last && row + 1 == steps))))
+    };
+    let mut rewards = episode.rewards.clone();
+    rewards.resize(rows, 0.0);
+    let columns: [(&str, ArrayRef); 5] = [
+        ("observations", lists(&episode.observations, rows)),
+        ("actions", lists(&episode.actions, rows)),
+        ("rewards", Arc::new(Float64Array::from(rewards))),
+        // Every end of an episode is a truncation.
+        ("terminations", flags(false)),
+        ("truncations", flags(true)),
+    ];
+    let damaged = |error: &dyn std::fmt::Display| Error::Invalid(format!("{}: {error}", path.display()));
+    let table = RecordBatch::try_from_iter(columns).map_err(|error| damaged(&error))?;
+    let file = File::create(path).map_err(at(path))?;
+    let properties = WriterProperties::builder().set_compression(Compression::SNAPPY).build();
+    let write = || {
+        let mut writer = ArrowWriter::try_new(file, table.schema(), Some(properties))?;
+        writer.write(&table)?;
+        writer.close()
+    };
+    write().map(drop).map_err(|error| damaged(&error))
+}
+
+/// Returns rows of numbers as lists of one length, with zeros in the rows behind.
+fn lists(numbers: &[f32], rows: usize) -> ArrayRef {
+    // There are as many rows, or one fewer.
+    let width =
+        if numbers.len().is_multiple_of(rows) { numbers.len() / rows } else { numbers.len() / (rows - 1) };
+    let mut numbers = numbers.to_vec();
+    numbers.resize(rows * width, 0.0);
+    let field = Arc::new(Field::new_list_field(DataType::Float32, true));
+    Arc::new(FixedSizeListArray::new(field, width as i32, Arc::new(Float32Array::from(numbers)), None))
+}
+
+/// Reads the steps of an episode with these widths of observation and action.
+pub(super) fn read(path: &Path, observation: usize, action: usize) -> Result<EpisodeFile> {
+    let damaged =
+        |why: String| Error::Invalid(format!("{}: {why}; collect the dataset again", path.display()));
+    let file = File::open(path).map_err(at(path))?;
+    let reader = ParquetRecordBatchReaderBuilder::try_new(file).and_then(|builder| builder.build());
+    let mut episode = EpisodeFile::default();
+    for table in reader.map_err(|error| damaged(error.to_string()))? {
+        let table = table.map_err(|error| damaged(error.to_string()))?;
+        let column =
+            |name: &str| table.column_by_name(name).ok_or_else(|| damaged(format!("no column {name}")));
+        for (name, width, numbers) in [
+            ("observations", observation, &mut episode.observations),
+            ("actions", action, &mut episode.actions),
+        ] {
+            let lists =
+                column(name)?.as_fixed_size_list_opt().filter(|lists| lists.value_length() as usize == width);
+            let lists = lists.ok_or_else(|| damaged(format!("{name} are not lists of {width} numbers")))?;
+            let values = lists.values().as_primitive_opt::<Float32Type>();
+            numbers.extend_from_slice(values.ok_or_else(|| damaged(format!("{name} are not f32")))?.values());
+        }
+        let rewards = column("rewards")?.as_primitive_opt::<Float64Type>();
+        episode
+            .rewards
+            .extend_from_slice(rewards.ok_or_else(|| damaged("rewards are not f64".into()))?.values());
+    }
+    // The row of the last observation has no action.
+    episode.actions.truncate(episode.actions.len().saturating_sub(action));
+    episode.rewards.pop();
+    Ok(episode)
+}

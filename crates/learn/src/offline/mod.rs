@@ -1,0 +1,13 @@
+//! Datasets of recorded episodes, and learning from them.
+//!
+//! [`collect`] runs policies and writes a dataset in the Parquet format of Minari, which other offline learners read as well;
+//! [`Dataset`] reads one, and [`clone_policy`] makes an agent that imitates what was recorded.
+
+mod cloning;
+mod collection;
+mod dataset;
+mod episodes;
+
+pub use cloning::{CloneConfig, Cloned, clone_policy};
+pub use collection::{Collection, collect};
+pub use dataset::{Contents, Dataset, EpisodeFile, EpisodeMetadata};
