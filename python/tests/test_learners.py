@@ -108,6 +108,26 @@ def test_a_minari_dataset_recovers_its_environment(tmp_path, monkeypatch):
     env.close()
 
 
+def test_minari_reads_a_dataset_of_the_command_line(b2b_command, tmp_path, monkeypatch):
+    import subprocess
+
+    import minari
+
+    pytest.importorskip("PIL")
+    monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path))
+    arguments = "collect b2b/small-v0 OfficeSmall-0042 --task occupancy --period 01-10..01-10"
+    subprocess.run([b2b_command, *arguments.split()], check=True)
+    dataset = minari.load_dataset("b2b/small-v0")
+    assert (dataset.total_episodes, dataset.total_steps) == (1, 288)
+    assert dataset[0].truncations[-1] and not dataset[0].truncations[:-1].any()
+    env = dataset.recover_environment()
+    observation, _ = env.reset()
+    np.testing.assert_array_equal(observation, dataset[0].observations[0])
+    for action, expected in zip(dataset[0].actions[:50], dataset[0].observations[1:]):
+        np.testing.assert_array_equal(env.step(action)[0], expected)
+    env.close()
+
+
 def test_a_trajectory_is_written_as_parquet(office, tmp_path):
     import pyarrow.parquet
 
