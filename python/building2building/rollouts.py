@@ -199,7 +199,7 @@ class Trajectory:
                 arrays = {name: file[name] for name in _ARRAYS}
                 described = json.loads(str(file["described"]))
         except (KeyError, ValueError, zipfile.BadZipFile) as error:
-            raise SettingError(f"{os.fspath(path)} does not hold a trajectory; expected a file of save()") from error
+            raise SettingError(f"{os.fspath(path)} is not a trajectory; expected a file written by Trajectory.save") from error
         return cls(**arrays, **described)
 
     def to_parquet(self, path: str | os.PathLike[str]) -> None:

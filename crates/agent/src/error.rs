@@ -13,7 +13,7 @@ pub enum Error {
     },
     /// A folder without an agent.
     #[error(
-        "{path} is not an agent's folder: {why}; expected one that `b2b train` wrote, with agent.json and weights.safetensors"
+        "{path} is not the folder of an agent: {why}; expected a folder written by `b2b train`, with agent.json and weights.safetensors"
     )]
     NotAnAgent {
         /// The folder.
@@ -59,7 +59,7 @@ pub enum Error {
         known: String,
     },
     /// A building whose graph cannot be made.
-    #[error("the graph of {building} cannot be made: {source}")]
+    #[error("cannot build the graph of {building}: {source}")]
     Graph {
         /// Name of the building.
         building: String,

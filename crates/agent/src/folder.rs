@@ -116,13 +116,13 @@ fn check_shape(info: &AgentInfo) -> std::result::Result<(), &'static str> {
         _ => info.actuators.len(),
     };
     let found = match &info.network {
-        Shape::Mlp(mlp) if mlp.widths.len() < 2 => return Err("its network has no layer"),
+        Shape::Mlp(mlp) if mlp.widths.len() < 2 => return Err("its network has no layers"),
         Shape::Mlp(mlp) => (mlp.inputs(), mlp.outputs()),
         Shape::Graph(network) if network.types.len() != NodeType::ALL.len() => {
-            return Err("its network has another number of node types");
+            return Err("the number of node types in its network does not match");
         }
         Shape::Graph(network) if network.heads == 0 || !network.embedding.is_multiple_of(network.heads) => {
-            return Err("the heads of its network do not share the embedding evenly");
+            return Err("the embedding of its network is not divisible by its number of heads");
         }
         Shape::Graph(network) => {
             let sum = |width: fn(&NodeWidths) -> usize| network.types.iter().map(width).sum();
@@ -130,7 +130,7 @@ fn check_shape(info: &AgentInfo) -> std::result::Result<(), &'static str> {
         }
     };
     if found != widths || log_stds != info.actuators.len() {
-        return Err("the network does not have the widths of observation and actuators");
+        return Err("the widths of the network do not match the observation and the actuators");
     }
     Ok(())
 }

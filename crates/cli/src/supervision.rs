@@ -58,7 +58,7 @@ pub fn supervise(arguments: &[OsString]) -> Result<ExitCode> {
             Ok(ExitCode::Interrupted)
         }
         (None, signal) => bail!(
-            "EnergyPlus crashed with {}{}\nThe model or the weather file makes it fail: correct what its messages name, or \
+            "EnergyPlus crashed with {}{}\nThe model or the weather file causes the crash: correct what the messages name, or \
              remove objects until it runs",
             signal.map_or_else(|| status.to_string(), name),
             last_messages(folder.path())

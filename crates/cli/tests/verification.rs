@@ -108,7 +108,7 @@ fn a_tampered_result_fails_verification() {
     let said = judged.after(lower, 0);
     assert!(said.contains("baselines: test: SingleFamilyHouse-0018"), "{said}");
     let said = judged.after(|stages| scored(&mut stages[0].1[1]).step_rewards.counts[0] += 1, 0);
-    assert!(said.contains("rewards of steps are counted"), "{said}");
+    assert!(said.contains("step rewards; the episode has"), "{said}");
     let said = judged.after(|stages| scored(&mut stages[0].1[1]).trajectory_hash = "é".repeat(32), 0);
     assert!(said.contains("is not a trajectory hash"), "{said}");
     let said = judged.after(|stages| stages[0].1[1].info.place = "Miami".into(), 0);

@@ -4,7 +4,7 @@
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// An order of a fragment that is too long.
-    #[error("an order of {bytes} bytes does not fit a worker's slot")]
+    #[error("a request of {bytes} bytes does not fit into a worker slot")]
     Order {
         /// Its length.
         bytes: usize,
@@ -80,7 +80,7 @@ pub enum Error {
         why: String,
     },
     /// An episode that is asked for a step while it is busy with another.
-    #[error("the episode is busy with another step: receive that first, or reset")]
+    #[error("a step of the episode is still in progress: receive it first, or reset")]
     Busy,
     /// A building with more actuators or observation slots than there is room for.
     #[error("{name} has {width} {what}; there is room for {most}")]

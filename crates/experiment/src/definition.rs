@@ -190,10 +190,10 @@ impl Experiment {
         for (number, agent) in self.agents.iter().enumerate() {
             let is_plain = |c: char| c.is_ascii_alphanumeric() || c == '-';
             if agent.name.is_empty() || !agent.name.chars().all(is_plain) {
-                return Err(format!("the agent `{}` has no name of letters, digits and hyphens", agent.name));
+                return Err(format!("invalid agent name `{}`; expected letters, digits and hyphens", agent.name));
             }
             if names[..number].contains(&agent.name.as_str()) || agent.name == REACTIVE {
-                return Err(format!("the name `{}` of an agent is taken", agent.name));
+                return Err(format!("two agents are named `{}`", agent.name));
             }
             TrainConfig::default()
                 .with_changes(&toml::to_string(&agent.options).map_err(|error| error.to_string())?)
@@ -203,7 +203,7 @@ impl Experiment {
         match () {
             () if self.types.is_empty() => Err("`types` is empty".into()),
             () if runs && (self.tasks.is_empty() || self.periods.is_empty()) => {
-                Err("it has agents but no `tasks` or no `periods`".into())
+                Err("it has agents, but `tasks` or `periods` is empty".into())
             }
             () if runs != self.measure.is_empty() => {
                 Err("it has either agents (or `reactive = true`) or a command under `measure`".into())

@@ -53,7 +53,7 @@ impl Widths {
             return Ok(());
         }
         let why = match is_graph {
-            false => format!("{building} does not have the observation and the actuators of the network"),
+            false => format!("the observation or the actuators of {building} do not match the network"),
             true => format!("{building} is larger than the training buildings for which there is room"),
         };
         Err(Error::Collect(why.into()))

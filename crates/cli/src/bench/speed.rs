@@ -27,7 +27,7 @@ Columns, CPU time per step in milliseconds:
   engine     EnergyPlus simulates the day without being suspended
   advance    EnergyPlus is suspended at the end of every step, nothing is read (Simulation::advance)
   env        action, step, observation and reward (Env::step)
-  mean, standard deviation: of single steps of the environment, over 10,000 of them in an episode of its own
+  mean, standard deviation: of 10,000 single steps of the environment, in a separate episode
 
 Examples:
   b2b bench speed

@@ -78,7 +78,7 @@ fn require_resistance(
         why: why.to_owned(),
     };
     let insulation = insulation_of(model, construction)?
-        .ok_or_else(|| unsupported("none of its layers is a Material:NoMass, to set its U by"))?;
+        .ok_or_else(|| unsupported("none of its layers is a Material:NoMass, whose resistance could be changed"))?;
     let mut others = 0.0;
     for layer in layers(model.require("Construction", construction)?) {
         if !layer.eq_ignore_ascii_case(&insulation) {
@@ -87,11 +87,11 @@ fn require_resistance(
     }
     let resistance = total - others;
     if resistance < LEAST_RESISTANCE {
-        return Err(unsupported("its other layers insulate more than its U asks for"));
+        return Err(unsupported("its other layers alone have a lower U-factor than requested"));
     }
     match resistances.insert(insulation, resistance) {
         Some(before) if (before - resistance).abs() > 1e-9 => {
-            Err(unsupported("its insulation is in another construction that needs another resistance"))
+            Err(unsupported("its insulation is shared with another construction that needs a different resistance"))
         }
         _ => Ok(()),
     }

@@ -249,7 +249,7 @@ impl Package {
             let mut entry = archive.by_index(index).map_err(|e| bad(e.to_string()))?;
             let name = entry.name().map_err(|e| bad(e.to_string()))?.into_owned();
             if !Path::new(&name).components().all(|part| matches!(part, Component::Normal(_))) {
-                return Err(bad(format!("`{name}` is outside of its folder")));
+                return Err(bad(format!("`{name}` is outside its folder")));
             }
             let path = self.corrected(&name);
             let to = folder.join(&path);

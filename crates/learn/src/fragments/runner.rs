@@ -33,7 +33,7 @@ pub fn make_runner(env: &Env, order: &[u8]) -> Result<Box<dyn Runner>, RunnerErr
     let scratch = actor.scratch(pilot.graph());
     if (scratch.observations(), scratch.actions()) != pilot.widths() {
         let name = &env.building().name;
-        return Err(format!("{name} does not have the observation and the actuators of the network").into());
+        return Err(format!("the observation or the actuators of {name} do not match the network").into());
     }
     Ok(Box::new(FragmentRunner {
         action: vec![0.0; scratch.actions()],

@@ -95,7 +95,7 @@ impl<'a> Environments<'a> {
             return Err(Error::Invalid(why.into()));
         }
         if config.travel_cost > 0.0 {
-            let why = "`travel_cost` is for fragments; in lockstep it must be 0";
+            let why = "`travel_cost` requires the loop design fragments; in lockstep it must be 0";
             return Err(Error::Invalid(why.into()));
         }
         LockstepCollector::new(

@@ -103,7 +103,7 @@ fn policies(folder: &Path, result: &RunResult) -> std::result::Result<Policies, 
     for (stage, description) in &result.policies {
         let policy = EntryPolicy::of(description, &folder.join(POLICY)).map_err(|error| error.to_string())?;
         if policy.description() != *description {
-            return Err(format!("{stage}: the description of the policy is not that of its files"));
+            return Err(format!("{stage}: the description of the policy does not match its files"));
         }
         let stage_of = stage.parse::<Stage>()?;
         let episodes = expected(result, stage_of).unwrap_or_default();
@@ -132,10 +132,10 @@ fn problem(result: &RunResult) -> CheckOutcome {
     let problem = &result.problem;
     problem.check().map_err(|error| error.to_string())?;
     if problem.hash() != result.problem_hash {
-        return Err("the problem does not have the hash that is given".into());
+        return Err("the problem does not match its hash".into());
     }
     if problem.changes() != result.problem_changes {
-        return Err(format!("the changes to {} are not those that are listed", problem.name));
+        return Err(format!("the changes to {} do not match the listed changes", problem.name));
     }
     let budget = problem.protocol.training_steps;
     if let Some(steps) = result.training_steps.filter(|steps| *steps > budget) {

@@ -56,7 +56,7 @@ fn score(row: &Row) -> Result<(), String> {
     }
     let counted: u64 = scored.step_rewards.counts.iter().map(|count| u64::from(*count)).sum();
     if counted != steps as u64 {
-        return Err(format!("{counted} rewards of steps are counted; it has {steps} steps"));
+        return Err(format!("the histogram has {counted} step rewards; the episode has {steps} steps"));
     }
     let hash = &scored.trajectory_hash;
     if hash.len() != HASH_DIGITS || !hash.bytes().all(|byte| byte.is_ascii_hexdigit()) {

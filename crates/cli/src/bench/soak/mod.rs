@@ -21,9 +21,9 @@ use crate::{interrupt, stdout};
 
 /// Run episodes of all types at once, with random actions and random resets, and report losses and leaks
 ///
-/// Every episode is of a random type, begins on one of a few days and lasts a random number of days. The hash is of
-/// every observation and reward: two runs with the same arguments give the same. Exit code 1 when an episode is
-/// lost; with --chaos, when an episode is lost whose worker was not hit.
+/// Every episode has a random type, begins on one of a few days and lasts a random number of days. The printed hash
+/// covers every observation and reward: two runs with the same arguments give the same hash. Exits with code 1 if an
+/// episode is lost; with --chaos, only if its worker was not hit.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -31,7 +31,7 @@ Examples:
   b2b bench soak --environments 14 --steps 1000000 --seed 1
   b2b bench soak --steps 200000 --chaos 1      kill and stop processes at random, in every phase")]
 pub struct Arguments {
-    /// Environments at once
+    /// Number of environments
     #[arg(long, default_value_t = 14, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     environments: u32,
     /// Steps of all environments together
@@ -49,7 +49,7 @@ pub struct Arguments {
     /// Seed of episodes and actions
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// Kill and stop templates and workers at random, drawn by this seed
+    /// Kill and stop templates and workers at random times drawn with this seed
     #[arg(long, value_name = "SEED")]
     chaos: Option<u64>,
     /// Print JSON
