@@ -41,7 +41,7 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
     - Observations: f32 ``[N, slots]``, padded with zeros to the width of the largest building; with ``normalize=True``
       in [-1, 1] by fixed bounds (:attr:`scale`).
     - Actions: f32 or f64 ``[N, actuators]``, padded as well; padding is not read. :meth:`observation_mask` and
-      :meth:`action_mask` say what is not padding.
+      :meth:`action_mask` mark what is not padding.
     - Buildings with different bounds need ``rescale_action=True``, which gives them one action space.
     - With ``resample``, the building of every environment's next episode is prepared while the current episode runs, so
       that hundreds of buildings take the time and the memory of a few. Which buildings an environment runs depends on

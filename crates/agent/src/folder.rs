@@ -21,7 +21,7 @@ const WEIGHTS: &str = "weights.safetensors";
 /// The files of an agent.
 pub const FILES: [&str; 2] = [INFO, WEIGHTS];
 
-/// What is in an agent's folder.
+/// The contents of an agent's folder.
 pub(crate) struct Contents {
     pub(crate) info: AgentInfo,
     pub(crate) actor: Actor,
@@ -50,7 +50,7 @@ pub(crate) fn read(path: &Path) -> Result<Contents> {
     Ok(Contents { info, actor, sha256 })
 }
 
-/// What every version of [`INFO`] begins with.
+/// The part of [`INFO`] that all versions of the format share.
 #[derive(serde::Deserialize)]
 struct Format {
     format: u32,

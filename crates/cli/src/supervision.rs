@@ -27,7 +27,7 @@ const LAST_LINES: usize = 5;
 static CHILD: OnceLock<Pid> = OnceLock::new();
 static STOPPING: AtomicBool = AtomicBool::new(false);
 
-/// Whether this process is supervised. It ends with its supervisor.
+/// Returns whether this process is supervised. It ends with its supervisor.
 pub fn is_supervised() -> bool {
     static SUPERVISED_HERE: OnceLock<bool> = OnceLock::new();
     *SUPERVISED_HERE.get_or_init(|| {

@@ -165,7 +165,7 @@ fn a_tampered_result_fails_verification() {
     edit("/policies/test", honest);
 
     edit("/versions/generator", json!("v0"));
-    assert!(judged.wrong(&copy, 0).contains("dataset v0 there and v1 here"));
+    assert!(judged.wrong(&copy, 0).contains("dataset v0 (v1 in this program)"));
     edit("/versions/generator", json!("v1"));
     edit("/problem/protocol/training_steps", json!(1));
     assert!(judged.wrong(&copy, 0).contains("does not have the hash"));

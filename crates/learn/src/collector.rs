@@ -16,7 +16,7 @@ pub struct Widths {
     pub parts: usize,
 }
 
-/// A number of environments in which an actor makes steps.
+/// A set of environments in which an actor collects steps.
 pub trait Collector {
     /// Returns the widths of observations, actions and rewards.
     fn widths(&self) -> Widths;
@@ -24,8 +24,8 @@ pub trait Collector {
     /// Returns the number of environments.
     fn environments(&self) -> usize;
 
-    /// Makes `steps` steps with samples of the actor in every environment, and writes them over the rollout. Episodes continue
-    /// where the previous call left them.
+    /// Collects `steps` steps in every environment with actions sampled from the actor, and overwrites the rollout with
+    /// them. Episodes continue where the previous call left off.
     ///
     /// # Errors
     /// When an environment fails.
@@ -60,7 +60,7 @@ impl Widths {
     }
 }
 
-/// Episodes of one environment that may be lost in a row before the collection is given up.
+/// Number of consecutive lost episodes of one environment after which the collection fails.
 const LOST_IN_A_ROW: u32 = 5;
 
 /// Counts an episode that was lost.

@@ -85,7 +85,7 @@ impl Problem {
     /// Returns a problem from some building types to others, with the protocol of the shipped cross-domain problems.
     ///
     /// # Errors
-    /// Those of [`Problem::check`].
+    /// The errors of [`Problem::check`].
     pub fn cross_domain(train: &[BuildingType], test: &[BuildingType]) -> Result<Self> {
         let like = Self::named("retail-to-office-small")?;
         let side = |side: &Side, types: &[BuildingType], subset| {

@@ -1,4 +1,4 @@
-//! `b2b bench graph`: the cost of graph networks next to that of flat ones.
+//! `b2b bench graph`: the cost of graph networks, compared with flat ones.
 
 use std::sync::Arc;
 

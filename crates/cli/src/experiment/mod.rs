@@ -1,4 +1,4 @@
-//! `b2b experiment`: the experiments of the paper, and others, as lists of resumable jobs.
+//! `b2b experiment`: the paper's experiments and others, as lists of resumable jobs.
 
 mod report;
 mod run;

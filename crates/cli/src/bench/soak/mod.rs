@@ -12,7 +12,7 @@ use b2b_env::vector::{AnyOf, VecEnv, VecEnvOptions, Windows};
 use serde_json::json;
 use sha2::{Digest, Sha256};
 
-use self::chaos::{Chaos, Toll};
+use self::chaos::{Chaos, Hits};
 use super::process::{open_files, resident_mb};
 use crate::arguments::location::Location;
 use crate::prepare::Prepared;
@@ -75,8 +75,8 @@ pub fn bench(arguments: &Arguments) -> Result<()> {
     let files = open_files()?;
     let chaos = arguments.chaos.map(|seed| Chaos::start(seed, batch.workers().clone()));
     let tally = arguments.run(&mut batch);
-    let toll = chaos.map(Chaos::end);
-    arguments.report(tally?, toll.as_ref(), open_files()? as i64 - files as i64)
+    let hits = chaos.map(Chaos::end);
+    arguments.report(tally?, hits.as_ref(), open_files()? as i64 - files as i64)
 }
 
 impl Arguments {
@@ -104,21 +104,21 @@ impl Arguments {
         Ok(tally)
     }
 
-    fn report(&self, tally: Tally, toll: Option<&Toll>, files: i64) -> Result<()> {
+    fn report(&self, tally: Tally, hits: Option<&Hits>, files: i64) -> Result<()> {
         let Tally { episodes, lost, hash, memory } = tally;
         let hash = hex(&hash.finalize());
         let growth = memory.last().context("no step")? - memory.first().context("no step")?;
-        let explained = |lost: &&String| toll.is_some_and(|toll| toll.explains(lost));
+        let explained = |lost: &&String| hits.is_some_and(|hits| hits.explains(lost));
         let unexplained: Vec<&String> = lost.iter().filter(|lost| !explained(lost)).collect();
         let (steps, count) = (self.turns() * u64::from(self.environments), self.environments);
         if self.json {
             stdout::print_json(&json!({
                 "steps": steps, "episodes": episodes, "lost": lost, "unexplained": unexplained, "hash": hash,
-                "memory_mb": memory, "memory_growth_mb": growth, "open_files_growth": files, "chaos": toll,
+                "memory_mb": memory, "memory_growth_mb": growth, "open_files_growth": files, "chaos": hits,
             }))?;
         } else {
             let chaos =
-                toll.map(|toll| format!("{}; {} losses are unexplained\n", toll.text(), unexplained.len()));
+                hits.map(|hits| format!("{}; {} losses are unexplained\n", hits.text(), unexplained.len()));
             stdout::print(&format!(
                 "{steps} steps in {episodes} episodes of {count} environments, {} lost\n{}\
                  memory of this process grew by {growth:.1} MB after the first tenth, its open files by {files}\n\
@@ -171,7 +171,7 @@ impl Arguments {
             Windows { of: AnyOf(settings), days: (self.days[0], self.days[1]), starts: self.starts };
         let mut options = VecEnvOptions { widths: Some(widths), ..prepared[0].vec_env_options() };
         if self.chaos.is_some() {
-            options.workers = chaos::impatient(options.workers);
+            options.workers = chaos::with_short_time_limits(options.workers);
         }
         Ok(VecEnv::new(self.environments as usize, Box::new(sampler), options)?)
     }
