@@ -97,7 +97,7 @@ impl Problem {
         let problem = Self {
             name: format!("{}-to-{}", names(train), names(test)),
             question: format!(
-                "A policy has learned in buildings of {}: what does it do in those of {}?",
+                "A policy was trained in buildings of {}. How does it perform in those of {}?",
                 joined(train),
                 joined(test)
             ),

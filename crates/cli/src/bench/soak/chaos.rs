@@ -85,7 +85,7 @@ impl Hits {
     /// Returns how many processes were hit, by kind.
     pub fn text(&self) -> String {
         format!(
-            "hit {} workers (and stopped {}), {} ready templates (and stopped {}), {} preparing templates (and stopped {})",
+            "killed {} workers and stopped {}; killed {} ready templates and stopped {}; killed {} preparing templates and stopped {}",
             self.workers_killed.len(),
             self.workers_stopped.len(),
             self.templates_killed,
