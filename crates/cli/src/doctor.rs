@@ -5,9 +5,9 @@ use b2b_building::{BuildingType, RunPeriod};
 use b2b_climate::weather::PACKAGES;
 use b2b_control::{Constant, Controller};
 use b2b_dataset::BuildingName;
-use b2b_energyplus::{Confinement, Level};
 use b2b_energyplus::install::doctor::{Finding, Health, report};
 use b2b_energyplus::install::{Cache, Engine};
+use b2b_energyplus::{Confinement, Level};
 use b2b_env::{Task, authority};
 use serde_json::json;
 

@@ -30,7 +30,9 @@ impl fmt::Display for Confinement {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Full => "may write to the temporary folder and the cache, run no programs, and not connect",
-            Self::Partial => "may write to the temporary folder and the cache, and run no programs (Linux before 6.7)",
+            Self::Partial => {
+                "may write to the temporary folder and the cache, and run no programs (Linux before 6.7)"
+            }
             Self::None => "not confined: this system has no Landlock",
         })
     }
@@ -47,8 +49,8 @@ pub fn confine() -> Confinement {
 #[cfg(target_os = "linux")]
 fn restrict(writable: impl Iterator<Item = PathBuf>) -> Confinement {
     use landlock::{
-        ABI, Access, AccessFs, AccessNet, Ruleset, RulesetAttr, RulesetCreatedAttr, RulesetError, RulesetStatus,
-        path_beneath_rules,
+        ABI, Access, AccessFs, AccessNet, Ruleset, RulesetAttr, RulesetCreatedAttr, RulesetError,
+        RulesetStatus, path_beneath_rules,
     };
     let writing = AccessFs::from_write(ABI::V4);
     let restrict = || -> Result<RulesetStatus, RulesetError> {

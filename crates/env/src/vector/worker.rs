@@ -16,8 +16,8 @@ use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use b2b_energyplus::{Level, confine};
 use b2b_energyplus::snapshot::{Fork, become_ancestor, give_back_memory, leave};
+use b2b_energyplus::{Level, confine};
 use rustix::event::{EventfdFlags, PollFd, PollFlags, Timespec};
 use rustix::process::{Pid, PidfdFlags, WaitOptions};
 use rustix::thread::CpuSet;
