@@ -1,4 +1,4 @@
-"""The four benchmark problems: training and test environments, and scores.
+"""The benchmark problems: training and test environments, and scores.
 
 >>> problem = DynamicsAdaptation("house")
 >>> envs = problem.make_train_envs(4)                  # four training buildings, spread over the split

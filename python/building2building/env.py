@@ -163,7 +163,7 @@ class BuildingEnv(gymnasium.Env[NDArray[Any], ArrayLike]):
         self.setting = setting
 
     def _restart_after_fork(self) -> None:
-        """Leaves the parent's processes to it and starts new ones."""
+        """Abandons the processes of the parent, which still owns them, and starts new ones."""
         if self._thread is not None:
             raise ProcessError("an environment with in_process=True cannot be used after a fork; make another")
         self._core, self._process = _core.Env(self._base_setting), os.getpid()

@@ -129,4 +129,4 @@ def _plain(value: ArrayLike) -> Any:
     """Returns a number of NumPy as one of Python."""
     if isinstance(value, np.generic):
         return value.item()
-    raise SettingError(f"{value!r} is not a value of a configuration")
+    raise SettingError(f"{value!r} is not a valid configuration value")

@@ -31,7 +31,7 @@ def _with_arguments_of(maker: Callable[P, T]) -> Callable[[Callable[..., T]], Ca
 def make_env(building_type: str | None = None, **arguments: Any) -> BuildingEnv:
     """Makes an environment, for example ``make_env("OfficeSmall")``.
 
-    The building is the type's prototype at its home unless selected otherwise:
+    The building is the type's prototype in its default place unless selected otherwise:
 
     - ``place`` (such as ``"Miami"``) or ``weather`` (an EPW file): the prototype at another place;
     - ``split`` and ``index``, or ``building_id`` (``"OfficeSmall-0042"``): a building of the dataset;
@@ -66,7 +66,7 @@ def make_vec(building_type: str | None = None, num_envs: int = 1, **arguments: A
     - ``resample``: ``True`` has every episode draw a building, ``k`` every ``k`` episodes: of ``buildings``, or of the
       type's ``split``. ``weights={type: weight}`` weighs the building types.
     - ``task`` may be a list; with ``resample``, tasks are drawn with the buildings.
-    - ``by_role``: observations of houses have a place for every role of a zone, the same in every house.
+    - ``by_role``: observations of houses have a slot for every zone role, the same in every house.
     - ``normalize``: observations in [-1, 1] by fixed bounds.
     - ``autoreset_mode``: ``NextStep`` (Gymnasium's default), ``SameStep`` or ``Disabled``.
     """
@@ -84,7 +84,7 @@ def register_envs() -> None:
                 f"b2b/{name}-v0",
                 entry_point="building2building.env:BuildingEnv",
                 vector_entry_point="building2building.vector:BuildingVectorEnv",
-                # Gymnasium's checker asks for actions in [-1, 1], and so do most learners.
+                # Gymnasium's checker requires actions in [-1, 1], and so do most learners.
                 kwargs={"building_type": name, "rescale_action": True},
                 disable_env_checker=True,
                 order_enforce=False,

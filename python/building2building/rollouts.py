@@ -83,7 +83,7 @@ class BuiltInController:
 
 
 class ReactiveController(BuiltInController):
-    """The paper's reactive controllers, after ASHRAE Guideline 36.
+    """The paper's reactive controllers, based on ASHRAE Guideline 36.
 
     They have the parameters that are tuned for the building and the task (:meth:`tuned`), with the changes of
     ``parameters``, such as ``{"unitary.deadband": 0.5}``.
@@ -199,7 +199,7 @@ class Trajectory:
                 arrays = {name: file[name] for name in _ARRAYS}
                 described = json.loads(str(file["described"]))
         except (KeyError, ValueError, zipfile.BadZipFile) as error:
-            raise SettingError(f"{os.fspath(path)} does not hold a trajectory; expected a file of save()") from error
+            raise SettingError(f"{os.fspath(path)} is not a trajectory; expected a file of Trajectory.save") from error
         return cls(**arrays, **described)
 
     def to_parquet(self, path: str | os.PathLike[str]) -> None:
@@ -223,7 +223,7 @@ def rollout(
 ) -> Trajectory:
     """Runs an episode from its reset to its end, or for at most ``steps`` steps.
 
-    The built-in controllers see f64 and act in physical units, so that an episode equals that of ``b2b run`` bit for
+    The built-in controllers observe f64 and act in physical units, so an episode equals that of ``b2b run`` bit for
     bit; other controllers see what the environment's wrappers return.
     """
     core = unwrap(env)

@@ -98,7 +98,7 @@ class SB3VecEnv(VecEnv):
         return [value for _ in indices]
 
     def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
-        """Raises: what the environments are made with is fixed."""
+        """Raises, because the settings of the environments are fixed."""
         raise AttributeError(f"`{attr_name}` cannot be set; make other environments")
 
     def env_method(self, method_name: str, *arguments: Any, indices: Any = None, **options: Any) -> list[Any]:

@@ -45,10 +45,10 @@ class Scale:
 
     @classmethod
     def of_all(cls, slots: Sequence[Sequence[tuple[str, float, float]]]) -> Scale:
-        """Returns the scale of rows in which each place has the bounds of everything that it may hold.
+        """Returns the scale of rows whose slots may hold different quantities, with bounds that cover all of them.
 
-        ``slots`` has name and bounds of each place, once per building. Padding remains 0, and so does a place without
-        finite bounds as it is.
+        ``slots`` has the name and bounds of each slot, once per building. Padding remains 0, and slots without finite
+        bounds are only clipped.
         """
         width = len(slots[0])
         low, high = np.full(width, np.inf), np.full(width, -np.inf)

@@ -41,7 +41,7 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
     - Observations: f32 ``[N, slots]``, padded with zeros to the width of the largest building; with ``normalize=True``
       in [-1, 1] by fixed bounds (:attr:`scale`).
     - Actions: f32 or f64 ``[N, actuators]``, padded as well; padding is not read. :meth:`observation_mask` and
-      :meth:`action_mask` say what is not padding.
+      :meth:`action_mask` mark what is not padding.
     - Buildings with different bounds need ``rescale_action=True``, which gives them one action space.
     - With ``resample``, the building of every environment's next episode is prepared while the current episode runs, so
       that hundreds of buildings take the time and the memory of a few. Which buildings an environment runs depends on
@@ -91,7 +91,7 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
         if num_envs < 1:
             raise SettingError(f"num_envs is {num_envs}; expected 1 or more")
         if weights is not None and not resample:
-            raise SettingError("weights are those of the draws; pass resample=True")
+            raise SettingError("weights apply to draws; pass resample=True")
         if buildings is None and resample and building_type and index is None and (building_id or building) is None:
             buildings = list_buildings(building_type, split)
         if buildings is None:
@@ -310,7 +310,7 @@ def _bounds(name: str, low: float, high: float) -> tuple[float, float]:
 def _candidate(given: Building | Generator | str, lazily: bool) -> Building | Generator | str:
     """Returns a building; with ``lazily``, an id stays an id until it is drawn."""
     if isinstance(given, Generator) and not lazily:
-        raise SettingError("a generator has no building to repeat; pass resample=True")
+        raise SettingError("a generator has no fixed building; pass resample=True")
     if not isinstance(given, str) or (lazily and is_dataset_id(given)):
         return given
     return find_building(given)

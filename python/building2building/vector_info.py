@@ -16,7 +16,7 @@ Array = NDArray[Any]
 
 
 class Row:
-    """Where a row of observations has the quantities of a building; read from its spaces when it is first used."""
+    """The positions of a building's quantities in a row of observations; read from its spaces on first use."""
 
     def __init__(self, spaces: _core.Spaces, by_role: bool):
         self.spaces, self.by_role = spaces, by_role

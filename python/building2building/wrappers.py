@@ -1,4 +1,4 @@
-"""Wrappers that Gymnasium does not have."""
+"""Wrappers for building environments, in addition to those of Gymnasium."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class _Wrapper(gymnasium.Wrapper[Any, Any, Any, Any], gymnasium.utils.RecordCons
         self._rename([*metadata["observation_names"], *names], [*metadata["observation_units"], *units])
 
     def observation(self, observation: Array) -> Array:
-        """Returns the wrapped environment's observation as this one has it."""
+        """Converts an observation of the wrapped environment."""
         return observation
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Array, dict[str, Any]]:
@@ -77,7 +77,7 @@ def _box(env: _Env) -> Box:
 
 class PadObservation(_Wrapper):
     """Pads the observation with zeros to ``width`` slots, so that buildings with different numbers of zones can share a
-    policy. The zones of houses stay in model order, so that the meaning of a slot differs between houses:
+    policy. The zones of houses stay in model order, so the meaning of a slot differs between houses:
     :class:`RoleObservation` gives houses a fixed width without this."""
 
     def __init__(self, env: _Env, width: int):
@@ -185,7 +185,7 @@ class ResampleBuildingOnResetWrapper(_Wrapper):
 
     Buildings are drawn by the seed of ``reset`` from a list of ids or :class:`Building`, or from a split of the
     environment's type; ``reset(options={"building": ...})`` selects one. Make the environment with
-    ``rescale_action=True``, so that all buildings share one action space. Houses have one to three zones: ``width``
+    ``rescale_action=True``, so that all buildings share one action space. Houses have two to four zones: ``width``
     pads the observation.
     """
 
@@ -402,7 +402,7 @@ def action_of_shape(action: ArrayLike, shape: tuple[int, ...]) -> Array:
 
 
 def _is_own(env: _Env) -> bool:
-    """Whether no wrapper has changed the slots of the observation."""
+    """Returns whether no wrapper has changed the slots of the observation."""
     return bool(env.metadata["observation_names"] == unwrap(env).metadata["observation_names"])
 
 

@@ -8,7 +8,7 @@ use b2b_building::description::Origin;
 use b2b_building::{BuildingType, Class};
 use b2b_climate::Place;
 use b2b_dataset::{BuildingName, Catalog, Placement, manifest};
-use b2b_energyplus::install::look_in;
+use b2b_energyplus::install::use_packages_in;
 use b2b_env::vector::{AnyOf, Draw, Sampler, Source, Windows};
 use b2b_env::{EpisodeConfig, Task, vector};
 use pyo3::prelude::*;
@@ -33,7 +33,7 @@ pub fn catalog() -> PyResult<Arc<Catalog>> {
         return Ok(Arc::clone(catalog));
     }
     if let Some(folder) = site_packages()? {
-        look_in(folder);
+        use_packages_in(folder);
     }
     let catalog = Arc::new(Catalog::open(&mut Signals).map_err(of_building)?);
     Ok(Arc::clone(known.insert(catalog)))

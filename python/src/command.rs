@@ -4,7 +4,7 @@ use std::ffi::OsString;
 use std::path::Path;
 
 use b2b_cli::Program;
-use b2b_energyplus::install::look_in;
+use b2b_energyplus::install::use_packages_in;
 use pyo3::prelude::*;
 
 use crate::pools::interpreter_arguments;
@@ -17,7 +17,7 @@ use crate::pools::interpreter_arguments;
 pub fn run_command(py: Python<'_>, file: &str, arguments: Vec<OsString>) -> PyResult<()> {
     let interpreter: OsString = py.import("sys")?.getattr("executable")?.extract()?;
     if let Some(site_packages) = Path::new(file).parent().and_then(Path::parent) {
-        look_in(site_packages.to_owned());
+        use_packages_in(site_packages.to_owned());
     }
     let program = interpreter_arguments(file).into_iter().fold(Program::new(interpreter), Program::argument);
     let arguments = std::iter::once("b2b".into()).chain(arguments);

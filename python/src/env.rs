@@ -36,7 +36,7 @@ struct Open {
 }
 
 /// An observation as f32 and as f64.
-pub type Seen<'py> = (Bound<'py, PyArray1<f32>>, Bound<'py, PyArray1<f64>>);
+pub type Observations<'py> = (Bound<'py, PyArray1<f32>>, Bound<'py, PyArray1<f64>>);
 /// The result of a step: observation as f32 and as f64, temperature and energy penalty, and whether it was the last.
 pub type Stepped<'py> = (Bound<'py, PyArray1<f32>>, Bound<'py, PyArray1<f64>>, f64, f64, bool);
 
@@ -79,7 +79,7 @@ impl Env {
 
     /// Begins an episode of `steps` steps, or of the whole run period.
     #[pyo3(signature = (steps=None))]
-    fn reset<'py>(&self, py: Python<'py>, steps: Option<usize>) -> PyResult<Seen<'py>> {
+    fn reset<'py>(&self, py: Python<'py>, steps: Option<usize>) -> PyResult<Observations<'py>> {
         let observation = self.owner.with(py, &self.state, |state| {
             let episode = &mut state.open()?.episode;
             episode.set_options(EpisodeOptions { max_steps: steps, ..EpisodeOptions::default() });
@@ -149,7 +149,7 @@ impl Env {
 
     /// Ends the process of a snapshot.
     fn release(&self, py: Python<'_>, snapshot: u64) -> PyResult<()> {
-        if !self.owner.is_here() {
+        if !self.owner.is_current() {
             return Ok(());
         }
         self.owner.with(py, &self.state, |state| {
@@ -169,7 +169,7 @@ impl Env {
 
     /// Ends all its processes.
     fn close(&self, py: Python<'_>) {
-        if self.owner.is_here() {
+        if self.owner.is_current() {
             py.detach(|| locked(&self.state).open = None);
         }
     }

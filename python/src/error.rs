@@ -1,4 +1,4 @@
-//! The package's exceptions, and the errors of the crates as such.
+//! The package's exceptions, and the conversion of the crates' errors to them.
 
 use pyo3::exceptions::{PyException, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
@@ -74,7 +74,7 @@ impl Exception {
         }
     }
 
-    /// Returns the built-in class that it derives from beside `Error`.
+    /// Returns the built-in class that it derives from in addition to `Error`.
     fn builtin(self, py: Python<'_>) -> Option<Bound<'_, PyType>> {
         match self {
             Self::Base | Self::Install => None,

@@ -40,7 +40,7 @@ pub fn stopped() -> bool {
 }
 
 /// An episode to run: building, place, weather, task, run period, seed, steps per hour.
-type Asked = (String, Option<String>, Option<PathBuf>, bool, String, String, u64, u32);
+type EpisodeKey = (String, Option<String>, Option<PathBuf>, bool, String, String, u64, u32);
 
 /// Runs a policy on episodes and returns the columns of their table and the summary as JSON text. Episodes that the
 /// folder already holds are not run again.
@@ -54,7 +54,7 @@ type Asked = (String, Option<String>, Option<PathBuf>, bool, String, String, u64
 pub fn evaluate<'py>(
     py: Python<'py>,
     policy: Bound<'py, PyAny>,
-    episodes: Vec<Asked>,
+    episodes: Vec<EpisodeKey>,
     folder: PathBuf,
     jobs: usize,
     rescale: bool,
@@ -106,7 +106,7 @@ pub fn evaluate<'py>(
 /// Returns the return of the reactive controllers in an episode, their HVAC energy (Wh/m²) and the number of steps; runs them
 /// if they are unknown.
 #[pyfunction]
-pub fn baseline(py: Python<'_>, episode: Asked) -> PyResult<(f64, f64, u64)> {
+pub fn baseline(py: Python<'_>, episode: EpisodeKey) -> PyResult<(f64, f64, u64)> {
     let _running = running()?;
     let episode = self::episode(episode)?;
     let launcher = pools::options(py)?.launcher;
@@ -158,8 +158,8 @@ pub fn wait_for<T: Send>(run: impl FnOnce() -> T + Send, mut report: impl FnMut(
     })
 }
 
-fn episode(asked: Asked) -> PyResult<Episode> {
-    let (name, place, weather, allow_external, task, period, seed, steps_per_hour) = asked;
+fn episode(key: EpisodeKey) -> PyResult<Episode> {
+    let (name, place, weather, allow_external, task, period, seed, steps_per_hour) = key;
     let place = place.as_deref().map(Place::find).transpose().map_err(of_building)?;
     let name = name.parse().map_err(of_building)?;
     Ok(Episode {

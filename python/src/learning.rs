@@ -1,4 +1,4 @@
-//! Training of agents, and what an agent's folder says of it.
+//! Training of agents, and the description of an agent in its folder.
 
 use std::path::PathBuf;
 use std::sync::Mutex;

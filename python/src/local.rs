@@ -9,7 +9,7 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 
 use crate::catalog::{self, Setting};
-use crate::env::{Seen, Stepped};
+use crate::env::{Observations, Stepped};
 use crate::error::{Exception, of_building, of_env};
 use crate::spaces::Spaces;
 use crate::{arrays, control};
@@ -49,7 +49,7 @@ impl LocalEnv {
     }
 
     /// Begins an episode.
-    fn reset<'py>(&mut self, py: Python<'py>) -> PyResult<Seen<'py>> {
+    fn reset<'py>(&mut self, py: Python<'py>) -> PyResult<Observations<'py>> {
         let observation = self.env()?.reset().map_err(of_env)?.to_vec();
         Ok((arrays::single(py, &observation), arrays::row(py, &observation)))
     }

@@ -86,7 +86,7 @@ impl Owner {
     }
 
     /// Returns whether it is this process.
-    pub fn is_here(self) -> bool {
+    pub fn is_current(self) -> bool {
         self == Self::this()
     }
 
@@ -104,7 +104,7 @@ impl Owner {
 
     /// Errors if it is not this process.
     pub fn check(self) -> PyResult<()> {
-        if self.is_here() {
+        if self.is_current() {
             return Ok(());
         }
         Err(Exception::Process.new_err(format!(

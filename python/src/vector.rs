@@ -294,7 +294,7 @@ impl VecEnv {
 
     /// Ends all processes.
     fn close(&self, py: Python<'_>) {
-        if self.owner.is_here() {
+        if self.owner.is_current() {
             py.detach(|| locked(&self.state).envs = None);
         }
     }

@@ -140,7 +140,7 @@ def test_a_trajectory_is_saved_and_loaded(office, tmp_path):
     np.testing.assert_array_equal(loaded.observed("outdoor air temperature"), trajectory.observations[:, 6])
     assert [each.name for each in tmp_path.iterdir()] == ["day.npz"]
     (tmp_path / "other.npz").write_text("no trajectory")
-    with pytest.raises(b2b.Error, match="other.npz does not hold a trajectory"):
+    with pytest.raises(b2b.Error, match="other.npz is not a trajectory"):
         b2b.Trajectory.load(tmp_path / "other.npz")
 
 

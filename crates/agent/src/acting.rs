@@ -1,4 +1,4 @@
-//! How an agent acts: the meaning of its actions.
+//! The meaning of an agent's actions.
 
 use b2b_control::{Controller, Reactive, ReactiveParameters};
 use b2b_env::{Spaces, rescale};
@@ -8,9 +8,9 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Acting {
-    /// From the lower to the upper bound of an actuator.
+    /// -1 and 1 are the lower and the upper bound of an actuator.
     Direct,
-    /// Corrections of the reactive controllers' action.
+    /// Corrections to the action of the reactive controllers.
     Residual {
         /// Largest correction, as a share of an actuator's range.
         authority: f64,
@@ -18,7 +18,7 @@ pub enum Acting {
 }
 
 impl Acting {
-    /// Describes what the agent stands on, if it does not act by itself.
+    /// Describes the base controller, if the agent corrects one.
     pub fn base(self) -> Option<String> {
         match self {
             Self::Direct => None,
@@ -26,13 +26,13 @@ impl Acting {
         }
     }
 
-    /// Whether the agent stands on the reactive controllers.
+    /// Returns whether the agent corrects the reactive controllers.
     pub fn has_base(self) -> bool {
         matches!(self, Self::Residual { .. })
     }
 }
 
-/// Makes physical actions of an agent's actions in an episode.
+/// Converts an agent's actions in an episode to physical units.
 #[derive(Clone, Debug)]
 pub struct Driver {
     acting: Acting,

@@ -57,12 +57,12 @@ impl Agent {
         &self.name
     }
 
-    /// Its folder.
+    /// Returns its folder.
     pub(crate) fn folder(&self) -> &Path {
         &self.folder
     }
 
-    /// What it observes and controls, and how it was trained.
+    /// Returns the description of the agent: what it observes and controls, and how it was trained.
     pub fn info(&self) -> &AgentInfo {
         &self.info
     }

@@ -1,4 +1,4 @@
-//! Files that appear complete or not at all.
+//! Atomic writing of files: a file appears complete or not at all.
 
 use std::io::Write as _;
 use std::path::Path;
@@ -24,7 +24,7 @@ pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<NamedTempFile> {
     Ok(file)
 }
 
-/// Moves a file to its place, over the one that is there.
+/// Moves a file to its place, replacing an existing one.
 pub(crate) fn put(file: NamedTempFile, path: &Path) -> Result<()> {
     file.persist(path).map(|_| ()).map_err(|error| at(path)(error.error))
 }

@@ -1,4 +1,4 @@
-//! Controllers by description, from which a worker process makes them.
+//! Descriptions of controllers, from which worker processes make them.
 
 use std::path::{Path, PathBuf, absolute};
 use std::sync::Arc;
@@ -13,7 +13,7 @@ use crate::observation::{NodePlan, attributes};
 use crate::pilot::Pilot;
 use crate::{Error, Result};
 
-/// Everything that it takes to make a controller of one building whose model has been dropped.
+/// Everything that is needed to make a controller of a building whose model has been dropped.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ControllerDescription {
@@ -36,7 +36,7 @@ impl ControllerDescription {
     /// Makes the controller.
     ///
     /// # Errors
-    /// Those of [`Agent::read`] and [`Pilot::without_model`]; [`Error::Damaged`] for an agent that has changed since.
+    /// The errors of [`Agent::read`] and [`Pilot::without_model`]; [`Error::Damaged`] for an agent that has changed since.
     pub fn controller(&self, spaces: &Arc<Spaces>) -> Result<Box<dyn Controller>> {
         Ok(match self {
             Self::Reactive(parameters) => {
@@ -54,8 +54,8 @@ impl ControllerDescription {
 }
 
 impl Agent {
-    /// Returns the description of its controller in a building, whose model it needs; `None` for an agent that is in no
-    /// folder.
+    /// Returns the description of its controller in a building, whose model it needs; `None` for an agent that is not
+    /// stored in a folder.
     ///
     /// # Errors
     /// As [`Pilot::new`]; [`Error::Io`] without a current folder.

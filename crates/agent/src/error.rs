@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 /// An error of this crate.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// A text that names no form of observations.
+    /// An unknown form of observations.
     #[error("unknown observation `{text}`; expected raw, roles or features")]
     UnknownObservation {
         /// The text.
@@ -13,7 +13,7 @@ pub enum Error {
     },
     /// A folder without an agent.
     #[error(
-        "{path} is not an agent's folder: {why}; expected one that `b2b train` wrote, with agent.json and weights.safetensors"
+        "{path} is not the folder of an agent: {why}; expected a folder written by `b2b train`, with agent.json and weights.safetensors"
     )]
     NotAnAgent {
         /// The folder.
@@ -21,7 +21,7 @@ pub enum Error {
         /// Reason.
         why: String,
     },
-    /// An agent whose files do not belong together.
+    /// An agent whose files are damaged or inconsistent.
     #[error("the agent in {path} is damaged: {why}; train it again, or restore its files")]
     Damaged {
         /// The folder.
@@ -29,22 +29,22 @@ pub enum Error {
         /// Reason.
         why: String,
     },
-    /// A building with another observation or other actuators than those the agent was trained with.
+    /// A building whose observation or actuators differ from those the agent was trained with.
     #[error("the agent {agent} cannot control {building}: {why}; it was trained on {trained_on}")]
     OtherBuilding {
         /// Name of the agent.
         agent: String,
         /// Name of the building.
         building: String,
-        /// The first difference.
+        /// The first difference found.
         why: String,
         /// Its training buildings.
         trained_on: String,
     },
     /// A building with a node of a type that a graph agent was not trained with.
     #[error(
-        "the agent {agent} does not know the node type `{node_type}` of `{node}` in {building}; it knows {known}: train it with a \
-         building that has one"
+        "the agent {agent} was not trained with the node type `{node_type}` of `{node}` in {building}, only with {known}; train it \
+         with a building that has one"
     )]
     UnknownNodeType {
         /// Name of the agent.
@@ -55,11 +55,11 @@ pub enum Error {
         node: String,
         /// Its type.
         node_type: &'static str,
-        /// The types that the agent knows.
+        /// The node types that the agent was trained with.
         known: String,
     },
     /// A building whose graph cannot be made.
-    #[error("the graph of {building} cannot be made: {source}")]
+    #[error("cannot build the graph of {building}: {source}")]
     Graph {
         /// Name of the building.
         building: String,

@@ -21,7 +21,7 @@ const WEIGHTS: &str = "weights.safetensors";
 /// The files of an agent.
 pub const FILES: [&str; 2] = [INFO, WEIGHTS];
 
-/// What is in an agent's folder.
+/// The contents of an agent's folder.
 pub(crate) struct Contents {
     pub(crate) info: AgentInfo,
     pub(crate) actor: Actor,
@@ -50,7 +50,7 @@ pub(crate) fn read(path: &Path) -> Result<Contents> {
     Ok(Contents { info, actor, sha256 })
 }
 
-/// What every version of [`INFO`] begins with.
+/// The part of [`INFO`] that all versions of the format share.
 #[derive(serde::Deserialize)]
 struct Format {
     format: u32,
@@ -116,13 +116,13 @@ fn check_shape(info: &AgentInfo) -> std::result::Result<(), &'static str> {
         _ => info.actuators.len(),
     };
     let found = match &info.network {
-        Shape::Mlp(mlp) if mlp.widths.len() < 2 => return Err("its network has no layer"),
+        Shape::Mlp(mlp) if mlp.widths.len() < 2 => return Err("its network has no layers"),
         Shape::Mlp(mlp) => (mlp.inputs(), mlp.outputs()),
         Shape::Graph(network) if network.types.len() != NodeType::ALL.len() => {
-            return Err("its network has another number of node types");
+            return Err("the number of node types in its network does not match");
         }
         Shape::Graph(network) if network.heads == 0 || !network.embedding.is_multiple_of(network.heads) => {
-            return Err("the heads of its network do not share the embedding evenly");
+            return Err("the embedding of its network is not divisible by its number of heads");
         }
         Shape::Graph(network) => {
             let sum = |width: fn(&NodeWidths) -> usize| network.types.iter().map(width).sum();
@@ -130,7 +130,7 @@ fn check_shape(info: &AgentInfo) -> std::result::Result<(), &'static str> {
         }
     };
     if found != widths || log_stds != info.actuators.len() {
-        return Err("the network does not have the widths of observation and actuators");
+        return Err("the widths of the network do not match the observation and the actuators");
     }
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! The description of an agent, as it is in its folder.
+//! The description of an agent in its folder.
 
 use b2b_env::Task;
 use serde::{Deserialize, Serialize};
@@ -9,14 +9,14 @@ use crate::pilot::Interface;
 /// Version of the format of agents' folders.
 pub const FORMAT: u32 = 1;
 
-/// What an agent observes and controls, and how it was trained: `agent.json`.
+/// The description of an agent in `agent.json`: its observation, its actions and its training.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AgentInfo {
     /// [`FORMAT`] of the folder.
     pub format: u32,
     /// Form of observations and meaning of actions.
     pub interface: Interface,
-    /// Name of every number that the network observes; of a graph network those of all node types, whether it knows them or not.
+    /// Name of every number that the network observes; of a graph network those of all node types, whether it was trained with them or not.
     pub slots: Vec<String>,
     /// Name of every actuator that it controls; of a graph network those of all node types.
     pub actuators: Vec<String>,
@@ -62,7 +62,7 @@ pub struct TrainingInfo {
     pub generator: String,
     /// Version of EnergyPlus.
     pub engine: String,
-    /// Hash of the reactive controllers' parameters, of an agent that stands on them.
+    /// Hash of the parameters of the reactive controllers, for an agent that corrects them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub base_controllers: Option<String>,
 }

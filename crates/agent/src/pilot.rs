@@ -1,4 +1,4 @@
-//! An agent's eyes and hands in an episode, around its network.
+//! The interface between an environment and an agent's network.
 
 use std::sync::Arc;
 
@@ -10,10 +10,10 @@ use crate::acting::{Acting, Driver};
 use crate::network::Graph;
 use crate::observation::{AgentObservation, NodeForm, NodePlan, NodeView, ObservationOptions, attributes};
 
-/// What an agent observes and how it acts.
+/// The observation of an agent and the meaning of its actions.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Interface {
-    /// What it observes.
+    /// Options of its observation.
     pub observation: ObservationOptions,
     /// Meaning of its actions.
     pub acting: Acting,
@@ -24,7 +24,8 @@ pub struct Interface {
 
 /// An agent's observations and actions in an episode of a building, around its network. Allocates nothing in a step.
 ///
-/// In turn: [`Pilot::observe`] for every observation of the environment, and [`Pilot::act`] for every action of the network.
+/// Call [`Pilot::observe`] for every observation of the environment and [`Pilot::act`] for every action of the network,
+/// alternately.
 #[derive(Clone, Debug)]
 pub struct Pilot {
     observation: AgentObservation,
@@ -39,7 +40,7 @@ impl Pilot {
     /// Returns the pilot of a building that has its model, at the beginning of an episode.
     ///
     /// # Errors
-    /// Those of [`attributes`] and [`AgentObservation::new`]; [`Error::Graph`](crate::Error::Graph) for a building whose graph
+    /// The errors of [`attributes`] and [`AgentObservation::new`]; [`Error::Graph`](crate::Error::Graph) for a building whose graph
     /// cannot be made, of a graph network.
     pub fn new(interface: Interface, spaces: &Arc<Spaces>) -> Result<Self> {
         let plan = interface.nodes.map(|form| NodePlan::of(form, spaces)).transpose()?;
@@ -78,7 +79,7 @@ impl Pilot {
         })
     }
 
-    /// The building as a graph network sees it; `None` for another network.
+    /// Returns the graph of the building; `None` if the network is not a graph network.
     pub fn graph(&self) -> Option<&Arc<Graph>> {
         self.graph.as_ref()
     }
@@ -90,12 +91,12 @@ impl Pilot {
         self.previous.fill(0.0);
     }
 
-    /// Numbers that the network observes, and actions that it gives.
+    /// Returns the width of the network's observation and the number of its actions.
     pub fn widths(&self) -> (usize, usize) {
         (self.row.len(), self.previous.len())
     }
 
-    /// The observation of the agent, slot by slot.
+    /// Returns the observation of the agent.
     pub fn observation(&self) -> &AgentObservation {
         &self.observation
     }
@@ -107,7 +108,7 @@ impl Pilot {
         &self.row
     }
 
-    /// The last observation of the network.
+    /// Returns the last observation of the network.
     pub fn observed(&self) -> &[f32] {
         &self.row
     }

@@ -1,4 +1,4 @@
-//! Fields of Protocol Buffers, as far as event files and ONNX need them.
+//! The subset of Protocol Buffers that event files and ONNX need.
 
 /// Returns a field with a message, a text or bytes.
 pub fn bytes(field: u64, content: &[u8]) -> Vec<u8> {

@@ -30,7 +30,7 @@ fn interface(observation: ObservationForm, acting: Acting, attributes: bool) -> 
 
 const RESIDUAL: Acting = Acting::Residual { authority: 0.5 };
 
-/// Writes an agent with weights of this size that knows these types.
+/// Writes an agent with weights of this size that was trained with these types.
 fn write(folder: &Path, interface: Interface, scale: f32, known: &[NodeType]) {
     let spaces = NodeSpaces::of(interface);
     let network = GraphNetwork {

@@ -151,7 +151,7 @@ pub enum Error {
         folder: PathBuf,
     },
     /// A file that cannot be read as what it was written as.
-    #[error("{path} is damaged: {why}; remove it to have its content computed again")]
+    #[error("{path} is damaged: {why}; remove it to recompute it")]
     Damaged {
         /// The file.
         path: PathBuf,

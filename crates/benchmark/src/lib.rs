@@ -3,7 +3,7 @@
 //! 1. A [`Policy`] makes a controller for an episode: one of the [`BuiltIn`] controllers, an [`OnnxPolicy`], or any other
 //!    implementation.
 //! 2. [`Evaluation`] runs a list of [`Episode`]s under a policy, in parallel worker processes, and keeps each as it ends.
-//! 3. [`Baselines`] knows the returns of the reactive controllers for the same episodes: shipped, cached, or computed.
+//! 3. [`Baselines`] has the returns of the reactive controllers for the same episodes: shipped, cached, or computed.
 //!    [`normalized_score`] is the ratio of the two returns.
 //! 4. [`statistics`] and [`report`] aggregate the scores.
 //! 5. [`problem`] defines the benchmark's problems, and [`entry`] runs a policy on one and verifies the result.

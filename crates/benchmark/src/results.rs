@@ -32,7 +32,7 @@ impl Results {
     /// Runs the episodes that a folder does not contain yet, and scores all of them; unknown baselines are run, too.
     ///
     /// # Errors
-    /// Those of [`Evaluation::run`] and [`Baselines::compute`].
+    /// The errors of [`Evaluation::run`] and [`Baselines::compute`].
     pub fn of(
         evaluation: &Evaluation<'_>,
         folder: &Folder,

@@ -10,7 +10,7 @@
 /// | 0 | 0 | 1: as good as the baseline |
 /// | 0 | negative | ∞ |
 /// | 0 | positive | -∞ |
-/// | positive | any | none: a ratio would order returns the wrong way round |
+/// | positive | any | none: a ratio would reverse the order of returns |
 ///
 /// A baseline of 0 requires a comfort deadband that the reactive controllers never leave, and no weight on energy. There
 /// is no score if either return is not a number.
@@ -28,7 +28,7 @@ pub fn normalized_score(episode_return: f64, baseline: f64) -> Option<f64> {
 /// temperature sensor; 0.5 K is required.
 pub const RESOLUTION: f64 = 0.2;
 
-/// What an episode is scored against: the reactive controllers for the same building, task and days.
+/// The baseline of an episode: the reactive controllers in the same building, task and days.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Baseline {
     /// Their return.
@@ -49,11 +49,11 @@ impl Baseline {
     }
 }
 
-/// Returns the resolved score of an episode: (P + n r²) / (P₀ + n r²), where P is its penalty (the negated return, with the
-/// energy penalty if the task has one), P₀ that of the reactive controllers, n its number of steps and r = 0.2 K
-/// ([`RESOLUTION`]). As if every zone deviated by another 0.2 K, independently: below what a thermometer could tell apart,
-/// a policy and the baseline score alike. Lower is better, and below 1 beats the baseline, exactly where the normalized
-/// score is below 1.
+/// Returns the resolved score of an episode: (P + n r²) / (P₀ + n r²), where P is its penalty (the negated return, with
+/// the energy penalty if the task has one), P₀ that of the reactive controllers, n its number of steps and r = 0.2 K
+/// ([`RESOLUTION`]). It treats every zone as if it deviated by another 0.2 K, independently: differences that a
+/// thermometer could not resolve hardly affect the score. Lower is better, and below 1 beats the baseline, exactly
+/// where the normalized score is below 1.
 ///
 /// There is no score if the denominator is not above 0, which requires negative prices, or if either return is not a
 /// number.

@@ -74,7 +74,7 @@ impl Subject {
     /// Finds the site of the building.
     ///
     /// # Errors
-    /// Those of [`Catalog::find`]; [`Error::Io`](crate::Error::Io).
+    /// The errors of [`Catalog::find`]; [`Error::Io`](crate::Error::Io).
     pub fn locate(&self, catalog: &Catalog, progress: &mut dyn Progress) -> Result<SiteInfo> {
         self.site(&catalog.find(&self.name, &self.placement, progress)?)
     }

@@ -1,4 +1,4 @@
-//! The tuned reactive controllers and the energy scale of a building's class: what every score is relative to.
+//! The tuned reactive controllers and the energy scale of a building's class: the reference of all scores.
 
 use b2b_building::Class;
 use b2b_control::{Objective, ReactiveParameters};

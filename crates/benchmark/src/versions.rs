@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::tuned::controllers_hash;
 
-/// The versions that a result depends on, beside the policy.
+/// The versions that a result depends on, in addition to the policy.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Versions {
     /// Version of this package.
@@ -31,7 +31,7 @@ impl Versions {
         }
     }
 
-    /// Describes where these versions differ from others, if they do: `dataset v0 there and v1 here`.
+    /// Describes where these versions differ from others, if they do: `dataset v0 (v1 in this program)`.
     pub fn differences(&self, here: &Self) -> Option<String> {
         let pairs = [
             ("package", &self.package, &here.package),
@@ -41,7 +41,7 @@ impl Versions {
         ];
         let different = pairs.into_iter().filter(|(_, there, here)| there != here);
         let lines: Vec<_> =
-            different.map(|(what, there, here)| format!("{what} {there} there and {here} here")).collect();
+            different.map(|(what, there, here)| format!("{what} {there} ({here} in this program)")).collect();
         (!lines.is_empty()).then(|| lines.join("; "))
     }
 }

@@ -1,4 +1,4 @@
-//! Classes of buildings: a type in a climate. What is measured on some buildings of a class is used for the others.
+//! Classes of buildings: a type in a climate zone. Measurements on some buildings of a class are used for all of them.
 
 use std::fmt;
 

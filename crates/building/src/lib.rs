@@ -1,4 +1,4 @@
-//! Building models for control: read, size and make controllable.
+//! Building models for control: reading, sizing and making systems controllable.
 
 mod building_type;
 mod class;

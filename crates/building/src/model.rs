@@ -87,7 +87,7 @@ impl Model {
         self.classes.keys().map(String::as_str)
     }
 
-    /// Whether a class has an object with this name.
+    /// Returns whether a class has an object with this name.
     pub fn contains(&self, class: &str, name: &str) -> bool {
         self.get(class, name).is_some()
     }
@@ -100,7 +100,7 @@ impl Model {
             .and_then(|(_, value)| value.as_object())
     }
 
-    /// The fields of one object, to edit.
+    /// Returns the fields of an object, for editing.
     pub fn get_mut(&mut self, class: &str, name: &str) -> Option<&mut Fields> {
         self.class_mut(class)?
             .iter_mut()
@@ -108,7 +108,7 @@ impl Model {
             .and_then(|(_, value)| value.as_object_mut())
     }
 
-    /// Every object to edit: its class, its name and its fields.
+    /// Returns every object for editing: its class, its name and its fields.
     pub fn objects_mut(&mut self) -> impl Iterator<Item = (&str, &str, &mut Fields)> {
         let classes =
             self.classes.iter_mut().filter_map(|(class, objects)| Some((class, objects.as_object_mut()?)));
@@ -128,7 +128,7 @@ impl Model {
         self.get(class, name).ok_or_else(|| missing(class, name))
     }
 
-    /// The fields of an object that must be there, to edit.
+    /// Returns the fields of an object that must exist, for editing.
     ///
     /// # Errors
     /// [`Error::MissingObject`] naming the class and the object.

@@ -46,7 +46,7 @@ pub fn openings(model: &Model) -> Vec<Opening> {
     model.objects(FENESTRATION).into_iter().map(opening).collect()
 }
 
-/// Whether a fenestration surface is glass.
+/// Returns whether a fenestration surface is glass.
 pub fn is_glass(fenestration: &Fields) -> bool {
     matches!(text(fenestration, "surface_type"), Some("Window" | "GlassDoor"))
 }

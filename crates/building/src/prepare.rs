@@ -47,14 +47,14 @@ pub struct Zone {
     pub name: String,
     /// Floor area with multiplier, m².
     pub floor_area: f64,
-    /// What its controlled equipment can do.
+    /// Heating and cooling capability of its controlled equipment.
     pub conditioning: Conditioning,
     /// Whether equipment that is not controlled conditions it, by the thermostat and the schedules of the model. Such a zone
     /// is observed, but does not count in the reward.
     pub own_controls: bool,
 }
 
-/// What the controlled equipment of a zone can do.
+/// The heating and cooling capability of the controlled equipment of a zone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Conditioning {
@@ -126,7 +126,7 @@ impl PreparedBuilding {
     }
 
     /// Drops the model, which takes ten times the memory of the rest, once environments have been built from it.
-    pub fn forget_model(&mut self) {
+    pub fn drop_model(&mut self) {
         self.model = Model::default();
     }
 
@@ -175,7 +175,7 @@ impl PreparedBuilding {
 /// Writes sizes into a model and returns the air density of its design flows, kg/m³.
 fn size(model: &mut Model, weather: &Path, library: &Library) -> Result<f64> {
     let site = Site::read(weather)?;
-    if sizing::wants_sizing(model) {
+    if sizing::needs_sizing(model) {
         Sizes::of(model, weather, library)?.write_into(model)?;
     }
     Ok(standard_air_density(site.elevation))

@@ -54,7 +54,7 @@ impl Surface {
         polygon_area(&self.corners)
     }
 
-    /// Whether it is a wall to the outdoors.
+    /// Returns whether it is a wall to the outdoors.
     pub fn is_exterior_wall(&self) -> bool {
         self.kind == SurfaceKind::Wall && self.boundary.eq_ignore_ascii_case("Outdoors")
     }

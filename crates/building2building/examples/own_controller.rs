@@ -1,4 +1,4 @@
-//! A custom controller beside the built-in ones, and an observer that watches the episode.
+//! A custom controller, compared with the built-in ones, and an observer that watches the episode.
 //!
 //! `cargo run --release -p building2building --example own_controller`
 

@@ -112,7 +112,7 @@ impl EnvBuilder {
     /// call [`run_if_worker`](crate::run_if_worker) first in `main`.
     ///
     /// # Errors
-    /// Those of [`EnvBuilder::build`] and [`Workers::episode`].
+    /// The errors of [`EnvBuilder::build`] and [`Workers::episode`].
     #[cfg(target_os = "linux")]
     pub fn build_in_worker(self) -> Result<Episode> {
         let (setting, options) = self.setting()?;
@@ -122,7 +122,7 @@ impl EnvBuilder {
     /// Builds a batch of `count` environments, each in a worker process: see [`EnvBuilder::build_in_worker`].
     ///
     /// # Errors
-    /// Those of [`EnvBuilder::build`] and [`VecEnv::new`].
+    /// The errors of [`EnvBuilder::build`] and [`VecEnv::new`].
     #[cfg(target_os = "linux")]
     pub fn build_batch(self, count: usize) -> Result<VecEnv> {
         let (setting, workers) = self.setting()?;
@@ -134,7 +134,7 @@ impl EnvBuilder {
     /// that share workers, and for samplers.
     ///
     /// # Errors
-    /// Those of [`EnvBuilder::build`].
+    /// The errors of [`EnvBuilder::build`].
     #[cfg(target_os = "linux")]
     pub fn setting(self) -> Result<(Setting, WorkerOptions)> {
         let catalog = catalog()?;

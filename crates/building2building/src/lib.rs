@@ -18,7 +18,7 @@
 //! EnergyPlus and weather files are downloaded into the cache when they are first used. The folder `examples` of this
 //! crate shows one episode, a batch, a custom reward, a custom controller, snapshots and the training of an agent.
 //!
-//! What most programs need is at the top level; the modules hold the rest:
+//! The top level has the items that most programs need; the modules have the rest:
 //!
 //! | module | contents |
 //! |---|---|

@@ -12,9 +12,9 @@ use crate::prepare::Prepared;
 
 /// Write an agent as an ONNX file
 ///
-/// For agents trained with `--direct` and the observation raw or roles. The file takes the environment's observation (the
-/// values of `b2b show BUILDING --observations`, without scaling), or that by roles, and returns actions from -1 to 1. The
-/// file of a graph network is for one building: its nodes and edges are in it.
+/// Only agents trained with `--direct` and the observation raw or roles can be exported. The network takes the unscaled
+/// observation of the environment (the values that `b2b show BUILDING --observations` lists, or those by roles) and
+/// returns actions from -1 to 1. The file of a graph network is for one building, whose nodes and edges it contains.
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment)]
 pub struct Arguments {

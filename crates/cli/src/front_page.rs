@@ -36,7 +36,7 @@ Environment variables:
   B2B_CACHE        cache folder
   B2B_OFFLINE=1    never download
 
-Exit codes: 0 success, 1 failure, 2 wrong usage, 130 interrupted.";
+Exit codes: 0 success, 1 failure, 2 usage error, 130 interrupted.";
 
 /// Gives a parser the help text.
 pub fn add(parser: clap::Command) -> clap::Command {

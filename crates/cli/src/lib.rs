@@ -110,7 +110,7 @@ enum Command {
 }
 
 impl Command {
-    /// Whether it runs EnergyPlus on a user's model or weather in its own process, for which it is supervised.
+    /// Returns whether it runs EnergyPlus on a user's model or weather in its own process, for which it is supervised.
     #[cfg(target_os = "linux")]
     fn is_foreign(&self) -> bool {
         matches!(self, Self::Run(_) | Self::Show(_) | Self::View(_) | Self::Doctor(_) | Self::Import(_))

@@ -20,7 +20,7 @@ Examples:
   b2b list --sizes         with the sizes of observation and action
   b2b list places --json")]
 pub struct Arguments {
-    /// What to list
+    /// Items to list
     #[arg(value_enum, value_name = "types|places", hide_possible_values = true, default_value_t = Subject::Types)]
     subject: Subject,
     /// Include the number of zones and the sizes of observation and action (takes about a second per type)

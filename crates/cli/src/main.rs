@@ -6,7 +6,7 @@ fn main() -> ExitCode {
     match std::env::current_exe() {
         Ok(program) => b2b_cli::run(b2b_cli::Program::new(program), std::env::args_os()).into(),
         Err(error) => {
-            eprintln!("error: the system does not tell which program this is: {error}");
+            eprintln!("error: cannot determine the path of this program: {error}");
             ExitCode::FAILURE
         }
     }

@@ -22,7 +22,7 @@ impl OutputFolder {
         let cannot = || format!("cannot write the folder {}", destination.display());
         if destination.to_str().is_none() {
             bail!(
-                "--out {}: the path is not valid UTF-8, as summary.json needs it; choose another",
+                "--out {}: the path is not valid UTF-8, which summary.json requires; choose another",
                 destination.display()
             );
         }

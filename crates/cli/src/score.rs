@@ -33,7 +33,7 @@ pub struct Arguments {
     /// File written by `b2b run`
     #[arg(value_name = "TRAJECTORY.parquet")]
     trajectory: PathBuf,
-    /// Building of the trajectory, where the file does not identify it: your own model file
+    /// Model file of the building, if the trajectory is of your own building
     #[arg(long, value_name = "BUILDING")]
     building: Option<BuildingName>,
     #[command(flatten)]
@@ -112,7 +112,7 @@ fn check_versions(path: &Path, theirs: &Versions) -> Result<()> {
     let ours = Versions::current();
     if (&theirs.generator, &theirs.engine) != (&ours.generator, &ours.engine) {
         bail!(
-            "{} was simulated with buildings {} on EnergyPlus {}, but this program has {} on {}; run the episode again",
+            "{} was simulated with building generator {} and EnergyPlus {}, but this program has {} and {}; run the episode again",
             path.display(),
             theirs.generator,
             theirs.engine,

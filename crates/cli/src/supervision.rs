@@ -27,7 +27,7 @@ const LAST_LINES: usize = 5;
 static CHILD: OnceLock<Pid> = OnceLock::new();
 static STOPPING: AtomicBool = AtomicBool::new(false);
 
-/// Whether this process is supervised. It ends with its supervisor.
+/// Returns whether this process is supervised. It ends with its supervisor.
 pub fn is_supervised() -> bool {
     static SUPERVISED_HERE: OnceLock<bool> = OnceLock::new();
     *SUPERVISED_HERE.get_or_init(|| {
@@ -58,7 +58,7 @@ pub fn supervise(arguments: &[OsString]) -> Result<ExitCode> {
             Ok(ExitCode::Interrupted)
         }
         (None, signal) => bail!(
-            "EnergyPlus crashed with {}{}\nThe model or the weather file makes it fail: correct what its messages name, or \
+            "EnergyPlus crashed with {}{}\nThe model or the weather file causes the crash: correct what the messages name, or \
              remove objects until it runs",
             signal.map_or_else(|| status.to_string(), name),
             last_messages(folder.path())

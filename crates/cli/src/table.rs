@@ -34,7 +34,7 @@ impl Table {
             // Every further table begins with the first column as well.
             let mut part = if parts.is_empty() { vec![*next] } else { vec![columns[0], *next] };
             let room = |part: &[Column], column: &Column| {
-                let taken: usize = part.iter().chain([column]).map(|column| column.least + GAP).sum();
+                let taken: usize = part.iter().chain([column]).map(|column| column.min_width + GAP).sum();
                 taken <= width
             };
             let more = others.iter().take_while(|column| {
@@ -75,7 +75,9 @@ impl Table {
         Column {
             index,
             width: longest(&mut cells().map(|cell| cell.chars().count())),
-            least: longest(&mut cells().flat_map(|cell| cell.split(' ').map(|word| word.chars().count()))),
+            min_width: longest(
+                &mut cells().flat_map(|cell| cell.split(' ').map(|word| word.chars().count())),
+            ),
             numbers: cells().skip(1).all(is_number),
         }
     }
@@ -87,7 +89,7 @@ const GAP: usize = 2;
 /// Narrows the widest columns, down to their longest words, until all fit.
 fn shrink(columns: &mut [Column], width: usize) {
     while columns.iter().map(|column| column.width + GAP).sum::<usize>() > width {
-        let narrowable = columns.iter_mut().filter(|column| column.width > column.least);
+        let narrowable = columns.iter_mut().filter(|column| column.width > column.min_width);
         let Some(widest) = narrowable.max_by_key(|column| column.width) else { return };
         widest.width -= 1;
     }
@@ -99,7 +101,7 @@ struct Column {
     index: usize,
     width: usize,
     /// The length of its longest word.
-    least: usize,
+    min_width: usize,
     numbers: bool,
 }
 

@@ -39,7 +39,7 @@ fn assert_refused(folder: &Path, arguments: &str, words: &[&str]) {
     assert_rejected(folder, &format!("benchmark {arguments}"), words);
 }
 
-/// Whether a line of the table has both scores and the relative energy of the baseline.
+/// Returns whether a line of the table has both scores and the relative energy of the baseline.
 fn scores_one(line: &str) -> bool {
     let cells: Vec<&str> = line.split_whitespace().collect();
     matches!(cells[..], [.., "1.000", "1.000", _, "1.00"])

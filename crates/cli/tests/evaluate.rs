@@ -60,7 +60,7 @@ fn evaluations_of_the_same_episodes_are_compared_on_one_page() {
     }
     assert!(b2b(folder.path(), "evaluate compare reactive random --out page.html").status.success());
     let page = std::fs::read_to_string(folder.path().join("page.html")).unwrap();
-    assert!(page.contains("2 policies on 1 episodes") && page.contains("Rewards of single steps"));
+    assert!(page.contains("2 policies on 1 episodes") && page.contains("Per-step rewards"));
     let refused = |arguments: &str, words: &[&str]| assert_rejected(folder.path(), arguments, words);
     refused(
         "evaluate compare reactive constant",

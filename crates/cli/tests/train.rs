@@ -248,7 +248,11 @@ fn one_policy_for_two_types_is_an_agent_that_is_resumed_entered_and_verified() {
     assert_rejected(
         path,
         "run OfficeMedium-0007 --controller run --period 01-10..01-10",
-        &["OfficeMedium-0007", "does not know the node type `air loop`", "it knows weather, calendar"],
+        &[
+            "OfficeMedium-0007",
+            "was not trained with the node type `air loop`",
+            "only with weather, calendar",
+        ],
     );
     let problem = "cross-domain --train-type SingleFamilyHouse --test-type OfficeSmall --test OfficeSmall-0011 \
                    --train SingleFamilyHouse-0001 --period 01-10..01-10 --seed 0";

@@ -1,4 +1,4 @@
-//! What a foreign model, a damaged file and a crash of the engine can do: nothing but an error.
+//! Untrusted models, damaged files and crashes of the engine cause an error and nothing else.
 #![cfg(target_os = "linux")]
 
 mod program;

@@ -108,7 +108,7 @@ fn a_tampered_result_fails_verification() {
     let said = judged.after(lower, 0);
     assert!(said.contains("baselines: test: SingleFamilyHouse-0018"), "{said}");
     let said = judged.after(|stages| scored(&mut stages[0].1[1]).step_rewards.counts[0] += 1, 0);
-    assert!(said.contains("rewards of steps are counted"), "{said}");
+    assert!(said.contains("step rewards; the episode has"), "{said}");
     let said = judged.after(|stages| scored(&mut stages[0].1[1]).trajectory_hash = "é".repeat(32), 0);
     assert!(said.contains("is not a trajectory hash"), "{said}");
     let said = judged.after(|stages| stages[0].1[1].info.place = "Miami".into(), 0);
@@ -165,7 +165,7 @@ fn a_tampered_result_fails_verification() {
     edit("/policies/test", honest);
 
     edit("/versions/generator", json!("v0"));
-    assert!(judged.wrong(&copy, 0).contains("dataset v0 there and v1 here"));
+    assert!(judged.wrong(&copy, 0).contains("dataset v0 (v1 in this program)"));
     edit("/versions/generator", json!("v1"));
     edit("/problem/protocol/training_steps", json!(1));
     assert!(judged.wrong(&copy, 0).contains("does not have the hash"));

@@ -98,7 +98,7 @@ impl Location {
     /// Returns the weather file; downloads or generates it when it is not in the cache.
     ///
     /// # Errors
-    /// Those of [`Place::epw_in`] and [`Region::epw`].
+    /// The errors of [`Place::epw_in`] and [`Region::epw`].
     pub fn weather(&self, cache: &Cache, progress: &mut dyn Progress) -> Result<PathBuf> {
         match self {
             Self::Place(place) => place.epw_in(cache, progress),

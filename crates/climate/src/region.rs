@@ -53,7 +53,7 @@ impl Region {
     /// Returns its EPW file: the published file of Montréal, or one morphed from it and kept in the cache.
     ///
     /// # Errors
-    /// Those of [`Place::epw_in`] and [`morph`]; [`Error::Io`] when the cache cannot be written; [`Error::Malformed`] when
+    /// The errors of [`Place::epw_in`] and [`morph`]; [`Error::Io`] when the cache cannot be written; [`Error::Malformed`] when
     /// this machine morphs to other bytes than those of the dataset.
     pub fn epw(&self, cache: &Cache, progress: &mut dyn Progress) -> Result<PathBuf> {
         let mut base = || Place::find(BASE)?.epw_in(cache, progress);

@@ -80,7 +80,7 @@ impl ClimateYear {
         }
     }
 
-    /// Whether the coldest month has -3 to 18 °C, the warmest less than 22 °C, and four months more than 10 °C.
+    /// Returns whether the coldest month has -3 to 18 °C, the warmest less than 22 °C, and four months more than 10 °C.
     fn marine(&self) -> bool {
         let months = self.monthly_dry_bulbs;
         let coldest = months.iter().copied().fold(f64::INFINITY, f64::min);

@@ -19,7 +19,7 @@ pub enum Error {
         known: Vec<&'static str>,
     },
     /// A file that does not hold parameters.
-    #[error("{path} does not hold parameters of the reactive controllers: {why}")]
+    #[error("{path} is not a valid file of reactive controller parameters: {why}")]
     ParameterFile {
         /// The file.
         path: PathBuf,

@@ -1,5 +1,5 @@
-//! Controllers without learning: reactive control after ASHRAE Guideline 36, constant and random actions, replay of recorded
-//! actions, and a planner on copies of the simulation. Each implements [`Controller`] of `b2b_env`.
+//! Controllers that do not learn: reactive control based on ASHRAE Guideline 36, constant and random actions, replay of
+//! recorded actions, and a planner on copies of the simulation. Each implements [`Controller`] of `b2b_env`.
 
 mod constant;
 mod error;

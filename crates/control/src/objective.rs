@@ -1,4 +1,4 @@
-//! What the reactive controllers are tuned for.
+//! Tuning objectives of the reactive controllers.
 
 use std::fmt;
 use std::str::FromStr;

@@ -77,7 +77,7 @@ impl Planner {
     /// called for each.
     ///
     /// # Errors
-    /// Those of [`Episode`] when a copy cannot be made or an episode is lost.
+    /// The errors of [`Episode`] when a copy cannot be made or an episode is lost.
     pub fn plan_episode(
         &mut self,
         episode: &mut Episode,

@@ -61,7 +61,7 @@ fn every_type_follows(task: &str) {
             let mut sorted = worst.clone();
             sorted.sort_by(f64::total_cmp);
             let median = sorted[sorted.len() / 2];
-            println!("{label}: median {median:.2} K, most {:.1} K", sorted[sorted.len() - 1]);
+            println!("{label}: median {median:.2} K, max {:.1} K", sorted[sorted.len() - 1]);
             assert!(median < 3.0, "{label}: {median}");
         }
     }

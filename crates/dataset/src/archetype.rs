@@ -11,7 +11,7 @@ use crate::{Error, Result};
 /// Returns the base model of a type: for the house one generated for the site, for the others the [`prototype`].
 ///
 /// # Errors
-/// Those of [`prototype`].
+/// The errors of [`prototype`].
 pub fn base_model(
     building_type: BuildingType,
     engine: &Engine,

@@ -49,7 +49,7 @@ impl Building {
         }
     }
 
-    /// Returns what is known of it besides its model.
+    /// Returns the properties of the building that its model does not contain.
     pub fn origin(&self) -> Origin {
         match self {
             Self::Commercial { location, .. } => Origin::commercial(location.ashrae_zone()),
@@ -69,7 +69,7 @@ impl Building {
     /// Returns the weather file; downloads or generates it when it is not in the cache.
     ///
     /// # Errors
-    /// Those of [`Location::weather`].
+    /// The errors of [`Location::weather`].
     pub fn weather(&self, cache: &Cache, progress: &mut dyn Progress) -> Result<PathBuf> {
         Ok(self.location().weather(cache, progress)?)
     }

@@ -26,7 +26,7 @@ pub enum BuildingName {
     Model(PathBuf),
 }
 
-/// The location of a building, if it is not the default, and what a user's model may do.
+/// The location of a building, if it is not the default, and the permissions of a user's model.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Placement {
     /// A known place.
@@ -109,7 +109,7 @@ impl Catalog {
     /// Returns the model of a generated building, before sizing, and its weather file.
     ///
     /// # Errors
-    /// Those of [`Building::weather`] and [`Building::model`].
+    /// The errors of [`Building::weather`] and [`Building::model`].
     pub fn generate(&self, building: &Building, progress: &mut dyn Progress) -> Result<(Model, PathBuf)> {
         let weather = building.weather(&self.cache, progress)?;
         let model = building.model(&*self.prototype(building.building_type())?, &*self.site(&weather)?)?;
@@ -195,7 +195,7 @@ impl Found {
     /// Sizes it and makes it controllable: every system, or the supported ones of a user's model.
     ///
     /// # Errors
-    /// Those of [`Preparation::run`].
+    /// The errors of [`Preparation::run`].
     pub fn prepare(self, library: &Library) -> Result<PreparedBuilding> {
         let weather = self.weather.clone();
         Preparation::from(self).run(&weather, library)
@@ -215,7 +215,7 @@ impl From<Found> for Preparation {
 }
 
 impl Placement {
-    /// Whether a building is an unmodified prototype that ships with the engine: a base model at its default place or with a
+    /// Returns whether a building is an unmodified prototype that ships with the engine: a base model at its default place or with a
     /// weather file. Houses are generated, and other types are adapted to the code at other places.
     pub fn is_prototype(&self, name: &BuildingName) -> bool {
         match name {
@@ -251,7 +251,7 @@ impl Placement {
         Ok(Some(Class::new(building_type, zone.as_deref())))
     }
 
-    /// Returns what is known of a building besides its model.
+    /// Returns the properties of a building that its model does not contain.
     pub fn origin(&self, name: &BuildingName) -> Origin {
         match name {
             BuildingName::Id(id) => crate::row(*id).building.origin(),

@@ -1,4 +1,4 @@
-//! Preparation of a building, which takes the engine a run to size it, through a cache on disk.
+//! Preparation of buildings through a cache on disk, because sizing requires a run of the engine.
 
 use std::path::Path;
 
@@ -29,7 +29,7 @@ impl Preparation {
     /// the cache.
     ///
     /// # Errors
-    /// Those of [`PreparedBuilding::new`].
+    /// The errors of [`PreparedBuilding::new`].
     pub fn run(self, weather: &Path, library: &Library) -> Result<PreparedBuilding> {
         let cache = PreparationCache::from_env();
         let key = cache.as_ref().and_then(|_| self.key(weather, library));

@@ -12,7 +12,7 @@ use super::random::stream;
 use super::setting::{self, FOUNDATIONS, rounded, rounded_within};
 use super::{Building, Setting};
 use crate::commercial::{self, CommercialParameters};
-use crate::house::{DIMENSIONS, Given, Heater, Heating, House, HouseSample, NUMBERS, Vintage};
+use crate::house::{DIMENSIONS, FixedProperties, Heater, Heating, House, HouseSample, NUMBERS, Vintage};
 use crate::{Error, Result};
 
 /// Decimals of the commercial parameters, in their order. The window-to-wall ratio of a warehouse is less than 1 %.
@@ -126,11 +126,11 @@ fn house(
 ) -> Result<Building> {
     let [first, last] = Vintage::YEARS.map(f64::from);
     let year = |setting: &Setting| setting.whole(point[1], Parameter::new("year", "1", first, last));
-    let given = Given {
+    let given = FixedProperties {
         year: setting::of(settings, "year").map(year).transpose()?,
         foundation: setting::of(settings, "foundation").map(|each| each.word(&FOUNDATIONS)).transpose()?,
     };
-    let mut sample = HouseSample::from_unit_given(point, &given)?;
+    let mut sample = HouseSample::from_unit_with(point, &given)?;
     if !locations.is_empty() {
         sample.location = nth(locations, point[0]).clone();
     }

@@ -1,4 +1,5 @@
-//! What generated commercial models are, read from their documents alone: nothing here calls the code that wrote them.
+//! Properties of generated commercial models, read only from their documents: nothing here calls the code that wrote
+//! them.
 
 use std::path::Path;
 use std::sync::OnceLock;

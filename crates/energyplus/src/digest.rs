@@ -1,4 +1,4 @@
-//! SHA-256 digests in hexadecimal, as manifests, tasks, trajectories and results carry them.
+//! SHA-256 digests in hexadecimal, for manifests, tasks, trajectories and results.
 
 use sha2::{Digest, Sha256};
 

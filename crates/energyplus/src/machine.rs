@@ -1,4 +1,4 @@
-//! What the bits of a simulation depend on besides its inputs: the machine's arithmetic.
+//! The machine's arithmetic, on which the bits of a simulation depend besides its inputs.
 //!
 //! glibc chooses its mathematical functions by the instructions of the CPU, and they round differently with and without fused
 //! multiply-add. Networks choose their kernels in the same way.

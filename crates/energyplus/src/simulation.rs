@@ -53,8 +53,8 @@ impl Run {
         self
     }
 
-    /// Suspends the run after every `steps` zone time steps of the run period instead of each; never for 0, which is
-    /// EnergyPlus at its own speed.
+    /// Suspends the run after every `steps` zone time steps of the run period instead of each; with 0, the run is never
+    /// suspended.
     #[must_use]
     pub fn stop_every(mut self, steps: u32) -> Self {
         self.stops.every = steps;
@@ -77,7 +77,7 @@ impl Run {
     /// in the output folder.
     ///
     /// # Errors
-    /// Those of [`Run::start`].
+    /// The errors of [`Run::start`].
     pub fn to_end(self, library: &Library) -> Result<Messages> {
         let mut simulation = self.stop_every(0).prepare(library)?;
         while simulation.advance()?.is_some() {}

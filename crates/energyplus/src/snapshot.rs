@@ -115,7 +115,7 @@ fn reopen_files(kept: Option<KeptFile<'_>>) -> io::Result<()> {
     Ok(())
 }
 
-/// Whether a descriptor belongs to an anonymous file in memory.
+/// Returns whether a descriptor belongs to an anonymous file in memory.
 fn is_memory(path: &str) -> bool {
     std::fs::read_link(path).is_ok_and(|target| target.starts_with("/memfd:"))
 }

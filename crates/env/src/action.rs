@@ -51,7 +51,7 @@ impl ActionSpace {
         self.names.len()
     }
 
-    /// Whether there are no actuators.
+    /// Returns whether there are no actuators.
     pub fn is_empty(&self) -> bool {
         self.names.is_empty()
     }
@@ -116,7 +116,7 @@ impl ActionSpace {
     /// Writes the given action, clamped to the bounds, to `applied`. Returns the number of clamped values.
     ///
     /// # Errors
-    /// Those of [`ActionSpace::check`], before anything is written.
+    /// The errors of [`ActionSpace::check`], before anything is written.
     pub fn clamp_into(&self, given: &[f64], applied: &mut [f64]) -> Result<usize> {
         self.check(given)?;
         let mut clamped = 0;

@@ -1,4 +1,4 @@
-//! The attributes of a building that may be given with its observations.
+//! Building attributes that can be appended to observations.
 
 use b2b_building::Description;
 use b2b_building::description::Origin;
@@ -10,7 +10,7 @@ use crate::spaces::Spaces;
 /// [-1, 1] by their bounds; unknown ones are 0.
 ///
 /// # Errors
-/// Those of [`Description::of`].
+/// The errors of [`Description::of`].
 pub fn attributes(spaces: &Spaces, origin: Origin) -> b2b_building::Result<Vec<f64>> {
     let description = Description::of(&spaces.building, &spaces.episode.weather, origin)?;
     Ok(Morphology::of(&spaces.building, &description).scaled_common_attributes())

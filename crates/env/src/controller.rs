@@ -2,7 +2,7 @@
 
 /// A controller: maps an observation to an action, as a policy does, and may keep state between steps.
 pub trait Controller {
-    /// Forgets all state: a new episode begins.
+    /// Resets all state at the beginning of an episode.
     fn reset(&mut self);
 
     /// Writes the action for an observation. Both in the order and the units of the environment's spaces.

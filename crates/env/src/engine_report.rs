@@ -1,4 +1,4 @@
-//! What the engine has to say of a finished run.
+//! The engine's report of a finished run.
 
 use serde::{Deserialize, Serialize};
 
@@ -14,7 +14,7 @@ pub struct EngineReport {
     /// HVAC electricity and gas over the run period by EnergyPlus's own meters, Wh/m². `None` where the engine wrote
     /// none, after a restore.
     pub meters: Option<[f64; 2]>,
-    /// Controlled zones in which nobody ever is, by name: occupancy setpoints always leave them at the unoccupied
+    /// Names of the controlled zones that are never occupied: occupancy setpoints always leave them at the unoccupied
     /// target.
     pub never_occupied: Vec<String>,
 }

@@ -26,7 +26,7 @@ pub struct MetricColumn {
     pub unit: &'static str,
     /// Reads the column.
     pub get: fn(&EpisodeMetrics) -> MetricValue,
-    /// Writes the column; a count is rounded towards zero.
+    /// Writes the column; a count is rounded toward zero.
     pub set: fn(&mut EpisodeMetrics, f64),
 }
 
@@ -152,7 +152,7 @@ impl EpisodeMetrics {
     /// Serializes the columns by name, for `#[serde(flatten, serialize_with = ...)]`.
     ///
     /// # Errors
-    /// Those of the serializer.
+    /// The errors of the serializer.
     pub fn serialize_columns<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_map(self.values())
     }

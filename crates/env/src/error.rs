@@ -4,7 +4,7 @@
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// An order of a fragment that is too long.
-    #[error("an order of {bytes} bytes does not fit a worker's slot")]
+    #[error("a request of {bytes} bytes does not fit into a worker slot")]
     Order {
         /// Its length.
         bytes: usize,
@@ -80,10 +80,10 @@ pub enum Error {
         why: String,
     },
     /// An episode that is asked for a step while it is busy with another.
-    #[error("the episode is busy with another step: receive that first, or reset")]
+    #[error("a step of the episode is still in progress: receive it first, or reset")]
     Busy,
     /// A building with more actuators or observation slots than there is room for.
-    #[error("{name} has {width} {what}; there is room for {most}")]
+    #[error("{name} has {width} {what}; the maximum is {maximum}")]
     TooWide {
         /// Name of the building.
         name: String,
@@ -92,7 +92,7 @@ pub enum Error {
         /// Number of values.
         width: usize,
         /// Largest number.
-        most: usize,
+        maximum: usize,
     },
     /// A snapshot of another building or episode.
     #[error(
@@ -116,12 +116,12 @@ pub enum Error {
     )]
     Weight(f64),
     /// Windows that do not fit their run period.
-    #[error("windows of {least} to {most} days do not fit a run period of {whole} days")]
+    #[error("windows of {min_days} to {max_days} days do not fit into a run period of {whole} days")]
     Window {
         /// Shortest window, days.
-        least: u32,
+        min_days: u32,
         /// Longest window, days.
-        most: u32,
+        max_days: u32,
         /// Length of the run period, days.
         whole: u32,
     },

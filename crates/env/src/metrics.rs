@@ -1,4 +1,4 @@
-//! Running sums over an episode: key performance indicators in the manner of BOPTEST.
+//! Running sums over an episode: key performance indicators modeled on those of BOPTEST.
 
 use serde::{Deserialize, Serialize};
 
@@ -24,7 +24,7 @@ pub struct ZoneMetrics {
     penalized_steps_outside: usize,
 }
 
-/// Sums over the steps of an episode. [`EpisodeMetrics`](crate::EpisodeMetrics) is what is reported of them.
+/// Sums over the steps of an episode, which [`EpisodeMetrics`](crate::EpisodeMetrics) summarizes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Metrics {
     /// Steps completed.
@@ -74,7 +74,7 @@ impl ZoneMetrics {
         (self.penalized_squares / steps.max(1) as f64).sqrt()
     }
 
-    /// Whether the rewarded deviation was outside the task's comfort band in each of `steps` steps.
+    /// Returns whether the rewarded deviation was outside the task's comfort band in each of `steps` steps.
     pub fn is_never_near_target(&self, steps: usize) -> bool {
         steps > 0 && self.penalized_steps_outside == steps
     }

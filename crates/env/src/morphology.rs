@@ -7,8 +7,7 @@ use crate::action::ActionSpace;
 use crate::observation::ObservationSpace;
 use crate::{Error, Result};
 
-/// The two translations of the paper: `split` an observation into node observations, and `join` node actions into an
-/// action.
+/// The paper's two translations: `split` an observation into node observations, and `join` node actions to an action.
 ///
 /// The tables are built once; a translation copies values between buffers of the caller and does not allocate. Each slot
 /// of the observation and of the action has one cell in the node arrays.

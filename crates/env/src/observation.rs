@@ -186,7 +186,7 @@ impl ObservationSpace {
         self.slots.len()
     }
 
-    /// Whether there are no slots. Always `false`.
+    /// Returns whether there are no slots. Always `false`.
     pub fn is_empty(&self) -> bool {
         self.slots.is_empty()
     }

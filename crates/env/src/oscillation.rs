@@ -1,4 +1,4 @@
-//! Sustained oscillation of a zone: the sign of a limit cycle.
+//! Detection of sustained oscillation of a zone, which indicates a limit cycle.
 
 /// Least change of the air temperature from one turning point to the next that counts as a swing, K: the accuracy that ISO
 /// 7726:1998 (table 2, class C, comfort) calls desirable for an air temperature sensor. A loop that cycles within it does not
@@ -17,7 +17,7 @@ const SUSTAINED: u32 = 10;
 /// A *swing* is the way from one turning point of the temperature to the next, at least [`SWING`] apart; smaller reversals within
 /// it do not count. [`SUSTAINED`] swings in a row, each within [`LONGEST`], under one and the same target, are a sustained
 /// oscillation, of which all steps from the first turning point on count. Hägglund counts zero crossings of the control error
-/// instead; turning points also find cycles beside the target.
+/// instead; turning points also reveal cycles that are not centered on the target.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Oscillation {
     /// Steps since the target changed.

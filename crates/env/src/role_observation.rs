@@ -1,7 +1,7 @@
 //! Observations of houses in a fixed width, in which a slot means the same in every house.
 //!
-//! Houses have two to four zones. In their own observations the zones are in model order, so that the slot of the garage in one
-//! house is that of the outdoor temperature in another. Here every role has a place of its own:
+//! Houses have two to four zones. In their own observations the zones are in model order, so the slot of the garage in
+//! one house is that of the outdoor temperature in another. Here, every zone role has its own slot:
 //!
 //! | slots | quantity | of a house without the zone, or of a task with constant targets |
 //! |---|---|---|
@@ -10,8 +10,8 @@
 //! | 11, 12 | occupancy and target of the living area | 1 and the constant target |
 //! | 13 to 16 | presence of living area, attic, crawlspace and garage, 0 or 1 | 0 |
 //!
-//! The width and the bounds are those of every house and task. All buildings of a commercial type have the same zones, so that
-//! their own observations agree already.
+//! The width and the bounds are the same for every house and task. All buildings of a commercial type have the same
+//! zones, so their own observations already agree.
 
 use b2b_building::BuildingType;
 use b2b_dataset::house::ZoneRole;
@@ -46,7 +46,7 @@ pub struct RoleSlot {
     pub value: RoleValue,
 }
 
-/// The observation of a house with a place for every role of a zone.
+/// The observation of a house with a slot for every zone role.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RoleObservation {
     slots: Vec<RoleSlot>,

@@ -7,8 +7,8 @@ use crate::{Controller, Environment, Error, Result};
 
 /// Watches a [`rollout`]: records it, reports progress, or stops it with an error.
 ///
-/// `()` ignores everything, a [`Trajectory`] records the steps, a closure is called with every step, and a pair of
-/// observers is told one after the other.
+/// `()` ignores everything, a [`Trajectory`] records the steps, a closure is called with every step, and both observers
+/// of a pair are called in order.
 pub trait Observer {
     /// Called with the first observation, before the first step.
     ///
@@ -28,7 +28,7 @@ pub trait Observer {
 /// Runs an episode from reset to truncation and returns its metrics. The loop allocates one buffer for the action.
 ///
 /// # Errors
-/// Those of the environment and of the observer.
+/// The errors of the environment and of the observer.
 pub fn rollout(
     environment: &mut dyn Environment,
     controller: &mut dyn Controller,

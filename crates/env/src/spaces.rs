@@ -1,4 +1,4 @@
-//! What an episode is made of, and the spaces that follow from it.
+//! The definition of an episode, and the spaces that follow from it.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -14,7 +14,7 @@ use crate::{Error, Result};
 /// Zone time steps per hour that the engine accepts.
 const STEPS_PER_HOUR: [u32; 12] = [1, 2, 3, 4, 5, 6, 10, 12, 15, 20, 30, 60];
 
-/// What defines an episode, beside the building.
+/// The definition of an episode apart from the building.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EpisodeConfig {
     /// Weather file (EPW).
@@ -28,7 +28,7 @@ pub struct EpisodeConfig {
 }
 
 impl EpisodeConfig {
-    /// Errors if the engine cannot run it, or the task has a value that cannot be.
+    /// Checks that the engine can run the episode and that the values of the task are valid.
     ///
     /// # Errors
     /// [`Error::StepsPerHour`]; [`Error::TaskValue`].

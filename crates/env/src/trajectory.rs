@@ -35,12 +35,12 @@ impl Trajectory {
         self.penalties.push([step.reward.temperature_penalty, step.reward.energy_penalty]);
     }
 
-    /// One slot of the observation at the ends of the steps.
+    /// The values of one slot of the observation at the end of each step.
     pub fn observed(&self, slot: usize) -> impl Iterator<Item = f64> {
         self.column(&self.observations, slot)
     }
 
-    /// The values of one actuator in the steps.
+    /// The values of one actuator in each step.
     pub fn acted(&self, actuator: usize) -> impl Iterator<Item = f64> {
         self.column(&self.actions, actuator)
     }
@@ -55,7 +55,7 @@ impl Trajectory {
         self.penalties.len()
     }
 
-    /// Whether there is no step.
+    /// Returns whether there is no step.
     pub fn is_empty(&self) -> bool {
         self.penalties.is_empty()
     }

@@ -1,4 +1,4 @@
-//! The ventilation interlock: outdoor air for the people in a building, whatever an agent commands.
+//! The ventilation interlock, which ensures outdoor air for the people in a building regardless of the action.
 
 use b2b_building::PreparedBuilding;
 use b2b_building::hvac::{AirLoop, System, SystemLayout, Unitary};

@@ -1,4 +1,4 @@
-//! Every actuator of every building type bites.
+//! The building responds to every actuator, for every building type.
 
 mod case;
 
@@ -10,7 +10,7 @@ use b2b_env::authority::{Condition, Level, Report, Verdict, measure};
 use case::Case;
 
 /// Measures a building at home: every row follows or is at capacity, and capacity is the exception.
-fn every_actuator_bites(building_type: BuildingType) -> Report {
+fn assert_every_actuator_responds(building_type: BuildingType) -> Report {
     let case = Case::at_home(building_type);
     let report = measure(&case.library, &case.building, &case.weather).unwrap();
     assert_eq!(report.failures().count(), 0, "{report}");
@@ -42,33 +42,33 @@ fn moderate_commands_are_followed(report: &Report) {
 }
 
 #[test]
-fn every_actuator_of_the_house_bites() {
-    every_actuator_bites(BuildingType::SingleFamilyHouse);
+fn every_actuator_of_the_house_responds() {
+    assert_every_actuator_responds(BuildingType::SingleFamilyHouse);
 }
 
 #[test]
-fn every_actuator_of_the_small_office_bites() {
-    every_actuator_bites(BuildingType::OfficeSmall);
+fn every_actuator_of_the_small_office_responds() {
+    assert_every_actuator_responds(BuildingType::OfficeSmall);
 }
 
 #[test]
-fn every_actuator_of_the_medium_office_bites() {
-    every_actuator_bites(BuildingType::OfficeMedium);
+fn every_actuator_of_the_medium_office_responds() {
+    assert_every_actuator_responds(BuildingType::OfficeMedium);
 }
 
 #[test]
-fn every_actuator_of_the_shop_bites() {
-    every_actuator_bites(BuildingType::RetailStandalone);
+fn every_actuator_of_the_shop_responds() {
+    assert_every_actuator_responds(BuildingType::RetailStandalone);
 }
 
 #[test]
-fn every_actuator_of_the_restaurant_bites() {
-    every_actuator_bites(BuildingType::RestaurantFastFood);
+fn every_actuator_of_the_restaurant_responds() {
+    assert_every_actuator_responds(BuildingType::RestaurantFastFood);
 }
 
 #[test]
-fn every_actuator_of_the_warehouse_bites() {
-    let report = every_actuator_bites(BuildingType::Warehouse);
+fn every_actuator_of_the_warehouse_responds() {
+    let report = assert_every_actuator_responds(BuildingType::Warehouse);
     let winter = report.rows.iter().filter(|row| row.quantity == Quantity::HeatingSetpoint);
     assert!(winter.clone().any(|row| row.heat.is_some_and(|heat| heat > 50e3)), "the bulk storage is heated");
 }
@@ -84,17 +84,17 @@ fn no_actuator_of_an_import_fails(model: &str) {
 }
 
 #[test]
-fn every_actuator_of_imported_units_in_parts_bites() {
+fn every_actuator_of_imported_units_in_parts_responds() {
     no_actuator_of_an_import_fails("RefBldgSmallOfficeNew2004_Chicago.idf");
 }
 
 #[test]
-fn every_actuator_of_an_imported_office_with_chilled_and_hot_water_bites() {
+fn every_actuator_of_an_imported_office_with_chilled_and_hot_water_responds() {
     no_actuator_of_an_import_fails("RefBldgLargeOfficeNew2004_Chicago.idf");
 }
 
 #[test]
-fn every_actuator_of_an_imported_school_of_mixed_systems_with_exhaust_fans_bites() {
+fn every_actuator_of_an_imported_school_of_mixed_systems_with_exhaust_fans_responds() {
     no_actuator_of_an_import_fails("RefBldgPrimarySchoolNew2004_Chicago.idf");
 }
 

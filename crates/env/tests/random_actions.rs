@@ -1,4 +1,4 @@
-//! Whatever an agent does, the engine goes on and stays finite.
+//! With any action of an agent, the engine continues and its values stay finite.
 
 mod case;
 

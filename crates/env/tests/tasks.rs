@@ -189,7 +189,7 @@ fn an_episode_starts_near_its_target() {
 }
 
 #[test]
-fn a_zone_in_which_nobody_ever_is_is_named() {
+fn a_zone_that_is_never_occupied_is_named() {
     let mut env = Case::at_home(BuildingType::Warehouse).env_for("01-03..01-03", "occupancy");
     env.reset().unwrap();
     let empty: Vec<String> = env.never_occupied().map(str::to_owned).collect();

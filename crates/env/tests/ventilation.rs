@@ -43,7 +43,7 @@ fn airs(env: &Env) -> Vec<Air> {
         .collect()
 }
 
-/// Outdoor air never falls under the design minimum from the second occupied step on, and may be nothing while nobody is there.
+/// Outdoor air never falls under the design minimum from the second occupied step on, and may be zero while the zones are unoccupied.
 fn people_get_their_outdoor_air(building_type: BuildingType, place: &str) {
     let case = Case::at(building_type, place);
     let (steps, env) = starve(&case, "constant", "01-13..01-14");
@@ -52,8 +52,8 @@ fn people_get_their_outdoor_air(building_type: BuildingType, place: &str) {
         for (before, now) in pair[0].iter().zip(&pair[1]) {
             if before.people > 0.0 {
                 occupied += 1;
-                let least = now.minimum * (1.0 - TOLERANCE);
-                assert!(now.flow >= least, "{} kg/s of outdoor air; minimum {}", now.flow, now.minimum);
+                let minimum = now.minimum * (1.0 - TOLERANCE);
+                assert!(now.flow >= minimum, "{} kg/s of outdoor air; minimum {}", now.flow, now.minimum);
             }
         }
     }

@@ -30,9 +30,9 @@ pub struct Experiment {
     pub name: String,
     /// Title of the report.
     pub title: String,
-    /// What the experiment answers.
+    /// The question that the experiment answers.
     pub question: String,
-    /// The result of the paper that it makes again, or what it adds.
+    /// The result of the paper that it reproduces, or what it adds.
     pub paper: String,
     /// Kind of the report.
     pub report: ReportKind,
@@ -68,7 +68,7 @@ pub struct Experiment {
 pub struct Agent {
     /// Name in folders and tables.
     pub name: String,
-    /// What its trainings run on.
+    /// The scope of its training runs.
     pub trains: Training,
     /// Options of `b2b train`, as in a file for its `--config`.
     pub options: Table,
@@ -80,7 +80,7 @@ pub struct Agent {
     pub full: BudgetChange,
 }
 
-/// What the trainings of an agent run on.
+/// The scope of an agent's training runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Training {
@@ -120,7 +120,7 @@ pub enum BudgetName {
     Full,
 }
 
-/// What an experiment spends.
+/// The budget of an experiment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Budget {
@@ -132,7 +132,7 @@ pub struct Budget {
     pub buildings: usize,
 }
 
-/// What an agent changes of a budget.
+/// The changes of an agent to a budget.
 #[derive(Clone, Copy, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BudgetChange {
@@ -178,7 +178,7 @@ impl Experiment {
         Ok(experiment)
     }
 
-    /// Checks what the types do not.
+    /// Checks the constraints that the types do not enforce.
     fn check(&self) -> std::result::Result<(), String> {
         for task in &self.tasks {
             task.parse::<Task>().map_err(|error| error.to_string())?;
@@ -190,10 +190,13 @@ impl Experiment {
         for (number, agent) in self.agents.iter().enumerate() {
             let is_plain = |c: char| c.is_ascii_alphanumeric() || c == '-';
             if agent.name.is_empty() || !agent.name.chars().all(is_plain) {
-                return Err(format!("the agent `{}` has no name of letters, digits and hyphens", agent.name));
+                return Err(format!(
+                    "invalid agent name `{}`; expected letters, digits and hyphens",
+                    agent.name
+                ));
             }
             if names[..number].contains(&agent.name.as_str()) || agent.name == REACTIVE {
-                return Err(format!("the name `{}` of an agent is taken", agent.name));
+                return Err(format!("two agents are named `{}`", agent.name));
             }
             TrainConfig::default()
                 .with_changes(&toml::to_string(&agent.options).map_err(|error| error.to_string())?)
@@ -203,7 +206,7 @@ impl Experiment {
         match () {
             () if self.types.is_empty() => Err("`types` is empty".into()),
             () if runs && (self.tasks.is_empty() || self.periods.is_empty()) => {
-                Err("it has agents but no `tasks` or no `periods`".into())
+                Err("it has agents, but `tasks` or `periods` is empty".into())
             }
             () if runs != self.measure.is_empty() => {
                 Err("it has either agents (or `reactive = true`) or a command under `measure`".into())
@@ -212,7 +215,7 @@ impl Experiment {
         }
     }
 
-    /// Returns a budget.
+    /// Returns the budget of this name.
     pub fn budget(&self, name: BudgetName) -> Budget {
         match name {
             BudgetName::Quick => self.quick,
@@ -237,7 +240,7 @@ impl Experiment {
 pub(crate) const REACTIVE: &str = "reactive";
 
 impl Agent {
-    /// Returns what a training of this agent spends.
+    /// Returns the budget of a training run of this agent.
     pub fn budget(&self, experiment: &Experiment, name: BudgetName) -> Budget {
         let budget = experiment.budget(name);
         let change = match name {

@@ -9,7 +9,7 @@ pub type Result<T> = std::result::Result<T, Error>;
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// An unknown experiment.
-    #[error("unknown experiment `{name}`{}; `b2b experiment list` lists all, and a path to a TOML file is one too",
+    #[error("unknown experiment `{name}`{}; expected a name from `b2b experiment list` or the path of a TOML file",
         if near.is_empty() { String::new() } else { format!(", did you mean {near}?") })]
     Unknown {
         /// The name given.
@@ -26,7 +26,7 @@ pub enum Error {
         why: String,
     },
     /// A shard that is not valid.
-    #[error("`{text}` is not a shard; expected I/N with I from 0 to N - 1, such as 0/3")]
+    #[error("invalid shard `{text}`; expected I/N with I from 0 to N - 1, such as 0/3")]
     Shard {
         /// The text given.
         text: String,

@@ -1,4 +1,4 @@
-//! How long jobs take.
+//! Estimates of the duration of jobs.
 
 use std::time::Duration;
 
@@ -25,7 +25,8 @@ fn milliseconds(building_type: BuildingType) -> [f64; 2] {
     }
 }
 
-/// Returns how long the jobs that are not done take with as many at a time as `parallel`, corrected by those that are done.
+/// Returns the estimated duration of the unfinished jobs with `parallel` jobs at a time, corrected by the finished
+/// ones.
 pub fn estimate(folder: Option<&Folder>, jobs: &[Job], parallel: usize) -> Duration {
     let (mut left, mut expected, mut taken) = (0.0, 0.0, 0.0);
     for job in jobs {

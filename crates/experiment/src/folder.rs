@@ -15,7 +15,7 @@ pub struct Folder {
     path: PathBuf,
 }
 
-/// What a folder has results of.
+/// The experiment and budget that a folder has results of.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 struct Identity {
     /// Name of the experiment, or path of its file.
@@ -23,7 +23,7 @@ struct Identity {
     budget: BudgetName,
 }
 
-/// How a job ended.
+/// The state of a job that has ended.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// Why it failed; `None` if it did not.

@@ -12,7 +12,7 @@ use crate::definition::{Agent, BudgetName, Experiment, REACTIVE, Training};
 pub struct Job {
     /// Name of its folder, `AGENT/SUBJECT_TASK_PERIOD_SEED`.
     pub key: String,
-    /// What it does.
+    /// Its actions, in order.
     pub actions: Vec<Action>,
 }
 

@@ -1,9 +1,10 @@
-//! Experiments: which agents are trained and evaluated on which buildings, and the report that comes of it.
+//! Experiments: agents to train and evaluate on given buildings, and a report of the results.
 //!
-//! An [`Experiment`] is a TOML file. With a [`BudgetName`] it expands to independent [`Job`]s, each one or two `b2b` commands in a
-//! folder of its own: a training and the evaluation of its agent, an evaluation of the reactive controllers, or a measurement.
-//! A [`Runner`] starts them as processes, as many at a time as there are cores, and resumes what an interrupt left. [`Results`]
-//! reads the folder, and [`report`] makes one page of them, beside the numbers of the paper.
+//! An [`Experiment`] is a TOML file. With a [`BudgetName`] it expands to independent [`Job`]s, each one or two `b2b`
+//! commands in a folder of its own: a training and the evaluation of its agent, an evaluation of the reactive
+//! controllers, or a measurement. A [`Runner`] starts them as processes, as many at a time as there are cores, and
+//! resumes after an interruption. [`Results`] reads the folder, and [`report`] writes one page that shows them beside
+//! the results of the paper.
 
 mod definition;
 mod error;

@@ -16,7 +16,7 @@ pub struct Widths {
     pub parts: usize,
 }
 
-/// A number of environments in which an actor makes steps.
+/// A set of environments in which an actor collects steps.
 pub trait Collector {
     /// Returns the widths of observations, actions and rewards.
     fn widths(&self) -> Widths;
@@ -24,8 +24,8 @@ pub trait Collector {
     /// Returns the number of environments.
     fn environments(&self) -> usize;
 
-    /// Makes `steps` steps with samples of the actor in every environment, and writes them over the rollout. Episodes continue
-    /// where the previous call left them.
+    /// Collects `steps` steps in every environment with actions sampled from the actor, and overwrites the rollout with
+    /// them. Episodes continue where the previous call left off.
     ///
     /// # Errors
     /// When an environment fails.
@@ -53,14 +53,14 @@ impl Widths {
             return Ok(());
         }
         let why = match is_graph {
-            false => format!("{building} does not have the observation and the actuators of the network"),
+            false => format!("the observation or the actuators of {building} do not match the network"),
             true => format!("{building} is larger than the training buildings for which there is room"),
         };
         Err(Error::Collect(why.into()))
     }
 }
 
-/// Episodes of one environment that may be lost in a row before the collection is given up.
+/// Number of consecutive lost episodes of one environment after which the collection fails.
 const LOST_IN_A_ROW: u32 = 5;
 
 /// Counts an episode that was lost.

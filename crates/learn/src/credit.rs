@@ -1,4 +1,4 @@
-//! Which actuators are credited with which parts of a reward.
+//! Credit assignment: the parts of a reward that each actuator learns from.
 
 use b2b_building::morphology::Owner;
 use b2b_env::Spaces;

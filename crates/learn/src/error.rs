@@ -61,7 +61,7 @@ pub enum Error {
     #[error("not a saved state: {0}")]
     State(String),
     /// An error of a collector.
-    #[error("steps could not be collected: {0}")]
+    #[error("cannot collect steps: {0}")]
     Collect(#[source] Box<dyn std::error::Error + Send + Sync>),
     /// Several episodes of one environment in a row that were lost.
     #[error("{count} episodes in a row were lost; the last: {why}")]

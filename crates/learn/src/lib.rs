@@ -1,8 +1,9 @@
-//! Training of agents: learners, and the rollouts they learn from.
+//! Training of agents: learners, and the collection of their rollouts.
 //!
-//! A [`Collector`](collector::Collector) makes steps with an actor and writes them to a [`Rollout`](rollout::Rollout). A learner,
-//! [`Ppo`](ppo::Ppo) or [`Sac`](sac::Sac), reads the rollout and improves the actor. Learners compute in single precision on
-//! the processor. [`offline`] learns from recorded episodes instead. The same seed, rollouts and machine give the same bits, whatever the number of threads.
+//! A [`Collector`](collector::Collector) steps environments with an actor and writes the steps to a
+//! [`Rollout`](rollout::Rollout). A learner, [`Ppo`](ppo::Ppo) or [`Sac`](sac::Sac), reads the rollout and improves the
+//! actor. Learners compute in single precision on the processor. The same seed, rollouts and machine give the same
+//! bits, whatever the number of threads. [`offline`] learns from recorded episodes instead.
 
 pub mod collector;
 mod credit;

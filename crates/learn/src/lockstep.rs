@@ -1,4 +1,4 @@
-//! Collection in lockstep: the owner computes the actions of all environments, and these make one step each.
+//! Collection in lockstep: the owner computes the actions of all environments, and each makes one step.
 //!
 //! 1. The owner samples an action for every environment.
 //! 2. Every worker makes a step with its action.
@@ -34,7 +34,7 @@ pub struct LockstepCollector {
     correlation: f32,
     /// Rollouts collected so far.
     rollouts: u64,
-    seats: Vec<Seat>,
+    progress: Vec<EnvProgress>,
     /// Environments that are no longer busy.
     ready: Vec<usize>,
     lost: u64,
@@ -42,8 +42,8 @@ pub struct LockstepCollector {
     times: [Duration; 2],
 }
 
-/// One environment in the course of a collection.
-struct Seat {
+/// The state of one environment during collection.
+struct EnvProgress {
     pilot: Pilot,
     /// Buffers of the actor in the building of the episode in progress.
     scratch: Option<Scratch>,
@@ -76,7 +76,7 @@ impl LockstepCollector {
     ) -> Result<Self> {
         environments.reset(seed)?;
         let mut widths = Widths { observation: 0, action: 0, parts: 1 };
-        let mut seats = Vec::with_capacity(environments.len());
+        let mut progress = Vec::with_capacity(environments.len());
         for index in 0..environments.len() {
             let spaces = spaces_of(&environments, index)?;
             let pilot = Pilot::new(interface, spaces)?;
@@ -84,7 +84,7 @@ impl LockstepCollector {
             if index == 0 || interface.nodes.is_some() {
                 widths = widths.covering(Widths { observation, action, parts: 1 });
             }
-            seats.push(Seat {
+            progress.push(EnvProgress {
                 pilot,
                 scratch: None,
                 noise: Noise::new(action, correlation, Random::new(seed, 0)),
@@ -105,12 +105,12 @@ impl LockstepCollector {
             seed,
             correlation,
             rollouts: 0,
-            seats,
+            progress,
             ready: Vec::new(),
             lost: 0,
             times: [Duration::ZERO; 2],
         };
-        (0..collector.seats.len()).try_for_each(|index| collector.check_and_observe(index))?;
+        (0..collector.progress.len()).try_for_each(|index| collector.check_and_observe(index))?;
         Ok(collector)
     }
 
@@ -131,7 +131,7 @@ impl LockstepCollector {
 
     /// Observes the beginning of an episode, whose building must have the observation and the actuators of the first.
     fn check_and_observe(&mut self, environment: usize) -> Result<()> {
-        let pilot = &self.seats[environment].pilot;
+        let pilot = &self.progress[environment].pilot;
         let name = &spaces_of(&self.environments, environment)?.building.name;
         self.widths.check(name, pilot.widths(), pilot.graph().is_some())?;
         self.observe(environment)
@@ -141,42 +141,42 @@ impl LockstepCollector {
     fn observe(&mut self, environment: usize) -> Result<()> {
         let slots = spaces_of(&self.environments, environment)?.observation.len();
         let first = environment * self.environments.widths().1;
-        self.seats[environment].pilot.observe(&self.environments.observations()[first..][..slots]);
+        self.progress[environment].pilot.observe(&self.environments.observations()[first..][..slots]);
         Ok(())
     }
 
     /// Makes room in the rollout and begins it in every environment.
     fn begin_rollout(&mut self, steps: usize, rollout: &mut Rollout) {
-        rollout.resize(self.seats.len(), steps, self.widths);
+        rollout.resize(self.progress.len(), steps, self.widths);
         self.rollouts += 1;
         self.times = [Duration::ZERO; 2];
-        for index in 0..self.seats.len() {
-            let seat = &mut self.seats[index];
-            (seat.done, seat.fragments) = (0, 0);
-            seat.ends.clear();
-            seat.scenes.clear();
-            seat.begin_scene(index);
+        for index in 0..self.progress.len() {
+            let env = &mut self.progress[index];
+            (env.done, env.fragments) = (0, 0);
+            env.ends.clear();
+            env.scenes.clear();
+            env.begin_scene(index);
             self.begin_fragment(index);
         }
     }
 
     /// Begins the exploration noise of a fragment.
     fn begin_fragment(&mut self, environment: usize) {
-        let seat = &mut self.seats[environment];
-        let random = Random::new(self.seed, stream(self.rollouts, environment, seat.fragments));
-        seat.noise = Noise::new(seat.pilot.widths().1, self.correlation, random);
-        seat.fragments += 1;
+        let env = &mut self.progress[environment];
+        let random = Random::new(self.seed, stream(self.rollouts, environment, env.fragments));
+        env.noise = Noise::new(env.pilot.widths().1, self.correlation, random);
+        env.fragments += 1;
     }
 
     /// Makes one step of every environment whose rollout is not complete.
     fn step(&mut self, actor: &Actor, rollout: &mut Rollout) -> Result<()> {
         let (before, steps) = (Instant::now(), rollout.steps);
-        for (index, seat) in self.seats.iter_mut().enumerate().filter(|(_, seat)| seat.done < steps) {
-            seat.act(actor, self.widths, index * steps + seat.done, rollout);
+        for (index, env) in self.progress.iter_mut().enumerate().filter(|(_, env)| env.done < steps) {
+            env.act(actor, self.widths, index * steps + env.done, rollout);
         }
         self.times[0] += before.elapsed();
-        for (index, seat) in self.seats.iter().enumerate().filter(|(_, seat)| seat.done < steps) {
-            self.environments.send(index, &seat.command)?;
+        for (index, env) in self.progress.iter().enumerate().filter(|(_, env)| env.done < steps) {
+            self.environments.send(index, &env.command)?;
         }
         self.receive(|collector, environment| collector.take_step(environment, rollout))?;
         while self.receive(Self::begin_episode)? > 0 {}
@@ -186,7 +186,7 @@ impl LockstepCollector {
     /// Waits for all busy environments and deals with each. Returns how many there were.
     fn receive(&mut self, mut take: impl FnMut(&mut Self, usize) -> Result<()>) -> Result<usize> {
         let mut ready = std::mem::take(&mut self.ready);
-        self.environments.recv(self.seats.len(), &mut ready)?;
+        self.environments.recv(self.progress.len(), &mut ready)?;
         for environment in &ready {
             match self.environments.lost(*environment).map(str::to_owned) {
                 Some(why) => self.lose(*environment, why)?,
@@ -201,17 +201,17 @@ impl LockstepCollector {
     fn take_step(&mut self, environment: usize, rollout: &mut Rollout) -> Result<()> {
         self.observe(environment)?;
         let reward = self.environments.rewards()[environment].total() as f32;
-        let seat = &mut self.seats[environment];
-        rollout.rewards[environment * rollout.steps + seat.done] = reward * seat.scale;
-        seat.done += 1;
-        seat.lost_in_a_row = 0;
-        if seat.done == rollout.steps {
+        let env = &mut self.progress[environment];
+        rollout.rewards[environment * rollout.steps + env.done] = reward * env.scale;
+        env.done += 1;
+        env.lost_in_a_row = 0;
+        if env.done == rollout.steps {
             let width = self.widths.observation;
-            let observed = seat.pilot.observed();
+            let observed = env.pilot.observed();
             rollout.next[environment * width..][..observed.len()].copy_from_slice(observed);
         }
         if self.environments.truncated()[environment] {
-            seat.end(environment, self.widths);
+            env.end(environment, self.widths);
             self.environments.reset_one(environment)?;
         }
         Ok(())
@@ -219,11 +219,11 @@ impl LockstepCollector {
 
     fn begin_episode(&mut self, environment: usize) -> Result<()> {
         let spaces = spaces_of(&self.environments, environment)?;
-        let seat = &mut self.seats[environment];
-        seat.pilot = Pilot::new(self.interface, spaces)?;
-        seat.scratch = None;
-        seat.scale = (self.scale)(spaces)? as f32;
-        seat.begin_scene(environment);
+        let env = &mut self.progress[environment];
+        env.pilot = Pilot::new(self.interface, spaces)?;
+        env.scratch = None;
+        env.scale = (self.scale)(spaces)? as f32;
+        env.begin_scene(environment);
         self.begin_fragment(environment);
         self.check_and_observe(environment)
     }
@@ -231,14 +231,14 @@ impl LockstepCollector {
     /// Ends the episode that was lost at its last step, and begins another.
     fn lose(&mut self, environment: usize, why: String) -> Result<()> {
         self.lost += 1;
-        let seat = &mut self.seats[environment];
-        count_lost(&mut seat.lost_in_a_row, why)?;
-        seat.end(environment, self.widths);
+        let env = &mut self.progress[environment];
+        count_lost(&mut env.lost_in_a_row, why)?;
+        env.end(environment, self.widths);
         Ok(self.environments.reset_one(environment)?)
     }
 }
 
-impl Seat {
+impl EnvProgress {
     /// Chooses the action of a step, and records it with the observation before, in a row of the rollout.
     fn act(&mut self, actor: &Actor, widths: Widths, row: usize, rollout: &mut Rollout) {
         let scratch = self.scratch.get_or_insert_with(|| actor.scratch(self.pilot.graph()));
@@ -276,17 +276,17 @@ impl Collector for LockstepCollector {
     }
 
     fn environments(&self) -> usize {
-        self.seats.len()
+        self.progress.len()
     }
 
     fn collect(&mut self, actor: &Actor, steps: usize, rollout: &mut Rollout) -> Result<()> {
         let began = Instant::now();
         self.begin_rollout(steps, rollout);
-        while self.seats.iter().any(|seat| seat.done < steps) {
+        while self.progress.iter().any(|env| env.done < steps) {
             self.step(actor, rollout)?;
         }
-        rollout.ends.extend(self.seats.iter_mut().flat_map(|seat| seat.ends.drain(..)));
-        let scenes = self.seats.iter_mut().flat_map(|seat| seat.scenes.drain(..));
+        rollout.ends.extend(self.progress.iter_mut().flat_map(|env| env.ends.drain(..)));
+        let scenes = self.progress.iter_mut().flat_map(|env| env.scenes.drain(..));
         rollout.scenes.extend(scenes.filter(|scene| scene.step < steps));
         rollout.clear_padding(self.widths);
         self.times[1] = began.elapsed();

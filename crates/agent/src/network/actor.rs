@@ -144,7 +144,7 @@ impl Actor {
         }
     }
 
-    /// Whether standard deviations depend on the state.
+    /// Returns whether standard deviations depend on the state.
     fn is_of_state(&self) -> bool {
         !matches!(self.distribution, Distribution::Gaussian { .. })
     }

@@ -12,7 +12,7 @@ use super::{GraphNetwork, Mlp};
 pub enum Shape {
     /// A multilayer perceptron, for buildings with one set of spaces.
     Mlp(Mlp),
-    /// A graph network, for every building whose node types it knows.
+    /// A graph network, for every building whose node types it was trained with.
     Graph(GraphNetwork),
 }
 

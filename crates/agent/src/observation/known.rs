@@ -1,4 +1,4 @@
-//! What an agent knows of an episode besides the environment's observations.
+//! Inputs of an agent besides the environment's observations: attributes and the forecast.
 
 use b2b_building::morphology::COMMON;
 use b2b_dataset::{BuildingName, Placement};
@@ -11,8 +11,8 @@ use crate::{Error, Result};
 /// Temperature and scale of outdoor temperatures, °C and K.
 pub(super) const OUTDOOR: (f64, f64) = (10.0, 15.0);
 
-/// Returns the attributes of a building that an agent observes, from -1 to 1: none unless its options ask for them. The model of
-/// the building must be there, which a worker process has forgotten.
+/// Returns the attributes of a building that an agent observes, from -1 to 1: none unless its options request them.
+/// Requires the model of the building, which a worker process has dropped.
 ///
 /// # Errors
 /// [`Error::Attributes`] if the building cannot be described.

@@ -1,4 +1,4 @@
-//! What an agent's observation keeps of an episode.
+//! The state that an agent's observation keeps during an episode.
 
 use b2b_env::{Spaces, Target};
 

@@ -1,4 +1,4 @@
-//! What an agent observes: the environment's observation as numbers of about one.
+//! Observations of agents: the environment's observation, scaled to numbers of order one.
 
 mod feature;
 mod features;
@@ -34,7 +34,7 @@ pub use plan::{NodePlan, PlannedNode};
 pub enum ObservationForm {
     /// The observation of the environment, each slot scaled from its bounds to [-1, 1], as in the paper.
     Raw,
-    /// As `raw`, with a place for every role of a zone in houses: see [`RoleObservation`](b2b_env::RoleObservation).
+    /// As `raw`, with a slot for every zone role in houses: see [`RoleObservation`](b2b_env::RoleObservation).
     Roles,
     /// Features of the state that control needs: errors at several scales, their change and recent mean, targets, calendar
     /// as sines, and the previous and the base controller's action. See `docs/training.md`.
@@ -94,7 +94,7 @@ impl AgentObservation {
         Ok(Self { features, memory: Memory::new(spaces), outdoor })
     }
 
-    /// The slots in order.
+    /// Returns the slots in order.
     pub fn features(&self) -> &[Feature] {
         &self.features
     }
@@ -104,17 +104,17 @@ impl AgentObservation {
         self.features.iter().map(Feature::linear).collect()
     }
 
-    /// The names of the slots in order.
+    /// Returns the names of the slots in order.
     pub fn names(&self) -> Vec<String> {
         self.features.iter().map(|feature| feature.name.clone()).collect()
     }
 
-    /// Number of slots.
+    /// Returns the number of slots.
     pub fn width(&self) -> usize {
         self.features.len()
     }
 
-    /// Forgets the episode before.
+    /// Forgets the previous episode.
     pub fn reset(&mut self) {
         self.memory.reset();
     }

@@ -1,4 +1,4 @@
-//! What a graph network observes of a building, node by node.
+//! Observations of graph networks: the features of each node of a building.
 
 use std::sync::Arc;
 
@@ -29,11 +29,11 @@ pub struct NodeForm {
 pub struct NodeView {
     /// The features of all nodes, one node after another.
     pub observation: AgentObservation,
-    /// Which of them are whose.
+    /// The assignment of features and actions to nodes.
     pub graph: Graph,
 }
 
-/// What a graph network observes and controls of the nodes of each type: the same in every building.
+/// The features and actions of the nodes of each type, which are the same in every building.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NodeSpaces {
     types: Vec<TypeSpaces>,

@@ -8,7 +8,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 use super::ObservationForm;
 
-/// What an agent observes. Read from a table, or from the name of a form alone.
+/// The options of an agent's observation. Deserialized from a table, or from just the name of a form.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct ObservationOptions {
     /// The form of the environment's observation.

@@ -1,4 +1,4 @@
-//! What graph networks need of a building beside its spaces.
+//! The parts of a building's model that graph networks need in addition to its spaces.
 
 use b2b_building::description::Origin;
 use b2b_building::morphology::{EdgeKind, NodeType, Owner};

@@ -1,4 +1,4 @@
-//! What a baseline depends on.
+//! The key of a baseline: everything that it depends on.
 
 use b2b_control::Objective;
 use b2b_dataset::GENERATOR_VERSION;

@@ -54,7 +54,7 @@ impl Baselines {
         Self { shipped: shipped.into_iter().collect(), folder: folder.to_owned() }
     }
 
-    /// Opens the baselines in a folder alone, to recompute shipped ones.
+    /// Opens the baselines in a folder without the shipped ones, to recompute these.
     pub fn without_shipped(folder: &Path) -> Self {
         Self { shipped: HashMap::new(), folder: folder.to_owned() }
     }

@@ -41,7 +41,7 @@ pub struct Files {
     files: BTreeMap<String, File>,
 }
 
-/// What the files are.
+/// The kind of the files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Format {
     /// ONNX files, with the scale of their actions.
@@ -94,7 +94,7 @@ pub enum PolicyDescription {
     Agents {
         /// Pattern of the names of their folders.
         pattern: String,
-        /// What they stand on, if they do not act by themselves.
+        /// The base controller, if the agents correct one.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         base: Option<String>,
         /// SHA-256 of each agent by name.
@@ -318,7 +318,7 @@ impl Files {
         }
     }
 
-    /// Returns what the agents stand on: that of the first, which all of one kind share.
+    /// Returns the base controller of the agents: that of the first, as all agents of an entry share it.
     fn base(&self) -> Option<String> {
         match self.files.values().next().map(|file| &file.policy) {
             Some(FilePolicy::Agent(agent)) => agent.info().interface.acting.base(),

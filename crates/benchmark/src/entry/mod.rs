@@ -1,4 +1,4 @@
-//! Benchmark runs, and the folders that they leave.
+//! Benchmark runs and their result folders.
 //!
 //! 1. An [`Entry`] is a policy entered for a problem; its stages are lists of episodes.
 //! 2. [`Entry::run`] evaluates them stage by stage and keeps each episode under `unfinished/` as it ends, so that an

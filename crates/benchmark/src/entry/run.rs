@@ -24,7 +24,7 @@ impl Entry {
     /// as it is.
     ///
     /// # Errors
-    /// Those of [`Entry::check`]; [`Error::OtherEvaluation`](crate::Error::OtherEvaluation) for the folder of another
+    /// The errors of [`Entry::check`]; [`Error::OtherEvaluation`](crate::Error::OtherEvaluation) for the folder of another
     /// entry; those of [`Folder::open`] and [`Results::of`].
     pub fn run(
         &self,

@@ -1,4 +1,4 @@
-//! Where a thread runs the episodes of a building.
+//! The processes in which a thread runs the episodes of a building.
 
 use std::collections::VecDeque;
 use std::path::PathBuf;
@@ -62,7 +62,7 @@ impl<'a> Group<'a> {
         groups
     }
 
-    /// The position of an episode that nobody has begun.
+    /// The position of an episode that has not been started.
     pub(super) fn take(&self) -> Option<usize> {
         lock(&self.waiting).pop_front()
     }

@@ -14,7 +14,7 @@ use crate::return_terms::ReturnTerms;
 /// A finished episode, or why it was lost.
 pub type Outcome = std::result::Result<Finished, Lost>;
 
-/// Why an episode was lost.
+/// The reason why an episode was lost.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{reason}")]
 pub struct Lost {

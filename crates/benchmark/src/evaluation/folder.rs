@@ -181,7 +181,7 @@ fn differences(there: &Value, here: &Value) -> String {
     let list = |value: &Value| value["episodes"].as_array().cloned().unwrap_or_default();
     let (theirs, ours) = (list(there), list(here));
     if theirs.len() != ours.len() {
-        found.push(format!("{} episodes there and {} here", theirs.len(), ours.len()));
+        found.push(format!("{} episodes in the folder and {} in this command", theirs.len(), ours.len()));
     }
     let pairs = theirs.iter().zip(&ours).enumerate();
     if let Some((number, (there, here))) = pairs.into_iter().find(|(_, (there, here))| there != here) {
@@ -195,7 +195,7 @@ fn differences(there: &Value, here: &Value) -> String {
 
 fn compare(what: &str, there: &Value, here: &Value, found: &mut Vec<String>) {
     if there != here {
-        found.push(format!("{what} is {there} there and {here} here"));
+        found.push(format!("{what} is {there} in the folder and {here} in this command"));
     }
 }
 
@@ -251,11 +251,14 @@ mod tests {
             Folder::open(&path, &policy, episodes).unwrap_err().to_string()
         };
         let said = refused(BuiltIn::Constant, &houses);
-        assert!(said.contains("\"random\" there") && said.contains("\"constant\" here"), "{said}");
+        assert!(
+            said.contains("\"random\" in the folder") && said.contains("\"constant\" in this command"),
+            "{said}"
+        );
         let said = refused(BuiltIn::Random, &episodes(&["SingleFamilyHouse-1", "SingleFamilyHouse-3"]));
         assert!(said.contains("building of episode 1") && said.contains("SingleFamilyHouse-0003"), "{said}");
         let said = refused(BuiltIn::Random, &houses[..1]);
-        assert!(said.contains("2 episodes there and 1 here"), "{said}");
+        assert!(said.contains("2 episodes in the folder and 1 in this command"), "{said}");
     }
 
     #[test]

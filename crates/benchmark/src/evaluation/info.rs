@@ -1,4 +1,4 @@
-//! What identifies an episode in results.
+//! The identity of an episode in results.
 
 use std::fmt;
 
@@ -9,7 +9,7 @@ use super::episode::Episode;
 use crate::SiteInfo;
 use crate::policy::Policy;
 
-/// What identifies an episode in results: building, task, run period, policy and seed.
+/// The identity of an episode in results: building, task, run period, policy and seed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EpisodeInfo {
     /// Name of the building.

@@ -27,7 +27,7 @@ const INTEGER: &str = "steps";
 /// Writes the table of [`episode_table`].
 ///
 /// # Errors
-/// Those of the Parquet library.
+/// The errors of the Parquet library.
 pub fn write_episodes(file: &mut (impl Write + Send), rows: &[Row], versions: &Versions) -> Result<()> {
     write(file, &episode_table(rows, versions)?)
 }
@@ -43,7 +43,7 @@ fn write(file: &mut (impl Write + Send), table: &RecordBatch) -> Result<()> {
 /// Returns the table: rows in the order given, without any time or speed.
 ///
 /// # Errors
-/// Those of the Parquet library.
+/// The errors of the Parquet library.
 pub fn episode_table(rows: &[Row], versions: &Versions) -> Result<RecordBatch> {
     let mut columns = Columns { rows, fields: Vec::new(), arrays: Vec::new() };
     columns.push_all();
@@ -53,7 +53,7 @@ pub fn episode_table(rows: &[Row], versions: &Versions) -> Result<RecordBatch> {
 /// Writes the same table with the stage of a benchmark run as its first column.
 ///
 /// # Errors
-/// Those of the Parquet library.
+/// The errors of the Parquet library.
 pub fn write_stages(
     file: &mut (impl Write + Send),
     stages: &[(String, Vec<Row>)],
@@ -72,7 +72,7 @@ pub fn write_stages(
 /// Reads a table of [`write_stages`]: each row with its stage, in order.
 ///
 /// # Errors
-/// Those of the Parquet library, also for a table with other columns.
+/// The errors of the Parquet library, also for a table with other columns.
 pub fn read_stages(file: File) -> Result<Vec<(String, Row)>> {
     read(file, |cells, row| Ok((cells.text("stage", row)?, cells.row(row)?)))
 }
@@ -80,7 +80,7 @@ pub fn read_stages(file: File) -> Result<Vec<(String, Row)>> {
 /// Reads a table of [`write_episodes`].
 ///
 /// # Errors
-/// Those of the Parquet library, also for a table with other columns.
+/// The errors of the Parquet library, also for a table with other columns.
 pub fn read_episodes(file: File) -> Result<Vec<Row>> {
     read(file, Cells::row)
 }

@@ -96,7 +96,7 @@ fn parameters(context: &EpisodeContext<'_>) -> ReactiveParameters {
     controller_parameters(context.subject, context.site, &context.spaces.episode.task)
 }
 
-/// Plans the whole episode on copies of it; the plan is replayed afterwards.
+/// Plans the whole episode on copies of it; the plan is replayed afterward.
 fn plan(context: EpisodeContext<'_>) -> Result<Replay> {
     let reactive = reactive(&context);
     let EpisodeContext { spaces, seed, episode, .. } = context;

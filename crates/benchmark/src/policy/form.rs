@@ -22,7 +22,7 @@ pub enum HouseForm {
 }
 
 impl HouseForm {
-    /// Whether it is that of roles.
+    /// Returns whether it is that of roles.
     pub fn is_roles(&self) -> bool {
         *self == Self::Roles
     }

@@ -67,7 +67,7 @@ pub struct EpisodeContext<'a> {
     pub episode: &'a mut vector::Episode,
 }
 
-/// What a policy observes and controls: all of an environment's spaces, or a problem's selection of them.
+/// The observation and action of a policy: all of an environment's spaces, or a problem's selection of them.
 #[derive(Clone, Debug)]
 pub struct Interface {
     /// Names of the values in an observation.

@@ -11,7 +11,7 @@ use super::side::Side;
 use super::stage::Stage;
 use crate::{Episode, Error, Result};
 
-/// A question about generalization, and the protocol that answers it.
+/// A benchmark problem: a question about generalization, and the protocol to answer it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Problem {
@@ -23,9 +23,9 @@ pub struct Problem {
     pub family: Family,
     /// The question in words.
     pub question: String,
-    /// What a policy may be trained on.
+    /// Buildings, tasks and actuators that a policy may be trained on.
     pub train: Side,
-    /// What a policy is tested on.
+    /// Buildings, tasks and actuators that a policy is tested on.
     pub test: Side,
     /// Training budget, run periods, seeds and tests.
     pub protocol: Protocol,

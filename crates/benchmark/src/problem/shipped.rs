@@ -85,7 +85,7 @@ impl Problem {
     /// Returns a problem from some building types to others, with the protocol of the shipped cross-domain problems.
     ///
     /// # Errors
-    /// Those of [`Problem::check`].
+    /// The errors of [`Problem::check`].
     pub fn cross_domain(train: &[BuildingType], test: &[BuildingType]) -> Result<Self> {
         let like = Self::named("retail-to-office-small")?;
         let side = |side: &Side, types: &[BuildingType], subset| {
@@ -97,7 +97,7 @@ impl Problem {
         let problem = Self {
             name: format!("{}-to-{}", names(train), names(test)),
             question: format!(
-                "A policy has learned in buildings of {}: what does it do in those of {}?",
+                "A policy was trained in buildings of {}. How does it perform in those of {}?",
                 joined(train),
                 joined(test)
             ),

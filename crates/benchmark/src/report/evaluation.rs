@@ -19,7 +19,7 @@ const WORST: usize = 4;
 /// Writes the page. `read` returns the record of an episode by its number.
 ///
 /// # Errors
-/// Those of the file.
+/// The errors of the file.
 pub fn write(
     file: &mut impl Write,
     results: &Results,

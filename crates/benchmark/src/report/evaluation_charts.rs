@@ -24,13 +24,13 @@ pub(super) struct TypeDeviations {
 
 /// An episode that was not lost.
 #[derive(Clone, Copy)]
-struct Ran<'a> {
+struct EpisodeRun<'a> {
     info: &'a EpisodeInfo,
     metrics: &'a EpisodeMetrics,
     score: Option<f64>,
 }
 
-impl<'a> Ran<'a> {
+impl<'a> EpisodeRun<'a> {
     fn of(row: &'a Row) -> Option<Self> {
         let scored = row.outcome.as_ref().ok()?;
         Some(Self { info: &row.info, metrics: &scored.metrics, score: scored.score })
@@ -39,7 +39,7 @@ impl<'a> Ran<'a> {
 
 /// Returns all charts in order.
 pub(super) fn all(results: &Results, deviations: &[TypeDeviations]) -> Vec<Value> {
-    let rows: Vec<Ran<'_>> = results.rows.iter().filter_map(Ran::of).collect();
+    let rows: Vec<EpisodeRun<'_>> = results.rows.iter().filter_map(EpisodeRun::of).collect();
     let types = distinct(&rows, |row| row.info.building_type.clone());
     let charts = [
         scores_by_type(&rows, &types),
@@ -51,7 +51,7 @@ pub(super) fn all(results: &Results, deviations: &[TypeDeviations]) -> Vec<Value
     charts.into_iter().map(Chart::json).collect()
 }
 
-fn distinct<K: PartialEq>(rows: &[Ran<'_>], key: impl Fn(&Ran<'_>) -> K) -> Vec<K> {
+fn distinct<K: PartialEq>(rows: &[EpisodeRun<'_>], key: impl Fn(&EpisodeRun<'_>) -> K) -> Vec<K> {
     let mut keys = Vec::new();
     for key in rows.iter().map(key) {
         if !keys.contains(&key) {
@@ -65,12 +65,12 @@ fn type_color(types: &[String], name: &str) -> &'static str {
     color(types.iter().position(|each| each == name).unwrap_or_default())
 }
 
-fn of_type<'a>(rows: &[Ran<'a>], building_type: &str) -> Vec<Ran<'a>> {
+fn of_type<'a>(rows: &[EpisodeRun<'a>], building_type: &str) -> Vec<EpisodeRun<'a>> {
     rows.iter().filter(|row| row.info.building_type == building_type).copied().collect()
 }
 
 /// Returns the hover label of an episode.
-fn label(row: &Ran<'_>) -> String {
+fn label(row: &EpisodeRun<'_>) -> String {
     let score = row.score.map_or("no score".to_owned(), |score| format!("score {score:.3}"));
     let EpisodeMetrics { episode_return, rms_deviation, .. } = row.metrics;
     format!(
@@ -79,11 +79,11 @@ fn label(row: &Ran<'_>) -> String {
     )
 }
 
-fn labels(rows: &[Ran<'_>]) -> Vec<String> {
+fn labels(rows: &[EpisodeRun<'_>]) -> Vec<String> {
     rows.iter().map(label).collect()
 }
 
-fn scores_by_type(rows: &[Ran<'_>], types: &[String]) -> Chart {
+fn scores_by_type(rows: &[EpisodeRun<'_>], types: &[String]) -> Chart {
     let (data, layout) = scores(rows, types, |row| type_label(&row.info.building_type).to_owned());
     Chart {
         title: "Scores by building type".into(),
@@ -95,7 +95,7 @@ fn scores_by_type(rows: &[Ran<'_>], types: &[String]) -> Chart {
     }
 }
 
-fn scores_by_zone(rows: &[Ran<'_>], types: &[String]) -> Chart {
+fn scores_by_zone(rows: &[EpisodeRun<'_>], types: &[String]) -> Chart {
     let mut rows = rows.to_vec();
     rows.sort_by(|a, b| a.info.climate_zone.cmp(&b.info.climate_zone));
     let (data, layout) = scores(&rows, types, |row| row.info.climate_zone.clone());
@@ -110,8 +110,12 @@ fn scores_by_zone(rows: &[Ran<'_>], types: &[String]) -> Chart {
 }
 
 /// Draws a box per category, with its episodes in the colors of their types.
-fn scores(rows: &[Ran<'_>], types: &[String], category: impl Fn(&Ran<'_>) -> String) -> (Value, Value) {
-    let scored: Vec<Ran<'_>> =
+fn scores(
+    rows: &[EpisodeRun<'_>],
+    types: &[String],
+    category: impl Fn(&EpisodeRun<'_>) -> String,
+) -> (Value, Value) {
+    let scored: Vec<EpisodeRun<'_>> =
         rows.iter().copied().filter(|row| row.score.is_some_and(f64::is_finite)).collect();
     let values: Vec<f64> = scored.iter().filter_map(|row| row.score).collect();
     let mut data = vec![json!({
@@ -141,7 +145,7 @@ fn scores(rows: &[Ran<'_>], types: &[String], category: impl Fn(&Ran<'_>) -> Str
     (data.into(), layout)
 }
 
-fn points(rows: &[Ran<'_>], x: Vec<Value>, y: Vec<Value>, name: &str, color: &str) -> Value {
+fn points(rows: &[EpisodeRun<'_>], x: Vec<Value>, y: Vec<Value>, name: &str, color: &str) -> Value {
     json!({
         "type": "scatter", "mode": "markers", "x": x, "y": y, "name": name,
         "text": labels(rows), "hovertemplate": "%{text}<extra></extra>",
@@ -188,7 +192,7 @@ fn quantiles(shares: &[f64]) -> Vec<f64> {
 }
 
 /// Draws violins with their episodes and means, as in the paper's figure.
-fn rms_deviations(rows: &[Ran<'_>], types: &[String]) -> Chart {
+fn rms_deviations(rows: &[EpisodeRun<'_>], types: &[String]) -> Chart {
     let mut data = Vec::new();
     for name in types {
         let own = of_type(rows, name);
@@ -216,7 +220,7 @@ fn rms_deviations(rows: &[Ran<'_>], types: &[String]) -> Chart {
     }
 }
 
-fn energy_and_comfort(rows: &[Ran<'_>], types: &[String]) -> Chart {
+fn energy_and_comfort(rows: &[EpisodeRun<'_>], types: &[String]) -> Chart {
     let mut data = Vec::new();
     for name in types {
         let own = of_type(rows, name);

@@ -35,7 +35,7 @@ impl RankBy {
 /// Writes the page.
 ///
 /// # Errors
-/// Those of the file.
+/// The errors of the file.
 pub fn write(file: &mut impl Write, results: &[Entry], rank_by: RankBy) -> std::io::Result<()> {
     let mut boards: Vec<Vec<&Entry>> = Vec::new();
     for entry in results {
@@ -101,7 +101,7 @@ fn table(title: &str, header: &[&str], rows: Vec<Value>) -> Value {
     json!({"title": title, "header": header, "rows": rows})
 }
 
-/// Says what the agents of an entry stand on, if they do not act by themselves, and whether nobody else can run its policy.
+/// Returns a remark on the policy of an entry: the base controller that its agents correct, or that it is an external program.
 fn remark(result: &RunResult) -> String {
     match result.policies.get("test") {
         Some(PolicyDescription::External { .. }) => " (own program)".to_owned(),

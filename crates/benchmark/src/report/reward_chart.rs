@@ -48,7 +48,7 @@ pub fn step_rewards(series: &[Series<'_>]) -> Chart {
                   "tickvals": ticks, "ticktext": labels},
     });
     Chart {
-        title: "Rewards of single steps".into(),
+        title: "Per-step rewards".into(),
         note: "logarithmic, higher is better; box: quartiles and median; every episode has the same weight"
             .into(),
         height: 380,

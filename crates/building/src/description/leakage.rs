@@ -42,7 +42,7 @@ pub(super) fn flow(model: &Model, zone: &str, measures: &Measures) -> f64 {
     FORMS.into_iter().map(of_form).sum()
 }
 
-/// Whether an infiltration object stands for people opening doors, by its name.
+/// Returns whether an infiltration object stands for people opening doors, by its name.
 pub fn is_door(name: &str) -> bool {
     name.to_ascii_lowercase().contains("door")
 }
@@ -81,7 +81,7 @@ fn flow_coefficient(fields: &Fields, _: &Measures) -> f64 {
     read("flow_coefficient") * libm::hypot(stack, wind)
 }
 
-/// Whether an object applies to a zone: by its name, a list, or a space in it.
+/// Returns whether an object applies to a zone: by its name, a list, or a space in it.
 fn is_in(model: &Model, fields: &Fields, zone: &str) -> bool {
     let names = ["zone_or_zonelist_or_space_or_spacelist_name", "zone_or_space_name", "zone_name"]
         .map(|f| text(fields, f));

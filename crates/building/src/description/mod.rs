@@ -15,7 +15,7 @@ use serde::Serialize;
 
 pub use equipment::{Equipment, SystemDescription, SystemKind};
 use leakage::Measures;
-use shape::{Beyond, Bound, Point, Shape};
+use shape::{Bound, OutsideBoundary, Point, Shape};
 
 use crate::construction::{ROOF_FILMS, WALL_FILMS, assembly_resistance, glazing};
 use crate::hvac::System;
@@ -25,14 +25,14 @@ use crate::{Conditioning, Model, PreparedBuilding, Result};
 /// Edition of ASHRAE 90.1 that the commercial types follow.
 const CODE_YEAR: u32 = 2019;
 
-/// A building in numbers.
+/// The description of a building: geometry, envelope and equipment.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Description {
     /// Name of the building.
     pub name: String,
     /// Its location.
     pub location: Location,
-    /// What is known besides the model.
+    /// Properties that the model does not contain.
     pub origin: Origin,
     /// Floor area of the conditioned zones, m².
     pub conditioned_floor_area: f64,
@@ -71,7 +71,7 @@ pub struct Location {
     pub cooling_degree_days: f64,
 }
 
-/// What is known of a building besides its model; nothing for an imported building.
+/// Properties of a generated building that its model does not contain; empty for an imported building.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Origin {
     /// ASHRAE 169 climate zone, for example `5B`.
@@ -108,7 +108,7 @@ pub struct Envelope {
 pub struct ZoneDescription {
     /// Name.
     pub name: String,
-    /// What its equipment can do.
+    /// Heating and cooling capability of its equipment.
     pub conditioning: Conditioning,
     /// Floor area, m².
     pub floor_area: f64,
@@ -154,7 +154,7 @@ impl PreparedBuilding {
     /// Returns its geometry.
     ///
     /// # Errors
-    /// Those of [`Shape::of`].
+    /// The errors of [`Shape::of`].
     pub fn shape(&self) -> Result<Shape> {
         Shape::of(self.model())
     }
@@ -178,7 +178,7 @@ impl Location {
     /// Reads the location of a weather file (EPW).
     ///
     /// # Errors
-    /// Those of [`Site::read`].
+    /// The errors of [`Site::read`].
     pub fn read(weather: &Path) -> Result<Self> {
         let (site, days) = (Site::read(weather)?, DegreeDays::read(weather)?);
         Ok(Self {
@@ -193,10 +193,10 @@ impl Location {
 }
 
 impl Description {
-    /// Describes a prepared building under a weather file (EPW).
+    /// Describes a prepared building with its weather file (EPW).
     ///
     /// # Errors
-    /// Those of [`Site::read`]; [`crate::Error::Unsupported`] for a surface that cannot be read;
+    /// The errors of [`Site::read`]; [`crate::Error::Unsupported`] for a surface that cannot be read;
     /// [`crate::Error::MissingObject`] for a dangling reference.
     pub fn of(building: &PreparedBuilding, weather: &Path, origin: Origin) -> Result<Self> {
         let conditioning: Vec<_> = building.zones.iter().map(|zone| zone.conditioning).collect();
@@ -270,7 +270,7 @@ fn describe_zone(
     let area = |wanted: &dyn Fn(&Bound) -> bool| -> f64 {
         faces.iter().filter(|face| wanted(face)).map(Bound::area).fold(0.0, |sum, area| sum + area)
     };
-    let is_outer = |face: &Bound| face.beyond == Beyond::Outdoors;
+    let is_outer = |face: &Bound| face.outside_boundary == OutsideBoundary::Outdoors;
     let is_wall = |face: &Bound| face.kind == SurfaceKind::Wall;
     let exterior_walls = area(&|face| is_outer(face) && is_wall(face));
     let glass = |kind: SurfaceKind| -> f64 {
@@ -298,7 +298,10 @@ fn describe_zone(
         exterior_wall_area: exterior_walls * zone.multiplier,
         exterior_wall_fraction: ratio(exterior_walls, area(&is_wall)),
         roof_area: area(&|face| is_outer(face) && face.kind == SurfaceKind::Roof) * zone.multiplier,
-        ground_contact_fraction: ratio(area(&|face| face.beyond == Beyond::Ground), area(&|_| true)),
+        ground_contact_fraction: ratio(
+            area(&|face| face.outside_boundary == OutsideBoundary::Ground),
+            area(&|_| true),
+        ),
         window_area: windows * zone.multiplier,
         skylight_area: glass(SurfaceKind::Roof) * zone.multiplier,
         window_to_wall: ratio(windows, exterior_walls),
@@ -312,7 +315,7 @@ fn envelope(model: &Model, shape: &Shape, is_conditioned: impl Fn(usize) -> bool
     let (mut walls, mut roofs) = (Mean::default(), Mean::default());
     let (mut window_u, mut window_shgc) = (Mean::default(), Mean::default());
     let (mut gross_walls, mut glass_in_walls, mut gross_roofs, mut skylights) = (0.0, 0.0, 0.0, 0.0);
-    for face in shape.faces.iter().filter(|face| face.beyond == Beyond::Outdoors) {
+    for face in shape.faces.iter().filter(|face| face.outside_boundary == OutsideBoundary::Outdoors) {
         let (area, glass) = (face.area(), face.glass_area());
         match face.kind {
             SurfaceKind::Wall => {
@@ -359,7 +362,8 @@ fn better_of_roof_and_ceilings(
     is_conditioned: impl Fn(usize) -> bool,
 ) -> (Option<f64>, f64) {
     let below = shape.bounds(roof.zone).into_iter().filter(|bound| {
-        bound.kind == SurfaceKind::Floor && matches!(bound.beyond, Beyond::Zone(zone) if is_conditioned(zone))
+        bound.kind == SurfaceKind::Floor
+            && matches!(bound.outside_boundary, OutsideBoundary::Zone(zone) if is_conditioned(zone))
     });
     let mut ceilings = Mean::default();
     below.for_each(|bound| ceilings.add(u(model, &bound.face.construction, ROOF_FILMS), bound.area()));

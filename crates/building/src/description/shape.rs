@@ -42,7 +42,7 @@ pub struct Face {
     /// Name of its construction.
     pub construction: String,
     /// What is on the other side.
-    pub beyond: Beyond,
+    pub outside_boundary: OutsideBoundary,
     /// Whether it bounds two zones but the model has it on one side only.
     pub one_sided: bool,
     /// Corners, m.
@@ -51,9 +51,9 @@ pub struct Face {
     pub openings: Vec<Opening>,
 }
 
-/// What is on the other side of a face.
+/// The outside boundary condition of a face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Beyond {
+pub enum OutsideBoundary {
     /// The outdoors.
     Outdoors,
     /// The ground.
@@ -71,8 +71,8 @@ pub struct Bound<'a> {
     pub face: &'a Face,
     /// Its kind, seen from this zone.
     pub kind: SurfaceKind,
-    /// What is on the other side, seen from this zone.
-    pub beyond: Beyond,
+    /// Its outside boundary condition, seen from this zone.
+    pub outside_boundary: OutsideBoundary,
     /// Outward normal with the length of the area, m².
     normal: Point,
 }
@@ -100,7 +100,7 @@ impl Shape {
     /// Computes the geometry of a model. Windows and doors without corners are omitted.
     ///
     /// # Errors
-    /// Those of [`surfaces`].
+    /// The errors of [`surfaces`].
     pub fn of(model: &Model) -> Result<Self> {
         let zones = model.names("Zone");
         let surfaces = surfaces(model)?;
@@ -118,14 +118,14 @@ impl Shape {
             openings.iter_mut().for_each(|opening| frame.place(&mut opening.corners));
             let mut corners = surface.corners.clone();
             frame.place(&mut corners);
-            let beyond = beyond(model, surface, &zones, &surfaces);
+            let outside_boundary = outside_boundary(model, surface, &zones, &surfaces);
             faces.push(Face {
                 name: surface.name.clone(),
                 zone,
                 kind: surface.kind,
                 construction: surface.construction.clone(),
-                beyond,
-                one_sided: matches!(beyond, Beyond::Zone(other) if other != zone)
+                outside_boundary,
+                one_sided: matches!(outside_boundary, OutsideBoundary::Zone(other) if other != zone)
                     && !surface.boundary.eq_ignore_ascii_case("Surface"),
                 corners,
                 openings,
@@ -141,18 +141,24 @@ impl Shape {
 
     /// Returns the faces that enclose a zone, without floors inside it.
     pub fn bounds(&self, zone: usize) -> Vec<Bound<'_>> {
-        let own = self.faces.iter().filter(|face| face.zone == zone && face.beyond != Beyond::Zone(zone));
+        let own = self
+            .faces
+            .iter()
+            .filter(|face| face.zone == zone && face.outside_boundary != OutsideBoundary::Zone(zone));
         let own = own.map(|face| Bound {
             face,
             kind: face.kind,
-            beyond: face.beyond,
+            outside_boundary: face.outside_boundary,
             normal: area_vector(&face.corners),
         });
-        let others = self.faces.iter().filter(|face| face.one_sided && face.beyond == Beyond::Zone(zone));
+        let others = self
+            .faces
+            .iter()
+            .filter(|face| face.one_sided && face.outside_boundary == OutsideBoundary::Zone(zone));
         let others = others.map(|face| Bound {
             face,
             kind: other_side(face.kind),
-            beyond: Beyond::Zone(face.zone),
+            outside_boundary: OutsideBoundary::Zone(face.zone),
             normal: area_vector(&face.corners).map(|n| -n),
         });
         own.chain(others).collect()
@@ -180,7 +186,7 @@ impl Shape {
     pub fn shared_areas(&self) -> Vec<([usize; 2], f64)> {
         let mut shared: Vec<([usize; 2], f64)> = Vec::new();
         for face in &self.faces {
-            let Beyond::Zone(other) = face.beyond else { continue };
+            let OutsideBoundary::Zone(other) = face.outside_boundary else { continue };
             if other == face.zone {
                 continue;
             }
@@ -236,7 +242,7 @@ impl Frame {
     }
 }
 
-/// Whether corners are relative to the origins of their zones.
+/// Returns whether corners are relative to the origins of their zones.
 fn is_relative(model: &Model) -> bool {
     let rules = model.objects("GlobalGeometryRules");
     let system = rules.first().and_then(|(_, rules)| text(rules, "coordinate_system"));
@@ -249,22 +255,27 @@ fn north_axis(model: &Model) -> f64 {
     angle.filter(|_| is_relative(model)).unwrap_or(0.0)
 }
 
-fn beyond(model: &Model, surface: &Surface, zones: &[String], surfaces: &[Surface]) -> Beyond {
+fn outside_boundary(
+    model: &Model,
+    surface: &Surface,
+    zones: &[String],
+    surfaces: &[Surface],
+) -> OutsideBoundary {
     let object = surface.boundary_object.as_str();
-    let zone = |name: &str| position(zones, name).map_or(Beyond::Other, Beyond::Zone);
+    let zone = |name: &str| position(zones, name).map_or(OutsideBoundary::Other, OutsideBoundary::Zone);
     match surface.boundary.to_ascii_lowercase().as_str() {
-        "outdoors" => Beyond::Outdoors,
-        boundary if boundary.starts_with("ground") || boundary == "foundation" => Beyond::Ground,
+        "outdoors" => OutsideBoundary::Outdoors,
+        boundary if boundary.starts_with("ground") || boundary == "foundation" => OutsideBoundary::Ground,
         "surface" => {
             let other = surfaces.iter().find(|other| other.name.eq_ignore_ascii_case(object));
-            other.map_or(Beyond::Other, |other| zone(&other.zone))
+            other.map_or(OutsideBoundary::Other, |other| zone(&other.zone))
         }
         "zone" => zone(object),
         "space" => {
             let space = model.get("Space", object).and_then(|space| text(space, "zone_name"));
-            space.map_or(Beyond::Other, zone)
+            space.map_or(OutsideBoundary::Other, zone)
         }
-        _ => Beyond::Other,
+        _ => OutsideBoundary::Other,
     }
 }
 
@@ -388,7 +399,7 @@ mod tests {
     fn a_wall_given_on_one_side_bounds_both_zones_and_is_counted_once() {
         let shape = Shape::of(&room()).unwrap();
         assert_eq!(shape.bounds(1).len(), 1);
-        assert_eq!(shape.bounds(1)[0].beyond, Beyond::Zone(0));
+        assert_eq!(shape.bounds(1)[0].outside_boundary, OutsideBoundary::Zone(0));
         assert_eq!(shape.shared_areas(), [([0, 1], 12.0)]);
         let mut model = room();
         let east = model.require_mut("BuildingSurface:Detailed", "East").unwrap();

@@ -11,8 +11,8 @@ use crate::{Model, Result};
 /// Fields of the schedules that switch a component on and off.
 const SWITCHES: [&str; 2] = ["availability_schedule_name", "supply_air_fan_operating_mode_schedule_name"];
 
-/// Makes an air loop available at every hour: removes its availability managers and switches on every fan, unit and coil.
-/// Otherwise the fan would stop at night, whatever is commanded.
+/// Makes an air loop available at every hour: removes its availability managers and switches on every fan, unit and
+/// coil. Otherwise, the fan would stop at night regardless of its command.
 ///
 /// # Errors
 /// [`Error::MissingObject`] when the loop or one of its components is not in the model.

@@ -1,4 +1,4 @@
-//! Making every system of a model controllable.
+//! Conversion of every system of a model to a controllable form.
 
 use super::references::{Reference, is_one_of};
 use super::system::System;

@@ -27,12 +27,12 @@ pub fn remove_ems_programs(model: &mut Model, unwanted: impl Fn(&Fields) -> bool
     }
 }
 
-/// Whether an EMS actuator sets a schedule: thermostats and availability are schedules, lights are not.
+/// Returns whether an EMS actuator sets a schedule: thermostats and availability are schedules, lights are not.
 pub fn sets_a_schedule(actuator: &Fields) -> bool {
     text(actuator, "actuated_component_type").is_some_and(|class| class.starts_with("Schedule:"))
 }
 
-/// Whether an EMS program uses a variable.
+/// Returns whether an EMS program uses a variable.
 fn mentions(program: &Fields, variable: &str) -> bool {
     items(program, "lines")
         .filter_map(|item| text(item, "program_line"))

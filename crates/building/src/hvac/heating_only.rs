@@ -19,7 +19,7 @@ const HEATERS: [&str; 5] = [
     "ZoneHVAC:Baseboard:RadiantConvective:Water",
 ];
 
-/// Whether an object class is a zone heater that follows a thermostat.
+/// Returns whether an object class is a zone heater that follows a thermostat.
 pub(super) fn is_heater(class: &str) -> bool {
     is_one_of(class, &HEATERS)
 }

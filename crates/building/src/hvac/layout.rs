@@ -103,7 +103,7 @@ impl SystemLayout {
         Ok(layouts.collect())
     }
 
-    /// Whether the system serves a zone, given its index in the building.
+    /// Returns whether the system serves a zone, given its index in the building.
     pub fn serves(&self, zone: usize) -> bool {
         self.zones.iter().any(|served| served.index == zone)
     }

@@ -39,7 +39,7 @@ pub fn nodes_of(model: &Model, name: &str) -> Vec<String> {
     }
 }
 
-/// Whether a class is one of these, ignoring case as the engine does.
+/// Returns whether a class is one of these, ignoring case as the engine does.
 pub fn is_one_of(class: &str, classes: &[&str]) -> bool {
     classes.iter().any(|known| known.eq_ignore_ascii_case(class))
 }

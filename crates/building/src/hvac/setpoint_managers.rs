@@ -22,7 +22,7 @@ pub fn remove_setpoint_managers(model: &mut Model, nodes: &HashSet<String>) {
     }
 }
 
-/// Whether a setpoint manager refers to the setpoint of a node.
+/// Returns whether a setpoint manager refers to the setpoint of a node.
 pub fn is_referred_to(model: &Model, node: &str) -> bool {
     let classes = model.classes().filter(|class| class.starts_with("SetpointManager:"));
     classes.flat_map(|class| model.objects(class)).any(|(_, fields)| {

@@ -107,7 +107,7 @@ fn zone_requirements(model: &Model, controller: &str) -> Result<f64> {
     Ok(sum)
 }
 
-/// Whether a zone or list of zones is, or has, a zone.
+/// Returns whether a zone or list of zones is, or has, a zone.
 fn covers(model: &Model, zone_or_list: &str, zone: &str) -> bool {
     let lists = |list: &Fields| {
         items(list, "zones")

@@ -1,4 +1,4 @@
-//! What a model can reach outside itself: code that the engine runs for it, and files that the engine opens for it.
+//! Detection of external references in a model: code that the engine would run and files that it would open.
 //!
 //! The classes and fields are those of the schema in the engine, against which `tests/external.rs` compares them.
 
@@ -69,7 +69,7 @@ fn code(model: &Model) -> Vec<String> {
     named.collect()
 }
 
-/// Whether a class is `root` or below it, as `A:B` is below `A`. The engine ignores case.
+/// Returns whether a class is `root` or below it, as `A:B` is below `A`. The engine ignores case.
 fn is_below(class: &str, root: &str) -> bool {
     let Some((start, rest)) = class.split_at_checked(root.len()) else { return false };
     start.eq_ignore_ascii_case(root) && (rest.is_empty() || rest.starts_with(':'))

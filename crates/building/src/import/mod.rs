@@ -22,10 +22,10 @@ use b2b_energyplus::Library;
 use crate::model::{Model, text};
 use crate::{Error, Result};
 
-/// Reads a user's model, IDF or epJSON, and checks what the engine does not check.
+/// Reads a user's model (IDF or epJSON) and makes the checks that the engine does not.
 ///
-/// The engine would load native code that a model names, and open any file. Unless `allow_external`, a model that runs code
-/// or names a file outside its own folder is refused before the engine simulates it.
+/// The engine would load native code that a model names, and open any file. Unless `allow_external`, a model that runs
+/// code or names a file outside its own folder is rejected before the engine simulates it.
 ///
 /// # Errors
 /// [`Error::Import`] with every problem; [`Error::Malformed`] for a file that is not a model; [`Error::Engine`] with the
@@ -39,7 +39,7 @@ pub fn read(path: &Path, library: &Library, allow_external: bool) -> Result<Mode
     Ok(model)
 }
 
-/// Whether a path has the extension of a model.
+/// Returns whether a path has the extension of a model.
 pub fn is_model_file(path: &Path) -> bool {
     path.extension().is_some_and(|e| ENDINGS.iter().any(|known| e.eq_ignore_ascii_case(known)))
 }

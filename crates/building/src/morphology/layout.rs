@@ -80,7 +80,7 @@ impl Layout {
         self.blocks[NodeType::ALL.len() - 1].range().end
     }
 
-    /// Whether the buffer is empty.
+    /// Returns whether the buffer is empty.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

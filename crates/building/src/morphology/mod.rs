@@ -94,7 +94,7 @@ impl EdgeKind {
         }
     }
 
-    /// Whether it is directed.
+    /// Returns whether it is directed.
     pub fn is_directed(self) -> bool {
         self != Self::Adjacent
     }

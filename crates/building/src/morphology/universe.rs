@@ -204,7 +204,7 @@ impl NodeType {
         }
     }
 
-    /// Whether it is a thermal zone.
+    /// Returns whether it is a thermal zone.
     pub fn is_zone(self) -> bool {
         !self.attributes().is_empty() && self != Self::AirLoop
     }

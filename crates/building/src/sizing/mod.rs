@@ -134,7 +134,7 @@ impl Sizes {
             let size = self.get(class, object, field).or_else(|| unused(class, field));
             let size = size.or_else(|| is_equipment_flow(field).then(|| equipment_flows.next()).flatten());
             if let Some(size) = size {
-                *value = json!(size.max(least(class, field)));
+                *value = json!(size.max(minimum(class, field)));
             }
         }
         let mut left = Vec::new();
@@ -158,13 +158,13 @@ impl Sizes {
     }
 }
 
-/// Whether a field is the flow of one of several pieces of equipment: `component_1_flow_rate`.
+/// Returns whether a field is the flow of one of several pieces of equipment: `component_1_flow_rate`.
 fn is_equipment_flow(field: &str) -> bool {
     field.starts_with("component_") && field.ends_with("_flow_rate")
 }
 
-/// Whether a model requests sizing; generated houses are hard-sized.
-pub fn wants_sizing(model: &Model) -> bool {
+/// Returns whether a model requests sizing; generated houses are hard-sized.
+pub fn needs_sizing(model: &Model) -> bool {
     let calculations = |fields: &Fields| {
         fields.iter().any(|(name, value)| name.ends_with("_sizing_calculation") && is_word(value, "Yes"))
     };
@@ -256,12 +256,12 @@ fn unused(class: &str, field: &str) -> Option<f64> {
 }
 
 /// Returns the minimum that the engine accepts for a field.
-fn least(class: &str, field: &str) -> f64 {
+fn minimum(class: &str, field: &str) -> f64 {
     let entry = POSITIVE.iter().find(|(c, f, _)| c.eq_ignore_ascii_case(class) && *f == field);
-    entry.map_or(f64::NEG_INFINITY, |(_, _, least)| *least)
+    entry.map_or(f64::NEG_INFINITY, |(_, _, minimum)| *minimum)
 }
 
-/// Whether a field is sized or calculated by the engine.
+/// Returns whether a field is sized or calculated by the engine.
 fn is_automatic(value: &Value) -> bool {
     is_word(value, "Autosize") || is_word(value, "Autocalculate")
 }

@@ -13,7 +13,7 @@ use crate::prepare::Prepared;
 /// A controller on the command line.
 #[derive(clap::Args)]
 pub struct ControllerArguments {
-    /// Controller: reactive (rule-based baseline after ASHRAE Guideline 36), random (uniform at every step), constant
+    /// Controller: reactive (rule-based baseline, after ASHRAE Guideline 36), random (uniform at every step), constant
     /// (middle of every actuator's range), planner (cross-entropy planning on copies of the simulation with perfect
     /// foresight; minutes per simulated day), or the folder of an agent that `b2b train` wrote
     #[arg(long = "controller", value_name = "CONTROLLER", default_value = "reactive")]

@@ -5,7 +5,7 @@ use anyhow::Result;
 /// The number of buildings or episodes in progress at a time.
 #[derive(clap::Args)]
 pub struct Jobs {
-    /// Number of buildings or episodes to process in parallel [default: number of CPU cores]
+    /// Number of buildings, episodes or jobs to process in parallel [default: number of CPU cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     jobs: Option<u32>,
 }

@@ -1,4 +1,4 @@
-//! The location of a building, and what its model may do.
+//! The location of a building, and the permissions of its model.
 
 use std::ffi::OsString;
 use std::path::PathBuf;

@@ -5,7 +5,7 @@ use b2b_benchmark::{ActionScale, Policy};
 /// A policy and the meaning of its actions.
 #[derive(clap::Args)]
 pub struct PolicyArguments {
-    /// Policy: reactive, random, constant, planner, or an ONNX file
+    /// Policy: reactive, random, constant, planner, the folder of an agent, or an ONNX file
     #[arg(long, value_name = "POLICY", required = true)]
     policy: Option<String>,
     /// Scale of the actions of an ONNX policy

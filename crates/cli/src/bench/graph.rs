@@ -1,4 +1,4 @@
-//! `b2b bench graph`: the cost of graph networks next to that of flat ones.
+//! `b2b bench graph`: the cost of graph networks, compared with flat ones.
 
 use std::sync::Arc;
 
@@ -22,9 +22,10 @@ use crate::prepare::Prepared;
 use crate::table::Table;
 use crate::{interrupt, stdout};
 
-/// Measure the CPU time of a forward pass and of an update of graph networks, next to flat ones and to the environment
+/// Measure the CPU time of forward passes and updates of graph networks, compared with flat networks and the
+/// environment
 ///
-/// The networks of the preset graph, and of the preset residual for flat ones, on one thread.
+/// Uses the networks of the presets graph and residual (flat), on one thread.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Columns:
@@ -40,7 +41,7 @@ pub struct Arguments {
     /// Building types, or buildings of the dataset such as OfficeSmall-0042 [default: every type]
     #[arg(long = "type", visible_alias = "types", value_name = "BUILDING", num_args = 1..)]
     buildings: Vec<BuildingName>,
-    /// What attention knows of edges: none, bias, mask or mixed
+    /// How attention uses the edges of the graph: none, bias, mask or mixed
     #[arg(long, default_value = "none", value_name = "EDGES")]
     edges: String,
     /// Print JSON

@@ -21,11 +21,11 @@ use anyhow::Result;
 #[derive(clap::Args)]
 pub struct Arguments {
     #[command(subcommand)]
-    what: What,
+    benchmark: Benchmark,
 }
 
 #[derive(clap::Subcommand)]
-enum What {
+enum Benchmark {
     Speed(speed::Arguments),
     #[cfg(target_os = "linux")]
     Vector(vector::Arguments),
@@ -39,15 +39,15 @@ enum What {
 
 /// Runs the command.
 pub fn bench(arguments: &Arguments) -> Result<()> {
-    match &arguments.what {
-        What::Speed(arguments) => speed::bench(arguments),
+    match &arguments.benchmark {
+        Benchmark::Speed(arguments) => speed::bench(arguments),
         #[cfg(target_os = "linux")]
-        What::Vector(arguments) => vector::bench(arguments),
+        Benchmark::Vector(arguments) => vector::bench(arguments),
         #[cfg(target_os = "linux")]
-        What::Train(arguments) => train::bench(arguments),
+        Benchmark::Train(arguments) => train::bench(arguments),
         #[cfg(target_os = "linux")]
-        What::Graph(arguments) => graph::bench(arguments),
+        Benchmark::Graph(arguments) => graph::bench(arguments),
         #[cfg(target_os = "linux")]
-        What::Soak(arguments) => soak::bench(arguments),
+        Benchmark::Soak(arguments) => soak::bench(arguments),
     }
 }

@@ -1,4 +1,4 @@
-//! What the system says of a process.
+//! Memory and CPU time of a process, as reported by the system.
 
 use std::fs;
 

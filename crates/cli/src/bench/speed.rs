@@ -27,7 +27,7 @@ Columns, CPU time per step in milliseconds:
   engine     EnergyPlus simulates the day without being suspended
   advance    EnergyPlus is suspended at the end of every step, nothing is read (Simulation::advance)
   env        action, step, observation and reward (Env::step)
-  mean, standard deviation: of single steps of the environment, over 10,000 of them in an episode of its own
+  mean, standard deviation: of 10,000 single steps of the environment, in a separate episode
 
 Examples:
   b2b bench speed
@@ -51,7 +51,7 @@ const FIRST_DAYS: u32 = 2;
 /// Steps whose times are measured one by one, as in the paper.
 const SINGLE_STEPS: u32 = 10_000;
 /// Ways to run the model.
-const WAYS: usize = 3;
+const MODES: usize = 3;
 
 /// CPU time of a step of one building type, ms, and its ratios to the bare engine; medians over the days.
 #[derive(Serialize)]
@@ -83,7 +83,7 @@ pub fn bench(arguments: &Arguments) -> Result<()> {
 fn speed(building: &BuildingName, arguments: &Arguments) -> Result<Speed> {
     let prepared = Prepared::new(building, &Location::default(), arguments.json)?;
     let mut days = Vec::new();
-    for first in 0..WAYS {
+    for first in 0..MODES {
         let mut runs = Runs::start(&prepared, arguments.days, first)?;
         for day in 0..arguments.days {
             interrupt::check()?;
@@ -102,7 +102,7 @@ fn speed(building: &BuildingName, arguments: &Arguments) -> Result<Speed> {
         env_ms: of_days(|ms| ms[2]),
         advance_to_engine: of_days(|ms| ms[1] / ms[0]),
         env_to_engine: of_days(|ms| ms[2] / ms[0]),
-        steps: WAYS as u32 * (arguments.days - FIRST_DAYS) * STEPS_PER_DAY,
+        steps: MODES as u32 * (arguments.days - FIRST_DAYS) * STEPS_PER_DAY,
         env_mean_ms,
         env_deviation_ms,
     })
@@ -129,14 +129,14 @@ fn single_steps(prepared: &Prepared) -> Result<Vec<f64>> {
     Ok(times)
 }
 
-/// One building, run in three ways at once, in the order of the table's columns.
+/// One building, run in three modes at once, in the order of the table's columns.
 struct Runs {
-    ways: [Way; WAYS],
+    modes: [Mode; MODES],
     /// Holds the model file.
     _folder: TempDir,
 }
 
-enum Way {
+enum Mode {
     /// Stops once a day.
     Engine(Simulation),
     /// Stops at every step.
@@ -154,42 +154,42 @@ impl Runs {
         let model = folder.path().join("model.epJSON");
         std::fs::write(&model, prepared.building.model_for(period, STEPS_PER_HOUR).to_epjson())?;
         let run = |every| warmed_up(prepared, Run::new(&model, &prepared.weather).stop_every(every));
-        let start = |way| -> Result<Way> {
-            Ok(match way {
-                0 => Way::Engine(run(STEPS_PER_DAY)?),
-                1 => Way::Advance(run(1)?),
+        let start = |mode| -> Result<Mode> {
+            Ok(match mode {
+                0 => Mode::Engine(run(STEPS_PER_DAY)?),
+                1 => Mode::Advance(run(1)?),
                 _ => {
                     let mut env = prepared.env(period, STEPS_PER_HOUR, Task::default())?;
                     env.reset()?;
                     let action = env.action_space().middle();
-                    Way::Env(Box::new(env), action)
+                    Mode::Env(Box::new(env), action)
                 }
             })
         };
-        let mut ways = [start(first)?, start((first + 1) % WAYS)?, start((first + 2) % WAYS)?];
-        ways.rotate_right(first);
-        Ok(Self { ways, _folder: folder })
+        let mut modes = [start(first)?, start((first + 1) % MODES)?, start((first + 2) % MODES)?];
+        modes.rotate_right(first);
+        Ok(Self { modes, _folder: folder })
     }
 
     /// One simulated day of each, in an order that changes from day to day: CPU time of a step, ms.
-    fn one_day_each(&mut self, day: usize) -> Result<[f64; WAYS]> {
-        let mut ms = [0.0; WAYS];
-        for turn in 0..WAYS {
-            let way = (day + turn) % WAYS;
+    fn one_day_each(&mut self, day: usize) -> Result<[f64; MODES]> {
+        let mut ms = [0.0; MODES];
+        for turn in 0..MODES {
+            let mode = (day + turn) % MODES;
             let start = ProcessTime::now();
-            self.ways[way].one_day()?;
-            ms[way] = start.elapsed().as_secs_f64() * 1e3 / f64::from(STEPS_PER_DAY);
+            self.modes[mode].one_day()?;
+            ms[mode] = start.elapsed().as_secs_f64() * 1e3 / f64::from(STEPS_PER_DAY);
         }
         Ok(ms)
     }
 }
 
-impl Way {
+impl Mode {
     fn one_day(&mut self) -> Result<()> {
         match self {
-            Way::Engine(simulation) => step(simulation),
-            Way::Advance(simulation) => (0..STEPS_PER_DAY).try_for_each(|_| step(simulation)),
-            Way::Env(env, action) => (0..STEPS_PER_DAY).try_for_each(|_| Ok(env.step(action).map(drop)?)),
+            Mode::Engine(simulation) => step(simulation),
+            Mode::Advance(simulation) => (0..STEPS_PER_DAY).try_for_each(|_| step(simulation)),
+            Mode::Env(env, action) => (0..STEPS_PER_DAY).try_for_each(|_| Ok(env.step(action).map(drop)?)),
         }
     }
 }

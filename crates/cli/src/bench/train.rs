@@ -21,9 +21,10 @@ use crate::{interrupt, stdout};
 
 /// Measure the speed of training in both loop designs, and the shares of environment, inference and learner
 ///
-/// PPO with the preset of the paper, task constant, in winter. Of a building type, the first training building is used. A
-/// first rollout does not count; then the designs take turns, a rollout and an update each, in random order, so that other
-/// load affects both alike. Stable-Baselines3 follows, with the same numbers and buildings on make_sb3_vec.
+/// Trains PPO with the preset paper on the task constant in winter; for a building type, on its first training
+/// building. After a first rollout that does not count, the two designs alternate in random order, one rollout and
+/// update each, so that other load affects both alike. Stable-Baselines3 follows, with the same settings and buildings
+/// on make_sb3_vec.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Designs:
@@ -52,7 +53,7 @@ pub struct Arguments {
     /// Number of environments
     #[arg(long, default_value_t = 14, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     environments: u32,
-    /// Python interpreter with building2building and stable-baselines3; none to measure without them
+    /// Python interpreter with building2building and stable-baselines3, or none to skip Stable-Baselines3
     #[arg(long, default_value = "python3", value_name = "PATH")]
     python: String,
     /// Print JSON

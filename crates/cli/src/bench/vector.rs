@@ -31,7 +31,7 @@ Columns:
   steps/CPU s      steps of all environments per CPU time of their processes and of this one
   single           steps per CPU time of single environments
   ratio            steps/CPU s divided by single
-  single, cold     single with a cold processor cache at every step; and the ratio to it
+  single, cold     single with a cold processor cache at every step, and the ratio to it
   steps/s          steps of all environments per wall-clock second
   owner (µs)       CPU time of this process per step of an environment
   reset (ms)       from reset to the first observation: median and 99th percentile

@@ -62,7 +62,7 @@ struct ChangeArguments {
     /// Whether the observation includes the attributes of the building, scaled to [-1, 1]
     #[arg(long, value_name = "given|withheld")]
     attributes: Option<Attributes>,
-    /// Form of the observations of houses: a place for every role of a zone, or zones in model order and zeros behind
+    /// Form of the observations of houses: a slot for every zone role, or zones in model order padded with zeros
     #[arg(long, value_name = "roles|raw")]
     observation: Option<HouseForm>,
     /// What controls the actuators that are withheld from the policy: the reactive controllers, or a constant

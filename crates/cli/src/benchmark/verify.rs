@@ -53,7 +53,7 @@ pub fn verify(arguments: &Arguments) -> Result<ExitCode> {
     let seed = match arguments.sample_seed {
         Some(seed) => seed,
         None => getrandom::u32()
-            .context("the operating system gives no random number; pass --sample-seed")?
+            .context("cannot get a random seed from the operating system; pass --sample-seed")?
             .into(),
     };
     let sample = Sample { episodes: arguments.episodes, seed };

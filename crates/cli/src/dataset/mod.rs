@@ -23,7 +23,7 @@ enum Command {
     /// Print the range of every parameter by type and climate zone, next to the building code; houses by vintage
     #[command(after_help = "\
 U-values are in W/(m²·K), with the requirement of ASHRAE 90.1 in parentheses. The infiltration multiplies that of
-the prototype. The units of house parameters are in docs/dataset.md.")]
+the prototype. The units of house parameters are in crates/dataset/data/README.md.")]
     Ranges,
 }
 
@@ -35,7 +35,7 @@ the prototype. The units of house parameters are in docs/dataset.md.")]
     verbatim_doc_comment,
     after_help = "\
 Columns that do not apply to a type are empty. For houses, place is a region of Québec. Units are in the
-metadata of the Parquet file and in docs/dataset.md.
+metadata of the Parquet file and in crates/dataset/data/README.md.
 
 Examples:
   b2b dataset manifest --out ."

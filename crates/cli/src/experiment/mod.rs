@@ -1,4 +1,4 @@
-//! `b2b experiment`: the experiments of the paper, and others, as lists of resumable jobs.
+//! `b2b experiment`: the paper's experiments and others, as lists of resumable jobs.
 
 mod report;
 mod run;
@@ -8,10 +8,11 @@ use anyhow::Result;
 
 use crate::exit_code::ExitCode;
 
-/// Run the paper's experiments, and others
+/// Run the paper's experiments and your own
 ///
-/// An experiment trains and evaluates agents and makes one page of the results, beside the paper's numbers. Its jobs are
-/// independent: they run in parallel, resume after an interrupt, and can be divided between machines with --shard.
+/// An experiment trains and evaluates agents and writes one page that shows the results beside the paper's. Its jobs
+/// are independent: they run in parallel, resume after an interruption, and can be divided between machines with
+/// --shard.
 #[derive(clap::Args)]
 #[command(
     verbatim_doc_comment,

@@ -12,8 +12,8 @@ use crate::stdout;
 
 /// Write the report of an experiment from the results in its folder
 ///
-/// Writes results.json (every episode; the same from one machine as from several shards) and report.html (opens in any
-/// browser, no network needed). Works while jobs are left, with the results so far.
+/// Writes results.json (every episode; identical whether the jobs ran on one machine or in shards) and report.html
+/// (opens in any browser, no network needed). Can be run at any time; unfinished jobs are left out.
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment)]
 pub struct Arguments {

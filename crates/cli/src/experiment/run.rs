@@ -11,22 +11,22 @@ use crate::exit_code::ExitCode;
 use crate::progress::counter;
 use crate::{interrupt, program, stdout};
 
-/// Run the jobs of an experiment that are not done, and write its report
+/// Run the remaining jobs of an experiment and write its report
 ///
-/// A failed job does not stop the others; the same command tries it again. Exits with code 1 if a job failed.
+/// A failed job does not stop the others; the same command retries it. Exits with code 1 if a job failed.
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment)]
 pub struct Arguments {
     /// Name of an experiment, or a TOML file
     #[arg(value_name = "EXPERIMENT")]
     experiment: String,
-    /// Budget: quick (what two cores do in a few hours) or full (what the paper spends)
+    /// Budget: quick (a few hours on two cores) or full (as in the paper)
     #[arg(long, value_name = "BUDGET", default_value = "quick")]
     budget: BudgetName,
-    /// Run part I of N of the jobs, with I from 0; the parts may share the folder
+    /// Run only part I of N of the jobs, with I from 0 to N - 1; the parts may share the output folder
     #[arg(long, value_name = "I/N")]
     shard: Option<Shard>,
-    /// Print the jobs that are left and the time they take, without running them
+    /// Print the remaining jobs and their estimated duration without running them
     #[arg(long)]
     dry_run: bool,
     #[command(flatten)]
@@ -76,7 +76,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     let command = program::command;
     let runner = Runner { command, folder: &folder, parallel, interrupted: interrupt::requested };
     let ended = match runner.run(&jobs, &ended) {
-        Err(Error::Interrupted) => bail!("interrupted; the same command continues"),
+        Err(Error::Interrupted) => bail!("interrupted; run the same command again to resume"),
         ended => ended?,
     };
     bar.finish_and_clear();

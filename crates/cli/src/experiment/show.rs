@@ -17,7 +17,7 @@ pub struct ListArguments {
     json: bool,
 }
 
-/// Describe an experiment: question, agents, jobs and the time that they take
+/// Describe an experiment: question, agents, number of jobs and estimated duration
 #[derive(clap::Args)]
 pub struct ShowArguments {
     /// Name of an experiment, or a TOML file

@@ -80,7 +80,7 @@ impl Stored {
         let stored = read.map_err(|_| anyhow!("its tables are damaged")).flatten().with_context(not_ours)?;
         if stored.metadata.get(DIGEST) != Some(&digest(&stored.metadata)) {
             bail!(
-                "{} was changed: its metadata do not have their SHA-256; run the episode again",
+                "{} was changed: its metadata do not match their SHA-256; run the episode again",
                 path.display()
             );
         }

@@ -19,22 +19,23 @@ use bar::Bar;
 
 /// Train an agent and score it against the reactive controllers
 ///
-/// The folder of a run is the agent: `b2b evaluate --policy FOLDER` and `b2b benchmark run` take it as a policy. It also
-/// has config.toml (every option), progress.csv, TensorBoard events, curve.html, summary.json and the checkpoint.
+/// The output folder is the agent: `b2b evaluate --policy FOLDER` and `b2b benchmark run` accept it as a policy. It
+/// also has config.toml (every option), progress.csv, TensorBoard events, curve.html, summary.json and the checkpoint.
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment, after_help = EXAMPLES)]
 pub struct Arguments {
-    /// Training buildings, such as OfficeSmall-0509; episodes run in them in turn
+    /// Training buildings, such as OfficeSmall-0509, assigned to the environments in turn
     #[arg(value_name = "BUILDING", conflicts_with = "building_type")]
     buildings: Vec<BuildingName>,
-    /// Train on the training split of a building type: another building every episode; of several types with a graph network
+    /// Train on the training split of a building type, with a new building in every episode; several types need
+    /// --preset graph
     #[arg(long = "type", visible_alias = "types", value_name = "TYPE", num_args = 1..)]
     building_type: Vec<BuildingType>,
     /// Train on the training side of a benchmark problem: a name from `b2b benchmark list`, or a JSON file
     #[arg(long, value_name = "PROBLEM", conflicts_with_all = ["buildings", "building_type", "task", "period"])]
     problem: Option<String>,
-    /// Preset: paper (PPO as in the paper), residual (corrections of the tuned reactive controllers) or graph (one network for
-    /// buildings of several types) [default: residual]
+    /// Preset: paper (PPO as in the paper), residual (corrections to the tuned reactive controllers) or graph (one
+    /// network for buildings of several types) [default: residual]
     #[arg(long, value_name = "PRESET")]
     preset: Option<String>,
     /// TOML file with any of the options that a run's config.toml has; other arguments take precedence
@@ -49,7 +50,7 @@ pub struct Arguments {
     /// Run period: winter, summer, full_year or MM-DD..MM-DD [default: winter]
     #[arg(long, value_name = "PERIOD")]
     period: Option<RunPeriod>,
-    /// Environment steps, all environments together [default: the preset's]
+    /// Environment steps in total, over all environments [default: the preset's]
     #[arg(long, value_name = "N")]
     steps: Option<u64>,
     /// Random seed [default: 0]
@@ -61,16 +62,16 @@ pub struct Arguments {
     /// Form of observations: raw, roles or features [default: the preset's]
     #[arg(long, value_name = "FORM")]
     observation: Option<ObservationForm>,
-    /// Act directly, without the reactive controllers
+    /// Train an agent that sets the actuators directly, without the reactive controllers
     #[arg(long, conflicts_with = "authority")]
     direct: bool,
-    /// Largest correction of the reactive controllers, as a share of an actuator's range
+    /// Largest correction to the action of the reactive controllers, as a share of an actuator's range
     #[arg(long, value_name = "SHARE")]
     authority: Option<f64>,
     /// Folder of the run [default: b2b-out/train-BUILDING-TASK-PERIOD-PRESET-SEED, or train-PROBLEM-PRESET-SEED]
     #[arg(long, value_name = "FOLDER")]
     out: Option<PathBuf>,
-    /// Continue the run of a folder from its last checkpoint; with --steps to more steps
+    /// Folder of a run to resume from its last checkpoint; --steps trains for more steps
     #[arg(long, value_name = "FOLDER", conflicts_with_all = [
         "buildings", "building_type", "problem", "algorithm", "preset", "config", "task", "period", "seed", "environments", "observation",
         "direct", "authority", "out",
@@ -116,7 +117,7 @@ pub fn train(arguments: &Arguments) -> Result<()> {
     bar.finish();
     let summary = match trained {
         Err(b2b_learn::Error::Interrupted) => {
-            bail!("interrupted; continue with `b2b train --resume {}`", out.display())
+            bail!("interrupted; resume with `b2b train --resume {}`", out.display())
         }
         trained => trained?,
     };

@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use b2b_building::description::Description;
-use b2b_building::description::shape::{Beyond, Face, Point, Shape};
+use b2b_building::description::shape::{Face, OutsideBoundary, Point, Shape};
 use b2b_building::opening::Opening;
 use b2b_building::zone::area_vector;
 use b2b_building::{Conditioning, PreparedBuilding};
@@ -136,11 +136,11 @@ fn moved(corners: &[Point], along: &[Point], distance: f64) -> Vec<Point> {
 }
 
 fn face_text(building: &PreparedBuilding, shape: &Shape, face: &Face) -> String {
-    let beyond = match face.beyond {
-        Beyond::Outdoors => "outdoors".to_owned(),
-        Beyond::Ground => "ground".to_owned(),
-        Beyond::Zone(zone) => shape.zones[zone].clone(),
-        Beyond::Other => "adiabatic".to_owned(),
+    let beyond = match face.outside_boundary {
+        OutsideBoundary::Outdoors => "outdoors".to_owned(),
+        OutsideBoundary::Ground => "ground".to_owned(),
+        OutsideBoundary::Zone(zone) => shape.zones[zone].clone(),
+        OutsideBoundary::Other => "adiabatic".to_owned(),
     };
     format!(
         "<b>{}</b><br>{}, {:.1} m²<br>adjacent to: {beyond}<br>{}",

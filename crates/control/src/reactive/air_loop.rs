@@ -22,7 +22,7 @@ pub struct AirLoopParameters {
     pub max_supply_temperature: f64,
     /// Minimum supply air temperature, °C; 5 to 20, and at most the maximum.
     pub min_supply_temperature: f64,
-    /// Reset of the supply air temperature from maximum towards minimum by the cooling requests of the zones.
+    /// Reset of the supply air temperature from maximum toward minimum by the cooling requests of the zones.
     pub trim_respond: TrimRespond,
     /// Minimum outdoor air fraction of the supply air; 0 to 1.
     pub min_outdoor_air: f64,

@@ -1,4 +1,4 @@
-//! Trim-and-respond setpoint reset (ASHRAE Guideline 36, section 5.1.14): a setpoint is trimmed towards its most efficient
+//! Trim-and-respond setpoint reset (ASHRAE Guideline 36, section 5.1.14): a setpoint is trimmed toward its most efficient
 //! value, and responds to requests of the zones.
 
 use serde::{Deserialize, Serialize};

@@ -26,7 +26,7 @@ mod space;
 use std::path::Path;
 
 pub use outcome::{Outcome, travel_limit};
-use outcome::{is_calm, relative_losses, travel_factor};
+use outcome::{is_within_travel_limit, relative_losses, travel_factor};
 pub use plan::{Plan, TrainingBuildings};
 use race::Best;
 use record::{Evaluation, Record};
@@ -37,10 +37,10 @@ use selection::{FINALISTS, select};
 
 use crate::{ReactiveParameters, Result, Tuned};
 
-/// The search ends when this number of evaluations in a row has lowered the best score by less than [`LEAST_GAIN`].
+/// The search ends when this number of evaluations in a row has lowered the best score by less than [`MIN_GAIN`].
 const PATIENCE: usize = 20;
 /// Relative.
-const LEAST_GAIN: f64 = 0.01;
+const MIN_GAIN: f64 = 0.01;
 
 /// A building of a plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -121,7 +121,7 @@ fn search(
         };
         search.tell(values, score)?;
         let is_better = best.as_ref().is_none_or(|best| score < best.score());
-        if is_complete && is_better && is_calm(defaults, outcomes) {
+        if is_complete && is_better && is_within_travel_limit(defaults, outcomes) {
             best = Some(candidate);
         }
         done(number + 1);
@@ -133,13 +133,13 @@ fn search(
     Ok(scores.len())
 }
 
-/// Whether the best score, given after each evaluation, no longer falls.
+/// Returns whether the best score, given after each evaluation, no longer falls.
 fn has_stalled(scores: &[f64]) -> bool {
     let Some(earlier) = scores.len().checked_sub(1 + PATIENCE).filter(|number| *number >= search::UNIFORM)
     else {
         return false;
     };
-    scores[scores.len() - 1] > (1.0 - LEAST_GAIN) * scores[earlier]
+    scores[scores.len() - 1] > (1.0 - MIN_GAIN) * scores[earlier]
 }
 
 /// Simulates the buildings of the search one after another, until the set is out of the race.
@@ -197,7 +197,10 @@ fn finalists(plan: &Plan, evaluations: &[Evaluation]) -> Vec<usize> {
     for (number, evaluation) in evaluations.iter().enumerate().skip(1) {
         let Evaluation { values, outcomes } = evaluation;
         let is_repeated = evaluations[..number].iter().any(|other| other.values == *values);
-        if outcomes.len() == plan.buildings.len() && is_calm(defaults, outcomes) && !is_repeated {
+        if outcomes.len() == plan.buildings.len()
+            && is_within_travel_limit(defaults, outcomes)
+            && !is_repeated
+        {
             let losses = relative_losses(plan, defaults, outcomes);
             ranked.push((outcome::percentile_75(&losses), number));
         }

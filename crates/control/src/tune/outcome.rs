@@ -66,7 +66,7 @@ pub(super) fn worst_travel(defaults: &[Outcome], outcomes: &[Outcome]) -> f64 {
 }
 
 /// Returns whether the actuators hunt in no cell. A mean over buildings would hide one that does.
-pub(super) fn is_calm(defaults: &[Outcome], outcomes: &[Outcome]) -> bool {
+pub(super) fn is_within_travel_limit(defaults: &[Outcome], outcomes: &[Outcome]) -> bool {
     worst_travel(defaults, outcomes) <= 1.0
 }
 
@@ -102,8 +102,11 @@ mod tests {
         let outcomes =
             |travel: [f64; 2]| travel.map(|daily_travel| Outcome { daily_travel, ..Outcome::default() });
         let defaults = outcomes([1.0, 8.0]);
-        assert!(is_calm(&defaults, &outcomes([5.0, 8.0])));
-        assert!(!is_calm(&defaults, &outcomes([0.0, 8.1])) && !is_calm(&defaults, &outcomes([5.1, 0.0])));
+        assert!(is_within_travel_limit(&defaults, &outcomes([5.0, 8.0])));
+        assert!(
+            !is_within_travel_limit(&defaults, &outcomes([0.0, 8.1]))
+                && !is_within_travel_limit(&defaults, &outcomes([5.1, 0.0]))
+        );
         assert_eq!(travel_factor(&defaults, &outcomes([4.0, 4.0])), 1.0);
         assert_eq!(travel_factor(&defaults, &outcomes([10.0, 0.0])), 4.0);
     }

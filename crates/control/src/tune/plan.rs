@@ -13,7 +13,7 @@ use crate::{Error, Objective, ReactiveParameters, Result};
 /// Raised when the search changes, so that evaluations of an earlier one are not resumed from.
 const REVISION: u32 = 2;
 
-/// What to tune, and on which episodes.
+/// The plan of a tuning run: what to tune, and on which episodes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Plan {
     /// Class to tune for.

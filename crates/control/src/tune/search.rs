@@ -13,7 +13,7 @@ pub(super) const UNIFORM: usize = 12;
 const GOOD: f64 = 0.2;
 /// Standard deviation of a variation, as a fraction of the range.
 const SPREAD: f64 = 0.15;
-/// Mean number of parameters that a variation changes, beside one that is always changed.
+/// Mean number of parameters that a variation changes, in addition to one that is always changed.
 const CHANGED: f64 = 1.5;
 
 /// A search over a few parameters.

@@ -1,10 +1,10 @@
 //! The choice among the best sets of a search, by buildings that the search did not use.
 
-use super::outcome::{Outcome, is_calm, relative_losses};
+use super::outcome::{Outcome, is_within_travel_limit, relative_losses};
 use super::plan::Plan;
 use crate::Measured;
 
-/// Number of the best sets that are validated beside the defaults.
+/// Number of the best sets that are validated together with the defaults.
 pub(super) const FINALISTS: usize = 4;
 
 /// Deviation below which differences of the loss do not count as worse, K: the accuracy of an air temperature sensor.
@@ -40,7 +40,7 @@ impl Cells {
         let clearly_worse = |(outcome, default): (&Outcome, &Outcome)| {
             outcome.loss(plan) + floor > (1.0 + TOLERANCE) * (default.loss(plan) + floor)
         };
-        is_calm(defaults, &cells) && !cells.iter().zip(defaults).any(clearly_worse)
+        is_within_travel_limit(defaults, &cells) && !cells.iter().zip(defaults).any(clearly_worse)
     }
 }
 

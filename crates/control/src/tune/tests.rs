@@ -132,8 +132,8 @@ fn parameters_under_which_actuators_hunt_are_not_chosen() {
         let file = folder.path().join(format!("{hunting:?}"));
         tune(&plan(0), 40, &file, "", simulate, |_| ()).unwrap()
     };
-    let calm = chosen(None);
-    assert!(calm.parameters.unitary.heating_lift > 15.0);
+    let steady = chosen(None);
+    assert!(steady.parameters.unitary.heating_lift > 15.0);
     for building in [Building::Search(2), Building::Validation(1)] {
         let hunting = chosen(Some(building));
         assert!(hunting.parameters.unitary.heating_lift <= 12.0 && hunting.measured.daily_travel == 1.0);

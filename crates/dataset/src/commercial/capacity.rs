@@ -42,8 +42,8 @@ pub(super) fn leave_to_sizing(model: &mut Model) -> Result<()> {
 
 fn raise_sizing_factors(model: &mut Model) {
     each(model, "Sizing:Parameters", |fields| {
-        for (field, least) in SIZING_FACTORS {
-            let factor = number(fields, field).unwrap_or(1.0).max(least);
+        for (field, minimum) in SIZING_FACTORS {
+            let factor = number(fields, field).unwrap_or(1.0).max(minimum);
             fields.insert(field.into(), json!(factor));
         }
     });

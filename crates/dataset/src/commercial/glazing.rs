@@ -23,7 +23,7 @@ pub(super) fn glaze(model: &mut Model, u: f64, shgc: f64) -> Result<()> {
         return Err(Error::Unsupported {
             class: GLAZING.into(),
             name: shared.clone(),
-            why: "windows and skylights share it; give each a glazing of its own".into(),
+            why: "windows and skylights share it; use separate glazings".into(),
         });
     }
     for name in &in_walls {

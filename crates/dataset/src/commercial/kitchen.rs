@@ -62,8 +62,8 @@ fn exhausted_rooms(model: &Model) -> Result<Vec<Room>> {
 fn supply_what_is_exhausted(model: &mut Model, room: &Room) -> Result<()> {
     let fields = model.require_mut(SIZING, &room.sizing)?;
     let shipped = number(fields, "cooling_minimum_air_flow").unwrap_or_default();
-    let least = shipped.max(SUPPLY_OVER_EXHAUST * room.exhaust);
-    fields.insert("cooling_minimum_air_flow".into(), json!(least));
+    let minimum = shipped.max(SUPPLY_OVER_EXHAUST * room.exhaust);
+    fields.insert("cooling_minimum_air_flow".into(), json!(minimum));
     fields.insert("cooling_design_air_flow_method".into(), "DesignDayWithLimit".into());
     Ok(())
 }

@@ -8,7 +8,7 @@ use b2b_building::{Error, Model, Result};
 use serde_json::json;
 
 /// Minimum resistance that the engine accepts, m²K/W.
-const LEAST_RESISTANCE: f64 = 1e-3;
+const MIN_RESISTANCE: f64 = 1e-3;
 
 /// Sets the assembly U-factor of every exterior wall and roof, W/m²K with the code's air films, through the resistance of
 /// its insulation.
@@ -48,7 +48,7 @@ fn roof_constructions(model: &Model, surfaces: &[Surface]) -> Result<BTreeSet<St
     Ok(constructions)
 }
 
-/// Whether a surface is a floor of a zone with a room under it.
+/// Returns whether a surface is a floor of a zone with a room under it.
 fn is_over_a_room(surface: &Surface, zone: &str) -> bool {
     surface.kind == SurfaceKind::Floor
         && surface.zone.eq_ignore_ascii_case(zone)
@@ -77,8 +77,9 @@ fn require_resistance(
         name: construction.to_owned(),
         why: why.to_owned(),
     };
-    let insulation = insulation_of(model, construction)?
-        .ok_or_else(|| unsupported("none of its layers is a Material:NoMass, to set its U by"))?;
+    let insulation = insulation_of(model, construction)?.ok_or_else(|| {
+        unsupported("none of its layers is a Material:NoMass, whose resistance could be changed")
+    })?;
     let mut others = 0.0;
     for layer in layers(model.require("Construction", construction)?) {
         if !layer.eq_ignore_ascii_case(&insulation) {
@@ -86,13 +87,13 @@ fn require_resistance(
         }
     }
     let resistance = total - others;
-    if resistance < LEAST_RESISTANCE {
-        return Err(unsupported("its other layers insulate more than its U asks for"));
+    if resistance < MIN_RESISTANCE {
+        return Err(unsupported("its other layers alone have a lower U-factor than requested"));
     }
     match resistances.insert(insulation, resistance) {
-        Some(before) if (before - resistance).abs() > 1e-9 => {
-            Err(unsupported("its insulation is in another construction that needs another resistance"))
-        }
+        Some(before) if (before - resistance).abs() > 1e-9 => Err(unsupported(
+            "its insulation is shared with another construction that needs a different resistance",
+        )),
         _ => Ok(()),
     }
 }

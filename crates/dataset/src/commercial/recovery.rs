@@ -14,7 +14,7 @@ const LIST: &str = "AirLoopHVAC:OutdoorAirSystem:EquipmentList";
 const WHEEL: &str = "HeatExchanger:AirToAir:SensibleAndLatent";
 const MIXER: &str = "OutdoorAir:Mixer";
 
-/// Whether the code requires recovery for a system of a type.
+/// Returns whether the code requires recovery for a system of a type.
 ///
 /// ASHRAE 90.1-2019, table 6.5.6.1.2-1 (less than 8,000 h a year), by the sizes of the prototypes: in zones 7 and 8 it asks
 /// from 2,120 L/s of supply air with 10 to 20 % of outdoor air on (each floor of the medium office: 4 m³/s and 19 %) and

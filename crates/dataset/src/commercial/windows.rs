@@ -33,8 +33,8 @@ pub(super) fn resize(model: &mut Model, ratio: f64) -> Result<()> {
     let surfaces = zone::surfaces(model)?;
     let walls: f64 = surfaces.iter().filter(|s| s.is_exterior_wall()).map(Surface::area).sum();
     let (windows, doors) = glass_in_walls(model, &surfaces);
-    let most: f64 = windows.iter().map(|w| w.width * w.greatest).sum();
-    let reachable = Parameter::new("window_to_wall", "1", doors / walls, (most + doors) / walls);
+    let max_glass: f64 = windows.iter().map(|w| w.width * w.greatest).sum();
+    let reachable = Parameter::new("window_to_wall", "1", doors / walls, (max_glass + doors) / walls);
     let refused = || Error::Parameter(OutOfBounds { parameter: reachable, value: ratio });
     let factor = height_factor(&windows, ratio * walls - doors).ok_or_else(refused)?;
     for window in &windows {

@@ -1,4 +1,4 @@
-//! The bounds of a house's parameters, within which the models of its parts hold.
+//! The bounds of a house's parameters, within which the models of its parts are valid.
 
 use b2b_building::Parameter;
 use b2b_building::parameter::Field;
@@ -17,7 +17,7 @@ pub struct Number {
     pub coordinate: usize,
 }
 
-/// The numbers that are drawn, but for those of the heating system.
+/// The numeric parameters that are drawn, except those of the heating system.
 pub const NUMBERS: [Number; 17] = [
     number("floor_area", "m²", [40.0, 1000.0], 1, 2, |house| &mut house.floor_area),
     number("aspect", "1", [1.0, 4.0], 3, 4, |house| &mut house.aspect),

@@ -1,6 +1,6 @@
-//! The unheated zones beside the house: a vented crawlspace under it and a garage on its east side.
+//! The unheated zones adjacent to the house: a vented crawlspace under it and a garage on its east side.
 //!
-//! What separates them from the house is insulated, what separates them from outdoors is not. Their floors are in
+//! Surfaces between them and the house are insulated; their outdoor surfaces are not. Their floors are in
 //! [`super::ground`], their openings in [`super::infiltration`].
 
 use b2b_building::Model;
@@ -70,7 +70,7 @@ fn wall_to_garage(model: &mut Model, house: &House, geometry: &Geometry) {
     shared(model, geometry, LIVING, [name, name], [geometry.sill, geometry.garage_top()]);
 }
 
-/// What stands of the foundation above grade on the garage's side.
+/// The above-grade part of the foundation on the side of the garage.
 fn foundation_to_garage(model: &mut Model, house: &House, geometry: &Geometry) {
     let levels = [0.0, geometry.sill];
     match house.foundation {

@@ -13,7 +13,7 @@ pub(super) const FILM_WALL: f64 = 0.12;
 /// Film of each side of the attic floor, m²K/W (ASHRAE Fundamentals, still air, upward flow).
 pub(super) const FILM_CEILING: f64 = 0.11;
 /// Least resistance of a layer that EnergyPlus accepts without mass, m²K/W.
-const LEAST_RESISTANCE: f64 = 0.01;
+const MIN_RESISTANCE: f64 = 0.01;
 
 /// A layer with mass: name, thickness m, conductivity W/m·K, density kg/m³, specific heat J/kg·K, roughness, solar
 /// absorptance. Properties: ASHRAE Fundamentals, chapter 26.
@@ -46,7 +46,7 @@ impl Layer {
 pub(super) fn insulation(model: &mut Model, name: &str, resistance: f64) {
     let material = json!({
         "roughness": "MediumRough",
-        "thermal_resistance": resistance.max(LEAST_RESISTANCE),
+        "thermal_resistance": resistance.max(MIN_RESISTANCE),
     });
     model.insert("Material:NoMass", name, material);
 }

@@ -116,7 +116,7 @@ impl Geometry {
         }
     }
 
-    /// Whether the garage is on a side.
+    /// Returns whether the garage is on a side.
     pub fn has_garage(&self, side: Side) -> bool {
         self.garage && side == Side::East
     }

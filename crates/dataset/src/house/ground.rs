@@ -1,6 +1,6 @@
 //! The ground: steady conductances to the monthly temperature of the soil.
 //!
-//! EnergyPlus's Kiva is finer but its ground remembers the day a run starts: the floor loss in one July week was
+//! EnergyPlus's Kiva is finer but the state of its ground depends on the day on which a run starts: the floor loss in one July week was
 //! measured at 95 W in a run started in January and 1298 W in one started that week.
 
 use b2b_building::Model;

@@ -1,6 +1,6 @@
 //! Design heat loss and gain, and the equipment sized for them.
 //!
-//! Steady conductances and the site's design temperatures, in the manner of CSA F280; no storage.
+//! Uses steady-state conductances and the site's design temperatures, similar to CSA F280, without thermal storage.
 
 use b2b_climate::{DesignDay, Site};
 

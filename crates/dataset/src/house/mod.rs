@@ -51,7 +51,7 @@ pub use capacities::Capacities;
 pub use geometry::Geometry;
 pub use household::Household;
 pub use parameters::{Foundation, Heater, Heating, House};
-pub use sample::{DIMENSIONS, Given, HouseSample, Vintage};
+pub use sample::{DIMENSIONS, FixedProperties, HouseSample, Vintage};
 pub use zones::{ATTIC, CRAWLSPACE, GARAGE, LIVING, ZoneRole};
 
 use b2b_building::Model;
@@ -64,7 +64,7 @@ use crate::Result;
 /// The same parameters give the same bytes, on every machine.
 ///
 /// # Errors
-/// Those of [`House::check`].
+/// The errors of [`House::check`].
 pub fn house(parameters: &House, site: &Site) -> Result<Model> {
     parameters.check()?;
     let geometry = Geometry::new(parameters);

@@ -8,7 +8,7 @@ use super::geometry::Point;
 /// Boundary condition of surfaces in ground contact.
 const CONDITION: &str = "GroundFCfactorMethod";
 
-/// What is on the other side of a surface.
+/// The outside boundary condition of a surface.
 pub(super) enum Faces<'a> {
     /// The outdoors.
     Outdoors,

@@ -39,7 +39,7 @@ pub(super) fn add(model: &mut Model, geometry: &Geometry) {
     model.insert(class, "Furnishings", furnishings);
 }
 
-/// What a zone of a house is.
+/// The role of a zone in a house.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ZoneRole {
     /// The heated zone: every storey and a heated basement.

@@ -20,12 +20,12 @@ pub struct Cache {
     pub packages: Option<PathBuf>,
 }
 
-/// The folder given to [`look_in`].
+/// The folder given to [`use_packages_in`].
 static PACKAGES: OnceLock<PathBuf> = OnceLock::new();
 
 /// Makes every cache of [`Cache::from_env`] look for packages in this folder first: the `site-packages` of the Python
 /// program that uses this crate. Only the first call has an effect.
-pub fn look_in(folder: PathBuf) {
+pub fn use_packages_in(folder: PathBuf) {
     let _ = PACKAGES.set(folder);
 }
 

@@ -112,7 +112,7 @@ impl Engine {
     /// Like [`Engine::find`], with an explicit cache and value of `B2B_ENERGYPLUS`.
     ///
     /// # Errors
-    /// Those of [`Engine::find`].
+    /// The errors of [`Engine::find`].
     pub fn find_in(cache: &Cache, installed: Option<&Path>) -> Result<Self> {
         if let Some(path) = installed {
             return Self::installed(path);
@@ -124,7 +124,7 @@ impl Engine {
     /// Like [`Engine::ensure`], with an explicit cache and value of `B2B_ENERGYPLUS`.
     ///
     /// # Errors
-    /// Those of [`Engine::ensure`].
+    /// The errors of [`Engine::ensure`].
     pub fn ensure_in(cache: &Cache, installed: Option<&Path>, progress: &mut dyn Progress) -> Result<Self> {
         match installed {
             Some(path) => Self::installed(path),

@@ -50,7 +50,7 @@ pub enum Error {
     },
     /// A downloaded wheel that is not the pinned one.
     #[error(
-        "{file} has SHA-256 {found}; expected {expected}. The registry or mirror served another file: try again, or \
+        "{file} has SHA-256 {found}; expected {expected}. The registry or mirror served a different file: try again, or \
          use another mirror"
     )]
     Checksum {

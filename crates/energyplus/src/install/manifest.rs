@@ -65,7 +65,7 @@ impl Manifest {
         std::fs::write(&path, text).map_err(at(path))
     }
 
-    /// Whether the manifest belongs to this wheel and these wanted files.
+    /// Returns whether the manifest belongs to this wheel and these wanted files.
     pub(super) fn is_of(&self, package: &Package, wheel: &Wheel) -> bool {
         self.wheel_sha256 == wheel.sha256 && self.keep == package.keep
     }

@@ -22,7 +22,7 @@ mod progress;
 mod sealed;
 mod stamp;
 
-pub use cache::{Cache, cache_dir, look_in};
+pub use cache::{Cache, cache_dir, use_packages_in};
 pub use engine::{ENGINE, ENGINE_VERSION, Engine, Source};
 pub use error::{Error, Result};
 pub use manifest::{Manifest, UnpackedFile};

@@ -71,7 +71,7 @@ impl Package {
         Some(Installed { root, manifest }).filter(whole)
     }
 
-    /// Whether the files are those of the wheel.
+    /// Returns whether the files are those of the wheel.
     fn is_whole(&self, Installed { root, manifest }: &Installed, wheel: &Wheel, cache: &Cache) -> bool {
         if manifest.digest() != wheel.files_sha256 {
             return false;
@@ -138,7 +138,7 @@ impl Package {
     /// Like [`Package::ensure`], but verifies the SHA-256 of every file and downloads the package again if one is wrong.
     ///
     /// # Errors
-    /// Those of [`Package::ensure`].
+    /// The errors of [`Package::ensure`].
     pub fn repair(&self, cache: &Cache, progress: &mut dyn Progress) -> Result<Installed> {
         let find_whole = |package: &Self, cache: &Cache| match package.verify(cache) {
             State::Whole { .. } => package.find(cache),
@@ -249,7 +249,7 @@ impl Package {
             let mut entry = archive.by_index(index).map_err(|e| bad(e.to_string()))?;
             let name = entry.name().map_err(|e| bad(e.to_string()))?.into_owned();
             if !Path::new(&name).components().all(|part| matches!(part, Component::Normal(_))) {
-                return Err(bad(format!("`{name}` is outside of its folder")));
+                return Err(bad(format!("`{name}` is outside its folder")));
             }
             let path = self.corrected(&name);
             let to = folder.join(&path);

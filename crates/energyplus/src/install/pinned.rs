@@ -76,7 +76,7 @@ impl fmt::Display for Package {
 }
 
 impl Package {
-    /// Whether a file of the wheel is wanted.
+    /// Returns whether a file of the wheel is wanted.
     pub(super) fn wants(&self, path: &str) -> bool {
         self.keep.iter().any(|pattern| match pattern.split_once('*') {
             None => *pattern == path,

@@ -1,5 +1,5 @@
-//! Sealed files: the SHA-256 of the content in hexadecimal, a line feed, and the content. A change by accident or by an editor
-//! shows when the file is read; whoever recomputes the digest is not kept out.
+//! Sealed files: the SHA-256 of the content in hexadecimal, a line feed, and the content. An accidental change is
+//! detected when the file is read; a deliberate one that recomputes the digest is not.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! Stamps of verified packages: what the file system said of every file when its content was last verified.
+//! Stamps of verified packages: the file system's metadata of every file when its contents were last verified.
 //!
 //! Reading a package takes a tenth of a second or more, and asking the file system takes microseconds. A file whose size, time
 //! of modification or, on Unix, time of change and inode number differ from the stamp is read again.
@@ -30,7 +30,7 @@ impl Stamp {
         Some(Self { path, text: sha256(all) })
     }
 
-    /// Whether these files were verified as they are.
+    /// Returns whether these files were verified as they are.
     pub(super) fn is_known(&self) -> bool {
         std::fs::read_to_string(&self.path).is_ok_and(|known| known == self.text)
     }

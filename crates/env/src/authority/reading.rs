@@ -111,7 +111,7 @@ impl Reading {
         self.last = effect;
     }
 
-    /// Whether every miss has been probed.
+    /// Returns whether every miss has been probed.
     pub(super) fn is_settled(&self) -> bool {
         self.nearer.is_none() && self.probed.is_none()
     }

@@ -113,7 +113,7 @@ pub enum Limit {
     WarmZone,
 }
 
-/// Whether a quantity is a flow, which can be zero.
+/// Returns whether a quantity is a flow, which can be zero.
 pub(super) fn is_flow(quantity: Quantity) -> bool {
     !matches!(quantity, Quantity::SupplyAirTemperature | Quantity::HeatingSetpoint)
 }

@@ -1,4 +1,4 @@
-//! A worker process, for programs that cannot be one themselves.
+//! A worker process, for programs that cannot serve as their own workers.
 
 fn main() {
     b2b_env::vector::run_if_worker();

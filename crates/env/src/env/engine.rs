@@ -131,7 +131,7 @@ impl Engine {
         }
     }
 
-    /// Whether a controlled zone is occupied.
+    /// Returns whether a controlled zone is occupied.
     pub(super) fn occupied(&self, controlled_zone: usize) -> bool {
         self.people(controlled_zone) > 0.0
     }

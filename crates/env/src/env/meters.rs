@@ -12,7 +12,7 @@ pub(super) const METERS: [&str; 2] = ["Electricity:HVAC", "NaturalGas:HVAC"];
 pub(super) const METER_FILE: &str = "eplusout.mtr";
 pub(super) const JOULES_PER_WATT_HOUR: f64 = 3600.0;
 
-/// Has the engine write the HVAC meters of the run period to [`METER_FILE`].
+/// Makes the engine write the HVAC meters of the run period to [`METER_FILE`].
 pub(super) fn request(model: &mut Model) {
     for meter in METERS {
         let fields = serde_json::json!({"key_name": meter, "reporting_frequency": "RunPeriod"});

@@ -1,4 +1,4 @@
-//! The environment in this process: reset and step.
+//! The in-process environment: reset and step.
 
 mod engine;
 mod meters;
@@ -121,7 +121,7 @@ impl Env {
         })
     }
 
-    /// Has the engine keep what each actuator drives readable: see [`Env::effect`].
+    /// Makes the quantity that each actuator drives readable: see [`Env::effect`].
     #[must_use]
     pub fn observe_effects(mut self) -> Self {
         self.observe_effects = true;
@@ -240,7 +240,7 @@ impl Env {
         self.spaces.episode_steps()
     }
 
-    /// Whether the episode is over.
+    /// Returns whether the episode is over.
     pub fn is_truncated(&self) -> bool {
         self.truncated
     }
@@ -250,7 +250,7 @@ impl Env {
         &self.metrics
     }
 
-    /// The comfort penalties of the last step by the task, one for each controlled zone in model order. Their mean is the
+    /// The task's comfort penalties of the last step, one for each controlled zone in model order. Their mean is the
     /// temperature penalty of the task's own reward.
     pub fn comfort_penalties(&self) -> impl Iterator<Item = f64> {
         let began = self.beginning_of(self.metrics.steps.saturating_sub(1));
@@ -296,8 +296,8 @@ impl Env {
         }
     }
 
-    /// The quantity that an actuator drives, as the engine has it at the end of the last step, in the unit of
-    /// its effect. `None` without [`Env::observe_effects`] or an episode in progress.
+    /// The simulated value of the quantity that an actuator drives at the end of the last step, in the unit of its
+    /// effect. `None` without [`Env::observe_effects`] or an episode in progress.
     pub fn effect(&self, actuator: usize) -> Option<f64> {
         let engine = self.engine.as_ref()?;
         engine.effects.get(actuator).map(|variable| engine.simulation.read(*variable))
@@ -317,14 +317,14 @@ impl Env {
         engine.map(Engine::outdoor_air_by_system).unwrap_or_default()
     }
 
-    /// The engine's own clock at the end of the last step; the observation's is the calendar's. `None` without
-    /// an episode in progress.
+    /// The engine's own clock at the end of the last step; the time in the observation comes from the calendar. `None`
+    /// without an episode in progress.
     pub fn engine_clock(&self) -> Option<Clock> {
         self.engine.as_ref().map(|engine| engine.simulation.clock())
     }
 
-    /// The controlled zones in which nobody ever is, by name: occupancy setpoints always leave them at the unoccupied
-    /// target. Empty before the first episode.
+    /// The names of the controlled zones that are never occupied: with occupancy setpoints, their target is always the
+    /// unoccupied one. Empty before the first episode.
     pub fn never_occupied(&self) -> impl Iterator<Item = &str> {
         self.never_occupied.iter().map(String::as_str)
     }
@@ -397,11 +397,11 @@ impl Env {
         self.finish_run = finish_run;
     }
 
-    /// Drops what only a new environment needs, if nobody else holds it.
-    pub(crate) fn forget_model(&mut self) {
+    /// Drops the model, which only a new environment needs, if nothing else holds it.
+    pub(crate) fn drop_model(&mut self) {
         let spaces = Arc::get_mut(&mut self.spaces);
         if let Some(building) = spaces.and_then(|spaces| Arc::get_mut(&mut spaces.building)) {
-            building.forget_model();
+            building.drop_model();
         }
     }
 

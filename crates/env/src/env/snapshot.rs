@@ -30,8 +30,8 @@ impl Env {
         Some(Snapshot { building: spaces.building.name.clone(), episode: spaces.episode.clone(), actions })
     }
 
-    /// Returns to where a snapshot was taken, bit for bit, by a fresh start and the same actions: for systems that
-    /// cannot copy a process, and for another process. Where the system can, a
+    /// Returns to the point of a snapshot, bit for bit, by starting anew and replaying the actions. This also works on
+    /// systems that cannot copy a process, and in another process. Where the system can, a
     /// [`vector::Episode`](crate::vector::Episode) does it in milliseconds.
     ///
     /// # Errors

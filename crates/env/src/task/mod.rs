@@ -1,4 +1,4 @@
-//! Tasks: what the reward of an environment asks of an agent, as plain data that is stored with every result.
+//! Tasks: the definition of the reward, as plain data that is stored with every result.
 
 mod fuels;
 mod reward;
@@ -31,7 +31,7 @@ pub use fuels::{Fuels, Hourly};
 /// | resource and its weight | none, `energy0.5`, `cost1`, `carbon1`, `peak1` |
 /// | ventilation | none (outdoor air for the people present), `free-ventilation` (as in the paper) |
 ///
-/// Anything beyond that is written as JSON: see [`Task::read`]. Fields left out of a file keep their defaults.
+/// All other options require JSON: see [`Task::read`]. Omitted fields keep their defaults.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Task {

@@ -1,18 +1,18 @@
-//! Several episodes at once.
+//! Stepping of several episodes at once.
 
 use super::episode::Episode;
 use super::region::LOOK;
 use super::workers::Workers;
 use crate::{Error, Result};
 
-/// Waits until at least `count` of the busy episodes are no longer, and lists in `ready` which those are. All must be
-/// of one set of [`Workers`]. What became of each is in [`Episode::last_step`].
+/// Waits until at least `count` of the busy episodes have finished, and lists their indices in `ready`. All must belong
+/// to one set of [`Workers`]. [`Episode::last_step`] has the outcome of each.
 ///
-/// With [`Episode::send`] this steps several episodes at once: the others work on while those that are ready get their
-/// next actions.
+/// Together with [`Episode::send`], this steps several episodes asynchronously: the others continue while those that
+/// are ready receive their next actions.
 ///
 /// # Errors
-/// [`Error::Interrupted`]; the episodes work on then.
+/// [`Error::Interrupted`]; the episodes continue.
 pub fn recv(episodes: &mut [Episode], count: usize, ready: &mut Vec<usize>) -> Result<()> {
     ready.clear();
     ready.extend((0..episodes.len()).filter(|index| episodes[*index].is_busy()));
@@ -22,7 +22,7 @@ pub fn recv(episodes: &mut [Episode], count: usize, ready: &mut Vec<usize>) -> R
     Ok(())
 }
 
-/// One step of every episode. `actions` has one action after another.
+/// Makes one step of every episode. `actions` has the actions of all episodes, one after another.
 ///
 /// # Errors
 /// [`Error::ActionLength`] and those of [`Episode::send`]; [`Error::Lost`] when one is lost; [`Error::Interrupted`].
@@ -68,15 +68,15 @@ pub(super) fn rest<T>(
     }
     let starting = items.iter_mut().filter_map(episode).any(|episode| episode.is_starting());
     if starting {
-        workers.lock().pump();
+        workers.lock().advance_all();
     }
     // A template that is ready, or done with copies, is an event of its own; steps are waited for together.
     workers.region().sleep(done, if starting { 1 } else { (count - ready) as u32 }, LOOK);
-    let look = workers.lock().look_is_due();
+    let look = workers.lock().check_is_due();
     if look {
         workers.check_interrupt()?;
-        workers.lock().pump();
-        items.iter_mut().filter_map(episode).for_each(Episode::look_after);
+        workers.lock().advance_all();
+        items.iter_mut().filter_map(episode).for_each(Episode::check_worker);
     }
     Ok(settle(items))
 }

@@ -26,7 +26,7 @@ const FAILED_STARTS: u32 = 3;
 /// - A crash of the engine, a kill or a hang is [`Error::Lost`] with the reason; a reset begins anew.
 /// - [`Episode::begin`] and [`Episode::send`] do not wait, and [`recv`](super::recv) waits for several at once.
 ///
-/// A step allocates nothing but at the end of an episode.
+/// A step allocates nothing, except at the end of an episode.
 #[derive(Debug)]
 pub struct Episode {
     workers: Workers,
@@ -62,7 +62,7 @@ enum Phase {
 }
 
 impl Workers {
-    /// An episode of a setting, before its first reset. Prepares the setting.
+    /// Prepares a setting and returns an episode of it, before its first reset.
     ///
     /// # Errors
     /// As [`Workers::prepare`].
@@ -134,10 +134,10 @@ impl Episode {
         Ok(())
     }
 
-    /// Orders a fragment of about `steps` steps from the worker's [`Runner`](super::Runner), and does not wait for it.
+    /// Requests a fragment of about `steps` steps from the worker's [`Runner`](super::Runner), without waiting for it.
     ///
     /// # Errors
-    /// [`Error::Order`] for an order that is too long; [`Error::NotReset`]; [`Error::Busy`]; [`Error::Lost`].
+    /// [`Error::Order`] for a request that is too long; [`Error::NotReset`]; [`Error::Busy`]; [`Error::Lost`].
     pub fn send_fragment(&mut self, order: &[u8], steps: usize) -> Result<()> {
         let slot = self.slot()?;
         if !Region::has_room_for(order) {
@@ -151,12 +151,12 @@ impl Episode {
         Ok(())
     }
 
-    /// Steps of the last fragment, of an episode that is not busy.
+    /// The number of steps of the last fragment. The episode must not be busy.
     pub fn fragment_steps(&self) -> usize {
         self.place.map_or(0, |place| self.workers.region().fragment_steps(place.slot))
     }
 
-    /// The outcome of the last step, of an episode that is not busy.
+    /// The outcome of the last step. The episode must not be busy.
     ///
     /// # Errors
     /// [`Error::Lost`] when the worker died, hung or failed; [`Error::Busy`]; [`Error::NotReset`].
@@ -172,7 +172,7 @@ impl Episode {
         }
     }
 
-    /// A copy of the episode at its current point, to come back to.
+    /// Returns a snapshot: a copy of the episode at its current point.
     ///
     /// # Errors
     /// [`Error::Lost`] when the copy cannot be made; [`Error::NotReset`] and [`Error::Busy`] when the episode is not
@@ -181,7 +181,7 @@ impl Episode {
         Ok(Snapshot(self.copies(1)?.remove(0)))
     }
 
-    /// Returns to where a snapshot was taken. The snapshot remains.
+    /// Returns to the point of a snapshot, which remains usable.
     ///
     /// # Errors
     /// [`Error::OtherSnapshot`] when it was taken of another setting or set of workers; [`Error::Lost`] when the copy
@@ -198,7 +198,7 @@ impl Episode {
         Ok(&self.observation)
     }
 
-    /// `count` episodes that continue from the current point of this one.
+    /// Returns `count` episodes that continue from the current point of this one.
     ///
     /// # Errors
     /// As [`Episode::snapshot`].
@@ -227,7 +227,7 @@ impl Episode {
         Ok(places.into_iter().map(copy).collect())
     }
 
-    /// The set of workers that it runs in.
+    /// The set of workers that the episode runs in.
     pub fn workers(&self) -> &Workers {
         &self.workers
     }
@@ -257,17 +257,17 @@ impl Episode {
         self.reward
     }
 
-    /// Whether the worker is busy with a step or with its start.
+    /// Returns whether the worker is busy with a step or with its start.
     pub fn is_busy(&self) -> bool {
         matches!(self.phase, Phase::Starting(_) | Phase::Stepping(_))
     }
 
-    /// Whether the episode is at its end.
+    /// Returns whether the episode is at its end.
     pub fn is_truncated(&self) -> bool {
         self.phase == Phase::Truncated
     }
 
-    /// Why the episode was lost, if it was.
+    /// Returns the reason why the episode was lost, if it was.
     pub fn lost(&self) -> Option<&str> {
         match &self.phase {
             Phase::Lost(why) => Some(why),
@@ -348,8 +348,8 @@ impl Episode {
         };
     }
 
-    /// Finds out whether the worker of a busy episode is gone or late.
-    pub(super) fn look_after(&mut self) {
+    /// Checks whether the worker of a busy episode has ended or missed its deadline.
+    pub(super) fn check_worker(&mut self) {
         let Some(place) = self.place.filter(|_| self.is_busy()) else { return };
         let mut pool = self.workers.lock();
         if self.phase == Phase::Starting(None) && !pool.waits_for_template(place) {
@@ -360,7 +360,7 @@ impl Episode {
             Phase::Stepping(deadline) => Some(deadline),
             _ => return,
         };
-        let gone = pool.look_after(place.slot, deadline);
+        let gone = pool.failure(place.slot, deadline);
         drop(pool);
         match gone {
             None => {}
@@ -380,7 +380,7 @@ impl Episode {
     /// Ends the worker.
     pub(super) fn end(&mut self) {
         if let Some(place) = self.place.take()
-            && self.workers.belong_here()
+            && self.workers.belong_to_this_process()
         {
             self.workers.lock().release(place);
         }
@@ -398,7 +398,7 @@ impl Drop for Episode {
 pub struct Snapshot(Episode);
 
 impl Snapshot {
-    /// `count` episodes that continue from this point.
+    /// Returns `count` episodes that continue from this point.
     ///
     /// # Errors
     /// As [`Episode::snapshot`].
@@ -406,7 +406,7 @@ impl Snapshot {
         self.0.copies(count)
     }
 
-    /// An episode that continues from this point.
+    /// Returns an episode that continues from this point.
     ///
     /// # Errors
     /// As [`Episode::snapshot`].

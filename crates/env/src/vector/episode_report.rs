@@ -1,4 +1,4 @@
-//! What a worker reports at the end of an episode.
+//! The report of a worker at the end of an episode.
 
 use std::time::Duration;
 

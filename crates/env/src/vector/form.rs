@@ -1,4 +1,4 @@
-//! How buildings of different sizes share one width of observations and actions.
+//! Forms: observations and actions of one width for buildings of different sizes.
 
 use std::sync::Arc;
 
@@ -25,7 +25,7 @@ pub trait EpisodeForm: Send {
     /// Names and bounds of the actuators that a row of actions begins with; the rest of the row is padding.
     fn actions(&self) -> &ActionSpace;
 
-    /// What the numbers in a row of observations are.
+    /// The layout of a row of observations.
     fn slots(&self) -> Vec<RowSlot>;
 
     /// Completes a row of actions to an action of the building in physical units, with the observation before the step.
@@ -67,13 +67,13 @@ impl From<&Slot> for RowSlot {
     }
 }
 
-/// How an observation of a building is arranged in a row.
+/// The arrangement of a building's observation in a row.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Arrangement {
     /// As it is. A place can hold different quantities in houses with different zones.
     #[default]
     InOrder,
-    /// Of a house, by the roles of its zones: see [`RoleObservation`]. Of another building, as it is.
+    /// By the roles of zones in houses (see [`RoleObservation`]); unchanged in other buildings.
     ByRole,
 }
 
@@ -96,7 +96,7 @@ impl Arrangement {
 }
 
 impl Arranged {
-    /// Names and bounds of the slots.
+    /// Returns the names and bounds of the slots.
     pub fn slots(&self) -> Vec<RowSlot> {
         match &self.roles {
             None => self.spaces.observation.slots().iter().map(RowSlot::from).collect(),
@@ -104,7 +104,7 @@ impl Arranged {
         }
     }
 
-    /// Where the values of the slots come from.
+    /// The sources of the values of the slots.
     pub fn values(&self) -> Vec<RoleValue> {
         match &self.roles {
             None => (0..self.spaces.observation.len()).map(RoleValue::Slot).collect(),
@@ -138,7 +138,7 @@ pub struct Padded {
 }
 
 impl Padded {
-    /// The form that fits the largest of some buildings.
+    /// Returns the form that fits the largest of these buildings.
     pub fn fitting<'a>(all: impl IntoIterator<Item = &'a Arc<Spaces>>, arrangement: Arrangement) -> Self {
         let largest = |(actions, observations): (usize, usize), spaces: &Arc<Spaces>| {
             (actions.max(spaces.action.len()), observations.max(arrangement.of(spaces).width()))
@@ -161,13 +161,13 @@ impl Form for Padded {
     }
 }
 
-/// Errors if a building has more than a row has room for.
+/// Checks that a building fits into a row of this width.
 ///
 /// # Errors
 /// [`Error::TooWide`].
-pub fn check_width(spaces: &Spaces, what: &'static str, width: usize, most: usize) -> Result<()> {
+pub fn check_width(spaces: &Spaces, what: &'static str, width: usize, maximum: usize) -> Result<()> {
     let name = || spaces.building.name.clone();
-    if width > most { Err(Error::TooWide { name: name(), what, width, most }) } else { Ok(()) }
+    if width > maximum { Err(Error::TooWide { name: name(), what, width, maximum }) } else { Ok(()) }
 }
 
 struct PaddedEpisode {

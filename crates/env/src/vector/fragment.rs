@@ -1,9 +1,8 @@
-//! Fragments: many steps in a row inside a worker, without its owner.
+//! Fragments: sequences of steps that a worker runs without its owner.
 //!
-//! The hand-over of every single step costs more than the step of a small building. A program that has a policy of its own, as a
-//! learner has, gives its workers a [`Runner`] instead ([`run_if_worker_with`](super::run_if_worker_with)), orders
-//! fragments ([`VecEnv::send_fragment`](super::VecEnv::send_fragment)) and reads what the runners leave in
-//! [`SharedMemory`].
+//! Exchanging every single step costs more than a step of a small building. A program with its own policy, such as a
+//! learner, therefore gives its workers a [`Runner`] ([`run_if_worker_with`](super::run_if_worker_with)), requests
+//! fragments ([`VecEnv::send_fragment`](super::VecEnv::send_fragment)) and reads the results in [`SharedMemory`].
 
 use std::fmt;
 use std::sync::Arc;
@@ -11,7 +10,7 @@ use std::sync::Arc;
 use super::region::Region;
 use crate::Env;
 
-/// What went wrong in a runner; its text ends the episode as lost.
+/// An error of a runner. The episode is then lost, with the text of the error as the reason.
 pub type RunnerError = Box<dyn std::error::Error>;
 
 /// Runs fragments of one episode inside its worker process.
@@ -24,13 +23,14 @@ pub trait Runner {
     fn run(&mut self, env: &mut Env, order: &[u8], memory: &SharedMemory) -> Result<usize, RunnerError>;
 }
 
-/// Makes the runner of an episode from its first order.
+/// Makes the runner of an episode from its first request.
 pub type MakeRunner = fn(&Env, &[u8]) -> Result<Box<dyn Runner>, RunnerError>;
 
 /// Memory that a set of [`Workers`](super::Workers) and its worker processes share: f32 numbers, 0 at first.
 ///
-/// Reads and writes are not ordered by themselves. What was written before [`VecEnv::send_fragment`](super::VecEnv::send_fragment)
-/// is read by the runner, and what the runner wrote is read after [`VecEnv::recv`](super::VecEnv::recv) listed the environment.
+/// Reads and writes are not synchronized by themselves. What was written before
+/// [`VecEnv::send_fragment`](super::VecEnv::send_fragment) is read by the runner, and what the runner wrote is read
+/// after [`VecEnv::recv`](super::VecEnv::recv) listed the environment.
 #[derive(Clone)]
 pub struct SharedMemory(Arc<Region>);
 
@@ -45,7 +45,7 @@ impl SharedMemory {
         Self(region)
     }
 
-    /// Reads numbers from a place on.
+    /// Reads numbers, beginning at an index.
     ///
     /// # Panics
     /// When the place is beyond the memory.
@@ -53,7 +53,7 @@ impl SharedMemory {
         self.0.read_shared(place, numbers);
     }
 
-    /// Writes numbers from a place on.
+    /// Writes numbers, beginning at an index.
     ///
     /// # Panics
     /// When the place is beyond the memory.

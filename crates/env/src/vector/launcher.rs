@@ -1,4 +1,4 @@
-//! How worker processes are started.
+//! Launching of worker processes.
 
 use std::ffi::OsString;
 use std::fs::File;
@@ -11,7 +11,7 @@ use std::process::{Child, Command, Stdio};
 use super::region::Ticket;
 use super::worker::FLAG;
 
-/// A program that calls [`run_if_worker`](super::run_if_worker), and the arguments ahead of the worker's own.
+/// A program that calls [`run_if_worker`](super::run_if_worker), and the arguments that precede the worker's own.
 #[derive(Clone, Debug)]
 pub struct Launcher {
     program: PathBuf,
@@ -27,12 +27,12 @@ impl Launcher {
     /// A launcher of this program.
     ///
     /// # Errors
-    /// When the system does not tell which program that is.
+    /// If the path of this program cannot be determined.
     pub fn this_program() -> io::Result<Self> {
         Ok(Self::new(std::env::current_exe()?))
     }
 
-    /// Adds an argument ahead of the worker's own, as an interpreter needs.
+    /// Adds an argument before the worker's own, as needed for an interpreter.
     #[must_use]
     pub fn argument(mut self, argument: impl Into<OsString>) -> Self {
         self.arguments.push(argument.into());

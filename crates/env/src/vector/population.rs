@@ -78,7 +78,7 @@ impl Buildings {
     /// A setting of a building.
     ///
     /// # Errors
-    /// Those of [`Catalog::generate`].
+    /// The errors of [`Catalog::generate`].
     pub fn setting(&self, name: String, building: &Building) -> Result<Setting> {
         let (model, weather) = self.catalog.generate(building, &mut Quiet)?;
         let source = Source::generated(name, building.class(), model);
@@ -121,10 +121,11 @@ impl Shape {
 }
 
 impl Population {
-    /// Buildings, by name, from which the spaces of all follow: one of each set of zones.
+    /// Returns representative buildings, by name: one for each set of zones, from which the spaces of all buildings
+    /// follow.
     ///
     /// # Errors
-    /// Those of [`b2b_dataset::sample`].
+    /// The errors of [`b2b_dataset::sample`].
     pub fn representatives(&self) -> Result<Vec<(String, Building)>> {
         let all: Vec<(String, Building)> = match self {
             Self::Ids(ids) => {

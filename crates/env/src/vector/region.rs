@@ -1,9 +1,9 @@
 //! Memory that a pool shares with its workers: a slot for every worker.
 //!
-//! A slot belongs to one side at a time: to the worker while it is [`BUSY`], to the owner otherwise. The state changes
-//! hands with release and acquire, and whoever waits sleeps on a futex. A worker attaches to its slot with the
-//! generation that it was given, so that one that comes late, after its slot was given to another, finds out.
-//! This is the one module of the crate with unsafe code.
+//! A slot belongs to one side at a time: to the worker while it is [`BUSY`], to the owner otherwise. Ownership passes
+//! with release and acquire ordering, and the waiting side sleeps on a futex. A worker attaches to its slot with the
+//! generation that it was given, so a late worker detects that its slot was given to another. This is the one module of
+//! the crate with unsafe code.
 
 use std::fs::File;
 use std::mem::size_of;
@@ -85,7 +85,7 @@ const BUSY: u32 = 1;
 /// Marks an exit status as known.
 const EXITED: u32 = 1 << 31;
 
-/// What both sides wait on.
+/// The futexes that both sides wait on.
 #[repr(C, align(64))]
 struct Bell {
     /// Commands carried out by all workers; a futex.

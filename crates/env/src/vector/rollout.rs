@@ -1,7 +1,7 @@
-//! Rollouts whose controller acts in the worker of the episode.
+//! Rollouts whose controller runs in the worker of the episode.
 //!
-//! The hand-over of every step costs a small building more than the step. A controller that a worker can make from a
-//! description acts there, a day of steps at a time; what it did comes back through [`SharedMemory`].
+//! In a small building, exchanging every step with the owner costs more than the step. A controller that the worker can
+//! make from a description therefore runs there, a day of steps at a time; [`SharedMemory`] returns the results.
 
 use std::sync::Arc;
 
@@ -18,10 +18,10 @@ use crate::reward::Reward;
 use crate::spaces::Spaces;
 use crate::{Controller, Env, Error, Observer, Result};
 
-/// The order of a part of a rollout. The worker's program makes a [`ControllerRunner`] from the first.
+/// A request for a part of a rollout. The worker's program makes a [`ControllerRunner`] from the first one.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct RolloutOrder {
-    /// Description of the controller; the program knows its form.
+    /// Description of the controller, in a form that the program defines.
     pub controller: Value,
     /// Maximum number of steps.
     steps: usize,
@@ -73,13 +73,13 @@ pub struct RolloutMemory {
     workers: Workers,
     memory: SharedMemory,
     place: usize,
-    /// Number of f64 that fit.
+    /// Capacity, as a number of f64.
     room: usize,
     records: Vec<f64>,
 }
 
 impl RolloutMemory {
-    /// Memory of a set of workers; it is taken when a rollout needs it.
+    /// Memory of a set of workers, reserved when a rollout needs it.
     pub fn new(workers: &Workers) -> Self {
         let memory = workers.memory();
         Self { workers: workers.clone(), memory, place: 0, room: 0, records: Vec::new() }
@@ -96,12 +96,12 @@ impl RolloutMemory {
 }
 
 impl Episode {
-    /// Resets the episode and runs it to its end under a controller that the worker makes of its description, and tells
-    /// the observer of the steps, a day at a time. The metrics and the steps are those of [`rollout`](crate::rollout) bit
-    /// for bit.
+    /// Resets the episode, runs it to its end under a controller that the worker makes from its description, and passes
+    /// the steps to the observer, a day at a time. The metrics and the steps are those of [`rollout`](crate::rollout)
+    /// bit for bit.
     ///
     /// # Errors
-    /// Those of the environment and of the observer; [`Error::Lost`] when the worker cannot make the controller.
+    /// The errors of the environment and of the observer; [`Error::Lost`] when the worker cannot make the controller.
     pub fn rollout(
         &mut self,
         controller: &Value,
@@ -125,8 +125,8 @@ impl Episode {
         self.metrics().cloned().ok_or(Error::NotReset)
     }
 
-    /// Has an episode that is ready run to its end under a controller that the worker makes of its description, and does
-    /// not wait for it.
+    /// Starts running a ready episode to its end under a controller that the worker makes from its description, without
+    /// waiting for it.
     ///
     /// # Errors
     /// As [`Episode::send_fragment`].

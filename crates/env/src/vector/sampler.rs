@@ -22,10 +22,10 @@ pub trait Sampler: Send {
     /// The next episode of an environment.
     ///
     /// # Errors
-    /// When the episode cannot be made. The environment is lost then, and draws again at its next reset.
+    /// If the episode cannot be created. The environment is then lost, and draws again at its next reset.
     fn draw(&mut self, environment: usize, random: &mut ChaCha8Rng) -> Result<Draw>;
 
-    /// Forgets earlier draws: the random streams begin anew.
+    /// Discards earlier draws and restarts the random streams.
     fn restart(&mut self) {}
 }
 
@@ -45,7 +45,7 @@ impl<F: FnMut(usize, &mut ChaCha8Rng) -> Result<Draw> + Send> Sampler for F {
     }
 }
 
-/// A setting for each environment, episode after episode.
+/// A fixed setting for each environment, the same in every episode.
 #[derive(Clone, Debug)]
 pub struct Fixed(pub Vec<Setting>);
 
@@ -66,10 +66,10 @@ impl Sampler for AnyOf {
     }
 }
 
-/// A sampler for each environment, in turn: each has the same share of the environments.
-pub struct InTurn(pub Vec<Box<dyn Sampler>>);
+/// Samplers assigned to the environments round-robin: each has the same share of the environments.
+pub struct RoundRobin(pub Vec<Box<dyn Sampler>>);
 
-impl Sampler for InTurn {
+impl Sampler for RoundRobin {
     fn draw(&mut self, environment: usize, random: &mut ChaCha8Rng) -> Result<Draw> {
         let own = environment % self.0.len();
         self.0[own].draw(environment, random)
@@ -80,7 +80,7 @@ impl Sampler for InTurn {
     }
 }
 
-/// Several samplers, one of which makes each draw, with a probability in proportion to its weight.
+/// Several samplers. Each draw is made by one of them, with a probability in proportion to its weight.
 pub struct Weighted(Vec<(f64, Box<dyn Sampler>)>);
 
 impl Weighted {
@@ -116,7 +116,7 @@ impl Sampler for Weighted {
     }
 }
 
-/// Draws of another sampler, each with one of several tasks.
+/// The draws of another sampler, each with one of several tasks.
 #[derive(Clone, Debug)]
 pub struct WithTask<S> {
     /// Sampler whose draws get a task.
@@ -140,7 +140,7 @@ impl<S: Sampler> Sampler for WithTask<S> {
     }
 }
 
-/// Draws of another sampler, each of which an environment keeps for several episodes.
+/// The draws of another sampler, each kept by an environment for several episodes.
 #[derive(Clone, Debug)]
 pub struct Kept<S> {
     of: S,
@@ -175,8 +175,8 @@ impl<S: Sampler> Sampler for Kept<S> {
     }
 }
 
-/// Draws of another sampler, cut to random windows within their run periods. A window begins on one of a few days,
-/// since each needs its own warm-up.
+/// The draws of another sampler, limited to random windows within their run periods. A window begins on one of a few
+/// days, since each needs its own warm-up.
 #[derive(Clone, Debug)]
 pub struct Windows<S> {
     /// Sampler whose draws are cut.
@@ -191,16 +191,16 @@ impl<S: Sampler> Sampler for Windows<S> {
     fn draw(&mut self, environment: usize, random: &mut ChaCha8Rng) -> Result<Draw> {
         let mut draw = self.of.draw(environment, random)?;
         let episode = &mut draw.setting.episode;
-        let (least, most) = self.days;
+        let (min_days, max_days) = self.days;
         let whole = episode.period.days();
-        if least == 0 || least > most || most > whole {
-            return Err(Error::Window { least, most, whole });
+        if min_days == 0 || min_days > max_days || max_days > whole {
+            return Err(Error::Window { min_days, max_days, whole });
         }
-        let room = whole - most;
+        let room = whole - max_days;
         let starts = self.starts.clamp(1, room + 1);
         let start = random.random_range(0..starts) * room / (starts - 1).max(1);
-        let days = random.random_range(least..=most);
-        episode.period = episode.period.part(start, most);
+        let days = random.random_range(min_days..=max_days);
+        episode.period = episode.period.part(start, max_days);
         draw.steps = Some((days * 24 * episode.steps_per_hour) as usize);
         Ok(draw)
     }

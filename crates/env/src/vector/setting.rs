@@ -1,4 +1,4 @@
-//! What an episode is of: a building and the configuration of the episode.
+//! The setting of an episode: a building and the configuration of the episode.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use crate::env::Env;
 use crate::spaces::EpisodeConfig;
 
-/// A building to make an environment of, prepared or not.
+/// The building of an environment, prepared or not.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Source {
@@ -45,10 +45,10 @@ impl Source {
         Self::Model { name, class: Some(class), prototype: false, own: false, model: Box::new(model) }
     }
 
-    /// The building, sized under a weather file and made controllable if it is not yet.
+    /// Returns the prepared building: sized for a weather file and made controllable, unless it already is.
     ///
     /// # Errors
-    /// Those of [`Preparation::run`].
+    /// The errors of [`Preparation::run`].
     pub fn prepare(self, weather: &Path, library: &Library) -> b2b_dataset::Result<PreparedBuilding> {
         match self {
             Self::Prepared(building) => Ok(*building),
@@ -80,7 +80,7 @@ impl Source {
     }
 }
 
-/// What an episode is of: a building, its weather, its days and its task.
+/// The setting of an episode: a building, its weather, its days and its task.
 #[derive(Clone, Debug)]
 pub struct Setting {
     /// The building. Settings that share one share its preparation.
@@ -95,12 +95,12 @@ impl Setting {
         Self { source: source.into(), episode }
     }
 
-    /// Whether both are of the same building and episode.
+    /// Returns whether both are of the same building and episode.
     pub(super) fn is(&self, other: &Self) -> bool {
         self.episode == other.episode && self.has_building_of(other)
     }
 
-    /// Whether what was prepared for one serves the other.
+    /// Returns whether what was prepared for one serves the other.
     pub(super) fn shares_preparation_with(&self, other: &Self) -> bool {
         self.episode.weather == other.episode.weather && self.has_building_of(other)
     }
@@ -111,7 +111,7 @@ impl Setting {
     }
 }
 
-/// What a template process is started with.
+/// The input of a template process.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Order {
     /// The engine's library.

@@ -129,7 +129,7 @@ impl Slots {
         Ok(())
     }
 
-    /// Whether the process in a slot has ended. One that has not attached has not.
+    /// Returns whether the process in a slot has ended. One that has not attached has not.
     pub(super) fn has_ended(&mut self, slot: u32) -> bool {
         self.adopt(slot);
         match &self.processes[slot as usize] {
@@ -151,8 +151,8 @@ impl Slots {
         }
     }
 
-    /// How the process in a slot ended, as far as is known, and its last output.
-    pub(super) fn epitaph(&self, slot: u32, status: Option<ExitStatus>) -> String {
+    /// Describes how the process in a slot ended, as far as is known, with its last output.
+    pub(super) fn describe_end(&self, slot: u32, status: Option<ExitStatus>) -> String {
         let began = Instant::now();
         let status = loop {
             let status = status.or(self.region.exit(slot).map(ExitStatus::from_raw));

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-/// What a [`VecEnv`](super::VecEnv) has done since it was made.
+/// Counters of a [`VecEnv`](super::VecEnv) since it was created.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Statistics {
     /// Episodes begun.

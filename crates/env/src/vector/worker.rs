@@ -127,7 +127,7 @@ impl Worker {
         let aside = order.with_extension("aside");
         std::fs::write(&aside, serde_json::to_vec(env.building())?)?;
         watch.stop()?;
-        env.forget_model();
+        env.drop_model();
         give_back_memory();
         std::fs::rename(&aside, ready)?;
         Ok(env)
@@ -160,7 +160,7 @@ impl Worker {
         let slot = self.slot();
         self.region.write_observation(slot, env.observation());
         self.region.set_status(slot, Status::Running);
-        self.region.hand_back(slot);
+        self.region.complete(slot);
     }
 
     /// One step; whether it was the last.
@@ -197,7 +197,7 @@ impl Worker {
             self.region.set_status(self.slot(), Status::Truncated);
         }
         self.log_severe_messages(env);
-        self.region.hand_back(self.slot());
+        self.region.complete(self.slot());
         Ok(truncated)
     }
 
@@ -240,7 +240,7 @@ impl Worker {
                 }
             }
         }
-        self.region.hand_back(own.slot);
+        self.region.complete(own.slot);
         Ok(())
     }
 
@@ -277,7 +277,7 @@ impl Worker {
         let slot = self.slot();
         self.region.write_report(slot, why.as_bytes());
         self.region.set_status(slot, Status::Failed);
-        self.region.hand_back(slot);
+        self.region.complete(slot);
     }
 
     fn fail(&self, why: &str) -> ! {

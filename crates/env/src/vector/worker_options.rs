@@ -1,4 +1,4 @@
-//! How workers are run.
+//! Options of workers.
 
 use std::path::PathBuf;
 use std::time::Duration;

@@ -15,15 +15,15 @@ use super::worker_options::WorkerOptions;
 use crate::spaces::Spaces;
 use crate::{Error, Result};
 
-/// A shared set of worker processes: what episodes run in.
+/// A shared set of worker processes, in which episodes run.
 ///
 /// 1. [`Workers::prepare`] sizes and warms up a building in a process of its own, the *template* of a setting.
 /// 2. [`Workers::episode`] gives an episode of it; every reset is a copy of the template, within milliseconds.
 /// 3. All processes end when the last handle and the last episode are dropped, and when this process dies.
 ///
-/// Clones share the processes. Handles and episodes may move between threads, but are quickest when one thread uses all
-/// of a set; threads that run episodes at the same time each want a set of their own. Belongs to the process that made
-/// it: in a fork of it, dropping does nothing.
+/// Clones share the processes. Handles and episodes may move between threads, but are fastest when a single thread uses
+/// all of a set; threads that run episodes concurrently should each have their own set. A set belongs to the process
+/// that created it: dropping it in a fork does nothing.
 #[derive(Clone)]
 pub struct Workers {
     shared: Arc<Shared>,
@@ -109,8 +109,7 @@ impl Workers {
         Ok(Reservation { workers: self.clone(), template })
     }
 
-    /// The spaces of settings, from the cache of prepared buildings without starting a process where they are there;
-    /// prepares the others.
+    /// Returns the spaces of settings, from the cache of prepared buildings where possible; prepares the others.
     ///
     /// # Errors
     /// As [`Workers::prepare`].
@@ -182,13 +181,13 @@ impl Workers {
         if (self.shared.interrupted)() { Err(Error::Interrupted) } else { Ok(()) }
     }
 
-    /// Whether both are the same set.
+    /// Returns whether both are the same set.
     pub(super) fn are(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.shared, &other.shared)
     }
 
-    /// Whether this is the process that it belongs to, and no fork of it.
-    pub(super) fn belong_here(&self) -> bool {
+    /// Returns whether this is the process that it belongs to, and no fork of it.
+    pub(super) fn belong_to_this_process(&self) -> bool {
         self.shared.owner == std::process::id()
     }
 }
@@ -200,7 +199,7 @@ pub(super) struct Reservation {
 }
 
 impl Reservation {
-    /// Whether its preparation is over, with or without success.
+    /// Returns whether its preparation is over, with or without success.
     pub(super) fn is_prepared(&self) -> bool {
         self.workers.lock().is_prepared(self.template)
     }
@@ -210,7 +209,7 @@ impl Reservation {
         self.workers.lock().spaces_of(self.template)
     }
 
-    /// Whether both are of one template.
+    /// Returns whether both are of one template.
     pub(super) fn is(&self, other: &Self) -> bool {
         self.template == other.template
     }
@@ -218,7 +217,7 @@ impl Reservation {
 
 impl Drop for Reservation {
     fn drop(&mut self) {
-        if self.workers.belong_here() {
+        if self.workers.belong_to_this_process() {
             self.workers.lock().cancel(self.template);
         }
     }

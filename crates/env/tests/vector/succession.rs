@@ -88,18 +88,18 @@ fn no_more_buildings_are_prepared_at_a_time_than_allowed() {
     let settings = settings(&catalog, 20..26);
     std::thread::scope(|scope| {
         let prepared = scope.spawn(|| workers.prepare_all(&settings).unwrap().len());
-        let mut most = 0;
+        let mut largest = 0;
         while !prepared.is_finished() {
-            most = most.max(workers.preparing_processes().len());
+            largest = largest.max(workers.preparing_processes().len());
             std::thread::sleep(std::time::Duration::from_millis(2));
         }
-        assert_eq!((prepared.join().unwrap(), most), (6, 2));
+        assert_eq!((prepared.join().unwrap(), largest), (6, 2));
     });
     assert_eq!(workers.template_processes().len(), 6);
 }
 
 #[test]
-fn a_template_that_nobody_needs_is_ended() {
+fn a_template_without_users_is_ended() {
     let catalog = catalog();
     let workers = WorkerOptions { template_memory: 0, ..options(&catalog) };
     let options = VecEnvOptions { workers, autoreset: Autoreset::SameStep, widths: None };

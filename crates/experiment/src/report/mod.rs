@@ -1,4 +1,4 @@
-//! The page of an experiment: tables and charts, beside the numbers of the paper.
+//! The page of an experiment: tables and charts, beside the results of the paper.
 
 mod adaptation;
 mod group;
@@ -23,14 +23,14 @@ struct Content {
     /// Tables as the page reads them.
     tables: Vec<Value>,
     charts: Vec<Chart>,
-    /// How to read the numbers.
+    /// Notes that explain the numbers.
     notes: String,
 }
 
 /// Writes the page of an experiment.
 ///
 /// # Errors
-/// Those of the writer.
+/// The errors of the writer.
 pub fn write(file: &mut impl Write, experiment: &Experiment, results: &Results) -> std::io::Result<()> {
     let content = match experiment.report {
         ReportKind::Scores => scores::content(experiment, results),

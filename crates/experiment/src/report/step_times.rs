@@ -38,7 +38,7 @@ pub(super) fn content(results: &Results) -> Content {
         .enumerate()
         .map(bar);
     let chart = Chart {
-        title: "Time of a step".into(),
+        title: "Step time".into(),
         note: "CPU time, mean".into(),
         height: 340,
         wide: true,
@@ -46,14 +46,14 @@ pub(super) fn content(results: &Results) -> Content {
         layout: json!({"barmode": "group", "xaxis": {"type": "category"}, "yaxis": {"title": {"text": "ms"}}}),
     };
     let table = json!({
-        "name": "Time of a step", "title": "mean ± standard deviation over 10,000 steps, ms; and the ratio to the bare engine",
+        "name": "Step time", "title": "mean ± standard deviation over 10,000 steps, ms; and the ratio to the bare engine",
         "header": ["type", "paper", "here", "bare engine", "ratio"],
         "rows": rows,
     });
     Content {
         tables: vec![table],
         charts: vec![chart],
-        notes: "Here: CPU time of a whole step of the environment, with the engine; the machines of the paper are other ones."
+        notes: "Here: CPU time of a whole step of the environment, with the engine; the paper used a different machine."
             .to_owned(),
         ..Content::default()
     }

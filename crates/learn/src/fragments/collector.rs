@@ -9,7 +9,7 @@ use b2b_env::vector::{SharedMemory, VecEnv};
 
 use super::blocks::Block;
 use super::building::GraphBuilding;
-use super::order::{Order, Use, stream};
+use super::order::{Order, Purpose, stream};
 use super::progress::{Phase, Progress};
 use crate::collector::{Collector, Widths, count_lost};
 use crate::error::{Error, Result};
@@ -154,7 +154,7 @@ impl FragmentCollector {
                 let actions = &self.progress[index].actions[first * width..][..steps * width];
                 self.memory.write(self.block(index).action(0), actions);
             }
-            self.run(actor, Use::Replay, &steps)?;
+            self.run(actor, Purpose::Replay, &steps)?;
         }
         Ok(())
     }
@@ -206,7 +206,7 @@ impl FragmentCollector {
     }
 
     /// Runs fragments until every environment has made its steps.
-    fn run(&mut self, actor: &Actor, purpose: Use, steps: &[usize]) -> Result<()> {
+    fn run(&mut self, actor: &Actor, purpose: Purpose, steps: &[usize]) -> Result<()> {
         for (environment, steps) in steps.iter().enumerate() {
             self.send(environment, actor, purpose, *steps)?;
         }
@@ -221,8 +221,8 @@ impl FragmentCollector {
         Ok(())
     }
 
-    /// Orders what is left of an environment's steps, if it is ready.
-    fn send(&mut self, environment: usize, actor: &Actor, purpose: Use, steps: usize) -> Result<()> {
+    /// Requests the remaining steps of an environment, if it is ready.
+    fn send(&mut self, environment: usize, actor: &Actor, purpose: Purpose, steps: usize) -> Result<()> {
         let block = self.block(environment);
         let progress = &mut self.progress[environment];
         if progress.phase != Phase::Ready || progress.done >= steps {
@@ -252,8 +252,8 @@ impl FragmentCollector {
         Ok(())
     }
 
-    /// Takes what became of an environment that is no longer busy.
-    fn settle(&mut self, environment: usize, purpose: Use) -> Result<()> {
+    /// Handles the outcome of an environment that is no longer busy.
+    fn settle(&mut self, environment: usize, purpose: Purpose) -> Result<()> {
         if let Some(why) = self.environments.lost(environment).map(str::to_owned) {
             return self.lose(environment, why);
         }
@@ -270,12 +270,12 @@ impl FragmentCollector {
     }
 
     /// Counts the steps of a fragment, and keeps their actions.
-    fn take_steps(&mut self, environment: usize, purpose: Use) {
+    fn take_steps(&mut self, environment: usize, purpose: Purpose) {
         let block = self.block(environment);
         let steps = self.environments.fragment_steps(environment);
         let progress = &mut self.progress[environment];
         progress.lost_in_a_row = 0;
-        if purpose == Use::Explore {
+        if purpose == Purpose::Explore {
             let mut actions = vec![0.0; steps * self.widths.action];
             self.memory.read(block.action(progress.done), &mut actions);
             progress.actions.extend(actions);
@@ -367,7 +367,7 @@ impl Collector for FragmentCollector {
         self.rollouts += 1;
         self.share(actor, steps)?;
         self.begin_rollout();
-        self.run(actor, Use::Explore, &vec![steps; self.progress.len()])?;
+        self.run(actor, Purpose::Explore, &vec![steps; self.progress.len()])?;
         self.write(steps, rollout);
         Ok(())
     }

@@ -2,7 +2,8 @@
 //!
 //! 1. The owner writes the actor's parameters to shared memory, once for all workers.
 //! 2. Each worker runs its fragment ([`make_runner`]) and leaves observations, actions and rewards in its block of that memory.
-//! 3. Where an episode ends within a fragment, the next begins in a new worker, which runs the rest.
+//! 3. When an episode ends within a fragment, the next episode begins in a new worker, which runs the rest of the
+//!    fragment.
 //! 4. The owner copies the blocks to the rollout.
 
 mod blocks;
@@ -16,7 +17,7 @@ pub(crate) use building::GraphBuilding;
 pub(crate) use collector::spaces_of;
 pub use collector::{FragmentCollector, RewardScale};
 pub(crate) use order::stream;
-pub use order::{Order, Use};
+pub use order::{Order, Purpose};
 pub use runner::make_runner;
 
 /// Runs this process as a worker with runners of fragments if it was started as one, and then never returns. Called first in

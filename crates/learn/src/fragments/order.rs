@@ -6,13 +6,13 @@ use serde::{Deserialize, Serialize};
 
 use super::blocks::Block;
 
-/// What a worker does in a fragment.
+/// The purpose of a fragment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Use {
+pub enum Purpose {
     /// Samples actions, and records every step.
     Explore,
-    /// Carries out the actions in the block: an episode is brought back to a step that it had reached.
+    /// Replays the actions in the block, to restore an episode to a step that it had reached.
     Replay,
 }
 
@@ -37,13 +37,13 @@ pub struct Order {
     pub distribution: Distribution,
     /// Place of the parameters in the shared memory.
     pub parameters: usize,
-    /// Number of the parameters' version, by which a worker knows whether to read them again.
+    /// Version of the parameters; a worker reads them again when it changes.
     pub version: u64,
-    /// What to do.
-    pub purpose: Use,
+    /// Its purpose.
+    pub purpose: Purpose,
     /// Number of steps.
     pub steps: usize,
-    /// Where to leave them.
+    /// Block of shared memory to write to.
     pub block: Block,
     /// Steps of the block that were made before.
     pub done: usize,

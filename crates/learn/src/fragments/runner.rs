@@ -7,7 +7,7 @@ use b2b_agent::{ControllerDescription, Pilot};
 use b2b_env::vector::{ControllerRunner, RolloutOrder, Runner, RunnerError, SharedMemory};
 use b2b_env::{Env, Reward};
 
-use super::order::{Order, Use};
+use super::order::{Order, Purpose};
 use crate::random::{Noise, Random};
 use crate::travel::TravelCost;
 
@@ -33,7 +33,7 @@ pub fn make_runner(env: &Env, order: &[u8]) -> Result<Box<dyn Runner>, RunnerErr
     let scratch = actor.scratch(pilot.graph());
     if (scratch.observations(), scratch.actions()) != pilot.widths() {
         let name = &env.building().name;
-        return Err(format!("{name} does not have the observation and the actuators of the network").into());
+        return Err(format!("the observation or the actuators of {name} do not match the network").into());
     }
     Ok(Box::new(FragmentRunner {
         action: vec![0.0; scratch.actions()],
@@ -73,13 +73,13 @@ impl Runner for FragmentRunner {
             acting += before.elapsed();
             self.travel.before_step(env.metrics());
             let reward = env.step(action)?.reward;
-            if order.purpose == Use::Explore {
+            if order.purpose == Purpose::Explore {
                 self.record_reward(&order, order.done + done, reward, env, memory);
             }
             self.pilot.observe(env.observation());
             done += 1;
         }
-        if order.purpose == Use::Explore {
+        if order.purpose == Purpose::Explore {
             memory.write(order.block.next(), self.pilot.observed());
             let times = [acting, began.elapsed()].map(|time| time.as_secs_f32());
             memory.write(order.block.times(), &times);
@@ -104,8 +104,8 @@ impl FragmentRunner {
     fn choose(&mut self, order: &Order, step: usize, noise: &mut Noise, memory: &SharedMemory) {
         let (observation, block) = (self.pilot.observed(), &order.block);
         match order.purpose {
-            Use::Replay => memory.read(block.action(step), &mut self.action),
-            Use::Explore => {
+            Purpose::Replay => memory.read(block.action(step), &mut self.action),
+            Purpose::Explore => {
                 self.actor.sample(observation, noise.draw(), &mut self.scratch, &mut self.action);
                 memory.write(block.observation(step), observation);
                 memory.write(block.action(step), &self.action);

@@ -43,7 +43,7 @@ impl TrainConfig {
                 "`noise_cost` is for ppo; with sac it must be 0".to_owned()
             }
             () if tasks > 1 && self.observation.form != ObservationForm::Features => {
-                "several tasks differ in what is observed; they need the observation `features`".to_owned()
+                "tasks with different observations require the observation `features`".to_owned()
             }
             () if self.evaluation.every > 0 && self.evaluation.days == 0 => {
                 "`evaluation.days` is 0; expected at least 1".to_owned()

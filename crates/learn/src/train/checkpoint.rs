@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::judge::Standing;
+use super::judge::Rating;
 use crate::error::{Error, Result};
 use crate::state::State;
 
@@ -15,7 +15,7 @@ pub(super) struct Checkpoint {
     /// Environment steps so far.
     pub(super) steps: u64,
     /// The best agent of the evaluations so far.
-    pub(super) best: Standing,
+    pub(super) best: Rating,
     /// Seconds of training so far.
     pub(super) seconds: f64,
     /// Logarithm of the standard deviation of actions when training began.
@@ -51,7 +51,7 @@ impl Checkpoint {
         let mut numbers = [0.0; 4];
         all.read_f64("best", &mut numbers).map_err(|error| wrong(error.to_string()))?;
         let [score, relative_travel, seconds, log_std] = numbers;
-        let best = Standing { score, relative_travel };
+        let best = Rating { score, relative_travel };
         let (learner, collector) = (all.part("learner"), all.part("collector"));
         Ok(Some(Self { steps, best, seconds, log_std, learner, collector }))
     }
@@ -65,7 +65,7 @@ mod tests {
     fn a_checkpoint_reads_back_as_it_was_and_a_damaged_one_is_an_error() {
         let folder = tempfile::tempdir().unwrap();
         assert_eq!(Checkpoint::read(folder.path()).unwrap(), None);
-        let best = Standing { score: 0.9, relative_travel: 1.5 };
+        let best = Rating { score: 0.9, relative_travel: 1.5 };
         let mut checkpoint =
             Checkpoint { steps: 7, best, seconds: 1.5, log_std: -2.0, ..Checkpoint::default() };
         checkpoint.learner.put_f32("weights", &[1.0, -0.0]);

@@ -8,7 +8,7 @@ use b2b_building::{BuildingType, RunPeriod};
 use b2b_dataset::{BuildingName, Catalog, Placement, Split};
 use b2b_energyplus::install::Quiet;
 use b2b_env::vector::{
-    Autoreset, Buildings, Fixed, InTurn, Kept, Launcher, Population, Sampler, Setting, Source, VecEnv,
+    Autoreset, Buildings, Fixed, Kept, Launcher, Population, RoundRobin, Sampler, Setting, Source, VecEnv,
     VecEnvOptions, Weighted, Windows, WithTask, WorkerOptions,
 };
 use b2b_env::{EpisodeConfig, Spaces, Task};
@@ -95,7 +95,7 @@ impl<'a> Environments<'a> {
             return Err(Error::Invalid(why.into()));
         }
         if config.travel_cost > 0.0 {
-            let why = "`travel_cost` is for fragments; in lockstep it must be 0";
+            let why = "`travel_cost` requires the loop design fragments; in lockstep it must be 0";
             return Err(Error::Invalid(why.into()));
         }
         LockstepCollector::new(
@@ -144,7 +144,7 @@ impl<'a> Environments<'a> {
             let of_type = |building_type: &BuildingType| -> Result<Box<dyn Sampler>> {
                 Ok(Box::new(self.population(*building_type, period)?))
             };
-            let all = InTurn(types.iter().map(of_type).collect::<Result<_>>()?);
+            let all = RoundRobin(types.iter().map(of_type).collect::<Result<_>>()?);
             return Ok(Box::new(Kept::new(all, self.config.building_episodes)));
         }
         let mut settings = settings.to_vec();

@@ -39,9 +39,9 @@ pub struct Measures {
     pub oscillating_share: f64,
 }
 
-/// What an agent is chosen by.
+/// The criteria by which the best agent of a run is chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Standing {
+pub(super) struct Rating {
     /// Score: infinite if there is no agent yet.
     pub(super) score: f64,
     /// Actuator travel over its limit.
@@ -145,9 +145,9 @@ impl Measures {
         }
     }
 
-    /// Returns what the agent is chosen by.
-    pub(super) fn standing(&self) -> Standing {
-        Standing { score: self.score, relative_travel: self.relative_travel }
+    /// Returns the criteria by which the best agent is chosen.
+    pub(super) fn rating(&self) -> Rating {
+        Rating { score: self.score, relative_travel: self.relative_travel }
     }
 
     /// Returns the measures by name, as they are in the progress of a run.
@@ -164,23 +164,23 @@ impl Measures {
     }
 }
 
-impl Default for Standing {
-    /// That of no agent.
+impl Default for Rating {
+    /// Returns the rating that any agent is better than.
     fn default() -> Self {
         Self { score: f64::INFINITY, relative_travel: f64::INFINITY }
     }
 }
 
-impl Standing {
-    /// Returns whether the actuators hunt in no building.
-    pub(super) fn is_calm(self) -> bool {
+impl Rating {
+    /// Returns whether actuator travel is within its limit in every building.
+    pub(super) fn is_within_travel_limit(self) -> bool {
         self.relative_travel <= 1.0
     }
 
-    /// Returns whether an agent is better than another: a calm one than one whose actuators hunt, otherwise the one with the
-    /// lower score. An agent without a score is never better.
+    /// Returns whether an agent is better than another. An agent within the travel limit is better than one whose
+    /// actuators hunt; otherwise, the one with the lower score is better. An agent without a score is never better.
     pub(super) fn is_better_than(self, other: Self) -> bool {
-        match (self.is_calm(), other.is_calm()) {
+        match (self.is_within_travel_limit(), other.is_within_travel_limit()) {
             (true, false) => self.score.is_finite(),
             (false, true) => false,
             _ => self.score < other.score,
@@ -215,14 +215,14 @@ mod tests {
 
     #[test]
     fn an_agent_whose_actuators_hunt_is_the_best_only_while_there_is_no_other() {
-        let standing = |score, relative_travel| Standing { score, relative_travel };
-        let restless = standing(0.8, 9.6);
-        assert!(restless.is_better_than(Standing::default()));
-        assert!(standing(0.7, 20.0).is_better_than(restless));
-        let calm = standing(0.95, 1.0);
-        assert!(calm.is_better_than(restless) && !restless.is_better_than(calm));
-        assert!(standing(0.94, 0.2).is_better_than(calm) && !standing(0.96, 0.0).is_better_than(calm));
-        let unknown = standing(f64::NAN, 0.0);
-        assert!(!unknown.is_better_than(restless) && !unknown.is_better_than(Standing::default()));
+        let rating = |score, relative_travel| Rating { score, relative_travel };
+        let hunting = rating(0.8, 9.6);
+        assert!(hunting.is_better_than(Rating::default()));
+        assert!(rating(0.7, 20.0).is_better_than(hunting));
+        let steady = rating(0.95, 1.0);
+        assert!(steady.is_better_than(hunting) && !hunting.is_better_than(steady));
+        assert!(rating(0.94, 0.2).is_better_than(steady) && !rating(0.96, 0.0).is_better_than(steady));
+        let unknown = rating(f64::NAN, 0.0);
+        assert!(!unknown.is_better_than(hunting) && !unknown.is_better_than(Rating::default()));
     }
 }

@@ -69,7 +69,7 @@ impl TrainingLoop {
     /// Begins the first episodes of a configuration.
     ///
     /// # Errors
-    /// Those of [`TrainConfig::check`]; [`Error::Invalid`](crate::Error::Invalid) for a reward in parts in lockstep; those of
+    /// The errors of [`TrainConfig::check`]; [`Error::Invalid`](crate::Error::Invalid) for a reward in parts in lockstep; those of
     /// environments, and of the baselines that rewards are scaled by.
     pub fn new(
         config: &TrainConfig,
@@ -94,7 +94,7 @@ impl TrainingLoop {
     /// Collects a rollout and learns from it.
     ///
     /// # Errors
-    /// Those of the collector and of the learner.
+    /// The errors of the collector and of the learner.
     pub fn update(&mut self) -> Result<UpdateTimes> {
         let began = Instant::now();
         let steps = self.learner.steps_per_rollout();

@@ -30,7 +30,7 @@ pub struct GraphPolicy {
     pub feed_forward: usize,
     /// Activation of these hidden layers. Default relu.
     pub activation: Activation,
-    /// What attention knows of the edges of a building: `none`, `bias`, `mask` or `mixed`. Default none.
+    /// How attention uses the edges of a building: `none`, `bias`, `mask` or `mixed`. Default none.
     pub edges: Edges,
     /// Whether nodes have their attributes as features, and the weather those of the building. Default false.
     pub attributes: bool,

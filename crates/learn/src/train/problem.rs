@@ -86,8 +86,8 @@ impl TrainConfig {
             return Err(beyond(&problem, "steps per hour", &self.steps_per_hour, &protocol.steps_per_hour));
         }
         if self.steps > protocol.training_steps {
-            let most = format!("at most {}", protocol.training_steps);
-            return Err(beyond(&problem, "steps", &self.steps, &most));
+            let budget = format!("at most {}", protocol.training_steps);
+            return Err(beyond(&problem, "steps", &self.steps, &budget));
         }
         let observes_attributes = match &self.policy {
             Policy::Graph(graph) => graph.attributes,

@@ -15,7 +15,7 @@ use super::config::{Keep, TrainConfig};
 use super::curve;
 use super::days;
 use super::environments::Environments;
-use super::judge::{Judge, Measures, Scores, Standing};
+use super::judge::{Judge, Measures, Rating, Scores};
 use super::learner::Learner;
 use super::progress::{Progress, Row};
 use crate::collector::Collector as _;
@@ -87,7 +87,7 @@ pub struct Summary {
 /// Begins a run in a folder that has none, or continues the one that it has from its last checkpoint. Returns its result.
 ///
 /// # Errors
-/// Those of [`TrainConfig::check`]; [`Error::Resume`] when the folder has another run; [`Error::NotFinite`] with the last good agent
+/// The errors of [`TrainConfig::check`]; [`Error::Resume`] when the folder has another run; [`Error::NotFinite`] with the last good agent
 /// kept; [`Error::Interrupted`] after a checkpoint; those of environments and evaluations.
 pub fn train(config: &TrainConfig, place: Place<'_>) -> Result<Summary> {
     config.check()?;
@@ -149,7 +149,7 @@ struct Run<'a> {
     info: AgentInfo,
     steps: u64,
     /// The best agent of the evaluations.
-    best: Standing,
+    best: Rating,
     /// Seconds spent on collection and learning.
     seconds: f64,
     /// Logarithm of the standard deviation of actions when training began.
@@ -192,7 +192,7 @@ impl<'a> Run<'a> {
             unsaved: Vec::new(),
             info,
             steps: 0,
-            best: Standing::default(),
+            best: Rating::default(),
             seconds: 0.0,
             log_std: config.ppo.initial_log_std.into(),
         })
@@ -315,10 +315,10 @@ impl<'a> Run<'a> {
             }
         };
         row.values.extend(measures.named());
-        if self.config.keep == Keep::Best && measures.standing().is_better_than(self.best) {
+        if self.config.keep == Keep::Best && measures.rating().is_better_than(self.best) {
             let written = Agent::write(self.out, info, &actor);
             if written.is_ok() {
-                self.best = measures.standing();
+                self.best = measures.rating();
             }
             self.warn_of(written.map_err(Error::from), "the best agent");
         }
@@ -340,9 +340,9 @@ impl<'a> Run<'a> {
 
     /// Writes the agent of the run's folder if it is not there yet, scores it over the whole run period and writes the result.
     fn finish(self, whole: &Judge<'_>) -> Result<Summary> {
-        if self.config.keep == Keep::Last || self.best == Standing::default() {
+        if self.config.keep == Keep::Last || self.best == Rating::default() {
             Agent::write(self.out, self.info(), &self.learner.actor())?;
-        } else if !self.best.is_calm() {
+        } else if !self.best.is_within_travel_limit() {
             self.monitor.warn(&format!(
                 "the actuators of every evaluated agent hunt; those of the best travel {:.1} times the limit; raise \
                  `travel_cost`",
@@ -369,7 +369,7 @@ impl<'a> Run<'a> {
 
     /// Keeps the last good agent where learning cannot continue.
     fn give_up(&mut self, error: Error) -> Error {
-        if matches!(error, Error::NotFinite { .. }) && self.best == Standing::default() {
+        if matches!(error, Error::NotFinite { .. }) && self.best == Rating::default() {
             let written = Agent::write(self.out, self.info(), &self.learner.actor());
             self.warn_of(written.map_err(Error::from), "the last good agent");
         }

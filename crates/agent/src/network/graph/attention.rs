@@ -3,7 +3,7 @@
 use super::topology::{REACHES, RELATIONS};
 use crate::network::exp;
 
-/// What the edges of a building add to the scores of attention.
+/// The contribution of a building's edges to the attention scores.
 #[derive(Clone, Copy, Debug)]
 pub struct EdgeScores<'a> {
     /// Edges from the node of each row to that of each column.

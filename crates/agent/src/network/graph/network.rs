@@ -12,7 +12,7 @@ pub struct GraphNetwork {
     pub types: Vec<NodeWidths>,
     /// Width of the embedding of a node.
     pub embedding: usize,
-    /// Heads of attention, which share the embedding evenly.
+    /// Attention heads, which divide the embedding evenly.
     pub heads: usize,
     /// Layers of the transformer.
     pub layers: usize,
@@ -20,7 +20,7 @@ pub struct GraphNetwork {
     pub feed_forward: usize,
     /// Activation of these hidden layers.
     pub activation: Activation,
-    /// What attention knows of the edges.
+    /// How attention uses the edges.
     pub edges: Edges,
 }
 
@@ -33,7 +33,7 @@ pub struct NodeWidths {
     pub outputs: usize,
 }
 
-/// What attention knows of the edges of a building.
+/// How attention uses the edges of a building.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Edges {
@@ -49,7 +49,7 @@ pub enum Edges {
 }
 
 impl Edges {
-    /// Whether the attention of a layer is along edges alone.
+    /// Returns whether the attention of a layer is along edges alone.
     pub fn mask(self, layer: usize) -> bool {
         match self {
             Self::None | Self::Bias => false,

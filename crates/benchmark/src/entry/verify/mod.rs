@@ -30,7 +30,7 @@ pub const TOLERANCE: f64 = 1e-6;
 /// The outcome of one check.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Check {
-    /// What was checked.
+    /// The subject of the check.
     pub name: &'static str,
     /// A description, or the fault.
     pub outcome: CheckOutcome,
@@ -43,7 +43,7 @@ type CheckOutcome = std::result::Result<String, String>;
 /// and within [`TOLERANCE`] on another.
 ///
 /// # Errors
-/// Those of [`check`] and [`Evaluation::run`]; faults of the folder are in a [`Check`].
+/// The errors of [`check`] and [`Evaluation::run`]; faults of the folder are in a [`Check`].
 pub fn verify(
     folder: &Path,
     evaluation: &Evaluation<'_>,
@@ -103,7 +103,7 @@ fn policies(folder: &Path, result: &RunResult) -> std::result::Result<Policies, 
     for (stage, description) in &result.policies {
         let policy = EntryPolicy::of(description, &folder.join(POLICY)).map_err(|error| error.to_string())?;
         if policy.description() != *description {
-            return Err(format!("{stage}: the description of the policy is not that of its files"));
+            return Err(format!("{stage}: the description of the policy does not match its files"));
         }
         let stage_of = stage.parse::<Stage>()?;
         let episodes = expected(result, stage_of).unwrap_or_default();
@@ -132,10 +132,10 @@ fn problem(result: &RunResult) -> CheckOutcome {
     let problem = &result.problem;
     problem.check().map_err(|error| error.to_string())?;
     if problem.hash() != result.problem_hash {
-        return Err("the problem does not have the hash that is given".into());
+        return Err("the problem does not match its hash".into());
     }
     if problem.changes() != result.problem_changes {
-        return Err(format!("the changes to {} are not those that are listed", problem.name));
+        return Err(format!("the changes to {} do not match the listed changes", problem.name));
     }
     let budget = problem.protocol.training_steps;
     if let Some(steps) = result.training_steps.filter(|steps| *steps > budget) {
@@ -279,7 +279,7 @@ impl std::fmt::Display for Accuracy {
         match self {
             Self::Bits => f.write_str("bit for bit"),
             Self::Tolerance => {
-                write!(f, "within a relative {TOLERANCE:e} (the result is of another kind of machine)")
+                write!(f, "within a relative {TOLERANCE:e} (the result is from a different kind of machine)")
             }
         }
     }
@@ -301,17 +301,19 @@ fn compare(
     here.info.policy.clone_from(&row.info.policy);
     if accuracy == Accuracy::Bits && here.trajectory_hash != there.trajectory_hash {
         let (there, here) = (&there.trajectory_hash, &here.trajectory_hash);
-        return Ok(Err(format!("its trajectory differs: hash {there} there and {here} here")));
+        return Ok(Err(format!("its trajectory differs: the result has hash {there}, the rerun {here}")));
     }
     if accuracy == Accuracy::Tolerance {
         // It includes the energy scale, which the engine computes.
         here.info.task_hash.clone_from(&row.info.task_hash);
     }
     if here.info != row.info {
-        return Ok(Err(format!("it is {:?} there and {:?} here", row.info, here.info)));
+        return Ok(Err(format!("the result has {:?}, the rerun {:?}", row.info, here.info)));
     }
     if let Some((name, there, here)) = different_metric(&there.metrics, &here.metrics, accuracy) {
-        return Ok(Err(format!("its metrics differ: {name} is {there} there and {here} here")));
+        return Ok(Err(format!(
+            "its metrics differ: {name} is {there} in the result and {here} in the rerun"
+        )));
     }
     compare_baseline(row, episode, &here.info.site(), accuracy, evaluation, progress)
 }
@@ -336,7 +338,9 @@ fn compare_baseline(
     let energies = (there.baseline_energy.unwrap_or(f64::NAN), baseline.energy);
     for (what, (there, here)) in [("return", returns), ("energy", energies)] {
         if !near(there, here) && !accuracy.same(there, here) {
-            return Ok(Err(format!("the {what} of its baseline is {there} there and {here} here")));
+            return Ok(Err(format!(
+                "the {what} of its baseline is {there} in the result and {here} in the rerun"
+            )));
         }
     }
     Ok(Ok(String::new()))

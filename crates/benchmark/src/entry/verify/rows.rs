@@ -31,7 +31,7 @@ pub(super) fn is_of(row: &Row, episode: &Episode) -> bool {
         && row.metrics().is_none_or(|metrics| metrics.steps as u64 == episode.steps())
 }
 
-/// Whether a row has the place of its building, and the climate zone where the dataset lists it.
+/// Returns whether a row has the place of its building, and the climate zone where the dataset lists it.
 fn is_at(row: &Row, episode: &Episode) -> bool {
     let BuildingName::Id(id) = episode.subject.name else { return true };
     let building = &b2b_dataset::row(id).building;
@@ -56,7 +56,7 @@ fn score(row: &Row) -> Result<(), String> {
     }
     let counted: u64 = scored.step_rewards.counts.iter().map(|count| u64::from(*count)).sum();
     if counted != steps as u64 {
-        return Err(format!("{counted} rewards of steps are counted; it has {steps} steps"));
+        return Err(format!("the histogram has {counted} step rewards; the episode has {steps} steps"));
     }
     let hash = &scored.trajectory_hash;
     if hash.len() != HASH_DIGITS || !hash.bytes().all(|byte| byte.is_ascii_hexdigit()) {
@@ -103,13 +103,13 @@ pub(super) fn baselines(result: &RunResult, stages: &[(Stage, Vec<Row>)], known:
                 let there =
                     terms.baseline(&task_for(&episode.subject, &site, &episode.task, episode.steps_per_hour));
                 if !same(&there, &here, TOLERANCE) {
-                    return Err(wrong(&there, "the known one"));
+                    return Err(wrong(&there, "that of the known baseline"));
                 }
                 rows_known += 1;
             }
             let there = first.entry((key, row.info.task.clone())).or_insert(here);
             if !same(there, &here, ROUNDING) {
-                return Err(wrong(there, "that of the same episode elsewhere"));
+                return Err(wrong(there, "that of another row with the same episode"));
             }
             rows_checked += 1;
         }

@@ -8,7 +8,7 @@ use rand_chacha::ChaCha8Rng;
 
 /// A random sample of episodes to run again.
 ///
-/// Whoever forges a result must not know the sample: its seed comes from the operating system unless a verification is
+/// The author of a forged result must not know the sample: its seed comes from the operating system unless a verification is
 /// repeated.
 #[derive(Clone, Copy, Debug)]
 pub struct Sample {

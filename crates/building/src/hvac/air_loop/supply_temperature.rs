@@ -10,9 +10,9 @@ use crate::hvac::references::Reference;
 use crate::hvac::schedules::constant_schedule;
 use crate::{Model, Result};
 
-/// Lower bound of the supply temperature, °C: what the cooling coils reach in summer.
+/// Lower bound of the supply temperature, °C, which the cooling coils reach in summer.
 pub const LOWEST_SUPPLY_TEMPERATURE: f64 = 10.0;
-/// Upper bound of the supply temperature, °C: what the heating coil reaches in winter.
+/// Upper bound of the supply temperature, °C, which the heating coil reaches in winter.
 pub const HIGHEST_SUPPLY_TEMPERATURE: f64 = 55.0;
 /// Supply temperature before the first action, °C.
 pub(super) const NEUTRAL_SUPPLY_TEMPERATURE: f64 = 20.0;

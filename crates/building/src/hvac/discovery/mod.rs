@@ -36,7 +36,7 @@ pub struct Uncontrolled {
     pub object: Reference,
     /// The zones it serves.
     pub zones: Vec<String>,
-    /// Why it is not controlled, or how it works beside controlled equipment.
+    /// The reason why it is not controlled, or how it works alongside controlled equipment.
     pub reason: String,
 }
 
@@ -90,7 +90,7 @@ impl Discovery {
     }
 }
 
-/// Whether a zone without controlled equipment has a thermostat and equipment that heats or cools it.
+/// Returns whether a zone without controlled equipment has a thermostat and equipment that heats or cools it.
 pub(crate) fn has_own_controls(model: &Model, zone: &str) -> Result<bool> {
     let conditions = |e: &Reference| !is_one_of(&e.class, &VENTILATION);
     Ok(thermostat(model, zone).is_some() && zone_equipment(model, zone)?.iter().any(conditions))
@@ -126,7 +126,7 @@ fn refuse_second_system(model: &Model, air_loop: &str) -> Result<()> {
     Ok(())
 }
 
-/// Whether equipment may share a zone with a controlled system.
+/// Returns whether equipment may share a zone with a controlled system.
 fn is_beside(class: &str) -> bool {
     is_one_of(class, &VENTILATION)
         || is_one_of(class, &UNCONTROLLED_EQUIPMENT)
@@ -221,7 +221,7 @@ fn collect(model: &Model, object: &Reference, names: &mut HashSet<String>) {
     }
 }
 
-/// Whether an EMS actuator acts on a component of a controlled system. Schedules do not count: a controlled system no
+/// Returns whether an EMS actuator acts on a component of a controlled system. Schedules do not count: a controlled system no
 /// longer follows those of the model.
 fn acts_on(actuator: &Fields, names: &HashSet<String>) -> bool {
     !sets_a_schedule(actuator)

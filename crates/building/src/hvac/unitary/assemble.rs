@@ -1,4 +1,4 @@
-//! Units that the model has in parts: cooling coil, heating coil and fan in series on the branch of an air loop.
+//! Units modeled as separate components: cooling coil, heating coil and fan in series on the branch of an air loop.
 
 use serde_json::json;
 
@@ -23,7 +23,7 @@ struct Parts {
     fan: Reference,
 }
 
-/// Whether an air loop has the parts of a unit, and nothing else, ahead of terminals that a unit can feed.
+/// Returns whether an air loop has the parts of a unit, and nothing else, ahead of terminals that a unit can feed.
 pub(super) fn has_parts(model: &Model, air_loop: &str) -> Result<bool> {
     let feeds_terminals = || {
         let served = served_zones(model, air_loop);

@@ -70,7 +70,7 @@ pub fn make_controllable(model: &mut Model, air_loop: &str, air_density: f64) ->
     Ok(Unitary { flow, supply_temperature, ventilation, zone: unit.served.zone })
 }
 
-/// Whether an air loop has a unit or the parts of one.
+/// Returns whether an air loop has a unit or the parts of one.
 ///
 /// # Errors
 /// [`crate::Error::MissingObject`] for a dangling reference.

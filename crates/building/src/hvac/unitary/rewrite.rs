@@ -103,7 +103,7 @@ impl Unit {
         set_components(model, &self.branch, &on_branch)
     }
 
-    /// Whether the heating coils are moved out of the unit, as those of a heat pump. With an economizer, which aims at a
+    /// Returns whether the heating coils are moved out of the unit, as those of a heat pump. With an economizer, which aims at a
     /// temperature upstream of the fan, the engine would iterate the air side a dozen times.
     fn heats_apart(&self, heating: &Reference) -> bool {
         let economizes = self.outdoor_air.as_ref().is_some_and(|air| air.has_economizer);

@@ -78,7 +78,7 @@ impl Unit {
     }
 }
 
-/// Whether an object class is a unit that can be made controllable.
+/// Returns whether an object class is a unit that can be made controllable.
 pub(super) fn is_unit(class: &str) -> bool {
     is_one_of(class, &UNIT_CLASSES)
 }

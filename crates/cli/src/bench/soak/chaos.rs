@@ -1,4 +1,4 @@
-//! Random kills and stops of templates and workers, in whatever phase they are.
+//! Random kills and stops of templates and workers in any phase.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -19,15 +19,15 @@ const STOPS: f64 = 0.08;
 /// Share of the hits that are on templates.
 const TEMPLATES: f64 = 0.35;
 
-/// A thread that hits processes until it is ended.
+/// A thread that kills and stops processes until it is ended.
 pub struct Chaos {
-    thread: JoinHandle<Toll>,
+    thread: JoinHandle<Hits>,
     end: Arc<AtomicBool>,
 }
 
 /// The processes that were hit.
 #[derive(Clone, Debug, Default, Serialize)]
-pub struct Toll {
+pub struct Hits {
     /// Workers that were killed.
     pub workers_killed: Vec<u32>,
     /// Workers that were stopped by SIGSTOP.
@@ -43,7 +43,7 @@ pub struct Toll {
 }
 
 /// Returns options with time limits that make hangs short.
-pub fn impatient(options: WorkerOptions) -> WorkerOptions {
+pub fn with_short_time_limits(options: WorkerOptions) -> WorkerOptions {
     WorkerOptions {
         step_time_limit: Duration::from_secs(10),
         preparation_time_limit: Duration::from_secs(60),
@@ -52,30 +52,30 @@ pub fn impatient(options: WorkerOptions) -> WorkerOptions {
 }
 
 impl Chaos {
-    /// Starts to hit the processes of a set.
+    /// Starts killing and stopping the processes of a set.
     pub fn start(seed: u64, workers: Workers) -> Self {
         let end = Arc::new(AtomicBool::new(false));
         let ended = Arc::clone(&end);
         let thread = std::thread::spawn(move || {
             let random = ChaCha8Rng::seed_from_u64(seed);
-            let mut archer = Archer { random, workers, toll: Toll::default(), may_hit_preparing: true };
+            let mut attacker = Attacker { random, workers, hits: Hits::default(), may_hit_preparing: true };
             while !ended.load(Ordering::Relaxed) {
-                std::thread::sleep(PAUSE.mul_f64(archer.random.random()));
-                archer.hit();
+                std::thread::sleep(PAUSE.mul_f64(attacker.random.random()));
+                attacker.hit();
             }
-            archer.toll
+            attacker.hits
         });
         Self { thread, end }
     }
 
     /// Ends the thread and returns the processes that it hit.
-    pub fn end(self) -> Toll {
+    pub fn end(self) -> Hits {
         self.end.store(true, Ordering::Relaxed);
         self.thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
     }
 }
 
-impl Toll {
+impl Hits {
     /// Returns whether an episode was lost because its worker was hit.
     pub fn explains(&self, lost: &str) -> bool {
         let hit = self.workers_killed.iter().chain(&self.workers_stopped);
@@ -85,7 +85,7 @@ impl Toll {
     /// Returns how many processes were hit, by kind.
     pub fn text(&self) -> String {
         format!(
-            "hit {} workers (and stopped {}), {} ready templates (and stopped {}), {} preparing templates (and stopped {})",
+            "killed {} workers and stopped {}; killed {} ready templates and stopped {}; killed {} preparing templates and stopped {}",
             self.workers_killed.len(),
             self.workers_stopped.len(),
             self.templates_killed,
@@ -96,15 +96,15 @@ impl Toll {
     }
 }
 
-struct Archer {
+struct Attacker {
     random: ChaCha8Rng,
     workers: Workers,
-    toll: Toll,
+    hits: Hits,
     /// A preparation survives one hit, not two in a row.
     may_hit_preparing: bool,
 }
 
-impl Archer {
+impl Attacker {
     fn hit(&mut self) {
         let templates = self.workers.template_processes();
         let Some(template) = templates.choose(&mut self.random).copied() else { return };
@@ -115,7 +115,7 @@ impl Archer {
         } else if let Some(worker) = children(template).choose(&mut self.random).copied()
             && send(worker, signal)
         {
-            let hit = if stops { &mut self.toll.workers_stopped } else { &mut self.toll.workers_killed };
+            let hit = if stops { &mut self.hits.workers_stopped } else { &mut self.hits.workers_killed };
             hit.push(worker);
         }
     }
@@ -128,10 +128,10 @@ impl Archer {
             return;
         }
         let count = match (prepares, signal == Signal::STOP) {
-            (false, false) => &mut self.toll.templates_killed,
-            (false, true) => &mut self.toll.templates_stopped,
-            (true, false) => &mut self.toll.preparing_killed,
-            (true, true) => &mut self.toll.preparing_stopped,
+            (false, false) => &mut self.hits.templates_killed,
+            (false, true) => &mut self.hits.templates_stopped,
+            (true, false) => &mut self.hits.preparing_killed,
+            (true, true) => &mut self.hits.preparing_stopped,
         };
         *count += 1;
     }

@@ -12,7 +12,7 @@ use b2b_env::vector::{AnyOf, VecEnv, VecEnvOptions, Windows};
 use serde_json::json;
 use sha2::{Digest, Sha256};
 
-use self::chaos::{Chaos, Toll};
+use self::chaos::{Chaos, Hits};
 use super::process::{open_files, resident_mb};
 use crate::arguments::location::Location;
 use crate::prepare::Prepared;
@@ -21,9 +21,9 @@ use crate::{interrupt, stdout};
 
 /// Run episodes of all types at once, with random actions and random resets, and report losses and leaks
 ///
-/// Every episode is of a random type, begins on one of a few days and lasts a random number of days. The hash is of
-/// every observation and reward: two runs with the same arguments give the same. Exit code 1 when an episode is
-/// lost; with --chaos, when an episode is lost whose worker was not hit.
+/// Every episode has a random type, begins on one of a few days and lasts a random number of days. The printed hash
+/// covers every observation and reward: two runs with the same arguments give the same hash. Exits with code 1 if an
+/// episode is lost; with --chaos, only if its worker was not hit.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -31,7 +31,7 @@ Examples:
   b2b bench soak --environments 14 --steps 1000000 --seed 1
   b2b bench soak --steps 200000 --chaos 1      kill and stop processes at random, in every phase")]
 pub struct Arguments {
-    /// Environments at once
+    /// Number of environments
     #[arg(long, default_value_t = 14, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     environments: u32,
     /// Steps of all environments together
@@ -49,7 +49,7 @@ pub struct Arguments {
     /// Seed of episodes and actions
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// Kill and stop templates and workers at random, drawn by this seed
+    /// Kill and stop templates and workers at random times drawn with this seed
     #[arg(long, value_name = "SEED")]
     chaos: Option<u64>,
     /// Print JSON
@@ -75,8 +75,8 @@ pub fn bench(arguments: &Arguments) -> Result<()> {
     let files = open_files()?;
     let chaos = arguments.chaos.map(|seed| Chaos::start(seed, batch.workers().clone()));
     let tally = arguments.run(&mut batch);
-    let toll = chaos.map(Chaos::end);
-    arguments.report(tally?, toll.as_ref(), open_files()? as i64 - files as i64)
+    let hits = chaos.map(Chaos::end);
+    arguments.report(tally?, hits.as_ref(), open_files()? as i64 - files as i64)
 }
 
 impl Arguments {
@@ -104,21 +104,21 @@ impl Arguments {
         Ok(tally)
     }
 
-    fn report(&self, tally: Tally, toll: Option<&Toll>, files: i64) -> Result<()> {
+    fn report(&self, tally: Tally, hits: Option<&Hits>, files: i64) -> Result<()> {
         let Tally { episodes, lost, hash, memory } = tally;
         let hash = hex(&hash.finalize());
         let growth = memory.last().context("no step")? - memory.first().context("no step")?;
-        let explained = |lost: &&String| toll.is_some_and(|toll| toll.explains(lost));
+        let explained = |lost: &&String| hits.is_some_and(|hits| hits.explains(lost));
         let unexplained: Vec<&String> = lost.iter().filter(|lost| !explained(lost)).collect();
         let (steps, count) = (self.turns() * u64::from(self.environments), self.environments);
         if self.json {
             stdout::print_json(&json!({
                 "steps": steps, "episodes": episodes, "lost": lost, "unexplained": unexplained, "hash": hash,
-                "memory_mb": memory, "memory_growth_mb": growth, "open_files_growth": files, "chaos": toll,
+                "memory_mb": memory, "memory_growth_mb": growth, "open_files_growth": files, "chaos": hits,
             }))?;
         } else {
             let chaos =
-                toll.map(|toll| format!("{}; {} losses are unexplained\n", toll.text(), unexplained.len()));
+                hits.map(|hits| format!("{}; {} losses are unexplained\n", hits.text(), unexplained.len()));
             stdout::print(&format!(
                 "{steps} steps in {episodes} episodes of {count} environments, {} lost\n{}\
                  memory of this process grew by {growth:.1} MB after the first tenth, its open files by {files}\n\
@@ -171,7 +171,7 @@ impl Arguments {
             Windows { of: AnyOf(settings), days: (self.days[0], self.days[1]), starts: self.starts };
         let mut options = VecEnvOptions { widths: Some(widths), ..prepared[0].vec_env_options() };
         if self.chaos.is_some() {
-            options.workers = chaos::impatient(options.workers);
+            options.workers = chaos::with_short_time_limits(options.workers);
         }
         Ok(VecEnv::new(self.environments as usize, Box::new(sampler), options)?)
     }

@@ -146,7 +146,7 @@ fn share_of_outings(people: usize, weekend: bool) -> f64 {
     }
 }
 
-/// Whether a day is a Saturday or a Sunday.
+/// Returns whether a day is a Saturday or a Sunday.
 fn is_weekend(day: usize) -> bool {
     day >= 5
 }

@@ -100,12 +100,12 @@ fn the_number_of_people_and_the_seed_determine_the_week() {
 #[test]
 fn most_households_are_out_at_some_hour_of_the_week_and_some_never_on_a_day() {
     let is_out = |household: &Household, day| household.at_home(day).contains(&0);
-    for (people, least) in [(1, 0.99), (2, 0.95), (3, 0.9), (4, 0.9), (5, 0.85)] {
+    for (people, minimum) in [(1, 0.99), (2, 0.95), (3, 0.9), (4, 0.9), (5, 0.85)] {
         let households = (0..COUNT).map(|seed| Household::draw(people, seed));
         let out = households.filter(|household| (0..DAYS).any(|day| is_out(household, day))).count();
         let share = out as f64 / COUNT as f64;
         println!("{people}: {share}");
-        assert!(share > least, "{people}: {share}");
+        assert!(share > minimum, "{people}: {share}");
     }
     // McKenna, Krawczynski and Thomson 2015: 14 % of the homes of two are occupied for all of a weekday.
     let stays = (0..COUNT).map(|seed| u32::from(!is_out(&Household::draw(2, seed), 1))).sum::<u32>();

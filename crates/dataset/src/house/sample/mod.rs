@@ -1,8 +1,8 @@
 //! Samples of the ducted detached houses of Québec.
 //!
 //! A house is a function of a point of the unit cube, so that any design of experiments (a Latin hypercube, a grid,
-//! random numbers) can draw houses. Each coordinate goes through the inverse of a cumulative distribution: the stock
-//! table's where it has the variable, given the vintage where the table tells vintages apart.
+//! random numbers) can draw houses. Each coordinate goes through the inverse of a cumulative distribution: that of the
+//! stock table where it has the variable, conditional on the vintage where the table distinguishes vintages.
 
 use b2b_building::Parameter;
 use b2b_climate::{Location, Region};
@@ -141,9 +141,9 @@ pub struct HouseSample {
     pub house: House,
 }
 
-/// Properties of a house that are given before the rest is drawn.
+/// Properties of a house that are fixed before the rest is drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Given {
+pub struct FixedProperties {
     /// Year of construction, which determines the vintage.
     pub year: Option<u32>,
     /// Foundation.
@@ -158,14 +158,14 @@ impl HouseSample {
     /// # Errors
     /// [`crate::Error::Parameter`] for a coordinate outside 0 to 1.
     pub fn from_unit(point: &[f64; DIMENSIONS]) -> Result<Self> {
-        Self::from_unit_given(point, &Given::default())
+        Self::from_unit_with(point, &FixedProperties::default())
     }
 
     /// [`HouseSample::from_unit`] with given properties; dependent ones are drawn accordingly.
     ///
     /// # Errors
     /// As [`HouseSample::from_unit`].
-    pub fn from_unit_given(point: &[f64; DIMENSIONS], given: &Given) -> Result<Self> {
+    pub fn from_unit_with(point: &[f64; DIMENSIONS], given: &FixedProperties) -> Result<Self> {
         check(point)?;
         let [
             region,

@@ -1,9 +1,9 @@
 //! The owner's side: templates, the workers copied from them, and how each ends.
 //!
-//! A [`Pool`] owns processes of one thread each. A template waits at the end of a building's warm-up; an episode is
-//! its copy, and a snapshot is the copy of an episode. Actions and observations pass through shared memory, and
-//! nobody who waits uses a core. A worker that dies, hangs or is killed costs its episode alone, with a reason; a
-//! template that does is replaced.
+//! A [`Pool`] owns processes of one thread each. A template waits at the end of a building's warm-up; an episode is its
+//! copy, and a snapshot is the copy of an episode. Actions and observations pass through shared memory, and waiting
+//! uses no CPU time. If a worker dies, hangs or is killed, only its episode is lost, with a reason; a template is
+//! replaced.
 
 mod preparation;
 mod template;
@@ -79,7 +79,8 @@ impl Pool {
         })
     }
 
-    /// Has an episode begin at the end of its template's warm-up: its slot is ready once it does. Does not wait.
+    /// Requests that an episode begin at the end of its template's warm-up, and returns without waiting. The slot is
+    /// ready once the episode has begun.
     pub(super) fn start(&mut self, setting: &Setting, options: EpisodeOptions) -> Result<Place> {
         let mut template = self.template_of(setting)?;
         if self.template_mut(template)?.phase == Phase::Failed {
@@ -93,8 +94,8 @@ impl Pool {
         Ok(Place { slot, template })
     }
 
-    /// Moves on everything that waits for a template, and the preparations.
-    pub(super) fn pump(&mut self) {
+    /// Advances everything that waits for a template, and the preparations.
+    pub(super) fn advance_all(&mut self) {
         let mut next = self.underway(Bound::Unbounded);
         while let Some(id) = next {
             self.advance(id);
@@ -103,13 +104,13 @@ impl Pool {
         self.start_queued();
     }
 
-    /// Moves on the preparations in the background, now and then.
-    pub(super) fn pump_when_due(&mut self) {
+    /// Advances the preparations in the background, at intervals.
+    pub(super) fn advance_all_when_due(&mut self) {
         let now = Instant::now();
         if now >= self.background {
             self.background = now + BACKGROUND;
             if self.templates.values().any(Template::is_unprepared) {
-                self.pump();
+                self.advance_all();
             }
         }
     }
@@ -142,7 +143,7 @@ impl Pool {
         }
     }
 
-    /// Has an idle template copied for the slots that wait.
+    /// Requests copies of an idle template for the waiting slots.
     fn copy_for_those_waiting(&mut self, id: TemplateId) {
         let deadline = Instant::now() + self.options.step_time_limit;
         let Some(template) = self.templates.get_mut(&id) else { return };
@@ -198,7 +199,7 @@ impl Pool {
                 return Ok(());
             }
             if ended {
-                return Err(lost("an episode to copy", self.slots.epitaph(slot, None)));
+                return Err(lost("an episode to copy", self.slots.describe_end(slot, None)));
             }
             if Instant::now() > deadline {
                 return Err(lost("an episode to copy", self.time_out(slot)));
@@ -207,7 +208,7 @@ impl Pool {
         }
     }
 
-    /// Whether an episode waits for its template, and not for a copy that was made.
+    /// Returns whether an episode waits for its template, and not for a copy that was made.
     pub(super) fn waits_for_template(&self, place: Place) -> bool {
         let template = self.templates.get(&place.template);
         let mut requests =
@@ -215,15 +216,15 @@ impl Pool {
         requests.any(|request| request.slot == place.slot)
     }
 
-    /// Why the worker of a slot will not report any more, if it is gone or took longer than until its deadline.
-    pub(super) fn look_after(&mut self, slot: u32, deadline: Option<Instant>) -> Option<String> {
+    /// Returns why the worker of a slot will not report anymore, if it has ended or missed its deadline.
+    pub(super) fn failure(&mut self, slot: u32, deadline: Option<Instant>) -> Option<String> {
         let ended = self.slots.has_ended(slot);
         // It may have reported before it died.
         if self.region.is_ready(slot) {
             return None;
         }
         if ended {
-            return Some(self.slots.epitaph(slot, None));
+            return Some(self.slots.describe_end(slot, None));
         }
         deadline.is_some_and(|deadline| Instant::now() > deadline).then(|| self.time_out(slot))
     }
@@ -235,8 +236,8 @@ impl Pool {
         format!("worker process {process} took longer than {limit:?} and was killed")
     }
 
-    /// Whether it is time to look after the busy workers.
-    pub(super) fn look_is_due(&mut self) -> bool {
+    /// Returns whether it is time to check the busy workers.
+    pub(super) fn check_is_due(&mut self) -> bool {
         let due = Instant::now() >= self.look;
         if due {
             self.look = Instant::now() + LOOK;
@@ -264,7 +265,7 @@ impl Pool {
         Ok(id)
     }
 
-    /// Gives a reservation back. A preparation that has not started and that nobody else waits for is dropped.
+    /// Gives a reservation back. A preparation that has not started and has no other user is dropped.
     pub(super) fn cancel(&mut self, id: TemplateId) {
         let Some(template) = self.templates.get_mut(&id) else { return };
         template.users = template.users.saturating_sub(1);
@@ -273,7 +274,7 @@ impl Pool {
         }
     }
 
-    /// Whether a template is ready, so that an episode of it begins within milliseconds.
+    /// Returns whether a template is ready, so that an episode of it begins within milliseconds.
     pub(super) fn is_prepared(&self, id: TemplateId) -> bool {
         self.templates.get(&id).is_some_and(|template| !template.is_unprepared())
     }

@@ -1,4 +1,4 @@
-//! How templates are made, replaced and ended.
+//! Preparation, replacement and end of templates.
 
 use std::fs::File;
 use std::sync::Arc;
@@ -23,7 +23,7 @@ impl Pool {
     /// The template of a setting; one is queued if there is none. Does not wait for it.
     ///
     /// # Errors
-    /// Those of [`EpisodeConfig::check`](crate::EpisodeConfig::check).
+    /// The errors of [`EpisodeConfig::check`](crate::EpisodeConfig::check).
     pub(in crate::vector) fn template_of(&mut self, setting: &Setting) -> Result<TemplateId> {
         self.clock += 1;
         let found = self.templates.iter_mut().find(|(_, template)| template.setting.is(setting));
@@ -50,7 +50,7 @@ impl Pool {
         let template = self.template_mut(id)?;
         template.is_urgent = true;
         if template.is_unprepared() {
-            self.pump();
+            self.advance_all();
         }
         let template = self.template_mut(id)?;
         match template.failure.take() {
@@ -122,7 +122,7 @@ impl Pool {
         let Some(process) = process else { return "its process is gone".into() };
         let status = process.child.try_wait().ok().flatten();
         let program = self.options.launcher.program().display();
-        format!("{} (program {program})", self.slots.epitaph(process.slot, status))
+        format!("{} (program {program})", self.slots.describe_end(process.slot, status))
     }
 
     /// Takes what a template that is ready says of itself.
@@ -282,7 +282,7 @@ fn check_widths(spaces: &Spaces) -> Result<()> {
     for (what, width) in [("actuators", spaces.action.len()), ("slots", spaces.observation.len())] {
         if width > WIDTH {
             let name = spaces.building.name.clone();
-            return Err(Error::TooWide { name, what, width, most: WIDTH });
+            return Err(Error::TooWide { name, what, width, maximum: WIDTH });
         }
     }
     Ok(())

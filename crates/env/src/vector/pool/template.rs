@@ -1,4 +1,4 @@
-//! Templates: processes that stand at the end of a building's warm-up, to be copied.
+//! Templates: processes that wait at the end of a building's warm-up to be copied.
 
 use std::collections::VecDeque;
 use std::path::PathBuf;
@@ -20,7 +20,7 @@ pub(super) struct Template {
     /// `None` until its preparation starts, and once it has failed.
     pub(super) process: Option<TemplateProcess>,
     pub(super) phase: Phase,
-    /// Why it cannot be made, until that is asked for.
+    /// The reason why it cannot be prepared, until it is read.
     pub(super) failure: Option<Error>,
     pub(super) spaces: Option<Arc<Spaces>>,
     /// Preparations tried in a row.
@@ -46,7 +46,7 @@ pub(super) struct TemplateProcess {
     pub(super) order: PathBuf,
 }
 
-/// What the process of a template does.
+/// The phase of a template's process.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Phase {
     /// Waits for its turn to be prepared.
@@ -88,17 +88,17 @@ impl Template {
         }
     }
 
-    /// Whether it may be ended to make room.
+    /// Returns whether it may be ended to make room.
     pub(super) fn is_idle(&self) -> bool {
         matches!(self.phase, Phase::Idle | Phase::Failed) && self.users == 0
     }
 
-    /// Whether it waits for its turn or is being prepared.
+    /// Returns whether it waits for its turn or is being prepared.
     pub(super) fn is_unprepared(&self) -> bool {
         matches!(self.phase, Phase::Queued | Phase::Preparing(_))
     }
 
-    /// Whether there is something to do once its process reports or ends.
+    /// Returns whether there is something to do once its process reports or ends.
     pub(super) fn is_underway(&self) -> bool {
         matches!(self.phase, Phase::Preparing(_)) || !self.waiting.is_empty() || !self.copying.is_empty()
     }

@@ -12,7 +12,7 @@ fn a_slot_changes_hands_with_what_was_written() {
     assert!(region.attach(region.ticket(3)));
     region.write_observation(3, &[1.0, 2.0]);
     region.write_report(3, b"all is well");
-    region.hand_back(3);
+    region.complete(3);
     assert!(region.is_ready(3));
     let mut observation = [0.0; 2];
     region.read_observation(3, &mut observation);
@@ -47,7 +47,7 @@ fn the_owner_sleeps_until_the_last_of_those_it_waits_for() {
         scope.spawn(|| {
             for slot in 0..3 {
                 std::thread::sleep(Duration::from_millis(5));
-                region.hand_back(slot);
+                region.complete(slot);
             }
         });
         while !(0..3).all(|slot| region.is_ready(slot)) {

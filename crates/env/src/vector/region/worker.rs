@@ -14,8 +14,8 @@ impl Region {
         occupant.compare_exchange(awaited, own, Ordering::AcqRel, Ordering::Acquire).is_ok()
     }
 
-    /// Hands the slot back to the owner, and rings the bell if that is the last it waits for.
-    pub(in crate::vector) fn hand_back(&self, slot: u32) {
+    /// Marks the slot as ready for the owner, and wakes the owner if it is the last slot that it waits for.
+    pub(in crate::vector) fn complete(&self, slot: u32) {
         let slot = self.slot(slot);
         slot.state.store(READY, Ordering::Release);
         let bell = self.bell();

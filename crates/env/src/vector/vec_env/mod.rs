@@ -1,4 +1,4 @@
-//! N environments that step together, or as they come.
+//! A batch of N environments, stepped synchronously or asynchronously.
 
 mod succession;
 
@@ -20,7 +20,7 @@ use crate::reward::Reward;
 use crate::spaces::Spaces;
 use crate::{Error, Result};
 
-/// When an environment whose episode is over begins the next, after Gymnasium's `AutoresetMode`.
+/// The moment at which an environment begins its next episode, as Gymnasium's `AutoresetMode`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Autoreset {
     /// With the step after the last one: that step's action is ignored, its reward is 0.
@@ -33,7 +33,7 @@ pub enum Autoreset {
     Disabled,
 }
 
-/// How a [`VecEnv`] is run.
+/// Options of a [`VecEnv`].
 #[derive(Clone, Debug)]
 pub struct VecEnvOptions {
     /// How its workers are run.
@@ -47,8 +47,8 @@ pub struct VecEnvOptions {
 
 /// N environments, each in a worker process, over episodes that a [`Sampler`] draws.
 ///
-/// - Observations: N rows, padded with zeros to one width, f64; see [`VecEnv::spaces`] for what is in a row.
-/// - Actions: N rows, padded to one width; what is behind a building's last actuator is not read.
+/// - Observations: N rows, padded with zeros to one width, f64; see [`VecEnv::spaces`] for the contents of a row.
+/// - Actions: N rows, padded to one width; values after a building's last actuator are not read.
 /// - A [`Form`] arranges both otherwise: see [`VecEnv::with_form`].
 /// - The building of each environment's next episode is prepared while the current episode runs. If it is not ready in
 ///   time, the environment waits for it: see [`VecEnv::statistics`].
@@ -63,14 +63,14 @@ pub struct VecEnv {
     form: Box<dyn Form>,
     widths: (usize, usize),
     statistics: Statistics,
-    environments: Vec<One>,
+    environments: Vec<EnvState>,
     observations: Vec<f64>,
     rewards: Vec<Reward>,
     truncated: Vec<bool>,
 }
 
 /// One environment.
-struct One {
+struct EnvState {
     episode: Option<Episode>,
     state: State,
     random: ChaCha8Rng,
@@ -108,7 +108,7 @@ enum State {
     Starting,
 }
 
-impl One {
+impl EnvState {
     fn new() -> Self {
         Self {
             episode: None,
@@ -148,7 +148,7 @@ impl VecEnv {
             form: Box::new(Padded { widths, arrangement: Arrangement::InOrder }),
             widths,
             statistics: Statistics::default(),
-            environments: (0..count).map(|_| One::new()).collect(),
+            environments: (0..count).map(|_| EnvState::new()).collect(),
             observations: vec![0.0; count * widths.1],
             rewards: vec![Reward::default(); count],
             truncated: vec![false; count],
@@ -164,7 +164,7 @@ impl VecEnv {
         self
     }
 
-    /// Prepares settings ahead of the first reset and returns their spaces.
+    /// Prepares settings before the first reset and returns their spaces.
     ///
     /// # Errors
     /// [`Error::Template`] for a building that cannot be made an environment; [`Error::Pool`]; [`Error::Interrupted`].
@@ -244,12 +244,12 @@ impl VecEnv {
         self.act(environment, action)
     }
 
-    /// Orders a fragment of about `steps` steps from the runner of an environment: see [`Runner`](super::Runner). It is
-    /// busy until [`VecEnv::recv`] lists it; [`VecEnv::fragment_steps`] says then how many steps were made, fewer than ordered
-    /// if the episode is over.
+    /// Requests a fragment of about `steps` steps from the runner of an environment: see [`Runner`](super::Runner). It
+    /// is busy until [`VecEnv::recv`] lists it; [`VecEnv::fragment_steps`] then returns how many steps were made, fewer
+    /// than requested if the episode is over.
     ///
     /// # Errors
-    /// Those of [`Episode::send_fragment`].
+    /// The errors of [`Episode::send_fragment`].
     pub fn send_fragment(&mut self, environment: usize, order: &[u8], steps: usize) -> Result<()> {
         self.clear_outcome(environment);
         let one = &mut self.environments[environment];
@@ -267,7 +267,7 @@ impl VecEnv {
         self.environments[environment].fragment_steps
     }
 
-    /// Waits until at least `count` of the busy environments are no longer, and lists in `ready` which those are.
+    /// Waits until at least `count` of the busy environments have finished, and lists their indices in `ready`.
     ///
     /// # Errors
     /// [`Error::Interrupted`].
@@ -283,7 +283,7 @@ impl VecEnv {
     /// Begins a new episode in one environment; it is busy until [`VecEnv::recv`] lists it.
     ///
     /// # Errors
-    /// Those of [`Sampler::draw`].
+    /// The errors of [`Sampler::draw`].
     pub fn reset_one(&mut self, environment: usize) -> Result<()> {
         self.abandon(environment);
         self.environments[environment].lost = None;
@@ -297,7 +297,7 @@ impl VecEnv {
         self.environments.len()
     }
 
-    /// Whether there is none: never.
+    /// Returns whether there is none: never.
     pub fn is_empty(&self) -> bool {
         self.environments.is_empty()
     }
@@ -333,17 +333,17 @@ impl VecEnv {
         &self.rewards
     }
 
-    /// Which episodes ended with the last step.
+    /// Returns whether each episode ended with the last step.
     pub fn truncated(&self) -> &[bool] {
         &self.truncated
     }
 
-    /// Whether the episode of an environment is over and the next has not begun.
+    /// Returns whether the episode of an environment is over and the next has not begun.
     pub fn is_over(&self, environment: usize) -> bool {
         self.environments[environment].state == State::Over
     }
 
-    /// Why the last episode of an environment was lost, if it was.
+    /// The reason why the last episode of an environment was lost, if it was.
     pub fn lost(&self, environment: usize) -> Option<&str> {
         self.environments[environment].lost.as_deref()
     }
@@ -387,7 +387,7 @@ impl VecEnv {
         }
     }
 
-    /// Forgets the outcome of the step before.
+    /// Clears the outcome of the previous step.
     fn clear_outcome(&mut self, index: usize) {
         self.rewards[index] = Reward::default();
         self.truncated[index] = false;

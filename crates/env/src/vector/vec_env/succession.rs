@@ -1,4 +1,4 @@
-//! Which episode an environment runs, from its draw to its end.
+//! The episodes of an environment in succession: draw, preparation, start and end.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -102,7 +102,7 @@ impl VecEnv {
     pub(super) fn wait(&mut self, count: usize) -> Result<()> {
         loop {
             let done = self.workers.region().done();
-            self.workers.lock().pump_when_due();
+            self.workers.lock().advance_all_when_due();
             self.begin_prepared();
             (0..self.len()).for_each(|index| self.take_back(index));
             let busy = self.environments.iter().filter(|one| one.is_busy()).count();

@@ -6,7 +6,7 @@ use super::backward::{Gradients, Target};
 use crate::nn::pass::forward;
 use crate::nn::sized;
 
-/// What becomes of the outputs of nodes.
+/// The use of the outputs of nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Readout {
     /// The outputs of the actions of a building in the order of its actuators, padded to `actions`; with `of_state` as many
