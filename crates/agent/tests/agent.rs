@@ -178,7 +178,7 @@ fn an_agent_for_another_building_or_a_damaged_one_is_an_error_that_says_so() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("agent");
     let said = Agent::read(&path).unwrap_err().to_string();
-    assert!(said.contains("not an agent's folder") && said.contains("agent.json"), "{said}");
+    assert!(said.contains("not the folder of an agent") && said.contains("agent.json"), "{said}");
     let office = env("OfficeSmall-0042", "occupancy");
     let spaces = Arc::clone(office.spaces());
     write(&path, &spaces, RESIDUAL, 0.1);
