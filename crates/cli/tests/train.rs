@@ -298,7 +298,7 @@ fn a_signal_to_all_processes_of_a_run_does_not_reach_its_episodes() {
         let output = process.wait_with_output().unwrap();
         let said = stderr(&output);
         assert_eq!(output.status.code(), Some(130), "{said}");
-        assert!(said.contains(&format!("continue with `b2b train --resume {run}`")), "{said}");
+        assert!(said.contains(&format!("resume with `b2b train --resume {run}`")), "{said}");
         assert_resumes_as(path, run, "whole");
     }
 }
