@@ -76,21 +76,59 @@ def _box(env: _Env) -> Box:
 
 
 class PadObservation(_Wrapper):
-    """Pads the observation with zeros to ``width`` slots, so that buildings with different numbers of zones can share a
-    policy. The zones of houses stay in model order, so the meaning of a slot differs between houses:
-    :class:`RoleObservation` gives houses a fixed width without this."""
+    """Pads the observation with zeros, so that buildings with different numbers of zones can share a policy.
 
-    def __init__(self, env: _Env, width: int):
-        super().__init__(env, width=width)
-        slots = _box(env).shape[0]
-        if slots > width:
-            raise SettingError(f"width is {width}, but the observation has {slots} slots")
-        self._padding = width - slots
-        zeros = np.zeros(self._padding)
-        self._extend(zeros, zeros, ["padding"] * self._padding, ["1"] * self._padding)
+    ``width`` appends zeros up to that many slots. ``zones`` aligns the zones instead: the temperature of zone i, in
+    model order, is slot i; weather, calendar and energy follow after those of ``zones`` zones, and then, where targets
+    vary, occupancy and target of each zone at its own place. Either way zones stay in model order: for houses,
+    :class:`RoleObservation` has a place for each role.
+    """
+
+    def __init__(self, env: _Env, width: int | None = None, *, zones: int | None = None):
+        super().__init__(env, width=width, zones=zones)
+        if (width is None) == (zones is None):
+            raise SettingError("pass either width or zones")
+        self._width, self._zones = width, zones
+        self._read()
+        box, metadata = _box(env), env.metadata
+        low, high = np.zeros(self._slots, box.dtype), np.zeros(self._slots, box.dtype)
+        low[self._places], high[self._places] = box.low, box.high
+        self.observation_space = Box(low, high, dtype=box.dtype)
+        names, units = ["padding"] * self._slots, ["1"] * self._slots
+        for place, name, unit in zip(self._places, metadata["observation_names"], metadata["observation_units"]):
+            names[place], units[place] = name, unit
+        self._rename(names, units)
+
+    def _read(self) -> None:
+        """Reads the place of every slot of the building's observation."""
+        self._building = self._core.building
+        if self._width is not None:
+            slots = _box(self.env).shape[0]
+            if slots > self._width:
+                raise SettingError(f"width is {self._width}, but the observation has {slots} slots")
+            self._places, self._slots = np.arange(slots), self._width
+            return
+        room = self._zones or 0
+        layout = self._core.layout
+        if not _is_own(self.env):
+            raise SettingError("the observation was changed by another wrapper; apply PadObservation with zones first")
+        if len(layout.zones) > room:
+            raise SettingError(f"zones is {room}, but {self._building.name} has {len(layout.zones)} zones")
+        varying = 0 if layout.targets is None else 2 * sum(zone.controlled for zone in layout.zones)
+        others = len(layout.observation) - len(layout.zones) - varying
+        self._places = np.arange(len(layout.observation)) + room - len(layout.zones)
+        for index, zone in enumerate(layout.zones):
+            self._places[zone.temperature_slot] = index
+            if zone.occupancy_slot is not None and zone.target_slot is not None:
+                self._places[[zone.occupancy_slot, zone.target_slot]] = room + others + 2 * index + np.arange(2)
+        self._slots = room + others + (2 * room if varying else 0)
 
     def observation(self, observation: Array) -> Array:
-        return np.pad(observation, (0, self._padding))
+        if self._core.building is not self._building:
+            self._read()
+        padded = np.zeros(self._slots, observation.dtype)
+        padded[self._places] = observation
+        return padded
 
 
 class RoleObservation(_Wrapper):
