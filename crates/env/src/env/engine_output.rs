@@ -51,7 +51,7 @@ fn request(model: &mut Model, building: &PreparedBuilding) {
         let fields = json!({"key_value": "*", "variable_name": name, "reporting_frequency": "Timestep"});
         model.insert("Output:Variable", name, fields);
     }
-    model.insert("Output:VariableDictionary", "dictionary", json!({"key_field": "Regular"}));
+    model.insert("Output:VariableDictionary", "dictionary", json!({"key_field": "regular"}));
     model.insert("Output:SQLite", "tables", json!({"option_type": "SimpleAndTabular"}));
     let summary = json!({"reports": [{"report_name": "AllSummary"}]});
     model.insert("Output:Table:SummaryReports", "summary", summary);
