@@ -121,8 +121,7 @@ def air_loop() -> Figure:
     duct(figure, 90, [("fan", "part"), ("cool", "cold"), ("heat", "warm")], 126, 450)
     figure.line((450, 90), (530, 90), (530, 200), (60, 200), kind="air", head=False)
     figure.text(456, 80, "supply", "small")
-    figure.line((40, 470), (40, 118), (64, 118), kind="return", head=False)
-    figure.line((40, 118), (66, 104), kind="return")
+    figure.line((40, 430), (40, 104), (64, 104), kind="return")
     for number, name in enumerate(("Zone 1", "Zone 15")):
         x = 70 + 310 * number
         figure.line((x + 65, 200), (x + 65, 226), kind="air")
