@@ -1,6 +1,7 @@
 """The documentation site; see docs/build.sh."""
 
 import os
+import re
 from importlib.metadata import metadata
 from pathlib import Path
 
@@ -40,29 +41,26 @@ nb_execution_timeout = 1800
 nb_execution_raise_on_error = True
 nb_execution_in_temp = True
 
-# Links to files of the repository have no page: `_check_link` looks for the file.
-suppress_warnings = ["myst.xref_missing"]
-_ROOT = Path(os.environ.get("B2B_ROOT", ".")).resolve()
+_REPOSITORY = "https://github.com/vtaboga/building2building/blob/main/"
+_LINK = re.compile(r"\]\((\.\./[^)#\s]+)")
 
 
-def _check_link(app: Sphinx, env: object, node: object, content: object) -> None:
-    """Warns of a link to what is neither a page nor a file of the repository."""
-    target = node["reftarget"]  # type: ignore[index]
-    path, _, _ = target.partition("#")
-    if node.get("reftype") != "myst" or "://" in target:  # type: ignore[attr-defined]
-        return
-    folder = Path("docs") / Path(node["refdoc"]).parent  # type: ignore[index]
-    places = (_ROOT / folder / path, _ROOT / path)
-    if not path or path.endswith(".md") and "docs" in str(folder / path) and not _leaves_docs(folder / path):
-        logging.getLogger(__name__).warning(f"broken link to `{target}`", location=node)
-    elif not any(each.exists() for each in places):
-        logging.getLogger(__name__).warning(f"link to `{target}`, which does not exist", location=node)
+def _link_to_repository(app: Sphinx, page: str, source: list[str]) -> None:
+    """Has links to files of the repository that have no page lead there, and warns of those that do not exist. Broken
+    links between pages are warnings of MyST."""
+    folder = Path("docs") / Path(page).parent
 
+    def link(match: re.Match[str]) -> str:
+        path = os.path.normpath(folder / match[1])
+        if path.startswith("docs/"):
+            return match[0]
+        if not Path(path).exists():
+            logging.getLogger(__name__).warning(f"link to `{match[1]}`, which does not exist", location=page)
+        return f"]({_REPOSITORY}{path}"
 
-def _leaves_docs(path: Path) -> bool:
-    return Path(os.path.normpath(path)).parts[:1] != ("docs",)
+    source[0] = _LINK.sub(link, source[0])
 
 
 def setup(app: Sphinx) -> None:
-    """Has links checked."""
-    app.connect("missing-reference", _check_link)
+    """Has links to the repository rewritten. Sphinx is started in its root."""
+    app.connect("source-read", _link_to_repository)
