@@ -1,6 +1,12 @@
 """The documentation site; see docs/build.sh."""
 
+import os
+import re
 from importlib.metadata import metadata
+from pathlib import Path
+
+from sphinx.application import Sphinx
+from sphinx.util import logging
 
 _about = metadata("building2building")
 project = "building2building"
@@ -9,7 +15,7 @@ release = version = _about["Version"]
 html_title = f"building2building {version}"
 
 extensions = [
-    "myst_parser",
+    "myst_nb",
     "sphinx.ext.autodoc",
     "sphinx_copybutton",
 ]
@@ -22,8 +28,39 @@ html_theme_options = {
     "source_branch": "main",
     "source_directory": "docs/",
 }
+html_static_path = ["static"]
+html_css_files = ["site.css"]
 autodoc_default_options = {"members": True, "show-inheritance": True}
 autodoc_member_order = "bysource"
 autodoc_typehints = "description"
-# Links to files of the repository have no page.
-suppress_warnings = ["myst.xref_missing"]
+
+# Tutorials run when the site is built; their outputs are kept until their text changes.
+nb_execution_mode = os.environ.get("B2B_DOCS_EXECUTE", "cache")
+nb_execution_cache_path = str(Path(os.environ.get("CARGO_TARGET_DIR", "target")).resolve() / "docs/executed")
+nb_execution_timeout = 1800
+nb_execution_raise_on_error = True
+nb_execution_in_temp = True
+
+_REPOSITORY = "https://github.com/vtaboga/building2building/blob/main/"
+_LINK = re.compile(r"\]\((\.\./[^)#\s]+)")
+
+
+def _link_to_repository(app: Sphinx, page: str, source: list[str]) -> None:
+    """Has links to files of the repository that have no page lead there, and warns of those that do not exist. Broken
+    links between pages are warnings of MyST."""
+    folder = Path("docs") / Path(page).parent
+
+    def link(match: re.Match[str]) -> str:
+        path = os.path.normpath(folder / match[1])
+        if path.startswith("docs/"):
+            return match[0]
+        if not Path(path).exists():
+            logging.getLogger(__name__).warning(f"link to `{match[1]}`, which does not exist", location=page)
+        return f"]({_REPOSITORY}{path}"
+
+    source[0] = _LINK.sub(link, source[0])
+
+
+def setup(app: Sphinx) -> None:
+    """Has links to the repository rewritten. Sphinx is started in its root."""
+    app.connect("source-read", _link_to_repository)

@@ -21,13 +21,14 @@ from .buildings import (
     list_building_types,
     list_buildings,
     list_buildings_by_climate_zone,
+    list_engine_models,
     list_places,
 )
 from .env import BuildingEnv
 from .errors import Error
 from .evaluation import EpisodeContext, Evaluation, compute_normalized_score, compute_resolved_score, evaluate
 from .learning import Agent, train
-from .morphology import Morphology
+from .morphology import Morphology, NodeType, SystemKind
 from .registration import make_env, make_vec, register_envs
 from .rollouts import (
     ConstantController,
@@ -56,9 +57,11 @@ __all__ = [
     "Evaluation",
     "Generator",
     "Morphology",
+    "NodeType",
     "RandomController",
     "ReactiveController",
     "Snapshot",
+    "SystemKind",
     "Trajectory",
     "benchmarks",
     "building_parameters",
@@ -74,6 +77,7 @@ __all__ = [
     "list_building_types",
     "list_buildings",
     "list_buildings_by_climate_zone",
+    "list_engine_models",
     "list_places",
     "make_env",
     "make_vec",

@@ -26,6 +26,7 @@ from . import _core
 from .env import BuildingEnv, unwrap
 from .errors import SettingError
 from .evaluation import ControllerMaker, ProgressLine, name_of
+from .learning import Agent
 from .rollouts import ReactiveController, Trajectory, rollout
 from .vector import BuildingVectorEnv
 from .wrappers import AugmentObservationWithBuildingParams, PadObservation, RoleObservation, action_of_shape
@@ -245,7 +246,7 @@ class Problem:
 
     def evaluate(
         self,
-        policy: Callable[[Any], Any],
+        policy: Callable[[Any], Any] | Agent,
         *,
         n: int | None = None,
         wrap: Callable[[_Env], _Env] | None = None,
@@ -253,7 +254,7 @@ class Problem:
     ) -> Result:
         """Runs a policy and the reactive controllers on every test environment, or on the first ``n``.
 
-        ``policy`` is a function from an observation to an action, or a controller class such as
+        ``policy`` is a function from an observation to an action, an :class:`Agent`, or a controller class such as
         ``ReactiveController``, which is instantiated for every environment. ``wrap`` applies the wrappers of training.
         """
         episodes: list[dict[str, Any]] = []
@@ -264,7 +265,7 @@ class Problem:
             try:
                 env = made if wrap is None else wrap(made)
                 baseline = rollout(made, ReactiveController(made))
-                trajectory = rollout(env, policy(made) if isinstance(policy, type) else policy)
+                trajectory = rollout(env, _controller(policy, made))
             finally:
                 made.close()
             returns = (trajectory.episode_return, baseline.episode_return)
@@ -340,6 +341,13 @@ class Problem:
         return f"<{type(self).__name__} {self.name}>"
 
 
+def _controller(policy: Callable[[Any], Any] | Agent, env: _Env) -> Callable[[Any], Any]:
+    """Returns what controls an episode of the environment."""
+    if isinstance(policy, Agent):
+        return policy.controller(env)
+    return policy(env) if isinstance(policy, type) else policy
+
+
 def _energy(trajectory: Trajectory) -> float:
     metrics = trajectory.metrics or {}
     return metrics.get("electricity_wh_m2", math.nan) + metrics.get("gas_wh_m2", math.nan)
@@ -384,6 +392,10 @@ class DynamicsAdaptation(Problem):
         kinds = ("house", "office-small", "office-medium")
         names: dict[Any, str] = {number + 1: f"dynamics-{kind}" for number, kind in enumerate(kinds)}
         names |= {kind: f"dynamics-{kind}" for kind in kinds}
+        first_version = dict(zip(("easy", "medium", "hard"), kinds))
+        if difficulty in first_version:
+            now = first_version[difficulty]
+            raise SettingError(f"unknown difficulty `{difficulty}`, which is now {now} (docs/coming_from.md)")
         super().__init__(_choose("difficulty", difficulty, names), **changes)
 
 

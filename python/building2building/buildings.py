@@ -8,7 +8,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from . import _core
+from . import _core, _engine
 from .errors import BuildingError, SettingError
 
 #: Splits of the dataset.
@@ -25,6 +25,14 @@ def list_building_types() -> list[str]:
 def list_places() -> dict[str, str]:
     """Returns the places with a known weather file, each with its ASHRAE 169 climate zone."""
     return dict(_core.places())
+
+
+def list_engine_models() -> dict[str, Path]:
+    """Returns the models that come with EnergyPlus by name, such as ``ASHRAE901_HotelSmall_STD2019_Denver``, to try
+    :func:`import_building` with; none if EnergyPlus was not installed by pip."""
+    installed = _engine.folder()
+    models = [] if installed is None else (installed / "pyenergyplus/data/model").glob("*.idf")
+    return {each.stem: each for each in sorted(models)}
 
 
 @cache

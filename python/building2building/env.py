@@ -6,6 +6,7 @@ import json
 import os
 import threading
 from collections.abc import Callable
+from copy import deepcopy
 from typing import Any
 
 import gymnasium
@@ -64,14 +65,16 @@ class BuildingEnv(gymnasium.Env[NDArray[Any], ArrayLike]):
         reward: Callable[[dict[str, Any]], float] | None = None,
         render_mode: str | None = None,
         in_process: bool = False,
+        keep_engine_output: PathLike | None = None,
     ):
         self._core: _core.Env | _core.LocalEnv | None = None
         self._renderer: Renderer | None = None
         self._arguments = {name: value for name, value in locals().items() if name not in ("self", "__class__")}
         if render_mode is not None and render_mode not in self.metadata["render_modes"]:
             raise SettingError(f"unknown render_mode `{render_mode}`; expected rgb_array, human or None")
+        in_process = in_process or keep_engine_output is not None
         if in_process and window_days is not None:
-            raise SettingError("window_days is not available with in_process=True")
+            raise SettingError("window_days is not available with in_process=True or keep_engine_output")
         self.building = select_building(building_type, split, index, building_id, place, weather, building)
         self.task = json.dumps(task) if isinstance(task, dict) else str(task)
         self.run_period, self.timesteps_per_hour = run_period, timesteps_per_hour
@@ -80,6 +83,7 @@ class BuildingEnv(gymnasium.Env[NDArray[Any], ArrayLike]):
         self._window = None if window_days is None else (window_days, window_starts)
         self._resample_targets = resample_targets
         self._reward = reward
+        self._engine_output = keep_engine_output
         self._thread = threading.get_ident() if in_process else None
         self._process = os.getpid()
         self._base_setting = self._setting_of(self.task)
@@ -87,13 +91,16 @@ class BuildingEnv(gymnasium.Env[NDArray[Any], ArrayLike]):
         self.setting = self._base_setting
         if self._window is not None:
             self.setting.window(*self._window, 0)  # raises if the windows do not fit
-        self._core = _core.LocalEnv(self.setting) if in_process else _core.Env(self.setting)
+        self._core = self._local(self.setting) if in_process else _core.Env(self.setting)
         close_at_exit(self)
         self._started = False
         self._read_spaces()
 
     def _setting_of(self, task: str) -> _core.Setting:
         return _core.Setting(self.building._core, self.run_period, self.timesteps_per_hour, task)
+
+    def _local(self, setting: _core.Setting) -> _core.LocalEnv:
+        return _core.LocalEnv(setting, self._engine_output)
 
     def _read_spaces(self) -> None:
         """Reads the spaces of the core's building."""
@@ -157,7 +164,7 @@ class BuildingEnv(gymnasium.Env[NDArray[Any], ArrayLike]):
     def _set_setting(self, setting: _core.Setting) -> None:
         core = self._open_core()
         if isinstance(core, _core.LocalEnv):
-            self._core = _core.LocalEnv(setting)
+            self._core = self._local(setting)
         else:
             core.set_setting(setting)
         self.setting = setting
@@ -265,6 +272,26 @@ class BuildingEnv(gymnasium.Env[NDArray[Any], ArrayLike]):
         self.layout, self.setting, self._steps = position.layout, position.setting, position.steps
         self.observation, self._truncated = position.observation, position.truncated
         return self.observation.astype(np.float32), Info(lambda: {"building": self.building.name})
+
+    def branch(self, count: int) -> list[BuildingEnv]:
+        """Returns ``count`` environments that continue independently from the current point of the episode, each in its
+        own process; takes milliseconds. Close each of them."""
+        core = self._open_core()
+        if isinstance(core, _core.LocalEnv):
+            raise ProcessError("branches are not available with in_process=True")
+        if not self._started:
+            raise EpisodeError("no episode is in progress; call reset first")
+        if count < 1:
+            raise SettingError(f"the number of branches is {count}; expected 1 or more")
+        return [self._copy_with(each) for each in core.branch(count)]
+
+    def _copy_with(self, core: _core.Env) -> BuildingEnv:
+        """Returns a copy of this environment that has another core."""
+        env = object.__new__(type(self))
+        env.__dict__.update(self.__dict__)
+        env._core, env._renderer, env.np_random = core, None, deepcopy(self.np_random)
+        close_at_exit(env)
+        return env
 
     def render(self) -> NDArray[np.uint8] | None:
         """Draws the floor plan: returns an array (height, width, 3) of u8, or shows it in a window."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from enum import Enum
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,27 @@ from .errors import ActionError, need
 Array = NDArray[Any]
 #: Offset in a buffer, nodes and slots of the array of a node type.
 _Block = tuple[int, int, int]
+
+
+class NodeType(str, Enum):
+    """Types of nodes: values of ``node.node_type``, the same in every building."""
+
+    WEATHER = "weather"
+    CALENDAR = "calendar"
+    ENERGY = "energy"
+    AIR_LOOP = "air_loop"
+    UNITARY_ZONE = "unitary_zone"
+    VAV_ZONE = "vav_zone"
+    HEATING_ONLY_ZONE = "heating_only_zone"
+    UNCONTROLLED_ZONE = "uncontrolled_zone"
+
+
+class SystemKind(str, Enum):
+    """Kinds of equipment: values of ``kind`` in ``env.unwrapped.description["systems"]``."""
+
+    UNITARY = "unitary"
+    AIR_LOOP = "air_loop"
+    HEATING_ONLY = "heating_only"
 
 
 class Morphology:

@@ -48,7 +48,9 @@ def make_env(building_type: str | None = None, **arguments: Any) -> BuildingEnv:
     - ``resample_targets``: draws new targets for every episode of a random task;
     - ``reward``: a function of the step's info that replaces the task's reward;
     - ``render_mode``: ``rgb_array`` or ``human``;
-    - ``in_process``: runs the simulation in this process, for debuggers; only one at a time, from one thread.
+    - ``in_process``: runs the simulation in this process, for debuggers; only one at a time, from one thread;
+    - ``keep_engine_output``: a folder in which EnergyPlus leaves its own output files of the last episode (errors,
+      summary tables, SQLite, time series); as with ``in_process``, and slower.
 
     Random draws follow the seed of ``reset``.
     """

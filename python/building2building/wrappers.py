@@ -16,6 +16,7 @@ from .env import BuildingEnv, unwrap
 from .errors import ActionError, SettingError
 from .info import Info
 from .layout import index_of
+from .observation_wrapper import Env, ObservationWrapper, Stepped, box_of, is_own
 from .rollouts import ReactiveController
 from .scaling import Scale
 
@@ -33,67 +34,65 @@ __all__ = [
 ]
 
 Array = NDArray[Any]
-_Env = gymnasium.Env[Any, Any]
-_Stepped = tuple[Array, Any, bool, bool, dict[str, Any]]
 
 
-class _Wrapper(gymnasium.Wrapper[Any, Any, Any, Any], gymnasium.utils.RecordConstructorArgs):
-    """A wrapper that records its arguments for the environment's spec and keeps the names of slots up to date."""
+class PadObservation(ObservationWrapper):
+    """Pads the observation with zeros, so that buildings with different numbers of zones can share a policy.
 
-    def __init__(self, env: _Env, **arguments: Any):
-        gymnasium.utils.RecordConstructorArgs.__init__(self, **arguments)
-        gymnasium.Wrapper.__init__(self, env)
-        self._core: BuildingEnv = unwrap(env)
+    ``width`` appends zeros up to that many slots. ``zones`` aligns the zones instead: the temperature of zone i, in
+    model order, is slot i; weather, calendar and energy follow after those of ``zones`` zones, and then, where targets
+    vary, occupancy and target of each zone at its own place. Either way zones stay in model order: for houses,
+    :class:`RoleObservation` has a place for each role.
+    """
 
-    def _rename(self, names: list[str], units: list[str]) -> None:
-        self.metadata = {**self.env.metadata, "observation_names": names, "observation_units": units}
+    def __init__(self, env: Env, width: int | None = None, *, zones: int | None = None):
+        super().__init__(env, width=width, zones=zones)
+        if (width is None) == (zones is None):
+            raise SettingError("pass either width or zones")
+        self._width, self._zones = width, zones
+        self._read()
+        box, metadata = box_of(env), env.metadata
+        low, high = np.zeros(self._slots, box.dtype), np.zeros(self._slots, box.dtype)
+        low[self._places], high[self._places] = box.low, box.high
+        self.observation_space = Box(low, high, dtype=box.dtype)
+        names, units = ["padding"] * self._slots, ["1"] * self._slots
+        for place, name, unit in zip(self._places, metadata["observation_names"], metadata["observation_units"]):
+            names[place], units[place] = name, unit
+        self._rename(names, units)
 
-    def _extend(self, low: ArrayLike, high: ArrayLike, names: list[str], units: list[str]) -> None:
-        """Appends slots to the observation space."""
-        box = _box(self.env)
-        bounds = [np.concatenate([old, new]).astype(box.dtype) for old, new in ((box.low, low), (box.high, high))]
-        self.observation_space = Box(bounds[0], bounds[1], dtype=box.dtype)
-        metadata = self.env.metadata
-        self._rename([*metadata["observation_names"], *names], [*metadata["observation_units"], *units])
-
-    def observation(self, observation: Array) -> Array:
-        """Converts an observation of the wrapped environment."""
-        return observation
-
-    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Array, dict[str, Any]]:
-        observation, info = self.env.reset(seed=seed, options=options)
-        return self.observation(observation), info
-
-    def step(self, action: Any) -> _Stepped:
-        observation, reward, terminated, truncated, info = self.env.step(action)
-        return self.observation(observation), reward, terminated, truncated, info
-
-
-def _box(env: _Env) -> Box:
-    if not isinstance(env.observation_space, Box):
-        raise SettingError(f"expected observations in a Box; got {env.observation_space}")
-    return env.observation_space
-
-
-class PadObservation(_Wrapper):
-    """Pads the observation with zeros to ``width`` slots, so that buildings with different numbers of zones can share a
-    policy. The zones of houses stay in model order, so the meaning of a slot differs between houses:
-    :class:`RoleObservation` gives houses a fixed width without this."""
-
-    def __init__(self, env: _Env, width: int):
-        super().__init__(env, width=width)
-        slots = _box(env).shape[0]
-        if slots > width:
-            raise SettingError(f"width is {width}, but the observation has {slots} slots")
-        self._padding = width - slots
-        zeros = np.zeros(self._padding)
-        self._extend(zeros, zeros, ["padding"] * self._padding, ["1"] * self._padding)
+    def _read(self) -> None:
+        """Reads the place of every slot of the building's observation."""
+        self._building = self._core.building
+        if self._width is not None:
+            slots = box_of(self.env).shape[0]
+            if slots > self._width:
+                raise SettingError(f"width is {self._width}, but the observation has {slots} slots")
+            self._places, self._slots = np.arange(slots), self._width
+            return
+        room = self._zones or 0
+        layout = self._core.layout
+        if not is_own(self.env):
+            raise SettingError("the observation was changed by another wrapper; apply PadObservation with zones first")
+        if len(layout.zones) > room:
+            raise SettingError(f"zones is {room}, but {self._building.name} has {len(layout.zones)} zones")
+        varying = 0 if layout.targets is None else 2 * sum(zone.controlled for zone in layout.zones)
+        others = len(layout.observation) - len(layout.zones) - varying
+        self._places = np.arange(len(layout.observation)) + room - len(layout.zones)
+        for index, zone in enumerate(layout.zones):
+            self._places[zone.temperature_slot] = index
+            if zone.occupancy_slot is not None and zone.target_slot is not None:
+                self._places[[zone.occupancy_slot, zone.target_slot]] = room + others + 2 * index + np.arange(2)
+        self._slots = room + others + (2 * room if varying else 0)
 
     def observation(self, observation: Array) -> Array:
-        return np.pad(observation, (0, self._padding))
+        if self._core.building is not self._building:
+            self._read()
+        padded = np.zeros(self._slots, observation.dtype)
+        padded[self._places] = observation
+        return padded
 
 
-class RoleObservation(_Wrapper):
+class RoleObservation(ObservationWrapper):
     """Gives observations of houses a fixed width in which a slot means the same in every house and task.
 
     The slots are the air temperatures of living area, attic, crawlspace and garage (0 if the house does not have it),
@@ -101,11 +100,11 @@ class RoleObservation(_Wrapper):
     and the presence of the four zones, 0 or 1. Wrap the environment before any wrapper that changes its observation.
     """
 
-    def __init__(self, env: _Env):
+    def __init__(self, env: Env):
         super().__init__(env)
         self._read()
         roles = self._roles
-        if not _is_own(env):
+        if not is_own(env):
             raise SettingError("the observation was changed by another wrapper; apply RoleObservation first")
         low = np.array([each.low for each in roles], np.float32)
         high = np.array([each.high for each in roles], np.float32)
@@ -133,13 +132,13 @@ class RoleObservation(_Wrapper):
         return row
 
 
-class NormalizeObservation(_Wrapper):
+class NormalizeObservation(ObservationWrapper):
     """Maps each slot's bounds to [-1, 1] and clips. ``bounds`` replaces the bounds of slots by their name or its last
     words, for example ``{"air temperature": (10, 35)}``."""
 
-    def __init__(self, env: _Env, bounds: dict[str, tuple[float, float]] | None = None):
+    def __init__(self, env: Env, bounds: dict[str, tuple[float, float]] | None = None):
         super().__init__(env, bounds=bounds)
-        names, box = env.metadata["observation_names"], _box(env)
+        names, box = env.metadata["observation_names"], box_of(env)
         self._scale = Scale(names, box.low, box.high, bounds)
         self.observation_space = self._scale.space
         self._rename(names, ["1"] * len(names))
@@ -148,7 +147,7 @@ class NormalizeObservation(_Wrapper):
         return self._scale(observation)
 
 
-class AugmentObservationWithBuildingParams(_Wrapper):
+class AugmentObservationWithBuildingParams(ObservationWrapper):
     """Appends the common attributes of the building's morphology (size, year, climate, envelope, numbers of systems and
     actuators), which are constant within an episode.
 
@@ -156,7 +155,7 @@ class AugmentObservationWithBuildingParams(_Wrapper):
     without ``scaled``, they are in physical units. Unknown attributes are 0.
     """
 
-    def __init__(self, env: _Env, parameters: Sequence[str] | None = None, *, scaled: bool = True):
+    def __init__(self, env: Env, parameters: Sequence[str] | None = None, *, scaled: bool = True):
         super().__init__(env, parameters=parameters, scaled=scaled)
         self._scaled = scaled
         known = self._core.morphology.common_attributes
@@ -180,7 +179,7 @@ class AugmentObservationWithBuildingParams(_Wrapper):
         return np.concatenate([observation, self._values])
 
 
-class ResampleBuildingOnResetWrapper(_Wrapper):
+class ResampleBuildingOnResetWrapper(ObservationWrapper):
     """Draws a new building for every episode.
 
     Buildings are drawn by the seed of ``reset`` from a list of ids or :class:`Building`, or from a split of the
@@ -191,13 +190,13 @@ class ResampleBuildingOnResetWrapper(_Wrapper):
 
     def __init__(
         self,
-        env: _Env,
+        env: Env,
         buildings: Sequence[Building | str] | None = None,
         split: str = "train",
         width: int | None = None,
     ):
         super().__init__(env, buildings=buildings, split=split, width=width)
-        box = _box(env)
+        box = box_of(env)
         self._width, self._pads = width or box.shape[0], width is not None
         if width is not None:
             if box.shape[0] > width:
@@ -231,7 +230,7 @@ class ResampleBuildingOnResetWrapper(_Wrapper):
         return self.observation(observation), info
 
     def _check_width(self) -> None:
-        slots = _box(self._core).shape[0]
+        slots = box_of(self._core).shape[0]
         if slots > self._width or (slots != self._width and not self._pads):
             raise SettingError(
                 f"{self._core.building.name} has {slots} observation slots instead of {self._width}; pass the width of "
@@ -242,7 +241,7 @@ class ResampleBuildingOnResetWrapper(_Wrapper):
         return np.pad(observation, (0, self._width - len(observation)))
 
 
-class WeatherForecast(_Wrapper):
+class WeatherForecast(ObservationWrapper):
     """Appends the outdoor weather at the next full hours from now, ordered by quantity, then hour: a perfect forecast
     from the weather file."""
 
@@ -255,7 +254,7 @@ class WeatherForecast(_Wrapper):
         "wind_speed": (0, 60),
     }
 
-    def __init__(self, env: _Env, hours: int = 6, quantities: Sequence[str] = ("temperature",)):
+    def __init__(self, env: Env, hours: int = 6, quantities: Sequence[str] = ("temperature",)):
         super().__init__(env, hours=hours, quantities=quantities)
         self._hours, self._quantities = hours, tuple(quantities)
         self._read()
@@ -279,7 +278,7 @@ class WeatherForecast(_Wrapper):
         return np.concatenate([observation, forecast.T.ravel().astype(observation.dtype)])
 
 
-class PriceSignal(_Wrapper):
+class PriceSignal(ObservationWrapper):
     """Appends an hourly price or emission factor, now and for the next ``ahead`` hours, and subtracts ``weight`` times
     the price times the step's electricity (kWh/m²) from the reward.
 
@@ -288,7 +287,7 @@ class PriceSignal(_Wrapper):
 
     def __init__(
         self,
-        env: _Env,
+        env: Env,
         series: Sequence[float] | Array | None = None,
         *,
         ahead: int = 3,
@@ -320,7 +319,7 @@ class PriceSignal(_Wrapper):
         hours = (self._hour() + np.arange(self._ahead + 1)) % len(self._series)
         return np.concatenate([observation, self._series[hours].astype(observation.dtype)])
 
-    def step(self, action: Any) -> _Stepped:
+    def step(self, action: Any) -> Stepped:
         price = self._series[self._hour() % len(self._series)]
         observation, reward, terminated, truncated, info = self.env.step(action)
         if self._weight:
@@ -345,14 +344,14 @@ def _with_term(info: dict[str, Any], name: str, value: float) -> dict[str, Any]:
     return Info(compute)
 
 
-class SubsetObservation(_Wrapper):
+class SubsetObservation(ObservationWrapper):
     """Keeps the named slots of the observation, in the given order."""
 
-    def __init__(self, env: _Env, names: Sequence[str]):
+    def __init__(self, env: Env, names: Sequence[str]):
         super().__init__(env, names=names)
         known = env.metadata["observation_names"]
         self._slots = np.array([index_of(known, "observation slot", name) for name in names], dtype=int)
-        box = _box(env)
+        box = box_of(env)
         self.observation_space = Box(box.low[self._slots], box.high[self._slots], dtype=box.dtype)
         self._rename(list(names), [env.metadata["observation_units"][slot] for slot in self._slots])
 
@@ -360,11 +359,11 @@ class SubsetObservation(_Wrapper):
         return observation[self._slots]
 
 
-class SubsetAction(_Wrapper):
+class SubsetAction(ObservationWrapper):
     """Restricts the action to the named actuators, in the given order. ``rest``, a controller of all actuators, drives
     the others; :class:`ReactiveController` by default."""
 
-    def __init__(self, env: _Env, names: Sequence[str], rest: Callable[[Array], ArrayLike] | None = None):
+    def __init__(self, env: Env, names: Sequence[str], rest: Callable[[Array], ArrayLike] | None = None):
         super().__init__(env, names=names, rest=rest)
         known = env.metadata["action_names"]
         self._actuators = np.array([index_of(known, "actuator", name) for name in names], dtype=int)
@@ -386,7 +385,7 @@ class SubsetAction(_Wrapper):
             self._rest.reset()
         return self.env.reset(seed=seed, options=options)
 
-    def step(self, action: Any) -> _Stepped:
+    def step(self, action: Any) -> Stepped:
         action = action_of_shape(action, self._actuators.shape)
         complete = np.array(self._rest(self._core.observation), dtype=np.float64)
         complete[self._actuators] = action
@@ -401,18 +400,13 @@ def action_of_shape(action: ArrayLike, shape: tuple[int, ...]) -> Array:
     return array
 
 
-def _is_own(env: _Env) -> bool:
-    """Returns whether no wrapper has changed the slots of the observation."""
-    return bool(env.metadata["observation_names"] == unwrap(env).metadata["observation_names"])
-
-
-def wrap_env_for_rl(env: _Env, *, width: int | None = None, parameters: bool = False) -> _Env:
+def wrap_env_for_rl(env: Env, *, width: int | None = None, parameters: bool = False) -> Env:
     """Wraps an environment for learning: observations and actions in [-1, 1], with ``parameters`` the building's
     scaled attributes appended, and padded to ``width``. Houses have the slots of :class:`RoleObservation` unless
     ``width`` is given."""
     if not unwrap(env).rescale_action:
         env = gymnasium.wrappers.RescaleAction(env, np.float32(-1.0), np.float32(1.0))
-    if width is None and unwrap(env).layout.spaces.roles is not None and _is_own(env):
+    if width is None and unwrap(env).layout.spaces.roles is not None and is_own(env):
         env = RoleObservation(env)
     env = NormalizeObservation(env)
     if parameters:

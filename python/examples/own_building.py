@@ -4,12 +4,11 @@ with EnergyPlus."""
 import sys
 
 import building2building as b2b
-from building2building import _engine
 
 if len(sys.argv) == 3:
     model, weather = sys.argv[1:]
 else:
-    model = _engine.folder() / "pyenergyplus/data/model/ASHRAE901_RestaurantSitDown_STD2019_Denver.idf"
+    model = b2b.list_engine_models()["ASHRAE901_RestaurantSitDown_STD2019_Denver"]
     weather = b2b.find_building("OfficeSmall").weather
 
 building = b2b.import_building(model, weather)

@@ -147,6 +147,21 @@ impl Env {
         })
     }
 
+    /// Returns `count` environments that continue from the current point of the episode.
+    fn branch(&self, py: Python<'_>, count: usize) -> PyResult<Vec<Self>> {
+        self.owner.with(py, &self.state, |state| {
+            let setting = state.setting.clone();
+            let open = state.open()?;
+            let episodes = open.episode.branch(count).map_err(of_env)?;
+            let branch = |episode| {
+                let open = Open { workers: open.workers.clone(), episode, snapshots: HashMap::new() };
+                let state = State { setting: setting.clone(), open: Some(open), next_snapshot: 0 };
+                Self { owner: Owner::this(), state: Mutex::new(state) }
+            };
+            Ok(episodes.into_iter().map(branch).collect())
+        })
+    }
+
     /// Ends the process of a snapshot.
     fn release(&self, py: Python<'_>, snapshot: u64) -> PyResult<()> {
         if !self.owner.is_current() {

@@ -1,5 +1,6 @@
 //! An environment in this process, for debuggers and profilers; only one at a time.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use b2b_energyplus::Library;
@@ -26,7 +27,8 @@ pub struct LocalEnv {
 #[pymethods]
 impl LocalEnv {
     #[new]
-    fn new(py: Python<'_>, setting: &Setting) -> PyResult<Self> {
+    #[pyo3(signature = (setting, engine_output=None))]
+    fn new(py: Python<'_>, setting: &Setting, engine_output: Option<PathBuf>) -> PyResult<Self> {
         let path = py.detach(catalog::library)?;
         let library = Library::load(&path).map_err(|error| of_env(error.into()))?;
         let episode = setting.setting.episode.clone();
@@ -34,7 +36,10 @@ impl LocalEnv {
         let building = source.prepare(&episode.weather, &library).map_err(of_building)?;
         let building = Arc::new(building);
         let spaces = EnvSpaces::new(Arc::clone(&building), episode.clone());
-        let env = b2b_env::Env::new(library, building, episode).map_err(of_env)?;
+        let mut env = b2b_env::Env::new(library, building, episode).map_err(of_env)?;
+        if let Some(folder) = engine_output {
+            env = env.keep_engine_output(&folder).map_err(of_env)?;
+        }
         Ok(Self {
             applied_action: vec![0.0; env.action_space().len()],
             env: Some(env),

@@ -153,3 +153,34 @@ fn an_episode_comes_back_to_where_a_snapshot_was_taken() {
     let said = other.restore(&snapshot).unwrap_err().to_string();
     assert!(said.contains("SingleFamilyHouse"), "{said}");
 }
+
+#[test]
+fn the_engine_s_own_output_stays_where_it_was_asked_for_and_changes_nothing() {
+    let (house, kept) = (house(), tempfile::tempdir().unwrap());
+    let without = random_episode(&mut house.env("01-20..01-21"), 8).hash();
+    let folder = kept.path().join("output/of the engine");
+    let mut env = house.env("01-20..01-21").keep_engine_output(&folder).unwrap();
+    assert_eq!(random_episode(&mut env, 8).hash(), without);
+    let meters = env.engine_meters().unwrap();
+    drop(env);
+    for file in [
+        "model.epJSON",
+        "eplusout.err",
+        "eplusout.eio",
+        "eplusout.mtr",
+        "eplusout.sql",
+        "eplusout.rdd",
+        "eplustbl.htm",
+    ] {
+        let length = folder.join(file).metadata().unwrap_or_else(|error| panic!("{file}: {error}")).len();
+        assert!(length > 0, "{file} is empty");
+    }
+    let series = std::fs::read_to_string(folder.join("eplusout.eso")).unwrap();
+    assert!(series.contains("Zone Mean Air Temperature [C] !TimeStep"));
+    assert!(meters[0] > 0.0, "{meters:?}");
+
+    let file = kept.path().join("file");
+    std::fs::write(&file, "").unwrap();
+    let error = house.env("01-20..01-21").keep_engine_output(&file.join("below")).unwrap_err();
+    assert!(error.to_string().contains("file/below"), "{error}");
+}

@@ -10,8 +10,9 @@ use super::meters::{JOULES_PER_WATT_HOUR, METERS};
 use crate::Result;
 use crate::zones::ControlledZone;
 
-const ZONE_TEMPERATURE: &str = "Zone Mean Air Temperature";
-const OUTDOOR: [&str; 2] = ["Site Outdoor Air Drybulb Temperature", "Site Outdoor Air Relative Humidity"];
+pub(super) const ZONE_TEMPERATURE: &str = "Zone Mean Air Temperature";
+pub(super) const OUTDOOR: [&str; 2] =
+    ["Site Outdoor Air Drybulb Temperature", "Site Outdoor Air Relative Humidity"];
 const SITE: &str = "Environment";
 const PEOPLE: &str = "Zone People Occupant Count";
 

@@ -1,6 +1,7 @@
 //! The in-process environment: reset and step.
 
 mod engine;
+mod engine_output;
 mod meters;
 mod observe;
 mod snapshot;
@@ -9,7 +10,7 @@ mod warm_up;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use b2b_building::PreparedBuilding;
+use b2b_building::{Model, PreparedBuilding};
 use b2b_energyplus::{Clock, Event, Level, Library, Messages, temporary_folder};
 use tempfile::TempDir;
 
@@ -75,8 +76,10 @@ pub struct Env {
     finish_run: bool,
     /// Where the engine writes its meters.
     meter_file: PathBuf,
-    /// The model file and the engine's own files; removed with the environment.
-    folder: TempDir,
+    /// The model file and the engine's own files.
+    folder: PathBuf,
+    /// The same folder, if it is removed with the environment.
+    _temporary: Option<TempDir>,
 }
 
 impl Env {
@@ -86,11 +89,11 @@ impl Env {
     /// [`Error::StepsPerHour`]; [`Error::TaskValue`]; [`Error::Io`] when the model cannot be written to the temporary folder.
     pub fn new(library: Library, building: Arc<PreparedBuilding>, episode: EpisodeConfig) -> Result<Self> {
         episode.check()?;
-        let folder = temporary_folder("b2b-env-")?;
-        let mut model = building.model_for(episode.period, episode.steps_per_hour);
-        meters::request(&mut model);
-        let path = folder.path().join(MODEL_FILE);
-        std::fs::write(&path, model.to_epjson()).map_err(|source| Error::Io { path, source })?;
+        let temporary = temporary_folder("b2b-env-")?;
+        let folder = temporary.path().to_owned();
+        let path = folder.join(MODEL_FILE);
+        std::fs::write(&path, episode_model(&building, &episode).to_epjson())
+            .map_err(|source| Error::Io { path, source })?;
         let spaces = Spaces::new(building, episode);
         let task = &spaces.episode.task;
         let zones = controlled_zones(&spaces.building, task);
@@ -114,10 +117,11 @@ impl Env {
             history: None,
             steps: spaces.episode_steps(),
             finish_run: true,
-            meter_file: folder.path().join(meters::METER_FILE),
+            meter_file: folder.join(meters::METER_FILE),
             spaces: Arc::new(spaces),
             zones,
             folder,
+            _temporary: Some(temporary),
         })
     }
 
@@ -149,7 +153,7 @@ impl Env {
         if let Some(history) = &mut self.history {
             history.clear();
         }
-        let (model, spaces) = (self.folder.path().join(MODEL_FILE), &self.spaces);
+        let (model, spaces) = (self.folder.join(MODEL_FILE), &self.spaces);
         let weather = &spaces.episode.weather;
         let (library, effects) = (&self.library, self.observe_effects);
         let mut engine = Engine::start(library, &spaces.building, &self.zones, &model, weather, effects)?;
@@ -407,8 +411,15 @@ impl Env {
 
     /// The folder of the model and of the engine's own files.
     pub(crate) fn folder(&self) -> &Path {
-        self.folder.path()
+        &self.folder
     }
+}
+
+/// The model of an episode, with the meters that the engine writes.
+fn episode_model(building: &PreparedBuilding, episode: &EpisodeConfig) -> Model {
+    let mut model = building.model_for(episode.period, episode.steps_per_hour);
+    meters::request(&mut model);
+    model
 }
 
 fn new_metrics(zones: &[ControlledZone], spaces: &Spaces) -> Metrics {

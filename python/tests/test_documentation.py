@@ -1,0 +1,127 @@
+"""The code of the documentation runs, its figures are those of the script, and file formats are as described."""
+
+import base64
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import building2building as b2b
+import pytest
+
+ROOT = Path(__file__).parents[2]
+DOCS = ROOT / "docs"
+
+#: What is made shorter, so that a page takes seconds.
+SHORTER = {
+    "steps=12_000, environments=4": "steps=1_200, environments=2",
+    '"every": 4_000': '"every": 1_200',
+    'run_periods=["02-06..02-07", "03-06..03-07"]': 'run_periods=["02-06..02-06"]',
+    "steps=6_000": "steps=1_200",
+    '"every": 6_000': '"every": 1_200',
+    "n=4)": "n=1)",
+    "for _ in range(8):": "for _ in range(2):",
+}
+
+
+def blocks(page: Path) -> str:
+    """Returns the Python of a page."""
+    found = re.findall(r"```(?:python|\{code-cell\}[^\n]*)\n(.*?)```", page.read_text(), re.S)
+    code = "\n".join(found)
+    for long, short in SHORTER.items():
+        code = code.replace(long, short)
+    return code
+
+
+def run(code: str, folder: Path) -> str:
+    environment = {**os.environ, "MPLBACKEND": "Agg"}
+    command = [sys.executable, "-c", code]
+    ran = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=900)
+    assert ran.returncode == 0, ran.stderr
+    return ran.stdout
+
+
+PAGES = {
+    "concepts/step": "temperature",
+    "concepts/score": "energy ratio",
+    "tutorials/own_reward": "best: ",
+    "tutorials/own_building": "Kitchen",
+    "tutorials/train_and_compare": "energy ratio",
+    "tutorials/transfer": "interquartile mean: ",
+    "tutorials/planning": "planned",
+    "tutorials/demand_response": "shift",
+    "logging": "1152",
+}
+
+
+def test_every_page_with_a_program_of_its_own_is_tested():
+    tested = {f"{name}.md" for name in PAGES} | {"first_agent.md"}
+    written = {
+        str(page.relative_to(DOCS)) for folder in ("concepts", "tutorials") for page in (DOCS / folder).glob("*.md")
+    }
+    assert {page for page in written if blocks(DOCS / page)} <= tested
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_the_code_of_a_page_runs(name, tmp_path):
+    code = blocks(DOCS / f"{name}.md")
+    assert code
+    assert PAGES[name] in run(code, tmp_path)
+
+
+def test_blocks_of_python_are_python():
+    pages = [ROOT / "README.md", *DOCS.rglob("*.md")]
+    for page in pages:
+        for block in re.findall(r"```(?:python|\{code-cell\}[^\n]*)\n(.*?)```", page.read_text(), re.S):
+            compile(block, str(page), "exec")
+
+
+def test_the_figures_are_those_of_the_script():
+    code = "import draw, json; print(json.dumps({name: each().svg() for name, each in draw.FIGURES.items()}))"
+    drawn = json.loads(run(code, DOCS / "figures"))
+    assert drawn == {path.stem: path.read_text() for path in (DOCS / "figures").glob("*.svg")}
+
+
+def keys(kind: str) -> set[str]:
+    """Returns the names that the page of file formats lists after a marker."""
+    _, rest = (DOCS / "formats.md").read_text().split(f"<!-- keys: {kind} -->")
+    if rest.startswith("\n"):
+        table = rest.strip().split("\n\n")[0].splitlines()[2:]
+        return {name for row in table for name in re.findall(r"`(\w+)`", row.split("|")[1])}
+    return set(re.findall(r"`(\w+)`", rest.split("<!-- end -->")[0]))
+
+
+def test_the_files_of_a_run_are_as_described(tmp_path):
+    command = [sys.executable, "-m", "building2building", "run", "SingleFamilyHouse", "--period", "01-09..01-09"]
+    subprocess.run([*command, "--out", tmp_path / "run"], check=True, capture_output=True)
+    assert set(json.loads((tmp_path / "run/summary.json").read_text())) == keys("summary")
+    text = (DOCS / "formats.md").read_text()
+    footer = (tmp_path / "run/trajectory.parquet").read_bytes()
+    # Arrow encodes the metadata of its schema.
+    schema = re.search(rb"[A-Za-z0-9+/]{1000,}=*", footer)
+    assert schema
+    footer += base64.b64decode(schema[0])
+    columns = [
+        "step",
+        "month",
+        "minute",
+        "outdoor air temperature",
+        "Living supply air flow",
+        "energy penalty",
+        "reward",
+    ]
+    for name in [*columns, "metadata_sha256", "trajectory_hash", "task_definition", "observations"]:
+        assert f"`{name}`" in text and name.encode() in footer, name
+
+
+def test_the_files_of_an_evaluation_and_an_agent_are_as_described(tmp_path):
+    house = "SingleFamilyHouse-0042"
+    b2b.evaluate("constant", [house], run_periods="01-09..01-09", folder=tmp_path / "evaluation")
+    written = {path.name for path in (tmp_path / "evaluation").iterdir()}
+    assert written == {"episodes", "episodes.parquet", "evaluation.json", "report.html", "summary.json"}
+    assert set(json.loads((tmp_path / "evaluation/summary.json").read_text())) == keys("evaluation")
+    options = {"run_period": "01-09..01-15", "window_days": 1, "environments": 1, "steps": 288}
+    agent = b2b.train(house, evaluation={"days": 1}, out=tmp_path / "run", **options)
+    assert set(agent.info) == keys("agent")
