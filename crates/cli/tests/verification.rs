@@ -168,7 +168,7 @@ fn a_tampered_result_fails_verification() {
     assert!(judged.wrong(&copy, 0).contains("dataset v0 (v1 in this program)"));
     edit("/versions/generator", json!("v1"));
     edit("/problem/protocol/training_steps", json!(1));
-    assert!(judged.wrong(&copy, 0).contains("does not have the hash"));
+    assert!(judged.wrong(&copy, 0).contains("does not match its hash"));
     // The table alone.
     std::fs::write(copy.join("episodes.parquet"), bytes(&judged.path(), "episodes.parquet")).unwrap();
     assert!(judged.wrong(&copy, 0).contains("episodes.parquet is not the table"));

@@ -149,7 +149,7 @@ mod tests {
         let wall = model.require_mut("Construction", "Wall Con").unwrap();
         wall.insert("layer_2".into(), json!("Roof Insulation"));
         let error = insulate(&mut model, 0.5, 0.2).unwrap_err().to_string();
-        assert!(error.contains("another resistance"), "{error}");
+        assert!(error.contains("a different resistance"), "{error}");
     }
 
     #[test]
