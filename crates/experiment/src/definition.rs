@@ -307,7 +307,7 @@ mod tests {
         for (old, new, word) in [
             ("\"winter\"", "\"monsoon\"", "monsoon"),
             ("learning_rate", "lerning_rate", "learning_rate"),
-            ("name = \"residual\"", "name = \"paper\"", "taken"),
+            ("name = \"residual\"", "name = \"paper\"", "two agents are named"),
             ("small_test", "smal_test", "smal_test"),
         ] {
             let broken = text.replacen(old, new, 1);
