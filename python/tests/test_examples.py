@@ -5,6 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import building2building as b2b
 import pytest
 
 ROOT = Path(__file__).parents[2]
@@ -59,6 +60,30 @@ def test_the_first_agent_of_the_documentation_is_trained_and_evaluated(tmp_path,
     for words in ["Core_ZN air temperature", "ReactiveController", "SingleFamilyHouse-0018: score"]:
         assert words in printed
     assert (tmp_path / "runs/first/agent.json").is_file()
+
+
+@pytest.mark.parametrize(
+    "name, arguments, words",
+    [
+        ("log_wandb", [1_200], "logged"),
+        ("log_mlflow", [1_200], "logged"),
+        ("study_optuna", [2, 1_200], "best resolved score"),
+    ],
+)
+def test_a_training_is_logged_and_studied(name, arguments, words, tmp_path):
+    """With packages that are not among the extras."""
+    pytest.importorskip(name.split("_")[1])
+    assert words in run(EXAMPLES / f"{name}.py", tmp_path, *arguments)
+
+
+def test_the_configuration_of_the_documentation_is_the_example_and_trains(tmp_path):
+    tomllib = pytest.importorskip("tomllib")
+    text = (EXAMPLES / "train.toml").read_text()
+    assert text in (ROOT / "docs/logging.md").read_text()
+    options = tomllib.loads(text) | {"steps": 288, "environments": 1, "window_days": 1}
+    options |= {"run_period": "01-09..01-12", "evaluation": {"days": 1, "buildings": 1}}
+    agent = b2b.train(out=tmp_path / "run", **options)
+    assert agent.info["task"] and agent.summary["task"] == "occupancy+energy0.5"
 
 
 SHORT = ["--steps", 1, "--envs", 2, "--n-steps", 336, "--period", "01-01..01-14"]
