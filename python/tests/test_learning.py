@@ -50,7 +50,7 @@ def test_a_building_that_the_agent_was_not_made_for_is_an_error(agent):
     env = b2b.make_env("OfficeSmall", run_period="01-10..01-10")
     with pytest.raises(EvaluationError, match=f"trained on {HOUSE}"):
         agent.controller(env)
-    with pytest.raises(EvaluationError, match="not an agent's folder"):
+    with pytest.raises(EvaluationError, match="not the folder of an agent"):
         b2b.Agent.load("nowhere")
 
 
@@ -83,7 +83,7 @@ def test_invalid_options_are_errors(tmp_path):
         ({"enviroments": 3}, "did you mean `environments`"),
         ({"preset": "papper"}, "unknown preset"),
         ({"acting": {"kind": "residual", "authority": 2}}, "authority"),
-        ({"steps": object()}, "not a value"),
+        ({"steps": object()}, "not a valid configuration value"),
         ({"resume": True, "seed": 3}, "remove seed"),
     ]:
         with pytest.raises(SettingError, match=message):

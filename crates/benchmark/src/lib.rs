@@ -30,9 +30,9 @@ pub use baseline::table as baseline_table;
 pub use baseline::{Baselines, Key};
 pub use error::{Error, Result};
 pub use evaluation::{
-    Deviations, Episode, EpisodeInfo, Evaluation, Finished, Folder, Hours, Lost, Outcome, Progress, Record,
-    Recorded, Row, Scored, StepRewards, episode_table, read_episodes, read_stages, write_episodes,
-    write_stages,
+    Deviations, Episode, EpisodeInfo, Evaluation, Finished, Folder, Hours, KeepRecorded, Lost, Outcome,
+    Progress, Record, Recorded, Row, Scored, StepRewards, episode_table, read_episodes, read_stages,
+    write_episodes, write_stages,
 };
 pub use policy::{ActionScale, BuiltIn, EpisodeContext, HouseForm, Interface, OnnxPolicy, Policy};
 pub use problem::Problem;

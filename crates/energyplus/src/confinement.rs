@@ -4,7 +4,7 @@
 //! it is given, run programs, or open TCP connections; the engine may be made to try, but not to succeed.
 
 use std::fmt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::install::cache_dir;
 
@@ -41,13 +41,15 @@ impl fmt::Display for Confinement {
 /// Confines this thread, and every thread and process that it starts from here on, to writing in the temporary folder and in the
 /// cache of this package. There is no way back.
 pub fn confine() -> Confinement {
-    let cache = cache_dir().ok();
-    let devices = PathBuf::from("/dev/null");
-    restrict([std::env::temp_dir(), devices].into_iter().chain(cache))
+    let (temporary, devices) = (std::env::temp_dir(), PathBuf::from("/dev/null"));
+    let parent = temporary.parent().map(Path::to_owned);
+    restrict([temporary, devices].into_iter().chain(cache_dir().ok()), parent)
 }
 
+/// Allows writing in some folders, and removing empty folders in another: a worker whose owner is gone removes the temporary folder
+/// that it was given.
 #[cfg(target_os = "linux")]
-fn restrict(writable: impl Iterator<Item = PathBuf>) -> Confinement {
+fn restrict(writable: impl Iterator<Item = PathBuf>, emptied: Option<PathBuf>) -> Confinement {
     use landlock::{
         ABI, Access, AccessFs, AccessNet, Ruleset, RulesetAttr, RulesetCreatedAttr, RulesetError,
         RulesetStatus, path_beneath_rules,
@@ -58,7 +60,8 @@ fn restrict(writable: impl Iterator<Item = PathBuf>) -> Confinement {
             .handle_access(writing | AccessFs::Execute)?
             .handle_access(AccessNet::from_all(ABI::V4))?
             .create()?
-            .add_rules(path_beneath_rules(writable, writing))?;
+            .add_rules(path_beneath_rules(writable, writing))?
+            .add_rules(path_beneath_rules(emptied, AccessFs::RemoveDir))?;
         Ok(ruleset.restrict_self()?.ruleset)
     };
     match restrict() {
@@ -69,7 +72,7 @@ fn restrict(writable: impl Iterator<Item = PathBuf>) -> Confinement {
 }
 
 #[cfg(not(target_os = "linux"))]
-fn restrict(_: impl Iterator<Item = PathBuf>) -> Confinement {
+fn restrict(_: impl Iterator<Item = PathBuf>, _: Option<PathBuf>) -> Confinement {
     Confinement::None
 }
 
@@ -86,18 +89,21 @@ mod tests {
         let [inside, outside] = ["inside", "outside"].map(|name| {
             let path = root.path().join(name);
             std::fs::create_dir(&path).unwrap();
+            std::fs::create_dir(path.join("empty")).unwrap();
             std::fs::write(path.join("there"), "before").unwrap();
             path
         });
         let listener = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
         let address = listener.local_addr().unwrap();
         let confined = std::thread::spawn(move || {
-            let confinement = restrict(std::iter::once(inside.clone()));
+            let confinement = restrict(std::iter::once(inside.clone()), inside.parent().map(Path::to_owned));
             if confinement == Confinement::None {
                 return confinement;
             }
             std::fs::write(inside.join("new"), "text").unwrap();
             assert_eq!(std::fs::read_to_string(outside.join("there")).unwrap(), "before");
+            let empty = outside.join("empty");
+            std::fs::remove_dir(empty).unwrap();
             let denied = |result: std::io::Result<()>| result.unwrap_err().kind() == PermissionDenied;
             assert!(denied(std::fs::write(outside.join("new"), "text")));
             assert!(denied(std::fs::write(outside.join("there"), "after")));

@@ -32,5 +32,6 @@ pub use progress::Progress;
 pub use recording::Recorded;
 pub(crate) use row::relative_energy;
 pub use row::{Row, Scored};
+pub use runner::KeepRecorded;
 pub use step_rewards::StepRewards;
 pub use table::{episode_table, read_episodes, read_stages, write_episodes, write_stages};

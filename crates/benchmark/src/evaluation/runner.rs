@@ -14,6 +14,9 @@ use crate::error::panic_message;
 use crate::policy::Policy;
 use crate::{Error, Result};
 
+/// Takes the steps of an episode by its number, or why it was lost.
+pub type KeepRecorded<'a> = dyn Fn(usize, std::result::Result<&Recorded<'_>, Lost>) -> Result<()> + Sync + 'a;
+
 impl Evaluation<'_> {
     /// Runs episodes and passes each with its number to `keep` as it ends. An episode that cannot be run or whose process
     /// dies is [`Lost`]. Episodes of one building should be adjacent in the list.
@@ -42,7 +45,7 @@ impl Evaluation<'_> {
         episodes: &[(usize, &Episode)],
         policy: &dyn Policy,
         progress: &dyn Progress,
-        keep: &(dyn Fn(usize, std::result::Result<&Recorded<'_>, Lost>) -> Result<()> + Sync),
+        keep: &KeepRecorded<'_>,
     ) -> Result<()> {
         let (failed, interrupted) = (AtomicBool::new(false), self.interrupted);
         let recorded = &|number: usize, recorded: &Recorded<'_>| keep(number, Ok(recorded));
