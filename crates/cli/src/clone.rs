@@ -107,11 +107,14 @@ pub fn clone(arguments: &Arguments) -> Result<()> {
     })
 }
 
+/// Building, place and weather file.
+type Key = (String, Option<String>, Option<PathBuf>);
+
 /// The buildings of a dataset.
 struct Buildings<'a> {
     catalog: &'a Catalog,
     contents: &'a Contents,
-    prepared: HashMap<(String, Option<String>, Option<PathBuf>), (Arc<PreparedBuilding>, PathBuf)>,
+    prepared: HashMap<Key, (Arc<PreparedBuilding>, PathBuf)>,
 }
 
 impl Buildings<'_> {

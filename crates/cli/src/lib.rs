@@ -100,7 +100,7 @@ enum Command {
     #[cfg(target_os = "linux")]
     Export(export::Arguments),
     #[cfg(target_os = "linux")]
-    Collect(collect::Arguments),
+    Collect(Box<collect::Arguments>),
     #[cfg(target_os = "linux")]
     Clone(clone::Arguments),
     #[cfg(target_os = "linux")]
