@@ -122,7 +122,7 @@ fn ready_environments_are_received_while_another_is_stopped() {
     let mut back = Vec::new();
     vec.recv(2, &mut back).unwrap();
     assert_eq!(back, [0, 2]);
-    assert!(vec.send(1, &action).unwrap_err().to_string().contains("busy"));
+    assert!(vec.send(1, &action).unwrap_err().to_string().contains("still in progress"));
     signal(vec.process(1).unwrap(), Signal::CONT);
     vec.recv(1, &mut back).unwrap();
     assert_eq!(back, [1]);
