@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 
+use b2b_benchmark::Baselines;
 use b2b_benchmark::entry::{Entry, EntryPolicy, External, RunOutcome, measure_scores};
 use b2b_benchmark::problem::{RestrictedAction, Stage};
-use b2b_benchmark::{Baselines, Evaluation};
 use b2b_building::BuildingType;
 use b2b_control::ReactiveParameters;
 use b2b_dataset::BuildingId;
@@ -14,10 +14,9 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 
 use crate::arrays;
-use crate::catalog::{self, locked};
-use crate::error::{Exception, of_benchmark, of_building};
-use crate::evaluation::{Counter, InPython, running, stopped, wait_for};
-use crate::pools;
+use crate::catalog::locked;
+use crate::error::{Exception, of_building};
+use crate::evaluation::{InPython, run_policy, running, stopped};
 use crate::spaces::Spaces;
 
 fn wrong(error: impl std::fmt::Display) -> PyErr {
@@ -140,20 +139,12 @@ impl Problem {
             adapted: BTreeMap::new(),
             upper_bound: None,
         };
-        let launcher = pools::options(py)?.launcher;
-        let counter = Counter::default();
-        let outcome = py.detach(|| {
-            let catalog = catalog::catalog()?;
-            let run = || -> b2b_benchmark::Result<_> {
-                let evaluation = Evaluation { catalog: &catalog, launcher, jobs, interrupted: stopped };
-                let outcome = entry.run(&folder, &evaluation, &Baselines::open()?, &counter)?;
-                // The last episode may have ended in an exception.
-                if stopped() { Err(b2b_benchmark::Error::Interrupted) } else { Ok(outcome) }
-            };
-            wait_for(run, || counter.report(progress.as_ref()))
-                .map_err(|error| locked(&raised).take().unwrap_or_else(|| of_benchmark(error)))
-        });
-        match outcome? {
+        let outcome = run_policy(py, jobs, &raised, progress.as_ref(), |evaluation, counter| {
+            let outcome = entry.run(&folder, evaluation, &Baselines::open()?, counter)?;
+            // The last episode may have ended in an exception.
+            if stopped() { Err(b2b_benchmark::Error::Interrupted) } else { Ok(outcome) }
+        })?;
+        match outcome {
             RunOutcome::Complete(result, _) => Ok(serde_json::to_string(&result).expect("it is plain data")),
             RunOutcome::Incomplete(rows) => {
                 let lost = rows.iter().map(|row| match &row.outcome {

@@ -76,27 +76,17 @@ pub fn evaluate<'py>(
         }
     };
     let policy = policy.as_ref();
-    let launcher = pools::options(py)?.launcher;
-    let counter = Counter::default();
-    let outcome = py.detach(|| {
-        let catalog = catalog::catalog()?;
-        let run = || -> b2b_benchmark::Result<_> {
-            let evaluation = Evaluation { catalog: &catalog, launcher, jobs, interrupted: stopped };
-            let folder = Folder::open(&folder, policy, &episodes)?;
-            let baselines = Baselines::open()?;
-            let results = Results::of(&evaluation, &folder, &episodes, policy, &baselines, &counter)?;
-            if stopped() {
-                // The last episode may have ended in an exception.
-                return Err(b2b_benchmark::Error::Interrupted);
-            }
-            let summary = results.summary(policy);
-            results.write(&folder, &summary)?;
-            Ok((results, summary))
-        };
-        wait_for(run, || counter.report(progress.as_ref()))
-            .map_err(|error| locked(&raised).take().unwrap_or_else(|| of_benchmark(error)))
-    });
-    let (results, summary) = outcome?;
+    let (results, summary) = run_policy(py, jobs, &raised, progress.as_ref(), |evaluation, counter| {
+        let folder = Folder::open(&folder, policy, &episodes)?;
+        let results = Results::of(evaluation, &folder, &episodes, policy, &Baselines::open()?, counter)?;
+        if stopped() {
+            // The last episode may have ended in an exception.
+            return Err(b2b_benchmark::Error::Interrupted);
+        }
+        let summary = results.summary(policy);
+        results.write(&folder, &summary)?;
+        Ok((results, summary))
+    })?;
     let table = episode_table(&results.rows, &summary.versions);
     let table = table.map_err(|error| Exception::Evaluation.new_err(error.to_string()))?;
     let summary = serde_json::to_string(&summary).expect("a summary is plain data");
@@ -120,6 +110,25 @@ pub fn baseline(py: Python<'_>, episode: EpisodeKey) -> PyResult<(f64, f64, u64)
         };
         let baseline = wait_for(run, || true).map_err(of_benchmark)?;
         Ok((baseline.episode_return, baseline.energy, episode.steps()))
+    })
+}
+
+/// Runs episodes of a policy, and handles signals and reports progress meanwhile. An exception that the policy raised takes
+/// precedence over the error that it led to.
+pub fn run_policy<T: Send>(
+    py: Python<'_>,
+    jobs: usize,
+    raised: &Mutex<Option<PyErr>>,
+    progress: Option<&Py<PyAny>>,
+    run: impl FnOnce(&Evaluation<'_>, &Counter) -> b2b_benchmark::Result<T> + Send,
+) -> PyResult<T> {
+    let launcher = pools::options(py)?.launcher;
+    let counter = Counter::default();
+    py.detach(|| {
+        let catalog = catalog::catalog()?;
+        let run = || run(&Evaluation { catalog: &catalog, launcher, jobs, interrupted: stopped }, &counter);
+        wait_for(run, || counter.report(progress))
+            .map_err(|error| locked(raised).take().unwrap_or_else(|| of_benchmark(error)))
     })
 }
 
@@ -279,7 +288,7 @@ impl Progress for Counter {
 
 impl Counter {
     /// Calls the progress function and returns whether it succeeded.
-    pub fn report(&self, progress: Option<&Py<PyAny>>) -> bool {
+    fn report(&self, progress: Option<&Py<PyAny>>) -> bool {
         let Some(progress) = progress else { return true };
         let what = locked(&self.what).clone();
         let (done, all) = (self.done.load(Ordering::Relaxed), self.all.load(Ordering::Relaxed));

@@ -1,7 +1,7 @@
 //! The meaning of an agent's actions.
 
 use b2b_control::{Controller, Reactive, ReactiveParameters};
-use b2b_env::{Spaces, rescale};
+use b2b_env::{Spaces, rescale, unscale};
 use serde::{Deserialize, Serialize};
 
 /// The meaning of an agent's actions, which are from -1 to 1.
@@ -81,7 +81,7 @@ impl Driver {
                 let (low, high) = (self.low[index], self.high[index]);
                 let action = self.base_action[index].clamp(low, high);
                 self.base_action[index] = action;
-                *row = if high > low { (2.0 * (action - low) / (high - low) - 1.0) as f32 } else { 0.0 };
+                *row = unscale(action, low, high) as f32;
             }
         }
         &self.base_row

@@ -89,15 +89,20 @@ impl Agent {
     /// [`Error::UnknownNodeType`] when a graph agent does not know one of its nodes' types; those of [`Pilot::new`].
     pub fn controller(&self, spaces: &Arc<Spaces>) -> Result<AgentController> {
         let pilot = Pilot::new(self.info.interface, spaces)?;
+        self.check_fit(&pilot, spaces)?;
+        Ok(AgentController::new(pilot, Arc::clone(&self.actor)))
+    }
+
+    /// Checks that the agent was trained with the observation and the actuators of a building.
+    pub(crate) fn check_fit(&self, pilot: &Pilot, spaces: &Spaces) -> Result<()> {
         match pilot.graph() {
-            None => self.check(&pilot.observation().names(), spaces.action.names(), spaces)?,
+            None => self.check(&pilot.observation().names(), spaces.action.names(), spaces),
             Some(graph) => {
                 let types = NodeSpaces::of(self.info.interface);
                 self.check(&types.slots(), &types.actuators(), spaces)?;
-                self.check_types(graph, spaces)?;
+                self.check_types(graph, spaces)
             }
         }
-        Ok(AgentController::new(pilot, Arc::clone(&self.actor)))
     }
 
     /// Checks that every node has a type that the agent was trained with.

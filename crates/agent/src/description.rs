@@ -58,18 +58,19 @@ impl Agent {
     /// stored in a folder.
     ///
     /// # Errors
-    /// As [`Pilot::new`]; [`Error::Io`] without a current folder.
+    /// As [`Agent::controller`]; [`Error::Io`] without a current folder.
     pub fn description(&self, spaces: &Arc<Spaces>) -> Result<Option<ControllerDescription>> {
         if self.sha256().is_empty() {
             return Ok(None);
         }
         let interface = self.info().interface;
-        Ok(Some(ControllerDescription::Agent {
-            folder: absolute(self.folder()).map_err(at(self.folder()))?,
-            sha256: self.sha256().to_owned(),
-            plan: interface.nodes.map(|form| NodePlan::of(form, spaces)).transpose()?,
-            attributes: attributes(interface.observation, spaces)?,
-        }))
+        let plan = interface.nodes.map(|form| NodePlan::of(form, spaces)).transpose()?;
+        let attributes = attributes(interface.observation, spaces)?;
+        let pilot = Pilot::without_model(interface, spaces, plan.as_ref(), &attributes)?;
+        self.check_fit(&pilot, spaces)?;
+        let folder = absolute(self.folder()).map_err(at(self.folder()))?;
+        let sha256 = self.sha256().to_owned();
+        Ok(Some(ControllerDescription::Agent { folder, sha256, plan, attributes }))
     }
 }
 

@@ -3,16 +3,14 @@
 use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
-use b2b_benchmark::{ActionScale, Episode, Policy, Subject};
-use b2b_building::RunPeriod;
+use b2b_benchmark::{ActionScale, Policy};
 use b2b_dataset::Catalog;
 use b2b_env::Task;
 use b2b_learn::offline::{Collection, Dataset, collect as collect_episodes};
 use serde_json::json;
 
-use crate::arguments::buildings::Buildings;
+use crate::arguments::episodes::Episodes;
 use crate::arguments::jobs::Jobs;
-use crate::arguments::location::Location;
 use crate::arguments::task;
 use crate::evaluation::{Bars, evaluation, fetch_weather};
 use crate::progress::Download;
@@ -31,24 +29,13 @@ pub struct Arguments {
     #[arg(value_name = "NAME")]
     name: String,
     #[command(flatten)]
-    buildings: Buildings,
+    episodes: Episodes,
     /// Policies: reactive, random, constant, folders of agents or ONNX files; several make a mixed dataset
     #[arg(long = "policy", value_name = "POLICY", num_args = 1.., default_values = ["reactive"])]
     policies: Vec<String>,
-    #[command(flatten)]
-    location: Location,
     /// Task (see `b2b run --help`)
     #[arg(long, value_name = "TASK", default_value = "constant", value_parser = task::parse)]
     task: Task,
-    /// Run periods: winter, summer, full_year or MM-DD..MM-DD
-    #[arg(long = "period", value_name = "PERIOD", num_args = 1.., default_values_t = [RunPeriod::WINTER])]
-    periods: Vec<RunPeriod>,
-    /// Random seeds of the policies, one episode each
-    #[arg(long = "seed", value_name = "N", num_args = 1.., default_values_t = [0])]
-    seeds: Vec<u64>,
-    /// Zone time steps per hour
-    #[arg(long, default_value_t = 12, value_name = "N")]
-    steps_per_hour: u32,
     #[command(flatten)]
     jobs: Jobs,
     /// Folder of all datasets [default: $MINARI_DATASETS_PATH, or ~/.minari/datasets]
@@ -70,7 +57,7 @@ pub fn collect(arguments: &Arguments) -> Result<()> {
     check_name(&arguments.name)?;
     let load = |text: &String| <dyn Policy>::named(text, ActionScale::Rescaled);
     let policies = arguments.policies.iter().map(load).collect::<b2b_benchmark::Result<Vec<_>>>()?;
-    let episodes = arguments.episodes()?;
+    let episodes = arguments.episodes.list(std::slice::from_ref(&arguments.task))?;
     let destination = arguments.root()?.join(&arguments.name);
     let catalog = Catalog::open(&mut Download::new(arguments.json))?;
     fetch_weather(&episodes, arguments.json)?;
@@ -111,26 +98,6 @@ impl Arguments {
         let set = self.out.clone().or_else(|| std::env::var_os("MINARI_DATASETS_PATH").map(PathBuf::from));
         let home = || std::env::home_dir().map(|home| home.join(".minari/datasets"));
         set.or_else(home).context("the home folder is unknown; set --out")
-    }
-
-    /// Returns the episodes, building by building.
-    fn episodes(&self) -> Result<Vec<Episode>> {
-        let mut episodes = Vec::new();
-        for name in self.buildings.names()? {
-            let subject = Subject { name, placement: self.location.placement() };
-            for period in &self.periods {
-                for seed in &self.seeds {
-                    episodes.push(Episode {
-                        subject: subject.clone(),
-                        task: self.task.clone(),
-                        period: *period,
-                        seed: *seed,
-                        steps_per_hour: self.steps_per_hour,
-                    });
-                }
-            }
-        }
-        Ok(episodes)
     }
 }
 

@@ -134,6 +134,11 @@ pub fn rescale(value: f64, low: f64, high: f64) -> f64 {
     low * (1.0 - share) + high * share
 }
 
+/// Returns a value from its bounds to [-1, 1], the inverse of [`rescale`]; 0 if there is nothing between the bounds.
+pub fn unscale(value: f64, low: f64, high: f64) -> f64 {
+    if high > low { 2.0 * (value - low) / (high - low) - 1.0 } else { 0.0 }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

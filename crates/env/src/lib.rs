@@ -38,7 +38,7 @@ mod ventilation;
 mod warmup;
 mod zones;
 
-pub use action::{ActionSpace, rescale};
+pub use action::{ActionSpace, rescale, unscale};
 pub use attributes::{attribute_name, attributes};
 pub use comfort::{Comfort, Pmv};
 pub use controller::Controller;

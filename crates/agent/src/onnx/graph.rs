@@ -4,15 +4,11 @@
 
 use super::file::{File, list, number, whole};
 use super::plain::{activation, columns, last};
-use crate::network::graph::{BlockPlaces, NormPlaces, REACHES, RELATIONS};
+use crate::network::graph::{BlockPlaces, EPSILON, EdgeScores, LARGEST, NormPlaces};
 use crate::network::{Actor, Graph, GraphNetwork, Layer};
 
 /// Score of a pair of nodes without attention: its exponential is 0.
 const NO_ATTENTION: f32 = -1e9;
-/// Standard deviations that a normalized feature is clipped to.
-const LARGEST: f32 = 10.0;
-/// Added to the variance of a layer normalization.
-const EPSILON: f32 = 1e-5;
 
 /// A feature of a node: `scale` × slot of the environment's observation + `offset`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -124,20 +120,20 @@ impl Export<'_> {
 
     /// Returns what edges add to the scores of attention: heads × nodes × nodes.
     fn edge_scores(&self, layer: usize, block: &BlockPlaces) -> Vec<f32> {
-        let (learned, mask) = (&self.actor.parameters[block.edges.clone()], self.network.edges.mask(layer));
-        let mut scores = Vec::new();
-        for head in 0..self.network.heads {
-            let of_kind = learned.get(head * RELATIONS..(head + 1) * RELATIONS).unwrap_or(&[0.0; RELATIONS]);
-            for from in &self.order {
-                for to in &self.order {
-                    let relation = self.graph.relations[from * self.graph.nodes() + to];
-                    let kinds = (0..RELATIONS).filter(|kind| relation & (1 << kind) != 0);
-                    let reaches = !mask || relation & REACHES != 0;
-                    let score = kinds.map(|kind| of_kind[kind]).sum();
-                    scores.push(if reaches { score } else { NO_ATTENTION });
-                }
-            }
+        let nodes = self.order.len();
+        let pairs = self.order.iter().flat_map(|from| self.order.iter().map(move |to| from * nodes + to));
+        let relations: Vec<u8> = pairs.map(|pair| self.graph.relations[pair]).collect();
+        let edges = EdgeScores {
+            relations: &relations,
+            scores: &self.actor.parameters[block.edges.clone()],
+            mask: self.network.edges.mask(layer),
+        };
+        let mut scores = vec![0.0; self.network.heads * relations.len()];
+        for (head, scores) in scores.chunks_exact_mut(relations.len()).enumerate() {
+            edges.add(head, &relations, scores);
         }
+        // Runtimes differ in what they make of -∞.
+        scores.iter_mut().for_each(|score| *score = score.max(NO_ATTENTION));
         scores
     }
 

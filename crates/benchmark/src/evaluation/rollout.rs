@@ -29,12 +29,13 @@ pub(super) fn run(
         seed: episode.seed,
         episode: &mut environment,
     };
-    let description = work.policy.description(&context)?;
-    let mut controller = policy::controller(work.policy, context)?;
     let mut recorder = Recorder::new(&spaces, work);
-    let ran = match description {
+    let ran = match work.policy.description(&context)? {
         Some(description) => environment.rollout(&description, &mut bench.memory, &mut recorder),
-        None => rollout(&mut environment, controller.as_mut(), &mut recorder),
+        None => {
+            let mut controller = policy::controller(work.policy, context)?;
+            rollout(&mut environment, controller.as_mut(), &mut recorder)
+        }
     };
     let metrics = ran.map_err(|error| match error {
         b2b_env::Error::Interrupted => Error::Interrupted,

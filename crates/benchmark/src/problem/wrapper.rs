@@ -3,7 +3,7 @@
 use b2b_building::morphology::COMMON;
 use b2b_control::Controller;
 use b2b_energyplus::digest::sha256;
-use b2b_env::{RoleObservation, Spaces, attribute_name, attributes};
+use b2b_env::{ActionSpace, RoleObservation, Spaces, attribute_name, attributes};
 use serde_json::Value;
 
 use super::definition::Problem;
@@ -23,6 +23,15 @@ pub struct WrappedPolicy<'a> {
     side: &'a Side,
 }
 
+/// What a problem's side leaves to a policy in an episode.
+struct Access {
+    restricted: Option<RestrictedAction>,
+    /// Attributes that follow the observation.
+    attributes: Vec<f64>,
+    form: Form,
+    action: ActionSpace,
+}
+
 impl<'a> WrappedPolicy<'a> {
     /// Wraps a policy for a side of a problem.
     pub fn new(policy: &'a dyn Policy, problem: &'a Problem, side: &'a Side) -> Self {
@@ -36,6 +45,25 @@ impl<'a> WrappedPolicy<'a> {
         }
         let EpisodeContext { subject, spaces, .. } = context;
         Ok(attributes(spaces, subject.placement.origin(&subject.name))?)
+    }
+
+    /// Returns what the problem's side leaves to a policy in an episode.
+    fn access(&self, context: &EpisodeContext<'_>) -> Result<Access> {
+        let EpisodeContext { subject, site, spaces, .. } = context;
+        let parameters = controller_parameters(subject, site, &spaces.episode.task);
+        let restricted = self.side.restriction.map(|each| each.apply(spaces, &parameters)).transpose()?;
+        let attributes = self.attributes(context)?;
+        let form = self.form(spaces, attributes.len())?;
+        let action = match &restricted {
+            Some(restricted) => spaces.action.select(restricted.kept()),
+            None => spaces.action.clone(),
+        };
+        if let Some(building_type) = subject.name.building_type()
+            && let Some(why) = self.side.size_mismatch(building_type, spaces, action.len())
+        {
+            return Err(Error::Problem { name: self.problem.name.clone(), why });
+        }
+        Ok(Access { restricted, attributes, form, action })
     }
 
     /// Returns the form of the observations of a building, to which `attributes` values are appended.
@@ -81,27 +109,16 @@ impl Policy for WrappedPolicy<'_> {
     }
 
     fn description(&self, context: &EpisodeContext<'_>) -> Result<Option<Value>> {
-        match self.policy.ignores_interface() && self.side.restriction.is_none() {
-            true => self.policy.description(context),
-            false => Ok(None),
+        if !self.policy.ignores_interface() || self.side.restriction.is_some() {
+            return Ok(None);
         }
+        self.access(context)?;
+        self.policy.description(context)
     }
 
     fn controller(&self, context: EpisodeContext<'_>) -> Result<Box<dyn Controller>> {
         let EpisodeContext { subject, site, spaces, seed, .. } = context;
-        let parameters = controller_parameters(subject, site, &spaces.episode.task);
-        let restricted = self.side.restriction.map(|each| each.apply(spaces, &parameters)).transpose()?;
-        let attributes = self.attributes(&context)?;
-        let form = self.form(spaces, attributes.len())?;
-        let action = match &restricted {
-            Some(restricted) => spaces.action.select(restricted.kept()),
-            None => spaces.action.clone(),
-        };
-        if let Some(building_type) = subject.name.building_type()
-            && let Some(why) = self.side.size_mismatch(building_type, spaces, action.len())
-        {
-            return Err(Error::Problem { name: self.problem.name.clone(), why });
-        }
+        let Access { restricted, attributes, form, action } = self.access(&context)?;
         let attribute_names = COMMON.iter().take(attributes.len()).map(|slot| attribute_name(slot.quantity));
         let interface = Interface {
             observation: form.names(spaces).into_iter().chain(attribute_names).collect(),

@@ -2,6 +2,8 @@
 
 pub mod buildings;
 pub mod controller;
+#[cfg(target_os = "linux")]
+pub mod episodes;
 pub mod jobs;
 pub mod location;
 #[cfg(target_os = "linux")]

@@ -6,14 +6,12 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 use b2b_benchmark::statistics::Aggregate;
-use b2b_benchmark::{Baselines, Episode, Folder, Group, Results, Subject, Summary, Window};
-use b2b_building::RunPeriod;
+use b2b_benchmark::{Baselines, Folder, Group, Results, Summary, Window};
 use b2b_dataset::Catalog;
 use b2b_env::Task;
 
-use crate::arguments::buildings::Buildings;
+use crate::arguments::episodes::Episodes;
 use crate::arguments::jobs::Jobs;
-use crate::arguments::location::Location;
 use crate::arguments::policy::PolicyArguments;
 use crate::arguments::task;
 use crate::evaluation::{Bars, evaluation, fetch_weather};
@@ -55,21 +53,10 @@ struct Run {
     #[command(flatten)]
     policy: PolicyArguments,
     #[command(flatten)]
-    buildings: Buildings,
-    #[command(flatten)]
-    location: Location,
+    episodes: Episodes,
     /// Tasks (see `b2b run --help`)
     #[arg(long = "task", value_name = "TASK", num_args = 1.., default_values = ["constant"], value_parser = task::parse)]
     tasks: Vec<Task>,
-    /// Run periods: winter, summer, full_year or MM-DD..MM-DD
-    #[arg(long = "period", value_name = "PERIOD", num_args = 1.., default_values_t = [RunPeriod::WINTER])]
-    periods: Vec<RunPeriod>,
-    /// Random seeds of the policy, one episode each
-    #[arg(long = "seed", value_name = "N", num_args = 1.., default_values_t = [0])]
-    seeds: Vec<u64>,
-    /// Zone time steps per hour
-    #[arg(long, default_value_t = 12, value_name = "N")]
-    steps_per_hour: u32,
     #[command(flatten)]
     jobs: Jobs,
     /// Output folder
@@ -102,7 +89,7 @@ pub fn evaluate(arguments: &Arguments) -> Result<ExitCode> {
 
 fn run(arguments: &Run) -> Result<ExitCode> {
     let policy = arguments.policy.load()?;
-    let episodes = arguments.episodes()?;
+    let episodes = arguments.episodes.list(&arguments.tasks)?;
     let out = arguments.out.as_deref().context("--out is required")?;
     let folder = Folder::open(out, policy.as_ref(), &episodes)?;
     let catalog = Catalog::open(&mut Download::new(arguments.json))?;
@@ -116,27 +103,6 @@ fn run(arguments: &Run) -> Result<ExitCode> {
     let files = results.write(&folder, &summary)?;
     stdout::print_result(arguments.json, &summary, || text(&summary, &files))?;
     Ok(ExitCode::of(summary.lost.is_empty()))
-}
-
-impl Run {
-    /// Returns the episodes, building by building, so that a prepared building serves all its episodes.
-    fn episodes(&self) -> Result<Vec<Episode>> {
-        let mut episodes = Vec::new();
-        for name in self.buildings.names()? {
-            let subject = Subject { name, placement: self.location.placement() };
-            for period in &self.periods {
-                for task in &self.tasks {
-                    for seed in &self.seeds {
-                        let (subject, task) = (subject.clone(), task.clone());
-                        let (period, seed, steps_per_hour) = (*period, *seed, self.steps_per_hour);
-                        let episode = Episode { subject, task, period, seed, steps_per_hour };
-                        episodes.push(episode);
-                    }
-                }
-            }
-        }
-        Ok(episodes)
-    }
 }
 
 /// Returns the text report.

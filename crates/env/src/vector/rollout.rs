@@ -5,6 +5,7 @@
 
 use std::sync::Arc;
 
+use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -20,9 +21,9 @@ use crate::{Controller, Env, Error, Observer, Result};
 
 /// A request for a part of a rollout. The worker's program makes a [`ControllerRunner`] from the first one.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct RolloutOrder {
+pub struct RolloutOrder<C = Value> {
     /// Description of the controller, in a form that the program defines.
-    pub controller: Value,
+    pub controller: C,
     /// Maximum number of steps.
     steps: usize,
     /// Place of their records in the shared memory.
@@ -52,7 +53,7 @@ impl Runner for ControllerRunner {
         order: &[u8],
         memory: &SharedMemory,
     ) -> std::result::Result<usize, RunnerError> {
-        let RolloutOrder { steps, record, .. } = serde_json::from_slice(order)?;
+        let RolloutOrder::<IgnoredAny> { steps, record, .. } = serde_json::from_slice(order)?;
         let mut done = 0;
         while done < steps && !env.is_truncated() {
             self.controller.act(env.observation(), &mut self.action);
@@ -112,11 +113,14 @@ impl Episode {
         let (width, steps) = (width(&spaces), 24 * spaces.episode.steps_per_hour as usize);
         memory.make_room(steps * width)?;
         observer.begin(self.reset()?)?;
+        let order = order(controller, steps, Some(memory.place));
         while !self.is_truncated() {
-            self.run_part(controller, steps, Some(memory.place))?;
-            let records = &mut memory.records[..self.fragment_steps() * width];
-            memory.memory.read_f64(memory.place, records);
+            self.send_fragment(&order, steps)?;
+            wait(std::slice::from_mut(self), 1)?;
+            self.last_step()?;
             let count = self.fragment_steps();
+            let records = &mut memory.records[..count * width];
+            memory.memory.read_f64(memory.place, records);
             for (index, record) in records.chunks_exact(width).enumerate() {
                 let truncated = self.is_truncated() && index + 1 == count;
                 observer.step(&step_of_record(record, &spaces, truncated))?;
@@ -131,21 +135,14 @@ impl Episode {
     /// # Errors
     /// As [`Episode::send_fragment`].
     pub fn send_rollout(&mut self, controller: &Value) -> Result<()> {
-        let steps = Arc::clone(self.known_spaces()).episode_steps();
-        self.send_part(controller, steps, None)
+        let steps = self.known_spaces().episode_steps();
+        self.send_fragment(&order(controller, steps, None), steps)
     }
+}
 
-    fn run_part(&mut self, controller: &Value, steps: usize, record: Option<usize>) -> Result<()> {
-        self.send_part(controller, steps, record)?;
-        wait(std::slice::from_mut(self), 1)?;
-        self.last_step().map(|_| ())
-    }
-
-    fn send_part(&mut self, controller: &Value, steps: usize, record: Option<usize>) -> Result<()> {
-        let order = RolloutOrder { controller: controller.clone(), steps, record };
-        let order = serde_json::to_vec(&order).expect("JSON of values that are JSON");
-        self.send_fragment(&order, steps)
-    }
+fn order(controller: &Value, steps: usize, record: Option<usize>) -> Vec<u8> {
+    let order = RolloutOrder { controller, steps, record };
+    serde_json::to_vec(&order).expect("JSON of values that are JSON")
 }
 
 /// Numbers in the record of a step: observation, action and two penalties.

@@ -7,7 +7,7 @@ use b2b_agent::{
     Acting, AgentInfo, FORMAT, Interface, ObservationForm, ObservationOptions, Pilot, TrainingInfo,
 };
 use b2b_benchmark::Versions;
-use b2b_env::{ActionSpace, Spaces};
+use b2b_env::{ActionSpace, Spaces, unscale};
 
 use super::dataset::{Dataset, EpisodeFile, EpisodeMetadata};
 use crate::nn::{Adam, Gains, Pass, orthogonal};
@@ -22,6 +22,9 @@ const EPSILON: f32 = 1e-8;
 const LOG_STD: f32 = -2.0;
 /// The last step of this many of an episode's is held out.
 const HELD_OUT: usize = 10;
+
+/// Steps whose errors are computed at a time.
+const CHUNK: usize = 4096;
 
 /// How a policy is cloned.
 #[derive(Clone, Debug, PartialEq)]
@@ -159,8 +162,7 @@ fn add(
         let bounds = space.low().iter().zip(space.high());
         let scaled = action.iter().zip(bounds).map(|(value, (low, high))| match rescaled {
             true => *value,
-            false if high > low => (2.0 * (f64::from(*value) - low) / (high - low) - 1.0) as f32,
-            false => 0.0,
+            false => unscale(f64::from(*value), *low, *high) as f32,
         });
         let scaled: Vec<f32> = scaled.map(|value| value.clamp(-1.0, 1.0)).collect();
         let samples = if step >= steps - steps / HELD_OUT { &mut *held_out } else { &mut *learned };
@@ -186,11 +188,16 @@ impl Samples {
 
     /// Returns the root mean square of the errors; NaN without samples.
     fn error(&self, shape: &Mlp, parameters: &[f32]) -> f64 {
+        let (inputs, outputs) = self.widths;
         let mut pass = Pass::new(shape);
-        let outputs = pass.forward(parameters, &self.observations, self.len());
-        let squares =
-            outputs.iter().zip(&self.actions).map(|(output, action)| f64::from(output - action).powi(2));
-        (squares.sum::<f64>() / self.actions.len() as f64).sqrt()
+        let mut squares = 0.0;
+        let chunks = self.observations.chunks(CHUNK * inputs).zip(self.actions.chunks(CHUNK * outputs));
+        for (observations, actions) in chunks {
+            let predicted = pass.forward(parameters, observations, actions.len() / outputs);
+            let errors = predicted.iter().zip(actions);
+            squares += errors.map(|(output, action)| f64::from(output - action).powi(2)).sum::<f64>();
+        }
+        (squares / self.actions.len() as f64).sqrt()
     }
 }
 

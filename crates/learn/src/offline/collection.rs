@@ -6,7 +6,7 @@ use std::sync::PoisonError;
 
 use b2b_benchmark::{Episode, Evaluation, Policy, Progress, Recorded};
 use b2b_dataset::BuildingName;
-use b2b_env::Spaces;
+use b2b_env::{Spaces, unscale};
 use serde_json::{Value, json};
 
 use super::dataset::{Contents, Dataset, EpisodeFile, EpisodeMetadata, NewDataset};
@@ -182,8 +182,7 @@ fn file_of(recorded: &Recorded<'_>, rescaled: bool) -> EpisodeFile {
     let bounds = || spaces.action.low().iter().zip(spaces.action.high()).cycle();
     let action = |(value, (low, high)): (&f64, (&f64, &f64))| match rescaled {
         false => *value as f32,
-        true if high > low => (2.0 * (value - low) / (high - low) - 1.0) as f32,
-        true => 0.0,
+        true => unscale(*value, *low, *high) as f32,
     };
     EpisodeFile {
         observations: observations.map(|value| *value as f32).collect(),

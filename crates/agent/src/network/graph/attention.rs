@@ -62,7 +62,7 @@ pub fn attend(
 
 impl EdgeScores<'_> {
     /// Adds the scores of the edges of a node to those of its attention; -∞ where it does not attend.
-    fn add(&self, head: usize, relations: &[u8], scores: &mut [f32]) {
+    pub(crate) fn add(&self, head: usize, relations: &[u8], scores: &mut [f32]) {
         if !self.scores.is_empty() {
             let of_kind = &self.scores[head * RELATIONS..][..RELATIONS];
             for (score, relation) in scores.iter_mut().zip(relations) {

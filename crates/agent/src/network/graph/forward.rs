@@ -10,7 +10,7 @@ use super::topology::Graph;
 use crate::network::Layer;
 
 /// Standard deviations that a normalized feature is clipped to.
-const LARGEST: f32 = 10.0;
+pub(crate) const LARGEST: f32 = 10.0;
 
 /// Computes the outputs of a layer for any number of rows of inputs: layer, parameters, inputs, outputs.
 pub type Linear = fn(&Layer, &[f32], &[f32], &mut [f32]);

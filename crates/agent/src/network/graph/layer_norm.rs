@@ -4,7 +4,7 @@ use super::forward::{NormTape, sized};
 use super::places::NormPlaces;
 
 /// Added to the variance.
-const EPSILON: f32 = 1e-5;
+pub(crate) const EPSILON: f32 = 1e-5;
 /// Number of sums that values are added to in turn, so that a sum is vectorized.
 const LANES: usize = 8;
 

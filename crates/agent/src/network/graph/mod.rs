@@ -16,7 +16,9 @@ mod places;
 mod topology;
 
 pub use attention::{EdgeScores, attend, transpose};
+pub(crate) use forward::LARGEST;
 pub use forward::{Batch, BlockTape, Linear, NormTape, Span, Tape, sized};
+pub(crate) use layer_norm::EPSILON;
 pub use layer_norm::lane_sum;
 pub use network::{Edges, GraphNetwork, NodeWidths};
 pub use places::{BlockPlaces, EncoderPlaces, NormPlaces, Places};

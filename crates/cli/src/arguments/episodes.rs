@@ -1,0 +1,48 @@
+//! Lists of episodes: every combination of building, run period, task and seed.
+
+use anyhow::Result;
+use b2b_benchmark::{Episode, Subject};
+use b2b_building::RunPeriod;
+use b2b_env::Task;
+
+use super::buildings::Buildings;
+use super::location::Location;
+
+/// The episodes of a command, but for their tasks.
+#[derive(clap::Args)]
+pub struct Episodes {
+    #[command(flatten)]
+    buildings: Buildings,
+    #[command(flatten)]
+    location: Location,
+    /// Run periods: winter, summer, full_year or MM-DD..MM-DD
+    #[arg(long = "period", value_name = "PERIOD", num_args = 1.., default_values_t = [RunPeriod::WINTER])]
+    periods: Vec<RunPeriod>,
+    /// Random seeds of the policy, one episode each
+    #[arg(long = "seed", value_name = "N", num_args = 1.., default_values_t = [0])]
+    seeds: Vec<u64>,
+    /// Zone time steps per hour
+    #[arg(long, default_value_t = 12, value_name = "N")]
+    steps_per_hour: u32,
+}
+
+impl Episodes {
+    /// Returns the episodes, building by building, so that a prepared building serves all its episodes. Errors if there is
+    /// no building.
+    pub fn list(&self, tasks: &[Task]) -> Result<Vec<Episode>> {
+        let mut episodes = Vec::new();
+        for name in self.buildings.names()? {
+            let subject = Subject { name, placement: self.location.placement() };
+            for period in &self.periods {
+                for task in tasks {
+                    for seed in &self.seeds {
+                        let (subject, task) = (subject.clone(), task.clone());
+                        let (period, seed, steps_per_hour) = (*period, *seed, self.steps_per_hour);
+                        episodes.push(Episode { subject, task, period, seed, steps_per_hour });
+                    }
+                }
+            }
+        }
+        Ok(episodes)
+    }
+}
