@@ -58,6 +58,18 @@ def evaluate(
     identity: str,
     progress: Callable[[str, int, int], None] | None = None,
 ) -> tuple[dict[str, list[Any]], str]: ...
+def evaluate_part(
+    policy: str | _ControllerMaker,
+    episodes: Sequence[_Episode],
+    folder: str | PathLike[str],
+    jobs: int,
+    rescale: bool,
+    name: str,
+    identity: str,
+    numbers: Sequence[int],
+    baselines: str | PathLike[str],
+) -> dict[int, str]: ...
+def baselines_folder() -> Path: ...
 def train(
     options: str,
     out: str | PathLike[str],

@@ -87,6 +87,78 @@ class EpisodeContext:
         return Morphology(self.layout.spaces.morphology())
 
 
+class Request:
+    """The episodes of an evaluation, and their policy: the arguments of :func:`evaluate`."""
+
+    def __init__(
+        self,
+        policy: Policy,
+        buildings: str | Building | Sequence[str | Building],
+        tasks: str | dict[str, Any] | Sequence[str | dict[str, Any]] = ("constant",),
+        *,
+        run_periods: str | Sequence[str] = ("winter",),
+        seeds: int | Sequence[int] = (0,),
+        timesteps_per_hour: int = 12,
+        place: str | None = None,
+        weather: PathLike | None = None,
+        rescale_action: bool | None = None,
+        normalize: bool = False,
+        name: str | None = None,
+        version: str = "",
+    ) -> None:
+        named = os.fspath(policy) if isinstance(policy, (str, os.PathLike)) else None
+        if named is None and not callable(policy):
+            raise SettingError(f"{policy!r} is not a policy; expected a function, a controller class or a name")
+        if isinstance(policy, BuiltInController):
+            raise SettingError(f"this {type(policy).__name__} belongs to an environment; pass the class")
+        self.episodes: list[_Episode] = [
+            (*found, text, period, seed, timesteps_per_hour)
+            for found in (_found(building, place, weather) for building in _listed(buildings))
+            for period in _listed(run_periods)
+            for text in (_task_text(task) for task in _listed(tasks))
+            for seed in _listed(seeds)
+        ]
+        self._name = name or ("" if named is not None else name_of(policy))
+        rescale = named is not None if rescale_action is None else rescale_action
+        self._identity = f"python {self._name} {version}, rescale_action={rescale}, normalize={normalize}"
+        physical = isinstance(policy, type) and issubclass(policy, BuiltInController)
+        self._rescale = rescale and not physical
+        self._policy = ControllerMaker(policy, rescale, normalize) if named is None else named
+
+    def run(self, folder: PathLike | None, jobs: int | None, progress: bool) -> Evaluation:
+        """Runs the episodes that the folder does not contain, and scores all of them."""
+        with tempfile.TemporaryDirectory(prefix="b2b-evaluation-") as temporary:
+            columns, summary = _core.evaluate(
+                self._policy,
+                self.episodes,
+                temporary if folder is None else os.fspath(folder),
+                jobs or len(os.sched_getaffinity(0)),
+                self._rescale,
+                self._name,
+                self._identity,
+                ProgressLine() if progress else None,
+            )
+        rows = [dict(zip(columns, row)) for row in zip(*columns.values())]
+        return Evaluation(rows, json.loads(summary), None if folder is None else Path(folder))
+
+    def run_part(self, folder: PathLike, numbers: Sequence[int], baselines: PathLike) -> dict[int, str]:
+        """Runs some episodes, by their numbers, one at a time, and stores their baselines in another folder.
+
+        Returns the lost episodes with the reason.
+        """
+        return _core.evaluate_part(
+            self._policy,
+            self.episodes,
+            os.fspath(folder),
+            1,
+            self._rescale,
+            self._name,
+            self._identity,
+            numbers,
+            os.fspath(baselines),
+        )
+
+
 def evaluate(
     policy: Policy,
     buildings: str | Building | Sequence[str | Building],
@@ -128,35 +200,21 @@ def evaluate(
     :class:`~building2building.errors.EvaluationError` if the folder holds another evaluation. An episode whose process
     dies becomes a row with the reason in ``lost``.
     """
-    named = os.fspath(policy) if isinstance(policy, (str, os.PathLike)) else None
-    if named is None and not callable(policy):
-        raise SettingError(f"{policy!r} is not a policy; expected a function, a controller class or a name")
-    if isinstance(policy, BuiltInController):
-        raise SettingError(f"this {type(policy).__name__} belongs to an environment; pass the class")
-    episodes: list[_Episode] = [
-        (*found, text, period, seed, timesteps_per_hour)
-        for found in (_found(building, place, weather) for building in _listed(buildings))
-        for period in _listed(run_periods)
-        for text in (_task_text(task) for task in _listed(tasks))
-        for seed in _listed(seeds)
-    ]
-    name = name or ("" if named is not None else name_of(policy))
-    rescale = named is not None if rescale_action is None else rescale_action
-    identity = f"python {name} {version}, rescale_action={rescale}, normalize={normalize}"
-    physical = isinstance(policy, type) and issubclass(policy, BuiltInController)
-    with tempfile.TemporaryDirectory(prefix="b2b-evaluation-") as temporary:
-        columns, summary = _core.evaluate(
-            ControllerMaker(policy, rescale, normalize) if named is None else named,
-            episodes,
-            temporary if folder is None else os.fspath(folder),
-            jobs or len(os.sched_getaffinity(0)),
-            rescale and not physical,
-            name,
-            identity,
-            ProgressLine() if progress else None,
-        )
-    rows = [dict(zip(columns, row)) for row in zip(*columns.values())]
-    return Evaluation(rows, json.loads(summary), None if folder is None else Path(folder))
+    request = Request(
+        policy,
+        buildings,
+        tasks,
+        run_periods=run_periods,
+        seeds=seeds,
+        timesteps_per_hour=timesteps_per_hour,
+        place=place,
+        weather=weather,
+        rescale_action=rescale_action,
+        normalize=normalize,
+        name=name,
+        version=version,
+    )
+    return request.run(folder, jobs, progress)
 
 
 def compute_normalized_score(

@@ -1,5 +1,6 @@
 //! Evaluation of a policy, built in or written in Python, on many buildings.
 
+use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
@@ -10,12 +11,12 @@ use arrow_array::types::{Float64Type, UInt32Type, UInt64Type};
 use arrow_array::{ArrayRef, RecordBatch};
 use b2b_benchmark::{
     ActionScale, Baselines, Episode, EpisodeContext, Evaluation, Folder, Policy, Progress, Results, Subject,
-    episode_table,
+    episode_table, run_part,
 };
 use b2b_climate::Place;
 use b2b_control::Controller;
 use b2b_dataset::Placement;
-use b2b_energyplus::install::Quiet;
+use b2b_energyplus::install::{Quiet, cache_dir};
 use b2b_env::ActionSpace;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
@@ -65,16 +66,7 @@ pub fn evaluate<'py>(
     let _running = running()?;
     let episodes = episodes.into_iter().map(episode).collect::<PyResult<Vec<_>>>()?;
     let raised = Arc::new(Mutex::new(None));
-    let policy: Box<dyn Policy> = match policy.extract::<String>() {
-        Ok(name) => {
-            let scale = if rescale { ActionScale::Rescaled } else { ActionScale::Physical };
-            <dyn Policy>::named(&name, scale).map_err(of_benchmark)?
-        }
-        Err(_) => {
-            let make = policy.unbind();
-            Box::new(InPython { name, identity, make, rescale, whole: true, raised: Arc::clone(&raised) })
-        }
-    };
+    let policy = policy_of(policy, rescale, name, identity, &raised)?;
     let policy = policy.as_ref();
     let (results, summary) = run_policy(py, jobs, &raised, progress.as_ref(), |evaluation, counter| {
         let folder = Folder::open(&folder, policy, &episodes)?;
@@ -91,6 +83,59 @@ pub fn evaluate<'py>(
     let table = table.map_err(|error| Exception::Evaluation.new_err(error.to_string()))?;
     let summary = serde_json::to_string(&summary).expect("a summary is plain data");
     Ok((columns(py, &table)?, summary))
+}
+
+/// Runs some episodes of an evaluation, by their numbers, and their unknown baselines: a part of the work of [`evaluate`], whose
+/// arguments it takes. Episodes are written to the folder, baselines to another. Returns the lost episodes by number, with the
+/// reason.
+#[pyfunction]
+#[allow(clippy::too_many_arguments, reason = "called by one function of the package")]
+pub fn evaluate_part(
+    py: Python<'_>,
+    policy: Bound<'_, PyAny>,
+    episodes: Vec<EpisodeKey>,
+    folder: PathBuf,
+    jobs: usize,
+    rescale: bool,
+    name: String,
+    identity: String,
+    numbers: Vec<usize>,
+    baselines: PathBuf,
+) -> PyResult<HashMap<usize, String>> {
+    let _running = running()?;
+    let episodes = episodes.into_iter().map(episode).collect::<PyResult<Vec<_>>>()?;
+    let raised = Arc::new(Mutex::new(None));
+    let policy = policy_of(policy, rescale, name, identity, &raised)?;
+    let policy = policy.as_ref();
+    let part: Vec<_> = episodes.iter().enumerate().filter(|(number, _)| numbers.contains(number)).collect();
+    let lost = run_policy(py, jobs, &raised, None, |evaluation, counter| {
+        let folder = Folder::open(&folder, policy, &episodes)?;
+        run_part(evaluation, &folder, &part, policy, &Baselines::in_folder(&baselines), counter)
+    })?;
+    Ok(lost.into_iter().map(|(number, lost)| (number, lost.reason)).collect())
+}
+
+/// Returns the folder of the baselines that this machine computed.
+#[pyfunction]
+pub fn baselines_folder() -> PyResult<PathBuf> {
+    let cache = cache_dir().map_err(|error| of_benchmark(error.into()))?;
+    Ok(Baselines::folder_in(&cache))
+}
+
+/// Returns a policy by name or path, or one in Python.
+fn policy_of(
+    policy: Bound<'_, PyAny>,
+    rescale: bool,
+    name: String,
+    identity: String,
+    raised: &Arc<Mutex<Option<PyErr>>>,
+) -> PyResult<Box<dyn Policy>> {
+    if let Ok(name) = policy.extract::<String>() {
+        let scale = if rescale { ActionScale::Rescaled } else { ActionScale::Physical };
+        return <dyn Policy>::named(&name, scale).map_err(of_benchmark);
+    }
+    let (make, raised) = (policy.unbind(), Arc::clone(raised));
+    Ok(Box::new(InPython { name, identity, make, rescale, whole: true, raised }))
 }
 
 /// Returns the return of the reactive controllers in an episode, their HVAC energy (Wh/m²) and the number of steps; runs them

@@ -45,7 +45,7 @@ mod _core {
     #[pymodule_export]
     use super::env::Env;
     #[pymodule_export]
-    use super::evaluation::{baseline, evaluate};
+    use super::evaluation::{baseline, baselines_folder, evaluate, evaluate_part};
     #[pymodule_export]
     use super::learning::{agent_info, train};
     #[pymodule_export]

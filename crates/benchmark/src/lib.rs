@@ -36,7 +36,7 @@ pub use evaluation::{
 };
 pub use policy::{ActionScale, BuiltIn, EpisodeContext, HouseForm, Interface, OnnxPolicy, Policy};
 pub use problem::Problem;
-pub use results::Results;
+pub use results::{Results, run_part};
 pub use return_terms::ReturnTerms;
 pub use scores::{Baseline, RESOLUTION, normalized_score, resolved_score};
 pub use subject::{SiteInfo, Subject};

@@ -41,19 +41,8 @@ impl Results {
         baselines: &Baselines,
         progress: &dyn Progress,
     ) -> Result<Self> {
-        let mut lost = run_missing(evaluation, folder, episodes, policy, progress)?;
-        let mut ran = Vec::new();
-        for (number, episode) in episodes.iter().enumerate() {
-            let finished =
-                folder.read(number).map(|finished| Unscored::of(episode, finished, policy, baselines));
-            ran.push(finished.transpose()?);
-        }
-        let keys = ran
-            .iter()
-            .zip(episodes)
-            .filter_map(|(each, episode)| Some((each.as_ref()?.key.clone(), episode.clone())));
-        let unknown = baselines.missing(keys);
-        baselines.compute(evaluation, &unknown, progress)?;
+        let all: Vec<_> = episodes.iter().enumerate().collect();
+        let (ran, mut lost) = run(evaluation, folder, &all, policy, baselines, progress)?;
         let row = |(number, (ran, episode)): (usize, (Option<Unscored>, &Episode))| match ran {
             Some(ran) => ran.row(baselines),
             None => {
@@ -66,15 +55,65 @@ impl Results {
     }
 }
 
+/// Runs some episodes of an evaluation, by their numbers, and their unknown baselines, without scoring them: a part of the work,
+/// for one of several machines. Stores all of their baselines that are not shipped in `collected`, to be taken to another.
+/// Returns the lost episodes by number.
+///
+/// # Errors
+/// As [`Results::of`].
+pub fn run_part(
+    evaluation: &Evaluation<'_>,
+    folder: &Folder,
+    part: &[(usize, &Episode)],
+    policy: &dyn Policy,
+    collected: &Baselines,
+    progress: &dyn Progress,
+) -> Result<HashMap<usize, Lost>> {
+    let baselines = Baselines::open()?;
+    let (ran, lost) = run(evaluation, folder, part, policy, &baselines, progress)?;
+    for Unscored { key, .. } in ran.iter().flatten() {
+        if let (None, Some(terms)) = (collected.get(key), baselines.get(key)) {
+            collected.keep(key, terms)?;
+        }
+    }
+    Ok(lost)
+}
+
+/// Runs the episodes that a folder does not contain and the unknown baselines. Returns the episodes that ran, and the lost ones
+/// by number.
+fn run(
+    evaluation: &Evaluation<'_>,
+    folder: &Folder,
+    episodes: &[(usize, &Episode)],
+    policy: &dyn Policy,
+    baselines: &Baselines,
+    progress: &dyn Progress,
+) -> Result<(Vec<Option<Unscored>>, HashMap<usize, Lost>)> {
+    let lost = run_missing(evaluation, folder, episodes, policy, progress)?;
+    let mut ran = Vec::new();
+    for (number, episode) in episodes {
+        let finished =
+            folder.read(*number).map(|finished| Unscored::of(episode, finished, policy, baselines));
+        ran.push(finished.transpose()?);
+    }
+    let keys = ran
+        .iter()
+        .zip(episodes)
+        .filter_map(|(each, (_, episode))| Some((each.as_ref()?.key.clone(), (*episode).clone())));
+    let unknown = baselines.missing(keys);
+    baselines.compute(evaluation, &unknown, progress)?;
+    Ok((ran, lost))
+}
+
 /// Runs the episodes that a folder does not contain, and returns the lost ones by number.
 fn run_missing(
     evaluation: &Evaluation<'_>,
     folder: &Folder,
-    episodes: &[Episode],
+    episodes: &[(usize, &Episode)],
     policy: &dyn Policy,
     progress: &dyn Progress,
 ) -> Result<HashMap<usize, Lost>> {
-    let missing: Vec<_> = episodes.iter().enumerate().filter(|(n, _)| folder.read(*n).is_none()).collect();
+    let missing: Vec<_> = episodes.iter().filter(|(n, _)| folder.read(*n).is_none()).copied().collect();
     progress.begin("episodes", missing.len(), missing.iter().map(|(_, episode)| episode.days()).sum());
     let lost = Mutex::new(HashMap::new());
     evaluation.run(&missing, policy, progress, &|number, outcome| match outcome {

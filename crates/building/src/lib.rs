@@ -15,6 +15,7 @@ pub mod parameter;
 mod prepare;
 mod run_period;
 pub mod sizing;
+pub mod user_file;
 pub mod zone;
 
 pub use building_type::BuildingType;

@@ -11,7 +11,7 @@ use serde::Serialize;
 use serde::de::{Deserialize, DeserializeSeed, Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
 use serde_json::{Map, Value};
 
-use crate::{Error, Result};
+use crate::{Error, Result, user_file};
 
 /// The fields of one object.
 pub type Fields = Map<String, Value>;
@@ -35,8 +35,7 @@ impl Model {
         if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("idf")) {
             return Self::from_epjson(&library.convert_idf(path)?, path);
         }
-        let text =
-            std::fs::read_to_string(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
+        let text = user_file::read(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
         Self::from_epjson(&text, path)
     }
 

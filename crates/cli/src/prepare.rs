@@ -37,6 +37,8 @@ impl Prepared {
             eprintln!("{place}: {note}");
         }
         interrupt::check()?;
+        #[cfg(target_os = "linux")]
+        let _limit = crate::supervision::preparation_limit(name);
         let spinner = spinner(format!("preparing {name} in {place}"), quiet);
         let library = catalog.library().clone();
         let building = found.prepare(&library);

@@ -3,12 +3,17 @@
 use std::time::{Duration, Instant};
 
 use anyhow::{Result, bail};
-use b2b_env::{Controller, EngineReport, Environment, Metrics, Observer, Spaces, Step, Trajectory, rollout};
+use b2b_env::{
+    Controller, EngineReport, Environment, Metrics, Observer, Spaces, Step, Task, Trajectory, rollout,
+};
 use cpu_time::ProcessTime;
 
 use crate::interrupt;
 use crate::prepare::Prepared;
 use crate::progress::{Days, date_text};
+
+/// Steps per hour of a check.
+const STEPS_PER_HOUR: u32 = 12;
 
 /// A complete episode with the report of its engine.
 pub struct Rollout {
@@ -41,6 +46,22 @@ impl Prepared {
         let (engine, env_cpu) = (report.engine.clone(), report.cpu);
         let total_cpu = ProcessTime::now().as_duration() + env_cpu;
         Ok(Rollout { metrics, trajectory, engine, env_cpu, total_cpu, wall })
+    }
+
+    /// Starts an episode of one day of January, up to its first observation: EnergyPlus may reject a model only when it simulates.
+    #[cfg(target_os = "linux")]
+    pub fn check_start(&self) -> Result<()> {
+        let workers = b2b_env::vector::Workers::new(self.worker_options())?;
+        let spaces = self.spaces("01-01..01-01".parse()?, STEPS_PER_HOUR, Task::default())?;
+        workers.episode(&self.setting(spaces.episode))?.reset()?;
+        Ok(())
+    }
+
+    /// Starts an episode of one day of January, up to its first observation: EnergyPlus may reject a model only when it simulates.
+    #[cfg(not(target_os = "linux"))]
+    pub fn check_start(&self) -> Result<()> {
+        self.env("01-01..01-01".parse()?, STEPS_PER_HOUR, Task::default())?.reset()?;
+        Ok(())
     }
 
     /// Runs an episode of this building to its end in this process. The CPU time of the environment includes the

@@ -5,10 +5,12 @@
 //! last messages of EnergyPlus. The child's temporary files are in a folder that is removed in any case.
 
 use std::ffi::{OsStr, OsString};
+use std::fmt::Display;
 use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
@@ -21,6 +23,8 @@ use crate::{ExitCode, program};
 pub const SUPERVISED: &str = "B2B_SUPERVISED";
 /// Time that a process has to stop before it is killed. A second request kills it at once.
 const GRACE: Duration = Duration::from_secs(10);
+/// Time in which a building must be prepared.
+const PREPARATION: Duration = Duration::from_secs(600);
 /// Number of lines of EnergyPlus that are reported after a crash.
 const LAST_LINES: usize = 5;
 
@@ -83,6 +87,37 @@ fn stop() {
     });
 }
 
+/// Starts the time limit of the preparation of a building, if this process is supervised: a model can keep EnergyPlus busy
+/// without end, and only a process can be stopped. This one ends with an error when the time is over.
+pub fn preparation_limit(building: &impl Display) -> Option<TimeLimit> {
+    let building = building.to_string();
+    let fail = move || {
+        eprintln!(
+            "error: {building} was not prepared within {} min; simplify the model: its geometry or its programs may keep \
+             EnergyPlus busy without end",
+            PREPARATION.as_secs() / 60
+        );
+        std::process::exit(ExitCode::Failure as i32);
+    };
+    is_supervised().then(|| TimeLimit::start(PREPARATION, fail))
+}
+
+/// A time limit, which ends when it is dropped.
+pub struct TimeLimit(#[expect(dead_code, reason = "dropping it ends the wait")] Sender<()>);
+
+impl TimeLimit {
+    /// Calls a function, in another thread, when the time is over.
+    fn start(limit: Duration, exceeded: impl FnOnce() + Send + 'static) -> Self {
+        let (running, dropped) = channel();
+        std::thread::spawn(move || {
+            if dropped.recv_timeout(limit) == Err(RecvTimeoutError::Timeout) {
+                exceeded();
+            }
+        });
+        Self(running)
+    }
+}
+
 fn name(signal: Signal) -> String {
     let known = [
         (Signal::SEGV, "a segmentation fault (SIGSEGV)"),
@@ -118,4 +153,22 @@ fn error_files(folder: &Path) -> Vec<PathBuf> {
         }
     }
     files
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_time_limit_is_exceeded_unless_it_is_dropped_before() {
+        let (exceeded, calls) = channel();
+        let limit = |milliseconds, name| {
+            let exceeded = exceeded.clone();
+            TimeLimit::start(Duration::from_millis(milliseconds), move || exceeded.send(name).unwrap())
+        };
+        let _short = limit(1, "short");
+        drop(limit(200, "dropped"));
+        let _long = limit(400, "long");
+        assert_eq!([calls.recv(), calls.recv()], [Ok("short"), Ok("long")]);
+    }
 }

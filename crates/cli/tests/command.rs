@@ -68,7 +68,7 @@ fn run_prints_one_json_object_with_every_promised_key() {
         "engine_severes",
         "clamped_actions",
         "cpu_s",
-        "engine_cpu_s",
+        "environment_cpu_s",
     ] {
         assert!(object[key].is_number(), "{key}: {object}");
     }

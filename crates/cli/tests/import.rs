@@ -39,6 +39,29 @@ fn import_reports_what_is_controlled_and_the_next_steps() {
     }
 }
 
+/// Programs of other tools read fans and coils, and importing replaces these.
+#[test]
+fn a_model_whose_programs_read_replaced_equipment_runs() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("programs.idf");
+    let model = std::fs::read_to_string(warehouse()).unwrap();
+    let programs = "\nEnergyManagementSystem:Sensor,FanRTF,FURNACE_PACU_CAV_1:1_Unitary_Package_fan,Fan Runtime Fraction;\n\
+                    EnergyManagementSystem:GlobalVariable,Fraction;\n\
+                    EnergyManagementSystem:Program,Read,SET Fraction = FanRTF;\n\
+                    EnergyManagementSystem:ProgramCallingManager,Call,EndOfSystemTimestepBeforeHVACReporting,Read;\n";
+    std::fs::write(&path, model + programs).unwrap();
+    let report = json(&[
+        "import",
+        &path.to_string_lossy(),
+        "--weather",
+        &weather(),
+        "--run",
+        "01-01..01-01",
+        "--json",
+    ]);
+    assert_eq!(report["trial"]["severes"], 0, "{report}");
+}
+
 #[test]
 fn an_imported_model_runs_the_same_twice() {
     let folder = tempfile::tempdir().unwrap();

@@ -3,10 +3,16 @@
 //! A model is data of somebody, and the engine that reads it is native code. A confined process cannot write outside the folders
 //! it is given, run programs, or open TCP connections; the engine may be made to try, but not to succeed.
 
+use std::cell::Cell;
 use std::fmt;
+use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
 
 use crate::install::cache_dir;
+
+thread_local! {
+    static CONFINED: Cell<bool> = const { Cell::new(false) };
+}
 
 /// How far a process is confined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,9 +47,28 @@ impl fmt::Display for Confinement {
 /// Confines this thread, and every thread and process that it starts from here on, to writing in the temporary folder and in the
 /// cache of this package. There is no way back.
 pub fn confine() -> Confinement {
+    CONFINED.set(true);
+    confine_to(None)
+}
+
+/// Runs a function in a confined thread, which may also write to `folder`, and returns its result: in this thread if it is
+/// confined, or else in a thread of its own.
+pub(crate) fn confined<T: Send>(folder: Option<&Path>, function: impl FnOnce() -> T + Send) -> T {
+    if CONFINED.get() {
+        return function();
+    }
+    let confined = || {
+        confine_to(folder);
+        function()
+    };
+    std::thread::scope(|scope| scope.spawn(confined).join()).unwrap_or_else(|panic| resume_unwind(panic))
+}
+
+fn confine_to(folder: Option<&Path>) -> Confinement {
     let (temporary, devices) = (std::env::temp_dir(), PathBuf::from("/dev/null"));
     let parent = temporary.parent().map(Path::to_owned);
-    restrict([temporary, devices].into_iter().chain(cache_dir().ok()), parent)
+    let folders = cache_dir().ok().into_iter().chain(folder.map(Path::to_owned));
+    restrict([temporary, devices].into_iter().chain(folders), parent)
 }
 
 /// Allows writing in some folders, and removing empty folders in another: a worker whose owner is gone removes the temporary folder

@@ -2,13 +2,14 @@
 
 use std::path::Path;
 
+use crate::confinement::confined;
 use crate::coroutine::{EngineRun, Outcome, Stops};
 use crate::scratch::temporary_folder;
 use crate::simulation::path_text;
 use crate::{Error, Library, Result};
 
 impl Library {
-    /// Converts an IDF file and returns its epJSON text.
+    /// Converts an IDF file and returns its epJSON text. Runs in a thread that is confined as by [`confine`](crate::confine).
     ///
     /// # Errors
     /// [`Error::MissingFile`] if the file does not exist; [`Error::Engine`] with the messages of EnergyPlus if it cannot
@@ -17,6 +18,10 @@ impl Library {
         if !idf.is_file() {
             return Err(Error::MissingFile { what: "model", path: idf.to_owned() });
         }
+        confined(None, || self.convert(idf))
+    }
+
+    fn convert(&self, idf: &Path) -> Result<String> {
         let folder = temporary_folder("b2b-")?;
         let arguments =
             ["energyplus", "-c", "--convert-only", "-d", path_text(folder.path())?, path_text(idf)?];

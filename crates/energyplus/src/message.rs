@@ -51,6 +51,8 @@ pub struct Messages {
 const KEPT_PER_LEVEL: usize = 100;
 /// Length of a message beyond which continuation lines are dropped, bytes.
 const KEPT_BYTES: usize = 4000;
+/// Length beyond which a line is cut, bytes: EnergyPlus repeats a wrong value in full.
+const KEPT_LINE: usize = 400;
 /// Number of console lines kept.
 const CONSOLE_LINES: usize = 20;
 
@@ -82,8 +84,7 @@ impl Messages {
         self.counts[level as usize] += 1;
         self.last_was_kept = self.count(level) <= KEPT_PER_LEVEL;
         if self.last_was_kept {
-            let text = text.trim().to_owned();
-            self.kept.push(Message { level, text });
+            self.kept.push(Message { level, text: cut(text) });
         }
     }
 
@@ -92,7 +93,7 @@ impl Messages {
         if self.console.len() == CONSOLE_LINES {
             self.console.remove(0);
         }
-        self.console.push(line.trim_end().to_owned());
+        self.console.push(cut(line));
     }
 
     fn continue_last(&mut self, text: &str) {
@@ -100,9 +101,16 @@ impl Messages {
             && last.text.len() < KEPT_BYTES
         {
             last.text.push('\n');
-            last.text.push_str(text.trim());
+            last.text.push_str(&cut(text));
         }
     }
+}
+
+/// Returns a line without blanks at its ends, cut where it is too long.
+fn cut(line: &str) -> String {
+    let line = line.trim();
+    let end = line.floor_char_boundary(KEPT_LINE);
+    if end == line.len() { line.to_owned() } else { format!("{} …", &line[..end]) }
 }
 
 /// The same as [`fmt::Display`], so that an unwrapped error is readable.

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
 
+use crate::confinement::confined;
 use crate::coroutine::{EngineRun, Outcome, Stops, c_string};
 use crate::event::Event;
 use crate::message::{Level, Messages};
@@ -74,14 +75,17 @@ impl Run {
     }
 
     /// Runs the model to its end without suspending, as the EnergyPlus command does, and returns its messages. Its output is
-    /// in the output folder.
+    /// in the output folder. Runs in a thread that is confined as by [`confine`](crate::confine) and to this folder.
     ///
     /// # Errors
     /// The errors of [`Run::start`].
     pub fn to_end(self, library: &Library) -> Result<Messages> {
-        let mut simulation = self.stop_every(0).prepare(library)?;
-        while simulation.advance()?.is_some() {}
-        Ok(simulation.messages())
+        let output = self.output.clone();
+        confined(output.as_deref(), || {
+            let mut simulation = self.stop_every(0).prepare(library)?;
+            while simulation.advance()?.is_some() {}
+            Ok(simulation.messages())
+        })
     }
 
     fn prepare(self, library: &Library) -> Result<Simulation> {

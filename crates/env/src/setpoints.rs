@@ -15,6 +15,7 @@ use crate::limits::within;
 /// Target temperatures, °C (paper, section on tasks).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "mode", rename_all = "snake_case", deny_unknown_fields)]
+#[serde(expecting = "an object with the `mode` constant, occupancy or random")]
 pub enum Setpoints {
     /// One target for all zones at all times.
     Constant {

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::OnceLock;
 
-use b2b_building::BuildingType;
+use b2b_building::{BuildingType, user_file};
 
 use super::buildings::{Buildings, Subset};
 use super::definition::Problem;
@@ -75,9 +75,9 @@ impl Problem {
     /// # Errors
     /// [`Error::Io`]; [`Error::ProblemFile`]; those of [`Problem::check`].
     pub fn read(path: &Path) -> Result<Self> {
-        let text = std::fs::read_to_string(path).map_err(at(path))?;
-        let problem: Self = serde_json::from_str(&text)
-            .map_err(|error| Error::ProblemFile { path: path.to_owned(), why: error.to_string() })?;
+        let text = user_file::read(path).map_err(at(path))?;
+        let problem: Self = user_file::parse_object(&text)
+            .map_err(|why| Error::ProblemFile { path: path.to_owned(), why })?;
         problem.check()?;
         Ok(problem)
     }

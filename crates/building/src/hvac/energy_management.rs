@@ -1,7 +1,15 @@
 //! Energy management system (EMS) programs.
 
+use std::collections::HashSet;
+
+use serde_json::json;
+
 use crate::Model;
 use crate::model::{Fields, items, text};
+
+const SENSOR: &str = "EnergyManagementSystem:Sensor";
+/// The schedule that the sensors of removed equipment read.
+const ZERO: &str = "b2b Zero";
 
 /// Removes the EMS actuators whose fields satisfy `unwanted`, with every program that sets one of them and the calls of
 /// these programs. They would override controlled actuators.
@@ -24,6 +32,40 @@ pub fn remove_ems_programs(model: &mut Model, unwanted: impl Fn(&Fields) -> bool
     }
     for actuator in &actuators {
         model.remove("EnergyManagementSystem:Actuator", actuator);
+    }
+}
+
+/// Returns class and name of every object, the name in lower case.
+pub fn objects(model: &Model) -> HashSet<(String, String)> {
+    let of_class = |class: &str| {
+        let names = model.names(class).into_iter();
+        names.map(|name| (class.to_owned(), name.to_lowercase())).collect::<Vec<_>>()
+    };
+    model.classes().flat_map(of_class).collect()
+}
+
+/// Makes the EMS sensors of equipment that was removed, or replaced by another class, read zero: a variable that the new
+/// equipment does not have would end the run, and a program without its sensor as well.
+pub fn silence_sensors(model: &mut Model, before: &HashSet<(String, String)>) {
+    let after = objects(model);
+    let gone: HashSet<&str> = before.difference(&after).map(|(_, name)| name.as_str()).collect();
+    let reads_gone = |fields: &Fields| {
+        text(fields, "output_variable_or_output_meter_index_key_name")
+            .is_some_and(|key| gone.contains(key.to_lowercase().as_str()))
+    };
+    let sensors = model.objects(SENSOR).into_iter().filter(|(_, fields)| reads_gone(fields));
+    let sensors: Vec<String> = sensors.map(|(name, _)| name.to_owned()).collect();
+    if sensors.is_empty() {
+        return;
+    }
+    model.insert("Schedule:Constant", ZERO, json!({"hourly_value": 0.0}));
+    for sensor in sensors {
+        tracing::info!("{SENSOR} `{sensor}`: reads 0, its equipment was replaced");
+        let reading = json!({
+            "output_variable_or_output_meter_index_key_name": ZERO,
+            "output_variable_or_output_meter_name": "Schedule Value",
+        });
+        model.insert(SENSOR, &sensor, reading);
     }
 }
 
@@ -66,6 +108,28 @@ mod tests {
 
     fn model(text: Value) -> Model {
         Model::from_epjson(&text.to_string(), Path::new("test.epJSON")).unwrap()
+    }
+
+    #[test]
+    fn sensors_of_replaced_equipment_read_zero_and_others_are_kept() {
+        let sensor = |key: &str| {
+            json!({
+                "output_variable_or_output_meter_index_key_name": key,
+                "output_variable_or_output_meter_name": "Fan Runtime Fraction",
+            })
+        };
+        let mut model = model(json!({
+            "Fan:OnOff": {"Supply": {}, "Exhaust": {}},
+            (SENSOR): {"S": sensor("SUPPLY"), "E": sensor("Exhaust"), "O": sensor("Node 1")},
+        }));
+        let before = objects(&model);
+        model.remove("Fan:OnOff", "Supply");
+        model.insert("Fan:SystemModel", "Supply", json!({}));
+        silence_sensors(&mut model, &before);
+        let key =
+            |name| &model.require(SENSOR, name).unwrap()["output_variable_or_output_meter_index_key_name"];
+        assert_eq!([key("S"), key("E"), key("O")], [ZERO, "Exhaust", "Node 1"]);
+        assert_eq!(model.require("Schedule:Constant", ZERO).unwrap()["hourly_value"], 0.0);
     }
 
     #[test]

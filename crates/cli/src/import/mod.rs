@@ -112,7 +112,13 @@ impl Arguments {
     fn report(&self, model: &Path) -> Result<Report> {
         let name = BuildingName::Model(model.to_owned());
         let prepared = Prepared::new(&name, &self.location, self.json)?;
-        let trial = self.run.map(|period| Trial::run(&prepared, period, self.json)).transpose()?;
+        let trial = match self.run {
+            Some(period) => Some(Trial::run(&prepared, period, self.json)?),
+            None => {
+                prepared.check_start().with_context(|| format!("{name} was prepared, but does not run"))?;
+                None
+            }
+        };
         Ok(Report::new(&name, &prepared, trial))
     }
 

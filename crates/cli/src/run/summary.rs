@@ -52,7 +52,7 @@ pub struct Summary {
     /// CPU time up to the end of the episode, s.
     pub cpu_s: f64,
     /// CPU time of the environment, s: warm-up and steps.
-    pub engine_cpu_s: f64,
+    pub environment_cpu_s: f64,
     /// Steps per second of wall-clock time.
     pub steps_per_s: f64,
     /// The controlled zones.
@@ -117,7 +117,7 @@ impl Summary {
             severe_messages: engine.severe_messages.clone(),
             trajectory_hash: rollout.trajectory.hash(),
             cpu_s: rollout.total_cpu.as_secs_f64(),
-            engine_cpu_s: rollout.env_cpu.as_secs_f64(),
+            environment_cpu_s: rollout.env_cpu.as_secs_f64(),
             steps_per_s: metrics.steps as f64 / rollout.wall.as_secs_f64(),
             zones: zones(spaces, metrics),
         }
@@ -208,7 +208,7 @@ impl Summary {
 
     /// Returns whether the run can be trusted, and what it cost to compute.
     fn run_diagnostics(&self) -> Vec<(&'static str, String)> {
-        let other_cpu = self.cpu_s - self.engine_cpu_s;
+        let other_cpu = self.cpu_s - self.environment_cpu_s;
         vec![
             ("clamped action values", self.metrics.clamped_actions.to_string()),
             ("steps under the ventilation interlock", self.metrics.ventilation_overrides.to_string()),
@@ -222,7 +222,7 @@ impl Summary {
                 "CPU time",
                 format!(
                     "{:.2} s environment, {other_cpu:.2} s other (preparation, controller)",
-                    self.engine_cpu_s
+                    self.environment_cpu_s
                 ),
             ),
         ]

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use b2b_building::Parameter;
 use b2b_building::parameter::Field;
+use b2b_building::{Parameter, user_file};
 use serde::{Deserialize, Serialize};
 
 use super::air_loop::AirLoopParameters;
@@ -112,10 +112,9 @@ impl ReactiveParameters {
     /// # Errors
     /// [`Error::Io`]; [`Error::ParameterFile`] with the reason; those of [`ReactiveParameters::check`].
     pub fn read(path: &Path) -> Result<Self> {
-        let text =
-            std::fs::read_to_string(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
-        let parameters: Self = serde_json::from_str(&text)
-            .map_err(|error| Error::ParameterFile { path: path.to_owned(), why: error.to_string() })?;
+        let text = user_file::read(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
+        let parameters: Self = user_file::parse_object(&text)
+            .map_err(|why| Error::ParameterFile { path: path.to_owned(), why })?;
         parameters.check()?;
         Ok(parameters)
     }

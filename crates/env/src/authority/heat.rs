@@ -39,14 +39,15 @@ pub(super) fn judge_heat(holds: [&Row; 5]) -> [Row; 3] {
     [low, raised(middle, [before, between]), raised(high, [between, after])]
 }
 
-/// A raised setpoint must increase heat and temperature, unless the zone is above it and gets no heat.
+/// A raised setpoint must increase heat and temperature, unless the zone is above it and gets no heat. A zone that never comes
+/// near its setpoint shows a heater at its capacity.
 fn judge_raise(row: &Row, low: [&Row; 2]) -> Verdict {
     let base = |value: fn(&Row) -> f64| 0.5 * (value(low[0]) + value(low[1]));
     let heat = |row: &Row| row.heat.unwrap_or(0.0);
     let rises = row.mean > base(|row| row.mean) + RISE;
     let holds = (row.mean - row.command).abs() <= AT_SETPOINT;
     if heat(row) > base(heat) + SOME_HEAT && (rises || holds) {
-        Verdict::Follows
+        heated(row)
     } else if heat(row) < SOME_HEAT && row.mean > row.command {
         Verdict::AtCapacity(Limit::WarmZone)
     } else {
@@ -56,10 +57,18 @@ fn judge_raise(row: &Row, low: [&Row; 2]) -> Verdict {
 
 /// A zone must get no heat above its setpoint, and some below.
 fn judge_idle(row: &Row) -> Verdict {
-    let heated = row.heat.unwrap_or(0.0) > SOME_HEAT;
+    let gets_heat = row.heat.unwrap_or(0.0) > SOME_HEAT;
     match row.mean - row.command {
-        above if above > AT_SETPOINT && heated => Verdict::Fails,
-        above if above < -AT_SETPOINT && !heated => Verdict::Fails,
-        _ => Verdict::Follows,
+        above if above > AT_SETPOINT && gets_heat => Verdict::Fails,
+        above if above < -AT_SETPOINT && !gets_heat => Verdict::Fails,
+        _ => heated(row),
     }
+}
+
+/// The verdict on a zone that gets heat as it should.
+fn heated(row: &Row) -> Verdict {
+    if row.highest < row.command - AT_SETPOINT {
+        return Verdict::AtCapacity(Limit::Heater);
+    }
+    Verdict::Follows
 }

@@ -28,7 +28,7 @@
 //! - **damper**: the total flow of the loop's terminals equals the fan's design flow, and more was commanded.
 //! - **outdoor air**: all supply air is outdoor air, and more was commanded; or outdoor air makes up for exhaust fans in the
 //!   zones of the loop, within their design flow, and less was commanded.
-//! - **heating setpoint**: the zone is above it without any heat.
+//! - **heating setpoint**: the zone is above it without any heat, or gets heat and never comes within 0.5 K of it.
 
 mod bench;
 mod heat;

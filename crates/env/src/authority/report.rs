@@ -109,6 +109,8 @@ pub enum Limit {
     SupplyFlow,
     /// Outdoor air makes up for exhaust fans.
     Exhaust,
+    /// Heater runs, and the zone stays below the setpoint.
+    Heater,
     /// Zone above the setpoint without heat.
     WarmZone,
 }

@@ -6,7 +6,7 @@ mod spelling;
 
 use std::path::Path;
 
-use b2b_building::Class;
+use b2b_building::{Class, user_file};
 use b2b_energyplus::digest::sha256;
 use serde::{Deserialize, Serialize};
 
@@ -102,6 +102,9 @@ impl Default for Task {
     }
 }
 
+/// Limit of weights, scales and prices, far beyond any sensible one: sums over a year stay exact enough to compare.
+const LARGEST: f64 = 1e6;
+
 impl Task {
     /// The six tasks of the paper: three modes of setpoints, without and with energy.
     pub const NAMED: [&str; 6] =
@@ -112,10 +115,9 @@ impl Task {
     /// # Errors
     /// [`Error::Io`]; [`Error::TaskFile`] with the reason; those of [`Task::check`].
     pub fn read(path: &Path) -> Result<Self> {
-        let text =
-            std::fs::read_to_string(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
-        let task: Self = serde_json::from_str(&text)
-            .map_err(|error| Error::TaskFile { path: path.to_owned(), why: error.to_string() })?;
+        let text = user_file::read(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
+        let task: Self =
+            user_file::parse_object(&text).map_err(|why| Error::TaskFile { path: path.to_owned(), why })?;
         task.check()?;
         Ok(task)
     }
@@ -125,12 +127,12 @@ impl Task {
     /// # Errors
     /// [`Error::TaskValue`] for the first that is not.
     pub fn check(&self) -> Result<()> {
-        within("energy_weight", self.energy_weight, 0.0, f64::MAX)?;
-        within("energy_scale", self.energy_scale.unwrap_or(1.0), f64::MIN_POSITIVE, f64::MAX)?;
+        within("energy_weight", self.energy_weight, 0.0, LARGEST)?;
+        within("energy_scale", self.energy_scale.unwrap_or(1.0), 1.0 / LARGEST, LARGEST)?;
         within("comfort_band", self.comfort_band, 0.0, 50.0)?;
-        for (name, fuels, low) in [("prices", &self.prices, f64::MIN), ("emissions", &self.emissions, 0.0)] {
+        for (name, fuels, low) in [("prices", &self.prices, -LARGEST), ("emissions", &self.emissions, 0.0)] {
             for value in fuels.values() {
-                within(name, value, low, f64::MAX)?;
+                within(name, value, low, LARGEST)?;
             }
         }
         self.setpoints.check()?;

@@ -11,7 +11,7 @@ use serde_json::Value;
 use super::air_loop_graph::supply_components;
 use super::controllable::{UNCONTROLLED_EQUIPMENT, drive_air_loop};
 use super::distribution::served_zones;
-use super::energy_management::{remove_ems_programs, sets_a_schedule};
+use super::energy_management::{objects, remove_ems_programs, sets_a_schedule, silence_sensors};
 use super::heating_only;
 use super::references::{Reference, is_one_of, parts};
 use super::system::System;
@@ -50,6 +50,7 @@ const VENTILATION: [&str; 2] = ["Fan:ZoneExhaust", "ZoneHVAC:EnergyRecoveryVenti
 /// # Errors
 /// [`Error::MissingObject`] for a dangling reference.
 pub(crate) fn discover(model: &mut Model, air_density: f64) -> Result<Discovery> {
+    let before = objects(model);
     split_thermostats(model);
     let mut found = Discovery::default();
     for air_loop in model.names("AirLoopHVAC") {
@@ -69,6 +70,7 @@ pub(crate) fn discover(model: &mut Model, air_density: f64) -> Result<Discovery>
     for zone in model.names("Zone") {
         discover_equipment(model, &zone, &mut found)?;
     }
+    silence_sensors(model, &before);
     Ok(found)
 }
 

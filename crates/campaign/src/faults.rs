@@ -1,0 +1,171 @@
+//! Signals and exhausted limits at random moments: a command ends in time and leaves nothing, and the same command afterwards
+//! completes what it began, with the same bytes.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use anyhow::Result;
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use rustix::process::{Signal, kill_process};
+
+use crate::ledger::{Ledger, Outcome};
+use crate::material::Material;
+use crate::mutation::pick;
+use crate::program::{Ended, Program, words};
+
+/// Time in which a command must have ended after a fault.
+const LIMIT: Duration = Duration::from_secs(120);
+
+/// A command that resumes, and the file by which its result is judged.
+struct Job {
+    name: &'static str,
+    arguments: &'static str,
+    result: &'static str,
+}
+
+const JOBS: [Job; 3] = [
+    Job {
+        name: "evaluate",
+        arguments: "evaluate SingleFamilyHouse-0018 Warehouse-0001 --policy reactive --period 01-01..01-02 --jobs 2 \
+                    --out out",
+        result: "out/episodes.parquet",
+    },
+    Job { name: "generate", arguments: "generate Warehouse --count 6 --out out", result: "out/manifest.csv" },
+    Job {
+        name: "run",
+        arguments: "run SingleFamilyHouse --period 01-01..01-03 --out out",
+        result: "out/trajectory.parquet",
+    },
+];
+
+/// A fault.
+#[derive(Clone, Copy, Debug)]
+enum Fault {
+    /// Signals to the command itself.
+    Signal(Signal),
+    /// A signal to any of its processes.
+    Member(Signal),
+    /// All of its processes are stopped for a moment.
+    Pause,
+    /// A limit of the shell.
+    Limit(&'static str),
+}
+
+const FAULTS: [Fault; 11] = [
+    Fault::Signal(Signal::INT),
+    Fault::Signal(Signal::TERM),
+    Fault::Signal(Signal::KILL),
+    Fault::Member(Signal::KILL),
+    Fault::Member(Signal::SEGV),
+    Fault::Member(Signal::TERM),
+    Fault::Pause,
+    // Blocks of 512 bytes.
+    Fault::Limit("ulimit -f 100"),
+    Fault::Limit("ulimit -f 2000"),
+    Fault::Limit("ulimit -n 24"),
+    Fault::Limit("ulimit -v 3000000"),
+];
+
+impl Fault {
+    fn name(self) -> String {
+        match self {
+            Self::Signal(signal) => format!("signal {} to the command", signal.as_raw()),
+            Self::Member(signal) => format!("signal {} to any of its processes", signal.as_raw()),
+            Self::Pause => "a pause".into(),
+            Self::Limit(limit) => limit.into(),
+        }
+    }
+
+    fn limits(self) -> &'static str {
+        if let Self::Limit(limits) = self { limits } else { "" }
+    }
+
+    /// Returns whether the command is killed by it, so that it cannot clean up.
+    fn kills(self) -> bool {
+        // Beyond the limit of a file's size, the system sends a signal that ends the process.
+        match self {
+            Self::Signal(signal) => signal == Signal::KILL,
+            Self::Member(_) => true,
+            Self::Limit(limits) => limits.starts_with("ulimit -f"),
+            Self::Pause => false,
+        }
+    }
+}
+
+/// Attacks jobs until a deadline.
+pub fn attack(
+    program: &Program,
+    material: &Material,
+    deadline: Instant,
+    random: &mut ChaCha8Rng,
+    ledger: &mut Ledger,
+) -> Result<()> {
+    let mut whole = Vec::new();
+    for job in &JOBS {
+        let folder = material.path(&format!("whole-{}", job.name));
+        std::fs::create_dir(&folder)?;
+        let began = Instant::now();
+        program.must(&folder, job.arguments)?;
+        whole.push((std::fs::read(folder.join(job.result))?, began.elapsed()));
+    }
+    while Instant::now() < deadline {
+        let number = random.random_range(0..JOBS.len());
+        let (job, fault) = (&JOBS[number], *pick(&FAULTS, random));
+        let (expected, time) = &whole[number];
+        let kind = format!("{}: {}", job.name, fault.name());
+        let folder = tempfile::tempdir()?;
+        let moment = time.mul_f64(random.random_range(0.0..1.1));
+        let ended = struck(program, job, fault, moment, folder.path(), random)?;
+        let broken = match ended.broken(fault.kills()) {
+            Some(why) => Some(why),
+            None => not_completed(program, job, folder.path(), expected)?,
+        };
+        match broken {
+            Some(why) => ledger.find(&kind, &format!("{why}\nafter {moment:?}"), &[folder.path()])?,
+            None if ended.code() == Some(0) => ledger.count(&kind, Outcome::Accepted, 1),
+            None => ledger.count(&kind, Outcome::Rejected, 1),
+        }
+    }
+    Ok(())
+}
+
+/// Runs a job with a fault after some time.
+fn struck(
+    program: &Program,
+    job: &Job,
+    fault: Fault,
+    moment: Duration,
+    folder: &Path,
+    random: &mut ChaCha8Rng,
+) -> Result<Ended> {
+    let mut run = program.start(folder, fault.limits(), &words(job.arguments))?;
+    std::thread::sleep(moment);
+    let processes = if run.has_ended()? { Vec::new() } else { run.processes() };
+    // A process may have ended just now.
+    let send = |process, signal| {
+        let _ = kill_process(process, signal);
+    };
+    match (fault, &processes[..]) {
+        (_, []) | (Fault::Limit(_), _) => {}
+        (Fault::Signal(signal), [command, ..]) => send(*command, signal),
+        (Fault::Member(signal), all) => send(*pick(all, random), signal),
+        (Fault::Pause, all) => {
+            all.iter().for_each(|process| send(*process, Signal::STOP));
+            std::thread::sleep(Duration::from_secs(2));
+            all.iter().for_each(|process| send(*process, Signal::CONT));
+        }
+    }
+    run.end(LIMIT + moment)
+}
+
+/// Runs a job once more. Returns what is wrong unless it completes with the expected result.
+fn not_completed(program: &Program, job: &Job, folder: &Path, expected: &[u8]) -> Result<Option<String>> {
+    let again = program.run(folder, &words(job.arguments), LIMIT)?;
+    Ok(match (again.broken(false), again.code()) {
+        (Some(why), _) => Some(format!("the command after it: {why}")),
+        (None, Some(0)) if std::fs::read(folder.join(job.result))? == expected => None,
+        (None, Some(0)) => Some(format!("the command after it gives another {}", job.result)),
+        (None, code) => Some(format!("the command after it ends with {code:?}: {}", again.errors)),
+    })
+}

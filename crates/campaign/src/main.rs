@@ -1,0 +1,93 @@
+//! A campaign against `b2b`: damaged inputs, absurd models and weather, and faults at random moments.
+//!
+//! Promises under attack, which are those of docs/trust.md: no panic, no signal, no endless run, no success with nonsense, and
+//! nothing left behind. Every broken one is a finding, which is kept with what reproduces it; the exit code is then 1.
+
+#![cfg(target_os = "linux")]
+
+mod faults;
+mod inputs;
+mod ledger;
+mod material;
+mod mutation;
+mod program;
+mod runs;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result};
+use clap::{Parser, ValueEnum};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+use ledger::Ledger;
+use material::Material;
+use program::Program;
+
+/// Attack b2b with damaged inputs, absurd models and faults
+///
+/// Runs until its time is over and prints how many inputs of each kind were accepted and rejected. Every broken promise is a
+/// finding: it is kept in the folder of findings with what reproduces it, and the exit code is 1.
+#[derive(Parser)]
+struct Arguments {
+    /// Parts to run; each has an equal share of the time [default: all]
+    #[arg(long = "part", value_enum, value_name = "PART")]
+    parts: Vec<Part>,
+    /// Time, in minutes
+    #[arg(long, default_value_t = 5.0, value_name = "MINUTES")]
+    minutes: f64,
+    /// Random seed
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    seed: u64,
+    /// The b2b program [default: b2b beside this program]
+    #[arg(long, value_name = "FILE")]
+    program: Option<PathBuf>,
+    /// Folder for the findings
+    #[arg(long, default_value = "b2b-findings", value_name = "FOLDER")]
+    findings: PathBuf,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+enum Part {
+    /// Damaged files, given to every reader of files
+    Inputs,
+    /// Damaged models, weather files, trajectories and arguments, given to the commands
+    Runs,
+    /// Signals and exhausted limits at random moments of the commands
+    Faults,
+}
+
+fn main() -> ExitCode {
+    attack(Arguments::parse()).unwrap_or_else(|error| {
+        eprintln!("error: {error:#}");
+        ExitCode::FAILURE
+    })
+}
+
+fn attack(arguments: Arguments) -> Result<ExitCode> {
+    if let Some(order) = inputs::Order::of_this_process() {
+        return inputs::attack_here(&order);
+    }
+    let beside = || Ok(std::env::current_exe()?.with_file_name("b2b"));
+    let program = Program::new(arguments.program.map_or_else(beside, Result::<_>::Ok)?)?;
+    let parts = if arguments.parts.is_empty() { Part::value_variants().to_vec() } else { arguments.parts };
+    let share = Duration::from_secs_f64(60.0 * arguments.minutes / parts.len() as f64);
+
+    let work = tempfile::tempdir().context("cannot create a folder to work in")?;
+    let material = Material::make(&program, work.path())?;
+    let mut ledger = Ledger::new(arguments.findings);
+    for part in parts {
+        let deadline = Instant::now() + share;
+        let mut random = ChaCha8Rng::seed_from_u64(arguments.seed);
+        random.set_stream(part as u64);
+        match part {
+            Part::Inputs => inputs::attack(&material, deadline, &mut random, &mut ledger)?,
+            Part::Runs => runs::attack(&program, &material, deadline, &mut random, &mut ledger)?,
+            Part::Faults => faults::attack(&program, &material, deadline, &mut random, &mut ledger)?,
+        }
+    }
+    println!("{ledger}");
+    Ok(ledger.exit_code())
+}

@@ -1,0 +1,191 @@
+//! Damaged models, weather files, trajectories and arguments, given to the commands.
+
+use std::ffi::OsString;
+use std::os::unix::ffi::OsStringExt;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use serde_json::Value;
+
+use crate::ledger::{Ledger, Outcome};
+use crate::material::Material;
+use crate::mutation::{mutate, mutate_value, pick};
+use crate::program::{Ended, Program, words};
+
+/// Time after which a run counts as endless: a day of simulation takes a second, and a preparation has ten minutes.
+const LIMIT: Duration = Duration::from_secs(700);
+/// Time after which a command that turned out to be valid, and long, is interrupted.
+const PATIENCE: Duration = Duration::from_secs(20);
+const ARGUMENTS: &str = "arguments";
+/// A day of the model `m.epJSON` under the weather `w.epw`.
+const RUN: &str = "run m.epJSON --weather w.epw --period 01-01..01-01 --out out --json";
+
+/// A kind of attack: it puts files into a folder and returns the arguments of the program.
+type Attack = fn(&Material, &Path, &mut ChaCha8Rng) -> Result<Vec<OsString>>;
+
+const ATTACKS: [(&str, Attack); 4] = [
+    ("run of a damaged model", damaged_model),
+    ("run under damaged weather", damaged_weather),
+    ("score of a damaged trajectory", damaged_trajectory),
+    (ARGUMENTS, absurd_arguments),
+];
+
+/// Attacks the commands until a deadline.
+pub fn attack(
+    program: &Program,
+    material: &Material,
+    deadline: Instant,
+    random: &mut ChaCha8Rng,
+    ledger: &mut Ledger,
+) -> Result<()> {
+    while Instant::now() < deadline {
+        let (kind, attack) = *pick(&ATTACKS, random);
+        let folder = tempfile::tempdir()?;
+        let arguments = attack(material, folder.path(), random)?;
+        let mut run = program.start(folder.path(), "", &arguments)?;
+        if kind == ARGUMENTS {
+            run.interrupt_after(PATIENCE)?;
+        }
+        let ended = run.end(LIMIT)?;
+        let broken = ended.broken(false).or_else(|| nonsense(&ended, &arguments));
+        match broken {
+            Some(why) => ledger.find(kind, &format!("{why}\narguments: {arguments:?}"), &[folder.path()])?,
+            None if ended.code() == Some(0) => ledger.count(kind, Outcome::Accepted, 1),
+            None => ledger.count(kind, Outcome::Rejected, 1),
+        }
+    }
+    Ok(())
+}
+
+/// Returns why a successful run printed nonsense: no JSON, or metrics that are not numbers.
+fn nonsense(ended: &Ended, arguments: &[OsString]) -> Option<String> {
+    let prints_metrics = arguments.first()? == "run" && arguments.contains(&"--json".into());
+    if ended.code() != Some(0) || !prints_metrics {
+        return None;
+    }
+    let Ok(summary) = serde_json::from_str::<Value>(&ended.output) else {
+        return Some(format!("success without JSON: {}", ended.output));
+    };
+    let metrics = ["return", "rms_deviation_k", "energy_kwh", "meter_relative_error"];
+    let missing = metrics.iter().find(|name| summary.get(name).is_some_and(|value| !value.is_number()));
+    missing.map(|name| format!("success with {name} {}", summary[name]))
+}
+
+fn damaged_model(material: &Material, folder: &Path, random: &mut ChaCha8Rng) -> Result<Vec<OsString>> {
+    let mut model: Value = serde_json::from_slice(&std::fs::read(pick(material.models(), random))?)?;
+    for _ in 0..random.random_range(1..4) {
+        // Somewhere in one object, so that large classes do not get all of it.
+        let classes = model.as_object_mut().context("a model is an object")?;
+        let class = random.random_range(0..classes.len());
+        let objects =
+            classes.values_mut().nth(class).and_then(Value::as_object_mut).context("a class is an object")?;
+        if !objects.is_empty() {
+            let object = random.random_range(0..objects.len());
+            objects.values_mut().nth(object).into_iter().for_each(|object| mutate_value(object, random));
+        }
+        classes.retain(|_, objects| objects.is_object());
+    }
+    std::fs::write(folder.join("m.epJSON"), model.to_string())?;
+    std::fs::copy(material.path("weather.epw"), folder.join("w.epw"))?;
+    Ok(words(RUN))
+}
+
+fn damaged_weather(material: &Material, folder: &Path, random: &mut ChaCha8Rng) -> Result<Vec<OsString>> {
+    std::fs::copy(pick(material.models(), random), folder.join("m.epJSON"))?;
+    let mut weather = material.bytes("weather.epw")?;
+    // Half of the damage is in the header, most of the rest in the simulated day.
+    let (header, day) = (2_000, 12_000);
+    let end = if random.random_bool(0.5) { header } else { day };
+    let rest = weather.split_off(end);
+    weather = mutate(&weather, random);
+    weather.extend(rest);
+    std::fs::write(folder.join("w.epw"), weather)?;
+    Ok(words(RUN))
+}
+
+fn damaged_trajectory(material: &Material, folder: &Path, random: &mut ChaCha8Rng) -> Result<Vec<OsString>> {
+    std::fs::write(folder.join("t.parquet"), mutate(&material.bytes("run/trajectory.parquet")?, random))?;
+    Ok(words("score t.parquet"))
+}
+
+/// Arguments that are plausible one by one, in an order that may not be.
+fn absurd_arguments(_: &Material, _: &Path, random: &mut ChaCha8Rng) -> Result<Vec<OsString>> {
+    const COMMANDS: [&str; 14] = [
+        "run",
+        "show",
+        "list",
+        "generate",
+        "evaluate",
+        "score",
+        "train",
+        "import",
+        "view",
+        "baseline",
+        "benchmark",
+        "dataset",
+        "collect",
+        "experiment",
+    ];
+    const OTHERS: [&str; 44] = [
+        "SingleFamilyHouse",
+        "SingleFamilyHouse-0018",
+        "OfficeSmall-9999",
+        "types",
+        "places",
+        "--json",
+        "--help",
+        "--period",
+        "01-01..01-01",
+        "02-29..02-30",
+        "12-31..01-01",
+        "winter",
+        "--task",
+        "constant",
+        "random+energy-1",
+        "occupancy+pmv+energy0.5",
+        "--out",
+        "out",
+        "/dev/null",
+        ".",
+        "--place",
+        "Denver",
+        "Atlantis",
+        "--weather",
+        "missing.epw",
+        "--seed",
+        "-1",
+        "0",
+        "18446744073709551616",
+        "--steps-per-hour",
+        "7",
+        "60",
+        "--policy",
+        "reactive",
+        "off",
+        "--type",
+        "--zone",
+        "5",
+        "9",
+        "--set",
+        "floor_area=1e9",
+        "--jobs",
+        "--count",
+        "1",
+    ];
+    let mut arguments = vec![OsString::from(*pick(&COMMANDS, random))];
+    for _ in 0..random.random_range(0..8) {
+        let mut argument = OsString::from(*pick(&OTHERS, random));
+        if random.random_bool(0.05) {
+            argument.push(OsString::from_vec(vec![0xff, b'x']));
+        }
+        arguments.push(argument);
+    }
+    // What is valid after all is small: one job, one day.
+    if arguments[0] == "run" || arguments[0] == "evaluate" || arguments[0] == "collect" {
+        arguments.extend(words("--period 01-01..01-01"));
+    }
+    Ok(arguments)
+}

@@ -1,0 +1,208 @@
+"""Evaluation, training, tuning and experiments on a Ray cluster, with the same results as on one machine.
+
+Work is divided into Ray tasks of one core each. A task runs in the temporary folder of its node and returns its files, which the
+caller writes into the folder of the results: nodes need no shared file system. A task whose node is lost runs again on another.
+A call that was interrupted resumes: only what the folder does not contain is run.
+
+Every node needs this package, and downloads EnergyPlus on first use. Requires ``pip install ray``.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeVar
+
+import ray
+
+from . import _core
+from .buildings import Building, PathLike
+from .errors import EvaluationError, SettingError
+from .evaluation import Evaluation, Policy, Request
+from .learning import Agent
+from .learning import train as train_here
+
+#: Files by their path in a folder.
+Files = dict[str, bytes]
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Resources:
+    """What a task needs, and how often it is repeated after the loss of its node."""
+
+    #: Cores.
+    cpus: float = 1
+    #: Memory, MB: EnergyPlus takes 100 to 300 MB by building type.
+    memory_mb: int = 600
+    #: Number of repetitions.
+    retries: int = 3
+
+
+def evaluate(
+    policy: Policy,
+    buildings: str | Building | Sequence[str | Building],
+    tasks: str | dict[str, Any] | Sequence[str | dict[str, Any]] = ("constant",),
+    *,
+    folder: PathLike,
+    chunk: int = 4,
+    resources: Resources = Resources(),
+    progress: bool = False,
+    **arguments: Any,
+) -> Evaluation:
+    """Evaluates a policy, as :func:`building2building.evaluate` does, whose arguments it takes, on a cluster.
+
+    A task runs ``chunk`` episodes, and their baselines where these are unknown. The files in ``folder``, and the bytes of
+    ``episodes.parquet``, are those of an evaluation on one machine.
+    """
+    if chunk < 1:
+        raise SettingError(f"chunk={chunk}; expected at least 1")
+    request = Request(policy, buildings, tasks, **arguments)
+    place = Path(folder)
+    # Checks that the folder is that of this evaluation, or makes it.
+    request.run_part(place, [], _core.baselines_folder())
+    missing = [number for number in range(len(request.episodes)) if not _episode_file(place, number).exists()]
+    chunks = [missing[start : start + chunk] for start in range(0, len(missing), chunk)]
+    done = 0
+    for number, files, lost in _map(_evaluate_part, [(request, chunk) for chunk in chunks], resources):
+        _write_all(place / "episodes", files["episodes"])
+        _write_all(_core.baselines_folder(), files["baselines"])
+        done += len(chunks[number])
+        for episode, reason in lost.items():
+            print(f"lost: episode {episode}: {reason}", file=sys.stderr)
+        if progress:
+            print(f"{done} of {len(missing)} episodes", file=sys.stderr)
+    return request.run(place, None, False)
+
+
+def train(
+    runs: Mapping[str, Mapping[str, Any]], *, folder: PathLike, resources: Resources = Resources()
+) -> dict[str, Agent]:
+    """Trains agents, such as the seeds of one configuration, one task each.
+
+    ``runs`` has the arguments of :func:`building2building.train`, without ``out``, by the name of the run. Every agent is
+    written to the folder of this name in ``folder``. Runs that it contains are not repeated; a run that was lost starts anew.
+
+    >>> b2b.ray.train({f"seed-{n}": {"buildings": "OfficeSmall-0509", "seed": n} for n in range(5)}, folder="runs")
+    ... # doctest: +SKIP
+    """
+    places = {name: Path(folder) / name for name in runs}
+    missing = [name for name, place in places.items() if not (place / "summary.json").exists()]
+    for number, files in _map(_train, [(dict(runs[name]),) for name in missing], resources):
+        place = places[missing[number]]
+        aside = place.with_name(place.name + ".partial")
+        _write_all(aside, files)
+        os.rename(aside, place)
+    return {name: Agent.load(place) for name, place in places.items()}
+
+
+def tune(
+    classes: Sequence[tuple[str, int | None]],
+    *,
+    folder: PathLike,
+    options: Sequence[str] = (),
+    resources: Resources = Resources(),
+) -> None:
+    """Tunes the reactive controllers, as ``b2b tune`` does, one task for each building type and climate zone.
+
+    ``options`` are further arguments of the command, such as ``["--evaluations", "50"]``; the zone of a house is ``None``.
+
+    >>> b2b.ray.tune([("OfficeSmall", zone) for zone in range(1, 9)], folder="tuning")  # doctest: +SKIP
+    """
+    selected = [["--type", name, *([] if zone is None else ["--zone", str(zone)])] for name, zone in classes]
+    commands = [["tune", *words, *options, "--jobs", "1"] for words in selected]
+    # Each writes the list of its own results as well, which the command below writes for all.
+    _commands(commands, Path(folder), "evaluations", resources)
+    types = sorted({name for name, _ in classes})
+    zones = sorted({str(zone) for _, zone in classes if zone is not None})
+    _run(["tune", "--type", *types, *(["--zone", *zones] if zones else []), *options, "--out", os.fspath(folder)])
+
+
+def experiment(
+    name: str, *, folder: PathLike, shards: int, budget: str = "full", resources: Resources = Resources()
+) -> Path:
+    """Runs an experiment, as ``b2b experiment run`` does, in ``shards`` tasks, and returns its page."""
+    base = ["experiment", "run", name, "--budget", budget]
+    commands = [[*base, "--shard", f"{number}/{shards}", "--jobs", "1"] for number in range(shards)]
+    _commands(commands, Path(folder), "jobs", resources)
+    _run([*base, "--out", os.fspath(folder)])
+    return Path(folder)
+
+
+def _evaluate_part(request: Request, numbers: list[int]) -> tuple[dict[str, Files], dict[int, str]]:
+    with tempfile.TemporaryDirectory(prefix="b2b-ray-") as temporary:
+        place, baselines = Path(temporary, "evaluation"), Path(temporary, "baselines")
+        lost = request.run_part(place, numbers, baselines)
+        return {"episodes": _read_all(place / "episodes"), "baselines": _read_all(baselines)}, lost
+
+
+def _train(arguments: dict[str, Any]) -> Files:
+    with tempfile.TemporaryDirectory(prefix="b2b-ray-") as temporary:
+        place = Path(temporary, "run")
+        train_here(**arguments, out=place, jobs=1)
+        return _read_all(place)
+
+
+def _command(words: list[str], before: Files) -> Files:
+    with tempfile.TemporaryDirectory(prefix="b2b-ray-") as temporary:
+        place = Path(temporary, "out")
+        _write_all(place, before)
+        _run([*words, "--out", os.fspath(place)])
+        return _read_all(place)
+
+
+def _run(words: list[str]) -> None:
+    command = [sys.executable, "-m", "building2building", *words]
+    ended = subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    if ended.returncode:
+        raise EvaluationError(f"b2b {' '.join(words)} failed: {ended.stderr.strip()}")
+
+
+def _commands(commands: list[list[str]], folder: Path, kept: str, resources: Resources) -> None:
+    """Runs commands, each of which resumes from what a subfolder contains and adds to it."""
+    before = {f"{kept}/{name}": content for name, content in _read_all(folder / kept).items()}
+    for _, files in _map(_command, [(words, before) for words in commands], resources):
+        new = {name: content for name, content in files.items() if before.get(name) != content}
+        _write_all(folder, {name: content for name, content in new.items() if name.startswith(f"{kept}/")})
+
+
+def _map(function: Callable[..., Any], items: Sequence[tuple[Any, ...]], resources: Resources) -> Iterator[Any]:
+    """Runs a function on the arguments of every item as tasks; yields number and results as they end."""
+    if not ray.is_initialized():
+        ray.init(logging_level="warning", log_to_driver=False)
+    task = ray.remote(function).options(
+        num_cpus=resources.cpus, memory=resources.memory_mb * 10**6, max_retries=resources.retries
+    )
+    running = {task.remote(*item): number for number, item in enumerate(items)}
+    try:
+        while running:
+            ended, _ = ray.wait(list(running), num_returns=1)
+            result = ray.get(ended[0])
+            yield (running.pop(ended[0]), *(result if isinstance(result, tuple) else (result,)))
+    finally:
+        for left in running:
+            ray.cancel(left)
+
+
+def _episode_file(folder: Path, number: int) -> Path:
+    return folder / "episodes" / f"{number:06}.json"
+
+
+def _read_all(folder: Path) -> Files:
+    files = (path for path in folder.rglob("*") if path.is_file())
+    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in files}
+
+
+def _write_all(folder: Path, files: Files) -> None:
+    """Writes files, each aside and then renamed."""
+    for name, content in files.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        aside = path.with_name(path.name + ".aside")
+        aside.write_bytes(content)
+        os.replace(aside, path)

@@ -1,0 +1,77 @@
+"""Evaluation and training on a Ray cluster of two local nodes. Needs the extra [learners]."""
+
+from __future__ import annotations
+
+import threading
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import building2building as b2b
+
+pytestmark = pytest.mark.learners
+
+ray = pytest.importorskip("ray")
+cluster_utils = pytest.importorskip("ray.cluster_utils")
+
+HOUSES = ["SingleFamilyHouse-0018", "SingleFamilyHouse-0064", "Warehouse-0001", "Warehouse-0004"]
+ARGUMENTS: dict[str, Any] = {"tasks": ["constant", "occupancy"], "run_periods": "01-01..01-05", "seeds": [0, 1]}
+
+
+@pytest.fixture
+def cluster() -> Any:
+    nodes = cluster_utils.Cluster(initialize_head=True, head_node_args={"num_cpus": 1})
+    nodes.add_node(num_cpus=1)
+    ray.init(address=nodes.address, logging_level="error", log_to_driver=False)
+    yield nodes
+    ray.shutdown()
+    nodes.shutdown()
+
+
+def test_a_cluster_gives_the_bytes_of_one_machine_also_when_a_node_is_lost(cluster: Any, tmp_path: Path) -> None:
+    from building2building.ray import Resources, evaluate
+
+    here = b2b.evaluate("random", HOUSES, folder=tmp_path / "here", **ARGUMENTS)
+    [lost] = [node for node in cluster.list_all_nodes() if node is not cluster.head_node]
+
+    def lose_a_node() -> None:
+        while not list((tmp_path / "there" / "episodes").glob("*.json")):
+            time.sleep(0.1)
+        cluster.remove_node(lost, allow_graceful=False)
+
+    losing = threading.Thread(target=lose_a_node)
+    losing.start()
+    resources = Resources(memory_mb=100)
+    there = evaluate("random", HOUSES, folder=tmp_path / "there", chunk=2, resources=resources, **ARGUMENTS)
+    losing.join()
+    assert len(cluster.list_all_nodes()) == 1
+    assert there.rows == here.rows
+    table = [(tmp_path / name / "episodes.parquet").read_bytes() for name in ("here", "there")]
+    assert table[0] == table[1]
+
+    # Everything is there: nothing runs again, and another evaluation in this folder is an error.
+    began = time.monotonic()
+    assert evaluate("random", HOUSES, folder=tmp_path / "there", **ARGUMENTS).rows == here.rows
+    assert time.monotonic() - began < 10
+    with pytest.raises(b2b.errors.EvaluationError):
+        evaluate("reactive", HOUSES, folder=tmp_path / "there", **ARGUMENTS)
+
+
+def test_agents_are_trained_as_on_one_machine(cluster: Any, tmp_path: Path) -> None:
+    from building2building.ray import Resources, train
+
+    run = {
+        "buildings": "SingleFamilyHouse-0018",
+        "run_period": "01-01..01-02",
+        "window_days": 1,
+        "steps": 1000,
+        "environments": 2,
+    }
+    runs = {f"seed-{seed}": {**run, "seed": seed} for seed in range(2)}
+    agents = train(runs, folder=tmp_path / "runs", resources=Resources(memory_mb=100))
+    here = b2b.train(**runs["seed-1"], out=tmp_path / "here")
+    weights = [Path(agent.path, "weights.safetensors").read_bytes() for agent in (agents["seed-1"], here)]
+    assert weights[0] == weights[1]
+    assert train(runs, folder=tmp_path / "runs").keys() == agents.keys()
