@@ -33,6 +33,8 @@ html_css_files = ["site.css"]
 autodoc_default_options = {"members": True, "show-inheritance": True}
 autodoc_member_order = "bysource"
 autodoc_typehints = "description"
+# Optional dependencies that the site does not need.
+autodoc_mock_imports = ["ray"]
 
 # Tutorials run when the site is built; their outputs are kept until their text changes.
 nb_execution_mode = os.environ.get("B2B_DOCS_EXECUTE", "cache")

@@ -1,8 +1,8 @@
 """Evaluation, training, tuning and experiments on a Ray cluster, with the same results as on one machine.
 
-Work is divided into Ray tasks of one core each. A task runs in the temporary folder of its node and returns its files, which the
-caller writes into the folder of the results: nodes need no shared file system. A task whose node is lost runs again on another.
-A call that was interrupted resumes: only what the folder does not contain is run.
+Work is divided into Ray tasks of one core each. A task runs in the temporary folder of its node and returns its files,
+which the caller writes into the folder of the results: nodes need no shared file system. A task whose node is lost runs
+again on another. A call that was interrupted resumes: only what the folder does not contain is run.
 
 Every node needs this package, and downloads EnergyPlus on first use. Requires ``pip install ray``.
 """
@@ -57,8 +57,8 @@ def evaluate(
 ) -> Evaluation:
     """Evaluates a policy, as :func:`building2building.evaluate` does, whose arguments it takes, on a cluster.
 
-    A task runs ``chunk`` episodes, and their baselines where these are unknown. The files in ``folder``, and the bytes of
-    ``episodes.parquet``, are those of an evaluation on one machine.
+    A task runs ``chunk`` episodes, and their baselines where these are unknown. The files in ``folder``, and the bytes
+    of ``episodes.parquet``, are those of an evaluation on one machine.
     """
     if chunk < 1:
         raise SettingError(f"chunk={chunk}; expected at least 1")
@@ -85,8 +85,9 @@ def train(
 ) -> dict[str, Agent]:
     """Trains agents, such as the seeds of one configuration, one task each.
 
-    ``runs`` has the arguments of :func:`building2building.train`, without ``out``, by the name of the run. Every agent is
-    written to the folder of this name in ``folder``. Runs that it contains are not repeated; a run that was lost starts anew.
+    ``runs`` has the arguments of :func:`building2building.train`, without ``out``, by the name of the run. Every agent
+    is written to the folder of this name in ``folder``. Runs that it contains are not repeated; a run that was lost
+    starts anew.
 
     >>> b2b.ray.train({f"seed-{n}": {"buildings": "OfficeSmall-0509", "seed": n} for n in range(5)}, folder="runs")
     ... # doctest: +SKIP
@@ -110,7 +111,8 @@ def tune(
 ) -> None:
     """Tunes the reactive controllers, as ``b2b tune`` does, one task for each building type and climate zone.
 
-    ``options`` are further arguments of the command, such as ``["--evaluations", "50"]``; the zone of a house is ``None``.
+    ``options`` are further arguments of the command, such as ``["--evaluations", "50"]``; the zone of a house is
+    ``None``.
 
     >>> b2b.ray.tune([("OfficeSmall", zone) for zone in range(1, 9)], folder="tuning")  # doctest: +SKIP
     """
@@ -126,12 +128,17 @@ def tune(
 def experiment(
     name: str, *, folder: PathLike, shards: int, budget: str = "full", resources: Resources = Resources()
 ) -> Path:
-    """Runs an experiment, as ``b2b experiment run`` does, in ``shards`` tasks, and returns its page."""
-    base = ["experiment", "run", name, "--budget", budget]
+    """Runs an experiment, as ``b2b experiment run`` does, in ``shards`` tasks, and returns the path of its page.
+
+    A job that fails does not stop the others; the error is raised when all have ended. ``name`` may also be the path of
+    an experiment's file, which every node must have.
+    """
+    source = os.path.abspath(name) if os.path.exists(name) else name
+    base = ["experiment", "run", source, "--budget", budget]
     commands = [[*base, "--shard", f"{number}/{shards}", "--jobs", "1"] for number in range(shards)]
     _commands(commands, Path(folder), "jobs", resources)
     _run([*base, "--out", os.fspath(folder)])
-    return Path(folder)
+    return Path(folder, "report.html")
 
 
 def _evaluate_part(request: Request, numbers: list[int]) -> tuple[dict[str, Files], dict[int, str]]:
@@ -148,12 +155,16 @@ def _train(arguments: dict[str, Any]) -> Files:
         return _read_all(place)
 
 
-def _command(words: list[str], before: Files) -> Files:
+def _command(words: list[str], before: Files) -> tuple[Files, str]:
+    """Runs a command in a folder with some files; returns the files that it leaves, and its error."""
     with tempfile.TemporaryDirectory(prefix="b2b-ray-") as temporary:
-        place = Path(temporary, "out")
+        place, error = Path(temporary, "out"), ""
         _write_all(place, before)
-        _run([*words, "--out", os.fspath(place)])
-        return _read_all(place)
+        try:
+            _run([*words, "--out", os.fspath(place)])
+        except EvaluationError as failure:
+            error = str(failure)
+        return _read_all(place), error
 
 
 def _run(words: list[str]) -> None:
@@ -166,9 +177,13 @@ def _run(words: list[str]) -> None:
 def _commands(commands: list[list[str]], folder: Path, kept: str, resources: Resources) -> None:
     """Runs commands, each of which resumes from what a subfolder contains and adds to it."""
     before = {f"{kept}/{name}": content for name, content in _read_all(folder / kept).items()}
-    for _, files in _map(_command, [(words, before) for words in commands], resources):
+    errors = []
+    for _, files, error in _map(_command, [(words, before) for words in commands], resources):
         new = {name: content for name, content in files.items() if before.get(name) != content}
         _write_all(folder, {name: content for name, content in new.items() if name.startswith(f"{kept}/")})
+        errors += [error] if error else []
+    if errors:
+        raise EvaluationError("\n".join(errors))
 
 
 def _map(function: Callable[..., Any], items: Sequence[tuple[Any, ...]], resources: Resources) -> Iterator[Any]:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 import threading
 import time
 from pathlib import Path
 from typing import Any
 
-import pytest
-
 import building2building as b2b
+import pytest
 
 pytestmark = pytest.mark.learners
 
@@ -75,3 +76,43 @@ def test_agents_are_trained_as_on_one_machine(cluster: Any, tmp_path: Path) -> N
     weights = [Path(agent.path, "weights.safetensors").read_bytes() for agent in (agents["seed-1"], here)]
     assert weights[0] == weights[1]
     assert train(runs, folder=tmp_path / "runs").keys() == agents.keys()
+
+
+def test_an_experiment_in_shards_gives_the_results_of_one_machine(cluster: Any, tmp_path: Path) -> None:
+    from building2building.ray import Resources, experiment, tune
+
+    file = tmp_path / "small.toml"
+    file.write_text(
+        """
+        title = "Small"
+        question = "Does it run?"
+        paper = "not in it"
+        report = "adaptation"
+        types = ["SingleFamilyHouse"]
+        tasks = ["occupancy"]
+        periods = ["01-10..01-10"]
+        reactive = true
+        quick = { steps = 288, seeds = 1, buildings = 2 }
+        full = { steps = 288, seeds = 1, buildings = 2 }
+        """
+    )
+    arguments = [
+        sys.executable,
+        "-m",
+        "building2building",
+        "experiment",
+        "run",
+        str(file),
+        "--out",
+        str(tmp_path / "here"),
+    ]
+    subprocess.run(arguments, check=True, capture_output=True)
+    resources = Resources(memory_mb=100)
+    page = experiment(str(file), folder=tmp_path / "there", shards=2, budget="quick", resources=resources)
+    assert page.is_file()
+    results = [(tmp_path / name / "results.json").read_bytes() for name in ("here", "there")]
+    assert results[0] == results[1]
+
+    options = ["--evaluations", "1", "--buildings", "1", "--validation", "1", "--period", "01-01..01-01"]
+    tune([("SingleFamilyHouse", None)], folder=tmp_path / "tuning", options=options, resources=resources)
+    assert (tmp_path / "tuning" / "tuned.json").is_file()
