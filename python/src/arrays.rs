@@ -45,12 +45,12 @@ fn wrong(given: &Bound<'_, PyAny>, expected: &str) -> PyErr {
     Exception::Action.new_err(format!("{given} is not {expected} of numbers"))
 }
 
-/// Creates an array.
+/// Creates a one-dimensional array.
 pub fn row<'py, T: Element>(py: Python<'py>, values: &[T]) -> Bound<'py, PyArray1<T>> {
     PyArray1::from_slice(py, values)
 }
 
-/// Creates an array of f32.
+/// Creates a one-dimensional array of f32.
 pub fn single<'py>(py: Python<'py>, values: &[f64]) -> Bound<'py, PyArray1<f32>> {
     let values: Vec<f32> = values.iter().map(|value| *value as f32).collect();
     PyArray1::from_slice(py, &values)

@@ -26,7 +26,7 @@ fn wrong(error: impl std::fmt::Display) -> PyErr {
 /// A benchmark problem.
 #[pyclass(frozen, module = "building2building._core")]
 pub struct Problem {
-    /// The problem as the crates have it.
+    /// The underlying problem.
     pub inner: b2b_benchmark::Problem,
 }
 
@@ -38,7 +38,7 @@ impl Problem {
         Self::changed(b2b_benchmark::Problem::named(name).map_err(wrong)?, changes)
     }
 
-    /// Creates a problem from some building types to others and applies changes (JSON text).
+    /// Creates a problem that trains on some building types and tests on others, and applies changes (JSON text).
     #[staticmethod]
     fn cross_domain(train: Vec<String>, test: Vec<String>, changes: &str) -> PyResult<Self> {
         let types = |names: Vec<String>| {
@@ -96,13 +96,12 @@ impl Problem {
         Ok(Some(Restriction { restricted: Mutex::new(restricted), widths }))
     }
 
-    /// Runs a policy written in Python on the problem, writes the result to a folder and returns it as JSON text. Episodes that the
-    /// folder already holds are not run again.
+    /// Runs a policy written in Python on the problem, writes the result to a folder and returns it as JSON text.
+    /// Episodes already in the folder are not run again.
     ///
-    /// `make` takes spaces, building and seed and returns the controller of an episode, `train_make` that of an episode in a training
-    /// building, if it is another; `whole` if that observes and controls the whole
-    /// building instead of what the problem leaves it. `progress` is called from time to time with a label and the simulated days
-    /// done and in total.
+    /// `make` takes spaces, building and seed and returns the controller of an episode; `train_make`, if given, does so
+    /// for training buildings. `whole` is whether these controllers observe and control the whole building instead of
+    /// the problem's interface. `progress` is called regularly with a label and the simulated days done and in total.
     #[pyo3(signature = (make, train_make, folder, jobs, rescale, whole, by_seed, name, identity, description, training_steps, progress=None))]
     #[allow(clippy::too_many_arguments, reason = "called by one function of the package")]
     fn run(
@@ -194,8 +193,8 @@ impl Restriction {
         locked(&self.restricted).reset();
     }
 
-    /// Completes an action of the remaining actuators to one of all, in physical units. Call once per step, with the
-    /// observation before it.
+    /// Extends an action of the remaining actuators to all actuators, in physical units. Must be called once per step,
+    /// with the observation before it.
     fn complete<'py>(
         &self,
         py: Python<'py>,

@@ -20,12 +20,12 @@ use crate::pools::Signals;
 use crate::population::{read_places, read_settings};
 use crate::table::{self, Row};
 
-/// Locks a mutex, also after a panic of another thread that held it.
+/// Locks a mutex, even if a thread panicked while holding it.
 pub fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Returns the engine and the models it comes with, loaded on first use.
+/// Returns the catalog with the engine and its models, loaded on first use.
 pub fn catalog() -> PyResult<Arc<Catalog>> {
     static CATALOG: Mutex<Option<Arc<Catalog>>> = Mutex::new(None);
     let mut known = locked(&CATALOG);
@@ -39,7 +39,7 @@ pub fn catalog() -> PyResult<Arc<Catalog>> {
     Ok(Arc::clone(known.insert(catalog)))
 }
 
-/// Returns the folder that pip installed the engine to.
+/// Returns the folder where pip installed the engine.
 fn site_packages() -> PyResult<Option<PathBuf>> {
     Python::attach(|py| py.import("building2building._engine")?.call_method0("folder")?.extract())
 }
@@ -119,7 +119,7 @@ impl Inner {
         Self::new(source, class, place, weather, origin).with_parameters(&name)
     }
 
-    /// Keeps the prepared model, so that other environments need not prepare it again.
+    /// Keeps the prepared model, so that other environments do not prepare it again.
     pub fn keep(&self, spaces: &b2b_env::Spaces) {
         let mut source = locked(&self.source);
         if matches!(**source, Source::Model { .. }) {
@@ -166,7 +166,7 @@ impl Building {
         self.inner.parameters.clone()
     }
 
-    /// Returns the model as epJSON text; sized and controllable once an environment of it was made.
+    /// Returns the model as epJSON text; sized and controllable once an environment of it was created.
     fn to_epjson(&self) -> String {
         match &*self.inner.source() {
             Source::Prepared(building) => building.model().to_epjson(),
@@ -183,7 +183,7 @@ impl Building {
 #[pyclass(frozen, module = "building2building._core")]
 #[derive(Clone)]
 pub struct Setting {
-    /// The setting as the crates have it.
+    /// The underlying setting.
     pub setting: vector::Setting,
     /// The building.
     pub building: Arc<Inner>,
@@ -207,7 +207,7 @@ impl Setting {
         self.setting.episode.period.days() * 24 * self.setting.episode.steps_per_hour
     }
 
-    /// First day of the run period; 1 January is 1.
+    /// First day of the run period as day of the year, counted from 1.
     #[getter]
     fn first_day(&self) -> u32 {
         self.setting.episode.period.first().day_of_year()
@@ -228,7 +228,7 @@ impl Setting {
     }
 }
 
-/// Reads a task from its spelling, a JSON file or JSON text.
+/// Reads a task from its short form, a JSON file or JSON text.
 pub fn read_task(text: &str) -> PyResult<Task> {
     if text.trim_start().starts_with('{') {
         let task: Task = serde_json::from_str(text)
@@ -241,7 +241,8 @@ pub fn read_task(text: &str) -> PyResult<Task> {
     if is_file { Task::read(path) } else { text.parse() }.map_err(of_env)
 }
 
-/// Finds a building by its name: a type, a dataset id or a model file. The same names share the same data.
+/// Finds a building by its name: a type, a dataset id or a model file. Except for model files, recent results with the
+/// same name and placement share their data.
 #[pyfunction]
 #[pyo3(signature = (name, place=None, weather=None, allow_external=false))]
 pub fn find_building(
@@ -251,7 +252,7 @@ pub fn find_building(
     weather: Option<PathBuf>,
     allow_external: bool,
 ) -> PyResult<Building> {
-    /// The buildings found last, by name and placement.
+    /// The most recently found buildings, by name and placement.
     static KNOWN: Mutex<Vec<(BuildingName, Placement, Arc<Inner>)>> = Mutex::new(Vec::new());
     const MAX_KNOWN: usize = 64;
     let name: BuildingName = name.parse().map_err(of_building)?;
@@ -281,7 +282,7 @@ fn first_row(table: manifest::Manifest) -> Row {
     table::rows(table).into_iter().next().unwrap_or_default()
 }
 
-/// Draws buildings of a type by a seed, as `b2b generate` does.
+/// Samples buildings of a type with a seed, as `b2b generate` does.
 #[pyfunction]
 #[pyo3(signature = (building_type, count, seed, places, weather, settings))]
 pub fn generate(

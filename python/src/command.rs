@@ -1,4 +1,4 @@
-//! The command `b2b`, in an interpreter that has loaded this extension module alone.
+//! The command `b2b`, in an interpreter that has loaded only this extension module.
 
 use std::ffi::OsString;
 use std::path::Path;
@@ -9,9 +9,10 @@ use pyo3::prelude::*;
 
 use crate::pools::interpreter_arguments;
 
-/// Runs the command `b2b` with arguments, or the worker loop if this process was started as a worker, and ends the process.
+/// Runs the command `b2b` with arguments, or the worker loop if this process was started as a worker, and ends the
+/// process.
 ///
-/// `file` is that of this extension module. The engine and weather files that pip installed next to the package are used.
+/// `file` is the path of this extension module. Engine and weather files installed by pip next to the package are used.
 #[pyfunction]
 #[pyo3(signature = (file, *arguments))]
 pub fn run_command(py: Python<'_>, file: &str, arguments: Vec<OsString>) -> PyResult<()> {
@@ -22,6 +23,6 @@ pub fn run_command(py: Python<'_>, file: &str, arguments: Vec<OsString>) -> PyRe
     let program = interpreter_arguments(file).into_iter().fold(Program::new(interpreter), Program::argument);
     let arguments = std::iter::once("b2b".into()).chain(arguments);
     let code = py.detach(|| b2b_cli::run(program, arguments));
-    // Ends the process, because the interpreter's handlers of signals have been replaced.
+    // Ends the process, because the interpreter's signal handlers have been replaced.
     std::process::exit(code as i32)
 }

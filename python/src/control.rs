@@ -16,7 +16,7 @@ use crate::catalog::locked;
 use crate::error::{Exception, of_agent, of_control};
 use crate::spaces::Spaces;
 
-/// A controller of the core: reactive, random, constant, or a trained agent.
+/// A built-in controller: reactive, random, constant, or a trained agent.
 #[pyclass(frozen, module = "building2building._core")]
 pub struct Controller {
     controller: Mutex<Kind>,
@@ -44,7 +44,7 @@ impl Kind {
 
 #[pymethods]
 impl Controller {
-    /// Creates a controller; `parameters` are changes of the tuned parameters of the reactive controllers.
+    /// Creates a controller; `parameters` are changes to the tuned parameters of the reactive controllers.
     #[new]
     #[pyo3(signature = (kind, spaces, seed, parameters=None))]
     fn new(
@@ -86,7 +86,7 @@ impl Controller {
         locked(&self.controller).controller().reset();
     }
 
-    /// Returns a copy, with the state that this one has now.
+    /// Returns a copy with the current state.
     fn copy(&self) -> Self {
         Self { controller: Mutex::new(locked(&self.controller).clone()), widths: self.widths }
     }

@@ -37,12 +37,12 @@ struct Open {
 
 /// An observation as f32 and as f64.
 pub type Observations<'py> = (Bound<'py, PyArray1<f32>>, Bound<'py, PyArray1<f64>>);
-/// The result of a step: observation as f32 and as f64, temperature and energy penalty, and whether it was the last.
+/// The result of a step: observation as f32 and as f64, temperature and energy penalty, and truncation.
 pub type Stepped<'py> = (Bound<'py, PyArray1<f32>>, Bound<'py, PyArray1<f64>>, f64, f64, bool);
 
 #[pymethods]
 impl Env {
-    /// Prepares the building; the first time may take seconds for sizing and warm-up.
+    /// Prepares the building; on first use, sizing and warm-up may take seconds.
     #[new]
     fn new(py: Python<'_>, setting: &Setting) -> PyResult<Self> {
         let options = pools::options(py)?;
@@ -77,7 +77,7 @@ impl Env {
         })
     }
 
-    /// Begins an episode of `steps` steps, or of the whole run period.
+    /// Starts an episode of `steps` steps, or of the whole run period.
     #[pyo3(signature = (steps=None))]
     fn reset<'py>(&self, py: Python<'py>, steps: Option<usize>) -> PyResult<Observations<'py>> {
         let observation = self.owner.with(py, &self.state, |state| {

@@ -6,7 +6,7 @@ use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyDict, PyTuple, PyType};
 use pyo3::{PyErr, PyTypeInfo};
 
-/// An exception of the package. The classes are made here; `building2building.errors` re-exports them.
+/// An exception of the package. The classes are created here; `building2building.errors` re-exports them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Exception {
     Base,
@@ -21,7 +21,7 @@ pub enum Exception {
     Process,
 }
 
-/// The classes of [`Exception`], in its order.
+/// The classes of the exceptions, in the order of [`Exception`].
 static CLASSES: PyOnceLock<Vec<Py<PyType>>> = PyOnceLock::new();
 
 impl Exception {
@@ -58,7 +58,7 @@ impl Exception {
         match self {
             Self::Base => "Base class of all errors of this package.",
             Self::Install => "EnergyPlus or a weather file is missing and could not be downloaded.",
-            Self::Building => "An unknown building, or a model that cannot become an environment.",
+            Self::Building => "An unknown building, or a model that cannot be used as an environment.",
             Self::Task => "An invalid task.",
             Self::Setting => "An invalid argument, such as a time step, a window or a mode.",
             Self::Action => "An action of the wrong shape, or with a value that is not finite.",
@@ -74,7 +74,7 @@ impl Exception {
         }
     }
 
-    /// Returns the built-in class that it derives from in addition to `Error`.
+    /// Returns the built-in class that the class derives from in addition to `Error`.
     fn builtin(self, py: Python<'_>) -> Option<Bound<'_, PyType>> {
         match self {
             Self::Base | Self::Install => None,
@@ -88,7 +88,7 @@ impl Exception {
     /// Returns the class.
     ///
     /// # Errors
-    /// What Python raises while the classes are made for the first time.
+    /// The exceptions that Python raises while the classes are created on first use.
     pub fn class(self, py: Python<'_>) -> PyResult<Bound<'_, PyType>> {
         let classes = CLASSES.get_or_try_init(py, || make_classes(py))?;
         Ok(classes[self as usize].bind(py).clone())
@@ -124,7 +124,7 @@ pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     Exception::ALL.into_iter().try_for_each(|each| module.add(each.name(), each.class(module.py())?))
 }
 
-/// Returns an error of a building as an exception.
+/// Converts an error of a building to an exception.
 pub fn of_building(error: impl Into<b2b_dataset::Error>) -> PyErr {
     use b2b_dataset::Error;
     let error = error.into();
@@ -140,7 +140,7 @@ pub fn of_building(error: impl Into<b2b_dataset::Error>) -> PyErr {
     exception.new_err(error.to_string())
 }
 
-/// Returns an error of an environment as an exception.
+/// Converts an error of an environment to an exception.
 pub fn of_env(error: b2b_env::Error) -> PyErr {
     use b2b_env::Error;
     let exception = match &error {
@@ -160,12 +160,12 @@ pub fn of_env(error: b2b_env::Error) -> PyErr {
     exception.new_err(error.to_string())
 }
 
-/// Returns an error of a controller as an exception.
+/// Converts an error of a controller to an exception.
 pub fn of_control(error: b2b_control::Error) -> PyErr {
     Exception::Setting.new_err(error.to_string())
 }
 
-/// Returns an error of an agent as an exception.
+/// Converts an error of an agent to an exception.
 pub fn of_agent(error: b2b_agent::Error) -> PyErr {
     let exception = match &error {
         b2b_agent::Error::UnknownObservation { .. } => Exception::Setting,
@@ -174,7 +174,7 @@ pub fn of_agent(error: b2b_agent::Error) -> PyErr {
     exception.new_err(error.to_string())
 }
 
-/// Returns an error of a training run as an exception.
+/// Converts an error of a training run to an exception.
 pub fn of_training(error: b2b_learn::Error) -> PyErr {
     use b2b_learn::Error;
     match error {
@@ -191,7 +191,7 @@ pub fn of_training(error: b2b_learn::Error) -> PyErr {
     }
 }
 
-/// Returns an error of an evaluation as an exception.
+/// Converts an error of an evaluation to an exception.
 pub fn of_benchmark(error: b2b_benchmark::Error) -> PyErr {
     use b2b_benchmark::Error;
     match error {

@@ -27,28 +27,28 @@ use crate::error::{Exception, of_benchmark, of_building};
 use crate::pools;
 use crate::spaces::Spaces;
 
-/// Interval at which signals are handled during an evaluation.
+/// Interval at which signals are handled and progress is reported.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// Set to end the running evaluation: on Ctrl-C, or on an exception of the policy.
+/// Set to end the running evaluation or training: on Ctrl-C, or on an exception of the policy or of a callback.
 static STOP: AtomicBool = AtomicBool::new(false);
-/// Lock that the running evaluation owns.
+/// Lock that the running evaluation or training holds.
 static RUNNING: Mutex<()> = Mutex::new(());
 
-/// Returns whether the running evaluation or training is to end.
+/// Returns whether the running evaluation or training must end.
 pub fn stopped() -> bool {
     STOP.load(Ordering::Relaxed)
 }
 
-/// An episode to run: building, place, weather, task, run period, seed, steps per hour.
+/// An episode to run: building, place, weather, permission of external code, task, run period, seed, steps per hour.
 type EpisodeKey = (String, Option<String>, Option<PathBuf>, bool, String, String, u64, u32);
 
-/// Runs a policy on episodes and returns the columns of their table and the summary as JSON text. Episodes that the
-/// folder already holds are not run again.
+/// Runs a policy on episodes and returns the columns of their table and the summary as JSON text. Episodes already in
+/// the folder are not run again.
 ///
-/// `policy` is the name of a built-in policy, the path of an ONNX file (actions in [-1, 1] if `rescale`), or a callable
-/// that takes spaces, building and seed and returns the controller of an episode; `name` and `identity` describe the
-/// latter. `progress` is called from time to time with a label and the simulated days done and in total.
+/// `policy` is the name of a built-in policy, the folder of an agent, the path of an ONNX file (actions in [-1, 1] if
+/// `rescale`), or a callable that takes spaces, building and seed and returns the controller of an episode; `name` and
+/// `identity` describe the callable. `progress` is called regularly with a label, the simulated days and their total.
 #[pyfunction]
 #[pyo3(signature = (policy, episodes, folder, jobs, rescale, name, identity, progress=None))]
 #[allow(clippy::too_many_arguments, reason = "called by one function of the package")]
@@ -85,9 +85,8 @@ pub fn evaluate<'py>(
     Ok((columns(py, &table)?, summary))
 }
 
-/// Runs some episodes of an evaluation, by their numbers, and their unknown baselines: a part of the work of [`evaluate`], whose
-/// arguments it takes. Episodes are written to the folder, baselines to another. Returns the lost episodes by number, with the
-/// reason.
+/// Runs a part of the work of [`evaluate`]: the episodes with the given numbers, and their baselines if unknown. Writes
+/// episodes to `folder` and baselines to the folder `baselines`. Returns the reasons for lost episodes, by number.
 #[pyfunction]
 #[allow(clippy::too_many_arguments, reason = "called by one function of the package")]
 pub fn evaluate_part(
@@ -115,14 +114,14 @@ pub fn evaluate_part(
     Ok(lost.into_iter().map(|(number, lost)| (number, lost.reason)).collect())
 }
 
-/// Returns the folder of the baselines that this machine computed.
+/// Returns the folder of the baselines computed on this machine.
 #[pyfunction]
 pub fn baselines_folder() -> PyResult<PathBuf> {
     let cache = cache_dir().map_err(|error| of_benchmark(error.into()))?;
     Ok(Baselines::folder_in(&cache))
 }
 
-/// Returns a policy by name or path, or one in Python.
+/// Returns a policy given by its name or path, or written in Python.
 fn policy_of(
     policy: Bound<'_, PyAny>,
     rescale: bool,
@@ -138,8 +137,8 @@ fn policy_of(
     Ok(Box::new(InPython { name, identity, make, rescale, whole: true, raised }))
 }
 
-/// Returns the return of the reactive controllers in an episode, their HVAC energy (Wh/m²) and the number of steps; runs them
-/// if they are unknown.
+/// Returns the return of the reactive controllers in an episode, their HVAC energy (Wh/m²) and the number of steps.
+/// Runs the episode if its baseline is unknown.
 #[pyfunction]
 pub fn baseline(py: Python<'_>, episode: EpisodeKey) -> PyResult<(f64, f64, u64)> {
     let _running = running()?;
@@ -158,8 +157,8 @@ pub fn baseline(py: Python<'_>, episode: EpisodeKey) -> PyResult<(f64, f64, u64)
     })
 }
 
-/// Runs episodes of a policy, and handles signals and reports progress meanwhile. An exception that the policy raised takes
-/// precedence over the error that it led to.
+/// Runs episodes of a policy while handling signals and reporting progress. An exception raised by the policy takes
+/// precedence over the error that results from it.
 pub fn run_policy<T: Send>(
     py: Python<'_>,
     jobs: usize,
@@ -177,7 +176,7 @@ pub fn run_policy<T: Send>(
     })
 }
 
-/// Locks the process for one evaluation or training.
+/// Locks the process for one evaluation or training. Errors if another one is running.
 pub fn running() -> PyResult<MutexGuard<'static, ()>> {
     let one_at_a_time = || {
         Exception::Process
@@ -185,7 +184,7 @@ pub fn running() -> PyResult<MutexGuard<'static, ()>> {
     };
     let running = match RUNNING.try_lock() {
         Ok(running) => running,
-        // An evaluation that panicked is over.
+        // The lock is poisoned by an evaluation that panicked and thus has ended.
         Err(TryLockError::Poisoned(over)) => over.into_inner(),
         Err(TryLockError::WouldBlock) => return Err(one_at_a_time()),
     };
@@ -193,7 +192,7 @@ pub fn running() -> PyResult<MutexGuard<'static, ()>> {
     Ok(running)
 }
 
-/// Runs on another thread while this one handles signals and calls `report`, which returns whether to continue.
+/// Calls `run` on another thread while this one handles signals and calls `report`, which returns whether to continue.
 pub fn wait_for<T: Send>(run: impl FnOnce() -> T + Send, mut report: impl FnMut() -> bool) -> T {
     std::thread::scope(|scope| {
         let waiting = std::thread::current();
@@ -233,9 +232,9 @@ pub struct InPython {
     pub make: Py<PyAny>,
     /// Whether actions are in [-1, 1].
     pub rescale: bool,
-    /// Whether it observes and controls the whole building, whatever the interface is.
+    /// Whether it observes and controls the whole building, regardless of the interface of the problem.
     pub whole: bool,
-    /// The first exception.
+    /// The first exception that it raised.
     pub raised: Arc<Mutex<Option<PyErr>>>,
 }
 
@@ -293,7 +292,7 @@ impl Acting {
 }
 
 impl Controller for Acting {
-    /// Does nothing: every episode has its own.
+    /// Does nothing: every episode has its own controller.
     fn reset(&mut self) {}
 
     fn act(&mut self, observation: &[f64], action: &mut [f64]) {

@@ -13,10 +13,10 @@ use crate::error::{of_agent, of_training};
 use crate::evaluation::{running, stopped, wait_for};
 use crate::pools;
 
-/// Trains an agent in a folder, or continues the run that the folder has, and returns the result as JSON text.
+/// Trains an agent in a folder, or resumes the run in the folder, and returns the result as JSON text.
 ///
-/// `options` is a JSON object with options of a run's `config.toml`, and `preset`. With `resume` it may only have `steps`.
-/// `callback` is called with a dictionary after every update; when it returns `False`, the run writes a checkpoint and ends.
+/// `options` is a JSON object with options of a run's `config.toml`, and `preset`; with `resume`, only `steps`.
+/// `callback` is called with a dictionary after every update. If it returns `False`, the run ends with a checkpoint.
 #[pyfunction]
 #[pyo3(signature = (options, out, jobs, resume, callback=None))]
 pub fn train(
@@ -56,7 +56,7 @@ pub fn agent_info(folder: PathBuf) -> PyResult<String> {
     Ok(serde_json::to_string(agent.info()).expect("plain data always serializes"))
 }
 
-/// Updates that the callback has not seen yet.
+/// Updates that have not been passed to the callback yet.
 #[derive(Default)]
 struct Updates(Mutex<Vec<Row>>);
 

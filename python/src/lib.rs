@@ -1,11 +1,10 @@
 //! `building2building._core`: the Rust crates as Python classes.
 //!
-//! Only conversions live here. [`catalog`] finds buildings and [`table`] converts the dataset's rows; [`spaces`] and
-//! [`morphology`] describe observations and actions; [`env`] is an environment in its own process, [`vector`] a batch
-//! over the buildings of [`population`],
-//! [`local`] one in this process; [`control`] has the built-in controllers, [`evaluation`] evaluates a policy on many
-//! buildings, [`learning`] trains agents, [`benchmarks`] has the benchmark problems; [`command`] is the command `b2b`, and
-//! [`error`] defines the exceptions.
+//! This crate only converts. [`catalog`] finds buildings and [`table`] converts the dataset's rows; [`spaces`] and
+//! [`morphology`] describe observations and actions; [`env`] is an environment in its own process, [`local`] one in
+//! this process, and [`vector`] a batch over the buildings of [`population`]; [`control`] has the built-in controllers,
+//! [`evaluation`] evaluates a policy on many buildings, [`learning`] trains agents, [`benchmarks`] has the benchmark
+//! problems; [`command`] is the command `b2b`, and [`error`] defines the exceptions.
 
 mod arrays;
 mod benchmarks;

@@ -15,7 +15,7 @@ use crate::error::{Exception, of_building, of_env};
 use crate::spaces::Spaces;
 use crate::{arrays, control};
 
-/// An environment in this process. The engine runs on a stack that this thread made, so it cannot move to another.
+/// An environment in this process. The engine's stack belongs to this thread, so it cannot move to another thread.
 #[pyclass(unsendable, module = "building2building._core")]
 pub struct LocalEnv {
     env: Option<b2b_env::Env>,
@@ -53,7 +53,7 @@ impl LocalEnv {
         Spaces::new(Arc::clone(&self.spaces), Arc::clone(&self.setting.building))
     }
 
-    /// Begins an episode.
+    /// Starts an episode and returns the first observation.
     fn reset<'py>(&mut self, py: Python<'py>) -> PyResult<Observations<'py>> {
         let observation = self.env()?.reset().map_err(of_env)?.to_vec();
         Ok((arrays::single(py, &observation), arrays::row(py, &observation)))
@@ -79,7 +79,7 @@ impl LocalEnv {
         Ok((single, arrays::row(py, &observation), temperature, energy, step.truncated))
     }
 
-    /// Repeats an action for `steps` steps without returning to Python: the cost of a step in Rust alone.
+    /// Repeats an action for `steps` steps without returning to Python, to measure the cost of a step in Rust alone.
     fn hold(&mut self, py: Python<'_>, action: &Bound<'_, PyAny>, steps: usize) -> PyResult<()> {
         let action = arrays::numbers(action)?;
         let env = self.env()?;

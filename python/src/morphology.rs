@@ -14,7 +14,7 @@ use crate::owner::{Owner, name_of};
 
 /// A building as a graph, with the maps between its vectors and the arrays of its nodes.
 ///
-/// The arrays of all node types, `[nodes, slots]` each, lie one after another in a single buffer.
+/// The arrays of all node types, `[nodes, slots]` each, are stored one after another in a single buffer.
 #[pyclass(frozen, module = "building2building._core")]
 pub struct Morphology {
     graph: Graph,
@@ -28,7 +28,7 @@ pub struct Node {
     node_type: String,
     /// Name, for example of a zone.
     name: String,
-    /// The part of the building that it stands for.
+    /// The part of the building that it represents.
     owner: Py<Owner>,
     /// Row in the arrays of its type.
     row: usize,
@@ -123,7 +123,7 @@ impl Morphology {
         COMMON.iter().map(name).zip(self.graph.common_attributes.iter().copied()).collect()
     }
 
-    /// The attributes of a whole building with their bounds, which are the same for every building.
+    /// Slots of the attributes of the whole building, which are the same for every building.
     #[getter]
     fn common_attribute_slots(&self, py: Python<'_>) -> PyResult<Vec<Py<NodeSlot>>> {
         slots(py, COMMON)

@@ -1,4 +1,4 @@
-//! The part of a building that a slot or a node stands for, and the names of quantities.
+//! The part of a building that a slot or a node belongs to, and the names of quantities.
 
 use b2b_building::morphology;
 use pyo3::prelude::*;
@@ -37,7 +37,7 @@ impl From<morphology::Owner> for Owner {
     }
 }
 
-/// Returns the name of an enum's variant as it is in JSON, such as `air_temperature`.
+/// Returns the JSON name of an enum variant, such as `air_temperature`.
 pub fn name_of(variant: impl serde::Serialize) -> String {
     match serde_json::to_value(variant) {
         Ok(Value::String(name)) => name,

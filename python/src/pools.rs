@@ -32,7 +32,7 @@ thread_local! {
     static RAISED: RefCell<Option<PyErr>> = const { RefCell::new(None) };
 }
 
-/// Lets Python handle signals and returns whether a handler raised.
+/// Lets Python handle signals and returns whether a handler raised an exception.
 pub fn interrupted() -> bool {
     let Err(error) = Python::attach(|py| py.check_signals()) else { return false };
     RAISED.set(Some(error));
@@ -48,13 +48,13 @@ impl Progress for Signals {
     }
 }
 
-/// Returns the exception that the signal handler raised.
+/// Returns the exception that a signal handler raised, else a `KeyboardInterrupt`.
 pub fn interrupt() -> PyErr {
     RAISED.take().unwrap_or_else(|| PyKeyboardInterrupt::new_err(()))
 }
 
-/// Returns the arguments with which an interpreter loads this extension module from its file, ahead of those of a worker
-/// or of a command.
+/// Returns the arguments with which an interpreter loads this extension module from its file; those of a worker or of a
+/// command follow.
 pub fn interpreter_arguments(file: &str) -> [&str; 5] {
     ["-I", "-S", "-c", BOOTSTRAP, file]
 }
@@ -75,7 +75,7 @@ pub fn options(py: Python<'_>) -> PyResult<WorkerOptions> {
     Ok(WorkerOptions { interrupted, template_memory: TEMPLATES, ..WorkerOptions::new(launcher, library) })
 }
 
-/// The process that owns a resource; a forked copy must leave it alone.
+/// The process that owns a resource; a fork of it must not use the resource.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Owner(u32);
 
@@ -108,7 +108,7 @@ impl Owner {
             return Ok(());
         }
         Err(Exception::Process.new_err(format!(
-            "this environment belongs to process {}; in its fork {}, make another",
+            "this environment belongs to process {}; create another one in its fork {}",
             self.0,
             std::process::id()
         )))

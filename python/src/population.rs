@@ -1,4 +1,4 @@
-//! Buildings to draw episodes from: listed, or made by the generator.
+//! Buildings to draw episodes from: listed, or created by the generator.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
@@ -16,7 +16,7 @@ use pyo3::prelude::*;
 use crate::catalog::{Building, Inner, catalog, read_task};
 use crate::error::{Exception, of_building, of_env};
 
-/// A building, or several of which one is drawn.
+/// A building, or a source of buildings to draw from.
 #[derive(FromPyObject)]
 pub enum Candidate<'py> {
     /// A building that was found, generated or imported.
@@ -27,7 +27,7 @@ pub enum Candidate<'py> {
     Id(String),
 }
 
-/// New buildings of a type, no two of which are the same.
+/// A generator of new buildings of a type, no two of which are the same.
 #[pyclass(frozen, module = "building2building._core")]
 pub struct Generator {
     building_type: BuildingType,
@@ -47,7 +47,7 @@ impl Generator {
         let building_type: BuildingType = building_type.parse().map_err(of_building)?;
         let places = read_places(places, &weather)?;
         let settings = read_settings(&settings)?;
-        // Reports wrong places and parameters now rather than at the first draw.
+        // Reports invalid places and parameters now rather than at the first draw.
         b2b_dataset::sample(building_type, 1, 0, &places, &settings).map_err(of_building)?;
         Ok(Self { building_type, places, settings })
     }
@@ -63,7 +63,7 @@ pub fn read_places(names: Vec<String>, weather: &[PathBuf]) -> PyResult<Places> 
     })
 }
 
-/// Returns fixed or narrowed parameters from their text.
+/// Parses settings that fix or narrow parameters.
 pub fn read_settings(settings: &[String]) -> PyResult<Vec<b2b_dataset::Setting>> {
     settings.iter().map(|text| text.parse()).collect::<Result<_, _>>().map_err(of_building)
 }
@@ -118,7 +118,7 @@ impl Episodes {
         self.populations.entry(building_type.name()).or_default().push(population);
     }
 
-    /// Returns a setting of each building that was found, under the first task.
+    /// Returns a setting of each given building with the first task.
     fn found_settings(&self, of: &[Arc<Inner>]) -> Vec<Setting> {
         let setting = |building: &Arc<Inner>| Setting {
             source: building.source(),
@@ -132,8 +132,8 @@ impl Episodes {
         of.iter().map(setting).collect()
     }
 
-    /// Returns the pairs of building and task that environments repeat: all buildings under one task, then all under the
-    /// next.
+    /// Returns the pairs of building and task that environments repeat: all buildings with one task, then all with the
+    /// next, up to `count` pairs.
     pub fn repeated(&self, count: usize) -> Vec<(Setting, Arc<Inner>)> {
         let settings = self.found_settings(&self.found);
         let pair = |(task, number): (&Task, usize)| {
@@ -155,7 +155,7 @@ impl Episodes {
         })
     }
 
-    /// Returns buildings from which the spaces of all follow.
+    /// Returns representative buildings, from whose spaces those of all buildings follow.
     pub fn representatives(&self) -> PyResult<Vec<Setting>> {
         let mut known = BTreeSet::new();
         let differs = |building: &&Arc<Inner>| match building.building_type() {
@@ -173,7 +173,7 @@ impl Episodes {
         Ok(settings)
     }
 
-    /// Returns the spaces of a building under every task.
+    /// Returns the spaces of a building with every task.
     pub fn under_every_task(&self, spaces: &Spaces) -> Vec<Arc<Spaces>> {
         let under = |task: &Task| {
             let episode = EpisodeConfig { task: task.clone(), ..spaces.episode.clone() };
@@ -182,8 +182,8 @@ impl Episodes {
         self.tasks.iter().map(under).collect()
     }
 
-    /// Returns a sampler of the buildings, each kept for `episodes` episodes. Without weights all listed buildings have
-    /// the same probability; a generator counts as one.
+    /// Returns a sampler of the buildings, each kept for `episodes` episodes. Without weights, all listed buildings
+    /// have the same probability; a generator counts as one.
     pub fn sampler(
         &self,
         episodes: u32,

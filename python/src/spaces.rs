@@ -1,4 +1,4 @@
-//! The observation and action spaces of an environment, and the building behind them.
+//! The observation and action spaces of an environment, and its building.
 
 use std::sync::Arc;
 
@@ -21,7 +21,7 @@ use crate::owner::{Owner, name_of};
 #[pyclass(frozen, module = "building2building._core")]
 pub struct Spaces {
     spaces: Arc<b2b_env::Spaces>,
-    /// `None` if a batch of environments drew it.
+    /// `None` for a building that was drawn by a batch of environments.
     building: Option<Arc<Inner>>,
 }
 
@@ -44,7 +44,7 @@ pub struct Slot {
     source: &'static str,
 }
 
-/// A slot of the fixed width of houses' observations.
+/// A slot of the fixed-width observation of houses.
 #[pyclass(frozen, get_all, module = "building2building._core")]
 pub struct RoleSlot {
     /// Name, for example `garage air temperature`.
@@ -95,7 +95,7 @@ pub struct Zone {
     floor_area: f64,
     /// Slot of its target; `None` if it has none or it is constant.
     target_slot: Option<usize>,
-    /// Slot of its occupancy; `None` as for the target.
+    /// Slot of its occupancy; `None` if it has no target slot.
     occupancy_slot: Option<usize>,
 }
 
@@ -111,12 +111,12 @@ impl Spaces {
         Self { spaces, building: None }
     }
 
-    /// Returns the spaces as the crates have them.
+    /// Returns the underlying spaces.
     pub fn inner(&self) -> &b2b_env::Spaces {
         &self.spaces
     }
 
-    /// Returns the spaces, to be shared.
+    /// Returns the underlying spaces, to be shared.
     pub fn shared(&self) -> &Arc<b2b_env::Spaces> {
         &self.spaces
     }
@@ -161,8 +161,8 @@ impl Spaces {
         self.spaces.observation.slots().iter().map(slot).collect()
     }
 
-    /// Slots of the fixed width, with a place for every role of a zone; `None` if the building is not one of the generator's
-    /// houses.
+    /// Slots of the fixed-width observation, with a slot for every zone role; `None` if the building is not a generated
+    /// house.
     #[getter]
     fn roles(&self) -> Option<Vec<RoleSlot>> {
         let slot = |slot: &b2b_env::RoleSlot| {
@@ -257,7 +257,7 @@ impl Spaces {
         episode.task.scale_for(building.class, episode.steps_per_hour)
     }
 
-    /// Slot of the outdoor air temperature; humidity follows it.
+    /// Slot of the outdoor air temperature; the next slot is the outdoor relative humidity.
     #[getter]
     fn outdoor_temperature_slot(&self) -> usize {
         self.spaces.observation.outdoor_temperature()
@@ -281,7 +281,7 @@ impl Spaces {
         self.spaces.episode.steps_per_hour
     }
 
-    /// Steps of the whole run period.
+    /// Number of steps of the whole run period.
     #[getter]
     fn episode_steps(&self) -> usize {
         self.spaces.episode_steps()

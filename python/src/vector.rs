@@ -22,11 +22,11 @@ use crate::{arrays, control};
 pub struct VecEnv {
     owner: Owner,
     state: Mutex<State>,
-    /// Buildings of the environments, or representatives of those that are drawn from.
+    /// Spaces of the environments, or of representatives of the buildings to draw from.
     spaces: Vec<(Arc<b2b_env::Spaces>, Arc<Inner>)>,
-    /// Of each of these, what the numbers in a row of observations are.
+    /// For each of these, the slots of a row of observations.
     slots: Vec<Vec<RowSlot>>,
-    /// Of each of these, what the numbers in a row of actions are.
+    /// For each of these, the action space of a row of actions.
     actions: Vec<ActionSpace>,
 }
 
@@ -56,7 +56,8 @@ struct Batch {
 /// For each environment, which numbers of its row of observations and of its row of actions are not padding.
 type Masks = (Vec<Vec<bool>>, Vec<Vec<bool>>);
 
-/// Buildings that fit in memory as templates, per environment: more are prepared anew when they are drawn.
+/// Number of buildings per environment whose templates may stay in memory; with more, none stay, and buildings are
+/// prepared again when they are drawn.
 const KEPT_BUILDINGS: usize = 2;
 
 /// The end of an episode: last observation, metrics, and the reason if it was lost.
@@ -64,9 +65,9 @@ type Ended<'py> = (Bound<'py, PyArray1<f64>>, Option<Bound<'py, PyAny>>, Option<
 
 #[pymethods]
 impl VecEnv {
-    /// Prepares the buildings. With `resample`, environments draw a building every so many episodes, by the weights of
-    /// their types; otherwise environment i repeats pair i of a building and a task. `window` is the length of an episode
-    /// in days and the number of first days to draw from. A `problem` has the form of observations and actions;
+    /// Prepares the buildings. With `resample`, environments draw a building every `resample` episodes, by the weights
+    /// of the types; otherwise, environment i repeats pair i of a building and a task. `window` is the length of an
+    /// episode in days and the number of possible first days. `problem` defines the form of observations and actions;
     /// `by_role` arranges observations of houses by the roles of their zones.
     #[new]
     #[pyo3(signature = (
@@ -130,7 +131,7 @@ impl VecEnv {
         })
     }
 
-    /// Returns the spaces of each building and task; with `resample`, of those that represent the others.
+    /// Returns the spaces of each building and task; with `resample`, of representative buildings.
     fn spaces(&self) -> Vec<Spaces> {
         let spaces = self.spaces.iter();
         spaces.map(|(spaces, building)| Spaces::new(Arc::clone(spaces), Arc::clone(building))).collect()
@@ -142,7 +143,7 @@ impl VecEnv {
         self.slots.iter().map(|slots| slots.iter().map(slot).collect()).collect()
     }
 
-    /// Returns names and bounds of the numbers in a row of actions, in physical units, as [`VecEnv::slots`].
+    /// Returns names and bounds of the numbers in a row of actions, in physical units, for each of [`VecEnv::spaces`].
     fn actuators(&self) -> Vec<Vec<(String, f64, f64)>> {
         let of = |space: &ActionSpace| {
             let bounds = space.low().iter().zip(space.high());
@@ -151,7 +152,7 @@ impl VecEnv {
         self.actions.iter().map(of).collect()
     }
 
-    /// Returns the spaces of the building that an environment runs.
+    /// Returns the spaces of the building that an environment simulates.
     fn spaces_of(&self, py: Python<'_>, environment: usize) -> PyResult<Spaces> {
         let spaces = self.owner.with(py, &self.state, |state| {
             let spaces = state.envs()?.shared_spaces(environment).map(Arc::clone);
@@ -165,7 +166,7 @@ impl VecEnv {
         })
     }
 
-    /// Returns for each environment which numbers of a row of observations and of a row of actions are not padding.
+    /// Returns, for each environment, which numbers of its rows of observations and of actions are not padding.
     fn masks(&self, py: Python<'_>) -> PyResult<Masks> {
         self.owner.with(py, &self.state, |state| {
             let envs = state.envs()?;
@@ -182,7 +183,7 @@ impl VecEnv {
         })
     }
 
-    /// Returns the numbers of episodes, of building changes and of waits for a building, and the time of these, s.
+    /// Returns the numbers of episodes, of building changes and of waits for a building, and the total waiting time, s.
     fn statistics(&self, py: Python<'_>) -> PyResult<(u64, u64, u64, f64)> {
         self.owner.with(py, &self.state, |state| {
             let statistics = state.envs()?.statistics();
@@ -200,7 +201,7 @@ impl VecEnv {
         })
     }
 
-    /// Begins an episode in every environment.
+    /// Starts an episode in every environment and returns the first observations.
     fn reset<'py>(&self, py: Python<'py>, seed: u64) -> PyResult<Bound<'py, PyArray2<f32>>> {
         let batch = self.owner.with(py, &self.state, |state| {
             let envs = state.envs()?;
@@ -210,7 +211,7 @@ impl VecEnv {
         arrays::table(py, batch.observations, batch.shape)
     }
 
-    /// Begins an episode in the given environments.
+    /// Starts an episode in the given environments and returns the observations of all.
     fn reset_some<'py>(&self, py: Python<'py>, which: Vec<usize>) -> PyResult<Bound<'py, PyArray2<f32>>> {
         let batch = self.owner.with(py, &self.state, |state| {
             let envs = state.envs()?;
@@ -256,7 +257,8 @@ impl VecEnv {
         ))
     }
 
-    /// Repeats actions in physical units for `steps` steps without returning to Python: the cost of a step in Rust alone.
+    /// Repeats actions in physical units for `steps` steps without returning to Python, to measure the cost of a step
+    /// in Rust alone.
     fn hold(&self, py: Python<'_>, actions: &Bound<'_, PyAny>, steps: usize) -> PyResult<()> {
         let (actions, _) = arrays::rows(actions)?;
         self.owner.with(py, &self.state, |state| {
@@ -265,7 +267,7 @@ impl VecEnv {
         })
     }
 
-    /// Returns the end of the last episode of an environment.
+    /// Returns the final observation and metrics of an environment's last episode, and the reason if it was lost.
     fn ended<'py>(&self, py: Python<'py>, environment: usize) -> PyResult<Ended<'py>> {
         let (observation, metrics, lost) = self.owner.with(py, &self.state, |state| {
             let envs = state.envs()?;
@@ -277,7 +279,7 @@ impl VecEnv {
         Ok((arrays::row(py, &observation), metrics, lost))
     }
 
-    /// Returns the name of the building that each environment runs.
+    /// Returns the name of the building that each environment simulates.
     fn buildings(&self, py: Python<'_>) -> PyResult<Vec<Option<String>>> {
         self.owner.with(py, &self.state, |state| {
             let envs = state.envs()?;

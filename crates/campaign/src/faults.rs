@@ -1,5 +1,5 @@
-//! Signals and exhausted limits at random moments: a command ends in time and leaves nothing, and the same command afterwards
-//! completes what it began, with the same bytes.
+//! Signals and resource limits at random times: a command must end in time and leave nothing behind, and the same
+//! command must then complete the work with the same bytes.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -14,10 +14,10 @@ use crate::material::Material;
 use crate::mutation::pick;
 use crate::program::{Ended, Program, words};
 
-/// Time in which a command must have ended after a fault.
+/// Time limit for a command to end after a fault.
 const LIMIT: Duration = Duration::from_secs(120);
 
-/// A command that resumes, and the file by which its result is judged.
+/// A resumable command, and the file by which its result is checked.
 struct Job {
     name: &'static str,
     arguments: &'static str,
@@ -42,13 +42,13 @@ const JOBS: [Job; 3] = [
 /// A fault.
 #[derive(Clone, Copy, Debug)]
 enum Fault {
-    /// Signals to the command itself.
+    /// A signal to the command itself.
     Signal(Signal),
-    /// A signal to any of its processes.
+    /// A signal to one of its processes, chosen at random.
     Member(Signal),
-    /// All of its processes are stopped for a moment.
+    /// A stop of all its processes for two seconds.
     Pause,
-    /// A limit of the shell.
+    /// A `ulimit` command.
     Limit(&'static str),
 }
 
@@ -81,9 +81,9 @@ impl Fault {
         if let Self::Limit(limits) = self { limits } else { "" }
     }
 
-    /// Returns whether the command is killed by it, so that it cannot clean up.
+    /// Returns whether the fault may kill the command, so that it cannot clean up.
     fn kills(self) -> bool {
-        // Beyond the limit of a file's size, the system sends a signal that ends the process.
+        // A file beyond the size limit causes a signal that ends the process.
         match self {
             Self::Signal(signal) => signal == Signal::KILL,
             Self::Member(_) => true,
@@ -142,7 +142,7 @@ fn struck(
     let mut run = program.start(folder, fault.limits(), &words(job.arguments))?;
     std::thread::sleep(moment);
     let processes = if run.has_ended()? { Vec::new() } else { run.processes() };
-    // A process may have ended just now.
+    // Fails if the process has just ended.
     let send = |process, signal| {
         let _ = kill_process(process, signal);
     };
@@ -159,13 +159,13 @@ fn struck(
     run.end(LIMIT + moment)
 }
 
-/// Runs a job once more. Returns what is wrong unless it completes with the expected result.
+/// Runs a job again. Returns an error message unless it completes with the expected result.
 fn not_completed(program: &Program, job: &Job, folder: &Path, expected: &[u8]) -> Result<Option<String>> {
     let again = program.run(folder, &words(job.arguments), LIMIT)?;
     Ok(match (again.broken(false), again.code()) {
-        (Some(why), _) => Some(format!("the command after it: {why}")),
+        (Some(why), _) => Some(format!("the repeated command: {why}")),
         (None, Some(0)) if std::fs::read(folder.join(job.result))? == expected => None,
-        (None, Some(0)) => Some(format!("the command after it gives another {}", job.result)),
-        (None, code) => Some(format!("the command after it ends with {code:?}: {}", again.errors)),
+        (None, Some(0)) => Some(format!("the repeated command writes a different {}", job.result)),
+        (None, code) => Some(format!("the repeated command ends with {code:?}: {}", again.errors)),
     })
 }

@@ -1,6 +1,6 @@
-//! Damaged files, given to every reader of files: it must return, and without a panic.
+//! Damaged files, given to every file reader, which must return without a panic.
 //!
-//! The readers run in a process of their own, which a stack overflow may abort. The file that is being read is always on disk.
+//! The readers run in their own process, because a stack overflow aborts it. The file being read is always on disk.
 
 use std::fs::File;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -28,9 +28,9 @@ use crate::ledger::{Ledger, Outcome, copy};
 use crate::material::Material;
 use crate::mutation::mutate;
 
-/// Time in which a file must be read.
+/// Time limit for reading a file.
 const LIMIT: Duration = Duration::from_secs(20);
-/// Time of one process of readers.
+/// Duration of a reader process.
 const SLICE: Duration = Duration::from_secs(20);
 const ORDER: &str = "B2B_CAMPAIGN_ORDER";
 
@@ -45,7 +45,7 @@ struct Reader {
     read: Box<dyn Fn() -> bool>,
 }
 
-/// What a process of readers is to do.
+/// The task of a reader process.
 pub struct Order {
     material: PathBuf,
     work: PathBuf,
@@ -53,7 +53,7 @@ pub struct Order {
 }
 
 impl Order {
-    /// Returns the order of this process, if it is a process of readers.
+    /// Returns the order of this process, if it is a reader process.
     pub fn of_this_process() -> Option<Self> {
         let text = std::env::var(ORDER).ok()?;
         let [seed, material, work] = text.splitn(3, ' ').collect::<Vec<_>>().try_into().ok()?;
@@ -61,7 +61,7 @@ impl Order {
     }
 }
 
-/// Lets processes of readers attack until a deadline.
+/// Runs reader processes until a deadline.
 pub fn attack(
     material: &Material,
     deadline: Instant,
@@ -91,7 +91,7 @@ pub fn attack(
     Ok(())
 }
 
-/// Attacks the readers, for a while, in this process. Ends with the first finding.
+/// Gives damaged files to the readers in this process, for a limited time or until the first finding.
 pub fn attack_here(order: &Order) -> Result<ExitCode> {
     let readers = readers(&order.material, &order.work)?;
     let mut counts = vec![[0_usize; 2]; readers.len()];
@@ -148,7 +148,7 @@ fn write_counts(order: &Order, readers: &[Reader], counts: &[[usize; 2]]) -> Res
     std::fs::write(order.work.join("counts"), text).context("cannot write the counts")
 }
 
-/// Returns a reader of a single file, which `read` returns whether it accepts.
+/// Returns a reader of a single file. `read` returns whether it accepts the file.
 fn of_file(
     work: &Path,
     name: &'static str,
@@ -163,7 +163,7 @@ fn of_file(
     Ok(Reader { name, file, valid, read: Box::new(move || read(&path)) })
 }
 
-/// Returns a reader of a folder in which one file is damaged.
+/// Returns a reader of a folder in which one file is damaged. `read` returns whether it accepts the folder.
 fn of_folder(
     work: &Path,
     name: &'static str,

@@ -1,4 +1,4 @@
-//! What was tried, and what was found.
+//! Counts of the inputs, and the findings.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -7,14 +7,14 @@ use std::process::ExitCode;
 
 use anyhow::{Context, Result};
 
-/// What became of an input.
+/// The outcome of an input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Outcome {
-    /// It was valid after all.
+    /// It was accepted.
     Accepted,
     /// It was rejected with an error.
     Rejected,
-    /// A promise was broken.
+    /// A guarantee was violated.
     Found,
 }
 
@@ -36,7 +36,7 @@ impl Ledger {
         self.counts.entry(kind.to_owned()).or_default()[outcome as usize] += number;
     }
 
-    /// Counts a finding and keeps its description and the files or folders that reproduce it.
+    /// Counts a finding and saves its description with the files or folders that reproduce it.
     pub fn find(&mut self, kind: &str, description: &str, files: &[&Path]) -> Result<()> {
         self.count(kind, Outcome::Found, 1);
         self.findings += 1;

@@ -1,7 +1,8 @@
-//! A campaign against `b2b`: damaged inputs, absurd models and weather, and faults at random moments.
+//! A robustness campaign against `b2b`: damaged inputs, implausible models and weather, and faults at random times.
 //!
-//! Promises under attack, which are those of docs/trust.md: no panic, no signal, no endless run, no success with nonsense, and
-//! nothing left behind. Every broken one is a finding, which is kept with what reproduces it; the exit code is then 1.
+//! It tests the guarantees of docs/trust.md: no panic, no crash, no endless run, no success with invalid results, and
+//! no processes or files left behind. Every violation is a finding: it is saved with the files that reproduce it, and
+//! the exit code is 1.
 
 #![cfg(target_os = "linux")]
 
@@ -26,16 +27,16 @@ use ledger::Ledger;
 use material::Material;
 use program::Program;
 
-/// Attack b2b with damaged inputs, absurd models and faults
+/// Attack b2b with damaged inputs, implausible models and faults
 ///
-/// Runs until its time is over and prints how many inputs of each kind were accepted and rejected. Every broken promise is a
-/// finding: it is kept in the folder of findings with what reproduces it, and the exit code is 1.
+/// Runs for the given time and prints how many inputs of each kind were accepted and rejected. Every violated guarantee
+/// is a finding: it is saved in the folder of findings with the files that reproduce it, and the exit code is 1.
 #[derive(Parser)]
 struct Arguments {
     /// Parts to run; each has an equal share of the time [default: all]
     #[arg(long = "part", value_enum, value_name = "PART")]
     parts: Vec<Part>,
-    /// Time, in minutes
+    /// Duration, in minutes
     #[arg(long, default_value_t = 5.0, value_name = "MINUTES")]
     minutes: f64,
     /// Random seed
@@ -51,11 +52,11 @@ struct Arguments {
 
 #[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
 enum Part {
-    /// Damaged files, given to every reader of files
+    /// Damaged files, given to every file reader
     Inputs,
     /// Damaged models, weather files, trajectories and arguments, given to the commands
     Runs,
-    /// Signals and exhausted limits at random moments of the commands
+    /// Signals and resource limits, at random times of the commands
     Faults,
 }
 

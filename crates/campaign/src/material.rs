@@ -1,4 +1,4 @@
-//! Valid files of every kind that the program reads, made by the program itself: what the campaign damages.
+//! Valid files of every kind that the program reads, written by the program itself, to be damaged by the campaign.
 
 use std::path::{Path, PathBuf};
 
@@ -18,7 +18,7 @@ pub struct Material {
 }
 
 impl Material {
-    /// Makes the files; takes about a quarter of a minute.
+    /// Creates the files, which takes about 15 seconds.
     pub fn make(program: &Program, folder: &Path) -> Result<Self> {
         let models = Engine::ensure(&mut Quiet)?.models.context("the engine has no folder of models")?;
         let weather = models.with_file_name("weather").join(WEATHER);

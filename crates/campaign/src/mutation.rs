@@ -1,9 +1,9 @@
-//! Damage to inputs: to bytes, to texts and to JSON documents.
+//! Damage to inputs: bytes, texts and JSON documents.
 
 use rand::{Rng, RngExt};
 use serde_json::{Value, json};
 
-/// Numbers at which code breaks.
+/// Numbers that often cause errors.
 const NUMBERS: [&str; 16] = [
     "0",
     "-0.0",
@@ -25,7 +25,7 @@ const NUMBERS: [&str; 16] = [
 const TEXTS: [&str; 10] =
     ["", " ", "\u{0}", "\u{feff}", "autosize", "../../etc/passwd", "ünïcödé ☃", "null", "%s%n", "-"];
 
-/// Returns a copy with some damage: of a JSON document mostly to its structure.
+/// Returns a damaged copy; in a JSON document, mostly values are damaged rather than bytes.
 pub fn mutate(bytes: &[u8], random: &mut impl Rng) -> Vec<u8> {
     let document = serde_json::from_slice::<Value>(bytes).ok().filter(|_| random.random_bool(0.8));
     let mut damaged = match document {
@@ -45,7 +45,7 @@ pub fn mutate(bytes: &[u8], random: &mut impl Rng) -> Vec<u8> {
     damaged
 }
 
-/// Damages one value somewhere in a document.
+/// Damages one random value of a document.
 pub fn mutate_value(document: &mut Value, random: &mut impl Rng) {
     let mut paths = Vec::new();
     collect(document, &mut String::new(), &mut paths);
@@ -89,7 +89,7 @@ fn mutate_bytes(bytes: &mut Vec<u8>, random: &mut impl Rng) {
     }
 }
 
-/// Replaces the next number in a text.
+/// Replaces the first number at or after a position.
 fn replace_number(bytes: &mut Vec<u8>, from: usize, random: &mut impl Rng) {
     let is_number = |byte: &u8| byte.is_ascii_digit() || b".-+eE".contains(byte);
     let Some(start) = bytes[from..].iter().position(u8::is_ascii_digit).map(|found| from + found) else {
@@ -99,7 +99,7 @@ fn replace_number(bytes: &mut Vec<u8>, from: usize, random: &mut impl Rng) {
     drop(bytes.splice(start..start + length, pick(&NUMBERS, random).bytes()));
 }
 
-/// Collects the JSON pointers of all values below the root.
+/// Collects the JSON pointers of a value and of all values in it.
 fn collect(value: &Value, path: &mut String, paths: &mut Vec<String>) {
     paths.push(path.clone());
     let mut below = |name: &str, value: &Value| {
@@ -132,7 +132,7 @@ fn remove(document: &mut Value, path: &str) {
     }
 }
 
-/// Returns one of some values.
+/// Returns a random value.
 pub fn pick<'a, T>(values: &'a [T], random: &mut impl Rng) -> &'a T {
     &values[random.random_range(0..values.len())]
 }

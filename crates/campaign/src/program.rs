@@ -1,4 +1,4 @@
-//! The attacked program: how it is started, and what must hold when it has ended.
+//! The program under attack: its start, and the conditions that must hold after its end.
 
 use std::ffi::OsString;
 use std::fs::File;
@@ -16,7 +16,7 @@ pub struct Program {
     path: PathBuf,
 }
 
-/// A process of the program with a temporary folder of its own, by which its children are known.
+/// A process of the program with its own temporary folder, which identifies its children.
 pub struct Run {
     child: Child,
     began: Instant,
@@ -26,20 +26,20 @@ pub struct Run {
 
 /// A process that has ended.
 pub struct Ended {
-    /// How it ended; `None` if it was killed because it ran too long.
+    /// Exit status; `None` if the process was killed because it ran too long.
     pub status: Option<ExitStatus>,
-    /// Its standard output.
+    /// Standard output.
     pub output: String,
-    /// Its standard error.
+    /// Standard error.
     pub errors: String,
-    /// What it left in its temporary folder.
+    /// Files that it left in its temporary folder.
     pub left: Vec<PathBuf>,
-    /// Its children that still ran.
+    /// Number of its children that were still running.
     pub survivors: usize,
 }
 
 impl Program {
-    /// Returns the program at a path.
+    /// Returns the program at a path. Errors if there is none.
     pub fn new(path: PathBuf) -> Result<Self> {
         if !path.is_file() {
             bail!(
@@ -50,7 +50,7 @@ impl Program {
         Ok(Self { path: path.canonicalize()? })
     }
 
-    /// Starts the program in a folder, in a shell with these limits (of `ulimit`).
+    /// Starts the program in a folder. `limits` are `ulimit` commands, run by the shell before it.
     pub fn start(&self, folder: &Path, limits: &str, arguments: &[OsString]) -> Result<Run> {
         let (outputs, temporary) = (tempfile::tempdir()?, tempfile::tempdir()?);
         let file = |name| File::create(outputs.path().join(name));
@@ -62,12 +62,12 @@ impl Program {
         Ok(Run { child, began: Instant::now(), outputs, temporary })
     }
 
-    /// Runs the program in a folder, at most for some time.
+    /// Runs the program in a folder and kills it after the time limit.
     pub fn run(&self, folder: &Path, arguments: &[OsString], limit: Duration) -> Result<Ended> {
         self.start(folder, "", arguments)?.end(limit)
     }
 
-    /// Runs the program, which must succeed, with arguments that are separated by blanks.
+    /// Runs the program with arguments separated by spaces, and returns its standard output. Errors unless it succeeds.
     pub fn must(&self, folder: &Path, arguments: &str) -> Result<String> {
         let ended = self.run(folder, &words(arguments), Duration::from_secs(600))?;
         if !ended.status.is_some_and(|status| status.success()) {
@@ -77,7 +77,7 @@ impl Program {
     }
 }
 
-/// Returns arguments that are separated by blanks.
+/// Splits arguments at spaces.
 pub fn words(arguments: &str) -> Vec<OsString> {
     arguments.split_whitespace().map(Into::into).collect()
 }
@@ -88,7 +88,7 @@ impl Run {
         Ok(self.child.try_wait()?.is_some())
     }
 
-    /// Returns the process and its children that still run.
+    /// Returns the process and its children, as far as they are running.
     pub fn processes(&self) -> Vec<Pid> {
         let mark = format!("TMPDIR={}", self.temporary.path().display());
         let mut found = Vec::new();
@@ -102,7 +102,7 @@ impl Run {
         found
     }
 
-    /// Waits for the end, and interrupts the process if it has not ended after some time.
+    /// Waits for the end of the process, and interrupts it if it is still running `time` after its start.
     pub fn interrupt_after(&mut self, time: Duration) -> Result<()> {
         while !self.has_ended()? {
             if self.began.elapsed() > time {
@@ -114,7 +114,7 @@ impl Run {
         Ok(())
     }
 
-    /// Waits for the end, at most for some time since the start; a process that runs longer is killed.
+    /// Waits for the end of the process, and kills it if it is still running `limit` after its start.
     pub fn end(mut self, limit: Duration) -> Result<Ended> {
         let status = loop {
             match self.child.try_wait()? {
@@ -125,7 +125,7 @@ impl Run {
         };
         let survivors = if status.is_some() { self.survivors() } else { 0 };
         for process in self.processes() {
-            // It may have ended just now.
+            // Fails if the process has just ended.
             let _ = kill_process(process, Signal::KILL);
         }
         if status.is_none() {
@@ -138,7 +138,7 @@ impl Run {
         Ok(Ended { status, output: text(read("stdout")?), errors: text(read("stderr")?), left, survivors })
     }
 
-    /// Returns the number of children that still run a while after their parent's end.
+    /// Returns the number of children that are still running 10 s after their parent's end.
     fn survivors(&self) -> usize {
         let deadline = Instant::now() + Duration::from_secs(10);
         loop {
@@ -157,15 +157,15 @@ impl Ended {
         self.status.and_then(|status| status.code())
     }
 
-    /// Returns the first broken promise: an endless run, a signal, a panic, an unknown exit code, a child or a file left
-    /// behind. A process that was killed may leave files.
+    /// Returns the first violated guarantee: an endless run, a panic, a running child, a signal, an unknown exit code,
+    /// or a file left behind. Checks only the first three if the process was `killed`.
     pub fn broken(&self, killed: bool) -> Option<String> {
         let Some(status) = self.status else { return Some("it does not end".into()) };
         if self.errors.contains("panicked at") {
             return Some(format!("panic: {}", self.errors));
         }
         if self.survivors > 0 {
-            return Some(format!("{} of its processes still run", self.survivors));
+            return Some(format!("{} of its processes are still running", self.survivors));
         }
         if killed {
             return None;

@@ -15,15 +15,15 @@ use crate::material::Material;
 use crate::mutation::{mutate, mutate_value, pick};
 use crate::program::{Ended, Program, words};
 
-/// Time after which a run counts as endless: a day of simulation takes a second, and a preparation has ten minutes.
+/// Time after which a run counts as endless: simulating a day takes a second, and preparation at most ten minutes.
 const LIMIT: Duration = Duration::from_secs(700);
-/// Time after which a command that turned out to be valid, and long, is interrupted.
+/// Time after which a command with random arguments is interrupted: some are valid and run for long.
 const PATIENCE: Duration = Duration::from_secs(20);
 const ARGUMENTS: &str = "arguments";
 /// A day of the model `m.epJSON` under the weather `w.epw`.
 const RUN: &str = "run m.epJSON --weather w.epw --period 01-01..01-01 --out out --json";
 
-/// A kind of attack: it puts files into a folder and returns the arguments of the program.
+/// A kind of attack: a function that writes files to a folder and returns the arguments of the program.
 type Attack = fn(&Material, &Path, &mut ChaCha8Rng) -> Result<Vec<OsString>>;
 
 const ATTACKS: [(&str, Attack); 4] = [
@@ -60,7 +60,7 @@ pub fn attack(
     Ok(())
 }
 
-/// Returns why a successful run printed nonsense: no JSON, or metrics that are not numbers.
+/// Returns why the output of a successful run is invalid: no JSON, or metrics that are not numbers.
 fn nonsense(ended: &Ended, arguments: &[OsString]) -> Option<String> {
     let prints_metrics = arguments.first()? == "run" && arguments.contains(&"--json".into());
     if ended.code() != Some(0) || !prints_metrics {
@@ -77,7 +77,7 @@ fn nonsense(ended: &Ended, arguments: &[OsString]) -> Option<String> {
 fn damaged_model(material: &Material, folder: &Path, random: &mut ChaCha8Rng) -> Result<Vec<OsString>> {
     let mut model: Value = serde_json::from_slice(&std::fs::read(pick(material.models(), random))?)?;
     for _ in 0..random.random_range(1..4) {
-        // Somewhere in one object, so that large classes do not get all of it.
+        // In a random object of a random class, so that large classes are not damaged more often than small ones.
         let classes = model.as_object_mut().context("a model is an object")?;
         let class = random.random_range(0..classes.len());
         let objects =
@@ -111,7 +111,7 @@ fn damaged_trajectory(material: &Material, folder: &Path, random: &mut ChaCha8Rn
     Ok(words("score t.parquet"))
 }
 
-/// Arguments that are plausible one by one, in an order that may not be.
+/// Returns arguments that are plausible one by one, in random order.
 fn absurd_arguments(_: &Material, _: &Path, random: &mut ChaCha8Rng) -> Result<Vec<OsString>> {
     const COMMANDS: [&str; 14] = [
         "run",
@@ -183,7 +183,7 @@ fn absurd_arguments(_: &Material, _: &Path, random: &mut ChaCha8Rng) -> Result<V
         }
         arguments.push(argument);
     }
-    // What is valid after all is small: one job, one day.
+    // Limits valid commands to one day.
     if arguments[0] == "run" || arguments[0] == "evaluate" || arguments[0] == "collect" {
         arguments.extend(words("--period 01-01..01-01"));
     }

@@ -22,13 +22,13 @@ use crate::{interrupt, shipped, stdout};
 
 /// Compute the baseline returns that scores are normalized by
 ///
-/// A task is scored against the reactive controllers with the parameters tuned for its objective: comfort, or comfort and
-/// energy if it has an energy term. Within an objective, one episode gives the baseline for every energy weight. Finished
-/// episodes are cached: the same command resumes an interrupted run; --fresh ignores the cache. With --check, compares
-/// the results with the shipped baselines and exits with code 1 if any differs by more than 1e-6 (relative).
+/// A task is scored against the reactive controllers with the parameters tuned for its objective: comfort, or comfort
+/// and energy if it has an energy term. Within an objective, one episode gives the baseline for every energy weight.
+/// Finished episodes are cached: the same command resumes an interrupted run; --fresh ignores the cache. With --check,
+/// compares the results with the shipped baselines and exits with code 1 if any differs by more than 1e-6 (relative).
 ///
-/// The default selection has 864 episodes (48 buildings, three setpoint modes, two objectives, three run periods): about
-/// an hour on two cores. --check --fresh --sample 20 takes about two minutes.
+/// The default selection has 864 episodes (48 buildings, three setpoint modes, two objectives, three run periods) and
+/// takes about an hour on two cores. --check --fresh --sample 20 takes about two minutes.
 #[derive(clap::Args)]
 #[command(
     verbatim_doc_comment,
@@ -121,7 +121,7 @@ impl Arguments {
     }
 }
 
-/// Keeps `count` episodes drawn by a seed, in their order.
+/// Keeps `count` randomly drawn episodes, in their order.
 fn draw<T>(episodes: &mut Vec<T>, count: usize, seed: u64) {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     while episodes.len() > count {
@@ -133,7 +133,7 @@ fn describe(key: &Key) -> String {
     format!("{}, {}, {}, {}", key.building, key.task, key.objective, key.period)
 }
 
-/// Compares with the shipped baselines.
+/// Compares baselines with the shipped ones.
 fn check(rows: &[(Key, ReturnTerms)]) -> Result<ExitCode> {
     let known = Baselines::open()?;
     let mut wrong = Vec::new();

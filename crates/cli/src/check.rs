@@ -64,7 +64,7 @@ const MAX_TEMPERATURE: f64 = 32.0;
 struct Report {
     id: String,
     place: String,
-    /// Why it could not be simulated.
+    /// Error that prevented the simulation.
     error: Option<String>,
     episodes: Vec<Outcome>,
     passed: bool,
@@ -168,7 +168,8 @@ impl Outcome {
     }
 }
 
-/// Returns the first of the temperatures of some zones by `order`. Observations begin with the zones.
+/// Returns the temperature that is first by `order`, over all steps and the zones whose conditioning matches `of`.
+/// Observations begin with the zone temperatures.
 fn extreme(
     building: &PreparedBuilding,
     trajectory: &Trajectory,
@@ -240,7 +241,7 @@ fn text(reports: &[Report]) -> String {
     format!("{}\n\n{} buildings checked, {} failed{reasons}", table.text(), reports.len(), failed.len())
 }
 
-/// Returns a line on why a building failed.
+/// Returns a line with the reasons why a building failed.
 fn failure(report: &Report) -> String {
     let mut reasons: Vec<String> = report.error.iter().cloned().collect();
     for episode in report.episodes.iter().filter(|episode| !episode.passed()) {

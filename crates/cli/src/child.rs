@@ -1,4 +1,4 @@
-//! Child processes, mostly of this program: the engine can run only once at a time in a process, and a crash ends the process.
+//! Child processes, mostly of this program: a process runs only one engine at a time, and a crash ends the process.
 
 use std::io::{Read, Seek};
 use std::process::{Child, Command, Stdio};
@@ -23,7 +23,7 @@ pub fn run<I: AsRef<std::ffi::OsStr>>(
 /// Runs a command and returns its standard output, or its standard error if it fails. Errors if it cannot be started or
 /// is interrupted.
 pub fn output(mut command: Command) -> Result<Result<String, String>> {
-    // Files, because a pipe that is not read yet fills up.
+    // Files, because a full pipe would block the child.
     let (mut output, mut errors) = (tempfile::tempfile()?, tempfile::tempfile()?);
     command.stdin(Stdio::null()).stdout(output.try_clone()?).stderr(errors.try_clone()?);
     let success = wait(&mut command.spawn().context("cannot start a process")?)?;

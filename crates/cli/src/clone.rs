@@ -20,8 +20,8 @@ use crate::stdout;
 
 /// Train an agent to imitate the policies of a dataset (behavior cloning)
 ///
-/// Learns the actions of a dataset of `b2b collect` by least squares. The folder is an agent as that of `b2b train`:
-/// `b2b evaluate --policy FOLDER` scores it.
+/// Fits the actions of a dataset written by `b2b collect`, minimizing the mean squared error. The output folder is an
+/// agent, as from `b2b train`: `b2b evaluate --policy FOLDER` scores it.
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment, after_help = EXAMPLES)]
 pub struct Arguments {
@@ -34,19 +34,19 @@ pub struct Arguments {
     /// Widths of the hidden layers
     #[arg(long, value_name = "N", num_args = 1.., default_values_t = [256, 256])]
     hidden: Vec<usize>,
-    /// Updates of the network
+    /// Number of gradient updates
     #[arg(long, value_name = "N", default_value_t = 5000, value_parser = clap::value_parser!(u32).range(1..))]
     updates: u32,
-    /// Recorded steps in an update
+    /// Number of recorded steps per update
     #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..))]
     batch_size: u32,
-    /// Learning rate, which falls linearly to 0
+    /// Initial learning rate, which decreases linearly to 0
     #[arg(long, value_name = "RATE", default_value_t = 1e-3)]
     learning_rate: f64,
     /// Random seed
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
-    /// Folder of the agent
+    /// Output folder of the agent
     #[arg(long, value_name = "FOLDER")]
     out: PathBuf,
     /// Print one JSON object instead of the text report
@@ -99,7 +99,7 @@ pub fn clone(arguments: &Arguments) -> Result<()> {
     Agent::write(&arguments.out, info, &actor)?;
     stdout::print_result(arguments.json, &summary, || {
         format!(
-            "RMS error of an action, of half its range: {:.1} %, of steps held out {:.1} %\n\n  {}",
+            "RMS error of actions, relative to half their range: {:.1} % (held-out steps: {:.1} %)\n\n  {}",
             100.0 * error,
             100.0 * held_out,
             arguments.out.display()
@@ -110,7 +110,7 @@ pub fn clone(arguments: &Arguments) -> Result<()> {
 /// Building, place and weather file.
 type Key = (String, Option<String>, Option<PathBuf>);
 
-/// The buildings of a dataset.
+/// The buildings of a dataset, each of which is prepared once.
 struct Buildings<'a> {
     catalog: &'a Catalog,
     contents: &'a Contents,

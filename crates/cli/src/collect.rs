@@ -20,8 +20,8 @@ use crate::table::Table;
 /// Record episodes as a Minari dataset, for offline learning
 ///
 /// Runs every combination of policy, building, run period and seed, and writes a dataset in Minari's Parquet format:
-/// `minari.load_dataset(NAME)` reads it in Python, and `b2b clone` learns from it. Of several buildings, actions are
-/// from -1 to 1 between the bounds of each actuator; of one building, in physical units.
+/// `minari.load_dataset(NAME)` reads it in Python, and `b2b clone` learns from it. Actions are in physical units for a
+/// single building, and scaled to [-1, 1] between the bounds of each actuator for several buildings.
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment, after_help = EXAMPLES)]
 pub struct Arguments {
@@ -76,7 +76,7 @@ pub fn collect(arguments: &Arguments) -> Result<()> {
     stdout::print_result(arguments.json, &summary, || text(&dataset, &destination.display().to_string()))
 }
 
-/// Errors unless Minari takes the name: `NAMESPACE/NAME-vN`, the namespace being optional.
+/// Errors unless Minari accepts the name: `NAMESPACE/NAME-vN` with an optional namespace.
 fn check_name(name: &str) -> Result<()> {
     let is_part = |part: &str| {
         let mut letters = part.chars();

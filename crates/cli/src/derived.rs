@@ -1,4 +1,4 @@
-//! Files in the cache that were computed instead of downloaded: morphed weather, prepared buildings and baselines.
+//! Cached files that are computed rather than downloaded: morphed weather, prepared buildings and baselines.
 
 use std::path::PathBuf;
 
@@ -9,7 +9,7 @@ use b2b_dataset::prepared_folder;
 use b2b_energyplus::install::doctor::{Finding, Health};
 use b2b_energyplus::install::{Cache, State, check_sealed, unseal};
 
-/// Verifies all of them.
+/// Verifies the files. Returns a finding for each kind.
 pub fn findings(cache: &Cache) -> Vec<Finding> {
     let states = std::iter::once(("morphed weather", verify_morphed(cache)))
         .chain(sealed(cache).map(|(about, folder)| (about, check_sealed(&folder))));
@@ -28,7 +28,7 @@ pub fn findings(cache: &Cache) -> Vec<Finding> {
     states.map(finding).collect()
 }
 
-/// Removes the damaged ones, which are computed again when needed. Returns a line for each kind that had some.
+/// Removes damaged files, which are computed again when needed. Returns a line of text for each kind with damage.
 pub fn remove_damaged(cache: &Cache) -> Result<Vec<String>> {
     let mut lines = Vec::new();
     if matches!(verify_morphed(cache), State::Damaged(_)) {
@@ -54,7 +54,7 @@ pub fn remove_damaged(cache: &Cache) -> Result<Vec<String>> {
     Ok(lines)
 }
 
-/// The folders of sealed files.
+/// Returns the folders of sealed files, which start with their SHA-256.
 fn sealed(cache: &Cache) -> impl Iterator<Item = (&'static str, PathBuf)> {
     [("prepared buildings", prepared_folder(&cache.root)), ("baselines", Baselines::folder_in(&cache.root))]
         .into_iter()

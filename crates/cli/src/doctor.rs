@@ -60,7 +60,7 @@ pub fn doctor(arguments: &Arguments) -> Result<ExitCode> {
     Ok(if bad { ExitCode::Failure } else { ExitCode::Success })
 }
 
-/// Says what worker processes are kept from.
+/// Reports how worker processes are confined.
 fn confinement() -> Finding {
     let confinement = Confinement::available();
     let health = if confinement == Confinement::Full { Health::Good } else { Health::Absent };

@@ -1,4 +1,4 @@
-//! Running lists of episodes in parallel, with progress bars and interrupts.
+//! Parallel runs of lists of episodes, with progress bars and interrupts.
 
 use std::sync::Mutex;
 
@@ -15,7 +15,8 @@ pub fn evaluation(catalog: &Catalog, jobs: usize) -> Evaluation<'_> {
     Evaluation { catalog, launcher: program::launcher(), jobs, interrupted: interrupt::requested }
 }
 
-/// Downloads weather ahead, where progress is shown and can be interrupted. Types and model files fetch theirs later.
+/// Downloads the weather of dataset buildings in advance, with a progress bar and interrupts. The weather of types and
+/// model files is fetched later.
 pub fn fetch_weather(episodes: &[Episode], quiet: bool) -> Result<()> {
     let of_dataset = |episode: &Episode| match episode.subject.name {
         BuildingName::Id(id) => Some(&b2b_dataset::row(id).building),
@@ -31,7 +32,7 @@ pub struct Bars {
 }
 
 impl Bars {
-    /// Hides the bars if `quiet`.
+    /// Creates the progress of an evaluation, without bars if `quiet`.
     pub fn new(quiet: bool) -> Self {
         Self { quiet, bar: Mutex::new(ProgressBar::hidden()) }
     }

@@ -1,26 +1,26 @@
 //! Exit codes.
 
-/// How a command ended, with its exit code.
+/// The outcome of a command, with its exit code.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(u8)]
 pub enum ExitCode {
-    /// It did what was asked.
+    /// The command succeeded.
     Success = 0,
-    /// It could not, or a check found something wrong.
+    /// The command failed, or a check found a problem.
     Failure = 1,
-    /// The arguments are wrong.
+    /// The arguments are invalid.
     Usage = 2,
-    /// It was interrupted: 128 plus SIGINT, by the convention of shells.
+    /// The command was interrupted: 128 plus SIGINT, by the convention of shells.
     Interrupted = 130,
 }
 
 impl ExitCode {
-    /// Returns success if `passed`.
+    /// Returns success if `passed`, else failure.
     pub(crate) fn of(passed: bool) -> Self {
         if passed { Self::Success } else { Self::Failure }
     }
 
-    /// Returns how a process of this program ended.
+    /// Returns the outcome of a process of this program from its exit code.
     #[cfg(target_os = "linux")]
     pub(crate) fn of_process(code: i32) -> Self {
         let all = [Self::Success, Self::Usage, Self::Interrupted];

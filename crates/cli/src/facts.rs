@@ -14,7 +14,7 @@ use crate::arguments::location::Location;
 use crate::prepare::Prepared;
 use crate::table::Table;
 
-/// A building, described.
+/// The description of a prepared building.
 pub struct Facts {
     building: Arc<PreparedBuilding>,
     /// Geometry, envelope and systems.
@@ -35,14 +35,14 @@ pub struct Parameter {
     pub name: &'static str,
     /// Value.
     pub value: String,
-    /// Unit; empty for words and dimensionless numbers.
+    /// Unit; empty for text and dimensionless numbers.
     pub unit: &'static str,
 }
 
-/// The way in which a table lists the zones that a system serves.
+/// How a table lists the zones that a system serves.
 #[derive(Clone, Copy)]
 pub enum Served {
-    /// One zone by name, several by their number.
+    /// A single zone by name, several by their count.
     Counted,
     /// All zones by name.
     Named,
@@ -73,7 +73,7 @@ impl Facts {
         format!("{} in {}", self.description.name, self.place)
     }
 
-    /// Returns labeled lines.
+    /// Returns the description as labeled lines.
     pub fn lines(&self) -> Vec<(&'static str, String)> {
         let Description { location, envelope, origin, .. } = &self.description;
         let u = |u: Option<f64>| u.map_or("U unknown".to_owned(), |u| format!("U {u:.2} W/(m²·K)"));
@@ -263,7 +263,7 @@ fn parameters(name: &BuildingName) -> Vec<Parameter> {
     let mut table = manifest([b2b_dataset::row(*id)]);
     let cells = table.rows.pop().unwrap_or_default();
     let columns = table.columns.iter().zip(cells).filter(|(_, cell)| !cell.is_empty());
-    // Already in the other lines.
+    // Shown in the other lines.
     let redundant =
         |name: &str| matches!(name, "id" | "type" | "place" | "climate_zone" | "heating_degree_days");
     columns

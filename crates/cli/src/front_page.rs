@@ -38,7 +38,7 @@ Environment variables:
 
 Exit codes: 0 success, 1 failure, 2 usage error, 130 interrupted.";
 
-/// Gives a parser the help text.
+/// Sets the help text of a parser.
 pub fn add(parser: clap::Command) -> clap::Command {
     let start = wrap::lines(&format!("{START}\n\n{}", commands(&parser)), wrap::help_width());
     parser

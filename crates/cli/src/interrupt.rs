@@ -1,4 +1,4 @@
-//! Ctrl-C and termination: a flag that long-running work polls to stop cleanly.
+//! Interrupts (Ctrl-C, SIGTERM): a flag that long-running work polls to stop cleanly.
 
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -6,11 +6,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use anyhow::{Context, Result, bail};
 
 static REQUESTED: AtomicBool = AtomicBool::new(false);
-/// The process that this one belongs to, if it is a command of an experiment's job.
+/// Id of the process that started this one, if this one is a command of an experiment's job.
 static OWNER: OnceLock<u32> = OnceLock::new();
 
-/// Installs the handler: from now on an interrupt or a request to terminate only sets the flag. A second one ends the process
-/// at once, unless its supervisor does.
+/// Installs the handler: an interrupt or a termination request only sets the flag. A second one ends the process
+/// immediately, unless the process is supervised.
 pub fn listen() -> Result<()> {
     #[cfg(target_os = "linux")]
     if let Some(owner) = std::env::var(b2b_experiment::OWNER).ok().and_then(|owner| owner.parse().ok()) {
@@ -27,7 +27,7 @@ pub fn listen() -> Result<()> {
     .context("cannot install the Ctrl-C handler")
 }
 
-/// Returns whether the user asked to stop, or the owner is gone.
+/// Returns whether the user asked to stop, or the owner has ended.
 pub fn requested() -> bool {
     REQUESTED.load(Ordering::Relaxed) || is_orphan()
 }

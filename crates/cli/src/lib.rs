@@ -1,6 +1,6 @@
 //! The `b2b` command: buildings as reinforcement-learning environments, from a terminal.
 //!
-//! A library, because the Python package has the command too.
+//! A library, because the Python package provides the command as well.
 
 mod arguments;
 #[cfg(target_os = "linux")]
@@ -110,17 +110,18 @@ enum Command {
 }
 
 impl Command {
-    /// Returns whether it runs EnergyPlus on a user's model or weather in its own process, for which it is supervised.
+    /// Returns whether the command may run EnergyPlus on a user's model or weather file in its own process, and
+    /// therefore needs supervision.
     #[cfg(target_os = "linux")]
     fn is_foreign(&self) -> bool {
         matches!(self, Self::Run(_) | Self::Show(_) | Self::View(_) | Self::Doctor(_) | Self::Import(_))
     }
 }
 
-/// Runs the command with these arguments, of which the first is the program's name, and returns its exit code.
+/// Runs the command with these arguments, the first of which is the program's name, and returns its exit code.
 ///
-/// `program` is what `b2b` starts when it needs further processes, so it must call this function as well. Called before
-/// a thread is started. Does not return if this process was started as a worker.
+/// `program` is started for child processes and workers, so it must call this function as well. Must be called before
+/// any thread is started. Does not return if this process was started as a worker.
 pub fn run(program: Program, arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     #[cfg(target_os = "linux")]
     b2b_learn::fragments::run_if_worker();
@@ -128,7 +129,7 @@ pub fn run(program: Program, arguments: impl IntoIterator<Item = OsString>) -> E
     let arguments: Vec<_> = arguments.into_iter().collect();
     let mut parser = wrap::help(front_page::add(Cli::command()));
     if arguments.len() <= 1 {
-        // Nothing can be done when the terminal is gone.
+        // A failure to print cannot be reported.
         let _ = parser.print_help();
         return ExitCode::Success;
     }
@@ -198,7 +199,7 @@ fn execute(command: Command) -> Result<ExitCode> {
     Ok(ExitCode::Success)
 }
 
-/// Returns an error with the causes that it does not mention itself.
+/// Returns the text of an error, followed by the causes that it does not mention.
 fn with_causes(error: &anyhow::Error) -> String {
     let mut text = error.to_string();
     for cause in error.chain().skip(1).map(ToString::to_string) {
@@ -217,7 +218,7 @@ mod tests {
     fn the_arguments_are_well_formed() {
         let mut command = front_page::add(Cli::command());
         command.clone().debug_assert();
-        // What clap checks for itself, it does not check in a release build.
+        // In a release build, clap does not check for duplicate arguments.
         command.build();
         assert_no_duplicate_argument(&command);
     }

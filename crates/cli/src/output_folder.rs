@@ -1,4 +1,4 @@
-//! Output folders that appear complete or not at all.
+//! Output folders and files that are written completely or not at all.
 
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use tempfile::TempDir;
 
-/// A folder of output files. They are written next to the destination and moved there at the end; if dropped before
-/// that, nothing is left behind.
+/// A folder of output files. The files are staged next to the destination and moved there by [`OutputFolder::keep`];
+/// dropping the folder before that removes them.
 pub struct OutputFolder {
     staging: Option<TempDir>,
     destination: PathBuf,
@@ -17,7 +17,7 @@ pub struct OutputFolder {
 }
 
 impl OutputFolder {
-    /// Checks that the destination can be written, without changing anything there yet.
+    /// Creates the staging folder. Errors if the destination cannot be written; changes nothing in it yet.
     pub fn stage(destination: &Path) -> Result<Self> {
         let cannot = || format!("cannot write the folder {}", destination.display());
         if destination.to_str().is_none() {
@@ -39,7 +39,7 @@ impl OutputFolder {
         Ok(folder)
     }
 
-    /// Writes one file.
+    /// Writes one file to the staging folder.
     pub fn write(&self, name: &str, content: impl FnOnce(&mut BufWriter<File>) -> Result<()>) -> Result<()> {
         let write = || {
             let mut file = BufWriter::new(File::create(self.staging().join(name))?);
@@ -51,12 +51,12 @@ impl OutputFolder {
         write().map_err(|error: anyhow::Error| error.context(format!("cannot write {}", path.display())))
     }
 
-    /// Returns the final paths of files of these names.
+    /// Returns the final paths of files with these names.
     pub fn destinations(&self, names: &[&str]) -> Vec<PathBuf> {
         names.iter().map(|name| self.destination.join(name)).collect()
     }
 
-    /// Moves the files to the destination, replacing files of the same names.
+    /// Moves the files to the destination, replacing files with the same names.
     pub fn keep(mut self) -> Result<()> {
         let cannot = || format!("cannot write the folder {}", self.destination.display());
         std::fs::create_dir_all(&self.destination).with_context(cannot)?;
@@ -68,7 +68,7 @@ impl OutputFolder {
         Ok(())
     }
 
-    /// Writes a single file, which appears complete or not at all.
+    /// Writes a single file, completely or not at all.
     pub fn write_file(path: &Path, content: impl FnOnce(&mut BufWriter<File>) -> Result<()>) -> Result<()> {
         let Some(name) = path.file_name().filter(|_| !path.is_dir()) else {
             bail!("--out expects a file, but {} is a folder", path.display());
@@ -88,7 +88,7 @@ impl Drop for OutputFolder {
     fn drop(&mut self) {
         self.staging = None;
         for folder in &self.created {
-            // Fails if the folder is not empty, because something else uses it by now.
+            // Fails if the folder is no longer empty because something else uses it.
             let _ = std::fs::remove_dir(folder);
         }
     }

@@ -1,4 +1,4 @@
-//! From the name of a building to a model that is ready to run.
+//! Preparation of a building, from its name to a model that is ready to run.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -13,7 +13,7 @@ use crate::arguments::location::Location;
 use crate::progress::{Download, spinner};
 use crate::{interrupt, weather};
 
-/// A building at a place, with the engine to run it.
+/// A prepared building with its place and engine.
 pub struct Prepared {
     /// The engine.
     pub library: Library,
@@ -26,7 +26,7 @@ pub struct Prepared {
 }
 
 impl Prepared {
-    /// Downloads what is missing and prepares a building. Shows progress unless `quiet`.
+    /// Downloads missing files and prepares a building. Shows progress unless `quiet`.
     pub fn new(name: &BuildingName, location: &Location, quiet: bool) -> Result<Self> {
         let mut download = Download::new(quiet);
         let catalog = Catalog::open(&mut download)?;
@@ -61,7 +61,7 @@ impl Prepared {
         Ok(Spaces::new(Arc::clone(&self.building), episode))
     }
 
-    /// Returns the configuration of an episode under this weather.
+    /// Returns the configuration of an episode with the building's weather.
     pub fn episode(&self, period: RunPeriod, steps_per_hour: u32, task: Task) -> EpisodeConfig {
         EpisodeConfig { weather: self.weather.clone(), period, steps_per_hour, task }
     }

@@ -1,11 +1,11 @@
-//! How this program is started once more: as a worker, or as a child that runs another command.
+//! Starting this program again: as a worker, or as a child process that runs another command.
 
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::Command;
 use std::sync::OnceLock;
 
-/// A program that calls [`run`](crate::run), and the arguments ahead of those of `b2b`.
+/// A program that calls [`run`](crate::run), and the arguments before those of `b2b`.
 #[derive(Clone, Debug)]
 pub struct Program {
     executable: PathBuf,
@@ -15,19 +15,19 @@ pub struct Program {
 static THIS: OnceLock<Program> = OnceLock::new();
 
 impl Program {
-    /// Creates a program.
+    /// Creates a program without arguments before those of `b2b`.
     pub fn new(executable: impl Into<PathBuf>) -> Self {
         Self { executable: executable.into(), arguments: Vec::new() }
     }
 
-    /// Adds an argument ahead of those of `b2b`, as an interpreter needs.
+    /// Adds an argument before those of `b2b`, as needed for an interpreter.
     #[must_use]
     pub fn argument(mut self, argument: impl Into<OsString>) -> Self {
         self.arguments.push(argument.into());
         self
     }
 
-    /// Makes it this program. Only the first call has an effect.
+    /// Registers it as this program. Only the first call has an effect.
     pub(crate) fn set(self) {
         let _ = THIS.set(self);
     }
@@ -45,7 +45,7 @@ pub fn command() -> Command {
     command
 }
 
-/// Returns what starts this program as a worker.
+/// Returns a launcher that starts this program as a worker.
 #[cfg(target_os = "linux")]
 pub fn launcher() -> b2b_env::vector::Launcher {
     let Program { executable, arguments } = Program::this();

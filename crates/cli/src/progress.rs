@@ -23,7 +23,7 @@ pub struct Download {
 }
 
 impl Download {
-    /// Hides the bar if `quiet`.
+    /// Creates the progress of downloads, without a bar if `quiet`.
     pub fn new(quiet: bool) -> Self {
         Self { quiet, bar: ProgressBar::hidden() }
     }
@@ -56,19 +56,19 @@ pub struct Days {
 }
 
 impl Days {
-    /// Hides the bar if `quiet`.
+    /// Creates the progress of an episode, without a bar if `quiet`.
     pub fn new(period: RunPeriod, steps_per_hour: u32, quiet: bool) -> Self {
         let days = u64::from(period.days());
         let bar = bar(days, "{msg:>6}  {wide_bar} {pos}/{len} days, {days_per_second}", quiet);
         Self { bar, period, steps_per_day: 24 * steps_per_hour as usize }
     }
 
-    /// Starts the clock by which speed is measured.
+    /// Restarts the clock from which the speed is computed.
     pub fn start(&self) {
         self.bar.reset_elapsed();
     }
 
-    /// Reports the number of completed steps. Does nothing within a day.
+    /// Updates the bar to the number of completed steps, at the end of each day.
     pub fn step(&self, steps: usize) {
         if steps.is_multiple_of(self.steps_per_day) {
             self.bar.set_message(date_text(self.date(steps)));

@@ -12,7 +12,7 @@ use crate::interrupt;
 use crate::prepare::Prepared;
 use crate::progress::{Days, date_text};
 
-/// Steps per hour of a check.
+/// Zone time steps per hour in [`Prepared::check_start`].
 const STEPS_PER_HOUR: u32 = 12;
 
 /// A complete episode with the report of its engine.
@@ -23,16 +23,16 @@ pub struct Rollout {
     pub trajectory: Trajectory,
     /// Messages, meters and occupancy of the engine's run.
     pub engine: EngineReport,
-    /// CPU time of the environment: the engine, and what the environment adds to it.
+    /// CPU time of the environment, including the engine.
     pub env_cpu: Duration,
-    /// CPU time of this process and of the environment's.
+    /// CPU time of this process and of the environment's process.
     pub total_cpu: Duration,
     /// Wall-clock time from the first step to the last.
     pub wall: Duration,
 }
 
 impl Prepared {
-    /// Runs an episode of this building to its end in a worker process, so that a crash of the engine is an error.
+    /// Runs an episode of this building to its end in a worker process, so that a crash of the engine becomes an error.
     #[cfg(target_os = "linux")]
     pub fn roll_out(&self, spaces: &Spaces, controller: &mut dyn Controller, quiet: bool) -> Result<Rollout> {
         use anyhow::Context;
@@ -42,13 +42,14 @@ impl Prepared {
         let options = EpisodeOptions { finish_run: true, ..EpisodeOptions::default() };
         let mut episode = workers.episode(&self.setting(spaces.episode.clone()))?.with_options(options);
         let Recorded { metrics, trajectory, wall } = roll_out(&mut episode, controller, quiet)?;
-        let report = episode.report().context("the worker process left no report of the engine")?;
+        let report = episode.report().context("the worker process sent no engine report")?;
         let (engine, env_cpu) = (report.engine.clone(), report.cpu);
         let total_cpu = ProcessTime::now().as_duration() + env_cpu;
         Ok(Rollout { metrics, trajectory, engine, env_cpu, total_cpu, wall })
     }
 
-    /// Starts an episode of one day of January, up to its first observation: EnergyPlus may reject a model only when it simulates.
+    /// Starts an episode of one day in January, up to its first observation: EnergyPlus detects some errors of a model
+    /// only when it simulates.
     #[cfg(target_os = "linux")]
     pub fn check_start(&self) -> Result<()> {
         let workers = b2b_env::vector::Workers::new(self.worker_options())?;
@@ -57,7 +58,8 @@ impl Prepared {
         Ok(())
     }
 
-    /// Starts an episode of one day of January, up to its first observation: EnergyPlus may reject a model only when it simulates.
+    /// Starts an episode of one day in January, up to its first observation: EnergyPlus detects some errors of a model
+    /// only when it simulates.
     #[cfg(not(target_os = "linux"))]
     pub fn check_start(&self) -> Result<()> {
         self.env("01-01..01-01".parse()?, STEPS_PER_HOUR, Task::default())?.reset()?;
@@ -107,7 +109,7 @@ pub fn roll_out(
     }
 }
 
-/// Shows the simulated days, and ends the episode at an interrupt.
+/// Shows the progress in simulated days, and ends the episode on an interrupt.
 struct Progress {
     days: Days,
     steps: usize,

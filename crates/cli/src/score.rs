@@ -43,7 +43,7 @@ pub struct Arguments {
     json: bool,
 }
 
-/// The content of a trajectory file that a score needs.
+/// The content of a trajectory file that is needed for its score.
 struct Trajectory {
     subject: Subject,
     place: String,
@@ -179,7 +179,7 @@ impl Trajectory {
 }
 
 impl Arguments {
-    /// Returns the building that the file names, or the one given.
+    /// Returns the building given as an argument, else the one named in the file.
     fn subject(&self, building: &str, place: &str) -> Result<Subject> {
         let mut placement = self.location.placement();
         let hint = "specify it with --building and --weather";
@@ -190,7 +190,7 @@ impl Arguments {
                 Err(_) => bail!("unknown building `{building}`; {hint}"),
             },
         };
-        // A type is at the place that the file names; a building of the dataset is at its own.
+        // The file names the place of a building type; a building of the dataset has its own.
         let is_type = matches!(name, BuildingName::Type(_));
         if is_type && placement.weather.is_none() && placement.place.is_none() {
             let Ok(found) = Place::find(place) else {

@@ -1,6 +1,6 @@
-//! Comparison of recomputed numbers with those that are shipped.
+//! Comparison of recomputed numbers with the shipped ones.
 
-/// Largest relative difference that is tolerated: math libraries of machines round differently.
+/// Largest tolerated relative difference: math libraries round differently on different machines.
 pub const TOLERANCE: f64 = 1e-6;
 
 /// Returns the largest relative difference between numbers and the shipped ones; infinite if one is NaN.

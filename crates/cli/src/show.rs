@@ -84,7 +84,7 @@ fn lines_text(lines: &[(&str, String)]) -> String {
     lines.iter().map(line).collect::<Vec<_>>().join("\n")
 }
 
-/// Returns items separated by dots, in lines of at most [`WIDTH`].
+/// Joins items with dots, in lines of at most [`WIDTH`] characters.
 fn wrapped(items: &[String]) -> String {
     let mut lines = vec![String::from(" ")];
     for item in items {

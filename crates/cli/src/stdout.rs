@@ -1,4 +1,4 @@
-//! Standard output: only the result, in one piece.
+//! Standard output, which is reserved for results.
 
 use std::io::{ErrorKind, Write};
 
@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::wrap;
 
-/// Prints a text and a newline. On a terminal, lines are broken where it ends.
+/// Prints a text and a newline. On a terminal, lines are wrapped to its width.
 pub fn print(text: &str) -> Result<()> {
     match wrap::width() {
         Some(width) => write(&wrap::lines(text, width)),

@@ -1,8 +1,8 @@
 //! Supervision of commands that run EnergyPlus in their own process.
 //!
-//! A model or a weather file can make EnergyPlus crash or compute without end. Such a command therefore runs in a child
-//! process: this one waits, passes requests to stop on, kills a child that does not follow them, and reports a crash with the
-//! last messages of EnergyPlus. The child's temporary files are in a folder that is removed in any case.
+//! A model or a weather file can make EnergyPlus crash or run forever. Such a command therefore runs in a child
+//! process. The supervisor forwards stop requests, kills a child that does not stop in time, and reports a crash with
+//! the last messages of EnergyPlus. The folder with the child's temporary files is always removed.
 
 use std::ffi::{OsStr, OsString};
 use std::fmt::Display;
@@ -19,25 +19,25 @@ use rustix::process::{Pid, Signal, kill_process, set_parent_process_death_signal
 
 use crate::{ExitCode, program};
 
-/// Set in the environment of a supervised process.
+/// Environment variable that marks a supervised process.
 pub const SUPERVISED: &str = "B2B_SUPERVISED";
-/// Time that a process has to stop before it is killed. A second request kills it at once.
+/// Time that a process has to stop before it is killed. A second request kills it immediately.
 const GRACE: Duration = Duration::from_secs(10);
-/// Time in which a building must be prepared.
+/// Time limit for the preparation of a building.
 const PREPARATION: Duration = Duration::from_secs(600);
-/// Number of lines of EnergyPlus that are reported after a crash.
+/// Number of lines of the EnergyPlus error file that are reported after a crash.
 const LAST_LINES: usize = 5;
 
 static CHILD: OnceLock<Pid> = OnceLock::new();
 static STOPPING: AtomicBool = AtomicBool::new(false);
 
-/// Returns whether this process is supervised. It ends with its supervisor.
+/// Returns whether this process is supervised. If so, the first call ties its lifetime to that of its supervisor.
 pub fn is_supervised() -> bool {
     static SUPERVISED_HERE: OnceLock<bool> = OnceLock::new();
     *SUPERVISED_HERE.get_or_init(|| {
         let supervised = std::env::var_os(SUPERVISED).is_some();
         if supervised {
-            // Without it, the process outlives a supervisor that is killed.
+            // If this fails, the process outlives a supervisor that is killed.
             let _ = set_parent_process_death_signal(Some(Signal::KILL));
         }
         supervised
@@ -50,7 +50,7 @@ pub fn supervise(arguments: &[OsString]) -> Result<ExitCode> {
     let folder = temporary_folder("b2b-")?;
     let mut command = program::command();
     command.args(arguments).env(SUPERVISED, "1").env("TMPDIR", folder.path());
-    // It belongs to this process.
+    // The owner is the parent of this process, not of the child.
     command.env_remove(b2b_experiment::OWNER);
     let mut child = command.spawn().context("cannot start a process")?;
     CHILD.get_or_init(|| Pid::from_child(&child));
@@ -62,18 +62,18 @@ pub fn supervise(arguments: &[OsString]) -> Result<ExitCode> {
             Ok(ExitCode::Interrupted)
         }
         (None, signal) => bail!(
-            "EnergyPlus crashed with {}{}\nThe model or the weather file causes the crash: correct what the messages name, or \
-             remove objects until it runs",
+            "EnergyPlus crashed with {}{}\nThe model or the weather file causes the crash: correct the objects named \
+             in the messages, or remove objects until it runs",
             signal.map_or_else(|| status.to_string(), name),
             last_messages(folder.path())
         ),
     }
 }
 
-/// Passes a request to stop on; kills the process if it does not follow it in time, or on a second request.
+/// Forwards a stop request to the child; kills it if it does not stop in time, or on a second request.
 fn stop() {
     let Some(child) = CHILD.get().copied() else { std::process::exit(ExitCode::Interrupted as i32) };
-    // The process may have ended just now.
+    // Fails if the process has just ended.
     let send = move |signal| {
         let _ = kill_process(child, signal);
     };
@@ -87,14 +87,14 @@ fn stop() {
     });
 }
 
-/// Starts the time limit of the preparation of a building, if this process is supervised: a model can keep EnergyPlus busy
-/// without end, and only a process can be stopped. This one ends with an error when the time is over.
+/// Starts the time limit for the preparation of a building, if this process is supervised: with some models EnergyPlus
+/// never returns, and only a whole process can be stopped. After the limit, this process exits with an error.
 pub fn preparation_limit(building: &impl Display) -> Option<TimeLimit> {
     let building = building.to_string();
     let fail = move || {
         eprintln!(
-            "error: {building} was not prepared within {} min; simplify the model: its geometry or its programs may keep \
-             EnergyPlus busy without end",
+            "error: {building} was not prepared within {} min; simplify the model: EnergyPlus may never finish with \
+             its geometry or its programs",
             PREPARATION.as_secs() / 60
         );
         std::process::exit(ExitCode::Failure as i32);
@@ -102,11 +102,11 @@ pub fn preparation_limit(building: &impl Display) -> Option<TimeLimit> {
     is_supervised().then(|| TimeLimit::start(PREPARATION, fail))
 }
 
-/// A time limit, which ends when it is dropped.
+/// A time limit, which is canceled when dropped.
 pub struct TimeLimit(#[expect(dead_code, reason = "dropping it ends the wait")] Sender<()>);
 
 impl TimeLimit {
-    /// Calls a function, in another thread, when the time is over.
+    /// Calls a function in another thread after the limit.
     fn start(limit: Duration, exceeded: impl FnOnce() + Send + 'static) -> Self {
         let (running, dropped) = channel();
         std::thread::spawn(move || {
@@ -131,7 +131,7 @@ fn name(signal: Signal) -> String {
     text.map_or_else(|| format!("signal {}", signal.as_raw()), str::to_owned)
 }
 
-/// Returns the last lines of the error file that EnergyPlus wrote last, below a folder.
+/// Returns the last lines of the newest EnergyPlus error file below a folder.
 fn last_messages(folder: &Path) -> String {
     let modified = |path: &PathBuf| path.metadata().and_then(|found| found.modified()).ok();
     let newest = error_files(folder).into_iter().max_by_key(modified);

@@ -20,8 +20,8 @@ impl Table {
         self.rows.push(cells.to_vec());
     }
 
-    /// Returns one line per row, indented by two spaces. On a terminal that is too narrow, words of a cell go to further
-    /// lines, and columns for which there is no room at all follow in a table below.
+    /// Returns one line per row, indented by two spaces. On a narrow terminal, cells are wrapped, and columns that
+    /// still do not fit follow in another table below.
     pub fn text(&self) -> String {
         self.within(wrap::width().unwrap_or(usize::MAX))
     }
@@ -31,7 +31,7 @@ impl Table {
         let mut parts = vec![];
         let mut rest = &columns[..];
         while let Some((next, others)) = rest.split_first() {
-            // Every further table begins with the first column as well.
+            // Every further table repeats the first column.
             let mut part = if parts.is_empty() { vec![*next] } else { vec![columns[0], *next] };
             let room = |part: &[Column], column: &Column| {
                 let taken: usize = part.iter().chain([column]).map(|column| column.min_width + GAP).sum();
@@ -83,7 +83,7 @@ impl Table {
     }
 }
 
-/// Spaces ahead of a column.
+/// Spaces before a column.
 const GAP: usize = 2;
 
 /// Narrows the widest columns, down to their longest words, until all fit.
@@ -97,16 +97,16 @@ fn shrink(columns: &mut [Column], width: usize) {
 
 #[derive(Clone, Copy)]
 struct Column {
-    /// Its number in the table.
+    /// Index in the table.
     index: usize,
     width: usize,
-    /// The length of its longest word.
+    /// Length of the longest word.
     min_width: usize,
     numbers: bool,
 }
 
 impl Column {
-    /// Returns the lines of a cell.
+    /// Returns the lines of a wrapped cell.
     fn broken(&self, cell: &str) -> Vec<String> {
         wrap::lines(cell, self.width).lines().map(str::to_owned).collect()
     }

@@ -1,4 +1,4 @@
-//! Weather: downloads ahead of long work, and what the user should know about a file.
+//! Weather files: downloads in advance, and notes for the user.
 
 use std::collections::HashSet;
 
@@ -21,7 +21,7 @@ pub fn fetch<'a>(buildings: impl Iterator<Item = &'a Building>, quiet: bool) -> 
     Ok(())
 }
 
-/// Returns a note where equipment is not sized for the design conditions of the file.
+/// Returns a note if equipment is not sized for design conditions given in the file.
 pub fn design_day_note(site: &Site) -> Option<String> {
     site.sized_by_hours.then(|| {
         format!(

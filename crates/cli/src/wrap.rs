@@ -1,25 +1,25 @@
-//! Text that fits the terminal.
+//! Wrapping of text to the width of the terminal.
 
 use std::io::IsTerminal;
 
-/// Width of help that goes to no terminal.
+/// Width of help texts without a terminal.
 const HELP_WIDTH: usize = 80;
 
-/// Widest help: longer lines are hard to read.
+/// Maximum width of help texts: longer lines are hard to read.
 const WIDEST_HELP: usize = 100;
 
-/// Fewest characters of a description that stands beside its term.
+/// Minimum width of a description beside its term.
 const NARROWEST_COLUMN: usize = 30;
 
-/// Returns the width of the terminal to which standard output goes, or the environment variable `COLUMNS`; `None` if
-/// there is no limit, as in a file or a pipe.
+/// Returns the width of the terminal that standard output is connected to, else the environment variable `COLUMNS`;
+/// `None` if there is no limit, as in a file or a pipe.
 pub fn width() -> Option<usize> {
     let terminal = std::io::stdout().is_terminal().then(terminal_size::terminal_size).flatten();
     let columns = || std::env::var("COLUMNS").ok()?.parse().ok().filter(|columns| *columns > 0);
     terminal.map(|(terminal_size::Width(columns), _)| columns.into()).or_else(columns)
 }
 
-/// Returns the width of help.
+/// Returns the width of help texts.
 pub fn help_width() -> usize {
     width().unwrap_or(HELP_WIDTH).min(WIDEST_HELP)
 }
@@ -44,7 +44,7 @@ fn fit(command: clap::Command, width: usize) -> clap::Command {
     command.mut_subcommands(|each| fit(each, width))
 }
 
-/// Joins the lines of paragraphs and of descriptions, and breaks them again where `width` is reached.
+/// Joins the lines of each paragraph and description, and wraps them again at `width`.
 fn reflow(text: &str, width: usize) -> String {
     let mut joined: Vec<String> = Vec::new();
     for line in text.lines() {
@@ -64,8 +64,8 @@ fn reflow(text: &str, width: usize) -> String {
     lines(&joined.join("\n"), width)
 }
 
-/// Breaks lines that are longer than `width` between words. What follows is indented as the description, and commands are
-/// continued by a backslash, so that they can be copied.
+/// Wraps lines longer than `width` between words. Continuation lines are indented like the description; commands are
+/// continued with a backslash, so that they can be copied.
 pub fn lines(text: &str, width: usize) -> String {
     text.lines().map(|line| broken(line, width)).collect::<Vec<_>>().join("\n")
 }
@@ -77,7 +77,7 @@ fn broken(line: &str, width: usize) -> String {
     let indent = indent_of(line);
     let is_command = line.trim_start().starts_with("b2b ");
     let description = description_of(line);
-    // The comment of a command, and a description that has no room beside its term, go below.
+    // The comment of a command, and a description without room beside its term, move to the next line.
     let parts =
         description.map(|at| line.split_at(line.char_indices().nth(at).map_or(line.len(), |(byte, _)| byte)));
     let goes_below = |(term, text): &(&str, &str)| {
@@ -105,7 +105,8 @@ fn broken(line: &str, width: usize) -> String {
     done + current.trim_end()
 }
 
-/// Splits where a line may be broken: between words, or ahead of the options of a command. Spaces stay behind a part.
+/// Splits a line where it may be broken: between words, or before the options of a command. Each part keeps the spaces
+/// after it.
 fn split(text: &str, is_command: bool) -> impl Iterator<Item = &str> {
     let mut rest = text;
     std::iter::from_fn(move || {

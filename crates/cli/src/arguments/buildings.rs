@@ -20,7 +20,7 @@ pub enum Split {
 }
 
 impl Split {
-    /// Returns whether a building belongs to it.
+    /// Returns whether a building belongs to the split.
     pub fn contains(self, row: &Row) -> bool {
         match self {
             Self::All => true,
@@ -101,7 +101,7 @@ pub struct Classes {
 }
 
 impl Classes {
-    /// Returns the classes of the dataset that are selected. Errors if there are none.
+    /// Returns the selected classes of the dataset. Errors if there are none.
     pub fn list(&self) -> Result<Vec<Class>> {
         let classes: Vec<_> = Class::all().filter(|class| self.contains(*class)).collect();
         if classes.is_empty() {

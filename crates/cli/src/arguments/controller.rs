@@ -27,7 +27,7 @@ pub struct ControllerArguments {
     seed: u64,
 }
 
-/// A controller.
+/// The kind of controller.
 #[derive(Clone, PartialEq)]
 enum Kind {
     Reactive,
@@ -35,7 +35,7 @@ enum Kind {
     Constant,
     #[cfg(target_os = "linux")]
     Planner,
-    /// The agent of a folder.
+    /// The agent in a folder.
     #[cfg(target_os = "linux")]
     Agent(PathBuf),
 }
@@ -74,7 +74,7 @@ impl ControllerArguments {
         name.to_owned()
     }
 
-    /// Returns whether the controller is a learned one, which is drawn beside the reactive controllers.
+    /// Returns whether the controller is a trained agent, which is plotted beside the reactive controllers.
     pub fn is_agent(&self) -> bool {
         #[cfg(target_os = "linux")]
         return matches!(self.kind, Kind::Agent(_));
@@ -87,7 +87,7 @@ impl ControllerArguments {
         self.seed
     }
 
-    /// Returns a controller for the environment of a prepared building. The planner plans its episode here.
+    /// Returns a controller for the environment of a prepared building. The planner plans the whole episode first.
     pub fn build(
         &self,
         prepared: &Prepared,
@@ -105,7 +105,7 @@ impl ControllerArguments {
         })
     }
 
-    /// Plans an episode on copies of the simulation, to be replayed in the environment itself.
+    /// Plans an episode on copies of the simulation. The actions are then replayed in the environment itself.
     #[cfg(target_os = "linux")]
     fn plan(&self, prepared: &Prepared, spaces: &Spaces, quiet: bool) -> Result<b2b_control::Replay> {
         use b2b_control::{Planner, PlannerParameters, Replay};
@@ -128,8 +128,8 @@ impl ControllerArguments {
 pub enum Parameters {
     /// Default parameters, equal for all buildings.
     Default,
-    /// Parameters tuned for the building's type and climate zone and the objective of the task. The defaults where no tuning
-    /// is available, and for prototypes.
+    /// Parameters tuned for the building's type and climate zone and the objective of the task; the defaults for
+    /// prototypes and where there is no tuned set.
     Tuned,
     /// Read from a JSON file.
     File(PathBuf),

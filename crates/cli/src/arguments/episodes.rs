@@ -8,7 +8,7 @@ use b2b_env::Task;
 use super::buildings::Buildings;
 use super::location::Location;
 
-/// The episodes of a command, but for their tasks.
+/// The episodes of a command, except for their tasks.
 #[derive(clap::Args)]
 pub struct Episodes {
     #[command(flatten)]
@@ -27,8 +27,8 @@ pub struct Episodes {
 }
 
 impl Episodes {
-    /// Returns the episodes, building by building, so that a prepared building serves all its episodes. Errors if there is
-    /// no building.
+    /// Returns the episodes, grouped by building so that each building is prepared only once. Errors if there is no
+    /// building.
     pub fn list(&self, tasks: &[Task]) -> Result<Vec<Episode>> {
         let mut episodes = Vec::new();
         for name in self.buildings.names()? {

@@ -34,7 +34,7 @@ pub fn place_name(name: &str) -> Result<String> {
 }
 
 impl Location {
-    /// Returns the same as command-line arguments.
+    /// Returns these options as command-line arguments.
     pub fn arguments(&self) -> Vec<OsString> {
         let place = self.place.map(|place| ["--place".into(), place.name.into()]);
         let weather = self.weather.as_ref().map(|path| ["--weather".into(), path.clone().into_os_string()]);
@@ -42,7 +42,7 @@ impl Location {
         place.into_iter().chain(weather).flatten().chain(external).collect()
     }
 
-    /// Returns the same for the catalog.
+    /// Returns these options in the form used by the catalog.
     pub fn placement(&self) -> Placement {
         Placement { place: self.place, weather: self.weather.clone(), allow_external: self.allow_external }
     }

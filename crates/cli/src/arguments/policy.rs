@@ -31,7 +31,7 @@ impl PolicyArguments {
         }
     }
 
-    /// Returns the text of the policy; empty only where a subcommand lifts the requirement.
+    /// Returns the policy as given; empty only if a subcommand makes the option unnecessary.
     pub fn text(&self) -> &str {
         self.policy.as_deref().unwrap_or_default()
     }

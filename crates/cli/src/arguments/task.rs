@@ -1,4 +1,4 @@
-//! A task on the command line.
+//! Parsing of tasks on the command line.
 
 use std::path::Path;
 

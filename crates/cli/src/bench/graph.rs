@@ -50,12 +50,13 @@ pub struct Arguments {
 }
 
 const STEPS_PER_HOUR: u32 = 12;
-/// Steps of an update: one minibatch of the preset.
+/// Number of steps of an update: one minibatch of the preset.
 const STEPS: usize = 504;
-/// Updates, the first of which does not count.
+/// Number of updates, the first of which is excluded.
 const UPDATES: usize = 4;
-/// Blocks of forward passes, and passes of a block.
+/// Number of blocks of forward passes.
 const BLOCKS: usize = 9;
+/// Number of forward passes in a block.
 const PASSES: usize = 100;
 
 /// The cost of a building type, µs of CPU time.
@@ -104,7 +105,7 @@ fn cost(name: &BuildingName, config: &TrainConfig, arguments: &Arguments) -> Res
     })
 }
 
-/// Returns the median CPU time of a step of the environment over a day after a first one, µs.
+/// Returns the median CPU time of a step of the environment over the second day of an episode, µs.
 fn step(prepared: &Prepared) -> Result<f64> {
     let mut env = prepared.env("01-10..01-11".parse()?, STEPS_PER_HOUR, Task::default())?;
     env.reset()?;
@@ -119,7 +120,7 @@ fn step(prepared: &Prepared) -> Result<f64> {
     Ok(median(times.split_off(times.len() / 2)))
 }
 
-/// A learner for a building, with observations of random numbers.
+/// A learner for a building, with random observations.
 struct Learner {
     ppo: Ppo,
     actor: Actor,

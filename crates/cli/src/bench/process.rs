@@ -4,32 +4,32 @@ use std::fs;
 
 use anyhow::{Context, Result};
 
-/// CPU time that a process has used, s.
+/// Returns the CPU time that a process has used, s.
 pub(super) fn cpu_seconds(process: u32) -> Result<f64> {
     let text = read(process, "schedstat")?;
     let nanoseconds: f64 = text.split(' ').next().unwrap_or_default().parse().context("no CPU time")?;
     Ok(nanoseconds / 1e9)
 }
 
-/// Memory that a process shares with no other, MB.
+/// Returns the memory that a process shares with no other, MB.
 pub(super) fn private_mb(process: u32) -> Result<f64> {
     let text = read(process, "smaps_rollup")?;
     Ok(kilobytes(&text, |field| field.starts_with("Private_")) / 1e3)
 }
 
-/// Memory of a process in which what it shares with others is counted in shares (PSS), MB.
+/// Returns the memory of a process with shared pages divided among the processes that share them (PSS), MB.
 pub(super) fn proportional_mb(process: u32) -> Result<f64> {
     let text = read(process, "smaps_rollup")?;
     Ok(kilobytes(&text, |field| field == "Pss") / 1e3)
 }
 
-/// Memory of a process that is not on disk, shared or not, MB.
+/// Returns the resident memory of a process, including shared memory, MB.
 pub(super) fn resident_mb(process: u32) -> Result<f64> {
     let text = read(process, "status")?;
     Ok(kilobytes(&text, |field| field == "VmRSS") / 1e3)
 }
 
-/// Open files of this process.
+/// Returns the number of open files of this process.
 pub(super) fn open_files() -> Result<usize> {
     Ok(fs::read_dir("/proc/self/fd")?.count())
 }
@@ -44,5 +44,5 @@ fn kilobytes(text: &str, wanted: impl Fn(&str) -> bool) -> f64 {
 
 fn read(process: u32, file: &str) -> Result<String> {
     let path = format!("/proc/{process}/{file}");
-    fs::read_to_string(&path).with_context(|| format!("{path} cannot be read"))
+    fs::read_to_string(&path).with_context(|| format!("cannot read {path}"))
 }

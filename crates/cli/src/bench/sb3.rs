@@ -11,7 +11,7 @@ use crate::{child, interrupt};
 #[derive(Clone, Copy, Deserialize)]
 pub(super) struct Speed {
     pub(super) steps_per_s: f64,
-    /// `None` if an episode ended.
+    /// `None` if an episode ended during the measurement.
     pub(super) steps_per_cpu_s: Option<f64>,
 }
 
@@ -21,7 +21,7 @@ pub(super) struct Python {
 }
 
 impl Python {
-    /// Returns the interpreter if it can import both; prints why it cannot on standard error.
+    /// Returns the interpreter if it can import both; otherwise prints the reason on standard error.
     pub(super) fn find(interpreter: &str) -> Result<Option<Self>> {
         let mut command = Command::new(interpreter);
         command.args(["-c", "import building2building.bench, stable_baselines3"]);

@@ -20,7 +20,7 @@ use crate::{interrupt, stdout};
 ///
 /// Three runs of the same model, with every actuator held at the middle of its range, alternate in one process: one
 /// simulated day each, in changing order, so that other load affects all three alike. Times and ratios are medians
-/// over the days. The first days, which warm-up still affects, do not count.
+/// over the days. The first two days, which warm-up still affects, are excluded.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Columns, CPU time per step in milliseconds:
@@ -36,7 +36,7 @@ pub struct Arguments {
     /// Building types, or buildings of the dataset such as OfficeSmall-0042 [default: every type]
     #[arg(long = "type", value_name = "BUILDING", num_args = 1..)]
     buildings: Vec<BuildingName>,
-    /// Days from 1 January
+    /// Number of simulated days, from 1 January
     #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u32).range(4..=365))]
     days: u32,
     /// Print JSON
@@ -46,11 +46,11 @@ pub struct Arguments {
 
 const STEPS_PER_HOUR: u32 = 12;
 const STEPS_PER_DAY: u32 = 24 * STEPS_PER_HOUR;
-/// Days that do not count.
+/// Number of days that are excluded.
 const FIRST_DAYS: u32 = 2;
-/// Steps whose times are measured one by one, as in the paper.
+/// Number of steps that are measured one by one, as in the paper.
 const SINGLE_STEPS: u32 = 10_000;
-/// Ways to run the model.
+/// Number of ways to run the model.
 const MODES: usize = 3;
 
 /// CPU time of a step of one building type, ms, and its ratios to the bare engine; medians over the days.
@@ -146,8 +146,8 @@ enum Mode {
 }
 
 impl Runs {
-    /// The three at the end of warm-up, started one after another from `first` on: a run that starts in memory
-    /// others have left is slower, so each is first once.
+    /// Starts the three runs, up to the end of warm-up, one after another beginning with `first`: a run that reuses
+    /// memory freed by others is slower, so each mode is first once.
     fn start(prepared: &Prepared, days: u32, first: usize) -> Result<Self> {
         let period = RunPeriod::new(Date::of_day(1), Date::of_day(days))?;
         let folder = tempfile::Builder::new().prefix("b2b-bench-").tempdir()?;
@@ -171,7 +171,7 @@ impl Runs {
         Ok(Self { modes, _folder: folder })
     }
 
-    /// One simulated day of each, in an order that changes from day to day: CPU time of a step, ms.
+    /// Simulates one day in each mode, in an order that changes daily. Returns the CPU times of a step, ms.
     fn one_day_each(&mut self, day: usize) -> Result<[f64; MODES]> {
         let mut ms = [0.0; MODES];
         for turn in 0..MODES {
@@ -201,10 +201,10 @@ fn step(simulation: &mut Simulation) -> Result<()> {
     }
 }
 
-/// A run at the end of warm-up, with every actuator at the middle of its bounds.
+/// Returns a run at the end of warm-up, with every actuator at the middle of its bounds.
 fn warmed_up(prepared: &Prepared, run: Run) -> Result<Simulation> {
     let mut simulation = run.start(&prepared.library)?;
-    // The engine takes a damper's first value for its least opening, which is 0 in the prepared model.
+    // The engine uses a damper's first value as its minimum opening, which is 0 in the prepared model.
     hold_middle(prepared, &mut simulation, |actuator| actuator.quantity != Quantity::DamperOpening)?;
     match simulation.advance()? {
         Some(Event::WarmedUp) => {}

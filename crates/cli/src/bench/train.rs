@@ -22,9 +22,9 @@ use crate::{interrupt, stdout};
 /// Measure the speed of training in both loop designs, and the shares of environment, inference and learner
 ///
 /// Trains PPO with the preset paper on the task constant in winter; for a building type, on its first training
-/// building. After a first rollout that does not count, the two designs alternate in random order, one rollout and
-/// update each, so that other load affects both alike. Stable-Baselines3 follows, with the same settings and buildings
-/// on make_sb3_vec.
+/// building. After a first rollout that is excluded, the two designs alternate in random order, one rollout and update
+/// each, so that other load affects both alike. Stable-Baselines3 follows, with the same settings and buildings on
+/// make_sb3_vec.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Designs:
@@ -142,16 +142,16 @@ fn costs(building: BuildingId, arguments: &Arguments, catalog: &Arc<Catalog>) ->
     Ok(turns.into_iter().map(|(design, _, cost)| (design, cost)).collect())
 }
 
-/// The cost of some updates.
+/// The accumulated cost of updates.
 #[derive(Default)]
 struct Cost {
     times: UpdateTimes,
-    /// CPU time, s, and the steps that it was measured for.
+    /// CPU time, s, and the number of steps that it covers.
     cpu: (f64, u64),
 }
 
 impl Cost {
-    /// Makes an update and adds its cost.
+    /// Runs an update and adds its cost.
     fn add_update(&mut self, training: &mut TrainingLoop) -> Result<()> {
         let (before, owner) = (Processes::of(training)?, ProcessTime::now());
         let UpdateTimes { steps, environment, inference, learner } = training.update()?;

@@ -1,4 +1,4 @@
-//! `b2b bench vector`: the cost of many environments at once.
+//! `b2b bench vector`: the cost of many parallel environments.
 
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Child, ChildStdin, ChildStdout, Stdio};
@@ -58,7 +58,7 @@ pub struct Arguments {
     /// Print JSON
     #[arg(long)]
     json: bool,
-    /// Step a single environment for every line of the standard input
+    /// Run a round of steps in a single environment for every line of standard input
     #[arg(long, hide = true, value_name = "BUILDING", conflicts_with = "buildings")]
     single: Option<BuildingName>,
 }
@@ -130,7 +130,7 @@ fn measure(building: &BuildingName, arguments: &Arguments) -> Result<Measured> {
     })
 }
 
-/// The median of the ratios of the rounds.
+/// Returns the median ratio of the rounds.
 fn ratio(batch: &[f64], single: &[f64]) -> f64 {
     median(batch.iter().zip(single).map(|(batch, single)| batch / single).collect())
 }
@@ -139,7 +139,7 @@ fn period(days: u32) -> Result<RunPeriod> {
     Ok(RunPeriod::new(Date::of_day(1), Date::of_day(days))?)
 }
 
-/// CPU time of a reset without a template, ms.
+/// Returns the CPU time of a reset without a template, ms.
 fn fresh_reset_ms(prepared: &Prepared, period: RunPeriod) -> Result<f64> {
     interrupt::check()?;
     let mut env = prepared.env(period, STEPS_PER_HOUR, Task::default())?;
@@ -148,7 +148,7 @@ fn fresh_reset_ms(prepared: &Prepared, period: RunPeriod) -> Result<f64> {
     Ok(before.elapsed().as_secs_f64() * 1e3)
 }
 
-/// Wall-clock times of resets from a template, ms, and the template's memory, MB.
+/// Returns the wall-clock times of resets from a template, ms, and the template's memory, MB.
 fn resets(prepared: &Prepared, setting: &Setting, count: u32) -> Result<(Vec<f64>, f64)> {
     let workers = Workers::new(prepared.worker_options())?;
     let mut episode = workers.episode(setting)?;
@@ -163,7 +163,7 @@ fn resets(prepared: &Prepared, setting: &Setting, count: u32) -> Result<(Vec<f64
     Ok((times, template_mb))
 }
 
-/// Steps per CPU time and per wall-clock time of each round.
+/// Steps per CPU time and per wall-clock time of each round, and the memory of an environment.
 struct Rates {
     batch: Vec<f64>,
     single: Vec<f64>,
@@ -241,7 +241,7 @@ impl Cache {
     }
 }
 
-/// More than the size of a processor's own cache, bytes.
+/// Size of the memory that replaces the content of a processor's own cache, bytes.
 const OTHERS: usize = 8 << 20;
 
 /// A single environment in its own process.
@@ -266,7 +266,7 @@ impl Single {
         Ok(single)
     }
 
-    /// Runs a round of all at once. Returns the steps per CPU time of one.
+    /// Runs a round in all processes at once. Returns the steps per CPU second of one process.
     fn round(singles: &mut [Self], cache: Cache) -> Result<f64> {
         for single in &mut *singles {
             writeln!(single.ask, "{}", cache.name()).context("a single environment has ended")?;
@@ -281,7 +281,7 @@ impl Single {
         line.trim().parse().context("a single environment has ended")
     }
 
-    /// The process side: reports when it is ready, then steps through a round for each line and reports its CPU time.
+    /// Runs in the child process: reports when it is ready, then runs a round for each line and reports its CPU time.
     fn serve(building: &BuildingName, days: u32) -> Result<()> {
         let prepared = Prepared::new(building, &Location::default(), true)?;
         let mut env = prepared.env(period(days)?, STEPS_PER_HOUR, Task::default())?;
@@ -296,7 +296,7 @@ impl Single {
         Ok(())
     }
 
-    /// CPU time of a round, s, without the time to replace the cache before each step.
+    /// Runs a round. Returns its CPU time, s, without the time to replace the cache before each step.
     fn steps(env: &mut Env, action: &[f64], others: &mut [u8]) -> Result<f64> {
         let mut seconds = 0.0;
         for _ in 0..ROUND {
@@ -311,7 +311,7 @@ impl Single {
 
 impl Drop for Single {
     fn drop(&mut self) {
-        // It may have ended already.
+        // Fails if the process has already ended.
         let _ = self.process.kill();
         let _ = self.process.wait();
     }

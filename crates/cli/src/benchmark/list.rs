@@ -23,7 +23,7 @@ pub struct ShowArguments {
     /// Print the problem definition as JSON, with all building ids, changes and its hash
     #[arg(long)]
     json: bool,
-    // Last, because its heading applies to all that follows.
+    // Last, because its heading applies to all arguments after it.
     #[command(flatten)]
     selection: Selection,
 }
@@ -92,7 +92,7 @@ fn text(problem: &Problem) -> String {
     )
 }
 
-/// Returns the rules of training and test.
+/// Returns the rules of training and testing.
 fn rules(protocol: &Protocol) -> [(&'static str, String); 6] {
     let list = |values: &[u64]| values.iter().map(u64::to_string).collect::<Vec<_>>().join(", ");
     let windows: Vec<_> = protocol.windows.iter().map(ToString::to_string).collect();

@@ -12,8 +12,9 @@ use crate::stdout;
 /// Write a leaderboard of results
 ///
 /// Writes one HTML page that needs no network. For every problem it shows a table of the entries, ranked by the
-/// interquartile mean of the resolved score or of the paper's, with confidence intervals, performance profiles, scores by building type, deviations from the target temperature, and the effect of
-/// adaptation. Results of modified problems are listed separately.
+/// interquartile mean of the resolved score or of the paper's score, with confidence intervals, performance profiles,
+/// scores by building type, deviations from the target temperature, and the effect of adaptation. Results of modified
+/// problems are listed separately.
 #[derive(clap::Args)]
 #[command(
     verbatim_doc_comment,

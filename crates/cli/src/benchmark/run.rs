@@ -1,4 +1,4 @@
-//! `b2b benchmark run`: a policy on a problem.
+//! `b2b benchmark run`: evaluation of a policy on a problem.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -56,7 +56,7 @@ pub struct Arguments {
     /// Print result.json instead of the text report
     #[arg(long)]
     json: bool,
-    // Last, because its heading applies to all that follows.
+    // Last, because its heading applies to all arguments after it.
     #[command(flatten)]
     selection: Selection,
 }

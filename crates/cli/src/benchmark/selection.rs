@@ -1,4 +1,4 @@
-//! The problem of a command: by name, from a file, or of chosen building types, with modifications.
+//! Selection of a problem: by name, from a file, or by building types, with modifications.
 
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use b2b_env::Task;
 
 use crate::arguments::task;
 
-/// The choice of a problem.
+/// Arguments that select a problem.
 #[derive(clap::Args)]
 pub struct Selection {
     /// Problem: a name from `b2b benchmark list`, a JSON file, or cross-domain with --train-type and --test-type
@@ -65,7 +65,7 @@ struct ChangeArguments {
     /// Form of the observations of houses: a slot for every zone role, or zones in model order padded with zeros
     #[arg(long, value_name = "roles|raw")]
     observation: Option<HouseForm>,
-    /// What controls the actuators that are withheld from the policy: the reactive controllers, or a constant
+    /// Control of the actuators that are withheld from the policy: the reactive controllers, or a constant
     #[arg(long, value_name = "reactive|pin")]
     fallback: Option<Fallback>,
     /// Constant value of the withheld actuators, in their unit

@@ -1,4 +1,4 @@
-//! `b2b benchmark verify`: the check of a result.
+//! `b2b benchmark verify`: verification of a result.
 
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -16,10 +16,10 @@ use crate::stdout;
 
 /// Verify a result
 ///
-/// Recomputes the list of episodes, the scores and the aggregate measures, checks the SHA-256 of every policy, simulates
-/// a random sample of the episodes and of their baselines again, and compares them bit for bit, or within 1e-6 if the
-/// result is from a machine that rounds differently. Requires the version of b2b that wrote the result. Exits with code 1
-/// if anything differs.
+/// Recomputes the list of episodes, the scores and the aggregate measures, checks the SHA-256 of every policy,
+/// simulates a random sample of the episodes and of their baselines again, and compares them bit for bit, or within
+/// 1e-6 if the result is from a machine that rounds differently. Requires the version of b2b that wrote the result.
+/// Exits with code 1 if anything differs.
 #[derive(clap::Args)]
 #[command(
     verbatim_doc_comment,
@@ -32,8 +32,8 @@ pub struct Arguments {
     /// Result folder
     #[arg(value_name = "FOLDER")]
     folder: PathBuf,
-    /// Number of episodes to simulate again, at least 1 [default: enough to find a forged one with a probability of 95 %
-    /// if a tenth of the episodes are forged]
+    /// Number of episodes to simulate again, at least 1 [default: enough to find a forged one with a probability of
+    /// 95 % if a tenth of the episodes are forged]
     #[arg(long, value_name = "N", value_parser = at_least_one)]
     episodes: Option<NonZeroUsize>,
     /// Random seed of the choice of episodes, to repeat a verification [default: from the operating system]

@@ -97,7 +97,7 @@ fn of_vintage(vintage: Vintage) -> Vec<&'static HouseSample> {
     .collect()
 }
 
-/// Returns minimum and maximum.
+/// Formats minimum and maximum.
 fn range(values: &[f64], decimals: usize) -> String {
     let low = values.iter().copied().fold(f64::INFINITY, f64::min);
     let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);

@@ -14,8 +14,8 @@ use crate::stdout;
 
 /// Compare evaluations of the same episodes on one page
 ///
-/// Writes one HTML page that needs no network: the distributions of the rewards of single steps, RMS deviations, and
-/// energy vs. comfort of every policy.
+/// Writes one HTML page that needs no network: the distributions of step rewards, RMS deviations, and energy versus
+/// comfort of every policy.
 #[derive(clap::Args)]
 #[command(
     verbatim_doc_comment,
@@ -42,7 +42,7 @@ pub fn compare(arguments: &Arguments) -> Result<ExitCode> {
     Ok(ExitCode::Success)
 }
 
-/// Reads the episodes of an evaluation; its name is that of the folder.
+/// Reads the episodes of an evaluation, which is named after its folder.
 fn read(folder: &Path) -> Result<Compared> {
     let path = folder.join("episodes.parquet");
     let file = File::open(&path)

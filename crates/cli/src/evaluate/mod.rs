@@ -1,4 +1,4 @@
-//! `b2b evaluate`: a policy on many buildings.
+//! `b2b evaluate`: evaluation of a policy on many buildings.
 
 mod compare;
 
@@ -173,7 +173,7 @@ fn table<'a>(groups: impl Iterator<Item = &'a Group>) -> String {
     table.text()
 }
 
-/// Returns a ratio of energies; a dash without a baseline.
+/// Formats a ratio of energies; a dash without a baseline.
 pub fn ratio(relative_energy: Option<f64>) -> String {
     relative_energy.map_or("–".to_owned(), |ratio| format!("{ratio:.2}"))
 }

@@ -1,4 +1,4 @@
-//! `b2b experiment`: the paper's experiments and others, as lists of resumable jobs.
+//! `b2b experiment`: the paper's experiments and your own, as lists of resumable jobs.
 
 mod report;
 mod run;

@@ -84,7 +84,8 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     Ok(ExitCode::of(ended.failed == 0))
 }
 
-/// Returns the name of a shipped experiment, or the absolute path of a file, so that the folder can be reported from anywhere.
+/// Returns the name of a shipped experiment, or the absolute path of a file, so that a report can be written from any
+/// working directory.
 fn source(experiment: &str) -> Result<String> {
     if experiment.ends_with(".toml") {
         return Ok(std::path::absolute(experiment)?.to_string_lossy().into_owned());

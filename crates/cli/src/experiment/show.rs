@@ -73,7 +73,7 @@ pub fn show(arguments: &ShowArguments) -> Result<()> {
     ))
 }
 
-/// Returns the estimated hours of the jobs that are left.
+/// Returns the estimated duration of the remaining jobs, in hours.
 pub fn hours(folder: Option<&Folder>, jobs: &[Job], parallel: usize) -> String {
     let time: Duration = estimate(folder, jobs, parallel);
     let hours = time.as_secs_f64() / 3600.0;

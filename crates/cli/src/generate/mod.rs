@@ -38,8 +38,8 @@ pub struct Arguments {
     /// Random seed of the Latin hypercube that samples the parameters
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
-    /// Place, may be repeated: each has an equal share of the buildings; for houses, regions of Québec [default: the 16 places in the
-    /// United States; the 15 regions, in proportion to their houses]
+    /// Place, may be repeated: each has an equal share of the buildings; for houses, regions of Québec [default: the 16
+    /// places in the United States; the 15 regions, in proportion to their houses]
     #[arg(long = "place", value_name = "NAME", value_parser = place_name)]
     places: Vec<String>,
     /// EPW weather file of another place, may be repeated: each has an equal share of the buildings
@@ -150,7 +150,8 @@ impl Arguments {
         }
     }
 
-    /// Samples new buildings. Their names contain the seed, so that they differ from those of the dataset and of other seeds.
+    /// Samples new buildings. Their names contain the seed, which distinguishes them from the dataset's buildings and
+    /// those of other seeds.
     fn sample(&self, building_type: BuildingType) -> Result<Selection> {
         let places = self.places(building_type)?;
         let buildings =
@@ -196,7 +197,7 @@ impl Arguments {
             return stdout::print_json(&json!({"written": written, "kept": kept, "manifest": manifest}));
         }
         stdout::print(&format!(
-            "{written} buildings written to {folder}, {kept} already there; parameters are in {MANIFEST}"
+            "{written} buildings written to {folder}, {kept} existing ones kept; parameters are in {MANIFEST}"
         ))
     }
 }

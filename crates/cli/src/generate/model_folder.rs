@@ -10,16 +10,15 @@ use tempfile::TempDir;
 /// Name of the manifest in the folder.
 pub const MANIFEST: &str = "manifest.csv";
 
-/// A folder of models. Each file is written elsewhere and moved into place, so that files are always complete. A file
-/// whose row in the manifest has changed is removed before the manifest is updated, so that an interrupted generation
-/// can resume.
+/// A folder of models. Each file is staged and moved into place, so that files are always complete. A file whose row in
+/// the manifest has changed is removed before the manifest is updated, so that an interrupted generation can resume.
 pub struct ModelFolder {
     root: PathBuf,
     staging: TempDir,
 }
 
 impl ModelFolder {
-    /// Updates the manifest in the folder and removes the models that no longer match it. Rows of other names stay.
+    /// Updates the manifest in the folder and removes the models that no longer match it. Rows of other names are kept.
     pub fn open(root: &Path, manifest: &Manifest) -> Result<Self> {
         let cannot = || format!("cannot write the folder {}", root.display());
         std::fs::create_dir_all(root).with_context(cannot)?;
@@ -49,7 +48,7 @@ impl ModelFolder {
         self.write_file(&file_name(name), epjson)
     }
 
-    /// Returns the rows of the existing manifest by name; none if it has other columns.
+    /// Returns the rows of the existing manifest by name; none if its columns differ.
     fn described(&self, header: &str) -> Result<BTreeMap<String, String>> {
         let path = self.root.join(MANIFEST);
         if !path.exists() {

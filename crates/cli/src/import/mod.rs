@@ -1,4 +1,4 @@
-//! `b2b import`: what an agent can control in a user's own model.
+//! `b2b import`: a report on what an agent can control in a user's own model.
 
 mod overview;
 mod report;
@@ -26,8 +26,8 @@ use trial::Trial;
 /// zone, central air loops with reheat boxes, and zone heaters. All other systems keep their thermostats and schedules.
 /// The agent observes all zones; the reward counts those that it controls; energy use is that of all HVAC.
 ///
-/// Nothing is written: `b2b run`, `b2b show` and `b2b doctor --authority` accept the model file itself and prepare it in
-/// the same way. Given several models, prints one line for each and exits with code 1 if any cannot be imported or
+/// Nothing is written: `b2b run`, `b2b show` and `b2b doctor --authority` accept the model file itself and prepare it
+/// in the same way. Given several models, prints one line for each and exits with code 1 if any cannot be imported or
 /// produces severe messages.
 #[derive(clap::Args)]
 #[command(

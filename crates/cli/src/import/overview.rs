@@ -1,4 +1,4 @@
-//! The overview of several models.
+//! The text and JSON report on several models.
 
 use anyhow::Result;
 use serde_json::{Value, json};
@@ -7,7 +7,7 @@ use super::report::{Report, SystemKind};
 use super::trial::Trial;
 use crate::table::Table;
 
-/// Trials with a zone of at least this RMS deviation name the zone, K.
+/// Smallest RMS deviation of the worst zone at which a note names the zone, K.
 const LARGE_DEVIATION: f64 = 1.0;
 
 const COLUMNS: [&str; 11] = [
@@ -24,7 +24,7 @@ const COLUMNS: [&str; 11] = [
     "severe",
 ];
 
-/// The report on one of several models, or why it cannot be imported.
+/// The report on one of several models, or the error if it cannot be imported.
 pub struct Imported {
     pub name: String,
     pub report: Result<Report, String>,
@@ -86,7 +86,7 @@ fn row(name: &str, report: &Report) -> [String; 11] {
     ]
 }
 
-/// Returns the components of a model that are not controlled, with the reason, and what stood out in its trial.
+/// Returns the components of a model that are not controlled, with the reason, and notes on problems in its trial.
 fn note(name: &str, report: &Report) -> String {
     let mut lines: Vec<String> = report
         .not_controlled_groups()

@@ -87,7 +87,7 @@ fn trial_text(trial: &Trial) -> String {
     )
 }
 
-/// Returns the commands to continue with.
+/// Returns commands that the user may run next.
 fn next_steps(model: &Path, location: &Location) -> String {
     let arguments = location.arguments().into_iter().map(|a| quoted(&a.to_string_lossy()));
     let words: Vec<_> = [quoted(&model.to_string_lossy())].into_iter().chain(arguments).collect();
@@ -95,7 +95,7 @@ fn next_steps(model: &Path, location: &Location) -> String {
     let commands = [
         (format!("b2b run {words}"), "run an episode"),
         (format!("b2b show {words} --actions"), "list the actuators with their bounds"),
-        (format!("b2b doctor --authority {words}"), "actuator response check"),
+        (format!("b2b doctor --authority {words}"), "check the actuator response"),
     ];
     let width = commands.iter().map(|(command, _)| command.chars().count()).max().unwrap_or(0);
     let lines = commands.map(|(command, purpose)| format!("  {command:<width$}  {purpose}"));

@@ -29,7 +29,7 @@ pub struct Trial {
 }
 
 impl Trial {
-    /// Simulates a run period at a constant 21 °C.
+    /// Simulates a run period with a constant target of 21 °C.
     pub fn run(prepared: &Prepared, period: RunPeriod, quiet: bool) -> Result<Self> {
         let spaces = prepared.spaces(period, 12, Task::default())?;
         let mut controller = reactive(&spaces, &Parameters::Tuned)?;

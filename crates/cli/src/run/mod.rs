@@ -23,7 +23,8 @@ use summary::{RunInfo, Summary};
 /// Run an episode, print its metrics, and write its trajectory and a plot
 ///
 /// Writes three files: trajectory.parquet (one row per step), summary.json (what --json prints) and picture.html
-/// (interactive time series, opens in any browser without a network; an agent is drawn beside the reactive controllers).
+/// (interactive time series, opens in any browser without a network; an agent is drawn beside the reactive
+/// controllers).
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment, after_help = EXAMPLES)]
 pub struct Arguments {

@@ -23,7 +23,7 @@ use super::summary::Summary;
 pub const NAME: &str = "picture.html";
 
 const PAGE: &str = include_str!("picture.html");
-/// Maximum number of points of a series: the hours of a year, with the rounding of the last day.
+/// Maximum number of points of a series: the hours of a leap year.
 const MAX_POINTS: usize = 8784;
 
 /// Series of one unit over the time axis.
@@ -41,22 +41,22 @@ struct Panel {
 #[derive(Serialize)]
 struct Series {
     name: String,
-    /// Index of the color. Series of the same color belong to the same zone.
+    /// Index of the color, the same for all series of a zone.
     color: usize,
-    /// Whether the line is dashed: that of the reactive controllers beside an agent's.
+    /// Whether the line is dashed, as for the reactive controllers beside an agent.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     dashed: bool,
     low: f64,
     high: f64,
     /// Means of the spans: base64 of little-endian 16-bit numbers, 0 for `low` and 65535 for `high`.
     mean: String,
-    /// Minima and maxima of the spans, where a span is more than one step.
+    /// Minima and maxima of the spans, if a span has more than one step.
     #[serde(skip_serializing_if = "Option::is_none")]
     extremes: Option<[String; 2]>,
 }
 
-/// Writes the page. With the trajectory of the reactive controllers, their zone temperatures and power are beside those of the
-/// agent.
+/// Writes the page. If the trajectory of the reactive controllers is given, their zone temperatures and power are drawn
+/// beside those of the agent.
 pub fn write(
     file: &mut impl Write,
     spaces: &Spaces,
@@ -125,7 +125,7 @@ impl Picture<'_> {
         Panel { title: "Target temperature".into(), unit: "°C", series: series.collect(), band: None }
     }
 
-    /// Returns the outdoor air with attics and plenums, which follow it more than any target.
+    /// Returns the temperatures of the outdoor air and of unconditioned zones, such as attics and plenums.
     fn outdoor(&self) -> Panel {
         let outdoor = self.spaces.observation.outdoor_temperature();
         let mut series =
@@ -134,7 +134,7 @@ impl Picture<'_> {
         Panel { title: "Outdoor air and unconditioned zones".into(), unit: "°C", series, band: None }
     }
 
-    /// Returns the temperatures of the zones whose equipment matches.
+    /// Returns the temperatures of the zones whose conditioning matches.
     fn zones(&self, matches: impl Fn(Conditioning) -> bool) -> impl Iterator<Item = Series> {
         let zones = self.spaces.building.zones.iter().enumerate();
         let slots = self.spaces.observation.zone_temperatures();
@@ -173,7 +173,7 @@ impl Picture<'_> {
         }
     }
 
-    /// Returns series, followed by those of the reactive controllers, dashed, if there is a trajectory of them.
+    /// Returns series, followed by the same series of the reactive controllers, dashed, if their trajectory is given.
     fn with_reactive(&self, series: impl Fn(&Self) -> Vec<Series>) -> Vec<Series> {
         let mut all = series(self);
         if let Some(trajectory) = self.reactive {

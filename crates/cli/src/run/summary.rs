@@ -49,7 +49,7 @@ pub struct Summary {
     pub severe_messages: Vec<String>,
     /// SHA-256 of all observations, actions and penalties: equal hashes mean equal episodes.
     pub trajectory_hash: String,
-    /// CPU time up to the end of the episode, s.
+    /// CPU time of this process and of the environment's up to the end of the episode, s.
     pub cpu_s: f64,
     /// CPU time of the environment, s: warm-up and steps.
     pub environment_cpu_s: f64,
@@ -59,7 +59,7 @@ pub struct Summary {
     pub zones: Vec<ZoneSummary>,
 }
 
-/// Properties of a run that the environment does not know.
+/// Properties of a run that are not part of the environment.
 #[derive(Serialize)]
 pub struct RunInfo {
     /// Name of the place, or of the weather file.
@@ -155,7 +155,7 @@ impl Summary {
         lines.join("\n")
     }
 
-    /// Returns how well the episode went: reward, comfort, energy and wear.
+    /// Returns the results of the episode: return, comfort, energy and actuator travel.
     fn outcome_metrics(&self) -> Vec<(&'static str, String)> {
         let metrics = &self.metrics;
         let hours = metrics.steps as f64 / f64::from(self.steps_per_hour);
@@ -194,7 +194,7 @@ impl Summary {
         }
     }
 
-    /// Returns the deviation of the zones with heating and cooling, and that of the zones without cooling if there are any.
+    /// Returns the deviation of the zones with heating and cooling, and of the zones without cooling if there are any.
     fn rms_deviation_text(&self) -> String {
         let both = format!("{:.2} K", self.metrics.rms_deviation);
         match self.zones.iter().filter(|zone| !zone.heating_and_cooling).count() {
@@ -206,7 +206,7 @@ impl Summary {
         }
     }
 
-    /// Returns whether the run can be trusted, and what it cost to compute.
+    /// Returns indicators of the validity of the run, and its computational cost.
     fn run_diagnostics(&self) -> Vec<(&'static str, String)> {
         let other_cpu = self.cpu_s - self.environment_cpu_s;
         vec![
@@ -266,7 +266,7 @@ impl Summary {
     }
 }
 
-/// Returns a warning of zones that were never within the comfort band.
+/// Returns a warning about zones that were never within the comfort band.
 fn never_near_target(zones: &[ZoneSummary], band: f64) -> Option<String> {
     let names: Vec<&str> =
         zones.iter().filter(|zone| zone.never_near_target).map(|zone| zone.name.as_str()).collect();
@@ -286,8 +286,8 @@ fn zones(spaces: &Spaces, metrics: &Metrics) -> Vec<ZoneSummary> {
     metrics.zones.iter().map(zone).collect()
 }
 
-/// Returns the largest relative mismatch of a fuel, NaN without the engine's meters. A fuel that the building does not use
-/// has none.
+/// Returns the larger relative mismatch of electricity and gas; NaN without the engine's meters. The mismatch of an
+/// unused fuel is 0.
 fn meter_relative_error(metrics: &Metrics, meters: Option<[f64; 2]>) -> f64 {
     const TINY: f64 = 1e-9;
     let Some(meters) = meters else { return f64::NAN };

@@ -29,9 +29,9 @@ use super::summary::Summary;
 
 /// Name of the file.
 pub const NAME: &str = "trajectory.parquet";
-/// The entry of the metadata with the SHA-256 of the others.
+/// Key of the metadata entry with the SHA-256 of the other entries.
 const DIGEST: &str = "metadata_sha256";
-/// Columns before the observations: step, month, day, hour and minute.
+/// Number of columns before the observations: step, month, day, hour and minute.
 const CALENDAR: usize = 5;
 /// Columns after the actions.
 const PENALTIES: [&str; 3] = ["temperature penalty", "energy penalty", "reward"];
@@ -59,7 +59,7 @@ pub fn write(
     columns.write(file, summary, spaces.observation.len())
 }
 
-/// A trajectory that was read from a file: what was run, and its steps.
+/// A trajectory read from a file, with the file's metadata.
 #[cfg(target_os = "linux")]
 pub struct Stored {
     metadata: HashMap<String, String>,
@@ -68,7 +68,7 @@ pub struct Stored {
 
 #[cfg(target_os = "linux")]
 impl Stored {
-    /// Reads a file and compares its content with its hashes.
+    /// Reads a file. Errors if its content does not match its hashes.
     pub fn read(path: &Path) -> Result<Self> {
         let file = File::open(path).with_context(|| format!("cannot read {}", path.display()))?;
         let not_ours = || format!("{} is not a trajectory written by b2b run", path.display());
@@ -132,11 +132,11 @@ fn values(column: &ArrayRef) -> Result<&[f64]> {
     Ok(column.values())
 }
 
-/// Returns the SHA-256 of the metadata: a line `KEY=VALUE` for each entry but the digest, in the order of their keys.
+/// Returns the SHA-256 of the metadata: a line `KEY=VALUE` for each entry except the digest, ordered by key.
 fn digest(metadata: &HashMap<String, String>) -> String {
     let mut entries: Vec<_> = metadata.iter().filter(|(key, _)| **key != DIGEST).collect();
     entries.sort();
-    // Arrow adds its own schema.
+    // Arrow adds an entry with its schema.
     let ours = entries.into_iter().filter(|(key, _)| !key.starts_with("ARROW:"));
     sha256(ours.map(|(key, value)| format!("{key}={value}\n")).collect::<String>())
 }

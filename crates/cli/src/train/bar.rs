@@ -16,7 +16,7 @@ pub struct Bar {
 }
 
 impl Bar {
-    /// Hides the bar if `quiet`.
+    /// Creates the bar, hidden if `quiet`.
     pub fn new(steps: u64, quiet: bool) -> Self {
         Self { quiet, steps, bar: ProgressBar::hidden(), is_counting: false, evaluated: String::new() }
     }

@@ -1,4 +1,4 @@
-//! `b2b train`: trains an agent, resumable, and scores it against the reactive controllers.
+//! `b2b train`: resumable training of an agent, scored against the reactive controllers.
 
 mod bar;
 
@@ -125,7 +125,7 @@ pub fn train(arguments: &Arguments) -> Result<()> {
 }
 
 impl Arguments {
-    /// Returns the configuration: that of the run to resume, or a preset with the changes of a file and of the arguments.
+    /// Returns the configuration: that of the run to resume, or a preset changed by a file and the arguments.
     fn configuration(&self) -> Result<TrainConfig> {
         if let Some(folder) = &self.resume {
             let path = folder.join(CONFIG);

@@ -19,8 +19,8 @@ use crate::{interrupt, stdout};
 ///
 /// Runs every building under the default parameters, the comfort set and the energy set of its type and climate zone.
 /// Reports the return of each for both objectives (comfort alone, and with an energy weight of 0.5), the RMS deviation
-/// from the target temperature over the zones with heating and cooling, actuator travel and HVAC energy; then, for every
-/// type and zone, the medians over buildings and tasks of the loss (negated return) relative to the default parameters.
+/// from the target temperature over the zones with heating and cooling, actuator travel and HVAC energy. For every type
+/// and zone, reports the medians over buildings and tasks of the loss (negated return) relative to the defaults.
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment)]
 pub struct Arguments {
@@ -57,21 +57,21 @@ struct Run {
     class: Class,
     task: String,
     set: Set,
-    /// Whether the class has this set. If not, it is the defaults.
+    /// Whether the class has this set; if not, the run uses the defaults.
     is_tuned: bool,
-    /// Return without a weight of energy, summed over the run periods.
+    /// Return with an energy weight of 0, summed over the run periods.
     comfort_return: f64,
     /// Return with an energy weight of 0.5, summed over the run periods.
     energy_return: f64,
     /// RMS deviation, averaged over the run periods, K.
     rms_deviation_k: f64,
-    /// Actuator travel in the run period with the most, full strokes/day.
+    /// Actuator travel, maximum over the run periods, full strokes/day.
     daily_travel: f64,
-    /// HVAC energy, Wh/m².
+    /// HVAC energy, summed over the run periods, Wh/m².
     energy_wh_m2: f64,
 }
 
-/// The sets of a class compared for an objective.
+/// The comparison of a class's parameter sets for an objective.
 #[derive(Serialize)]
 struct ClassRow {
     class: Class,

@@ -1,4 +1,4 @@
-//! Episodes of tuning, in worker processes.
+//! Tuning episodes in worker processes.
 
 use b2b_building::RunPeriod;
 use b2b_control::tune::{Building, Cells, Outcome, Plan, Rollouts, TrainingBuildings};
@@ -9,10 +9,10 @@ use b2b_env::Task;
 use crate::progress::Download;
 use crate::workers::worker_options;
 
-/// Sunday to Tuesday, in winter and in summer: the change from a weekend to weekdays. The default run periods of tuning.
+/// Default run periods of tuning: Sunday to Tuesday in winter and in summer, to include the end of a weekend.
 pub const DAYS: [&str; 2] = ["01-08..01-10", "07-09..07-11"];
 
-/// The episodes of a class on its training buildings. They are prepared on first use: a finished plan needs none.
+/// The episodes of a class on its training buildings, which are prepared on first use: a finished plan needs none.
 pub struct TrainingRollouts<'a> {
     catalog: &'a Catalog,
     buildings: &'a TrainingBuildings,
@@ -56,7 +56,7 @@ impl<'a> TrainingRollouts<'a> {
     }
 }
 
-/// Returns the episodes of these buildings, ready to run. Waiting for them ends with an interrupt.
+/// Returns the episodes of these buildings, ready to run. An interrupt ends any wait for them.
 pub fn rollouts(
     catalog: &Catalog,
     ids: &[BuildingId],

@@ -25,8 +25,8 @@ use crate::{interrupt, stdout};
 pub struct Arguments {
     #[command(flatten)]
     classes: Classes,
-    /// Objectives: comfort (no weight of energy), energy (weight 0.5). The energy search needs the result of the comfort
-    /// search, which runs first unless the folder has it
+    /// Objectives: comfort (energy weight 0), energy (weight 0.5). The energy search needs the result of the comfort
+    /// search, which runs first unless its result is in the folder
     #[arg(long = "objective", value_name = "OBJECTIVE", num_args = 1.., default_values_t = Objective::ALL)]
     objectives: Vec<Objective>,
     /// Number of training buildings per type and climate zone in the search
@@ -35,8 +35,8 @@ pub struct Arguments {
     /// Number of other training buildings on which the best parameter sets are validated
     #[arg(long, default_value_t = 5, value_name = "N")]
     validation: u32,
-    /// Largest number of parameter sets to evaluate for each objective, including the defaults; a search ends early when
-    /// 20 sets in a row improve its score by less than 1 %
+    /// Maximum number of parameter sets to evaluate for each objective, including the defaults; a search ends early
+    /// when 20 sets in a row improve its score by less than 1 %
     #[arg(long, default_value_t = 100, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     evaluations: u32,
     /// Random seed of the choice of buildings and of the search
@@ -55,7 +55,7 @@ pub struct Arguments {
     json: bool,
 }
 
-/// The files of results.
+/// Names of the result files.
 const TUNED: &str = "tuned.json";
 const ENERGY: &str = "energy_scale.json";
 
@@ -76,7 +76,7 @@ struct Found {
     energy: Option<Tuned>,
 }
 
-/// Tunes every selected class; as many at a time as there are jobs.
+/// Tunes every selected class, several in parallel.
 pub fn search(arguments: &Arguments) -> Result<()> {
     let classes = arguments.classes.list()?;
     let folder = arguments.out.join("evaluations");
@@ -114,7 +114,7 @@ pub fn search(arguments: &Arguments) -> Result<()> {
 }
 
 impl Arguments {
-    /// The objectives that are searched: comfort is the basis of energy.
+    /// Returns the objectives to search: the energy search builds on the comfort search.
     fn searched(&self) -> impl Iterator<Item = Objective> {
         let energy = self.objectives.contains(&Objective::Energy);
         Objective::ALL.into_iter().filter(move |objective| energy || *objective == Objective::Comfort)
@@ -183,7 +183,7 @@ impl Arguments {
         all.filter(|tuned| self.objectives.contains(&tuned.objective)).collect()
     }
 
-    /// Writes the results so far. The files appear complete or not at all.
+    /// Writes the results so far. Each file is replaced as a whole.
     fn write(&self, found: &[Found]) -> Result<()> {
         let staged = OutputFolder::stage(&self.out)?;
         write_list(&staged, TUNED, &self.selected(found))?;

@@ -1,5 +1,5 @@
-//! The morphology as nodes and links: weather, calendar and energy on top, zones at their position in plan, level above
-//! level, and air loops beside the zones they serve.
+//! The morphology as nodes and links: weather, calendar and energy at the top, zones at their positions in the plans of
+//! the levels, which are drawn one above another, and air loops beside the zones they serve.
 
 use b2b_building::Morphology;
 use b2b_building::description::Description;
@@ -13,8 +13,9 @@ use super::style::page_layout;
 
 /// Largest difference of floor height within a level, as a fraction of the building's height.
 const LEVEL: f64 = 0.04;
-/// Distance between levels, and depth of a plan.
+/// Distance between levels.
 const RISE: f64 = 1.0;
+/// Depth of a plan.
 const DEPTH: f64 = 0.62;
 /// Slant of a plan to the right.
 const LEAN: f64 = 0.35;
@@ -171,13 +172,13 @@ fn text(morphology: &Morphology, node: usize) -> String {
     lines.join("<br>")
 }
 
-/// Returns the JSON name of a quantity in words.
+/// Returns the JSON name of a quantity with spaces between its words.
 fn words(quantity: &impl serde::Serialize) -> String {
     let name = serde_json::json!(quantity);
     name.as_str().unwrap_or_default().replace('_', " ")
 }
 
-/// Returns a number with three significant digits, or more for large numbers.
+/// Formats a number with two decimals below 10, one below 100, and none above.
 fn rounded(value: f64) -> String {
     match value.abs() {
         size if size >= 100.0 || value == 0.0 => format!("{value:.0}"),

@@ -1,7 +1,7 @@
 //! `b2b view`: a page with the 3D geometry of a building, its systems as a graph and its description.
 //!
-//! [`solid`] and [`graph`] make the plots, `view.html` is the page around them. The page embeds Plotly's script and needs
-//! no network.
+//! [`solid`] and [`graph`] create the plots; `view.html` is the page around them. The page embeds Plotly's script and
+//! needs no network.
 
 mod graph;
 mod solid;

@@ -20,8 +20,9 @@ use super::triangle::triangles;
 /// Offset of windows and doors from their wall, as a fraction of the plan size.
 const IN_FRONT: f64 = 0.002;
 const GLASS: &str = "#7dc4f0";
-/// Margins of the ground and of the picture around the building, as fractions of the plan size.
+/// Margin of the ground around the building, as a fraction of the plan size.
 const GROUND: f64 = 0.12;
+/// Margin of the picture around the building, as a fraction of the plan size.
 const MARGIN: f64 = 0.24;
 /// Diagonal of the picture, in camera units.
 const DIAGONAL: f64 = 2.2;
@@ -87,7 +88,7 @@ fn draw_zone(
         for opening in &face.openings {
             let mesh = if opening.is_glass { &mut glass } else { &mut doors };
             let text = opening_text(building, face, opening);
-            // Both sides: the model does not always say which one is outside.
+            // Both sides, because the model does not always define which one is outside.
             for side in [front, -front] {
                 mesh.add(&moved(&opening.corners, &face.corners, side), &text);
             }
@@ -190,7 +191,7 @@ fn draw_north(plot: &mut Plot, shape: &Shape) {
     let size = plan_size(&[low, high]);
     let ground = low[2].max(0.0).min(high[2]);
     let (sin, cos) = shape.north_axis.to_radians().sin_cos();
-    // From coordinates across and along the arrow to the axes of the building.
+    // Rotates coordinates across and along the arrow to the axes of the building.
     let middle = [low[0] - 0.5 * MARGIN * size, low[1] - 0.3 * MARGIN * size];
     let at = |across: f64, along: f64| {
         let (across, along) = (across * size, along * size);
@@ -231,7 +232,7 @@ fn plan_size([low, high]: &[Point; 2]) -> f64 {
 fn layout(extent: [Point; 2]) -> Layout {
     let margin = MARGIN * plan_size(&extent);
     let [low, high] = extent;
-    // Objects on the edge of a range would be cut in half.
+    // Objects at the edge of a range would be cut in half.
     let edge = 2.0 * front(&extent);
     let ranges: [[f64; 2]; 3] = [
         [low[0] - margin, high[0] + margin],

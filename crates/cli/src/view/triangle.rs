@@ -1,10 +1,10 @@
-//! Triangulation of plane polygons in space.
+//! Triangulation of planar polygons in space.
 
 use b2b_building::description::shape::Point;
 use b2b_building::zone::area_vector;
 
-/// Triangulates a plane polygon without holes by ear clipping, and returns the corners of the triangles. The corners of the
-/// polygon may be in either orientation. A degenerate polygon gives degenerate triangles.
+/// Triangulates a planar polygon without holes by ear clipping, and returns the indices of the triangles' corners. The
+/// polygon may have either orientation. A degenerate polygon gives degenerate triangles.
 pub fn triangles(corners: &[Point]) -> Vec<[usize; 3]> {
     let plane = project(corners);
     let cross = |a: usize, b: usize, c: usize| {
@@ -22,7 +22,7 @@ pub fn triangles(corners: &[Point]) -> Vec<[usize; 3]> {
             let inside = |p: usize| cross(a, b, p) > 0.0 && cross(b, c, p) > 0.0 && cross(c, a, p) > 0.0;
             cross(a, b, c) > 0.0 && !others.any(|other| inside(*other))
         };
-        // A rest without ears is a line: any corner will do.
+        // A remainder without ears is degenerate: any corner can be cut.
         let ear = (0..count).find(is_ear).unwrap_or(0);
         cut.push([at(ear + count - 1), at(ear), at(ear + 1)]);
         left.remove(ear);
@@ -33,7 +33,7 @@ pub fn triangles(corners: &[Point]) -> Vec<[usize; 3]> {
     cut
 }
 
-/// Projects the polygon onto the coordinate plane where it is largest, counter-clockwise.
+/// Projects the polygon, counterclockwise, onto the coordinate plane in which its area is largest.
 fn project(corners: &[Point]) -> Vec<[f64; 2]> {
     let normal = area_vector(corners);
     let axis = (0..3).max_by(|a, b| normal[*a].abs().total_cmp(&normal[*b].abs())).unwrap_or(2);

@@ -12,14 +12,14 @@ use rand_chacha::ChaCha8Rng;
 use rustix::process::{Pid, Signal, kill_process};
 use serde::Serialize;
 
-/// Longest pause between two hits.
+/// Maximum pause between two hits.
 const PAUSE: Duration = Duration::from_millis(600);
 /// Share of the hits that stop a process instead of killing it: each makes the batch wait for a time limit.
 const STOPS: f64 = 0.08;
-/// Share of the hits that are on templates.
+/// Share of the hits that target templates.
 const TEMPLATES: f64 = 0.35;
 
-/// A thread that kills and stops processes until it is ended.
+/// A thread that kills and stops processes until [`Chaos::end`] is called.
 pub struct Chaos {
     thread: JoinHandle<Hits>,
     end: Arc<AtomicBool>,
@@ -42,7 +42,7 @@ pub struct Hits {
     pub preparing_stopped: usize,
 }
 
-/// Returns options with time limits that make hangs short.
+/// Returns options with short time limits, so that a stopped process is detected quickly.
 pub fn with_short_time_limits(options: WorkerOptions) -> WorkerOptions {
     WorkerOptions {
         step_time_limit: Duration::from_secs(10),
@@ -52,7 +52,7 @@ pub fn with_short_time_limits(options: WorkerOptions) -> WorkerOptions {
 }
 
 impl Chaos {
-    /// Starts killing and stopping the processes of a set.
+    /// Starts killing and stopping worker processes.
     pub fn start(seed: u64, workers: Workers) -> Self {
         let end = Arc::new(AtomicBool::new(false));
         let ended = Arc::clone(&end);
@@ -100,7 +100,7 @@ struct Attacker {
     random: ChaCha8Rng,
     workers: Workers,
     hits: Hits,
-    /// A preparation survives one hit, not two in a row.
+    /// Whether a preparing template may be hit: a preparation survives one hit, but not two in a row.
     may_hit_preparing: bool,
 }
 
@@ -137,7 +137,7 @@ impl Attacker {
     }
 }
 
-/// Processes copied from a template, whether they have reported or not.
+/// Returns the processes copied from a template, including those that have not reported yet.
 fn children(template: u32) -> Vec<u32> {
     let children = std::fs::read_to_string(format!("/proc/{template}/task/{template}/children"));
     children.unwrap_or_default().split_whitespace().filter_map(|child| child.parse().ok()).collect()

@@ -34,13 +34,13 @@ pub struct Arguments {
     /// Number of environments
     #[arg(long, default_value_t = 14, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     environments: u32,
-    /// Steps of all environments together
+    /// Total number of steps of all environments
     #[arg(long, default_value_t = 100_000, value_name = "N")]
     steps: u64,
     /// Minimum and maximum days of an episode
     #[arg(long, num_args = 2, default_values_t = [1, 3], value_names = ["MIN", "MAX"])]
     days: Vec<u32>,
-    /// Number of days that an episode may begin on
+    /// Number of possible first days of an episode
     #[arg(long, default_value_t = 3, value_name = "N")]
     starts: u32,
     /// Building types, or buildings of the dataset [default: every type]
@@ -57,11 +57,11 @@ pub struct Arguments {
     json: bool,
 }
 
-/// Counts of a soak.
+/// The results of a soak test.
 #[derive(Default)]
 struct Tally {
     episodes: u64,
-    /// Reasons of the episodes that were lost.
+    /// The reasons why episodes were lost.
     lost: Vec<String>,
     hash: Sha256,
     /// Resident memory of this process after the first tenth and at the end, MB.
@@ -80,7 +80,7 @@ pub fn bench(arguments: &Arguments) -> Result<()> {
 }
 
 impl Arguments {
-    /// Steps of each environment.
+    /// Returns the number of steps of each environment.
     fn turns(&self) -> u64 {
         self.steps.div_ceil(u64::from(self.environments))
     }
@@ -92,7 +92,7 @@ impl Arguments {
         let bar = counter(turns as usize, "steps of each", self.json);
         for turn in 0..turns {
             interrupt::check()?;
-            // The first tenth is for caches to fill.
+            // Caches fill during the first tenth.
             if turn == turns / 10 || turn + 1 == turns {
                 tally.memory.push(resident_mb(std::process::id())?);
             }
@@ -135,7 +135,7 @@ impl Arguments {
 }
 
 impl Tally {
-    /// Adds a step of every environment.
+    /// Adds one step of every environment.
     fn add(&mut self, batch: &VecEnv) {
         for value in batch.observations() {
             self.hash.update(value.to_le_bytes());
@@ -177,7 +177,7 @@ impl Arguments {
     }
 }
 
-/// A random controller for each environment, another one for each episode.
+/// A random controller for each environment, replaced in each episode.
 struct Actors {
     seed: u64,
     actors: Vec<Random>,
@@ -193,7 +193,7 @@ impl Actors {
         actors
     }
 
-    /// The next of a sequence of seeds.
+    /// Returns a controller with the next seed of a sequence.
     fn other(&mut self, batch: &VecEnv, index: usize) -> Random {
         self.seed = self.seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         let space = &batch.spaces(index).expect("every environment was reset").action;
