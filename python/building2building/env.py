@@ -172,7 +172,7 @@ class BuildingEnv(gymnasium.Env[NDArray[Any], ArrayLike]):
     def _restart_after_fork(self) -> None:
         """Abandons the processes of the parent, which still owns them, and starts new ones."""
         if self._thread is not None:
-            raise ProcessError("an environment with in_process=True cannot be used after a fork; make another")
+            raise ProcessError("an environment with in_process=True cannot be used after a fork; create another one")
         self._core, self._process = _core.Env(self._base_setting), os.getpid()
         self.setting = self._base_setting
 

@@ -62,15 +62,16 @@ pub fn attack(
 
 /// Returns why the output of a successful run is invalid: no JSON, or metrics that are not numbers.
 fn nonsense(ended: &Ended, arguments: &[OsString]) -> Option<String> {
-    let prints_metrics = arguments.first()? == "run" && arguments.contains(&"--json".into());
+    let has = |option: &str| arguments.iter().any(|argument| argument == option);
+    let prints_metrics = arguments.first()? == "run" && has("--json") && !has("--help");
     if ended.code() != Some(0) || !prints_metrics {
         return None;
     }
     let Ok(summary) = serde_json::from_str::<Value>(&ended.output) else {
         return Some(format!("success without JSON: {}", ended.output));
     };
-    let metrics = ["return", "rms_deviation_k", "energy_kwh", "meter_relative_error"];
-    let missing = metrics.iter().find(|name| summary.get(name).is_some_and(|value| !value.is_number()));
+    let metrics = ["return", "rms_deviation_k", "electricity_wh_m2", "gas_wh_m2", "meter_relative_error"];
+    let missing = metrics.iter().find(|name| !summary[**name].is_number());
     missing.map(|name| format!("success with {name} {}", summary[name]))
 }
 
