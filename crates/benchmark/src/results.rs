@@ -28,6 +28,14 @@ struct Unscored {
     task: Task,
 }
 
+/// Episodes that were to be run.
+struct Ran {
+    /// In their order; `None` for a lost one.
+    episodes: Vec<Option<Unscored>>,
+    /// The lost ones by number.
+    lost: HashMap<usize, Lost>,
+}
+
 impl Results {
     /// Runs the episodes that a folder does not contain yet, and scores all of them; unknown baselines are run, too.
     ///
@@ -42,7 +50,7 @@ impl Results {
         progress: &dyn Progress,
     ) -> Result<Self> {
         let all: Vec<_> = episodes.iter().enumerate().collect();
-        let (ran, mut lost) = run(evaluation, folder, &all, policy, baselines, progress)?;
+        let Ran { episodes: ran, mut lost } = run(evaluation, folder, &all, policy, baselines, progress)?;
         let row = |(number, (ran, episode)): (usize, (Option<Unscored>, &Episode))| match ran {
             Some(ran) => ran.row(baselines),
             None => {
@@ -70,8 +78,8 @@ pub fn run_part(
     progress: &dyn Progress,
 ) -> Result<HashMap<usize, Lost>> {
     let baselines = Baselines::open()?;
-    let (ran, lost) = run(evaluation, folder, part, policy, &baselines, progress)?;
-    for Unscored { key, .. } in ran.iter().flatten() {
+    let Ran { episodes, lost } = run(evaluation, folder, part, policy, &baselines, progress)?;
+    for Unscored { key, .. } in episodes.iter().flatten() {
         if let (None, Some(terms)) = (collected.get(key), baselines.get(key)) {
             collected.keep(key, terms)?;
         }
@@ -79,8 +87,7 @@ pub fn run_part(
     Ok(lost)
 }
 
-/// Runs the episodes that a folder does not contain and the unknown baselines. Returns the episodes that ran, and the lost ones
-/// by number.
+/// Runs the episodes that a folder does not contain and the unknown baselines.
 fn run(
     evaluation: &Evaluation<'_>,
     folder: &Folder,
@@ -88,7 +95,7 @@ fn run(
     policy: &dyn Policy,
     baselines: &Baselines,
     progress: &dyn Progress,
-) -> Result<(Vec<Option<Unscored>>, HashMap<usize, Lost>)> {
+) -> Result<Ran> {
     let lost = run_missing(evaluation, folder, episodes, policy, progress)?;
     let mut ran = Vec::new();
     for (number, episode) in episodes {
@@ -102,7 +109,7 @@ fn run(
         .filter_map(|(each, (_, episode))| Some((each.as_ref()?.key.clone(), (*episode).clone())));
     let unknown = baselines.missing(keys);
     baselines.compute(evaluation, &unknown, progress)?;
-    Ok((ran, lost))
+    Ok(Ran { episodes: ran, lost })
 }
 
 /// Runs the episodes that a folder does not contain, and returns the lost ones by number.
