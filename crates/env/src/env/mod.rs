@@ -20,6 +20,7 @@ use crate::action::ActionSpace;
 use crate::calendar::Season;
 use crate::engine_report::EngineReport;
 use crate::environment::{Environment, Step};
+use crate::faults::Impairment;
 use crate::metrics::Metrics;
 use crate::observation::ObservationSpace;
 use crate::oscillation::Oscillation;
@@ -38,8 +39,8 @@ const SEVERES_KEPT: usize = 5;
 /// A building as an environment, with the engine in this process.
 ///
 /// - Observation: [`ObservationSpace`], f64, the state at the end of the step.
-/// - Action: [`ActionSpace`], f64, physical units, clamped to its bounds, and raised by the interlock of
-///   [`Ventilation`] while zones are occupied.
+/// - Action: [`ActionSpace`], f64, physical units, clamped to its bounds, raised by the interlock of [`Ventilation`] while
+///   zones are occupied, and limited by the task's [`Faults`](crate::Faults).
 /// - Reward: [`Reward`](crate::Reward), the paper's two penalties or the terms of the [`Task`], judged by the targets
 ///   that were observed before the step.
 /// - End: truncated at the end of the run period; never terminated.
@@ -54,6 +55,7 @@ pub struct Env {
     targets: Targets,
     reward: Box<dyn RewardFunction>,
     interlock: Interlock,
+    impairment: Option<Impairment>,
     /// Of each controlled zone, whether it is occupied, and its target for the step to come, °C.
     asked: Vec<(bool, f64)>,
     /// The controlled zones in the last step.
@@ -107,6 +109,7 @@ impl Env {
             targets: Targets::new(&task.setpoints, spaces.building.class, zones.len()),
             reward: Box::new(reward),
             interlock: Interlock::new(&spaces.building),
+            impairment: Impairment::new(&task.faults, &spaces),
             asked: vec![(false, f64::NAN); zones.len()],
             zone_steps: Vec::with_capacity(zones.len()),
             engine: None,
@@ -161,6 +164,7 @@ impl Env {
         self.never_occupied = zones.map(|(zone, _)| spaces.building.zones[zone.slot].name.clone()).collect();
         self.warm_up(&mut engine)?;
         self.observe(&engine, [0.0; 2])?;
+        self.disturb();
         self.engine = Some(engine);
         Ok(&self.observation)
     }
@@ -183,6 +187,9 @@ impl Env {
             history.extend_from_slice(action);
         }
         self.metrics.ventilation_overrides += usize::from(self.ventilate(&mut engine));
+        if let Some(impairment) = &self.impairment {
+            impairment.limit(&mut self.action);
+        }
         engine.act(&self.action);
         if engine.simulation.advance()? != Some(Event::Step) {
             return Err(self.wrong_length());
@@ -194,6 +201,7 @@ impl Env {
         self.metrics.steps += 1;
         self.observe(&engine, energy)?;
         let reward = self.judge(energy, began);
+        self.disturb();
         let truncated = self.metrics.steps == self.steps;
         if truncated && self.finish_run && self.steps == self.spaces.episode_steps() {
             self.finish(engine)?;

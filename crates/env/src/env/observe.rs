@@ -63,6 +63,14 @@ impl Env {
         reward
     }
 
+    /// Adds the errors of faulty sensors to the observation, once the step has been judged by the true temperatures.
+    pub(super) fn disturb(&mut self) {
+        if let Some(impairment) = &self.impairment {
+            let zones = self.spaces.building.zones.len();
+            impairment.disturb(self.metrics.steps, &mut self.observation[..zones]);
+        }
+    }
+
     /// Writes the observation. `energy` in Wh/m², electricity and gas.
     pub(super) fn observe(&mut self, engine: &Engine, energy: [f64; 2]) -> Result<()> {
         for (slot, variable) in self.observation.iter_mut().zip(&engine.temperatures) {

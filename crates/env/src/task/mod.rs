@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::comfort::Comfort;
 use crate::energy_scale::EnergyScale;
+use crate::faults::Faults;
 use crate::limits::within;
 use crate::setpoints::Setpoints;
 use crate::ventilation::Ventilation;
@@ -21,7 +22,7 @@ pub use fuels::{Fuels, Hourly};
 
 /// A comfort-energy task: target temperatures, comfort penalty and the weight of energy.
 ///
-/// Its short text form is `SETPOINTS[+COMFORT][+RESOURCE WEIGHT][+free-ventilation]`, such as `constant`,
+/// Its short text form is `SETPOINTS[+COMFORT][+RESOURCE WEIGHT][+free-ventilation][+FAULT…]`, such as `constant`,
 /// `occupancy+energy0.5` or `random:7+pmv+cost2`:
 ///
 /// | part | values |
@@ -30,6 +31,7 @@ pub use fuels::{Fuels, Hourly};
 /// | comfort | none (squared deviation, as in the paper), `deadband`, `deadband0.5` (K), `pmv` |
 /// | resource and its weight | none, `energy0.5`, `cost1`, `carbon1`, `peak1` |
 /// | ventilation | none (outdoor air for the people present), `free-ventilation` (as in the paper) |
+/// | faults | none, `noise0.2` (K), `bias0.5` (K), `stuck0.1` (probability), `fouling0.3` (share): see [`Faults`] |
 ///
 /// All other options require JSON: see [`Task::read`]. Omitted fields keep their defaults.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -56,6 +58,9 @@ pub struct Task {
     pub prices: Fuels,
     /// Emission factors, kg CO₂/kWh.
     pub emissions: Fuels,
+    /// Faults of sensors and equipment.
+    #[serde(skip_serializing_if = "Faults::is_none")]
+    pub faults: Faults,
 }
 
 /// The resource that the energy penalty of the reward counts.
@@ -98,6 +103,7 @@ impl Default for Task {
             comfort_band: 1.0,
             prices: PRICES,
             emissions: EMISSIONS,
+            faults: Faults::default(),
         }
     }
 }
@@ -135,6 +141,7 @@ impl Task {
                 within(name, value, low, LARGEST)?;
             }
         }
+        self.faults.check()?;
         self.setpoints.check()?;
         self.comfort.check()
     }

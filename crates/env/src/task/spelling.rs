@@ -5,6 +5,7 @@ use std::str::FromStr;
 
 use super::{Resource, Task};
 use crate::comfort::{Comfort, Pmv};
+use crate::faults::Faults;
 use crate::setpoints::Setpoints;
 use crate::ventilation::Ventilation;
 use crate::{Error, Result};
@@ -40,7 +41,11 @@ impl Task {
             Ventilation::Code => String::new(),
             Ventilation::Free => format!("+{FREE_VENTILATION}"),
         };
-        format!("{setpoints}{comfort}{resource}{ventilation}")
+        let Faults { seed: _, noise, bias, stuck, fouling } = self.faults;
+        let faults = [("noise", noise), ("bias", bias), ("stuck", stuck), ("fouling", fouling)];
+        let faults = faults.iter().filter(|(_, value)| *value != 0.0);
+        let faults: String = faults.map(|(word, value)| format!("+{word}{value}")).collect();
+        format!("{setpoints}{comfort}{resource}{ventilation}{faults}")
     }
 }
 
@@ -77,6 +82,12 @@ impl FromStr for Task {
                 continue;
             }
             let (word, number) = word_and_number(part).ok_or_else(unknown)?;
+            if let Some(fault) = fault_of(&mut task.faults, word) {
+                if std::mem::replace(fault, number.ok_or_else(unknown)?) != 0.0 {
+                    return Err(unknown());
+                }
+                continue;
+            }
             let seen = if let Some(chosen) = comfort_of(word, number) {
                 task.comfort = chosen;
                 &mut comfort
@@ -130,6 +141,16 @@ fn comfort_of(word: &str, number: Option<f64>) -> Option<Comfort> {
     }
 }
 
+fn fault_of<'a>(faults: &'a mut Faults, word: &str) -> Option<&'a mut f64> {
+    match word {
+        "noise" => Some(&mut faults.noise),
+        "bias" => Some(&mut faults.bias),
+        "stuck" => Some(&mut faults.stuck),
+        "fouling" => Some(&mut faults.fouling),
+        _ => None,
+    }
+}
+
 fn resource_of(word: &str) -> Option<Resource> {
     match word {
         "energy" => Some(Resource::Energy),
@@ -158,6 +179,8 @@ mod tests {
             "random:3+pmv+carbon0.1",
             "constant+peak1",
             "constant+free-ventilation",
+            "occupancy+energy0.5+noise0.2+bias0.5",
+            "constant+stuck0.1+fouling0.25",
             "random:3+deadband+energy0.5+free-ventilation",
         ]) {
             assert_eq!(task(text).to_string(), text);

@@ -52,12 +52,12 @@ impl Case {
 
     /// As [`Case::env`], for a task by its spelling.
     pub fn env_for(&self, period: &str, task: &str) -> Env {
-        let episode = EpisodeConfig {
-            weather: self.weather.clone(),
-            period: period.parse().unwrap(),
-            steps_per_hour: 12,
-            task: task.parse::<Task>().unwrap(),
-        };
+        self.env_with(period, task.parse().unwrap())
+    }
+
+    pub fn env_with(&self, period: &str, task: Task) -> Env {
+        let (weather, period) = (self.weather.clone(), period.parse().unwrap());
+        let episode = EpisodeConfig { weather, period, steps_per_hour: 12, task };
         Env::new(self.library.clone(), Arc::clone(&self.building), episode).unwrap()
     }
 }
