@@ -13,6 +13,7 @@ mod baseline;
 pub mod entry;
 mod error;
 mod evaluation;
+mod inputs;
 mod output;
 mod policy;
 pub mod problem;
@@ -34,6 +35,7 @@ pub use evaluation::{
     Progress, Record, Recorded, Row, Scored, StepRewards, episode_table, read_episodes, read_stages,
     write_episodes, write_stages,
 };
+pub use inputs::Inputs;
 pub use policy::{ActionScale, BuiltIn, EpisodeContext, HouseForm, Interface, OnnxPolicy, Policy};
 pub use problem::Problem;
 pub use results::{Results, run_part};

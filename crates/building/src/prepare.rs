@@ -4,6 +4,7 @@ use std::path::Path;
 
 use b2b_climate::Site;
 use b2b_energyplus::Library;
+use b2b_energyplus::digest::sha256;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
@@ -27,6 +28,8 @@ pub struct PreparedBuilding {
     pub prototype: bool,
     /// The model: [`PreparedBuilding::model_for`] gives it a run period.
     model: Model,
+    /// SHA-256 of the model, also once it has been dropped.
+    pub model_sha256: String,
     /// Every zone, in model order.
     pub zones: Vec<Zone>,
     /// The controlled systems, in the order of the action.
@@ -116,6 +119,7 @@ impl PreparedBuilding {
             name: name.to_owned(),
             class: None,
             prototype: false,
+            model_sha256: sha256(model.to_epjson()),
             model,
             conditioned_floor_area: zones.iter().filter(conditioned).map(|z| z.floor_area).sum(),
             zones,

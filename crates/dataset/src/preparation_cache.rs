@@ -108,7 +108,7 @@ mod tests {
     /// A building that was never sized: what the cache does with it does not depend on that.
     fn building(name: &str) -> PreparedBuilding {
         let empty = serde_json::json!({
-            "name": name, "class": null, "prototype": false, "model": {}, "zones": [], "systems": [],
+            "name": name, "class": null, "prototype": false, "model": {}, "model_sha256": "", "zones": [], "systems": [],
             "layouts": [], "uncontrolled": [], "conditioned_floor_area": 123.4,
         });
         serde_json::from_value(empty).unwrap()

@@ -9,6 +9,8 @@ use super::hours::Hours;
 use super::info::EpisodeInfo;
 use super::recording::{Recording, controlled_zones};
 use super::step_rewards::StepRewards;
+use crate::Result;
+use crate::inputs::Inputs;
 use crate::return_terms::ReturnTerms;
 
 /// A finished episode, or why it was lost.
@@ -46,21 +48,32 @@ pub struct Record {
     /// Its metrics.
     #[serde(flatten)]
     pub metrics: EpisodeMetrics,
+    /// Its model and weather.
+    #[serde(flatten)]
+    pub inputs: Inputs,
     /// SHA-256 of every observation, action and penalty, as `b2b run` prints it.
     pub trajectory_hash: String,
 }
 
 impl Finished {
     /// Returns the record of a recorded episode.
-    pub(super) fn new(info: EpisodeInfo, spaces: &Spaces, metrics: &Metrics, recording: &Recording) -> Self {
+    ///
+    /// # Errors
+    /// The errors of [`Inputs::of`].
+    pub(super) fn new(
+        info: EpisodeInfo,
+        spaces: &Spaces,
+        metrics: &Metrics,
+        recording: &Recording,
+    ) -> Result<Self> {
         let zones = controlled_zones(spaces);
-        let trajectory_hash = recording.trajectory.hash();
-        Self {
-            record: Record { info, metrics: metrics.into(), trajectory_hash },
+        let (inputs, trajectory_hash) = (Inputs::of(spaces)?, recording.trajectory.hash());
+        Ok(Self {
+            record: Record { info, metrics: metrics.into(), inputs, trajectory_hash },
             terms: metrics.into(),
             deviations: Deviations::of(recording, &zones),
             step_rewards: StepRewards::of(&recording.trajectory),
             hours: Hours::of(recording, &zones, spaces),
-        }
+        })
     }
 }

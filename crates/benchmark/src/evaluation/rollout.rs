@@ -44,7 +44,7 @@ pub(super) fn run(
     let Recording { first_observation, trajectory } = &recorder.recording;
     (work.recorded)(number, &Recorded { spaces: &spaces, first_observation, trajectory })?;
     let info = EpisodeInfo::of_run(episode, work.policy, &spaces, &bench.located.site);
-    let finished = Finished::new(info, &spaces, &metrics, &recorder.recording);
+    let finished = Finished::new(info, &spaces, &metrics, &recorder.recording)?;
     bench.prepared.get_or_insert_with(|| Arc::clone(&spaces.building));
     Ok(finished)
 }

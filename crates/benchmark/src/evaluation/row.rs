@@ -5,6 +5,7 @@ use b2b_env::EpisodeMetrics;
 use super::finished::{Lost, Record};
 use super::info::EpisodeInfo;
 use super::step_rewards::StepRewards;
+use crate::inputs::Inputs;
 use crate::scores::Baseline;
 
 /// An episode in a results table.
@@ -23,6 +24,8 @@ pub struct Scored {
     pub metrics: EpisodeMetrics,
     /// Distribution of the rewards of single steps.
     pub step_rewards: StepRewards,
+    /// Its model and weather.
+    pub inputs: Inputs,
     /// SHA-256 of every observation, action and penalty.
     pub trajectory_hash: String,
     /// Return of the reactive controllers for the same episode, if known.
@@ -38,7 +41,7 @@ pub struct Scored {
 impl Row {
     /// Scores an episode against the reactive controllers.
     pub(crate) fn scored(record: Record, step_rewards: StepRewards, baseline: Option<Baseline>) -> Self {
-        let Record { info, metrics, trajectory_hash } = record;
+        let Record { info, metrics, inputs, trajectory_hash } = record;
         let EpisodeMetrics { episode_return, steps, .. } = metrics;
         let scored = Scored {
             baseline_return: baseline.map(|baseline| baseline.episode_return),
@@ -47,6 +50,7 @@ impl Row {
             resolved_score: baseline.and_then(|baseline| baseline.resolved_score(episode_return, steps)),
             metrics,
             step_rewards,
+            inputs,
             trajectory_hash,
         };
         Self { info, outcome: Ok(scored) }

@@ -19,6 +19,7 @@ use super::finished::Lost;
 use super::info::EpisodeInfo;
 use super::row::{Row, Scored};
 use super::step_rewards::StepRewards;
+use crate::inputs::Inputs;
 use crate::versions::Versions;
 
 /// The metric that is stored as an integer; all others are stored as floating-point numbers.
@@ -131,6 +132,8 @@ impl Columns<'_> {
         self.push::<Float64Type>("resolved_score", "1", Row::resolved_score);
         self.push::<Float64Type>("relative_energy", "1", |row| row.outcome.as_ref().ok()?.relative_energy());
         self.counts("step_rewards", |row| Some(&row.outcome.as_ref().ok()?.step_rewards));
+        self.text("model_sha256", |row| Some(&row.outcome.as_ref().ok()?.inputs.model_sha256));
+        self.text("weather_sha256", |row| Some(&row.outcome.as_ref().ok()?.inputs.weather_sha256));
         self.text("trajectory_hash", |row| Some(&row.outcome.as_ref().ok()?.trajectory_hash));
         self.text("lost", |row| Some(&row.outcome.as_ref().err()?.reason));
     }
@@ -239,6 +242,10 @@ impl Cells {
         Ok(Scored {
             metrics,
             step_rewards: StepRewards { counts: self.counts("step_rewards", row)? },
+            inputs: Inputs {
+                model_sha256: self.text("model_sha256", row)?,
+                weather_sha256: self.text("weather_sha256", row)?,
+            },
             trajectory_hash: self.text("trajectory_hash", row)?,
             baseline_return: self.optional::<Float64Type>("baseline_return", row)?,
             baseline_energy: self.optional::<Float64Type>("baseline_energy_wh_m2", row)?,
@@ -278,6 +285,7 @@ mod tests {
         let scored = Scored {
             metrics,
             step_rewards,
+            inputs: Inputs { model_sha256: "m".into(), weather_sha256: "w".into() },
             trajectory_hash,
             baseline_return,
             baseline_energy: Some(4.5),

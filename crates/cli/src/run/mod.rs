@@ -70,7 +70,7 @@ Examples:
   b2b run RetailStandalone --weather my.epw --json > result.json
   b2b run my.idf --weather my.epw                 your own building; see `b2b import --help`
 
-Tasks are written SETPOINTS[+COMFORT][+OBJECTIVE]. The six tasks of the paper are constant, occupancy and
+Tasks are written SETPOINTS[+COMFORT][+OBJECTIVE][+FAULT...]. The six tasks of the paper are constant, occupancy and
 random, each with and without +energy0.5.
   SETPOINTS  constant (21 °C), constant:C, occupancy (21 °C while occupied; unoccupied 18 °C from December
              to February and 26 °C from June to August), random, random:SEED
@@ -78,6 +78,8 @@ random, each with and without +energy0.5.
              or K; +pmv: predicted mean vote (ISO 7730)
   OBJECTIVE  +energyW, +costW, +carbonW, +peakW: W times the energy, cost, emissions or increase in peak
              demand of each step
+  FAULT      +noiseK, +biasK: errors of the temperature sensors; +stuckP: actuators stuck with probability P;
+             +foulingS: coils that lose the share S of their range
 
 On one machine, the same arguments give the same episode bit for bit: compare trajectory_hash.";
 
@@ -100,7 +102,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         seed: arguments.controller.seed(),
         files: folder.destinations(&[trajectory_file::NAME, Summary::NAME, picture::NAME]),
     };
-    let summary = Summary::of(&spaces, &rollout, info);
+    let summary = Summary::of(&spaces, &rollout, info)?;
     folder.write(trajectory_file::NAME, |file| {
         trajectory_file::write(file, &spaces, &rollout.trajectory, &summary)
     })?;

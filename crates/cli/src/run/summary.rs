@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use b2b_benchmark::Versions;
+use anyhow::Result;
+use b2b_benchmark::{Inputs, Versions};
 use b2b_env::{EpisodeMetrics, Metrics, Setpoints, Spaces, Task, ZoneMetrics};
 use serde::Serialize;
 
@@ -20,6 +21,9 @@ pub struct Summary {
     pub info: RunInfo,
     /// Versions that the episode depends on.
     pub versions: Versions,
+    /// Model and weather.
+    #[serde(flatten)]
+    pub inputs: Inputs,
     /// Run period, as on the command line.
     pub period: String,
     /// Zone time steps per hour.
@@ -96,12 +100,13 @@ impl Summary {
     pub const NAME: &str = "summary.json";
 
     /// Summarizes a finished episode.
-    pub fn of(spaces: &Spaces, rollout: &Rollout, info: RunInfo) -> Self {
+    pub fn of(spaces: &Spaces, rollout: &Rollout, info: RunInfo) -> Result<Self> {
         let (metrics, engine, episode) = (&rollout.metrics, &rollout.engine, &spaces.episode);
-        Self {
+        Ok(Self {
             building: spaces.building.name.clone(),
             info,
             versions: Versions::current(),
+            inputs: Inputs::of(spaces)?,
             period: episode.period.to_string(),
             steps_per_hour: episode.steps_per_hour,
             task: episode.task.to_string(),
@@ -120,7 +125,7 @@ impl Summary {
             environment_cpu_s: rollout.env_cpu.as_secs_f64(),
             steps_per_s: metrics.steps as f64 / rollout.wall.as_secs_f64(),
             zones: zones(spaces, metrics),
-        }
+        })
     }
 
     /// Returns the text report.

@@ -299,6 +299,12 @@ fn compare(
     };
     // The name of the policy is that of the user's file.
     here.info.policy.clone_from(&row.info.policy);
+    if accuracy == Accuracy::Bits && here.inputs != there.inputs {
+        return Ok(Err(format!(
+            "its inputs differ: the result has {:?}, the rerun {:?}",
+            there.inputs, here.inputs
+        )));
+    }
     if accuracy == Accuracy::Bits && here.trajectory_hash != there.trajectory_hash {
         let (there, here) = (&there.trajectory_hash, &here.trajectory_hash);
         return Ok(Err(format!("its trajectory differs: the result has hash {there}, the rerun {here}")));

@@ -1,0 +1,31 @@
+//! The inputs of an episode, by their digests.
+
+use b2b_energyplus::digest::sha256;
+use b2b_env::Spaces;
+use serde::{Deserialize, Serialize};
+
+use crate::Result;
+use crate::error::at;
+
+/// Digests of the model and the weather of an episode: equal digests mean equal inputs.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Inputs {
+    /// SHA-256 of the model, sized and made controllable.
+    pub model_sha256: String,
+    /// SHA-256 of the weather file.
+    pub weather_sha256: String,
+}
+
+impl Inputs {
+    /// Computes the digests of an episode's inputs.
+    ///
+    /// # Errors
+    /// [`Error::Io`](crate::Error::Io) if the weather file cannot be read.
+    pub fn of(spaces: &Spaces) -> Result<Self> {
+        let weather = &spaces.episode.weather;
+        Ok(Self {
+            model_sha256: spaces.building.model_sha256.clone(),
+            weather_sha256: sha256(std::fs::read(weather).map_err(at(weather))?),
+        })
+    }
+}
