@@ -12,8 +12,9 @@ use toml::Table;
 use crate::error::{Error, Result, at};
 
 /// The shipped experiments by name.
-const SHIPPED: [(&str, &str); 6] = [
+const SHIPPED: [(&str, &str); 7] = [
     ("ppo", include_str!("../data/ppo.toml")),
+    ("residual", include_str!("../data/residual.toml")),
     ("rewards", include_str!("../data/rewards.toml")),
     ("dynamics", include_str!("../data/dynamics.toml")),
     ("cross-domain", include_str!("../data/cross-domain.toml")),

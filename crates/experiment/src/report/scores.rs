@@ -1,6 +1,10 @@
 //! Scores by type, task and period, beside the paper's table.
 
+use std::collections::BTreeMap;
+
 use b2b_benchmark::report::{Chart, color, horizontal_line, make_logarithmic, range};
+use b2b_benchmark::statistics::{Cluster, aggregate_clusters, median};
+use b2b_benchmark::{Row, Scored};
 use serde_json::{Value, json};
 
 use super::group::Group;
@@ -51,9 +55,65 @@ pub(super) fn content(experiment: &Experiment, results: &Results) -> Content {
         );
     }
     let title = "median, lowest and highest score over the buildings, and how many agents beat the reactive controllers";
-    let tables = vec![json!({"title": title, "header": header, "rows": rows})];
+    let tables = vec![by_task(experiment, results), json!({"title": title, "header": header, "rows": rows})];
     let charts = experiment.tasks.iter().map(|task| chart(experiment, results, task)).collect();
     Content { tiles, tables, charts, notes: SCORES.to_owned() }
+}
+
+/// Returns a table of the interquartile means by task and agent, each building and period counted once.
+fn by_task(experiment: &Experiment, results: &Results) -> Value {
+    let mut rows = Vec::new();
+    for task in &experiment.tasks {
+        for agent in &experiment.agents {
+            let own: Vec<&Row> =
+                results.of(&agent.name).map(|(_, row)| row).filter(|row| row.info.task == *task).collect();
+            let aggregate = |score| aggregate_clusters(&strata(&own, score), 0);
+            let (Some(scores), Some(resolved)) = (aggregate(Row::score), aggregate(Row::resolved_score)) else {
+                continue;
+            };
+            let medians = [deviation, Scored::relative_energy].map(|value| median_of(&own, value));
+            rows.push(vec![
+                task.clone(),
+                agent.name.clone(),
+                own.len().to_string(),
+                scores.interquartile_mean.to_string(),
+                resolved.interquartile_mean.to_string(),
+                scores.beats_baseline_text(),
+                medians[0].clone(),
+                medians[1].clone(),
+            ]);
+        }
+    }
+    json!({
+        "title": "interquartile means by task with 95 % intervals: a bootstrap over buildings and periods within each type, and seeds",
+        "header": ["task", "agent", "episodes", "score", "resolved score", "beats baseline (%)",
+                   "median RMS deviation (K)", "median energy / baseline"],
+        "rows": rows,
+    })
+}
+
+/// Returns the scores by type, for each building and period one per seed.
+fn strata(rows: &[&Row], score: fn(&Row) -> Option<f64>) -> Vec<Vec<Cluster>> {
+    let mut strata: BTreeMap<&str, BTreeMap<(&str, &str), Cluster>> = BTreeMap::new();
+    for row in rows {
+        let info = &row.info;
+        let clusters = strata.entry(&info.building_type).or_default();
+        clusters.entry((&info.building, &info.period)).or_default().extend(score(row));
+    }
+    let scored = |clusters: BTreeMap<_, Cluster>| {
+        clusters.into_values().filter(|cluster| !cluster.is_empty()).collect()
+    };
+    strata.into_values().map(scored).collect()
+}
+
+fn deviation(scored: &Scored) -> Option<f64> {
+    Some(scored.metrics.rms_deviation)
+}
+
+fn median_of(rows: &[&Row], value: fn(&Scored) -> Option<f64>) -> String {
+    let mut values: Vec<f64> = rows.iter().filter_map(|row| value(row.outcome.as_ref().ok()?)).collect();
+    values.sort_by(f64::total_cmp);
+    if values.is_empty() { "–".to_owned() } else { format!("{:.2}", median(&values)) }
 }
 
 fn paper_cells(building_type: &str, task: &str, period: &str) -> [String; 3] {
