@@ -45,6 +45,30 @@ pub fn give_back_memory() {
     }
 }
 
+/// Moves the memory of this process to large pages (`MADV_COLLAPSE`, Linux 6.1; older kernels refuse, which costs speed
+/// alone). A copy shares the large pages of its original until it writes to them; the kernel then copies them in small
+/// pages of 4 kB, one fault each. Takes about 10 ms.
+///
+/// # Errors
+/// [`Error::Fork`] if the memory map cannot be read.
+pub fn collapse_pages() -> Result<()> {
+    let map = std::fs::read_to_string("/proc/self/maps").map_err(Error::Fork)?;
+    for (start, end) in map.lines().filter_map(own_memory) {
+        // SAFETY: the kernel moves the pages to other physical memory; addresses and content stay. It checks the range.
+        unsafe { libc::madvise(start as *mut libc::c_void, end - start, libc::MADV_COLLAPSE) };
+    }
+    Ok(())
+}
+
+/// Returns the address range in a line of a memory map if it is private, writable, and not of a file.
+fn own_memory(line: &str) -> Option<(usize, usize)> {
+    let mut fields = line.split_ascii_whitespace();
+    let (range, access, inode) = (fields.next()?, fields.next()?, fields.nth(2)?);
+    let (start, end) = range.split_once('-')?;
+    let address = |text| usize::from_str_radix(text, 16).ok();
+    (access == "rw-p" && inode == "0").then_some((address(start)?, address(end)?))
+}
+
 impl Simulation {
     /// Copies this process with the simulation in its current state. The call returns in both processes. The copy
     /// continues to write the file that is `kept`, and no other.

@@ -16,7 +16,7 @@ use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use b2b_energyplus::snapshot::{Fork, become_ancestor, give_back_memory, leave};
+use b2b_energyplus::snapshot::{Fork, become_ancestor, collapse_pages, give_back_memory, leave};
 use b2b_energyplus::{Level, confine};
 use rustix::event::{EventfdFlags, PollFd, PollFlags, Timespec};
 use rustix::process::{Pid, PidfdFlags, WaitOptions};
@@ -31,6 +31,9 @@ use crate::env::Env;
 
 /// How often a process that waits looks for its owner.
 const LOOK_FOR_OWNER: Duration = Duration::from_millis(500);
+
+/// Steps after which a copy moves its memory to large pages: short episodes end before that pays.
+const COLLAPSE_AFTER: usize = 288;
 
 /// The argument that makes a program a worker: see [`run_if_worker`].
 pub(super) const FLAG: &str = "--b2b-worker";
@@ -76,6 +79,7 @@ fn run(arguments: &[OsString], make_runner: MakeRunner) -> ! {
         ticket: Cell::new(ticket),
         warm_up_cpu: Cell::default(),
         severes: Cell::default(),
+        collapse_at: Cell::new(usize::MAX),
     };
     let outcome = catch_unwind(AssertUnwindSafe(|| {
         let env = worker.prepare(&order)?;
@@ -107,6 +111,8 @@ struct Worker {
     warm_up_cpu: Cell<Duration>,
     /// Severe messages that are in the log.
     severes: Cell<usize>,
+    /// Number of steps of the episode after which the memory moves to large pages.
+    collapse_at: Cell<usize>,
 }
 
 impl Worker {
@@ -195,6 +201,9 @@ impl Worker {
         if truncated {
             self.write_reports(env)?;
             self.region.set_status(self.slot(), Status::Truncated);
+        } else if env.metrics().steps >= self.collapse_at.get() {
+            self.collapse_at.set(usize::MAX);
+            collapse_pages()?;
         }
         self.log_severe_messages(env);
         self.region.complete(self.slot());
@@ -254,6 +263,7 @@ impl Worker {
         rustix::stdio::dup2_stderr(File::create(self.folder.join(ticket.file("log")))?)?;
         let options = self.region.options(ticket.slot);
         pin(options.processor);
+        self.collapse_at.set(env.metrics().steps + COLLAPSE_AFTER);
         if let Some(steps) = options.max_steps {
             env.truncate_after(steps);
         }
