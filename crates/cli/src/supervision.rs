@@ -25,6 +25,8 @@ pub const SUPERVISED: &str = "B2B_SUPERVISED";
 const GRACE: Duration = Duration::from_secs(10);
 /// Time limit for the preparation of a building.
 const PREPARATION: Duration = Duration::from_secs(600);
+/// The most that a time limit counts at once: a process that was stopped for longer was not preparing anything.
+const TICK: Duration = Duration::from_secs(1);
 /// Number of lines of the EnergyPlus error file that are reported after a crash.
 const LAST_LINES: usize = 5;
 
@@ -102,7 +104,7 @@ pub fn preparation_limit(building: &impl Display) -> Option<TimeLimit> {
     is_supervised().then(|| TimeLimit::start(PREPARATION, fail))
 }
 
-/// A time limit, which is canceled when dropped.
+/// A limit on the time in which this process runs, and is not stopped. Canceled when dropped.
 pub struct TimeLimit(#[expect(dead_code, reason = "dropping it ends the wait")] Sender<()>);
 
 impl TimeLimit {
@@ -110,9 +112,15 @@ impl TimeLimit {
     fn start(limit: Duration, exceeded: impl FnOnce() + Send + 'static) -> Self {
         let (running, dropped) = channel();
         std::thread::spawn(move || {
-            if dropped.recv_timeout(limit) == Err(RecvTimeoutError::Timeout) {
-                exceeded();
+            let mut left = limit;
+            while !left.is_zero() {
+                let tick = left.min(TICK);
+                if dropped.recv_timeout(tick) != Err(RecvTimeoutError::Timeout) {
+                    return;
+                }
+                left -= tick;
             }
+            exceeded();
         });
         Self(running)
     }

@@ -1,13 +1,13 @@
 //! An episode in a worker process.
 
 use std::sync::Arc;
-use std::time::Instant;
 
 use super::episode_options::EpisodeOptions;
 use super::episode_report::EpisodeReport;
 use super::pool::Place;
 use super::region::{Command, Region, Status};
 use super::setting::Setting;
+use super::time_limit::TimeLimit;
 use super::workers::Workers;
 use crate::environment::Step;
 use crate::metrics::Metrics;
@@ -49,12 +49,12 @@ pub struct Episode {
 enum Phase {
     /// Before its first reset.
     New,
-    /// Waits for a copy of its template; once that was made, until a deadline.
-    Starting(Option<Instant>),
+    /// Waits for a copy of its template; once that was made, within a limit.
+    Starting(Option<TimeLimit>),
     /// Ready for an action.
     Ready,
-    /// In a step, until a deadline.
-    Stepping(Instant),
+    /// In a step, within a limit.
+    Stepping(TimeLimit),
     /// At its end.
     Truncated,
     /// Gone, and why.
@@ -130,7 +130,7 @@ impl Episode {
         self.spaces.action.check(action)?;
         self.workers.region().write_action(slot, action);
         self.workers.region().command(slot, Command::Step);
-        self.phase = Phase::Stepping(Instant::now() + self.workers.step_time_limit());
+        self.phase = Phase::Stepping(TimeLimit::new(self.workers.step_time_limit()));
         Ok(())
     }
 
@@ -147,7 +147,7 @@ impl Episode {
         self.workers.region().command(slot, Command::Fragment);
         // A step alone is a hundred times quicker than its limit.
         let limit = self.workers.step_time_limit() * (1 + steps as u32 / 100);
-        self.phase = Phase::Stepping(Instant::now() + limit);
+        self.phase = Phase::Stepping(TimeLimit::new(limit));
         Ok(())
     }
 
@@ -348,19 +348,19 @@ impl Episode {
         };
     }
 
-    /// Checks whether the worker of a busy episode has ended or missed its deadline.
+    /// Checks whether the worker of a busy episode has ended or exceeded its time limit.
     pub(super) fn check_worker(&mut self) {
         let Some(place) = self.place.filter(|_| self.is_busy()) else { return };
         let mut pool = self.workers.lock();
         if self.phase == Phase::Starting(None) && !pool.waits_for_template(place) {
-            self.phase = Phase::Starting(Some(Instant::now() + self.workers.step_time_limit()));
+            self.phase = Phase::Starting(Some(TimeLimit::new(self.workers.step_time_limit())));
         }
-        let deadline = match self.phase {
-            Phase::Starting(deadline) => deadline,
-            Phase::Stepping(deadline) => Some(deadline),
+        let is_late = match &mut self.phase {
+            Phase::Starting(limit) => limit.as_mut().is_some_and(TimeLimit::is_exceeded),
+            Phase::Stepping(limit) => limit.is_exceeded(),
             _ => return,
         };
-        let gone = pool.failure(place.slot, deadline);
+        let gone = pool.failure(place.slot, is_late);
         drop(pool);
         match gone {
             None => {}

@@ -21,6 +21,7 @@ mod sampler;
 mod setting;
 mod slots;
 mod statistics;
+mod time_limit;
 mod vec_env;
 mod worker;
 mod worker_options;

@@ -17,9 +17,10 @@ pub struct WorkerOptions {
     /// Templates that are prepared at the same time; others wait for their turn, those that an episode waits for first.
     pub preparations: usize,
     /// A worker that takes longer for a step, or to copy itself, counts as hung and is killed; its episode is lost.
+    /// Only time in which its owner waits for it counts, so not that in which the owner was stopped itself.
     pub step_time_limit: Duration,
     /// A template that takes longer to size and warm up its building counts as hung and is killed. A template that
-    /// hangs or dies is started once more.
+    /// hangs or dies is started once more. Time counts as for a step.
     pub preparation_time_limit: Duration,
     /// Called now and then while waiting; when true, waiting ends with [`Error::Interrupted`](crate::Error::Interrupted).
     pub interrupted: fn() -> bool,

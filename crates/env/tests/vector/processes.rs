@@ -8,10 +8,11 @@ use std::time::{Duration, Instant};
 use b2b_building::BuildingType;
 use b2b_energyplus::Confinement;
 use b2b_env::Environment;
-use b2b_env::vector::{AnyOf, Autoreset, VecEnv, VecEnvOptions, Windows, Workers};
+use b2b_env::vector::{AnyOf, Autoreset, VecEnv, VecEnvOptions, Windows, WorkerOptions, Workers};
+use rustix::process::Signal;
 
 use crate::case::Case;
-use crate::workers::{DAY, is_alive, options, setting, vec_env};
+use crate::workers::{DAY, dice, is_alive, options, setting, signal, steps, vec_env};
 
 /// Has the kernel refuse a system call with an error to this thread and to what it starts from now on.
 fn refuse(call: libc::c_long, when_first_argument_lacks: u32, error: libc::c_int) {
@@ -105,6 +106,51 @@ fn when_the_owner_is_killed_its_processes_and_its_folder_go_within_two_seconds()
         assert!(killed.elapsed() < Duration::from_secs(2), "something is left");
         std::thread::sleep(Duration::from_millis(20));
     }
+}
+
+/// Not a test: an owner with a short limit that says of which stopped process it waits, first for a copy and then for a step.
+#[test]
+#[ignore = "started by the test below"]
+fn an_owner_to_be_stopped() {
+    let case = Case::at_home(BuildingType::SingleFamilyHouse);
+    let limit = WorkerOptions { step_time_limit: Duration::from_secs(2), ..options(&case) };
+    let workers = Workers::new(limit).unwrap();
+    let mut episode = workers.episode(&setting(&case, DAY)).unwrap();
+    let stop = |process: u32| {
+        signal(process, Signal::STOP);
+        println!("waits for {process}");
+    };
+    stop(workers.template_processes()[0]);
+    episode.reset().unwrap();
+    stop(episode.process().unwrap());
+    let mut dice = dice(&episode.spaces().action);
+    steps(&mut episode, &mut dice, usize::MAX);
+    println!("the end");
+}
+
+#[test]
+fn an_owner_that_was_stopped_for_longer_than_the_limit_continues_its_episodes() {
+    let mut owner = Command::new(std::env::current_exe().unwrap())
+        .args(["--exact", "processes::an_owner_to_be_stopped", "--ignored", "--nocapture"])
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut said = Vec::new();
+    for line in BufReader::new(owner.stdout.take().unwrap()).lines() {
+        let line = line.unwrap();
+        if let Some((_, process)) = line.split_once("waits for ") {
+            std::thread::sleep(Duration::from_millis(300));
+            signal(owner.id(), Signal::STOP);
+            std::thread::sleep(Duration::from_secs(3));
+            signal(owner.id(), Signal::CONT);
+            // The owner looks first.
+            std::thread::sleep(Duration::from_millis(300));
+            signal(process.parse().unwrap(), Signal::CONT);
+        }
+        said.push(line);
+    }
+    assert!(owner.wait().unwrap().success(), "{said:?}");
+    assert!(said.iter().any(|line| line == "the end"), "{said:?}");
 }
 
 #[test]

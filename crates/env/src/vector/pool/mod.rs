@@ -25,6 +25,7 @@ use super::episode_options::EpisodeOptions;
 use super::region::{COPIES, Command, LOOK, Region};
 use super::setting::Setting;
 use super::slots::Slots;
+use super::time_limit::TimeLimit;
 use super::worker_options::WorkerOptions;
 use crate::{Error, Result};
 
@@ -126,13 +127,17 @@ impl Pool {
         let Some(template) = self.templates.get_mut(&id) else { return };
         let Some(slot) = template.process.as_ref().map(|process| process.slot) else { return };
         let (ended, ready) = (self.slots.has_ended(slot), self.region.is_ready(slot));
+        let is_late = match &mut template.phase {
+            Phase::Preparing(limit) | Phase::Copying(limit) => limit.is_exceeded(),
+            Phase::Queued | Phase::Idle | Phase::Failed => false,
+        };
         match template.phase {
-            Phase::Preparing(deadline) => return self.advance_preparation(id, ready, ended, deadline),
+            Phase::Preparing(_) => return self.advance_preparation(id, ready, ended, is_late),
             Phase::Copying(_) if ready => {
                 template.copying.clear();
                 template.phase = Phase::Idle;
             }
-            Phase::Copying(deadline) if !ended && Instant::now() < deadline => return,
+            Phase::Copying(_) if !ended && !is_late => return,
             Phase::Copying(_) => return self.replace(id),
             Phase::Queued | Phase::Idle | Phase::Failed => {}
         }
@@ -145,12 +150,12 @@ impl Pool {
 
     /// Requests copies of an idle template for the waiting slots.
     fn copy_for_those_waiting(&mut self, id: TemplateId) {
-        let deadline = Instant::now() + self.options.step_time_limit;
+        let limit = TimeLimit::new(self.options.step_time_limit);
         let Some(template) = self.templates.get_mut(&id) else { return };
         let Some(source) = template.process.as_ref().map(|process| process.slot) else { return };
         let count = template.waiting.len().min(COPIES);
         template.copying = template.waiting.drain(..count).collect();
-        template.phase = Phase::Copying(deadline);
+        template.phase = Phase::Copying(limit);
         let slots: Vec<u32> = template.copying.iter().map(|request| request.slot).collect();
         self.region.list_copies(source, &slots);
         self.region.command(source, Command::Copy);
@@ -190,7 +195,7 @@ impl Pool {
 
     /// Waits for a worker that copies itself, or that is such a copy: milliseconds, so that it is not interrupted.
     fn wait_until_ready(&mut self, slot: u32) -> Result<()> {
-        let deadline = Instant::now() + self.options.step_time_limit;
+        let mut limit = TimeLimit::new(self.options.step_time_limit);
         loop {
             let done = self.region.done();
             let ended = self.slots.has_ended(slot);
@@ -201,7 +206,7 @@ impl Pool {
             if ended {
                 return Err(lost("an episode to copy", self.slots.describe_end(slot, None)));
             }
-            if Instant::now() > deadline {
+            if limit.is_exceeded() {
                 return Err(lost("an episode to copy", self.time_out(slot)));
             }
             self.region.sleep(done, 1, LOOK);
@@ -216,8 +221,8 @@ impl Pool {
         requests.any(|request| request.slot == place.slot)
     }
 
-    /// Returns why the worker of a slot will not report anymore, if it has ended or missed its deadline.
-    pub(super) fn failure(&mut self, slot: u32, deadline: Option<Instant>) -> Option<String> {
+    /// Returns why the worker of a slot will not report anymore, if it has ended or is too late.
+    pub(super) fn failure(&mut self, slot: u32, is_late: bool) -> Option<String> {
         let ended = self.slots.has_ended(slot);
         // It may have reported before it died.
         if self.region.is_ready(slot) {
@@ -226,7 +231,7 @@ impl Pool {
         if ended {
             return Some(self.slots.describe_end(slot, None));
         }
-        deadline.is_some_and(|deadline| Instant::now() > deadline).then(|| self.time_out(slot))
+        is_late.then(|| self.time_out(slot))
     }
 
     /// Kills the worker of a slot for taking too long.

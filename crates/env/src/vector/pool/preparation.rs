@@ -2,7 +2,6 @@
 
 use std::fs::File;
 use std::sync::Arc;
-use std::time::Instant;
 
 use b2b_building::PreparedBuilding;
 
@@ -12,6 +11,7 @@ use crate::spaces::Spaces;
 use crate::vector::episode_options::EpisodeOptions;
 use crate::vector::region::{Status, WIDTH};
 use crate::vector::setting::{Order, Setting, Source};
+use crate::vector::time_limit::TimeLimit;
 use crate::{Error, Result};
 
 /// Buildings whose preparation is remembered; those of more are on disk.
@@ -85,21 +85,15 @@ impl Pool {
     fn start_preparation(&mut self, id: TemplateId) -> Result<()> {
         let setting = self.template_mut(id)?.setting.clone();
         let process = self.start_process(&setting)?;
-        let deadline = Instant::now() + self.options.preparation_time_limit;
+        let limit = TimeLimit::new(self.options.preparation_time_limit);
         let template = self.template_mut(id)?;
         template.process = Some(process);
-        template.phase = Phase::Preparing(deadline);
+        template.phase = Phase::Preparing(limit);
         template.attempts += 1;
         Ok(())
     }
 
-    pub(super) fn advance_preparation(
-        &mut self,
-        id: TemplateId,
-        ready: bool,
-        ended: bool,
-        deadline: Instant,
-    ) {
+    pub(super) fn advance_preparation(&mut self, id: TemplateId, ready: bool, ended: bool, is_late: bool) {
         if ready {
             return match self.read_reply(id) {
                 Ok(()) => self.advance(id),
@@ -110,7 +104,7 @@ impl Pool {
             let why = self.how_it_ended(id);
             return self.retry(id, why);
         }
-        if Instant::now() > deadline {
+        if is_late {
             let limit = self.options.preparation_time_limit;
             self.retry(id, format!("its preparation took longer than {limit:?} and was killed"));
         }

@@ -4,11 +4,11 @@ use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::process::Child;
 use std::sync::Arc;
-use std::time::Instant;
 
 use crate::Error;
 use crate::spaces::Spaces;
 use crate::vector::setting::Setting;
+use crate::vector::time_limit::TimeLimit;
 
 /// A template of a pool. Never used again for another, so that one that was dropped is not found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -51,12 +51,12 @@ pub(super) struct TemplateProcess {
 pub(super) enum Phase {
     /// Waits for its turn to be prepared.
     Queued,
-    /// Sizing and warm-up, until a deadline.
-    Preparing(Instant),
+    /// Sizing and warm-up, within a limit.
+    Preparing(TimeLimit),
     /// Waits to be copied.
     Idle,
-    /// Copies itself, until a deadline.
-    Copying(Instant),
+    /// Copies itself, within a limit.
+    Copying(TimeLimit),
     /// Cannot be made.
     Failed,
 }

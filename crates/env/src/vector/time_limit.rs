@@ -1,0 +1,69 @@
+//! Time limits of workers.
+
+use std::time::{Duration, Instant};
+
+use super::region::LOOK;
+
+/// The most that the time between two looks counts. An owner that waits looks every [`LOOK`].
+const BETWEEN_LOOKS: Duration = LOOK.saturating_mul(2);
+
+/// A limit on the time that a worker takes while its owner waits for it.
+///
+/// Time in which the owner does not look hardly counts: an owner that was stopped, or whose machine was, finds its workers as
+/// they were, and they need time too to continue. A worker that hangs while its owner is busy elsewhere is found later.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct TimeLimit {
+    left: Duration,
+    /// When it was last looked at.
+    looked: Instant,
+}
+
+impl TimeLimit {
+    /// A limit that begins now.
+    pub(super) fn new(limit: Duration) -> Self {
+        Self { left: limit, looked: Instant::now() }
+    }
+
+    /// Looks at the clock. Returns whether the limit is exceeded.
+    pub(super) fn is_exceeded(&mut self) -> bool {
+        let now = Instant::now();
+        let passed = now.duration_since(self.looked).min(BETWEEN_LOOKS);
+        self.looked = now;
+        self.left = self.left.saturating_sub(passed);
+        self.left.is_zero()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A limit that was last looked at some time ago.
+    fn looked_at(before: Duration, left: Duration) -> TimeLimit {
+        TimeLimit { left, looked: Instant::now().checked_sub(before).unwrap() }
+    }
+
+    #[test]
+    fn time_in_which_nobody_looked_counts_as_two_looks() {
+        let mut limit = looked_at(Duration::from_secs(3), Duration::from_secs(1));
+        assert!(!limit.is_exceeded());
+        assert_eq!(limit.left, Duration::from_secs(1) - BETWEEN_LOOKS);
+    }
+
+    #[test]
+    fn the_time_between_the_looks_of_an_owner_that_waits_counts_in_full() {
+        let mut limit = looked_at(LOOK, LOOK * 3);
+        assert!(!limit.is_exceeded());
+        assert!(limit.left <= LOOK * 2);
+    }
+
+    #[test]
+    fn a_limit_is_exceeded_however_rarely_it_is_looked_at() {
+        let mut limit = TimeLimit::new(BETWEEN_LOOKS * 5);
+        let looks = (1..).find(|_| {
+            limit.looked = limit.looked.checked_sub(Duration::from_secs(60)).unwrap();
+            limit.is_exceeded()
+        });
+        assert_eq!(looks, Some(5));
+    }
+}
