@@ -3,12 +3,6 @@
 /// An error of this crate.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// An order of a fragment that is too long.
-    #[error("a request of {bytes} bytes does not fit into a worker slot")]
-    Order {
-        /// Its length.
-        bytes: usize,
-    },
     /// An action value that is not finite.
     #[error("action for `{actuator}` is {value}; expected a finite number from {low} to {high} {unit}")]
     ActionNotFinite {

@@ -79,6 +79,25 @@ fn an_agent_in_the_worker_is_that_of_the_owner_bit_for_bit() {
 }
 
 #[test]
+fn a_description_of_any_length_reaches_the_worker() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut episode = episode(BuildingType::SingleFamilyHouse);
+    let spaces = Arc::clone(episode.spaces());
+    write_agent(folder.path(), &spaces);
+    let agent = Agent::read(folder.path()).unwrap();
+    let short = serde_json::to_value(agent.description(&spaces).unwrap().unwrap()).unwrap();
+    let mut long = short.clone();
+    long["agent"]["comment"] = "as in a large building ".repeat(10_000).into();
+    let (metrics, trajectory) = there(&mut episode, &short);
+    let (metrics_long, trajectory_long) = there(&mut episode, &long);
+    assert_eq!((&metrics_long, trajectory_long.hash()), (&metrics, trajectory.hash()));
+    episode.reset().unwrap();
+    episode.send_rollout(&long).unwrap();
+    b2b_env::vector::recv(std::slice::from_mut(&mut episode), 1, &mut Vec::new()).unwrap();
+    assert_eq!(episode.metrics(), Some(&metrics));
+}
+
+#[test]
 fn an_error_of_either_side_ends_the_rollout_and_the_next_reset_begins_anew() {
     let mut episode = episode(BuildingType::SingleFamilyHouse);
     let mut memory = RolloutMemory::new(episode.workers());

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::episode_options::EpisodeOptions;
 use super::episode_report::EpisodeReport;
 use super::pool::Place;
-use super::region::{Command, Region, Status};
+use super::region::{Command, LONG_ORDER, Region, Status};
 use super::setting::Setting;
 use super::time_limit::TimeLimit;
 use super::workers::Workers;
@@ -134,17 +134,22 @@ impl Episode {
         Ok(())
     }
 
-    /// Requests a fragment of about `steps` steps from the worker's [`Runner`](super::Runner), without waiting for it.
+    /// Requests a fragment of about `steps` steps from the worker's [`Runner`](super::Runner), without waiting for it. An
+    /// order that is too long for shared memory, as that of an agent of a large building may be, passes through a file.
     ///
     /// # Errors
-    /// [`Error::Order`] for a request that is too long; [`Error::NotReset`]; [`Error::Busy`]; [`Error::Lost`].
+    /// [`Error::NotReset`]; [`Error::Busy`]; [`Error::Lost`]; [`Error::Io`] when the file cannot be written.
     pub fn send_fragment(&mut self, order: &[u8], steps: usize) -> Result<()> {
         let slot = self.slot()?;
-        if !Region::has_room_for(order) {
-            return Err(Error::Order { bytes: order.len() });
-        }
-        self.workers.region().write_report(slot, order);
-        self.workers.region().command(slot, Command::Fragment);
+        let command = if Region::has_room_for(order) {
+            self.workers.region().write_report(slot, order);
+            Command::Fragment
+        } else {
+            let path = self.workers.lock().file(slot, LONG_ORDER);
+            std::fs::write(&path, order).map_err(|source| Error::Io { path, source })?;
+            Command::LongFragment
+        };
+        self.workers.region().command(slot, command);
         // A step alone is a hundred times quicker than its limit.
         let limit = self.workers.step_time_limit() * (1 + steps as u32 / 100);
         self.phase = Phase::Stepping(TimeLimit::new(limit));

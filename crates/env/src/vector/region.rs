@@ -29,6 +29,8 @@ pub(super) const SLOTS: usize = 2048;
 pub(super) const WIDTH: usize = 1024;
 /// Maximum size of a report, bytes.
 const REPORT: usize = 48 * 1024;
+/// Extension of the file of an order that is longer.
+pub(super) const LONG_ORDER: &str = "fragment";
 /// Maximum number of copies that one command makes.
 pub(super) const COPIES: usize = 128;
 
@@ -50,6 +52,8 @@ pub(super) enum Command {
     Copy = 1,
     /// A fragment by the order in the report.
     Fragment = 2,
+    /// A fragment by the order in a file of the worker.
+    LongFragment = 3,
 }
 
 /// Status of a worker after its last command.

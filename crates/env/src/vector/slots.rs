@@ -13,7 +13,7 @@ use rustix::event::{PollFd, PollFlags, Timespec};
 use rustix::process::{Pid, PidfdFlags, Signal};
 
 use super::episode_options::EpisodeOptions;
-use super::region::{Region, SLOTS, Ticket};
+use super::region::{LONG_ORDER, Region, SLOTS, Ticket};
 
 /// How long the parent of a process that ended may take to say how.
 const REAPING: Duration = Duration::from_millis(100);
@@ -85,7 +85,7 @@ impl Slots {
     fn free(&mut self, ticket: Ticket) {
         self.processes[ticket.slot as usize] = None;
         self.free.push(ticket.slot);
-        for extension in ["log", "json", "mtr"] {
+        for extension in ["log", "json", "mtr", LONG_ORDER] {
             // Most were never written.
             let _ = std::fs::remove_file(self.folder.join(ticket.file(extension)));
         }

@@ -25,7 +25,7 @@ use rustix::time::{ClockId, clock_gettime};
 
 use super::episode_report::EpisodeReport;
 use super::fragment::{MakeRunner, Runner, SharedMemory};
-use super::region::{Command, Region, Status, Ticket};
+use super::region::{Command, LONG_ORDER, Region, Status, Ticket};
 use super::setting::Order;
 use crate::env::Env;
 
@@ -154,8 +154,12 @@ impl Worker {
                 None => self.reap(),
                 Some(Command::Step) if self.step(&mut env, &mut action)? => return Ok(()),
                 Some(Command::Step) => {}
-                Some(Command::Fragment) if self.fragment(&mut env, &mut runner)? => return Ok(()),
-                Some(Command::Fragment) => {}
+                Some(command @ (Command::Fragment | Command::LongFragment)) => {
+                    let order = self.order(command)?;
+                    if self.fragment(&mut env, &mut runner, &order)? {
+                        return Ok(());
+                    }
+                }
                 Some(Command::Copy) => self.copy(&mut env)?,
             }
         }
@@ -180,15 +184,28 @@ impl Worker {
         self.end_step(env)
     }
 
+    /// The order of a fragment.
+    fn order(&self, command: Command) -> Result<Vec<u8>, Failure> {
+        let ticket = self.ticket.get();
+        match command {
+            Command::LongFragment => Ok(std::fs::read(self.folder.join(ticket.file(LONG_ORDER)))?),
+            _ => Ok(self.region.report(ticket.slot)),
+        }
+    }
+
     /// A fragment; whether the episode is over.
-    fn fragment(&self, env: &mut Env, runner: &mut Option<Box<dyn Runner>>) -> Result<bool, Failure> {
+    fn fragment(
+        &self,
+        env: &mut Env,
+        runner: &mut Option<Box<dyn Runner>>,
+        order: &[u8],
+    ) -> Result<bool, Failure> {
         let (region, slot) = (&self.region, self.slot());
-        let order = region.report(slot);
         let runner = match runner {
             Some(runner) => runner,
-            None => runner.insert((self.make_runner)(env, &order)?),
+            None => runner.insert((self.make_runner)(env, order)?),
         };
-        let steps = runner.run(env, &order, &SharedMemory::new(Arc::clone(region)))?;
+        let steps = runner.run(env, order, &SharedMemory::new(Arc::clone(region)))?;
         region.set_fragment_steps(slot, steps);
         region.write_observation(slot, env.observation());
         region.set_penalties(slot, [0.0; 2]);

@@ -37,7 +37,8 @@ impl Region {
         Some(match slot.command.load(Ordering::Relaxed) {
             0 => Command::Step,
             1 => Command::Copy,
-            _ => Command::Fragment,
+            2 => Command::Fragment,
+            _ => Command::LongFragment,
         })
     }
 
