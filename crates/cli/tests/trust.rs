@@ -107,6 +107,20 @@ fn a_crash_of_the_engine_is_an_error_and_leaves_nothing() {
 }
 
 #[test]
+fn a_model_that_the_engine_refuses_is_an_error_with_its_messages_alone() {
+    let folder =
+        folder_with("\nSchedule:Compact,Half a day,Fraction,Through: 12/31,For: AllDays,Until: 12:00,0.5;\n");
+    for arguments in ["run m.idf --weather w.epw --out out", "import m.idf --weather w.epw"] {
+        let output = b2b(folder.path(), arguments);
+        let said = both_outputs(&output);
+        assert_eq!(output.status.code(), Some(1), "{said}");
+        assert!(said.contains("error: cannot prepare m"), "{said}");
+        assert!(said.contains("fatal: ProcessScheduleInput"), "{said}");
+        assert!(!said.contains("Program terminated"), "{said}");
+    }
+}
+
+#[test]
 fn a_damaged_trajectory_is_never_scored() {
     let folder = tempfile::tempdir().unwrap();
     let out = b2b(folder.path(), "run SingleFamilyHouse --period 01-01..01-01 --out out");

@@ -12,6 +12,8 @@ use std::sync::Arc;
 use corosensei::stack::DefaultStack;
 use corosensei::{Coroutine, CoroutineResult, Yielder};
 
+#[cfg(unix)]
+use crate::abort_line::Withheld;
 use crate::api::{Api, State};
 use crate::event::Event;
 use crate::library::lock;
@@ -46,6 +48,9 @@ struct Context {
     steps: Cell<u32>,
     stopping: Cell<bool>,
     messages: RefCell<Messages>,
+    /// Standard error, from the last message of an aborted run to its return.
+    #[cfg(unix)]
+    withheld: Cell<Option<Withheld>>,
 }
 
 /// A run of EnergyPlus with its state.
@@ -90,6 +95,8 @@ impl EngineRun {
             steps: Cell::new(0),
             stopping: Cell::new(false),
             messages: RefCell::new(Messages::default()),
+            #[cfg(unix)]
+            withheld: Cell::new(None),
         });
         // SAFETY: the state is live, the callbacks are functions of this module with the C signatures the
         // engine expects, and the strings live through the calls, which copy them.
@@ -127,6 +134,8 @@ impl EngineRun {
         let before = CURRENT.replace(&*self.context);
         let result = coroutine.resume(());
         CURRENT.set(before);
+        #[cfg(unix)]
+        drop(self.context.withheld.take());
         match result {
             CoroutineResult::Yield(event) => Outcome::At(event),
             CoroutineResult::Return(code) => {
@@ -254,20 +263,26 @@ extern "C" fn on_end_zone_step(_: State) {
 }
 
 extern "C" fn on_error(level: c_int, text: *const c_char) {
-    with_text(text, |messages, text| messages.push(level, text));
+    with_text(text, |run, text| {
+        run.messages.borrow_mut().push(level, text);
+        #[cfg(unix)]
+        if let Some(withheld) = Withheld::after(text) {
+            run.withheld.set(Some(withheld));
+        }
+    });
 }
 
 extern "C" fn on_console(text: *const c_char) {
-    with_text(text, Messages::push_console);
+    with_text(text, |run, text| run.messages.borrow_mut().push_console(text));
 }
 
-fn with_text(text: *const c_char, take: impl FnOnce(&mut Messages, &str)) {
+fn with_text(text: *const c_char, take: impl FnOnce(&Context, &str)) {
     if let Some(run) = current()
         && !text.is_null()
-        && let Ok(mut messages) = run.messages.try_borrow_mut()
+        && run.messages.try_borrow_mut().is_ok()
     {
         // SAFETY: the engine passes a zero-terminated string that lives through the callback.
         let text = unsafe { CStr::from_ptr(text) }.to_string_lossy();
-        take(&mut messages, &text);
+        take(run, &text);
     }
 }

@@ -27,6 +27,8 @@
 //!   processes for parallel work.
 //! - A crash of EnergyPlus (a segmentation fault in its C++ code) ends the process. Validate models first.
 
+#[cfg(unix)]
+mod abort_line;
 mod api;
 mod confinement;
 mod convert;
