@@ -6,6 +6,7 @@ mod batch;
 mod case;
 mod copies;
 mod losses;
+mod operations;
 mod processes;
 mod report;
 mod sampler;
