@@ -17,6 +17,8 @@ use super::region::{LONG_ORDER, Region, SLOTS, Ticket};
 
 /// How long the parent of a process that ended may take to say how.
 const REAPING: Duration = Duration::from_millis(100);
+/// Time until the exit status of a lost worker is known, on a busy machine.
+const EXIT_STATUS: Duration = Duration::from_secs(1);
 /// Bytes of a worker's last output that an error repeats.
 const LAST_WORDS: usize = 2000;
 
@@ -156,7 +158,7 @@ impl Slots {
         let began = Instant::now();
         let status = loop {
             let status = status.or(self.region.exit(slot).map(ExitStatus::from_raw));
-            if status.is_some() || began.elapsed() > REAPING {
+            if status.is_some() || began.elapsed() > EXIT_STATUS {
                 break status;
             }
             std::thread::sleep(Duration::from_millis(1));
