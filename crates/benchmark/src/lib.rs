@@ -29,7 +29,7 @@ mod versions;
 
 pub use baseline::table as baseline_table;
 pub use baseline::{Baselines, Key};
-pub use error::{Error, Result};
+pub use error::{Error, Result, panic_message};
 pub use evaluation::{
     Deviations, Episode, EpisodeInfo, Evaluation, Finished, Folder, Hours, KeepRecorded, Lost, Outcome,
     Progress, Record, Recorded, Row, Scored, StepRewards, episode_table, read_episodes, read_stages,

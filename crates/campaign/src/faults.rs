@@ -9,8 +9,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rustix::process::{Signal, kill_process};
 
-use crate::ledger::{Ledger, Outcome};
-use crate::material::Material;
+use crate::Campaign;
 use crate::mutation::pick;
 use crate::program::{Ended, Program, words};
 
@@ -94,13 +93,7 @@ impl Fault {
 }
 
 /// Attacks jobs until a deadline.
-pub fn attack(
-    program: &Program,
-    material: &Material,
-    deadline: Instant,
-    random: &mut ChaCha8Rng,
-    ledger: &mut Ledger,
-) -> Result<()> {
+pub fn attack(Campaign { program, material, deadline, mut random, ledger }: Campaign<'_>) -> Result<()> {
     let mut whole = Vec::new();
     for job in &JOBS {
         let folder = material.path(&format!("whole-{}", job.name));
@@ -111,21 +104,18 @@ pub fn attack(
     }
     while Instant::now() < deadline {
         let number = random.random_range(0..JOBS.len());
-        let (job, fault) = (&JOBS[number], *pick(&FAULTS, random));
+        let (job, fault) = (&JOBS[number], *pick(&FAULTS, &mut random));
         let (expected, time) = &whole[number];
         let kind = format!("{}: {}", job.name, fault.name());
         let folder = tempfile::tempdir()?;
         let moment = time.mul_f64(random.random_range(0.0..1.1));
-        let ended = struck(program, job, fault, moment, folder.path(), random)?;
+        let ended = struck(program, job, fault, moment, folder.path(), &mut random)?;
         let broken = match ended.broken(fault.kills()) {
             Some(why) => Some(why),
             None => not_completed(program, job, folder.path(), expected)?,
         };
-        match broken {
-            Some(why) => ledger.find(&kind, &format!("{why}\nafter {moment:?}"), &[folder.path()])?,
-            None if ended.code() == Some(0) => ledger.count(&kind, Outcome::Accepted, 1),
-            None => ledger.count(&kind, Outcome::Rejected, 1),
-        }
+        let broken = broken.map(|why| format!("{why}\nafter {moment:?}"));
+        ledger.judge(&kind, broken, ended.code(), folder.path())?;
     }
     Ok(())
 }

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result};
 use b2b_agent::Agent;
-use b2b_benchmark::{ActionScale, OnnxPolicy, Problem};
+use b2b_benchmark::{ActionScale, OnnxPolicy, Problem, panic_message};
 use b2b_building::import;
 use b2b_climate::{DegreeDays, Site};
 use b2b_control::ReactiveParameters;
@@ -24,7 +24,8 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::json;
 
-use crate::ledger::{Ledger, Outcome, copy};
+use crate::Campaign;
+use crate::ledger::{Outcome, copy};
 use crate::material::Material;
 use crate::mutation::mutate;
 
@@ -62,12 +63,7 @@ impl Order {
 }
 
 /// Runs reader processes until a deadline.
-pub fn attack(
-    material: &Material,
-    deadline: Instant,
-    random: &mut ChaCha8Rng,
-    ledger: &mut Ledger,
-) -> Result<()> {
+pub fn attack(Campaign { material, deadline, mut random, ledger, .. }: Campaign<'_>) -> Result<()> {
     while Instant::now() < deadline {
         let work = tempfile::tempdir()?;
         let seed: u64 = random.random();
@@ -93,7 +89,7 @@ pub fn attack(
 
 /// Gives damaged files to the readers in this process, for a limited time or until the first finding.
 pub fn attack_here(order: &Order) -> Result<ExitCode> {
-    let readers = readers(&order.material, &order.work)?;
+    let readers = readers(&Material::open(&order.material)?, &order.work)?;
     let mut counts = vec![[0_usize; 2]; readers.len()];
     let mut random = ChaCha8Rng::seed_from_u64(order.seed);
     let deadline = Instant::now() + SLICE;
@@ -105,8 +101,7 @@ pub fn attack_here(order: &Order) -> Result<ExitCode> {
         let reader = &readers[number];
         std::fs::write(&reader.file, mutate(&reader.valid, &mut random))?;
         std::fs::write(&current, reader.name)?;
-        let outcome = within_limit(reader, &current)?;
-        match outcome {
+        match within_limit(reader, &current) {
             Ok(accepted) => counts[number][usize::from(!accepted)] += 1,
             Err(panic) => {
                 std::fs::write(&current, format!("{}\npanic: {panic}", reader.name))?;
@@ -120,7 +115,7 @@ pub fn attack_here(order: &Order) -> Result<ExitCode> {
 }
 
 /// Returns whether the file was accepted, or the message of a panic. Ends this process after the time limit.
-fn within_limit(reader: &Reader, current: &Path) -> Result<Result<bool, String>> {
+fn within_limit(reader: &Reader, current: &Path) -> Result<bool, String> {
     let done = AtomicBool::new(false);
     std::thread::scope(|scope| {
         let (name, done) = (reader.name, &done);
@@ -134,10 +129,7 @@ fn within_limit(reader: &Reader, current: &Path) -> Result<Result<bool, String>>
         let outcome = catch_unwind(AssertUnwindSafe(|| (reader.read)()));
         done.store(true, Ordering::Release);
         watch.thread().unpark();
-        Ok(outcome.map_err(|panic| {
-            let text = panic.downcast_ref::<String>().cloned();
-            text.or_else(|| panic.downcast_ref::<&str>().map(|text| (*text).to_owned())).unwrap_or_default()
-        }))
+        outcome.map_err(|panic| panic_message(&*panic).to_owned())
     })
 }
 
@@ -178,21 +170,15 @@ fn of_folder(
     Ok(Reader { name, file, valid, read: Box::new(move || read(&folder)) })
 }
 
-fn readers(material: &Path, work: &Path) -> Result<Vec<Reader>> {
+fn readers(material: &Material, work: &Path) -> Result<Vec<Reader>> {
     let library = Library::load(&Engine::ensure(&mut Quiet)?.library)?;
-    let bytes = |name: &str| {
-        let path = material.join(name);
-        std::fs::read(&path).with_context(|| format!("cannot read {}", path.display()))
-    };
     let json = |value: serde_json::Value| value.to_string().into_bytes();
-    let generated = std::fs::read_dir(material.join("house"))?.flatten().map(|entry| entry.path());
-    let model = generated.filter(|path| path.extension().is_some_and(|it| it == "epJSON")).min();
-    let model = std::fs::read(model.context("no house was generated")?)?;
+    let model = std::fs::read(material.models().first().context("no model was generated")?)?;
     let task =
         json!({"setpoints": {"mode": "occupancy", "summer": 27}, "energy_weight": 0.5, "comfort_band": 0.5});
     let parameters = json!({"unitary": {"min_flow": 0.2, "gains": {"proportional": 0.3, "integral": 0.1}}});
     let problem = serde_json::to_vec(&Problem::all()[0])?;
-    let weather = bytes("weather.epw")?;
+    let weather = material.bytes("weather.epw")?;
     let header = weather.split_inclusive(|byte| *byte == b'\n').take(8).collect::<Vec<_>>().concat();
     let onnx = |path: &Path| OnnxPolicy::read(path, ActionScale::Rescaled).is_ok();
     let agent = |path: &Path| Agent::read(path).is_ok();
@@ -210,21 +196,25 @@ fn readers(material: &Path, work: &Path) -> Result<Vec<Reader>> {
             ReactiveParameters::read(path).is_ok()
         })?,
         of_file(work, "problem", "problem.json", problem, |path| Problem::read(path).is_ok())?,
-        of_file(work, "training configuration", "train.toml", bytes("agent/config.toml")?, |path| {
-            TrainConfig::default().with_file(path).is_ok_and(|config| config.check().is_ok())
-        })?,
+        of_file(
+            work,
+            "training configuration",
+            "train.toml",
+            material.bytes("agent/config.toml")?,
+            |path| TrainConfig::default().with_file(path).is_ok_and(|config| config.check().is_ok()),
+        )?,
         of_file(
             work,
             "table of episodes",
             "episodes.parquet",
-            bytes("evaluation/episodes.parquet")?,
+            material.bytes("evaluation/episodes.parquet")?,
             episodes,
         )?,
-        of_file(work, "ONNX", "agent.onnx", bytes("agent.onnx")?, onnx)?,
-        of_folder(work, "agent.json", &material.join("agent"), "agent.json", agent)?,
-        of_folder(work, "weights", &material.join("agent"), "weights.safetensors", agent)?,
-        of_folder(work, "offline metadata", &material.join("offline-v0"), "data/metadata.json", dataset)?,
-        of_folder(work, "offline episode", &material.join("offline-v0"), "data/0/metadata.json", dataset)?,
-        of_folder(work, "offline steps", &material.join("offline-v0"), "data/0/part-0.parquet", dataset)?,
+        of_file(work, "ONNX", "agent.onnx", material.bytes("agent.onnx")?, onnx)?,
+        of_folder(work, "agent.json", &material.path("agent"), "agent.json", agent)?,
+        of_folder(work, "weights", &material.path("agent"), "weights.safetensors", agent)?,
+        of_folder(work, "offline metadata", &material.path("offline-v0"), "data/metadata.json", dataset)?,
+        of_folder(work, "offline episode", &material.path("offline-v0"), "data/0/metadata.json", dataset)?,
+        of_folder(work, "offline steps", &material.path("offline-v0"), "data/0/part-0.parquet", dataset)?,
     ])
 }

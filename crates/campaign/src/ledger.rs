@@ -51,6 +51,22 @@ impl Ledger {
         Ok(())
     }
 
+    /// Counts an input by the violated guarantee, which is a finding, or else by the exit code of the command.
+    pub fn judge(
+        &mut self,
+        kind: &str,
+        broken: Option<String>,
+        code: Option<i32>,
+        folder: &Path,
+    ) -> Result<()> {
+        match broken {
+            Some(description) => self.find(kind, &description, &[folder])?,
+            None if code == Some(0) => self.count(kind, Outcome::Accepted, 1),
+            None => self.count(kind, Outcome::Rejected, 1),
+        }
+        Ok(())
+    }
+
     fn place(&self, kind: &str, number: usize) -> PathBuf {
         self.folder.join(format!("{}-{number}", kind.replace([' ', '/'], "-")))
     }

@@ -60,6 +60,15 @@ enum Part {
     Faults,
 }
 
+/// What a part of the campaign works with.
+struct Campaign<'a> {
+    program: &'a Program,
+    material: &'a Material,
+    deadline: Instant,
+    random: ChaCha8Rng,
+    ledger: &'a mut Ledger,
+}
+
 fn main() -> ExitCode {
     attack(Arguments::parse()).unwrap_or_else(|error| {
         eprintln!("error: {error:#}");
@@ -83,11 +92,12 @@ fn attack(arguments: Arguments) -> Result<ExitCode> {
         let deadline = Instant::now() + share;
         let mut random = ChaCha8Rng::seed_from_u64(arguments.seed);
         random.set_stream(part as u64);
-        match part {
-            Part::Inputs => inputs::attack(&material, deadline, &mut random, &mut ledger)?,
-            Part::Runs => runs::attack(&program, &material, deadline, &mut random, &mut ledger)?,
-            Part::Faults => faults::attack(&program, &material, deadline, &mut random, &mut ledger)?,
-        }
+        let attack = match part {
+            Part::Inputs => inputs::attack,
+            Part::Runs => runs::attack,
+            Part::Faults => faults::attack,
+        };
+        attack(Campaign { program: &program, material: &material, deadline, random, ledger: &mut ledger })?;
     }
     println!("{ledger}");
     Ok(ledger.exit_code())

@@ -36,16 +36,16 @@ impl Material {
         ] {
             program.must(folder, arguments)?;
         }
-        let generated = ["house", "warehouse"].map(|name| folder.join(name));
+        Self::open(folder)
+    }
+
+    /// Opens a folder with the files.
+    pub fn open(folder: &Path) -> Result<Self> {
         let mut models = Vec::new();
-        for entry in generated
-            .iter()
-            .map(std::fs::read_dir)
-            .collect::<std::io::Result<Vec<_>>>()?
-            .into_iter()
-            .flatten()
-        {
-            models.push(entry?.path());
+        for name in ["house", "warehouse"] {
+            for entry in std::fs::read_dir(folder.join(name))? {
+                models.push(entry?.path());
+            }
         }
         models.retain(|path| path.extension().is_some_and(|extension| extension == "epJSON"));
         models.sort();

@@ -67,13 +67,13 @@ impl Program {
         self.start(folder, "", arguments)?.end(limit)
     }
 
-    /// Runs the program with arguments separated by spaces, and returns its standard output. Errors unless it succeeds.
-    pub fn must(&self, folder: &Path, arguments: &str) -> Result<String> {
+    /// Runs the program with arguments separated by spaces. Errors unless it succeeds.
+    pub fn must(&self, folder: &Path, arguments: &str) -> Result<()> {
         let ended = self.run(folder, &words(arguments), Duration::from_secs(600))?;
         if !ended.status.is_some_and(|status| status.success()) {
             bail!("b2b {arguments} failed: {}", ended.errors);
         }
-        Ok(ended.output)
+        Ok(())
     }
 }
 
@@ -104,25 +104,15 @@ impl Run {
 
     /// Waits for the end of the process, and interrupts it if it is still running `time` after its start.
     pub fn interrupt_after(&mut self, time: Duration) -> Result<()> {
-        while !self.has_ended()? {
-            if self.began.elapsed() > time {
-                kill_process(Pid::from_child(&self.child), Signal::INT)?;
-                break;
-            }
-            std::thread::sleep(Duration::from_millis(10));
+        if self.wait_until(time)?.is_none() {
+            kill_process(Pid::from_child(&self.child), Signal::INT)?;
         }
         Ok(())
     }
 
     /// Waits for the end of the process, and kills it if it is still running `limit` after its start.
     pub fn end(mut self, limit: Duration) -> Result<Ended> {
-        let status = loop {
-            match self.child.try_wait()? {
-                Some(status) => break Some(status),
-                None if self.began.elapsed() > limit => break None,
-                None => std::thread::sleep(Duration::from_millis(10)),
-            }
-        };
+        let status = self.wait_until(limit)?;
         let survivors = if status.is_some() { self.survivors() } else { 0 };
         for process in self.processes() {
             // Fails if the process has just ended.
@@ -136,6 +126,17 @@ impl Run {
         let entries = std::fs::read_dir(self.temporary.path())?;
         let left = entries.map(|entry| Ok(entry?.path())).collect::<std::io::Result<_>>()?;
         Ok(Ended { status, output: text(read("stdout")?), errors: text(read("stderr")?), left, survivors })
+    }
+
+    /// Waits for the end of the process; `None` if it is still running `time` after its start.
+    fn wait_until(&mut self, time: Duration) -> Result<Option<ExitStatus>> {
+        loop {
+            let status = self.child.try_wait()?;
+            if status.is_some() || self.began.elapsed() > time {
+                return Ok(status);
+            }
+            std::thread::sleep(Duration::from_millis(10));
+        }
     }
 
     /// Returns the number of children that are still running 10 s after their parent's end.

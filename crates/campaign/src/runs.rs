@@ -10,10 +10,10 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use serde_json::Value;
 
-use crate::ledger::{Ledger, Outcome};
+use crate::Campaign;
 use crate::material::Material;
 use crate::mutation::{mutate, mutate_value, pick};
-use crate::program::{Ended, Program, words};
+use crate::program::{Ended, words};
 
 /// Time after which a run counts as endless: simulating a day takes a second, and preparation at most ten minutes.
 const LIMIT: Duration = Duration::from_secs(700);
@@ -34,28 +34,19 @@ const ATTACKS: [(&str, Attack); 4] = [
 ];
 
 /// Attacks the commands until a deadline.
-pub fn attack(
-    program: &Program,
-    material: &Material,
-    deadline: Instant,
-    random: &mut ChaCha8Rng,
-    ledger: &mut Ledger,
-) -> Result<()> {
+pub fn attack(Campaign { program, material, deadline, mut random, ledger }: Campaign<'_>) -> Result<()> {
     while Instant::now() < deadline {
-        let (kind, attack) = *pick(&ATTACKS, random);
+        let (kind, attack) = *pick(&ATTACKS, &mut random);
         let folder = tempfile::tempdir()?;
-        let arguments = attack(material, folder.path(), random)?;
+        let arguments = attack(material, folder.path(), &mut random)?;
         let mut run = program.start(folder.path(), "", &arguments)?;
         if kind == ARGUMENTS {
             run.interrupt_after(PATIENCE)?;
         }
         let ended = run.end(LIMIT)?;
         let broken = ended.broken(false).or_else(|| nonsense(&ended, &arguments));
-        match broken {
-            Some(why) => ledger.find(kind, &format!("{why}\narguments: {arguments:?}"), &[folder.path()])?,
-            None if ended.code() == Some(0) => ledger.count(kind, Outcome::Accepted, 1),
-            None => ledger.count(kind, Outcome::Rejected, 1),
-        }
+        let broken = broken.map(|why| format!("{why}\narguments: {arguments:?}"));
+        ledger.judge(kind, broken, ended.code(), folder.path())?;
     }
     Ok(())
 }
