@@ -12,6 +12,7 @@ use b2b_env::vector::{RolloutMemory, Setting, Source, WorkerOptions, Workers};
 use super::episode::Episode;
 use super::parallel::Evaluation;
 use crate::Result;
+use crate::inputs::Inputs;
 use crate::subject::{SiteInfo, Subject};
 
 /// The episodes of one building that wait to be run.
@@ -42,6 +43,8 @@ pub(super) struct Bench {
     source: Arc<Source>,
     /// As it came out of the first episode.
     pub(super) prepared: Option<Arc<PreparedBuilding>>,
+    /// Of its first episode, and so of all.
+    pub(super) inputs: Option<Inputs>,
 }
 
 impl<'a> Group<'a> {
@@ -106,7 +109,14 @@ impl Bench {
             ..WorkerOptions::new(evaluation.launcher.clone(), evaluation.catalog.library().path())
         };
         let workers = Workers::new(options)?;
-        Ok(Self { memory: RolloutMemory::new(&workers), workers, located, source, prepared: None })
+        Ok(Self {
+            memory: RolloutMemory::new(&workers),
+            workers,
+            located,
+            source,
+            prepared: None,
+            inputs: None,
+        })
     }
 
     /// An episode of the building.

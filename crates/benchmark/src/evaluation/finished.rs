@@ -9,7 +9,6 @@ use super::hours::Hours;
 use super::info::EpisodeInfo;
 use super::recording::{Recording, controlled_zones};
 use super::step_rewards::StepRewards;
-use crate::Result;
 use crate::inputs::Inputs;
 use crate::return_terms::ReturnTerms;
 
@@ -57,23 +56,20 @@ pub struct Record {
 
 impl Finished {
     /// Returns the record of a recorded episode.
-    ///
-    /// # Errors
-    /// The errors of [`Inputs::of`].
     pub(super) fn new(
         info: EpisodeInfo,
+        inputs: Inputs,
         spaces: &Spaces,
         metrics: &Metrics,
         recording: &Recording,
-    ) -> Result<Self> {
-        let zones = controlled_zones(spaces);
-        let (inputs, trajectory_hash) = (Inputs::of(spaces)?, recording.trajectory.hash());
-        Ok(Self {
+    ) -> Self {
+        let (zones, trajectory_hash) = (controlled_zones(spaces), recording.trajectory.hash());
+        Self {
             record: Record { info, metrics: metrics.into(), inputs, trajectory_hash },
             terms: metrics.into(),
             deviations: Deviations::of(recording, &zones),
             step_rewards: StepRewards::of(&recording.trajectory),
             hours: Hours::of(recording, &zones, spaces),
-        })
+        }
     }
 }

@@ -10,6 +10,7 @@ use super::finished::Finished;
 use super::info::EpisodeInfo;
 use super::parallel::Work;
 use super::recording::{Recorded, Recording};
+use crate::inputs::Inputs;
 use crate::policy::{self, EpisodeContext, Interface};
 use crate::{Error, Result};
 
@@ -44,9 +45,12 @@ pub(super) fn run(
     let Recording { first_observation, trajectory } = &recorder.recording;
     (work.recorded)(number, &Recorded { spaces: &spaces, first_observation, trajectory })?;
     let info = EpisodeInfo::of_run(episode, work.policy, &spaces, &bench.located.site);
-    let finished = Finished::new(info, &spaces, &metrics, &recorder.recording)?;
+    let inputs = match &mut bench.inputs {
+        Some(inputs) => inputs,
+        none => none.insert(Inputs::of(&spaces)?),
+    };
     bench.prepared.get_or_insert_with(|| Arc::clone(&spaces.building));
-    Ok(finished)
+    Ok(Finished::new(info, inputs.clone(), &spaces, &metrics, &recorder.recording))
 }
 
 /// Records an episode, reports simulated days, and ends it when the evaluation is interrupted.
