@@ -39,7 +39,13 @@ pub struct Faults {
 impl Faults {
     /// Returns whether there is no fault.
     pub fn is_none(&self) -> bool {
-        [self.noise, self.bias, self.stuck, self.fouling].iter().all(|value| *value == 0.0)
+        Self { seed: 0, ..*self } == Self::default()
+    }
+
+    /// The faults, by their words in the text form of a task.
+    pub(crate) fn parts(&mut self) -> [(&'static str, &mut f64); 4] {
+        let Self { seed: _, noise, bias, stuck, fouling } = self;
+        [("noise", noise), ("bias", bias), ("stuck", stuck), ("fouling", fouling)]
     }
 
     pub(crate) fn check(&self) -> Result<()> {

@@ -5,7 +5,6 @@ use std::str::FromStr;
 
 use super::{Resource, Task};
 use crate::comfort::{Comfort, Pmv};
-use crate::faults::Faults;
 use crate::setpoints::Setpoints;
 use crate::ventilation::Ventilation;
 use crate::{Error, Result};
@@ -41,9 +40,8 @@ impl Task {
             Ventilation::Code => String::new(),
             Ventilation::Free => format!("+{FREE_VENTILATION}"),
         };
-        let Faults { seed: _, noise, bias, stuck, fouling } = self.faults;
-        let faults = [("noise", noise), ("bias", bias), ("stuck", stuck), ("fouling", fouling)];
-        let faults = faults.iter().filter(|(_, value)| *value != 0.0);
+        let mut faults = self.faults;
+        let faults = faults.parts().into_iter().filter(|(_, value)| **value != 0.0);
         let faults: String = faults.map(|(word, value)| format!("+{word}{value}")).collect();
         format!("{setpoints}{comfort}{resource}{ventilation}{faults}")
     }
@@ -82,7 +80,7 @@ impl FromStr for Task {
                 continue;
             }
             let (word, number) = word_and_number(part).ok_or_else(unknown)?;
-            if let Some(fault) = fault_of(&mut task.faults, word) {
+            if let Some((_, fault)) = task.faults.parts().into_iter().find(|(fault, _)| *fault == word) {
                 if std::mem::replace(fault, number.ok_or_else(unknown)?) != 0.0 {
                     return Err(unknown());
                 }
@@ -137,16 +135,6 @@ fn comfort_of(word: &str, number: Option<f64>) -> Option<Comfort> {
     match (word, number) {
         ("deadband", half_width) => Some(Comfort::Deadband { half_width: half_width.unwrap_or(1.0) }),
         ("pmv", None) => Some(Comfort::Pmv(Pmv::default())),
-        _ => None,
-    }
-}
-
-fn fault_of<'a>(faults: &'a mut Faults, word: &str) -> Option<&'a mut f64> {
-    match word {
-        "noise" => Some(&mut faults.noise),
-        "bias" => Some(&mut faults.bias),
-        "stuck" => Some(&mut faults.stuck),
-        "fouling" => Some(&mut faults.fouling),
         _ => None,
     }
 }
