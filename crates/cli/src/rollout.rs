@@ -50,19 +50,16 @@ impl Prepared {
 
     /// Starts an episode of one day in January, up to its first observation: EnergyPlus detects some errors of a model
     /// only when it simulates.
-    #[cfg(target_os = "linux")]
     pub fn check_start(&self) -> Result<()> {
-        let workers = b2b_env::vector::Workers::new(self.worker_options())?;
-        let spaces = self.spaces("01-01..01-01".parse()?, STEPS_PER_HOUR, Task::default())?;
-        workers.episode(&self.setting(spaces.episode))?.reset()?;
-        Ok(())
-    }
-
-    /// Starts an episode of one day in January, up to its first observation: EnergyPlus detects some errors of a model
-    /// only when it simulates.
-    #[cfg(not(target_os = "linux"))]
-    pub fn check_start(&self) -> Result<()> {
-        self.env("01-01..01-01".parse()?, STEPS_PER_HOUR, Task::default())?.reset()?;
+        let (period, task) = ("01-01..01-01".parse()?, Task::default());
+        #[cfg(target_os = "linux")]
+        {
+            let workers = b2b_env::vector::Workers::new(self.worker_options())?;
+            let spaces = self.spaces(period, STEPS_PER_HOUR, task)?;
+            workers.episode(&self.setting(spaces.episode))?.reset()?;
+        }
+        #[cfg(not(target_os = "linux"))]
+        self.env(period, STEPS_PER_HOUR, task)?.reset()?;
         Ok(())
     }
 
