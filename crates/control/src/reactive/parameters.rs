@@ -34,19 +34,6 @@ macro_rules! concat_names {
     ($first:ident $(. $next:ident)*) => { concat!(stringify!($first) $(, ".", stringify!($next))*) };
 }
 
-/// Renamed fields, with the names that [`ReactiveParameters::fingerprint`] keeps.
-const RENAMED: [(&str, &str); 9] = [
-    ("min_flow: ", "least_flow: "),
-    ("min_opening: ", "least_opening: "),
-    ("min_outdoor_air: ", "least_outdoor_air: "),
-    ("max_requests: ", "most_requests: "),
-    ("hysteresis: ", "release: "),
-    ("ignored_requests: ", "ignored: "),
-    ("max_supply_temperature: ", "warmest_supply: "),
-    ("min_supply_temperature: ", "coldest_supply: "),
-    ("heating_gain: ", "heating_opening: "),
-];
-
 impl ReactiveParameters {
     /// All parameters. A name is the JSON keys joined by dots.
     pub const TABLE: [Field<Self>; 30] = [
@@ -100,11 +87,9 @@ impl ReactiveParameters {
         Ok(())
     }
 
-    /// Returns a text that identifies the parameters. Results store hashes of it, so that it does not change when a field
-    /// is renamed.
+    /// Returns a text that identifies the parameters. Results store hashes of it, which change when a field is renamed.
     pub fn fingerprint(&self) -> String {
-        let text = format!("{self:?}");
-        RENAMED.iter().fold(text, |text, (name, kept)| text.replace(name, kept))
+        format!("{self:?}")
     }
 
     /// Reads parameters from a JSON file; omitted fields keep their defaults.
@@ -159,17 +144,17 @@ mod tests {
     }
 
     #[test]
-    fn the_fingerprint_keeps_the_names_of_the_first_release() {
+    fn the_fingerprint_names_every_field_with_its_value() {
         assert_eq!(
             ReactiveParameters::default().fingerprint(),
-            "ReactiveParameters { unitary: UnitaryParameters { gains: Gains { proportional: 0.2, integral: 1.0 }, \
-             deadband: 0.02, restart_jump: 0.5, temperature_share: 0.5, least_flow: 0.5, heating_lift: 10.0, \
-             cooling_drop: 6.0, trim_respond: TrimRespond { respond: 10.0, most_requests: 1.0, trim: 10.0, \
-             threshold: 0.7, release: 0.0, ignored: 0.0 } }, air_loop: AirLoopParameters { gains: Gains { \
-             proportional: 0.6, integral: 2.4 }, restart_jump: 0.5, least_opening: 0.1, warmest_supply: 18.0, \
-             coldest_supply: 10.0, trim_respond: TrimRespond { respond: 6.0, most_requests: 3.0, trim: 4.0, \
-             threshold: 0.7, release: 0.1, ignored: 0.0 }, least_outdoor_air: 0.15, fan_rise: 1.5, deadband: 0.05, \
-             heating_opening: 0.5 } }"
+            "ReactiveParameters { unitary: UnitaryParameters { gains: Gains { proportional: 0.2, integral: 1.0 \
+             }, deadband: 0.02, restart_jump: 0.5, temperature_share: 0.5, min_flow: 0.5, heating_lift: 10.0, \
+             cooling_drop: 6.0, trim_respond: TrimRespond { respond: 10.0, max_requests: 1.0, trim: 10.0, \
+             threshold: 0.7, hysteresis: 0.0, ignored_requests: 0.0 } }, air_loop: AirLoopParameters { gains: \
+             Gains { proportional: 0.6, integral: 2.4 }, restart_jump: 0.5, min_opening: 0.1, \
+             max_supply_temperature: 18.0, min_supply_temperature: 10.0, trim_respond: TrimRespond { respond: \
+             6.0, max_requests: 3.0, trim: 4.0, threshold: 0.7, hysteresis: 0.1, ignored_requests: 0.0 }, \
+             min_outdoor_air: 0.15, fan_rise: 1.5, deadband: 0.05, heating_gain: 0.5 } }"
         );
     }
 
