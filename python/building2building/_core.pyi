@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from os import PathLike
 from pathlib import Path
-from typing import Any, NoReturn, final
+from typing import Any, NoReturn, Protocol, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,6 +18,15 @@ _Stepped = tuple[NDArray[np.float32], NDArray[np.float64], float, float, bool]
 _Episode = tuple[str, str | None, str | None, bool, str, str, int, int]
 #: Makes the controller of an episode from its spaces, building and seed.
 _ControllerMaker = Callable[[Spaces, Building, int], Callable[[NDArray[Any]], ArrayLike]]
+
+class _Request(Protocol):
+    """A policy and the episodes that it runs."""
+
+    policy: str | _ControllerMaker
+    episodes: list[_Episode]
+    rescale: bool
+    name: str
+    identity: str
 
 class Error(Exception): ...
 class InstallError(Error): ...
@@ -49,23 +58,14 @@ def generate(
     settings: Sequence[str],
 ) -> list[Building]: ...
 def evaluate(
-    policy: str | _ControllerMaker,
-    episodes: Sequence[_Episode],
+    request: _Request,
     folder: str | PathLike[str],
     jobs: int,
-    rescale: bool,
-    name: str,
-    identity: str,
     progress: Callable[[str, int, int], None] | None = None,
 ) -> tuple[dict[str, list[Any]], str]: ...
 def evaluate_part(
-    policy: str | _ControllerMaker,
-    episodes: Sequence[_Episode],
+    request: _Request,
     folder: str | PathLike[str],
-    jobs: int,
-    rescale: bool,
-    name: str,
-    identity: str,
     numbers: Sequence[int],
     baselines: str | PathLike[str],
 ) -> dict[int, str]: ...

@@ -22,11 +22,10 @@ from .layout import Layout
 from .morphology import Morphology
 from .rollouts import BuiltInController, CallableController, Controller
 from .scaling import Scale
+from .signatures import with_arguments_of
 
 Array = NDArray[Any]
 Policy = str | os.PathLike[str] | Callable[[Array], ArrayLike] | Controller | type[Any]
-#: Building, place, weather, allow_external, task, run period, seed and steps per hour of an episode.
-_Episode = tuple[str, str | None, str | None, bool, str, str, int, int]
 
 
 @dataclass
@@ -88,7 +87,7 @@ class EpisodeContext:
 
 
 class Request:
-    """The episodes of an evaluation, and their policy: the arguments of :func:`evaluate`."""
+    """An evaluation to run: the arguments of :func:`evaluate`."""
 
     def __init__(
         self,
@@ -103,40 +102,43 @@ class Request:
         weather: PathLike | None = None,
         rescale_action: bool | None = None,
         normalize: bool = False,
+        folder: PathLike | None = None,
         name: str | None = None,
         version: str = "",
+        jobs: int | None = None,
+        progress: bool = False,
     ) -> None:
         named = os.fspath(policy) if isinstance(policy, (str, os.PathLike)) else None
         if named is None and not callable(policy):
             raise SettingError(f"{policy!r} is not a policy; expected a function, a controller class or a name")
         if isinstance(policy, BuiltInController):
             raise SettingError(f"this {type(policy).__name__} belongs to an environment; pass the class")
-        self.episodes: list[_Episode] = [
+        self.episodes = [
             (*found, text, period, seed, timesteps_per_hour)
             for found in (_found(building, place, weather) for building in _listed(buildings))
             for period in _listed(run_periods)
             for text in (_task_text(task) for task in _listed(tasks))
             for seed in _listed(seeds)
         ]
-        self._name = name or ("" if named is not None else name_of(policy))
+        self.name = name or ("" if named is not None else name_of(policy))
         rescale = named is not None if rescale_action is None else rescale_action
-        self._identity = f"python {self._name} {version}, rescale_action={rescale}, normalize={normalize}"
+        self.identity = f"python {self.name} {version}, rescale_action={rescale}, normalize={normalize}"
         physical = isinstance(policy, type) and issubclass(policy, BuiltInController)
-        self._rescale = rescale and not physical
-        self._policy = ControllerMaker(policy, rescale, normalize) if named is None else named
+        self.rescale = rescale and not physical
+        self.policy: str | _core._ControllerMaker = (
+            ControllerMaker(policy, rescale, normalize) if named is None else named
+        )
+        self._folder, self._jobs, self._progress = folder, jobs, progress
 
-    def run(self, folder: PathLike | None, jobs: int | None, progress: bool) -> Evaluation:
+    def run(self) -> Evaluation:
         """Runs the episodes that the folder does not contain, and scores all of them."""
+        folder = self._folder
         with tempfile.TemporaryDirectory(prefix="b2b-evaluation-") as temporary:
             columns, summary = _core.evaluate(
-                self._policy,
-                self.episodes,
+                self,
                 temporary if folder is None else os.fspath(folder),
-                jobs or len(os.sched_getaffinity(0)),
-                self._rescale,
-                self._name,
-                self._identity,
-                ProgressLine() if progress else None,
+                self._jobs or len(os.sched_getaffinity(0)),
+                ProgressLine() if self._progress else None,
             )
         rows = [dict(zip(columns, row)) for row in zip(*columns.values())]
         return Evaluation(rows, json.loads(summary), None if folder is None else Path(folder))
@@ -146,37 +148,11 @@ class Request:
 
         Returns the lost episodes with the reason.
         """
-        return _core.evaluate_part(
-            self._policy,
-            self.episodes,
-            os.fspath(folder),
-            1,
-            self._rescale,
-            self._name,
-            self._identity,
-            numbers,
-            os.fspath(baselines),
-        )
+        return _core.evaluate_part(self, os.fspath(folder), numbers, os.fspath(baselines))
 
 
-def evaluate(
-    policy: Policy,
-    buildings: str | Building | Sequence[str | Building],
-    tasks: str | dict[str, Any] | Sequence[str | dict[str, Any]] = ("constant",),
-    *,
-    run_periods: str | Sequence[str] = ("winter",),
-    seeds: int | Sequence[int] = (0,),
-    timesteps_per_hour: int = 12,
-    place: str | None = None,
-    weather: PathLike | None = None,
-    rescale_action: bool | None = None,
-    normalize: bool = False,
-    folder: PathLike | None = None,
-    name: str | None = None,
-    version: str = "",
-    jobs: int | None = None,
-    progress: bool = False,
-) -> Evaluation:
+@with_arguments_of(Request)
+def evaluate(*arguments: Any, **options: Any) -> Evaluation:
     """Runs a policy on every building under every task, run period and seed, and scores it, as ``b2b evaluate`` does.
 
     ``policy`` is one of:
@@ -200,21 +176,7 @@ def evaluate(
     :class:`~building2building.errors.EvaluationError` if the folder holds another evaluation. An episode whose process
     dies becomes a row with the reason in ``lost``.
     """
-    request = Request(
-        policy,
-        buildings,
-        tasks,
-        run_periods=run_periods,
-        seeds=seeds,
-        timesteps_per_hour=timesteps_per_hour,
-        place=place,
-        weather=weather,
-        rescale_action=rescale_action,
-        normalize=normalize,
-        name=name,
-        version=version,
-    )
-    return request.run(folder, jobs, progress)
+    return Request(*arguments, **options).run()
 
 
 def compute_normalized_score(

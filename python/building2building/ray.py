@@ -16,7 +16,7 @@ import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import ray
 
@@ -29,7 +29,6 @@ from .learning import train as train_here
 
 #: Files by their path in a folder.
 Files = dict[str, bytes]
-T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -62,14 +61,14 @@ def evaluate(
     """
     if chunk < 1:
         raise SettingError(f"chunk={chunk}; expected at least 1")
-    request = Request(policy, buildings, tasks, **arguments)
+    request = Request(policy, buildings, tasks, folder=folder, **arguments)
     place = Path(folder)
     # Checks that the folder is that of this evaluation, or makes it.
     request.run_part(place, [], _core.baselines_folder())
     missing = [number for number in range(len(request.episodes)) if not _episode_file(place, number).exists()]
     chunks = [missing[start : start + chunk] for start in range(0, len(missing), chunk)]
     done = 0
-    for number, files, lost in _map(_evaluate_part, [(request, chunk) for chunk in chunks], resources):
+    for number, files, lost in _map(_evaluate_part, chunks, resources, request):
         _write_all(place / "episodes", files["episodes"])
         _write_all(_core.baselines_folder(), files["baselines"])
         done += len(chunks[number])
@@ -77,7 +76,7 @@ def evaluate(
             print(f"lost: episode {episode}: {reason}", file=sys.stderr)
         if progress:
             print(f"{done} of {len(missing)} episodes", file=sys.stderr)
-    return request.run(place, None, False)
+    return request.run()
 
 
 def train(
@@ -94,7 +93,7 @@ def train(
     """
     places = {name: Path(folder) / name for name in runs}
     missing = [name for name, place in places.items() if not (place / "summary.json").exists()]
-    for number, files in _map(_train, [(dict(runs[name]),) for name in missing], resources):
+    for number, files in _map(_train, [dict(runs[name]) for name in missing], resources):
         place = places[missing[number]]
         aside = place.with_name(place.name + ".partial")
         _write_all(aside, files)
@@ -141,7 +140,7 @@ def experiment(
     return Path(folder, "report.html")
 
 
-def _evaluate_part(request: Request, numbers: list[int]) -> tuple[dict[str, Files], dict[int, str]]:
+def _evaluate_part(numbers: list[int], request: Request) -> tuple[dict[str, Files], dict[int, str]]:
     with tempfile.TemporaryDirectory(prefix="b2b-ray-") as temporary:
         place, baselines = Path(temporary, "evaluation"), Path(temporary, "baselines")
         lost = request.run_part(place, numbers, baselines)
@@ -178,7 +177,7 @@ def _commands(commands: list[list[str]], folder: Path, kept: str, resources: Res
     """Runs commands, each of which resumes from what a subfolder contains and adds to it."""
     before = {f"{kept}/{name}": content for name, content in _read_all(folder / kept).items()}
     errors = []
-    for _, files, error in _map(_command, [(words, before) for words in commands], resources):
+    for _, files, error in _map(_command, commands, resources, before):
         new = {name: content for name, content in files.items() if before.get(name) != content}
         _write_all(folder, {name: content for name, content in new.items() if name.startswith(f"{kept}/")})
         errors += [error] if error else []
@@ -186,14 +185,15 @@ def _commands(commands: list[list[str]], folder: Path, kept: str, resources: Res
         raise EvaluationError("\n".join(errors))
 
 
-def _map(function: Callable[..., Any], items: Sequence[tuple[Any, ...]], resources: Resources) -> Iterator[Any]:
-    """Runs a function on the arguments of every item as tasks; yields number and results as they end."""
+def _map(function: Callable[..., Any], items: Sequence[Any], resources: Resources, *shared: Any) -> Iterator[Any]:
+    """Runs a function on every item and what they share as tasks; yields number and results as they end."""
     if not ray.is_initialized():
         ray.init(logging_level="warning", log_to_driver=False)
     task = ray.remote(function).options(
         num_cpus=resources.cpus, memory=resources.memory_mb * 10**6, max_retries=resources.retries
     )
-    running = {task.remote(*item): number for number, item in enumerate(items)}
+    kept = [ray.put(each) for each in shared]
+    running = {task.remote(item, *kept): number for number, item in enumerate(items)}
     try:
         while running:
             ended, _ = ray.wait(list(running), num_returns=1)

@@ -2,32 +2,18 @@
 
 from __future__ import annotations
 
-import inspect
-from collections.abc import Callable
-from typing import Any, ParamSpec, TypeVar, cast
+from typing import Any, cast
 
 import gymnasium
 
 from .buildings import find_building, list_building_types
 from .env import BuildingEnv
 from .errors import SettingError
+from .signatures import with_arguments_of
 from .vector import BuildingVectorEnv
 
-P = ParamSpec("P")
-T = TypeVar("T")
 
-
-def _with_arguments_of(maker: Callable[P, T]) -> Callable[[Callable[..., T]], Callable[P, T]]:
-    """Gives a function the arguments of the class that it makes, for type checkers, editors and ``help``."""
-
-    def give(function: Callable[..., T]) -> Callable[P, T]:
-        function.__signature__ = inspect.signature(maker)  # type: ignore[attr-defined]
-        return cast(Callable[P, T], function)
-
-    return give
-
-
-@_with_arguments_of(BuildingEnv)
+@with_arguments_of(BuildingEnv)
 def make_env(building_type: str | None = None, **arguments: Any) -> BuildingEnv:
     """Makes an environment, for example ``make_env("OfficeSmall")``.
 
@@ -60,7 +46,7 @@ def make_env(building_type: str | None = None, **arguments: Any) -> BuildingEnv:
     return cast(BuildingEnv, env)
 
 
-@_with_arguments_of(BuildingVectorEnv)
+@with_arguments_of(BuildingVectorEnv)
 def make_vec(building_type: str | None = None, num_envs: int = 1, **arguments: Any) -> BuildingVectorEnv:
     """Makes a vector environment. It takes the arguments of :func:`make_env` and these:
 

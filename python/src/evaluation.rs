@@ -43,34 +43,67 @@ pub fn stopped() -> bool {
 /// An episode to run: building, place, weather, permission of external code, task, run period, seed, steps per hour.
 type EpisodeKey = (String, Option<String>, Option<PathBuf>, bool, String, String, u64, u32);
 
-/// Runs a policy on episodes and returns the columns of their table and the summary as JSON text. Episodes already in
-/// the folder are not run again.
+/// A policy and the episodes that it runs: an object of the package with these attributes.
 ///
 /// `policy` is the name of a built-in policy, the folder of an agent, the path of an ONNX file (actions in [-1, 1] if
 /// `rescale`), or a callable that takes spaces, building and seed and returns the controller of an episode; `name` and
-/// `identity` describe the callable. `progress` is called regularly with a label, the simulated days and their total.
-#[pyfunction]
-#[pyo3(signature = (policy, episodes, folder, jobs, rescale, name, identity, progress=None))]
-#[allow(clippy::too_many_arguments, reason = "called by one function of the package")]
-pub fn evaluate<'py>(
-    py: Python<'py>,
+/// `identity` describe the callable.
+#[derive(FromPyObject)]
+pub struct Request<'py> {
     policy: Bound<'py, PyAny>,
-    episodes: Vec<EpisodeKey>,
-    folder: PathBuf,
-    jobs: usize,
+    /// A list of [`EpisodeKey`].
+    episodes: Bound<'py, PyAny>,
     rescale: bool,
     name: String,
     identity: String,
+}
+
+impl Request<'_> {
+    /// Calls `run` with the policy and the episodes, as [`run_policy`] does.
+    fn run<T: Send>(
+        self,
+        py: Python<'_>,
+        jobs: usize,
+        progress: Option<&Py<PyAny>>,
+        run: impl FnOnce(&Evaluation<'_>, &dyn Policy, &[Episode], &Counter) -> b2b_benchmark::Result<T> + Send,
+    ) -> PyResult<T> {
+        let _running = running()?;
+        let keys: Vec<EpisodeKey> = self.episodes.extract()?;
+        let episodes = keys.into_iter().map(episode).collect::<PyResult<Vec<_>>>()?;
+        let raised = Arc::new(Mutex::new(None));
+        let policy = self.into_policy(&raised)?;
+        let policy = policy.as_ref();
+        run_policy(py, jobs, &raised, progress, |evaluation, counter| {
+            run(evaluation, policy, &episodes, counter)
+        })
+    }
+
+    /// Returns the policy, which is given by its name or path, or written in Python.
+    fn into_policy(self, raised: &Arc<Mutex<Option<PyErr>>>) -> PyResult<Box<dyn Policy>> {
+        let Self { policy, rescale, name, identity, .. } = self;
+        if let Ok(name) = policy.extract::<String>() {
+            let scale = if rescale { ActionScale::Rescaled } else { ActionScale::Physical };
+            return <dyn Policy>::named(&name, scale).map_err(of_benchmark);
+        }
+        let (make, raised) = (policy.unbind(), Arc::clone(raised));
+        Ok(Box::new(InPython { name, identity, make, rescale, whole: true, raised }))
+    }
+}
+
+/// Runs a policy on episodes and returns the columns of their table and the summary as JSON text. Episodes already in
+/// the folder are not run again. `progress` is called regularly with a label, the simulated days and their total.
+#[pyfunction]
+#[pyo3(signature = (request, folder, jobs, progress=None))]
+pub fn evaluate<'py>(
+    py: Python<'py>,
+    request: Request<'py>,
+    folder: PathBuf,
+    jobs: usize,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Bound<'py, PyDict>, String)> {
-    let _running = running()?;
-    let episodes = episodes.into_iter().map(episode).collect::<PyResult<Vec<_>>>()?;
-    let raised = Arc::new(Mutex::new(None));
-    let policy = policy_of(policy, rescale, name, identity, &raised)?;
-    let policy = policy.as_ref();
-    let (results, summary) = run_policy(py, jobs, &raised, progress.as_ref(), |evaluation, counter| {
-        let folder = Folder::open(&folder, policy, &episodes)?;
-        let results = Results::of(evaluation, &folder, &episodes, policy, &Baselines::open()?, counter)?;
+    let run = request.run(py, jobs, progress.as_ref(), |evaluation, policy, episodes, counter| {
+        let folder = Folder::open(&folder, policy, episodes)?;
+        let results = Results::of(evaluation, &folder, episodes, policy, &Baselines::open()?, counter)?;
         if stopped() {
             // The last episode may have ended in an exception.
             return Err(b2b_benchmark::Error::Interrupted);
@@ -78,37 +111,29 @@ pub fn evaluate<'py>(
         let summary = results.summary(policy);
         results.write(&folder, &summary)?;
         Ok((results, summary))
-    })?;
+    });
+    let (results, summary) = run?;
     let table = episode_table(&results.rows, &summary.versions);
     let table = table.map_err(|error| Exception::Evaluation.new_err(error.to_string()))?;
     let summary = serde_json::to_string(&summary).expect("a summary is plain data");
     Ok((columns(py, &table)?, summary))
 }
 
-/// Runs a part of the work of [`evaluate`]: the episodes with the given numbers, and their baselines if unknown. Writes
-/// episodes to `folder` and baselines to the folder `baselines`. Returns the reasons for lost episodes, by number.
+/// Runs a part of the work of [`evaluate`]: the episodes with the given numbers, one at a time, and their baselines if
+/// unknown. Writes episodes to `folder` and baselines to the folder `baselines`. Returns the reasons for lost episodes,
+/// by number.
 #[pyfunction]
-#[allow(clippy::too_many_arguments, reason = "called by one function of the package")]
 pub fn evaluate_part(
     py: Python<'_>,
-    policy: Bound<'_, PyAny>,
-    episodes: Vec<EpisodeKey>,
+    request: Request<'_>,
     folder: PathBuf,
-    jobs: usize,
-    rescale: bool,
-    name: String,
-    identity: String,
     numbers: Vec<usize>,
     baselines: PathBuf,
 ) -> PyResult<HashMap<usize, String>> {
-    let _running = running()?;
-    let episodes = episodes.into_iter().map(episode).collect::<PyResult<Vec<_>>>()?;
-    let raised = Arc::new(Mutex::new(None));
-    let policy = policy_of(policy, rescale, name, identity, &raised)?;
-    let policy = policy.as_ref();
-    let part: Vec<_> = episodes.iter().enumerate().filter(|(number, _)| numbers.contains(number)).collect();
-    let lost = run_policy(py, jobs, &raised, None, |evaluation, counter| {
-        let folder = Folder::open(&folder, policy, &episodes)?;
+    let lost = request.run(py, 1, None, |evaluation, policy, episodes, counter| {
+        let part: Vec<_> =
+            episodes.iter().enumerate().filter(|(number, _)| numbers.contains(number)).collect();
+        let folder = Folder::open(&folder, policy, episodes)?;
         run_part(evaluation, &folder, &part, policy, &Baselines::in_folder(&baselines), counter)
     })?;
     Ok(lost.into_iter().map(|(number, lost)| (number, lost.reason)).collect())
@@ -119,22 +144,6 @@ pub fn evaluate_part(
 pub fn baselines_folder() -> PyResult<PathBuf> {
     let cache = cache_dir().map_err(|error| of_benchmark(error.into()))?;
     Ok(Baselines::folder_in(&cache))
-}
-
-/// Returns a policy given by its name or path, or written in Python.
-fn policy_of(
-    policy: Bound<'_, PyAny>,
-    rescale: bool,
-    name: String,
-    identity: String,
-    raised: &Arc<Mutex<Option<PyErr>>>,
-) -> PyResult<Box<dyn Policy>> {
-    if let Ok(name) = policy.extract::<String>() {
-        let scale = if rescale { ActionScale::Rescaled } else { ActionScale::Physical };
-        return <dyn Policy>::named(&name, scale).map_err(of_benchmark);
-    }
-    let (make, raised) = (policy.unbind(), Arc::clone(raised));
-    Ok(Box::new(InPython { name, identity, make, rescale, whole: true, raised }))
 }
 
 /// Returns the return of the reactive controllers in an episode, their HVAC energy (Wh/m²) and the number of steps.

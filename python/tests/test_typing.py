@@ -14,6 +14,7 @@ observation, reward, terminated, truncated, info = env.step(env.action_space.sam
 temperature: float = env.layout.temperatures[0] + reward
 envs = b2b.make_vec("OfficeSmall", 4, task=["constant", "occupancy"], normalize=True)
 b2b.ReactiveController(env, parameters={"unitary.deadband": 0.5})
+lost = b2b.evaluate("reactive", "OfficeSmall", seeds=[0, 1], folder="results").column("lost")
 """
 
 WRONG = {
@@ -22,6 +23,8 @@ WRONG = {
     'b2b.make_env(["OfficeSmall"])': 'Argument 1 to "make_env" has incompatible type',
     'b2b.make_vec("OfficeSmall", num_env=2)': 'Unexpected keyword argument "num_env"',
     'b2b.make_vec("OfficeSmall", 2, task=3)': 'Argument "task" to "make_vec" has incompatible type "int"',
+    'b2b.evaluate("reactive", "OfficeSmall", seed=1)': 'Unexpected keyword argument "seed"',
+    'b2b.evaluate("reactive", "OfficeSmall", jobs="2")': 'Argument "jobs" to "evaluate" has incompatible type "str"',
 }
 
 
