@@ -12,6 +12,9 @@ const WIDE: f64 = 20.0;
 /// The ratio above which a logarithmic axis is labeled at powers of ten only.
 const DECADES: f64 = 100.0;
 
+/// Number of values below which they are drawn without a violin.
+const FEW: usize = 10;
+
 /// A chart in a report.
 #[derive(Clone, Debug)]
 pub struct Chart {
@@ -49,6 +52,12 @@ pub fn horizontal_line(value: f64) -> Value {
            "line": {"dash": "dash", "width": 1.3, "color": "#b45309"}})
 }
 
+/// Returns whether some episodes have another task than others.
+pub(super) fn has_several_tasks<'a>(mut episodes: impl Iterator<Item = &'a EpisodeInfo>) -> bool {
+    let first = episodes.next();
+    first.is_some_and(|first| episodes.any(|other| other.task != first.task))
+}
+
 /// Returns the range of values.
 pub fn range(values: &[f64]) -> (f64, f64) {
     let low = values.iter().copied().fold(f64::INFINITY, f64::min);
@@ -64,6 +73,26 @@ pub fn make_logarithmic(axis: &mut Value, (low, high): (f64, f64)) -> bool {
         axis["dtick"] = if high / low > DECADES { 1.into() } else { "D2".into() };
     }
     wide
+}
+
+/// Returns a violin with a point per value, or the points alone if they are too few for a distribution.
+pub(super) fn distribution(name: &str, values: &[f64], texts: &[String], color: &str) -> Value {
+    let mut trace = json!({
+        "y": values, "x0": name, "name": name, "jitter": 0.4, "pointpos": 0, "text": texts, "hoveron": "points",
+        "hovertemplate": "%{text}<extra></extra>", "marker": {"size": 5, "opacity": 0.75, "color": color},
+        "line": {"color": color, "width": 1.2}, "width": 0.85, "showlegend": false,
+    });
+    if values.len() < FEW {
+        trace["type"] = "box".into();
+        trace["boxpoints"] = "all".into();
+        trace["line"]["width"] = 0.into();
+        trace["fillcolor"] = "rgba(0,0,0,0)".into();
+    } else {
+        trace["type"] = "violin".into();
+        trace["points"] = "all".into();
+        trace["spanmode"] = "hard".into();
+    }
+    trace
 }
 
 /// Returns a diamond at a mean, over the violin of its values.
@@ -90,4 +119,28 @@ pub(super) fn energy_vs_comfort(data: Value, height: u32, wide: bool) -> Chart {
 pub(super) fn hover_name(info: &EpisodeInfo) -> String {
     let EpisodeInfo { building, place, climate_zone, task, period, seed, .. } = info;
     format!("{building} in {place} ({climate_zone})<br>{task}, {period}, seed {seed}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn few_values_are_drawn_without_a_violin() {
+        let kind = |count: usize| {
+            distribution("a", &vec![1.0; count], &vec![String::new(); count], "#000")["type"].clone()
+        };
+        assert_eq!([kind(3), kind(FEW)], ["box", "violin"]);
+    }
+
+    #[test]
+    fn a_wide_axis_is_logarithmic() {
+        for (range, dtick) in
+            [((1.0, 10.0), Value::Null), ((1.0, 50.0), "D2".into()), ((1.0, 1000.0), 1.into())]
+        {
+            let mut axis = json!({});
+            assert_eq!(make_logarithmic(&mut axis, range), !dtick.is_null());
+            assert_eq!(axis["dtick"], dtick);
+        }
+    }
 }

@@ -4,7 +4,8 @@ use b2b_env::EpisodeMetrics;
 use serde_json::{Value, json};
 
 use super::chart::{
-    Chart, color, energy_vs_comfort, horizontal_line, hover_name, make_logarithmic, mean_diamond, range,
+    Chart, color, distribution, energy_vs_comfort, has_several_tasks, horizontal_line, hover_name,
+    make_logarithmic, mean_diamond, range,
 };
 use super::histogram;
 use crate::evaluation::{Deviations, EpisodeInfo, Row};
@@ -20,6 +21,14 @@ pub(super) struct TypeDeviations {
     pub(super) building_type: String,
     /// Share of each bin.
     pub(super) shares: Vec<f64>,
+}
+
+impl TypeDeviations {
+    /// Returns the share of the steps in the outermost bins, which hold everything beyond the histogram.
+    fn beyond(&self) -> f64 {
+        let ends = self.shares.first().into_iter().chain(self.shares.last());
+        ends.sum::<f64>() / self.shares.iter().sum::<f64>()
+    }
 }
 
 /// An episode that was not lost.
@@ -84,9 +93,13 @@ fn labels(rows: &[EpisodeRun<'_>]) -> Vec<String> {
 }
 
 fn scores_by_type(rows: &[EpisodeRun<'_>], types: &[String]) -> Chart {
-    let (data, layout) = scores(rows, types, |row| type_label(&row.info.building_type).to_owned());
+    let several_tasks = has_several_tasks(rows.iter().map(|row| row.info));
+    let (data, layout) = scores(rows, types, |row| match type_label(&row.info.building_type) {
+        label if several_tasks => format!("{label}<br>{}", row.info.task),
+        label => label.to_owned(),
+    });
     Chart {
-        title: "Scores by building type".into(),
+        title: format!("Scores by building type{}", if several_tasks { " and task" } else { "" }),
         note: "one point per episode; dashed: the reactive controllers".into(),
         height: 360,
         wide: false,
@@ -98,7 +111,11 @@ fn scores_by_type(rows: &[EpisodeRun<'_>], types: &[String]) -> Chart {
 fn scores_by_zone(rows: &[EpisodeRun<'_>], types: &[String]) -> Chart {
     let mut rows = rows.to_vec();
     rows.sort_by(|a, b| a.info.climate_zone.cmp(&b.info.climate_zone));
-    let (data, layout) = scores(&rows, types, |row| row.info.climate_zone.clone());
+    let (mut data, layout) = scores(&rows, types, |row| row.info.climate_zone.clone());
+    // A box over several tasks would show differences between tasks.
+    if let (true, Value::Array(traces)) = (has_several_tasks(rows.iter().map(|row| row.info)), &mut data) {
+        traces.retain(|trace| trace["type"] != "box");
+    }
     Chart {
         title: "Scores by climate zone".into(),
         note: "ASHRAE 169 climate zones, from hot to cold; dashed: the reactive controllers".into(),
@@ -157,6 +174,7 @@ fn points(rows: &[EpisodeRun<'_>], x: Vec<Value>, y: Vec<Value>, name: &str, col
 fn step_deviations(deviations: &[TypeDeviations], types: &[String]) -> Chart {
     let mut extent: f64 = 0.5;
     let mut data = Vec::new();
+    let beyond = deviations.iter().map(TypeDeviations::beyond).fold(0.0, f64::max);
     for each in deviations {
         let values = quantiles(&each.shares);
         // 99 % of the steps are within the range of the axis.
@@ -175,9 +193,15 @@ fn step_deviations(deviations: &[TypeDeviations], types: &[String]) -> Chart {
     });
     Chart {
         title: "Deviation from target, all steps".into(),
-        note:
-            "zone temperature minus target; zones with heating and cooling, every building weighted equally"
-                .into(),
+        note: format!(
+            "zone temperature minus target; zones with heating and cooling, every building weighted equally; 99 % of \
+             the steps are within the axis{}",
+            if beyond > 0.0 {
+                format!("; beyond ±10 K, counted as 10 K: up to {:.1} % of a type's steps", 100.0 * beyond)
+            } else {
+                String::new()
+            }
+        ),
         height: 340,
         wide: false,
         data: data.into(),
@@ -198,12 +222,7 @@ fn rms_deviations(rows: &[EpisodeRun<'_>], types: &[String]) -> Chart {
         let own = of_type(rows, name);
         let values: Vec<f64> = own.iter().map(|row| row.metrics.rms_deviation).collect();
         let (label, color) = (type_label(name), type_color(types, name));
-        data.push(json!({
-            "type": "violin", "y": values, "x0": label, "name": label, "points": "all", "jitter": 0.4, "pointpos": 0,
-            "text": labels(&own), "hoveron": "points", "hovertemplate": "%{text}<extra></extra>",
-            "line": {"color": color, "width": 1.2}, "marker": {"size": 5, "opacity": 0.8}, "spanmode": "hard",
-            "width": 0.85,
-        }));
+        data.push(distribution(label, &values, &labels(&own), color));
         data.push(mean_diamond(label, &values, color));
     }
     let layout = json!({
@@ -234,6 +253,17 @@ fn energy_and_comfort(rows: &[EpisodeRun<'_>], types: &[String]) -> Chart {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn deviations_beyond_the_histogram_are_counted() {
+        let mut deviations = Deviations::empty();
+        for deviation in [-30.0, 0.0, 1.0, 12.0] {
+            deviations.add(deviation);
+        }
+        let shares = deviations.counts.iter().map(|count| *count as f64).collect();
+        let each = TypeDeviations { building_type: "OfficeSmall".into(), shares };
+        assert_eq!(each.beyond(), 0.5);
+    }
 
     #[test]
     fn quantiles_of_a_histogram_are_those_of_its_values() {

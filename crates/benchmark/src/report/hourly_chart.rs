@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use super::chart::Chart;
 use crate::evaluation::{EpisodeInfo, Hours};
 
-/// 1 January 2017, the calendar year of every episode, in milliseconds of Unix time.
+/// 1 January 2017, in milliseconds of Unix time: the weekdays of every episode are those of 2017, but its year is not shown.
 const YEAR_START_MS: i64 = 1_483_228_800_000;
 const HOUR_MS: i64 = 3_600_000;
 
@@ -21,7 +21,9 @@ pub(super) fn worst(info: &EpisodeInfo, score: Option<f64>, hours: &Hours) -> Va
         wide: true,
         data: traces(&times(period, hours.mean.len()), hours),
         layout: json!({
-            "xaxis": {"type": "date", "anchor": "y3", "hoverformat": "%a %e %b %H:00"},
+            "xaxis": {"type": "date", "anchor": "y3", "hoverformat": "%a %e %b %H:00",
+                      "tickformatstops": [{"dtickrange": [null, 86_399_999], "value": "%H:%M\n%e %b"},
+                                          {"dtickrange": [86_400_000, null], "value": "%e %b"}]},
             "yaxis": {"domain": [0.5, 1], "title": {"text": "zones (°C)"}},
             "yaxis2": {"domain": [0.26, 0.44], "title": {"text": "outdoors (°C)"}, "zeroline": false},
             "yaxis3": {"domain": [0, 0.2], "title": {"text": "W/m²"}, "rangemode": "tozero"},

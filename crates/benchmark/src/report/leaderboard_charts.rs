@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::chart::{Chart, color, horizontal_line, make_logarithmic, range};
+use super::chart::{Chart, color, has_several_tasks, horizontal_line, make_logarithmic, range};
 use super::reward_chart::step_rewards;
 use super::series::{Series, labels, rms_deviations};
 use crate::entry::{RunResult, Stages};
@@ -12,6 +12,10 @@ use crate::statistics::Interval;
 
 /// A result with its rows by stage.
 type Entry = (RunResult, Stages);
+
+/// Lowest score of a logarithmic profile, and the highest score of the profiles in results.
+const PROFILE_START: f64 = 0.1;
+const PROFILE_END: f64 = 3.0;
 
 /// Returns all charts of a problem's entries, in order.
 pub(super) fn all(board: &[&Entry]) -> Vec<Value> {
@@ -45,17 +49,28 @@ fn returns(board: &[&Entry]) -> Chart {
         "xaxis": {"type": "category"}, "yaxis": {"title": {"text": "score, median"}, "zeroline": false},
         "shapes": [horizontal_line(1.0)],
     });
-    scale_y(&mut layout, &values);
-    let bars = board.iter().enumerate().map(bar).collect();
-    chart("Median score", "dashed: the reactive controllers; error bars: 95 % intervals", bars, layout)
+    let logarithmic = scale_y(&mut layout, &values);
+    let mut traces: Vec<Value> = board.iter().enumerate().map(bar).collect();
+    if logarithmic {
+        // A logarithmic axis has no zero for the foot of a bar.
+        for trace in &mut traces {
+            trace["type"] = "scatter".into();
+            trace["mode"] = "markers".into();
+            trace["marker"]["size"] = 11.into();
+        }
+    }
+    chart("Median score", "dashed: the reactive controllers; error bars: 95 % intervals", traces, layout)
 }
 
-/// Scales the vertical axis: logarithmic for widely spread values, else from 0. The baseline's 1 is in the range.
-fn scale_y(layout: &mut Value, values: &[f64]) {
+/// Scales the vertical axis: logarithmic for widely spread values, else from 0; returns whether it is logarithmic. The
+/// baseline's 1 is in the range.
+fn scale_y(layout: &mut Value, values: &[f64]) -> bool {
     let (low, high) = range(values);
-    if !make_logarithmic(&mut layout["yaxis"], (low.min(1.0), high.max(1.0))) {
+    let logarithmic = make_logarithmic(&mut layout["yaxis"], (low.min(1.0), high.max(1.0)));
+    if !logarithmic {
         layout["yaxis"]["rangemode"] = "tozero".into();
     }
+    logarithmic
 }
 
 /// Draws the share of buildings at or below a score, with its interval.
@@ -79,14 +94,49 @@ fn profiles(board: &[&Entry]) -> Chart {
             "line": {"color": color(number), "width": 2, "shape": "hv"},
             "hovertemplate": "%{y:.0%} score %{x:.2f} or less<extra></extra>",
         }));
+        let scores = result.measures.scores.iter().map(|each| each.score).collect();
+        data.extend(profile_beyond(scores, color(number)));
+    }
+    let scores = board.iter().flat_map(|(result, _)| &result.measures.scores).map(|each| each.score);
+    let highest = scores.fold(PROFILE_END, f64::max);
+    let mut axis = json!({"title": {"text": "score τ"}, "zeroline": false, "range": [0, PROFILE_END]});
+    if highest > PROFILE_END {
+        axis["type"] = "log".into();
+        axis["dtick"] = if highest > 30.0 { 1.into() } else { "D2".into() };
+        axis["range"] = json!([PROFILE_START.log10(), (1.1 * highest).log10()]);
     }
     let layout = json!({
-        "xaxis": {"title": {"text": "score τ"}, "zeroline": false, "range": [0, 3]},
+        "xaxis": axis,
         "yaxis": {"title": {"text": "share of scores ≤ τ"}, "range": [-0.02, 1.02], "tickformat": ".0%", "zeroline": false},
         "shapes": [{"type": "line", "yref": "paper", "y0": 0, "y1": 1, "x0": 1, "x1": 1,
                     "line": {"dash": "dash", "width": 1.3, "color": "#b45309"}}],
     });
-    chart("Performance profile", "upper left is better; bands: 95 % intervals", data, layout)
+    let note = if highest > PROFILE_END {
+        "upper left is better; bands: 95 % intervals; dotted: beyond a score of 3, without them"
+    } else {
+        "upper left is better; bands: 95 % intervals"
+    };
+    chart("Performance profile", note, data, layout)
+}
+
+/// Continues the profile of an entry to its highest score.
+fn profile_beyond(mut scores: Vec<f64>, color: &str) -> Option<Value> {
+    scores.sort_by(f64::total_cmp);
+    let share = |count: usize| count as f64 / scores.len() as f64;
+    let within = scores.partition_point(|score| *score <= PROFILE_END);
+    if within == scores.len() {
+        return None;
+    }
+    let (mut x, mut y) = (vec![PROFILE_END], vec![share(within)]);
+    for (number, score) in scores.iter().enumerate().skip(within) {
+        x.push(*score);
+        y.push(share(number + 1));
+    }
+    Some(json!({
+        "type": "scatter", "x": x, "y": y, "mode": "lines", "showlegend": false,
+        "line": {"color": color, "width": 2, "shape": "hv", "dash": "dot"},
+        "hovertemplate": "%{y:.0%} score %{x:.2f} or less<extra></extra>",
+    }))
 }
 
 /// Returns the rows of the test stage; none of a result's rows is lost.
@@ -104,11 +154,17 @@ fn series<'a>(board: &[&'a Entry]) -> Vec<Series<'a>> {
 fn by_type(board: &[&Entry]) -> Chart {
     let mut values = Vec::new();
     let mut data = Vec::new();
+    let episodes = board.iter().flat_map(|(_, stages)| test_rows(stages)).map(|(info, _)| info);
+    let several_tasks = has_several_tasks(episodes);
     for (number, (result, stages)) in board.iter().enumerate() {
         let rows = test_rows(stages);
         let scores: Vec<f64> = rows.iter().filter_map(|(_, scored)| scored.score).collect();
+        let category = |info: &EpisodeInfo| match several_tasks {
+            true => format!("{}<br>{}", info.building_type, info.task),
+            false => info.building_type.clone(),
+        };
         data.push(json!({
-            "type": "box", "x": rows.iter().map(|(info, _)| &info.building_type).collect::<Vec<_>>(), "y": scores,
+            "type": "box", "x": rows.iter().map(|(info, _)| category(info)).collect::<Vec<_>>(), "y": scores,
             "name": result.name, "boxpoints": "all", "jitter": 0.5, "pointpos": 0,
             "marker": {"size": 4.5, "opacity": 0.65, "color": color(number)}, "line": {"width": 1.2},
             "fillcolor": format!("{}1a", color(number)), "text": labels(&rows),
@@ -121,7 +177,8 @@ fn by_type(board: &[&Entry]) -> Chart {
         "boxmode": "group", "shapes": [horizontal_line(1.0)],
     });
     scale_y(&mut layout, &values);
-    chart("Scores by building type", "one point per episode; dashed: the reactive controllers", data, layout)
+    let title = if several_tasks { "Scores by building type and task" } else { "Scores by building type" };
+    chart(title, "one point per episode; dashed: the reactive controllers", data, layout)
 }
 
 /// Draws scores over the training steps on the test environments.
@@ -158,4 +215,17 @@ fn curves(board: &[&Entry]) -> Option<Chart> {
         data,
         layout,
     ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_profile_continues_to_the_highest_score() {
+        let beyond = profile_beyond(vec![20.0, 0.5, 4.0, 1.0], "#000").unwrap();
+        assert_eq!(beyond["x"], json!([3.0, 4.0, 20.0]));
+        assert_eq!(beyond["y"], json!([0.5, 0.75, 1.0]));
+        assert_eq!(profile_beyond(vec![0.5, 3.0], "#000"), None);
+    }
 }

@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::chart::{Chart, color, hover_name, mean_diamond};
+use super::chart::{Chart, color, distribution, hover_name, mean_diamond};
 use crate::evaluation::{EpisodeInfo, Scored};
 
 /// A policy with its episodes.
@@ -29,12 +29,7 @@ pub fn rms_deviations(series: &[Series<'_>]) -> Chart {
     let mut data = Vec::new();
     for (number, Series { name, episodes }) in series.iter().enumerate() {
         let values: Vec<f64> = episodes.iter().map(|(_, scored)| scored.metrics.rms_deviation).collect();
-        data.push(json!({
-            "type": "violin", "y": values, "x0": name, "name": name, "points": "all", "jitter": 0.4,
-            "pointpos": 0, "marker": {"size": 4, "opacity": 0.65}, "line": {"color": color(number), "width": 1.2},
-            "text": labels(episodes), "hoveron": "points",
-            "hovertemplate": "%{text}<extra></extra>", "spanmode": "hard", "width": 0.85, "showlegend": false,
-        }));
+        data.push(distribution(name, &values, &labels(episodes), color(number)));
         data.push(mean_diamond(name, &values, color(number)));
     }
     let layout = json!({
