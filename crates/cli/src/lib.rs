@@ -48,6 +48,7 @@ mod stdout;
 #[cfg(target_os = "linux")]
 mod supervision;
 mod table;
+mod time_series;
 #[cfg(target_os = "linux")]
 mod train;
 #[cfg(target_os = "linux")]

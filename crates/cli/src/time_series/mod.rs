@@ -1,0 +1,145 @@
+//! Time series on pages: their encoding and the script that draws them.
+//!
+//! A series has at most [`MAX_POINTS`] points, each the mean of a span of steps, and the minimum and maximum of each day.
+//! Values are quantized to 16 bits between the minimum and maximum of the whole series. That keeps a year of the largest
+//! building below 2 MB.
+
+use b2b_benchmark::report;
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
+use serde::Serialize;
+use serde_json::Value;
+
+/// Maximum number of points of a series: the hours of a leap year.
+const MAX_POINTS: usize = 8784;
+const SCRIPT: &str = include_str!("time_series.js");
+const STYLE: &str = include_str!("time_series.css");
+
+/// The time axis of an episode.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct TimeAxis {
+    /// First day of the episode, 1 for 1 January.
+    pub first_day: u32,
+    pub steps_per_hour: u32,
+    /// Steps per point, a divisor of the steps of a day.
+    pub span: usize,
+    /// Number of points.
+    pub points: usize,
+}
+
+/// One time series.
+#[derive(Clone, Debug, Serialize)]
+pub struct Series {
+    pub name: String,
+    /// Index of the color.
+    color: usize,
+    /// Whether the line is dashed.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    dashed: bool,
+    low: f64,
+    high: f64,
+    /// Means of the spans: base64 of little-endian 16-bit numbers, 0 for `low` and 65535 for `high`.
+    mean: String,
+    /// Minima and maxima of the days.
+    days: [String; 2],
+}
+
+impl Series {
+    /// Returns the series under another name.
+    pub fn named(self, name: String) -> Self {
+        Self { name, ..self }
+    }
+
+    /// Returns the series with a dashed line.
+    pub fn dashed(self) -> Self {
+        Self { dashed: true, ..self }
+    }
+}
+
+impl TimeAxis {
+    /// Returns the axis of an episode with this many steps.
+    pub fn new(first_day: u32, steps_per_hour: u32, steps: usize) -> Self {
+        let needed = steps.div_ceil(MAX_POINTS).max(1);
+        let day = 24 * steps_per_hour as usize;
+        let span = (needed..=day).find(|span| day.is_multiple_of(*span)).unwrap_or(day);
+        Self { first_day, steps_per_hour, span, points: steps.div_ceil(span) }
+    }
+
+    /// Returns a series of one value per step.
+    pub fn series(self, name: String, color: usize, values: &[f64]) -> Series {
+        let (low, high) = (minimum(values), maximum(values));
+        let day = 24 * self.steps_per_hour as usize;
+        let mean = |span: &[f64]| span.iter().sum::<f64>() / span.len() as f64;
+        let days = |of: fn(&[f64]) -> f64| encode(values.chunks(day).map(of), low, high);
+        Series {
+            name,
+            color,
+            dashed: false,
+            low,
+            high,
+            mean: encode(values.chunks(self.span).map(mean), low, high),
+            days: [days(minimum), days(maximum)],
+        }
+    }
+
+    /// Returns what a point covers.
+    pub fn resolution(self) -> String {
+        match self.span {
+            1 => "Each point is one step.".to_owned(),
+            span => {
+                format!("Each point is the mean of {} minutes.", span * 60 / self.steps_per_hour as usize)
+            }
+        }
+    }
+}
+
+/// Returns a template with its data and with the script and style for time series.
+pub fn fill(template: &str, data: &Value) -> String {
+    report::fill(&template.replace("{{TIME_SERIES}}", SCRIPT).replace("{{TIME_SERIES_STYLE}}", STYLE), data)
+}
+
+fn minimum(values: &[f64]) -> f64 {
+    values.iter().copied().fold(f64::INFINITY, f64::min)
+}
+
+fn maximum(values: &[f64]) -> f64 {
+    values.iter().copied().fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// Returns base64 of 16-bit numbers, 0 for `low` and 65535 for `high`.
+fn encode(values: impl Iterator<Item = f64>, low: f64, high: f64) -> String {
+    let range = if high > low { high - low } else { 1.0 };
+    let bytes: Vec<u8> = values
+        .flat_map(|value| (((value - low) / range * f64::from(u16::MAX)).round() as u16).to_le_bytes())
+        .collect();
+    BASE64_STANDARD.encode(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_are_quantized_between_minimum_and_maximum() {
+        let bytes = BASE64_STANDARD.decode(encode([1.0, 2.0, 3.0].into_iter(), 1.0, 3.0)).unwrap();
+        assert_eq!(bytes, [0, 0, 0, 128, 255, 255]);
+    }
+
+    #[test]
+    fn a_point_covers_a_divisor_of_a_day() {
+        for (steps_per_hour, days, span) in
+            [(12, 14, 1), (12, 90, 3), (12, 200, 8), (12, 365, 12), (60, 365, 60)]
+        {
+            let axis = TimeAxis::new(1, steps_per_hour, days * 24 * steps_per_hour as usize);
+            assert_eq!(axis.span, span);
+            assert!(axis.points <= MAX_POINTS);
+        }
+    }
+
+    #[test]
+    fn the_script_needs_no_network() {
+        for word in ["http://", "https://", "src=", "@import", "<link"] {
+            assert!(!SCRIPT.contains(word) && !STYLE.contains(word), "{word}");
+        }
+    }
+}
