@@ -5,7 +5,7 @@ use crate::wrap;
 /// Commands by purpose.
 #[cfg(target_os = "linux")]
 const GROUPS: &[(&str, &[&str])] = &[
-    ("Simulate", &["run", "import"]),
+    ("Simulate", &["run", "compare", "import"]),
     ("Explore buildings", &["list", "show", "view"]),
     ("Train agents", &["train", "collect", "clone", "export"]),
     ("Evaluate policies", &["evaluate", "score", "benchmark", "experiment"]),
@@ -14,7 +14,7 @@ const GROUPS: &[(&str, &[&str])] = &[
 ];
 #[cfg(not(target_os = "linux"))]
 const GROUPS: &[(&str, &[&str])] = &[
-    ("Simulate", &["run", "import"]),
+    ("Simulate", &["run", "compare", "import"]),
     ("Explore buildings", &["list", "show", "view"]),
     ("Dataset", &["dataset", "generate", "check"]),
     ("Installation and performance", &["setup", "doctor", "bench"]),

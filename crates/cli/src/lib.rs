@@ -14,6 +14,7 @@ mod child;
 mod clone;
 #[cfg(target_os = "linux")]
 mod collect;
+mod compare;
 mod dataset;
 mod derived;
 mod doctor;
@@ -81,6 +82,7 @@ enum Command {
     List(list::Arguments),
     Show(show::Arguments),
     View(view::Arguments),
+    Compare(compare::Arguments),
     Setup(setup::Arguments),
     Doctor(doctor::Arguments),
     Bench(bench::Arguments),
@@ -169,6 +171,7 @@ fn execute(command: Command) -> Result<ExitCode> {
         Command::List(arguments) => list::list(&arguments)?,
         Command::Show(arguments) => show::show(&arguments)?,
         Command::View(arguments) => view::view(&arguments)?,
+        Command::Compare(arguments) => compare::compare(&arguments)?,
         Command::Setup(arguments) => setup::setup(&arguments)?,
         Command::Doctor(arguments) => return doctor::doctor(&arguments),
         Command::Bench(arguments) => bench::bench(&arguments)?,

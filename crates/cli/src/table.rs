@@ -12,12 +12,23 @@ pub struct Table {
 impl Table {
     /// Returns an empty table with these column names.
     pub fn new<const N: usize>(header: [&str; N]) -> Self {
-        Self { rows: vec![header.map(str::to_owned).to_vec()] }
+        Self::with_header(header.map(str::to_owned).to_vec())
+    }
+
+    /// Returns an empty table whose number of columns is not known at compile time.
+    pub fn with_header(header: Vec<String>) -> Self {
+        Self { rows: vec![header] }
+    }
+
+    /// Appends a row with as many cells as the header.
+    pub fn push(&mut self, cells: Vec<String>) {
+        debug_assert_eq!(cells.len(), self.rows[0].len());
+        self.rows.push(cells);
     }
 
     /// Appends a row.
     pub fn row<const N: usize>(&mut self, cells: [String; N]) {
-        self.rows.push(cells.to_vec());
+        self.push(cells.to_vec());
     }
 
     /// Returns one line per row, indented by two spaces. On a narrow terminal, cells are wrapped, and columns that

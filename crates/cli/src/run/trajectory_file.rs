@@ -1,17 +1,13 @@
 //! `trajectory.parquet`: one row per step, one named column per observation, action and penalty.
 
 use std::collections::HashMap;
-#[cfg(target_os = "linux")]
 use std::fs::File;
 use std::io::Write;
-#[cfg(target_os = "linux")]
 use std::path::Path;
 use std::sync::Arc;
 
 use anyhow::Result;
-#[cfg(target_os = "linux")]
 use anyhow::{Context, anyhow, bail};
-#[cfg(target_os = "linux")]
 use arrow_array::Array;
 use arrow_array::types::{Float64Type, UInt8Type, UInt32Type};
 use arrow_array::{ArrayRef, ArrowPrimitiveType, PrimitiveArray, RecordBatch};
@@ -20,7 +16,6 @@ use b2b_building::Date;
 use b2b_energyplus::digest::sha256;
 use b2b_env::{Spaces, Trajectory};
 use parquet::arrow::ArrowWriter;
-#[cfg(target_os = "linux")]
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use parquet::basic::Compression;
 use parquet::file::properties::WriterProperties;
@@ -60,13 +55,13 @@ pub fn write(
 }
 
 /// A trajectory read from a file, with the file's metadata.
-#[cfg(target_os = "linux")]
 pub struct Stored {
     metadata: HashMap<String, String>,
+    /// Names of the observations.
+    observations: Vec<String>,
     pub trajectory: Trajectory,
 }
 
-#[cfg(target_os = "linux")]
 impl Stored {
     /// Reads a file. Errors if its content does not match its hashes.
     pub fn read(path: &Path) -> Result<Self> {
@@ -98,7 +93,9 @@ impl Stored {
     fn of(file: File) -> Result<Self> {
         let reader = ParquetRecordBatchReaderBuilder::try_new(file)?;
         let metadata = reader.schema().metadata().clone();
-        let width = reader.schema().fields().len();
+        let fields = reader.schema().fields();
+        let names: Vec<String> = fields.iter().map(|field| field.name().clone()).collect();
+        let width = names.len();
         let observed: usize = metadata.get("observations").context("no number of observations")?.parse()?;
         let acted = width.checked_sub(CALENDAR + PENALTIES.len() + observed).context("too few columns")?;
         let mut trajectory = Trajectory::default();
@@ -113,16 +110,22 @@ impl Stored {
                 trajectory.penalties.push([step[observed + acted], step[observed + acted + 1]]);
             }
         }
-        Ok(Self { metadata: metadata.into(), trajectory })
+        let observations = names[CALENDAR..CALENDAR + observed].to_vec();
+        Ok(Self { metadata: metadata.into(), observations, trajectory })
     }
 
     /// Returns an entry of the metadata.
     pub fn word(&self, key: &str) -> Result<&str> {
         Ok(self.metadata.get(key).with_context(|| format!("its metadata have no `{key}`"))?)
     }
+
+    /// Returns the values of an observation by its name, one at the end of each step.
+    pub fn observed(&self, name: &str) -> Option<Vec<f64>> {
+        let slot = self.observations.iter().position(|each| each == name)?;
+        Some(self.trajectory.observed(slot).collect())
+    }
 }
 
-#[cfg(target_os = "linux")]
 fn values(column: &ArrayRef) -> Result<&[f64]> {
     let column =
         column.as_any().downcast_ref::<PrimitiveArray<Float64Type>>().context("a column of another type")?;

@@ -1,0 +1,255 @@
+//! A run as `b2b run` recorded it.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use b2b_building::RunPeriod;
+use b2b_env::{HeatingOnlyZones, Setpoints, Task};
+use serde::Deserialize;
+use serde_json::Value;
+
+use crate::run::summary::Summary;
+use crate::run::trajectory_file::{self, Stored};
+
+/// A run: its summary and its trajectory.
+pub struct Recorded {
+    /// Name on the page and in the tables.
+    pub name: String,
+    /// Output folder.
+    pub folder: PathBuf,
+    pub described: Described,
+    pub period: RunPeriod,
+    pub zones: Vec<ZoneRecord>,
+    /// At the end of each step, °C.
+    pub outdoor: Vec<f64>,
+    /// HVAC electricity and gas of each step, Wh/m².
+    pub energy: [Vec<f64>; 2],
+}
+
+/// The part of `summary.json` that a comparison needs.
+#[derive(Deserialize)]
+pub struct Described {
+    pub building: String,
+    pub place: String,
+    pub controller: String,
+    #[serde(default)]
+    pub seed: u64,
+    pub period: String,
+    pub steps_per_hour: u32,
+    pub task: String,
+    task_hash: String,
+    pub task_definition: Task,
+    model_sha256: Option<String>,
+    weather_sha256: Option<String>,
+    trajectory_hash: String,
+    zones: Vec<DescribedZone>,
+    /// The metrics, and everything else.
+    #[serde(flatten)]
+    rest: BTreeMap<String, Value>,
+}
+
+#[derive(Deserialize)]
+struct DescribedZone {
+    name: String,
+    rms_deviation_k: f64,
+    heating_and_cooling: bool,
+}
+
+/// Temperatures of a controlled zone.
+pub struct ZoneRecord {
+    pub name: String,
+    pub rms_deviation: f64,
+    /// Whether temperatures above target count as deviations.
+    penalize_above_target: bool,
+    /// At the end of each step, °C.
+    pub temperature: Vec<f64>,
+    /// For the next step, °C, if it varies.
+    pub target: Option<Vec<f64>>,
+}
+
+impl Recorded {
+    /// Reads a run from its output folder or from the trajectory in it.
+    pub fn read(path: &Path) -> Result<Self> {
+        if !path.exists() {
+            bail!("there is no run at {}; give an output folder of `b2b run`", path.display());
+        }
+        let folder = if path.is_dir() { path } else { path.parent().unwrap_or(Path::new(".")) };
+        let file = if path.is_dir() { path.join(trajectory_file::NAME) } else { path.to_owned() };
+        if !file.exists() {
+            bail!(
+                "{} has no {}; give an output folder of `b2b run`",
+                folder.display(),
+                trajectory_file::NAME
+            );
+        }
+        let described = Described::read(&folder.join(Summary::NAME))?;
+        let stored = Stored::read(&file)?;
+        if stored.word("trajectory_hash")? != described.trajectory_hash {
+            bail!(
+                "{} and {} in {} are of different runs; run the episode again",
+                trajectory_file::NAME,
+                Summary::NAME,
+                folder.display()
+            );
+        }
+        let whole = || format!("{} lacks observations of its zones", file.display());
+        let period: RunPeriod = described.period.parse()?;
+        let zones = described.zones.iter().map(|zone| ZoneRecord::of(zone, &described, &stored));
+        let zones = zones.collect::<Option<Vec<_>>>().with_context(whole)?;
+        let observed = |name: &str| stored.observed(name).with_context(whole);
+        Ok(Self {
+            name: described.controller.clone(),
+            folder: folder.to_owned(),
+            period,
+            zones,
+            outdoor: observed("outdoor air temperature")?,
+            energy: [observed("HVAC electricity")?, observed("HVAC gas")?],
+            described,
+        })
+    }
+
+    /// Returns the value of a column of the metrics.
+    pub fn metric(&self, column: &str) -> Option<f64> {
+        self.described.rest.get(column)?.as_f64()
+    }
+
+    /// Number of steps.
+    pub fn steps(&self) -> usize {
+        self.outdoor.len()
+    }
+
+    /// Returns a line that names the episode of a number of runs.
+    pub fn title(&self, runs: usize) -> String {
+        let Described { building, place, period, task, steps_per_hour, .. } = &self.described;
+        let minutes = 60 / steps_per_hour;
+        format!(
+            "{building} in {place}, {period}, task {task}: {runs} runs of {} steps of {minutes} min",
+            self.steps()
+        )
+    }
+
+    /// Returns whether the recorded temperatures have errors of sensors, which the metrics do not have.
+    pub fn has_faulty_sensors(&self) -> bool {
+        let faults = &self.described.task_definition.faults;
+        faults.noise > 0.0 || faults.bias > 0.0
+    }
+
+    /// Returns the target of all zones if it is constant, °C.
+    pub fn constant_target(&self) -> Option<f64> {
+        match self.described.task_definition.setpoints {
+            Setpoints::Constant { target } => Some(target),
+            Setpoints::Occupancy { .. } | Setpoints::Random { .. } => None,
+        }
+    }
+}
+
+impl Described {
+    fn read(path: &Path) -> Result<Self> {
+        let text = std::fs::read(path)
+            .with_context(|| format!("cannot read {}, which `b2b run` writes", path.display()))?;
+        serde_json::from_slice(&text)
+            .with_context(|| format!("{} is not a summary written by `b2b run`", path.display()))
+    }
+
+    /// Returns what identifies the episode: each property's name, its value, and its value in messages.
+    fn identity(&self) -> [(&'static str, String, String); 7] {
+        let plain = |name, value: &str| (name, value.to_owned(), value.to_owned());
+        let hash = |name, hash: &Option<String>| {
+            let hash = hash.clone().unwrap_or_default();
+            let short = hash.chars().take(12).collect();
+            (name, hash, short)
+        };
+        [
+            plain("building", &self.building),
+            plain("place", &self.place),
+            plain("run period", &self.period),
+            plain("number of steps per hour", &self.steps_per_hour.to_string()),
+            ("task", self.task_hash.clone(), self.task.clone()),
+            hash("model (SHA-256)", &self.model_sha256),
+            hash("weather (SHA-256)", &self.weather_sha256),
+        ]
+    }
+}
+
+impl ZoneRecord {
+    fn of(zone: &DescribedZone, described: &Described, stored: &Stored) -> Option<Self> {
+        let both_sides = described.task_definition.heating_only_zones == HeatingOnlyZones::BothSides;
+        Some(Self {
+            name: zone.name.clone(),
+            rms_deviation: zone.rms_deviation_k,
+            penalize_above_target: zone.heating_and_cooling || both_sides,
+            temperature: stored.observed(&format!("{} air temperature", zone.name))?,
+            target: stored.observed(&format!("{} target", zone.name)),
+        })
+    }
+
+    /// Returns the target of a step, °C. That of the first step is not recorded; it is taken to be that of the second.
+    pub fn target_of(&self, step: usize, constant: Option<f64>) -> f64 {
+        match &self.target {
+            Some(targets) => targets[step.saturating_sub(1)],
+            None => constant.unwrap_or(f64::NAN),
+        }
+    }
+
+    /// Returns the rewarded deviation from target in a step, K: 0 above target where that is not penalized.
+    pub fn deviation(&self, step: usize, constant: Option<f64>) -> f64 {
+        let deviation = self.temperature[step] - self.target_of(step, constant);
+        if self.penalize_above_target { deviation } else { deviation.min(0.0) }
+    }
+}
+
+/// Errors unless all runs are of the same episode.
+pub fn check_same(runs: &[Recorded]) -> Result<()> {
+    let Some((first, others)) = runs.split_first() else { return Ok(()) };
+    for other in others {
+        let pairs = first.described.identity().into_iter().zip(other.described.identity());
+        for ((what, ours, ours_text), (_, theirs, theirs_text)) in pairs {
+            if ours != theirs {
+                bail!(
+                    "the runs differ in their {what}: {ours_text} in {}, {theirs_text} in {}; compare runs of one \
+                     building, period and task",
+                    first.folder.display(),
+                    other.folder.display()
+                );
+            }
+        }
+        if first.steps() != other.steps() {
+            bail!(
+                "{} has {} steps and {} has {}; compare complete runs",
+                first.folder.display(),
+                first.steps(),
+                other.folder.display(),
+                other.steps()
+            );
+        }
+    }
+    Ok(())
+}
+
+/// Names the runs: as given, or after their controllers, with seeds or folders where these are equal.
+pub fn set_names(runs: &mut [Recorded], given: &[String]) {
+    if !given.is_empty() {
+        runs.iter_mut().zip(given).for_each(|(run, name)| run.name.clone_from(name));
+        return;
+    }
+    let forms: [fn(&Recorded) -> String; 3] = [
+        |run| run.described.controller.clone(),
+        |run| format!("{}, seed {}", run.described.controller, run.described.seed),
+        |run| {
+            let name = run.folder.canonicalize().ok();
+            let name = name.as_deref().and_then(Path::file_name).map(|name| name.display().to_string());
+            name.unwrap_or_else(|| run.folder.display().to_string())
+        },
+    ];
+    let distinct = |names: &[String]| {
+        let mut sorted = names.to_vec();
+        sorted.sort();
+        sorted.dedup();
+        sorted.len() == names.len()
+    };
+    let mut named = forms.iter().map(|form| runs.iter().map(form).collect::<Vec<_>>());
+    let fallback = || runs.iter().map(|run| run.folder.display().to_string()).collect();
+    let names = named.find(|names| distinct(names)).unwrap_or_else(fallback);
+    runs.iter_mut().zip(names).for_each(|(run, name)| run.name = name);
+}
