@@ -1,8 +1,10 @@
 //! `b2b dataset`: the content of the dataset.
 
+mod explore;
 mod manifest_file;
 mod ranges;
 
+use std::io::Write;
 use std::path::PathBuf;
 
 use anyhow::Result;
@@ -10,7 +12,7 @@ use anyhow::Result;
 use crate::output_folder::OutputFolder;
 use crate::stdout;
 
-/// Export the table of the dataset, or print the ranges of its parameters
+/// Explore the dataset, export its table, or print the ranges of its parameters
 #[derive(clap::Args)]
 pub struct Arguments {
     #[command(subcommand)]
@@ -19,12 +21,32 @@ pub struct Arguments {
 
 #[derive(clap::Subcommand)]
 enum Command {
+    Explore(ExploreArguments),
     Manifest(ManifestArguments),
     /// Print the range of every parameter by type and climate zone, next to the building code; houses by vintage
     #[command(after_help = "\
 U-values are in W/(m²·K), with the requirement of ASHRAE 90.1 in parentheses. The infiltration multiplies that of
 the prototype. The units of house parameters are in crates/dataset/data/README.md.")]
     Ranges,
+}
+
+/// Write a page on which all 6,000 buildings can be filtered, plotted and sorted
+///
+/// Filters by type, place, climate zone, split and parameters; a scatter plot of two parameters; a table; and for each
+/// building all of its parameters and the commands that view and run it. The page opens in any browser, without a
+/// network.
+#[derive(clap::Args)]
+#[command(
+    verbatim_doc_comment,
+    after_help = "\
+Examples:
+  b2b dataset explore
+  b2b dataset explore --out buildings.html"
+)]
+struct ExploreArguments {
+    /// HTML file to write, or the folder for dataset.html
+    #[arg(long, value_name = "FILE", default_value = "b2b-out/dataset.html")]
+    out: PathBuf,
 }
 
 /// Write the table of all 6,000 buildings: place, split and every parameter
@@ -50,6 +72,7 @@ struct ManifestArguments {
 pub fn dataset(arguments: &Arguments) -> Result<()> {
     let arguments = match &arguments.command {
         Command::Manifest(arguments) => arguments,
+        Command::Explore(arguments) => return explore(arguments),
         Command::Ranges => return stdout::print(&ranges::text()?),
     };
     let folder = OutputFolder::stage(&arguments.out)?;
@@ -59,4 +82,11 @@ pub fn dataset(arguments: &Arguments) -> Result<()> {
     folder.keep()?;
     let files: Vec<_> = files.iter().map(|file| file.display().to_string()).collect();
     stdout::print(&files.join("\n"))
+}
+
+fn explore(arguments: &ExploreArguments) -> Result<()> {
+    let path = explore::file(&arguments.out);
+    let page = explore::page(&b2b_dataset::manifest(b2b_dataset::all()));
+    OutputFolder::write_file(&path, |file| Ok(file.write_all(page.as_bytes())?))?;
+    stdout::print(&path.display().to_string())
 }
