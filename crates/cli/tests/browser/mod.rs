@@ -1,5 +1,6 @@
 //! A page in a headless Chromium, over its DevTools protocol on two pipes: commands in, answers and events out, each
 //! ended by a zero byte.
+#![allow(dead_code, reason = "every test file uses some of it")]
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Write};
@@ -53,6 +54,12 @@ impl Browser {
                 "--hide-scrollbars",
             ])
             .args(["--no-first-run", "--window-size=1400,1500", "--remote-debugging-pipe"])
+            .args([
+                "--disable-quic",
+                "--disable-background-networking",
+                "--disable-component-update",
+                "--disable-sync",
+            ])
             .arg(format!("--user-data-dir={}", folder.join("profile").display()))
             .arg("about:blank")
             .stdin(Stdio::null())
@@ -81,6 +88,15 @@ impl Browser {
             assert!(Instant::now() < deadline, "`{until}` never was true; errors: {:?}", self.errors);
             std::thread::sleep(Duration::from_millis(100));
         }
+    }
+
+    /// Sets the width of the page and the color scheme.
+    pub fn emulate(&mut self, width: u32, dark: bool) {
+        let metrics = json!({"width": width, "height": 1000, "deviceScaleFactor": 1, "mobile": false});
+        self.ask("Emulation.setDeviceMetricsOverride", metrics);
+        let scheme = if dark { "dark" } else { "light" };
+        let features = json!([{"name": "prefers-color-scheme", "value": scheme}]);
+        self.ask("Emulation.setEmulatedMedia", json!({"features": features}));
     }
 
     /// The value of a script.
