@@ -68,7 +68,8 @@ fn by_task(experiment: &Experiment, results: &Results) -> Value {
             let own: Vec<&Row> =
                 results.of(&agent.name).map(|(_, row)| row).filter(|row| row.info.task == *task).collect();
             let aggregate = |score| aggregate_clusters(&strata(&own, score), 0);
-            let (Some(scores), Some(resolved)) = (aggregate(Row::score), aggregate(Row::resolved_score)) else {
+            let (Some(scores), Some(resolved)) = (aggregate(Row::score), aggregate(Row::resolved_score))
+            else {
                 continue;
             };
             let medians = [deviation, Scored::relative_energy].map(|value| median_of(&own, value));
