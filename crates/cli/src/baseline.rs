@@ -36,7 +36,7 @@ use crate::{interrupt, shipped, stdout};
 Examples:
   b2b baseline --out crates/benchmark/data/baselines.csv     the shipped table
   b2b baseline --check --fresh --sample 20 --seed 1          recompute 20 of the shipped rows
-  b2b baseline --check --fresh SingleFamilyHouse-0014 --task constant --period winter"
+  b2b baseline --check --fresh SingleFamilyHouse-0018 --task constant --period winter"
 )]
 pub struct Arguments {
     #[command(flatten)]
