@@ -263,8 +263,8 @@ extern "C" fn on_end_zone_step(_: State) {
 }
 
 extern "C" fn on_error(level: c_int, text: *const c_char) {
-    with_text(text, |run, text| {
-        run.messages.borrow_mut().push(level, text);
+    with_text(text, |run, messages, text| {
+        messages.push(level, text);
         #[cfg(unix)]
         if let Some(withheld) = Withheld::after(text) {
             run.withheld.set(Some(withheld));
@@ -273,16 +273,16 @@ extern "C" fn on_error(level: c_int, text: *const c_char) {
 }
 
 extern "C" fn on_console(text: *const c_char) {
-    with_text(text, |run, text| run.messages.borrow_mut().push_console(text));
+    with_text(text, |_, messages, text| messages.push_console(text));
 }
 
-fn with_text(text: *const c_char, take: impl FnOnce(&Context, &str)) {
+fn with_text(text: *const c_char, take: impl FnOnce(&Context, &mut Messages, &str)) {
     if let Some(run) = current()
         && !text.is_null()
-        && run.messages.try_borrow_mut().is_ok()
+        && let Ok(mut messages) = run.messages.try_borrow_mut()
     {
         // SAFETY: the engine passes a zero-terminated string that lives through the callback.
         let text = unsafe { CStr::from_ptr(text) }.to_string_lossy();
-        take(run, &text);
+        take(run, &mut messages, &text);
     }
 }

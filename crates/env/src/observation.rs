@@ -144,10 +144,7 @@ impl ObservationSpace {
                 "engine: meter NaturalGas:HVAC, of the step",
             ),
         ]);
-        let constant_target = match setpoints {
-            Setpoints::Constant { target } => Some(*target),
-            Setpoints::Occupancy { .. } | Setpoints::Random { .. } => None,
-        };
+        let constant_target = setpoints.constant_target();
         let has_target =
             |zone: &b2b_building::Zone| constant_target.is_none() && zone.conditioning != Conditioning::None;
         let controlled = building.zones.iter().enumerate().filter(|(_, zone)| has_target(zone));

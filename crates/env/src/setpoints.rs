@@ -164,6 +164,14 @@ impl FromStr for Setpoints {
 }
 
 impl Setpoints {
+    /// Returns the target of all zones if it is constant, °C.
+    pub fn constant_target(&self) -> Option<f64> {
+        match *self {
+            Self::Constant { target } => Some(target),
+            Self::Occupancy { .. } | Self::Random { .. } => None,
+        }
+    }
+
     pub(crate) fn check(&self) -> Result<()> {
         let target = |name, value| within(name, value, 0.0, 50.0);
         match *self {

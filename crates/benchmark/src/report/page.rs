@@ -1,6 +1,7 @@
 //! The page that reports are embedded in.
 
 use std::io::Write;
+use std::sync::LazyLock;
 
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
@@ -12,29 +13,34 @@ use serde_json::Value;
 const PAGE: &str = include_str!("report.html");
 /// The style that all pages share.
 const STYLE: &str = include_str!("look.css");
+/// The script that pages share: their data, and functions for elements and colors.
+const SCRIPT: &str = include_str!("page.js");
 
 /// Marks in a template.
 const PLOTLY: &str = "{{PLOTLY}}";
 const LOOK: &str = "{{LOOK}}";
+const PAGE_SCRIPT: &str = "{{PAGE}}";
 const DATA: &str = "{{DATA}}";
 
 /// Unpacks plotly.
 const UNPACK: &str = include_str!("unpack.js");
+/// The script of plotly, compressed once per process.
+static PLOTLY_SCRIPT: LazyLock<String> = LazyLock::new(plotly_script);
 
 /// Writes the page of a report.
 pub fn write_page(file: &mut impl Write, data: &Value) -> std::io::Result<()> {
     file.write_all(fill(PAGE, data).as_bytes())
 }
 
-/// Returns a template with its data, a script element's JSON, with the style of all pages, and with plotly's script if it has
-/// a place for it.
+/// Returns a template with its data, a script element's JSON, with the style of all pages, and with plotly's script and the
+/// script that pages share if it has places for them.
 pub fn fill(template: &str, data: &Value) -> String {
     let page = if template.contains(PLOTLY) {
-        template.replace(PLOTLY, &plotly_script())
+        template.replace(PLOTLY, &PLOTLY_SCRIPT)
     } else {
         template.to_owned()
     };
-    let page = page.replace(LOOK, STYLE);
+    let page = page.replace(LOOK, STYLE).replace(PAGE_SCRIPT, SCRIPT);
     // An unescaped `<` in a name could end the script element.
     page.replace(DATA, &data.to_string().replace('<', "\\u003c"))
 }
@@ -63,11 +69,11 @@ mod tests {
 
     #[test]
     fn the_page_needs_no_network() {
-        for mark in [DATA, PLOTLY, LOOK] {
+        for mark in [DATA, PLOTLY, LOOK, PAGE_SCRIPT] {
             assert_eq!(PAGE.matches(mark).count(), 1);
         }
         for word in ["http://", "https://", "src=", "@import", "<link"] {
-            assert!(!PAGE.contains(word), "{word}");
+            assert!(!PAGE.contains(word) && !SCRIPT.contains(word), "{word}");
         }
     }
 

@@ -61,15 +61,12 @@ impl Metric {
     }
 
     fn text(&self, value: Option<f64>) -> String {
-        value.map_or("–".to_owned(), |value| without_negative_zero(format!("{value:.*}", self.decimals)))
+        value.map_or("–".to_owned(), |value| without_sign_of_zero(format!("{value:.*}", self.decimals)))
     }
 
     fn difference_text(&self, difference: Option<f64>) -> String {
-        let Some(difference) = difference else { return "–".to_owned() };
-        match without_negative_zero(format!("{difference:.*}", self.decimals)) {
-            text if text.starts_with('-') || text.chars().all(|c| matches!(c, '0' | '.')) => text,
-            text => format!("+{text}"),
-        }
+        let signed = |difference| without_sign_of_zero(format!("{difference:+.*}", self.decimals));
+        difference.map_or("–".to_owned(), signed)
     }
 }
 
@@ -129,11 +126,9 @@ fn subtract(value: Option<f64>, reference: Option<f64>) -> Option<f64> {
     Some(value? - reference?)
 }
 
-fn without_negative_zero(text: String) -> String {
-    match text.strip_prefix('-') {
-        Some(digits) if digits.chars().all(|c| matches!(c, '0' | '.')) => digits.to_owned(),
-        _ => text,
-    }
+fn without_sign_of_zero(text: String) -> String {
+    let digits = text.trim_start_matches(['-', '+']);
+    if digits.chars().all(|c| matches!(c, '0' | '.')) { digits.to_owned() } else { text }
 }
 
 #[cfg(test)]

@@ -71,7 +71,7 @@ mod tests {
 
     #[test]
     fn the_page_needs_no_network() {
-        for mark in ["{{DATA}}", "{{LOOK}}", "{{TIME_SERIES}}", "{{TIME_SERIES_STYLE}}"] {
+        for mark in ["{{DATA}}", "{{LOOK}}", "{{PAGE}}", "{{TIME_SERIES}}", "{{TIME_SERIES_STYLE}}"] {
             assert_eq!(PAGE.matches(mark).count(), 1);
         }
         for word in ["http://", "https://", "src=", "@import", "<link"] {

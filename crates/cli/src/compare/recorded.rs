@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use b2b_building::RunPeriod;
-use b2b_env::{HeatingOnlyZones, Setpoints, Task};
+use b2b_env::{HeatingOnlyZones, Task};
 use serde::Deserialize;
 use serde_json::Value;
 
@@ -137,10 +137,7 @@ impl Recorded {
 
     /// Returns the target of all zones if it is constant, °C.
     pub fn constant_target(&self) -> Option<f64> {
-        match self.described.task_definition.setpoints {
-            Setpoints::Constant { target } => Some(target),
-            Setpoints::Occupancy { .. } | Setpoints::Random { .. } => None,
-        }
+        self.described.task_definition.setpoints.constant_target()
     }
 }
 

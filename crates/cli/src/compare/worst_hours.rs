@@ -1,6 +1,5 @@
 //! The hours with the largest deviations from target.
 
-use b2b_building::Date;
 use serde::Serialize;
 
 use super::recorded::Recorded;
@@ -49,12 +48,10 @@ pub fn of(run: &Recorded) -> Vec<WorstHour> {
     }
     worst.retain(|(deviation, ..)| deviation.abs() >= SMALL);
     worst.sort_by(|(a, a_hour, _), (b, b_hour, _)| b.abs().total_cmp(&a.abs()).then(a_hour.cmp(b_hour)));
-    let first = run.period.first().day_of_year();
     let hour = |(deviation_k, index, number): (f64, usize, usize)| {
         let zone = &run.zones[number];
-        let date = Date::of_day((first - 1 + (index / 24) as u32) % 365 + 1);
         WorstHour {
-            date: format!("{:02}-{:02}", date.month(), date.day()),
+            date: run.period.part((index / 24) as u32, 1).first().to_string(),
             hour: index % 24,
             index,
             zone: zone.name.clone(),

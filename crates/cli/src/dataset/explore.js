@@ -1,17 +1,7 @@
-"use strict";
-const data = JSON.parse(document.getElementById("data").textContent);
 const COLORS = ["#2563eb", "#e4572e", "#0f9d76", "#9333ea", "#d39b00", "#0891b2"];
 const SPLITS = ["train", "test", "test, in the small test"];
 const PAGE = 25, MARGIN = { left: 54, right: 10, top: 10, bottom: 38 };
 const byId = id => document.getElementById(id);
-const style = name => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
-const make = (name, parent, text, kind) => {
-  const element = document.createElement(name);
-  if (text !== undefined) element.textContent = text;
-  if (kind) element.className = kind;
-  parent.append(element);
-  return element;
-};
 
 /* A building is its type and its place in the columns of the type. */
 const buildings = data.types.flatMap((type, number) => type.columns.split.map((split, row) => ({

@@ -15,7 +15,6 @@ const view = { from: START, to: END }, panels = [];
 let cursor = null, drag = null;
 
 const color = k => k < PALETTE.length ? PALETTE[k] : `hsl(${(k * 137.5) % 360} 55% 48%)`;
-const style = name => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 const DIGITS = { "°C": 2, "K": 2, "W/m²": 1, "1": 2, "kg/s": 3, "kWh/m²": 2 };
 const valueText = (unit, value) => value.toFixed(DIGITS[unit] ?? 2).replace("-", "−");
 const date = t => new Date(t), isDaily = () => view.to - view.from > LONG;
