@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use b2b_benchmark::{SiteInfo, Subject};
 use b2b_building::description::Origin;
-use b2b_building::{BuildingType, Class};
+use b2b_building::{BuildingType, Class, Model};
 use b2b_climate::Place;
 use b2b_dataset::{BuildingName, Catalog, Placement, manifest};
 use b2b_energyplus::install::use_packages_in;
@@ -16,8 +16,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use crate::error::{Exception, of_building, of_env};
-use crate::pools::Signals;
-use crate::population::{read_places, read_settings};
+use crate::signals::Signals;
 use crate::table::{self, Row};
 
 /// Locks a mutex, even if a thread panicked while holding it.
@@ -74,6 +73,19 @@ impl Inner {
         let (place, weather) = (site.place.clone(), spaces.episode.weather.clone());
         let origin = subject.placement.origin(&subject.name);
         Self::new(source, spaces.building.class, place, weather, origin).with_parameters(&subject.name)
+    }
+
+    /// Creates a building of the generator.
+    pub fn of_generated(
+        name: String,
+        building: &b2b_dataset::Building,
+        model: Model,
+        weather: PathBuf,
+    ) -> Self {
+        let parameters = first_row(manifest::of_buildings([(name.as_str(), building)]));
+        let (class, place, origin) = (building.class(), building.place().to_owned(), building.origin());
+        let inner = Self::new(Source::generated(name, class, model), Some(class), place, weather, origin);
+        Self { parameters, ..inner }
     }
 
     /// Adds its row of the dataset's table.
@@ -280,45 +292,6 @@ pub fn find_building(
 
 fn first_row(table: manifest::Manifest) -> Row {
     table::rows(table).into_iter().next().unwrap_or_default()
-}
-
-/// Samples buildings of a type with a seed, as `b2b generate` does.
-#[pyfunction]
-#[pyo3(signature = (building_type, count, seed, places, weather, settings))]
-pub fn generate(
-    py: Python<'_>,
-    building_type: &str,
-    count: usize,
-    seed: u64,
-    places: Vec<String>,
-    weather: Vec<PathBuf>,
-    settings: Vec<String>,
-) -> PyResult<Vec<Building>> {
-    let building_type: BuildingType = building_type.parse().map_err(of_building)?;
-    let settings = read_settings(&settings)?;
-    let make = || -> PyResult<Vec<Building>> {
-        let places = read_places(places, &weather)?;
-        let buildings =
-            b2b_dataset::sample(building_type, count, seed, &places, &settings).map_err(of_building)?;
-        let catalog = catalog()?;
-        let building = |(number, building): (usize, &b2b_dataset::Building)| {
-            let (model, weather) = catalog.generate(building, &mut Signals).map_err(of_building)?;
-            let name = format!("{building_type}-seed{seed}-{number:04}");
-            let parameters = first_row(manifest::of_buildings([(name.as_str(), building)]));
-            let (place, origin) = (building.place().to_owned(), building.origin());
-            let inner = Inner::new(
-                Source::generated(name, building.class(), model),
-                Some(building.class()),
-                place,
-                weather,
-                origin,
-            );
-            let inner = Inner { parameters, ..inner };
-            Ok(Building { inner: Arc::new(inner) })
-        };
-        (1..).zip(&buildings).map(building).collect()
-    };
-    py.detach(make)
 }
 
 /// A building type.

@@ -6,6 +6,8 @@ use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyDict, PyTuple, PyType};
 use pyo3::{PyErr, PyTypeInfo};
 
+use crate::signals::interrupt;
+
 /// An exception of the package. The classes are created here; `building2building.errors` re-exports them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Exception {
@@ -130,7 +132,7 @@ pub fn of_building(error: impl Into<b2b_dataset::Error>) -> PyErr {
     let error = error.into();
     let exception = match &error {
         Error::Install(source) | Error::Climate(b2b_climate::Error::Install(source)) => match source {
-            b2b_energyplus::install::Error::Cancelled { .. } => return crate::pools::interrupt(),
+            b2b_energyplus::install::Error::Cancelled { .. } => return interrupt(),
             _ => Exception::Install,
         },
         Error::Engine(_) => Exception::Engine,
@@ -144,7 +146,7 @@ pub fn of_building(error: impl Into<b2b_dataset::Error>) -> PyErr {
 pub fn of_env(error: b2b_env::Error) -> PyErr {
     use b2b_env::Error;
     let exception = match &error {
-        Error::Interrupted => return crate::pools::interrupt(),
+        Error::Interrupted => return interrupt(),
         Error::ActionNotFinite { .. } | Error::ActionLength { .. } => Exception::Action,
         Error::NotReset | Error::Busy | Error::Lost { .. } | Error::OtherSnapshot { .. } => {
             Exception::Episode
@@ -182,7 +184,7 @@ pub fn of_training(error: b2b_learn::Error) -> PyErr {
         Error::Env(error) => of_env(error),
         Error::Agent(error) => of_agent(error),
         Error::Evaluation(error) => of_benchmark(*error),
-        Error::Interrupted => crate::pools::interrupt(),
+        Error::Interrupted => interrupt(),
         error @ (Error::Config { .. }
         | Error::Invalid(_)
         | Error::ConfigFile { .. }
@@ -197,7 +199,7 @@ pub fn of_benchmark(error: b2b_benchmark::Error) -> PyErr {
     match error {
         Error::Building(error) => of_building(*error),
         Error::Env(error) => of_env(error),
-        Error::Interrupted => crate::pools::interrupt(),
+        Error::Interrupted => interrupt(),
         Error::Agent(error) => of_agent(error),
         error => {
             let exception = match &error {

@@ -25,6 +25,7 @@ use crate::arrays;
 use crate::catalog::{self, Building, Inner, locked};
 use crate::error::{Exception, of_benchmark, of_building};
 use crate::pools;
+use crate::signals::interrupted;
 use crate::spaces::Spaces;
 
 /// Interval at which signals are handled and progress is reported.
@@ -212,7 +213,7 @@ pub fn wait_for<T: Send>(run: impl FnOnce() -> T + Send, mut report: impl FnMut(
         });
         while !running.is_finished() {
             std::thread::park_timeout(LOOK);
-            if pools::interrupted() || !report() {
+            if interrupted() || !report() {
                 STOP.store(true, Ordering::Relaxed);
             }
         }

@@ -1,10 +1,10 @@
 //! `building2building._core`: the Rust crates as Python classes.
 //!
-//! This crate only converts. [`catalog`] finds buildings and [`table`] converts the dataset's rows; [`spaces`] and
-//! [`morphology`] describe observations and actions; [`env`] is an environment in its own process, [`local`] one in
-//! this process, and [`vector`] a batch over the buildings of [`population`]; [`control`] has the built-in controllers,
-//! [`evaluation`] evaluates a policy on many buildings, [`learning`] trains agents, [`benchmarks`] has the benchmark
-//! problems; [`command`] is the command `b2b`, and [`error`] defines the exceptions.
+//! This crate only converts. [`catalog`] finds buildings, [`generator`] makes new ones, and [`table`] converts the dataset's
+//! rows; [`spaces`] and [`morphology`] describe observations and actions; [`env`] is an environment in its own process,
+//! [`local`] one in this process, and [`vector`] a batch over the buildings of [`population`]; [`control`] has the built-in
+//! controllers, [`evaluation`] evaluates a policy on many buildings, [`learning`] trains agents, [`benchmarks`] has the
+//! benchmark problems; [`command`] is the command `b2b`, [`signals`] handles Ctrl-C, and [`error`] defines the exceptions.
 
 mod arrays;
 mod benchmarks;
@@ -14,12 +14,14 @@ mod control;
 mod env;
 mod error;
 mod evaluation;
+mod generator;
 mod learning;
 mod local;
 mod morphology;
 mod owner;
 mod pools;
 mod population;
+mod signals;
 mod spaces;
 mod table;
 mod vector;
@@ -34,9 +36,7 @@ mod _core {
     #[pymodule_export]
     use super::benchmarks::{Problem, Restriction, measures, normalized_score, resolved_score};
     #[pymodule_export]
-    use super::catalog::{
-        Building, Setting, TypeInfo, building_types, dataset_rows, find_building, generate, places,
-    };
+    use super::catalog::{Building, Setting, TypeInfo, building_types, dataset_rows, find_building, places};
     #[pymodule_export]
     use super::command::run_command;
     #[pymodule_export]
@@ -46,6 +46,8 @@ mod _core {
     #[pymodule_export]
     use super::evaluation::{baseline, baselines_folder, evaluate, evaluate_part};
     #[pymodule_export]
+    use super::generator::{Generator, generate};
+    #[pymodule_export]
     use super::learning::{agent_info, train};
     #[pymodule_export]
     use super::local::LocalEnv;
@@ -53,8 +55,6 @@ mod _core {
     use super::morphology::{Edge, Morphology, Node, NodeSlot, NodeType};
     #[pymodule_export]
     use super::owner::Owner;
-    #[pymodule_export]
-    use super::population::Generator;
     #[pymodule_export]
     use super::spaces::{Actuator, RoleSlot, Slot, Spaces, Zone};
     #[pymodule_export]

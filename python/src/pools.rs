@@ -1,16 +1,13 @@
-//! Worker processes started from Python, and Ctrl-C while waiting for them.
+//! Worker processes started from Python.
 
-use std::cell::RefCell;
-use std::ops::ControlFlow;
 use std::sync::Mutex;
 
-use b2b_energyplus::install::Progress;
 use b2b_env::vector::{Launcher, WorkerOptions};
-use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 
 use crate::catalog::{self, locked};
 use crate::error::Exception;
+use crate::signals::interrupted;
 
 /// Memory limit for the idle templates of one environment, bytes.
 pub const TEMPLATES: u64 = 1 << 30;
@@ -26,32 +23,6 @@ origin=sys.argv[1])
 module = _imp.create_dynamic(spec)
 _imp.exec_dynamic(module)
 module.run_command(*sys.argv[1:])";
-
-thread_local! {
-    /// The exception that a signal handler raised while this thread waited.
-    static RAISED: RefCell<Option<PyErr>> = const { RefCell::new(None) };
-}
-
-/// Lets Python handle signals and returns whether a handler raised an exception.
-pub fn interrupted() -> bool {
-    let Err(error) = Python::attach(|py| py.check_signals()) else { return false };
-    RAISED.set(Some(error));
-    true
-}
-
-/// Progress that prints nothing and lets Ctrl-C end a download.
-pub struct Signals;
-
-impl Progress for Signals {
-    fn advance(&mut self, _: u64) -> ControlFlow<()> {
-        if interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    }
-}
-
-/// Returns the exception that a signal handler raised, else a `KeyboardInterrupt`.
-pub fn interrupt() -> PyErr {
-    RAISED.take().unwrap_or_else(|| PyKeyboardInterrupt::new_err(()))
-}
 
 /// Returns the arguments with which an interpreter loads this extension module from its file; those of a worker or of a
 /// command follow.

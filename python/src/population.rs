@@ -1,12 +1,10 @@
 //! Buildings to draw episodes from: listed, or created by the generator.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::PathBuf;
 use std::sync::Arc;
 
-use b2b_building::{BuildingType, RunPeriod};
-use b2b_climate::WeatherFile;
-use b2b_dataset::{BuildingId, Places};
+use b2b_building::RunPeriod;
+use b2b_dataset::BuildingId;
 use b2b_env::vector::{
     AnyOf, Buildings, Fixed, Kept, Population, Sampler, Setting, Source, Weighted, Windows, WithTask,
 };
@@ -15,6 +13,7 @@ use pyo3::prelude::*;
 
 use crate::catalog::{Building, Inner, catalog, read_task};
 use crate::error::{Exception, of_building, of_env};
+use crate::generator::Generator;
 
 /// A building, or a source of buildings to draw from.
 #[derive(FromPyObject)]
@@ -25,47 +24,6 @@ pub enum Candidate<'py> {
     Generator(PyRef<'py, Generator>),
     /// The id of a building of the dataset, which is generated when it is drawn.
     Id(String),
-}
-
-/// A generator of new buildings of a type, no two of which are the same.
-#[pyclass(frozen, module = "building2building._core")]
-pub struct Generator {
-    building_type: BuildingType,
-    places: Places,
-    settings: Vec<b2b_dataset::Setting>,
-}
-
-#[pymethods]
-impl Generator {
-    #[new]
-    fn new(
-        building_type: &str,
-        places: Vec<String>,
-        weather: Vec<PathBuf>,
-        settings: Vec<String>,
-    ) -> PyResult<Self> {
-        let building_type: BuildingType = building_type.parse().map_err(of_building)?;
-        let places = read_places(places, &weather)?;
-        let settings = read_settings(&settings)?;
-        // Reports invalid places and parameters now rather than at the first draw.
-        b2b_dataset::sample(building_type, 1, 0, &places, &settings).map_err(of_building)?;
-        Ok(Self { building_type, places, settings })
-    }
-}
-
-/// Returns the places of a generator: all, some by name, or weather files.
-pub fn read_places(names: Vec<String>, weather: &[PathBuf]) -> PyResult<Places> {
-    let read = |path: &PathBuf| WeatherFile::read(path, None).map(Arc::new);
-    Ok(match (names.as_slice(), weather) {
-        ([], []) => Places::All,
-        (_, []) => Places::Named(names),
-        (_, files) => Places::Files(files.iter().map(read).collect::<Result<_, _>>().map_err(of_building)?),
-    })
-}
-
-/// Parses settings that fix or narrow parameters.
-pub fn read_settings(settings: &[String]) -> PyResult<Vec<b2b_dataset::Setting>> {
-    settings.iter().map(|text| text.parse()).collect::<Result<_, _>>().map_err(of_building)
 }
 
 /// The buildings and tasks of a batch of environments.
@@ -95,11 +53,7 @@ impl Episodes {
         for candidate in candidates {
             match candidate {
                 Candidate::Building(building) => episodes.found.push(Arc::clone(&building.inner)),
-                Candidate::Generator(generator) => episodes.add(Population::Generated {
-                    building_type: generator.building_type,
-                    places: generator.places.clone(),
-                    settings: generator.settings.clone(),
-                }),
+                Candidate::Generator(generator) => episodes.add(generator.population()),
                 Candidate::Id(text) => {
                     let id: BuildingId = text.parse().map_err(of_building)?;
                     ids.entry(id.building_type().name()).or_default().push(id);

@@ -9,8 +9,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::agent::{Agent, AgentController};
 use crate::error::at;
-use crate::observation::{NodePlan, attributes};
+use crate::observation::attributes;
 use crate::pilot::Pilot;
+use crate::plan::NodePlan;
 use crate::{Error, Result};
 
 /// Everything that is needed to make a controller of a building whose model has been dropped.

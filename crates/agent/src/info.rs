@@ -3,8 +3,8 @@
 use b2b_env::Task;
 use serde::{Deserialize, Serialize};
 
+use crate::interface::Interface;
 use crate::network::{Distribution, Shape};
-use crate::pilot::Interface;
 
 /// Version of the format of agents' folders.
 pub const FORMAT: u32 = 1;

@@ -11,10 +11,12 @@ mod description;
 mod error;
 mod folder;
 mod info;
+mod interface;
 pub mod network;
 mod observation;
 mod onnx;
 mod pilot;
+mod plan;
 pub mod protobuf;
 
 pub use acting::Acting;
@@ -24,8 +26,9 @@ pub use description::ControllerDescription;
 pub use error::{Error, Result};
 pub use folder::{FILES, INFO};
 pub use info::{AgentInfo, FORMAT, TrainingInfo};
+pub use interface::Interface;
 pub use observation::{
-    AgentObservation, Feature, NodeForm, NodePlan, NodeSpaces, NodeView, ObservationForm, ObservationOptions,
-    PlannedNode, attributes,
+    AgentObservation, Feature, NodeSpaces, NodeView, ObservationForm, ObservationOptions, attributes,
 };
-pub use pilot::{Interface, Pilot};
+pub use pilot::Pilot;
+pub use plan::{NodeForm, NodePlan, PlannedNode};

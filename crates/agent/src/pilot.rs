@@ -3,24 +3,13 @@
 use std::sync::Arc;
 
 use b2b_env::Spaces;
-use serde::{Deserialize, Serialize};
 
 use crate::Result;
-use crate::acting::{Acting, Driver};
+use crate::acting::Driver;
+use crate::interface::Interface;
 use crate::network::Graph;
-use crate::observation::{AgentObservation, NodeForm, NodePlan, NodeView, ObservationOptions, attributes};
-
-/// The observation of an agent and the meaning of its actions.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Interface {
-    /// Options of its observation.
-    pub observation: ObservationOptions,
-    /// Meaning of its actions.
-    pub acting: Acting,
-    /// How it observes a building node by node, if it is a graph network.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub nodes: Option<NodeForm>,
-}
+use crate::observation::{AgentObservation, NodeView, attributes};
+use crate::plan::NodePlan;
 
 /// An agent's observations and actions in an episode of a building, around its network. Allocates nothing in a step.
 ///

@@ -2,6 +2,7 @@
 //!
 //! Faults depend on the seed, the step and the place alone, so that equal tasks have equal faults in every episode.
 
+use b2b_building::PreparedBuilding;
 use b2b_building::hvac::Quantity;
 use b2b_dataset::random::{standard_normal, uniform};
 use rand::SeedableRng;
@@ -10,7 +11,6 @@ use serde::{Deserialize, Serialize};
 
 use crate::Result;
 use crate::limits::within;
-use crate::spaces::Spaces;
 
 /// Temperature toward which fouling moves the bounds of supply temperatures, °C.
 const NEUTRAL: f64 = 20.0;
@@ -69,16 +69,16 @@ pub(crate) struct Impairment {
 
 impl Impairment {
     /// Draws the faults of a building; `None` if there are none.
-    pub(crate) fn new(faults: &Faults, spaces: &Spaces) -> Option<Self> {
+    pub(crate) fn new(faults: &Faults, building: &PreparedBuilding) -> Option<Self> {
         if faults.is_none() {
             return None;
         }
         let Faults { seed, noise, bias, stuck, fouling } = *faults;
         let mut random = stream(seed, BIASES);
-        let biases = spaces.building.zones.iter().map(|_| bias * standard_normal(&mut random)).collect();
+        let biases = building.zones.iter().map(|_| bias * standard_normal(&mut random)).collect();
         let mut random = stream(seed, STUCK);
         let toward_neutral = |value: f64| NEUTRAL + (value - NEUTRAL) * (1.0 - fouling);
-        let bounds = spaces.building.actuators().map(|actuator| {
+        let bounds = building.actuators().map(|actuator| {
             let (low, high) = (actuator.low, actuator.high);
             let (is_stuck, at) = (uniform(&mut random) < stuck, uniform(&mut random));
             match actuator.quantity {

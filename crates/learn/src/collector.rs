@@ -3,18 +3,7 @@
 use b2b_agent::network::Actor;
 
 use crate::error::{Error, Result};
-use crate::rollout::Rollout;
-
-/// Widths of the arrays of a rollout.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Widths {
-    /// Width of an observation.
-    pub observation: usize,
-    /// Width of an action.
-    pub action: usize,
-    /// Number of parts of a reward.
-    pub parts: usize,
-}
+use crate::rollout::{Rollout, Widths};
 
 /// A set of environments in which an actor collects steps.
 pub trait Collector {
@@ -30,34 +19,6 @@ pub trait Collector {
     /// # Errors
     /// When an environment fails.
     fn collect(&mut self, actor: &Actor, steps: usize, rollout: &mut Rollout) -> Result<()>;
-}
-
-impl Widths {
-    /// Returns the larger of each width.
-    #[must_use]
-    pub fn covering(self, other: Self) -> Self {
-        Self {
-            observation: self.observation.max(other.observation),
-            action: self.action.max(other.action),
-            parts: self.parts.max(other.parts),
-        }
-    }
-
-    /// Checks that a building has these widths, or for a graph network at most these.
-    ///
-    /// # Errors
-    /// [`Error::Collect`] when it has others.
-    pub(crate) fn check(self, building: &str, widths: (usize, usize), is_graph: bool) -> Result<()> {
-        let fits = (widths.0 <= self.observation, widths.1 <= self.action) == (true, true);
-        if widths == (self.observation, self.action) || (is_graph && fits) {
-            return Ok(());
-        }
-        let why = match is_graph {
-            false => format!("the observation or the actuators of {building} do not match the network"),
-            true => format!("{building} is larger than the training buildings for which there is room"),
-        };
-        Err(Error::Collect(why.into()))
-    }
 }
 
 /// Number of consecutive lost episodes of one environment after which the collection fails.

@@ -14,11 +14,11 @@ use b2b_agent::network::{Actor, Scratch};
 use b2b_agent::{Interface, Pilot};
 use b2b_env::vector::VecEnv;
 
-use crate::collector::{Collector, Widths, count_lost};
+use crate::collector::{Collector, count_lost};
 use crate::error::Result;
 use crate::fragments::{RewardScale, spaces_of, stream};
 use crate::random::{Noise, Random};
-use crate::rollout::{End, Rollout, Scene};
+use crate::rollout::{End, Rollout, Scene, Widths};
 
 /// Collects rollouts step by step in a [`VecEnv`] with [`Autoreset::Disabled`](b2b_env::vector::Autoreset::Disabled). A reward
 /// has one part.

@@ -4,8 +4,18 @@ use std::sync::Arc;
 
 use b2b_agent::network::Graph;
 
-use crate::collector::Widths;
 use crate::error::{Error, Result};
+
+/// Widths of the arrays of a rollout.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Widths {
+    /// Width of an observation.
+    pub observation: usize,
+    /// Width of an action.
+    pub action: usize,
+    /// Number of parts of a reward.
+    pub parts: usize,
+}
 
 /// Steps that a policy has made in several environments: the same number in each.
 ///
@@ -51,6 +61,34 @@ pub struct End {
     pub step: usize,
     /// Observation after that step, of the episode that ended. The row of the next step is of the next episode.
     pub observation: Vec<f32>,
+}
+
+impl Widths {
+    /// Returns the larger of each width.
+    #[must_use]
+    pub fn covering(self, other: Self) -> Self {
+        Self {
+            observation: self.observation.max(other.observation),
+            action: self.action.max(other.action),
+            parts: self.parts.max(other.parts),
+        }
+    }
+
+    /// Checks that a building has these widths, or for a graph network at most these.
+    ///
+    /// # Errors
+    /// [`Error::Collect`] when it has others.
+    pub(crate) fn check(self, building: &str, widths: (usize, usize), is_graph: bool) -> Result<()> {
+        let fits = (widths.0 <= self.observation, widths.1 <= self.action) == (true, true);
+        if widths == (self.observation, self.action) || (is_graph && fits) {
+            return Ok(());
+        }
+        let why = match is_graph {
+            false => format!("the observation or the actuators of {building} do not match the network"),
+            true => format!("{building} is larger than the training buildings for which there is room"),
+        };
+        Err(Error::Collect(why.into()))
+    }
 }
 
 impl Rollout {

@@ -10,11 +10,11 @@ use b2b_dataset::{BuildingName, Catalog, Placement};
 use b2b_energyplus::install::Quiet;
 use b2b_env::vector::{Autoreset, Fixed, Launcher, Setting, Source, VecEnv, VecEnvOptions, WorkerOptions};
 use b2b_env::{EpisodeConfig, Task};
-use b2b_learn::collector::{Collector, Widths};
+use b2b_learn::collector::Collector;
 use b2b_learn::fragments::FragmentCollector;
 use b2b_learn::lockstep::LockstepCollector;
 use b2b_learn::ppo::{Ppo, PpoConfig};
-use b2b_learn::rollout::Rollout;
+use b2b_learn::rollout::{Rollout, Widths};
 use b2b_learn::state::State;
 use rustix::process::{Pid, Signal, kill_process};
 

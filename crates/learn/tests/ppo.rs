@@ -5,10 +5,10 @@ mod toy;
 use std::time::Instant;
 
 use b2b_agent::network::Actor;
-use b2b_learn::collector::{Collector, Widths};
+use b2b_learn::collector::Collector;
 use b2b_learn::ppo::{LogStd, Ppo, PpoConfig};
 use b2b_learn::random::Random;
-use b2b_learn::rollout::Rollout;
+use b2b_learn::rollout::{Rollout, Widths};
 use toy::{Local, Pendulum, Room, Toy, mean_return};
 
 const SEEDS: [u64; 3] = [0, 1, 2];

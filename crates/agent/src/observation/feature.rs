@@ -4,9 +4,8 @@ use std::f64::consts::TAU;
 
 use b2b_env::Target;
 
-use super::known::{OUTDOOR, at_hour};
 use super::memory::Memory;
-use crate::onnx::LinearFeature;
+use super::outdoor::{OUTDOOR, at_hour};
 
 /// One slot of an agent's observation.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,6 +47,14 @@ pub(super) enum Source {
     Previous(usize),
     /// The base controller's next action for an actuator.
     Base(usize),
+}
+
+/// A slot that is linear in a slot of the environment: `scale` × that slot + `offset`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct LinearFeature {
+    pub(crate) slot: usize,
+    pub(crate) scale: f64,
+    pub(crate) offset: f64,
 }
 
 /// What a slot is computed from.

@@ -5,7 +5,7 @@ use b2b_dataset::house::ZoneRole;
 use b2b_env::{Spaces, Target};
 
 use super::feature::{Feature, HOURS_OF_WEEK, Source};
-use super::known::OUTDOOR;
+use super::outdoor::OUTDOOR;
 
 /// Temperature about which zones and targets are scaled, °C.
 const COMFORTABLE: f64 = 21.0;

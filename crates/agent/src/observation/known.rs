@@ -8,9 +8,6 @@ use super::feature::{Feature, Source};
 use super::options::ObservationOptions;
 use crate::{Error, Result};
 
-/// Temperature and scale of outdoor temperatures, °C and K.
-pub(super) const OUTDOOR: (f64, f64) = (10.0, 15.0);
-
 /// Returns the attributes of a building that an agent observes, from -1 to 1: none unless its options request them.
 /// Requires the model of the building, which a worker process has dropped.
 ///
@@ -46,40 +43,4 @@ pub(super) fn forecast_features(hours: u32, spaces: &Spaces) -> Vec<Feature> {
         Feature::new(format!("outdoor temperature in {ahead} h"), source)
     };
     (1..=hours).map(at).collect()
-}
-
-/// Returns the outdoor temperatures at the end of each hour of the year, °C; none without a forecast.
-///
-/// # Errors
-/// [`Error::Io`] for a weather file that cannot be read; [`Error::Forecast`] for one that is not of a year.
-pub(super) fn outdoor_temperatures(hours: u32, spaces: &Spaces) -> Result<Vec<f64>> {
-    if hours == 0 {
-        return Ok(Vec::new());
-    }
-    let path = &spaces.episode.weather;
-    let text = std::fs::read(path).map_err(crate::error::at(path))?;
-    let temperatures = b2b_climate::epw::dry_bulbs(&String::from_utf8_lossy(&text));
-    match temperatures.len() {
-        8760 => Ok(temperatures),
-        hours => Err(Error::Forecast { path: path.clone(), hours }),
-    }
-}
-
-/// Returns the temperature at an hour of the year, between those at the ends of hours: see [`outdoor_temperatures`].
-pub(super) fn at_hour(temperatures: &[f64], hour: f64) -> f64 {
-    let place = (hour - 1.0).rem_euclid(temperatures.len() as f64);
-    let (index, share) = (place as usize % temperatures.len(), place.fract());
-    temperatures[index] * (1.0 - share) + temperatures[(index + 1) % temperatures.len()] * share
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_temperature_of_the_weather_file_is_that_at_the_end_of_its_hour() {
-        let temperatures: Vec<f64> = (1..=8760).map(f64::from).collect();
-        assert_eq!([1.0, 1.5, 8760.0].map(|hour| at_hour(&temperatures, hour)), [1.0, 1.5, 8760.0]);
-        assert_eq!([8761.0, 8760.5].map(|hour| at_hour(&temperatures, hour)), [1.0, 4380.5]);
-    }
 }

@@ -5,24 +5,17 @@ use std::sync::Arc;
 use b2b_building::hvac::Quantity;
 use b2b_building::morphology::{Attribute, COMMON, LocalSlot, NodeType, Observed, Owner};
 use b2b_env::{Spaces, Target};
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
+use super::agent_observation::AgentObservation;
 use super::feature::{Feature, Source};
 use super::features::{ControlledZone, calendar, energy, temperature, weather};
-use super::memory::Memory;
-use super::plan::{NodePlan, PlannedNode};
-use super::{AgentObservation, ObservationForm};
+use super::options::ObservationForm;
+use crate::interface::Interface;
 use crate::network::Graph;
 use crate::network::graph::NodeWidths;
-use crate::pilot::Interface;
+use crate::plan::{NodePlan, PlannedNode};
 use crate::{Error, Result};
-
-/// How a graph network observes a building.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct NodeForm {
-    /// Whether nodes have their attributes as features, and the weather those of the whole building.
-    pub attributes: bool,
-}
 
 /// The observation of a building node by node, and its graph.
 #[derive(Clone, Debug)]
@@ -117,10 +110,7 @@ impl AgentObservation {
             Ok((node, output.ok_or_else(|| failed("its node does not have", name))?))
         });
         let graph = Graph::new(plan, &widths, &actions.collect::<Result<Vec<_>>>()?);
-        Ok(NodeView {
-            observation: Self { features, memory: Memory::new(spaces), outdoor: Vec::new() },
-            graph,
-        })
+        Ok(NodeView { observation: Self::of_features(features, spaces), graph })
     }
 }
 

@@ -1,12 +1,48 @@
 //! Options of an agent's observation.
 
 use std::fmt;
+use std::str::FromStr;
 
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
-use super::ObservationForm;
+use crate::Error;
+
+/// The form of an agent's observation.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ObservationForm {
+    /// The observation of the environment, each slot scaled from its bounds to [-1, 1], as in the paper.
+    Raw,
+    /// As `raw`, with a slot for every zone role in houses: see [`RoleObservation`](b2b_env::RoleObservation).
+    Roles,
+    /// Features of the state that control needs: errors at several scales, their change and recent mean, targets, calendar
+    /// as sines, and the previous and the base controller's action. See `docs/training.md`.
+    #[default]
+    Features,
+}
+
+impl fmt::Display for ObservationForm {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Raw => "raw",
+            Self::Roles => "roles",
+            Self::Features => "features",
+        })
+    }
+}
+
+impl FromStr for ObservationForm {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self, Error> {
+        [Self::Raw, Self::Roles, Self::Features]
+            .into_iter()
+            .find(|form| form.to_string() == text)
+            .ok_or_else(|| Error::UnknownObservation { text: text.to_owned() })
+    }
+}
 
 /// The options of an agent's observation. Deserialized from a table, or from just the name of a form.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]

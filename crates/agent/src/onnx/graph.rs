@@ -6,17 +6,10 @@ use super::file::{File, list, number, whole};
 use super::plain::{activation, columns, last};
 use crate::network::graph::{BlockPlaces, EPSILON, EdgeScores, LARGEST, NormPlaces};
 use crate::network::{Actor, Graph, GraphNetwork, Layer};
+use crate::observation::LinearFeature;
 
 /// Score of a pair of nodes without attention: its exponential is 0.
 const NO_ATTENTION: f32 = -1e9;
-
-/// A feature of a node: `scale` × slot of the environment's observation + `offset`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct LinearFeature {
-    pub(crate) slot: usize,
-    pub(crate) scale: f64,
-    pub(crate) offset: f64,
-}
 
 /// Returns the file for a building whose nodes have these features, one node after another.
 pub(super) fn file(

@@ -15,7 +15,6 @@ use crate::network::Shape;
 use crate::observation::{ObservationForm, ObservationOptions};
 use crate::pilot::Pilot;
 use crate::{Error, Result};
-pub(crate) use graph::LinearFeature;
 
 impl Agent {
     /// Returns the agent as an ONNX file that takes the environment's observation without scaling, or that by roles, and returns

@@ -109,7 +109,7 @@ impl Env {
             targets: Targets::new(&task.setpoints, spaces.building.class, zones.len()),
             reward: Box::new(reward),
             interlock: Interlock::new(&spaces.building),
-            impairment: Impairment::new(&task.faults, &spaces),
+            impairment: Impairment::new(&task.faults, &spaces.building),
             asked: vec![(false, f64::NAN); zones.len()],
             zone_steps: Vec::with_capacity(zones.len()),
             engine: None,

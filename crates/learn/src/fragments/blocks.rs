@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::collector::Widths;
+use crate::rollout::Widths;
 
 /// Numbers of [`Block::times`].
 const TIMES: usize = 2;

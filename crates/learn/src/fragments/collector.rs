@@ -11,9 +11,9 @@ use super::blocks::Block;
 use super::building::GraphBuilding;
 use super::order::{Order, Purpose, stream};
 use super::progress::{Phase, Progress};
-use crate::collector::{Collector, Widths, count_lost};
+use crate::collector::{Collector, count_lost};
 use crate::error::{Error, Result};
-use crate::rollout::{End, Rollout};
+use crate::rollout::{End, Rollout, Widths};
 use crate::state::State;
 
 /// Steps of an environment that are carried out again at a time.

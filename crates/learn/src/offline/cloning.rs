@@ -9,7 +9,8 @@ use b2b_agent::{
 use b2b_benchmark::Versions;
 use b2b_env::{ActionSpace, Spaces, unscale};
 
-use super::dataset::{Dataset, EpisodeFile, EpisodeMetadata};
+use super::dataset::{Dataset, EpisodeMetadata};
+use super::episodes::EpisodeFile;
 use crate::nn::{Adam, Gains, Pass, orthogonal};
 use crate::random::Random;
 use crate::{Error, Result};

@@ -9,7 +9,8 @@ use b2b_dataset::BuildingName;
 use b2b_env::{Spaces, unscale};
 use serde_json::{Value, json};
 
-use super::dataset::{Contents, Dataset, EpisodeFile, EpisodeMetadata, NewDataset};
+use super::dataset::{Contents, Dataset, EpisodeMetadata, NewDataset};
+use super::episodes::EpisodeFile;
 use crate::{Error, Result};
 
 /// What is collected: every episode under every policy.

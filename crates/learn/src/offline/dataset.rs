@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
-use super::episodes;
+use super::episodes::{self, EpisodeFile};
 use crate::error::at;
 use crate::{Error, Result};
 
@@ -57,17 +57,6 @@ pub struct EpisodeMetadata {
     pub policy: String,
     /// Return.
     pub episode_return: f64,
-}
-
-/// The steps of an episode, row by row.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct EpisodeFile {
-    /// Observations before the first and after each step.
-    pub observations: Vec<f32>,
-    /// Actions.
-    pub actions: Vec<f32>,
-    /// Rewards.
-    pub rewards: Vec<f64>,
 }
 
 /// A dataset on disk.

@@ -13,9 +13,19 @@ use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use parquet::basic::Compression;
 use parquet::file::properties::WriterProperties;
 
-use super::dataset::EpisodeFile;
 use crate::error::at;
 use crate::{Error, Result};
+
+/// The steps of an episode, row by row.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct EpisodeFile {
+    /// Observations before the first and after each step.
+    pub observations: Vec<f32>,
+    /// Actions.
+    pub actions: Vec<f32>,
+    /// Rewards.
+    pub rewards: Vec<f64>,
+}
 
 /// Returns the path of the steps of an episode.
 pub(super) fn path(data: &Path, episode: usize) -> PathBuf {

@@ -10,4 +10,5 @@ mod episodes;
 
 pub use cloning::{CloneConfig, Cloned, clone_policy};
 pub use collection::{Collection, collect};
-pub use dataset::{Contents, Dataset, EpisodeFile, EpisodeMetadata};
+pub use dataset::{Contents, Dataset, EpisodeMetadata};
+pub use episodes::EpisodeFile;

@@ -9,8 +9,8 @@
 
 use std::ops::Range;
 
-use crate::collector::Widths;
 use crate::error::{Error, Result};
+use crate::rollout::Widths;
 
 /// The groups of actions, and the weights of their advantages.
 #[derive(Clone, Debug, PartialEq)]

@@ -136,9 +136,9 @@ pub fn value_loss(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::collector::Widths;
     use crate::nn::reference::{assert_gradients, wide};
     use crate::random::Random;
+    use crate::rollout::Widths;
 
     const ROWS: usize = 40;
     const ACTIONS: usize = 3;

@@ -27,10 +27,10 @@ use b2b_agent::network::{Actor, Graph, GraphNetwork};
 pub use config::{LogStd, PpoConfig};
 pub use update::Update;
 
-use crate::collector::Widths;
 use crate::error::{Error, Result};
 use crate::nn::Adam;
 use crate::random::Random;
+use crate::rollout::Widths;
 use crate::state::State;
 use credit::Credit;
 use features::FeatureScale;

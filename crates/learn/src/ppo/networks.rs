@@ -6,9 +6,9 @@ use b2b_agent::network::graph::{EncoderPlaces, NodeWidths};
 use b2b_agent::network::{Actor, Distribution, Graph, GraphNetwork, LOG_STD, Layer, Mlp, Shape};
 
 use super::{LogStd, PpoConfig};
-use crate::collector::Widths;
 use crate::nn::{Gains, graph, orthogonal};
 use crate::random::Random;
+use crate::rollout::Widths;
 
 /// The shapes of actor and critic. All parameters are one slice: those of the actor, the free logarithms of standard deviations,
 /// and those of the critic.

@@ -1,7 +1,6 @@
 //! Steps as PPO learns from them: those of a rollout, and those of a minibatch.
 
-use crate::collector::Widths;
-use crate::rollout::Rollout;
+use crate::rollout::{Rollout, Widths};
 
 /// Rows of steps.
 #[derive(Clone, Debug, Default)]

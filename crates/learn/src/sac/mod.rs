@@ -22,10 +22,10 @@ use b2b_agent::network::Actor;
 pub use config::SacConfig;
 pub use update::Update;
 
-use crate::collector::Widths;
 use crate::error::Result;
 use crate::nn::Adam;
 use crate::random::Random;
+use crate::rollout::Widths;
 use crate::state::State;
 use networks::{Networks, Parameters};
 use replay::{Batch, Replay};

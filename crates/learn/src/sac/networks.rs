@@ -3,10 +3,10 @@
 use b2b_agent::network::{Actor, Distribution, Mlp, Shape};
 
 use super::SacConfig;
-use crate::collector::Widths;
 use crate::error::Result;
 use crate::nn::{Gains, orthogonal};
 use crate::random::Random;
+use crate::rollout::Widths;
 use crate::state::State;
 
 /// The shapes of actor and critics.

@@ -1,9 +1,8 @@
 //! The replay buffer: the latest steps of every environment.
 
-use crate::collector::Widths;
 use crate::error::Result;
 use crate::random::Random;
-use crate::rollout::Rollout;
+use crate::rollout::{Rollout, Widths};
 use crate::state::State;
 
 /// The latest steps of every environment, in order. Each environment has a ring of its own.

@@ -15,10 +15,10 @@ use b2b_env::{EpisodeConfig, Spaces, Task};
 
 use super::config::TrainConfig;
 use super::days;
-use crate::collector::Widths;
 use crate::error::{Error, Result};
 use crate::fragments::{FragmentCollector, GraphBuilding, RewardScale};
 use crate::lockstep::LockstepCollector;
+use crate::rollout::Widths;
 
 /// Smallest mean penalty of a baseline that rewards are divided by, K²: a deviation of 0.02 K.
 const SMALLEST_PENALTY: f64 = 4e-4;

@@ -6,11 +6,10 @@ use b2b_env::Spaces;
 
 use super::config::{Algorithm, TrainConfig};
 use super::policy::Policy;
-use crate::collector::Widths;
 use crate::credit::credit;
 use crate::error::Result;
 use crate::ppo::{Ppo, PpoConfig};
-use crate::rollout::Rollout;
+use crate::rollout::{Rollout, Widths};
 use crate::sac::Sac;
 use crate::state::State;
 

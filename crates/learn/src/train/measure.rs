@@ -14,7 +14,7 @@ use crate::collector::Collector;
 use crate::error::Result;
 use crate::fragments::{FragmentCollector, spaces_of};
 use crate::lockstep::LockstepCollector;
-use crate::rollout::Rollout;
+use crate::rollout::{Rollout, Widths};
 
 /// The design of a training loop: where actions are computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -132,7 +132,7 @@ impl EitherCollector {
         }
     }
 
-    fn widths(&self) -> crate::collector::Widths {
+    fn widths(&self) -> Widths {
         match self {
             Self::Fragments(collector) => collector.widths(),
             Self::Lockstep(collector) => collector.widths(),

@@ -2,9 +2,9 @@
 
 use b2b_agent::network::{Actor, Scratch};
 use b2b_learn::Result;
-use b2b_learn::collector::{Collector, Widths};
+use b2b_learn::collector::Collector;
 use b2b_learn::random::{Noise, Random};
-use b2b_learn::rollout::{End, Rollout};
+use b2b_learn::rollout::{End, Rollout, Widths};
 
 use super::Toy;
 

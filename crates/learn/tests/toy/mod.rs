@@ -8,8 +8,8 @@ pub use local::{Local, mean_return};
 pub use pendulum::Pendulum;
 pub use room::Room;
 
-use b2b_learn::collector::Widths;
 use b2b_learn::random::Random;
+use b2b_learn::rollout::Widths;
 
 /// An environment.
 pub trait Toy {

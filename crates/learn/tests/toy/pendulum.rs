@@ -2,8 +2,8 @@
 
 use std::f32::consts::{PI, TAU};
 
-use b2b_learn::collector::Widths;
 use b2b_learn::random::Random;
+use b2b_learn::rollout::Widths;
 
 use super::Toy;
 

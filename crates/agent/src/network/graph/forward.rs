@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use super::attention::{EdgeScores, attend};
-use super::layer_norm::normalize;
+use super::buffer::sized;
+use super::layer_norm::{NormTape, normalize};
 use super::network::GraphNetwork;
 use super::places::{BlockPlaces, Places};
 use super::topology::Graph;
@@ -102,25 +103,6 @@ pub struct BlockTape {
     pub before_hidden: NormTape,
     /// Outputs of the hidden layer: tokens × its width.
     pub hidden: Vec<f32>,
-}
-
-/// What a layer normalization computes.
-#[derive(Clone, Debug, Default)]
-pub struct NormTape {
-    /// Values with mean 0 and variance 1: tokens × embedding.
-    pub normed: Vec<f32>,
-    /// One over the standard deviation of each token.
-    pub inverse: Vec<f32>,
-    /// Values after gain and bias: tokens × embedding.
-    pub outputs: Vec<f32>,
-}
-
-/// Returns the first `length` values of a buffer, which grows if it is shorter.
-pub fn sized(buffer: &mut Vec<f32>, length: usize) -> &mut [f32] {
-    if buffer.len() < length {
-        buffer.resize(length, 0.0);
-    }
-    &mut buffer[..length]
 }
 
 impl Tape {

@@ -1,12 +1,23 @@
 //! Layer normalization.
 
-use super::forward::{NormTape, sized};
+use super::buffer::sized;
 use super::places::NormPlaces;
 
 /// Added to the variance.
 pub(crate) const EPSILON: f32 = 1e-5;
 /// Number of sums that values are added to in turn, so that a sum is vectorized.
 const LANES: usize = 8;
+
+/// What a layer normalization computes.
+#[derive(Clone, Debug, Default)]
+pub struct NormTape {
+    /// Values with mean 0 and variance 1: tokens × embedding.
+    pub normed: Vec<f32>,
+    /// One over the standard deviation of each token.
+    pub inverse: Vec<f32>,
+    /// Values after gain and bias: tokens × embedding.
+    pub outputs: Vec<f32>,
+}
 
 /// Returns the sum of a function of values, in an order that does not depend on the machine.
 pub fn lane_sum<const SLICES: usize>(slices: [&[f32]; SLICES], value: impl Fn([f32; SLICES]) -> f32) -> f32 {

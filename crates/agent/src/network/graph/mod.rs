@@ -9,6 +9,7 @@
 //! nodes are one list of tokens without padding, and only attention knows where a building begins ([`Tape::forward`]).
 
 mod attention;
+mod buffer;
 mod forward;
 mod layer_norm;
 mod network;
@@ -16,10 +17,11 @@ mod places;
 mod topology;
 
 pub use attention::{EdgeScores, attend, transpose};
+pub use buffer::sized;
 pub(crate) use forward::LARGEST;
-pub use forward::{Batch, BlockTape, Linear, NormTape, Span, Tape, sized};
+pub use forward::{Batch, BlockTape, Linear, Span, Tape};
 pub(crate) use layer_norm::EPSILON;
-pub use layer_norm::lane_sum;
+pub use layer_norm::{NormTape, lane_sum};
 pub use network::{Edges, GraphNetwork, NodeWidths};
 pub use places::{BlockPlaces, EncoderPlaces, NormPlaces, Places};
 pub use topology::{ActionPlace, Graph, REACHES, RELATIONS};

@@ -2,7 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::places::Places;
 use crate::network::Activation;
 
 /// The shape of a graph network. By default that of the paper's experiment: an embedding of 64, 4 heads, 2 layers.
@@ -56,12 +55,5 @@ impl Edges {
             Self::Mask => true,
             Self::Mixed => layer.is_multiple_of(2),
         }
-    }
-}
-
-impl GraphNetwork {
-    /// Returns the places of the parameters.
-    pub fn places(&self) -> Places {
-        Places::new(self)
     }
 }

@@ -80,9 +80,10 @@ impl Allocation {
     }
 }
 
-impl Places {
-    pub(super) fn new(network: &GraphNetwork) -> Self {
-        let GraphNetwork { types, embedding, heads, layers, feed_forward, edges, .. } = network;
+impl GraphNetwork {
+    /// Returns the places of the parameters.
+    pub fn places(&self) -> Places {
+        let Self { types, embedding, heads, layers, feed_forward, edges, .. } = self;
         let (width, mut at) = (*embedding, Allocation(0));
         let encoders = types
             .iter()
@@ -106,9 +107,11 @@ impl Places {
             .collect();
         let norm = at.norm(width);
         let decoders = types.iter().map(|node| at.layer(width, node.outputs)).collect();
-        Self { encoders, blocks, norm, decoders, parameters: at.0 }
+        Places { encoders, blocks, norm, decoders, parameters: at.0 }
     }
+}
 
+impl Places {
     /// Returns the number of parameters.
     pub fn parameters(&self) -> usize {
         self.parameters

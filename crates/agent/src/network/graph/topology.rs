@@ -2,7 +2,7 @@
 
 use b2b_building::morphology::{EdgeKind, NodeType};
 
-use crate::observation::NodePlan;
+use crate::plan::NodePlan;
 
 /// Kinds of edges as a node sees them: adjacent, serves, is served by, controls, is controlled by.
 pub const RELATIONS: usize = 5;

@@ -6,8 +6,14 @@ use b2b_building::{Description, Morphology};
 use b2b_env::Spaces;
 use serde::{Deserialize, Serialize};
 
-use super::nodes::NodeForm;
 use crate::{Error, Result};
+
+/// How a graph network observes a building.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct NodeForm {
+    /// Whether nodes have their attributes as features, and the weather those of the whole building.
+    pub attributes: bool,
+}
 
 /// The nodes and edges of a building, as they follow from its model. A worker process, which drops the model, gets it from its owner.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -1,0 +1,34 @@
+//! Ctrl-C and other signals while a call waits.
+
+use std::cell::RefCell;
+use std::ops::ControlFlow;
+
+use b2b_energyplus::install::Progress;
+use pyo3::exceptions::PyKeyboardInterrupt;
+use pyo3::prelude::*;
+
+thread_local! {
+    /// The exception that a signal handler raised while this thread waited.
+    static RAISED: RefCell<Option<PyErr>> = const { RefCell::new(None) };
+}
+
+/// Lets Python handle signals and returns whether a handler raised an exception.
+pub fn interrupted() -> bool {
+    let Err(error) = Python::attach(|py| py.check_signals()) else { return false };
+    RAISED.set(Some(error));
+    true
+}
+
+/// Progress that prints nothing and lets Ctrl-C end a download.
+pub struct Signals;
+
+impl Progress for Signals {
+    fn advance(&mut self, _: u64) -> ControlFlow<()> {
+        if interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}
+
+/// Returns the exception that a signal handler raised, else a `KeyboardInterrupt`.
+pub fn interrupt() -> PyErr {
+    RAISED.take().unwrap_or_else(|| PyKeyboardInterrupt::new_err(()))
+}
