@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import gymnasium
@@ -242,8 +242,12 @@ class ResampleBuildingOnResetWrapper(ObservationWrapper):
 
 
 class WeatherForecast(ObservationWrapper):
-    """Appends the outdoor weather at the next full hours from now, ordered by quantity, then hour: a perfect forecast
-    from the weather file."""
+    """Appends the outdoor weather at the next full hours, ordered by quantity, then hour, from the weather file.
+
+    The forecast is perfect, except for quantities in ``errors``, such as ``{"temperature": 0.5}``: their errors are a
+    random walk over the hours ahead, in steps of this standard deviation, drawn anew every hour. Equal seeds of
+    ``reset`` give equal errors.
+    """
 
     _BOUNDS = {
         "temperature": (-60, 60),
@@ -254,11 +258,21 @@ class WeatherForecast(ObservationWrapper):
         "wind_speed": (0, 60),
     }
 
-    def __init__(self, env: Env, hours: int = 6, quantities: Sequence[str] = ("temperature",)):
-        super().__init__(env, hours=hours, quantities=quantities)
+    def __init__(
+        self,
+        env: Env,
+        hours: int = 6,
+        quantities: Sequence[str] = ("temperature",),
+        *,
+        errors: Mapping[str, float] | None = None,
+    ):
+        super().__init__(env, hours=hours, quantities=quantities, errors=errors)
         self._hours, self._quantities = hours, tuple(quantities)
+        self._errors = self._checked(errors or {})
+        self._seed = 0
         self._read()
         bounds = np.repeat([self._BOUNDS[each] for each in self._quantities], hours, axis=0)
+        self._low, self._high = bounds.T
         names = [f"{each} in {hour + 1} h" for each in self._quantities for hour in range(hours)]
         units = [weather.COLUMNS[each][1] for each in self._quantities for _ in range(hours)]
         self._extend(bounds[:, 0], bounds[:, 1], names, units)
@@ -267,15 +281,38 @@ class WeatherForecast(ObservationWrapper):
         self._building = self._core.building
         self._year = weather.read(self._building.weather, self._quantities)
 
+    def _checked(self, errors: Mapping[str, float]) -> Array:
+        for quantity, error in errors.items():
+            if quantity not in self._quantities:
+                raise SettingError(f"errors has `{quantity}`; expected one of {', '.join(self._quantities)}")
+            if not 0 <= error < np.inf:
+                raise SettingError(f"the error of {quantity} is {error}; expected a number from 0 up")
+        return np.array([errors.get(quantity, 0.0) for quantity in self._quantities])
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Array, dict[str, Any]]:
+        observation, info = self.env.reset(seed=seed, options=options)
+        if self._errors.any():
+            self._seed = int(self._core.np_random.integers(2**63))
+        return self.observation(observation), info
+
+    def _drawn_errors(self, hour: int) -> Array:
+        """Returns the errors of the forecast that was issued at an hour of the year, ``[hours, quantities]``."""
+        random = np.random.default_rng([self._seed, hour])
+        return (random.standard_normal((self._hours, len(self._quantities))) * self._errors).cumsum(axis=0)
+
     def observation(self, observation: Array) -> Array:
         if self._core.building is not self._building:
             self._read()
         # EPW values are those of the hour that ends: row i belongs to the end of hour i + 1.
-        positions = _hour_of_year(self._core) + np.arange(1, self._hours + 1) - 1
+        now = _hour_of_year(self._core)
+        positions = now + np.arange(1, self._hours + 1) - 1
         whole, fraction = np.floor(positions).astype(int), (positions % 1)[:, None]
         rows = len(self._year)
         forecast = self._year[whole % rows] * (1 - fraction) + self._year[(whole + 1) % rows] * fraction
-        return np.concatenate([observation, forecast.T.ravel().astype(observation.dtype)])
+        if self._errors.any():
+            forecast += self._drawn_errors(int(now + 1e-9))
+        appended = forecast.T.ravel().clip(self._low, self._high)
+        return np.concatenate([observation, appended.astype(observation.dtype)])
 
 
 class PriceSignal(ObservationWrapper):

@@ -98,6 +98,35 @@ def test_the_forecast_is_the_future_weather(make):
     assert later[13] == pytest.approx(observation[14], abs=1e-4)
 
 
+def test_the_errors_of_a_forecast_grow_with_the_hours_ahead_and_follow_the_seed(make):
+    hours, error = 6, 0.5
+    quantities = ("temperature", "wind_speed")
+
+    def errors_of(seed):
+        perfect = wrappers.WeatherForecast(make(), hours, quantities)
+        wrong = wrappers.WeatherForecast(make(), hours, quantities, errors={"temperature": error})
+        (true, _), (drawn, _) = perfect.reset(seed=seed), wrong.reset(seed=seed)
+        rows = [drawn - true]
+        for _ in range(24):
+            true, *_ = perfect.step(perfect.action_space.low)
+            drawn, *_ = wrong.step(wrong.action_space.low)
+            rows.append(drawn - true)
+        return np.array(rows)[:, -2 * hours :]
+
+    drawn = errors_of(0)
+    np.testing.assert_array_equal(drawn, errors_of(0))
+    assert (drawn[:, :hours] != errors_of(1)[:, :hours]).all() and (drawn[:, hours:] == 0).all()
+    # One forecast an hour.
+    np.testing.assert_allclose(drawn[0], drawn[11], atol=1e-4)
+    assert (drawn[11, :hours] != drawn[12, :hours]).all()
+
+    wrapper = wrappers.WeatherForecast(make(), hours, errors={"temperature": error})
+    walks = np.array([wrapper._drawn_errors(hour)[:, 0] for hour in range(4000)])
+    np.testing.assert_allclose(walks.std(axis=0), error * np.sqrt(np.arange(1, hours + 1)), rtol=0.05)
+    with pytest.raises(errors.SettingError, match="errors has `humidity`; expected one of temperature"):
+        wrappers.WeatherForecast(make(), errors={"humidity": 1.0})
+
+
 def test_a_price_is_observed_and_charged(make):
     series = np.arange(24) / 100 + 0.1
     env = wrappers.PriceSignal(make(), series, ahead=2, weight=1000.0)

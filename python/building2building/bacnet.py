@@ -1,0 +1,236 @@
+"""A building as a BACnet device, for controllers and workstations that drive real plants. Needs ``bacpypes3``.
+
+``python -m building2building.bacnet OfficeSmall`` serves one; ``--help`` lists the options.
+"""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .env import BuildingEnv
+from .errors import SettingError, need
+from .registration import make_env
+from .rollouts import ReactiveController
+
+#: BACnet's names of units; others are in an object's description alone.
+_UNITS = {"°C": "degreesCelsius", "%": "percentRelativeHumidity", "h": "hours", "kg/s": "kilogramsPerSecond"}
+#: A vendor id that ASHRAE reserves.
+_VENDOR = 999
+
+
+class Plant:
+    """An environment as a BACnet device.
+
+    =====================  ===========================================================================================
+    ``analog-input i``     Slot i of the observation, from 1.
+    ``analog-output i``    Actuator i, from 1, in physical units, commandable: without a command, and after one is
+                           relinquished, it has the action of the reactive controllers, as a point under a building's
+                           own control.
+    ``analog-value 1``     *steps to run*: a client writes a number of steps, and gets its answer after them.
+    ``analog-value 2``     *steps left* in the episode.
+    ``analog-value 3``     *reward* of the last step.
+    ``analog-value 4``     *return* of the episode.
+    ``binary-value 1``     *new episode*: begins one when ``active`` is written.
+    =====================  ===========================================================================================
+
+    Names, units and bounds are in the objects. BACnet's numbers are f32; actions of the reactive controllers keep f64.
+    """
+
+    def __init__(self, env: BuildingEnv, address: str = "0.0.0.0/24:47808", *, device: int = 26100) -> None:
+        """Opens the device on an address of the form ``ip/bits:port``; call it in a running event loop."""
+        need("bacpypes3", "bacpypes3")
+        from bacpypes3.app import Application
+        from bacpypes3.local.device import DeviceObject
+        from bacpypes3.local.networkport import NetworkPortObject
+
+        self.env = env
+        self._controller = ReactiveController(env)
+        layout = env.layout
+        self._inputs = [_analog("input", number, slot) for number, slot in enumerate(layout.observation, 1)]
+        self._outputs = [_analog("output", number, slot) for number, slot in enumerate(layout.action, 1)]
+        self._steps_to_run, self._new_episode = _requests(self)
+        self._steps_left = _value(2, "steps left", "steps that are left in the episode")
+        self._reward = _value(3, "reward", "reward of the last step")
+        self._return = _value(4, "return", "sum of the rewards of the episode")
+        values = (self._steps_to_run, self._steps_left, self._reward, self._return, self._new_episode)
+        self._device = DeviceObject(
+            objectIdentifier=("device", device),
+            objectName=env.building.name,
+            description=f"{env.building.name} in {env.building.place}, simulated by EnergyPlus",
+            vendorIdentifier=_VENDOR,
+            modelName="building2building",
+        )
+        port = NetworkPortObject(address, objectIdentifier=("network-port", 1), objectName="network port")
+        self._application = Application.from_object_list([self._device, port, *self._inputs, *self._outputs, *values])
+        self.reset()
+
+    def reset(self) -> None:
+        """Begins an episode. Commands stay."""
+        self.env.reset()
+        self._controller.reset()
+        self._episode_return = 0.0
+        self._show(0.0)
+
+    @property
+    def steps_left(self) -> int:
+        """Number of steps that are left in the episode."""
+        return self.env.episode_steps - self.env.steps
+
+    def step(self) -> None:
+        """Advances by one step."""
+        _, reward, _, _, _ = self.env.step(self._action(), rescale=False)
+        self._episode_return += reward
+        self._show(reward)
+
+    def close(self) -> None:
+        """Closes the device; the environment stays open."""
+        self._application.close()
+
+    def _action(self) -> NDArray[np.float64]:
+        """Returns the next action: commands, and the reactive controllers' actions where there are none."""
+        own = self._own
+        commanded = [output.currentCommandPriority.unsigned is not None for output in self._outputs]
+        return np.where(commanded, [float(output.presentValue) for output in self._outputs], own)
+
+    def _show(self, reward: float) -> None:
+        """Shows the state after a step."""
+        for point, value in zip(self._inputs, self.env.observation):
+            point.presentValue = float(value)
+        # Once for every observation: the controllers integrate.
+        self._own = self._controller.physical(self.env.observation)
+        for output, value in zip(self._outputs, self._own):
+            output.relinquishDefault = float(value)
+            output.recalculating()
+        self._steps_left.presentValue = float(self.steps_left)
+        self._reward.presentValue, self._return.presentValue = float(reward), self._episode_return
+
+
+def _analog(kind: str, number: int, slot: Any) -> Any:
+    """Makes the object of a slot of the observation or the action."""
+    from bacpypes3.local.analog import AnalogInputObject, AnalogOutputObject
+
+    unit = "" if slot.unit == "1" else f", {slot.unit}"
+    return {"input": AnalogInputObject, "output": AnalogOutputObject}[kind](
+        objectIdentifier=(f"analog-{kind}", number),
+        objectName=slot.name,
+        description=f"{slot.name}{unit}",
+        presentValue=float(slot.low),
+        minPresValue=float(slot.low),
+        maxPresValue=float(slot.high),
+        units=_UNITS.get(slot.unit, "noUnits"),
+        statusFlags=[0, 0, 0, 0],
+        eventState="normal",
+        outOfService=False,
+        covIncrement=0.01,
+    )
+
+
+def _value(number: int, name: str, description: str, of: Any = None) -> Any:
+    """Makes an analog value."""
+    from bacpypes3.local.analog import AnalogValueObject
+
+    return (of or AnalogValueObject)(
+        objectIdentifier=("analog-value", number),
+        objectName=name,
+        description=description,
+        presentValue=0.0,
+        units="noUnits",
+        statusFlags=[0, 0, 0, 0],
+        eventState="normal",
+        outOfService=False,
+        covIncrement=0.0,
+    )
+
+
+def _requests(plant: Plant) -> tuple[Any, Any]:
+    """Makes the objects that a client writes to run steps and to begin an episode."""
+    from bacpypes3.errors import PropertyError
+    from bacpypes3.local.analog import AnalogValueObject
+    from bacpypes3.local.binary import BinaryValueObject
+
+    class StepsToRun(AnalogValueObject):
+        async def write_property(self, attr: Any, value: Any, index: Any = None, priority: Any = None) -> None:
+            await super().write_property(attr, value, index, priority)
+            point: Any = self
+            count, point.presentValue = float(point.presentValue), 0.0
+            if not (math.isfinite(count) and count.is_integer() and 0 <= count <= plant.steps_left):
+                raise PropertyError("valueOutOfRange")
+            for _ in range(int(count)):
+                plant.step()
+                # Answers other clients between steps.
+                await asyncio.sleep(0)
+
+    class NewEpisode(BinaryValueObject):
+        async def write_property(self, attr: Any, value: Any, index: Any = None, priority: Any = None) -> None:
+            await super().write_property(attr, value, index, priority)
+            point: Any = self
+            if str(point.presentValue) == "active":
+                point.presentValue = "inactive"
+                plant.reset()
+
+    new_episode = NewEpisode(
+        objectIdentifier=("binary-value", 1),
+        objectName="new episode",
+        description="write active to begin an episode",
+        presentValue="inactive",
+        statusFlags=[0, 0, 0, 0],
+        eventState="normal",
+        outOfService=False,
+    )
+    return _value(1, "steps to run", "write a number of steps to run them", StepsToRun), new_episode
+
+
+async def serve(env: BuildingEnv, address: str = "0.0.0.0/24:47808", *, speed: float | None = 1.0) -> None:
+    """Serves an environment as a BACnet device: see :class:`Plant`.
+
+    ``speed`` is the number of simulated seconds per second; the call returns at the end of the episode. With ``None``
+    time stands still until a client writes *steps to run*, and the call never returns.
+    """
+    if speed is not None and not 0 < speed < math.inf:
+        raise SettingError(f"speed is {speed}; expected a positive number, or None")
+    plant = Plant(env, address)
+    try:
+        if speed is None:
+            await asyncio.Event().wait()
+        else:
+            clock, interval = asyncio.get_running_loop(), 3600 / env.layout.steps_per_hour / speed
+            start = clock.time()
+            for step in range(1, plant.steps_left + 1):
+                await asyncio.sleep(max(0.0, start + step * interval - clock.time()))
+                plant.step()
+    finally:
+        plant.close()
+
+
+def main() -> None:
+    """Serves a building from the command line."""
+    parser = argparse.ArgumentParser(prog="python -m building2building.bacnet", description=main.__doc__)
+    parser.add_argument("building", help="building type, such as OfficeSmall, or id, such as OfficeSmall-0042")
+    parser.add_argument("--task", default="constant", help="task [default: constant]")
+    parser.add_argument("--period", default="winter", help="run period, such as 01-08..01-14 [default: winter]")
+    parser.add_argument("--address", default="0.0.0.0/24:47808", help="ip/bits:port [default: 0.0.0.0/24:47808]")
+    parser.add_argument(
+        "--speed", type=float, default=1.0, help="simulated seconds per second; 0: as clients write steps [default: 1]"
+    )
+    arguments = parser.parse_args()
+    name = arguments.building
+    building: dict[str, Any] = {"building_id": name} if "-" in name else {"building_type": name}
+    env = make_env(**building, task=arguments.task, run_period=arguments.period).unwrapped
+    assert isinstance(env, BuildingEnv)
+    print(f"{env.building.name} on {arguments.address}, {env.episode_steps} steps; Ctrl-C ends it", flush=True)
+    try:
+        asyncio.run(serve(env, arguments.address, speed=arguments.speed or None))
+    except KeyboardInterrupt:
+        pass
+    finally:
+        env.close()
+
+
+if __name__ == "__main__":
+    main()
