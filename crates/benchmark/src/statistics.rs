@@ -63,8 +63,12 @@ impl Aggregate {
 /// Writes the value, and the interval in brackets unless it is empty.
 impl fmt::Display for Interval {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { value, low, high } = self;
-        if low == high { write!(f, "{value:.3}") } else { write!(f, "{value:.3} [{low:.3}, {high:.3}]") }
+        let text = |value: f64| match format!("{value:.3}") {
+            zero if zero == "-0.000" => "0.000".to_owned(),
+            text => text,
+        };
+        let [value, low, high] = [self.value, self.low, self.high].map(text);
+        if self.low == self.high { f.write_str(&value) } else { write!(f, "{value} [{low}, {high}]") }
     }
 }
 

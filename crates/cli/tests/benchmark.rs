@@ -288,10 +288,10 @@ fn the_leaderboard_opens_in_a_browser_without_an_error() {
         return;
     };
     let folder = tempfile::tempdir().unwrap();
-    for policy in ["reactive", "constant"] {
+    for policy in ["reactive", "random"] {
         run(folder.path(), &format!("{SMALL} --policy {policy} --out {policy}"));
     }
-    let made = b2b(folder.path(), "benchmark report reactive constant --out board.html");
+    let made = b2b(folder.path(), "benchmark report reactive random --out board.html");
     assert!(made.status.success(), "{}", both_outputs(&made));
     let mut browser = browser::Browser::start(&path, folder.path());
     browser
@@ -301,6 +301,13 @@ fn the_leaderboard_opens_in_a_browser_without_an_error() {
     assert_eq!(count(".boards tbody tr"), json!(2));
     let first = browser.value("document.querySelector('.boards tbody td').textContent");
     assert_eq!(first, json!("1. reactive"));
+    let scale =
+        |row: usize| format!("document.querySelectorAll('.boards tbody tr')[{row}].children[7].textContent");
+    let [of_reactive, of_random] = [0, 1].map(|row| browser.value(&scale(row)).to_string());
+    assert!(
+        of_reactive.starts_with("\"1.000") && of_random.starts_with("\"0.000"),
+        "{of_reactive} {of_random}"
+    );
     assert_eq!(browser.errors, [""; 0]);
 }
 

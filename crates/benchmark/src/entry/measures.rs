@@ -4,7 +4,9 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::adaptation::Adaptation;
-use super::scores::{Performance, Score, StratumKey, building_scores, by_building, clusters, is_in, strata};
+use super::scores::{
+    Performance, Score, StratumKey, building_scores, by_building, clusters, from_random, is_in, strata,
+};
 use crate::evaluation::Row;
 use crate::problem::Stage;
 use crate::statistics::{Cluster, Interval, Share, aggregate_clusters, difference, profile};
@@ -94,6 +96,14 @@ impl Stratum {
         let (building_type, task, period) = key;
         Some(Self { building_type, task, period, performance })
     }
+}
+
+/// Returns the interquartile mean of the scores of rows on the scale on which random actions have 0 and the baseline has 1:
+/// (S_random − S) / (S_random − 1), the same for scores and resolved scores. `None` if none of their buildings was run under
+/// random actions.
+pub fn mean_from_random(rows: &[Row], random: &[Row]) -> Option<Interval> {
+    let scores = aggregate_clusters(&clusters(&from_random(rows, random)), SEED)?;
+    Some(scores.interquartile_mean)
 }
 
 /// Returns aggregates and profile of scores by stratum, building and seed, as in [`Measures`]; `None` without scores.
@@ -208,6 +218,20 @@ mod tests {
         assert_eq!(adaptation.median_steps_to_baseline, Some(median));
         let curve: Vec<_> = adaptation.curve.iter().map(|point| point.steps).collect();
         assert_eq!(curve, [0, 100, 200]);
+    }
+
+    #[test]
+    fn random_actions_have_0_and_the_baseline_1_on_the_second_scale() {
+        let random = |number, seed| 3.0 + noise(number, seed);
+        let on_scale =
+            |score: &dyn Fn(usize, u64) -> f64| mean_from_random(&rows(score), &rows(random)).unwrap().value;
+        near(on_scale(&|_, _| 1.0), 1.0);
+        near(on_scale(&random), 0.0);
+        let halfway = means(random).iter().map(|random| (1.0 + random) / 2.0).collect::<Vec<_>>();
+        near(on_scale(&|number, _| halfway[number]), 0.5);
+        assert!(on_scale(&|_, _| 0.5) > 1.0);
+        assert_eq!(mean_from_random(&rows(random), &[]), None);
+        assert_eq!(mean_from_random(&rows(random), &rows(|_, _| 1.0)), None);
     }
 
     #[test]

@@ -21,7 +21,7 @@ pub use adaptation::{Adaptation, Point};
 pub use definition::Entry;
 pub use entry_policy::{EntryPolicy, PolicyDescription};
 pub use external::External;
-pub use measures::{Measures, Stratum, measure_scores};
+pub use measures::{Measures, Stratum, mean_from_random, measure_scores};
 pub use result::{RunResult, Stages, read_result};
 pub use run::RunOutcome;
 pub use scores::{Performance, Score};

@@ -83,6 +83,11 @@ impl SeedScores {
         self.building == row.info.building && self.task == row.info.task && self.period == row.info.period
     }
 
+    /// Returns whether the other scores are of the same building, task and run period.
+    fn is_of(&self, other: &Self) -> bool {
+        self.building == other.building && self.task == other.task && self.period == other.period
+    }
+
     /// Returns by how much the mean of `other` is lower, as the scores of the same building.
     pub(super) fn improvement(&self, other: &Self) -> Self {
         Self {
@@ -120,6 +125,20 @@ pub(super) fn by_building<'a>(
         }
     }
     groups
+}
+
+/// Returns the scores of rows on the scale on which random actions have 0 and the baseline has 1: by how much they lower the
+/// penalty of random actions, over by how much the baseline does. A score and a resolved score give the same. Leaves
+/// out buildings that were not run under random actions, or where these are as good as the baseline.
+pub(super) fn from_random(rows: &[Row], random: &[Row]) -> Vec<SeedScores> {
+    let random = by_building(random, Row::score);
+    let scaled = |group: SeedScores| {
+        let highest = random.iter().find(|other| other.is_of(&group))?.mean();
+        let scale = |score: &f64| (highest - score) / (highest - 1.0);
+        let seeds = group.seeds.iter().map(scale).collect();
+        (highest > 1.0).then_some(SeedScores { seeds, ..group })
+    };
+    by_building(rows, Row::score).into_iter().filter_map(scaled).collect()
 }
 
 /// Returns the scores of every building, means over seeds.

@@ -6,7 +6,10 @@ use serde_json::{Value, json};
 
 use super::leaderboard_charts;
 use super::page::write_page;
-use crate::entry::{Measures, Performance, PolicyDescription, RunResult, Stages};
+use crate::BuiltIn;
+use crate::entry::{Measures, Performance, PolicyDescription, RunResult, Stages, mean_from_random};
+use crate::evaluation::Row;
+use crate::problem::Stage;
 use crate::scores::RESOLUTION;
 use crate::statistics::Aggregate;
 
@@ -110,8 +113,26 @@ fn remark(result: &RunResult) -> String {
     }
 }
 
+/// Returns the test episodes under random actions, which a result of the random policy has, and one that measures adaptation.
+fn random_rows<'a>(board: &[&'a Entry]) -> &'a [Row] {
+    let random = BuiltIn::Random.to_string();
+    let has = |result: &RunResult, stage: Stage| match result.policies.get("test") {
+        Some(PolicyDescription::BuiltIn { name }) if *name == random => stage == Stage::Test,
+        _ => stage == Stage::Untrained,
+    };
+    let stages = board.iter().flat_map(|(result, stages)| stages.iter().map(move |each| (result, each)));
+    stages
+        .filter(|(result, (stage, _))| has(result, *stage))
+        .map(|(_, (_, rows))| rows)
+        .next()
+        .map_or(&[], Vec::as_slice)
+}
+
 fn scores(board: &[&Entry]) -> Value {
-    let row = |(rank, (result, _)): (usize, &&Entry)| {
+    let random = random_rows(board);
+    let row = |(rank, (result, stages)): (usize, &&Entry)| {
+        let test_rows = stages.iter().find(|(stage, _)| *stage == Stage::Test).map(|(_, rows)| rows);
+        let from_random = test_rows.and_then(|rows| mean_from_random(rows, random));
         let Measures { test, generalization_gap, .. } = &result.measures;
         let steps = result.training_steps.map_or("–".to_owned(), |steps| steps.to_string());
         json!([
@@ -122,6 +143,7 @@ fn scores(board: &[&Entry]) -> Value {
             test.scores.mean.to_string(),
             format!("{:.3}", test.scores.min),
             format!("{:.3}", test.scores.max),
+            from_random.map_or("–".to_owned(), |mean| mean.to_string()),
             test.scores.beats_baseline_text(),
             format!("{:.2}", test.rms_deviation_k),
             ratio(test.relative_energy),
@@ -138,6 +160,7 @@ fn scores(board: &[&Entry]) -> Value {
         "score, mean",
         "score, min",
         "score, max",
+        "random = 0, baseline = 1",
         "beats baseline (%)",
         "RMS deviation (K)",
         "energy / baseline",
@@ -232,7 +255,8 @@ fn footer(results: &[Entry], rank_by: RankBy) -> String {
         "Entries are ranked by the interquartile mean of the {ranked}. Score: the return of a building under a task divided by \
          that of the tuned reactive controllers (the baseline) for the same days, as in the paper, mean over seeds. Resolved \
          score: the same after adding {RESOLUTION} K of RMS deviation, the accuracy of an air temperature sensor, to both. In brackets: 95 % bootstrap confidence intervals over buildings, stratified by building \
-         type and task. Generalization gap: interquartile mean on test minus that on training buildings. {several}{}.",
+         type and task. Random = 0, baseline = 1: the share of the way from random actions to the baseline, above 1 for \
+         what beats it, interquartile mean; known where the board has a result of the random policy. Generalization gap: interquartile mean on test minus that on training buildings. {several}{}.",
         versions.join("; ")
     )
 }
