@@ -32,8 +32,8 @@ pub use baseline::{Baselines, Key};
 pub use error::{Error, Result, panic_message};
 pub use evaluation::{
     Deviations, Episode, EpisodeInfo, Evaluation, Finished, Folder, Hours, KeepRecorded, Lost, Outcome,
-    Progress, Record, Recorded, Row, Scored, StepRewards, episode_table, read_episodes, read_stages,
-    write_episodes, write_stages,
+    Progress, Record, Recorded, Row, Scored, StepRewards, episode_table, read_episodes, read_kept,
+    read_stages, write_episodes, write_stages,
 };
 pub use inputs::Inputs;
 pub use policy::{ActionScale, BuiltIn, EpisodeContext, HouseForm, Interface, OnnxPolicy, Policy};

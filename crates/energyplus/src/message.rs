@@ -120,17 +120,23 @@ impl fmt::Debug for Messages {
     }
 }
 
-/// Severe and fatal messages; if there are none, the last lines of standard output.
+/// Severe and fatal messages, each once; if there are none, the last lines of standard output.
 impl fmt::Display for Messages {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.at_least(Level::Severe).next().is_none() {
+        let mut distinct: Vec<(&Message, usize)> = Vec::new();
+        for message in self.at_least(Level::Severe) {
+            match distinct.iter_mut().find(|(known, _)| *known == message) {
+                Some((_, times)) => *times += 1,
+                None => distinct.push((message, 1)),
+            }
+        }
+        if distinct.is_empty() {
             return f.write_str(&self.console.join("\n"));
         }
-        for (i, message) in self.at_least(Level::Severe).enumerate() {
-            if i > 0 {
-                writeln!(f)?;
-            }
-            write!(f, "  {}: {}", message.level, message.text.replace('\n', "\n    "))?;
+        for (i, (Message { level, text }, times)) in distinct.into_iter().enumerate() {
+            let start = if i > 0 { "\n" } else { "" };
+            let repeated = if times > 1 { format!(" ({times} times)") } else { String::new() };
+            write!(f, "{start}  {level}{repeated}: {}", text.replace('\n', "\n    "))?;
         }
         Ok(())
     }
@@ -149,6 +155,18 @@ mod tests {
         assert_eq!(kept.len(), 1);
         assert_eq!(kept[0].text, "Zone is cold\n...at noon");
         assert_eq!(messages.count(Level::Severe), 1);
+    }
+
+    #[test]
+    fn repeated_messages_are_written_once() {
+        let mut messages = Messages::default();
+        for zone in ["North", "South", "North"] {
+            messages.push(3, zone);
+            messages.push(0, "is cold");
+        }
+        messages.push(4, "ends");
+        let text = "  severe (2 times): North\n    is cold\n  severe: South\n    is cold\n  fatal: ends";
+        assert_eq!(messages.to_string(), text);
     }
 
     #[test]

@@ -1,9 +1,9 @@
 //! The results of an experiment.
 
 use std::fs::File;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use b2b_benchmark::{Row, read_episodes};
+use b2b_benchmark::{Deviations, Row, read_episodes, read_kept};
 use serde::Serialize;
 use serde_json::Value;
 
@@ -37,6 +37,8 @@ pub struct JobResult {
     pub steps: u64,
     /// Evaluated episodes.
     pub rows: Vec<Row>,
+    /// The folder of their evaluation.
+    evaluation: PathBuf,
     /// What a measurement printed.
     pub measured: Value,
     /// Wall-clock time, s.
@@ -116,6 +118,7 @@ impl JobResult {
             agent: job.agent().to_owned(),
             steps: job.steps(),
             rows: Vec::new(),
+            evaluation: path.join(EVALUATION),
             measured: Value::Null,
             seconds,
         };
@@ -123,7 +126,7 @@ impl JobResult {
             match action {
                 Action::Train { .. } => {}
                 Action::Evaluate(_) => {
-                    let path = path.join(EVALUATION).join("episodes.parquet");
+                    let path = result.evaluation.join("episodes.parquet");
                     let rows = read_episodes(File::open(&path).map_err(at(&path))?);
                     result.rows = rows.map_err(|error| at(&path)(std::io::Error::other(error)))?;
                 }
@@ -135,6 +138,15 @@ impl JobResult {
             }
         }
         Ok(result)
+    }
+
+    /// Returns the distributions of deviations of some episodes, as far as the evaluation keeps them.
+    pub(crate) fn deviations<'a>(
+        &'a self,
+        is_own: impl Fn(&Row) -> bool + 'a,
+    ) -> impl Iterator<Item = Deviations> + 'a {
+        let own = self.rows.iter().enumerate().filter(move |(_, row)| is_own(row));
+        own.filter_map(|(number, _)| Some(read_kept(&self.evaluation, number)?.deviations))
     }
 
     fn episodes(&self) -> Vec<Episode<'_>> {

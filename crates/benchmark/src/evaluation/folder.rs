@@ -87,8 +87,7 @@ impl Folder {
 
     /// Returns an episode by its number; `None` if it has not ended, cannot be read or was changed.
     pub fn read(&self, number: usize) -> Option<Finished> {
-        let file = std::fs::read(self.episode_path(number)).ok()?;
-        serde_json::from_slice(unseal(&file)?).ok()
+        read_kept(&self.path, number)
     }
 
     /// Writes an episode to disk.
@@ -97,7 +96,7 @@ impl Folder {
     /// [`Error::Io`].
     pub fn keep(&self, number: usize, finished: &Finished) -> Result<()> {
         let json = serde_json::to_vec(finished).expect("plain data always serializes");
-        write(&self.episode_path(number), |out| out.write_all(&seal(&json)))
+        write(&episode_path(&self.path, number), |out| out.write_all(&seal(&json)))
     }
 
     /// Writes a results file atomically.
@@ -113,10 +112,6 @@ impl Folder {
         self.path.join(name)
     }
 
-    fn episode_path(&self, number: usize) -> PathBuf {
-        self.path.join(EPISODES).join(format!("{number:06}.json"))
-    }
-
     /// Removes temporary files of a killed process.
     fn remove_temporary(&self) -> Result<()> {
         for folder in [self.path.clone(), self.path.join(EPISODES)] {
@@ -130,6 +125,17 @@ impl Folder {
         }
         Ok(())
     }
+}
+
+fn episode_path(folder: &Path, number: usize) -> PathBuf {
+    folder.join(EPISODES).join(format!("{number:06}.json"))
+}
+
+/// Returns an episode that is kept in the folder of an evaluation, by its number; `None` if it has not ended, cannot be read or
+/// was changed.
+pub fn read_kept(folder: &Path, number: usize) -> Option<Finished> {
+    let file = std::fs::read(episode_path(folder, number)).ok()?;
+    serde_json::from_slice(unseal(&file)?).ok()
 }
 
 impl Definition {

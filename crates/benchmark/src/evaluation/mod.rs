@@ -23,7 +23,7 @@ mod table;
 pub use deviations::Deviations;
 pub use episode::Episode;
 pub use finished::{Finished, Lost, Outcome, Record};
-pub use folder::Folder;
+pub use folder::{Folder, read_kept};
 pub(crate) use folder::{is_temporary, write};
 pub use hours::Hours;
 pub use info::EpisodeInfo;

@@ -4,14 +4,15 @@ use std::io::Write;
 
 use serde_json::{Value, json};
 
-use super::evaluation_charts::{self, TypeDeviations};
+use super::deviation_chart::StepDeviations;
+use super::evaluation_charts;
 use super::hourly_chart;
 use super::page::write_page;
-use crate::evaluation::{Deviations, Finished, Row};
+use crate::evaluation::{Finished, Row};
 use crate::results::Results;
 use crate::scores::RESOLUTION;
 use crate::statistics::Aggregate;
-use crate::summary::{Group, Summary, Window};
+use crate::summary::{Group, Summary, Window, type_label};
 
 /// Number of episodes with an hourly chart.
 const WORST: usize = 4;
@@ -55,23 +56,18 @@ fn worst(results: &Results) -> Vec<(usize, &Row)> {
     ran.into_iter().take(WORST).map(|(number, row, _)| (number, row)).collect()
 }
 
-fn deviations(results: &Results, read: &dyn Fn(usize) -> Option<Finished>) -> Vec<TypeDeviations> {
-    let mut types: Vec<TypeDeviations> = Vec::new();
+fn deviations(results: &Results, read: &dyn Fn(usize) -> Option<Finished>) -> Vec<StepDeviations> {
+    let mut types: Vec<StepDeviations> = Vec::new();
     for (number, row) in results.rows.iter().enumerate() {
-        let Some(Finished { deviations: Deviations { counts }, .. }) = read(number) else { continue };
-        let total = counts.iter().sum::<u64>() as f64;
-        if total == 0.0 {
-            continue;
-        }
-        let name = &row.info.building_type;
-        let index = types.iter().position(|each| each.building_type == *name).unwrap_or_else(|| {
-            types.push(TypeDeviations { building_type: name.clone(), shares: vec![0.0; counts.len()] });
+        let Some(Finished { deviations, .. }) = read(number) else { continue };
+        let name = type_label(&row.info.building_type);
+        let index = types.iter().position(|each| each.category == name).unwrap_or_else(|| {
+            types.push(StepDeviations::empty(name.into(), name.into(), types.len()));
             types.len() - 1
         });
-        for (share, count) in types[index].shares.iter_mut().zip(counts) {
-            *share += count as f64 / total;
-        }
+        types[index].add(&deviations);
     }
+    types.retain(|each| !each.is_empty());
     types
 }
 

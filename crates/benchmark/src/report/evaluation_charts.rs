@@ -7,29 +7,10 @@ use super::chart::{
     Chart, color, distribution, energy_vs_comfort, has_several_tasks, horizontal_line, hover_name,
     make_logarithmic, mean_diamond, range,
 };
-use super::histogram;
-use crate::evaluation::{Deviations, EpisodeInfo, Row};
+use super::deviation_chart::{StepDeviations, step_deviations};
+use crate::evaluation::{EpisodeInfo, Row};
 use crate::results::Results;
-use crate::statistics::quantile;
 use crate::summary::type_label;
-
-/// Number of quantiles that represent a distribution.
-const QUANTILES: usize = 400;
-
-/// The distribution of deviations of a building type; every episode has the same weight.
-pub(super) struct TypeDeviations {
-    pub(super) building_type: String,
-    /// Share of each bin.
-    pub(super) shares: Vec<f64>,
-}
-
-impl TypeDeviations {
-    /// Returns the share of the steps in the outermost bins, which hold everything beyond the histogram.
-    fn beyond(&self) -> f64 {
-        let ends = self.shares.first().into_iter().chain(self.shares.last());
-        ends.sum::<f64>() / self.shares.iter().sum::<f64>()
-    }
-}
 
 /// An episode that was not lost.
 #[derive(Clone, Copy)]
@@ -47,13 +28,13 @@ impl<'a> EpisodeRun<'a> {
 }
 
 /// Returns all charts in order.
-pub(super) fn all(results: &Results, deviations: &[TypeDeviations]) -> Vec<Value> {
+pub(super) fn all(results: &Results, deviations: &[StepDeviations]) -> Vec<Value> {
     let rows: Vec<EpisodeRun<'_>> = results.rows.iter().filter_map(EpisodeRun::of).collect();
     let types = distinct(&rows, |row| row.info.building_type.clone());
     let charts = [
         scores_by_type(&rows, &types),
         scores_by_zone(&rows, &types),
-        step_deviations(deviations, &types),
+        step_deviations("Deviation from target, all steps".into(), deviations),
         rms_deviations(&rows, &types),
         energy_and_comfort(&rows, &types),
     ];
@@ -170,51 +151,6 @@ fn points(rows: &[EpisodeRun<'_>], x: Vec<Value>, y: Vec<Value>, name: &str, col
     })
 }
 
-/// Draws violins over evenly spaced quantiles of all steps.
-fn step_deviations(deviations: &[TypeDeviations], types: &[String]) -> Chart {
-    let mut extent: f64 = 0.5;
-    let mut data = Vec::new();
-    let beyond = deviations.iter().map(TypeDeviations::beyond).fold(0.0, f64::max);
-    for each in deviations {
-        let values = quantiles(&each.shares);
-        // 99 % of the steps are within the range of the axis.
-        extent = extent.max(-quantile(&values, 0.005)).max(quantile(&values, 0.995));
-        let name = type_label(&each.building_type);
-        data.push(json!({
-            "type": "violin", "y": values, "x0": name, "name": name, "points": false, "hoverinfo": "y+name",
-            "line": {"color": type_color(types, &each.building_type), "width": 1.2}, "spanmode": "hard", "width": 0.85,
-            "meanline": {"visible": true}, "box": {"visible": true, "width": 0.12},
-        }));
-    }
-    let range = [-1.1 * extent, 1.1 * extent];
-    let layout = json!({
-        "yaxis": {"title": {"text": "deviation from target (K)"}, "range": range, "zeroline": false},
-        "xaxis": {"type": "category"}, "shapes": [horizontal_line(0.0)], "showlegend": false,
-    });
-    Chart {
-        title: "Deviation from target, all steps".into(),
-        note: format!(
-            "zone temperature minus target; zones with heating and cooling, every building weighted equally; 99 % of \
-             the steps are within the axis{}",
-            if beyond > 0.0 {
-                format!("; beyond ±10 K, counted as 10 K: up to {:.1} % of a type's steps", 100.0 * beyond)
-            } else {
-                String::new()
-            }
-        ),
-        height: 340,
-        wide: false,
-        data: data.into(),
-        layout,
-    }
-}
-
-/// Returns evenly spaced quantiles of a histogram of deviations, linear within its bins.
-fn quantiles(shares: &[f64]) -> Vec<f64> {
-    let value = |(bin, within): (usize, f64)| Deviations::middle(bin) + (within - 0.5) * Deviations::WIDTH;
-    histogram::quantiles(shares, QUANTILES).map(value).collect()
-}
-
 /// Draws violins with their episodes and means, as in the paper's figure.
 fn rms_deviations(rows: &[EpisodeRun<'_>], types: &[String]) -> Chart {
     let mut data = Vec::new();
@@ -248,35 +184,4 @@ fn energy_and_comfort(rows: &[EpisodeRun<'_>], types: &[String]) -> Chart {
         data.push(points(&own, x, y, type_label(name), type_color(types, name)));
     }
     energy_vs_comfort(data.into(), 400, true)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn deviations_beyond_the_histogram_are_counted() {
-        let mut deviations = Deviations::empty();
-        for deviation in [-30.0, 0.0, 1.0, 12.0] {
-            deviations.add(deviation);
-        }
-        let shares = deviations.counts.iter().map(|count| *count as f64).collect();
-        let each = TypeDeviations { building_type: "OfficeSmall".into(), shares };
-        assert_eq!(each.beyond(), 0.5);
-    }
-
-    #[test]
-    fn quantiles_of_a_histogram_are_those_of_its_values() {
-        let mut deviations = Deviations::empty();
-        for step in 0..1000 {
-            deviations.add(-1.0 + f64::from(step) / 500.0);
-        }
-        let shares: Vec<f64> = deviations.counts.iter().map(|count| *count as f64).collect();
-        let values = quantiles(&shares);
-        assert_eq!(values.len(), QUANTILES);
-        assert!(values.is_sorted());
-        for (share, expected) in [(0.0, -1.0), (0.25, -0.5), (0.5, 0.0), (1.0, 1.0)] {
-            assert!((quantile(&values, share) - expected).abs() < 0.02, "{share}");
-        }
-    }
 }

@@ -5,6 +5,7 @@
 
 mod chart;
 mod comparison;
+mod deviation_chart;
 mod evaluation;
 mod evaluation_charts;
 mod histogram;
@@ -17,6 +18,7 @@ mod series;
 
 pub use chart::{Chart, color, horizontal_line, make_logarithmic, mean_diamond, range};
 pub use comparison::{Compared, write as write_comparison};
+pub use deviation_chart::{StepDeviations, step_deviations};
 pub use evaluation::write;
 pub use leaderboard::RankBy;
 pub use page::{fill, write_page};

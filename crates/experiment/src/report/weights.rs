@@ -1,6 +1,7 @@
 //! Comfort and energy by the weight of energy.
 
-use b2b_benchmark::report::{Chart, color};
+use b2b_benchmark::Row;
+use b2b_benchmark::report::{Chart, StepDeviations, color, step_deviations};
 use serde_json::{Value, json};
 
 use super::{Content, SCORES};
@@ -55,6 +56,7 @@ pub(super) fn content(experiment: &Experiment, results: &Results) -> Content {
                     "yaxis": {"title": {"text": "RMS deviation (K)"}, "rangemode": "tozero", "zeroline": false},
                 }),
             });
+            charts.extend(distributions(experiment, results, building_type.name(), setpoints));
         }
     }
     let table = json!({
@@ -63,6 +65,34 @@ pub(super) fn content(experiment: &Experiment, results: &Results) -> Content {
         "rows": rows,
     });
     Content { tables: vec![table], charts, notes: SCORES.to_owned(), ..Content::default() }
+}
+
+/// Draws the deviations from target of all steps by weight, as the paper's figure of temperatures; `None` without kept episodes.
+fn distributions(
+    experiment: &Experiment,
+    results: &Results,
+    building_type: &str,
+    wanted: &str,
+) -> Option<Chart> {
+    let mut all = Vec::new();
+    for task in experiment.tasks.iter().filter(|task| setpoints(task) == wanted) {
+        for (number, agent) in experiment.agents.iter().enumerate() {
+            let is_own = |row: &Row| row.info.building_type == building_type && row.info.task == *task;
+            let mut own =
+                StepDeviations::empty(format!("w_E = {}", weight(task)?), agent.name.clone(), number);
+            let jobs = results.done.iter().filter(|done| done.agent == agent.name);
+            jobs.flat_map(|done| done.deviations(is_own)).for_each(|episode| own.add(&episode));
+            all.push(own);
+        }
+    }
+    all.retain(|each| !each.is_empty());
+    let title = format!("{building_type}: deviation from {wanted} targets");
+    (!all.is_empty()).then(|| step_deviations(title, &all))
+}
+
+/// Returns the weight of energy in a task.
+fn weight(task: &str) -> Option<f64> {
+    task.split_once("+energy").map_or(Some(0.0), |(_, weight)| weight.parse().ok())
 }
 
 fn setpoints(task: &str) -> &str {
@@ -89,7 +119,7 @@ fn points(
             })
             .collect();
         let mean = |of: usize| values.iter().map(|value| value[of]).sum::<f64>() / values.len() as f64;
-        let weight = task.split_once("+energy").map_or(Some(0.0), |(_, weight)| weight.parse().ok())?;
+        let weight = weight(task)?;
         (!values.is_empty()).then(|| Point {
             weight,
             deviation: mean(0),
