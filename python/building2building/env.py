@@ -25,7 +25,7 @@ from .render import Renderer, Scene
 from .snapshot import Position, Snapshot
 
 
-class BuildingEnv(gymnasium.Env[NDArray[Any], ArrayLike]):
+class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
     """A building simulated by EnergyPlus; :func:`make_env` makes one.
 
     - Observation: ``Box`` f32, with names and units in ``metadata["observation_names"]`` and
@@ -42,7 +42,7 @@ class BuildingEnv(gymnasium.Env[NDArray[Any], ArrayLike]):
     """
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array", "human"], "render_fps": 12}
-    observation_space: Box
+    observation_space: Box[np.float32]
     action_space: Box
 
     def __init__(

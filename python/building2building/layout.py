@@ -79,12 +79,12 @@ class Layout:
         """Returns the bounds of the action as f32, rounded inward so that they are never clamped."""
         return rounded_inward(self.action_low, self.action_high)
 
-    def observation_space(self) -> Box:
+    def observation_space(self) -> Box[np.float32]:
         """Returns the observation space, f32."""
         low, high = self.observation_bounds()
         return Box(low, high, dtype=np.float32)
 
-    def action_space(self, rescale: bool) -> Box:
+    def action_space(self, rescale: bool) -> Box[np.float32]:
         """Returns the action space, f32: physical units, or [-1, 1] with ``rescale``."""
         if rescale:
             return Box(-1.0, 1.0, (len(self.action_low),), dtype=np.float32)

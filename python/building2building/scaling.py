@@ -62,7 +62,7 @@ class Scale:
         return cls([], np.where(bounded, low, -1.0), np.where(bounded, high, 1.0), {})
 
     @property
-    def space(self) -> Box:
+    def space(self) -> Box[np.float32]:
         """The space of the result."""
         return Box(-1.0, 1.0, self.low.shape, dtype=np.float32)
 

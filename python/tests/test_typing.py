@@ -7,9 +7,14 @@ import pytest
 
 RIGHT = """
 import building2building as b2b
+import numpy as np
+from gymnasium.spaces import Box
+from numpy.typing import NDArray
 
 env = b2b.make_env("OfficeSmall", task={"setpoints": {"mode": "occupancy"}}, index=3, rescale_action=True)
 observation, info = env.reset(seed=0)
+row: NDArray[np.float32] = observation
+space: Box = env.observation_space
 observation, reward, terminated, truncated, info = env.step(env.action_space.sample())
 temperature: float = env.layout.temperatures[0] + reward
 envs = b2b.make_vec("OfficeSmall", 4, task=["constant", "occupancy"], normalize=True)
