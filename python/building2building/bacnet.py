@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .buildings import find_building
 from .env import BuildingEnv
 from .errors import SettingError, need
 from .registration import make_env
@@ -211,7 +212,7 @@ async def serve(env: BuildingEnv, address: str = "0.0.0.0/24:47808", *, speed: f
 def main() -> None:
     """Serves a building from the command line."""
     parser = argparse.ArgumentParser(prog="python -m building2building.bacnet", description=main.__doc__)
-    parser.add_argument("building", help="building type, such as OfficeSmall, or id, such as OfficeSmall-0042")
+    parser.add_argument("building", help="building type, id (OfficeSmall-0042) or model file")
     parser.add_argument("--task", default="constant", help="task [default: constant]")
     parser.add_argument("--period", default="winter", help="run period, such as 01-08..01-14 [default: winter]")
     parser.add_argument("--address", default="0.0.0.0/24:47808", help="ip/bits:port [default: 0.0.0.0/24:47808]")
@@ -219,10 +220,7 @@ def main() -> None:
         "--speed", type=float, default=1.0, help="simulated seconds per second; 0: as clients write steps [default: 1]"
     )
     arguments = parser.parse_args()
-    name = arguments.building
-    building: dict[str, Any] = {"building_id": name} if "-" in name else {"building_type": name}
-    env = make_env(**building, task=arguments.task, run_period=arguments.period).unwrapped
-    assert isinstance(env, BuildingEnv)
+    env = make_env(building=find_building(arguments.building), task=arguments.task, run_period=arguments.period)
     print(f"{env.building.name} on {arguments.address}, {env.episode_steps} steps; Ctrl-C ends it", flush=True)
     try:
         asyncio.run(serve(env, arguments.address, speed=arguments.speed or None))
