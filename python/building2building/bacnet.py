@@ -30,10 +30,10 @@ class Plant:
 
     =====================  ===========================================================================================
     ``analog-input i``     Slot i of the observation, from 1.
-    ``analog-output i``    Actuator i, from 1, in physical units, commandable: without a command, and after one is
-                           relinquished, it has the action of the reactive controllers, as a point under a building's
-                           own control.
-    ``analog-value 1``     *steps to run*: a client writes a number of steps, and gets its answer after them.
+    ``analog-output i``    Actuator i, from 1, in physical units. Commandable: without a command, and after one is
+                           relinquished, it takes the action of the reactive controllers, like a point under a
+                           building's own control.
+    ``analog-value 1``     *steps to run*: a client writes a number of steps, and gets the reply after these steps.
     ``analog-value 2``     *steps left* in the episode.
     ``analog-value 3``     *reward* of the last step.
     ``analog-value 4``     *return* of the episode.
@@ -72,7 +72,7 @@ class Plant:
         self.reset()
 
     def reset(self) -> None:
-        """Begins an episode. Commands stay."""
+        """Begins an episode. Commands stay in effect."""
         self.env.reset()
         self._controller.reset()
         self._episode_return = 0.0

@@ -136,7 +136,7 @@ def vector(building_type: str, count: int, days: int, turns: int) -> tuple[float
 
 
 def _memory(processes: list[int]) -> float:
-    """Returns the memory of processes, in which what they share counts once, MB."""
+    """Returns the memory of processes, counting shared memory once, MB."""
     total = 0.0
     for process in processes:
         try:
@@ -195,8 +195,8 @@ _ROLLOUT = 672
 def training(building_id: str, count: int, steps: int) -> dict[str, float | None]:
     """Returns the speed of Stable-Baselines3's PPO on :func:`make_sb3_vec <building2building.sb3.make_sb3_vec>`.
 
-    It has the numbers of the preset ``paper`` of ``b2b train``. A first rollout does not count; whole rollouts of at
-    least ``steps`` steps follow.
+    It has the hyperparameters of the preset ``paper`` of ``b2b train``. The first rollout is excluded; whole rollouts
+    of at least ``steps`` steps follow.
 
     ``steps``: steps that were measured, of all environments; ``steps_per_s``; ``steps_per_cpu_s``: per CPU time of this
     process and its workers, ``None`` if an episode ended.

@@ -95,8 +95,8 @@ class Result:
     #: One dictionary per test environment: building, task, return, baseline_return, score, resolved_score,
     #: relative_energy, and the episode's metrics.
     episodes: list[dict[str, Any]] = field(repr=False)
-    #: Of the scores and, under ``resolved``, of the resolved scores: interquartile mean, median, mean and share
-    #: below 1, each with its 95 % confidence interval, minimum, maximum, and the number below 1.
+    #: Measures of the scores and, under ``resolved``, of the resolved scores: interquartile mean, median, mean and
+    #: share below 1, each with its 95 % confidence interval, minimum, maximum, and the number below 1.
     measures: dict[str, Any]
 
     @property
@@ -305,13 +305,14 @@ class Problem:
         - a controller class, which is instantiated for every episode with an :class:`EpisodeContext` and observes and
           controls the whole building. ``context.morphology`` is the building as a graph: ``split_observation`` gives
           one array ``[nodes, slots]`` for each node type, ``to_pyg()["edge_index"]`` the edges, and ``join_actions``
-          makes an action of one array for each node type. So a graph policy of your own acts in any building.
+          makes an action from one array for each node type. A graph policy of your own can thus control any building.
 
-        The folder gets ``result.json`` and the episodes, for ``b2b benchmark report`` and ``b2b benchmark verify``.
-        The latter checks them as any other, but says that the policy was not run again: it is your program. The same
-        call resumes an interrupted run; change ``version`` after further training. With ``by_seed=True`` every seed of
-        the protocol is run (``context.seed``), otherwise the first. ``train_policy`` runs in the training buildings,
-        where a problem leaves other actuators than in the test buildings.
+        The folder receives ``result.json`` and the episodes, for ``b2b benchmark report`` and ``b2b benchmark verify``.
+        ``verify`` checks them like any other result, but reports that it did not rerun the policy, which is your
+        program. The same call resumes an interrupted run; change ``version`` after further training. With
+        ``by_seed=True``, every seed of the protocol is run (``context.seed``), otherwise only the first.
+        ``train_policy`` runs in the training buildings if the problem leaves the agent other actuators there than in
+        the test buildings.
         """
         for each in (policy, train_policy):
             if each is not None and not callable(each):
@@ -342,7 +343,7 @@ class Problem:
 
 
 def _controller(policy: Callable[[Any], Any] | Agent, env: _Env) -> Callable[[Any], Any]:
-    """Returns what controls an episode of the environment."""
+    """Returns the controller of an episode of the environment."""
     if isinstance(policy, Agent):
         return policy.controller(env)
     return policy(env) if isinstance(policy, type) else policy

@@ -29,7 +29,7 @@ def list_places() -> dict[str, str]:
 
 def list_engine_models() -> dict[str, Path]:
     """Returns the models that come with EnergyPlus by name, such as ``ASHRAE901_HotelSmall_STD2019_Denver``, to try
-    :func:`import_building` with; none if EnergyPlus was not installed by pip."""
+    out :func:`import_building` with; empty if EnergyPlus was not installed by pip."""
     installed = _engine.folder()
     models = [] if installed is None else (installed / "pyenergyplus/data/model").glob("*.idf")
     return {each.stem: each for each in sorted(models)}
@@ -72,7 +72,7 @@ def get_climate_zone(building_id: str) -> str | None:
 def list_buildings_by_climate_zone(building_type: str, climate_zone: str | int, split: str = "train") -> list[str]:
     """Returns the ids of the dataset's buildings of a type in an ASHRAE 169 climate zone.
 
-    ``5A`` is one zone; ``5`` stands for all of that number.
+    ``5A`` is one zone; ``5`` selects all zones with that number.
     """
     wanted = str(climate_zone).upper()
     zones = {each: get_climate_zone(each) for each in list_buildings(building_type, split)}

@@ -168,9 +168,10 @@ def evaluate(*arguments: Any, **options: Any) -> Evaluation:
 
     ``buildings`` are ids, types, paths of models, or results of :func:`find_building`. ``jobs`` episodes run at a time,
     each in its own process; by default, one per core. With a ``folder``, episodes are written as they end: the same
-    call resumes an interrupted evaluation and gives the same bytes. Calls are the same if all arguments are; a policy
-    is identified by ``name`` (by default that of the class or function) and ``version``, so change ``version`` after
-    further training. Observations are not batched, because rounding within a batch depends on its other members.
+    call resumes an interrupted evaluation and gives the same bytes. Two calls are the same if all their
+    arguments are; a policy is identified by ``name`` (by default that of the class or function) and ``version``, so
+    change ``version`` after further training. Observations are not batched, because rounding within a batch depends on
+    its other members.
 
     Raises the policy's own exceptions, which end the evaluation, and
     :class:`~building2building.errors.EvaluationError` if the folder holds another evaluation. An episode whose process

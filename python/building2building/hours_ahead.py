@@ -1,4 +1,4 @@
-"""Wrappers that append what is known of the hours ahead: weather forecasts and prices."""
+"""Wrappers that append what is known about the hours ahead: weather forecasts and prices."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ class WeatherForecast(ObservationWrapper):
     """Appends the outdoor weather at the next full hours, ordered by quantity, then hour, from the weather file.
 
     The forecast is perfect, except for quantities in ``errors``, such as ``{"temperature": 0.5}``: their errors are a
-    random walk over the hours ahead, in steps of this standard deviation, drawn anew every hour. Equal seeds of
-    ``reset`` give equal errors.
+    random walk over the hours ahead, whose steps have this standard deviation; a new one is drawn every hour. The same
+    seed of ``reset`` gives the same errors.
     """
 
     _BOUNDS = {

@@ -19,7 +19,7 @@ from .errors import SettingError
 from .rollouts import BuiltInController, ControlledEnv
 
 Array = NDArray[Any]
-#: Called with the numbers of every update, as in ``progress.csv``; ends the run when it returns ``False``.
+#: Called with the metrics of every update, as in ``progress.csv``; ends the run when it returns ``False``.
 Callback = Callable[[dict[str, float]], object]
 
 
@@ -47,7 +47,7 @@ class Agent:
     path: Path
     #: ``agent.json``: what it observes and controls, its network and its training.
     info: dict[str, Any] = field(repr=False)
-    #: ``summary.json`` of its training: score, resolved score, RMS deviation (K), energy over that of the reactive
+    #: ``summary.json`` of its training: score, resolved score, RMS deviation (K), energy relative to the reactive
     #: controllers; ``None`` for an agent without one.
     summary: dict[str, Any] | None = field(default=None, repr=False)
 
@@ -92,15 +92,15 @@ def train(
 ) -> Agent:
     """Trains an agent, as ``b2b train`` does, and returns it.
 
-    ``buildings`` are trained on in turn; with ``building_type`` every episode has another building of its training
-    split, and with ``problem`` the run is for a benchmark problem, whose training side it does not go beyond.
-    Several types are for the preset ``"graph"``, whose agents control buildings of any types.
-    ``preset`` is ``"residual"``, ``"paper"`` or ``"graph"``; ``options`` are any others of a run's ``config.toml``,
-    such as ``environments=4`` or ``ppo={"gamma": 0.99}``. ``out`` is the folder of the run, which is the agent's. A
-    folder that has a run with the same options continues from its last checkpoint; with ``resume`` only ``steps`` can
-    be given.
+    ``buildings`` are assigned to the environments in turn; with ``building_type``, every episode draws a building of
+    the type's training split, and with ``problem``, the run uses only the training side of a benchmark problem.
+    Several types need the preset ``"graph"``, whose agents control buildings of any type.
+    ``preset`` is ``"residual"``, ``"paper"`` or ``"graph"``; ``options`` are any other options of a run's
+    ``config.toml``, such as ``environments=4`` or ``ppo={"gamma": 0.99}``. ``out`` is the folder of the run and of the
+    agent. If it already has a run with the same options, that run continues from its last checkpoint; with ``resume``,
+    only ``steps`` can be given.
 
-    ``callback`` is called with the numbers of every update; when it returns ``False``, or at Ctrl-C, the run writes a
+    ``callback`` is called with the metrics of every update; when it returns ``False``, or at Ctrl-C, the run writes a
     checkpoint and ends with ``KeyboardInterrupt``.
 
     >>> agent = b2b.train("OfficeSmall-0509", task="occupancy", out="runs/x")  # doctest: +SKIP

@@ -120,7 +120,7 @@ class Morphology:
     def to_pyg(self) -> dict[str, Any]:
         """Returns arrays in the layout of PyTorch Geometric's ``HeteroData``: ``x[type]`` (attributes),
         ``edge_index[source type, kind, target type]`` (two rows of row numbers) and ``edge_attr``. Undirected edges
-        are there in both directions."""
+        are included in both directions."""
         edges: dict[tuple[str, str, str], list[tuple[int, int, float]]] = {}
         for kind, source, target, attribute in self._directed_edges():
             a, b = self.nodes[source], self.nodes[target]

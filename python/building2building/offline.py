@@ -27,8 +27,8 @@ def collect(
 ) -> Any:
     """Runs a controller on buildings of one type and writes the episodes as a Minari dataset.
 
-    The dataset contains the environment's spec: ``minari.load_dataset(dataset_id).recover_environment()`` makes it
-    again.
+    The dataset contains the environment's spec: ``minari.load_dataset(dataset_id).recover_environment()``
+    recreates it.
 
     ``controller`` is a class or function that makes a controller for an environment, such as ``ReactiveController``.
     Every building runs ``episodes`` episodes of at most ``steps`` steps. ``arguments`` are those of :func:`make_env`.

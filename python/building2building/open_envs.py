@@ -1,4 +1,4 @@
-"""Environments that are open, which are closed when the interpreter exits."""
+"""Keeps track of open environments and closes them when the interpreter exits."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _open: weakref.WeakSet[_Closable] = weakref.WeakSet()
 
 
 def close_at_exit(env: _Closable) -> None:
-    """Has an environment closed when the interpreter exits, if it still exists then."""
+    """Registers an environment to be closed when the interpreter exits, if it still exists then."""
     _open.add(env)
 
 

@@ -2,7 +2,7 @@
 
 Work is divided into Ray tasks of one core each. A task runs in the temporary folder of its node and returns its files,
 which the caller writes into the folder of the results: nodes need no shared file system. A task whose node is lost runs
-again on another. A call that was interrupted resumes: only what the folder does not contain is run.
+again on another. Repeating an interrupted call resumes it: only what the folder does not contain is run.
 
 Every node needs this package, and downloads EnergyPlus on first use. Requires ``pip install ray``.
 """
@@ -37,7 +37,7 @@ class Resources:
 
     #: Cores.
     cpus: float = 1
-    #: Memory, MB: EnergyPlus takes 100 to 300 MB by building type.
+    #: Memory, MB: EnergyPlus takes 100 to 300 MB, depending on the building type.
     memory_mb: int = 600
     #: Number of repetitions.
     retries: int = 3
@@ -54,7 +54,7 @@ def evaluate(
     progress: bool = False,
     **arguments: Any,
 ) -> Evaluation:
-    """Evaluates a policy, as :func:`building2building.evaluate` does, whose arguments it takes, on a cluster.
+    """Evaluates a policy on a cluster, with the arguments and the result of :func:`building2building.evaluate`.
 
     A task runs ``chunk`` episodes, and their baselines where these are unknown. The files in ``folder``, and the bytes
     of ``episodes.parquet``, are those of an evaluation on one machine.
@@ -84,9 +84,9 @@ def train(
 ) -> dict[str, Agent]:
     """Trains agents, such as the seeds of one configuration, one task each.
 
-    ``runs`` has the arguments of :func:`building2building.train`, without ``out``, by the name of the run. Every agent
-    is written to the folder of this name in ``folder``. Runs that it contains are not repeated; a run that was lost
-    starts anew.
+    ``runs`` maps the name of each run to its arguments for :func:`building2building.train`, without ``out``. Every
+    agent is written to the subfolder of ``folder`` with this name. Runs that are already there are not repeated; a run
+    that was lost starts anew.
 
     >>> b2b.ray.train({f"seed-{n}": {"buildings": "OfficeSmall-0509", "seed": n} for n in range(5)}, folder="runs")
     ... # doctest: +SKIP
@@ -186,7 +186,7 @@ def _commands(commands: list[list[str]], folder: Path, kept: str, resources: Res
 
 
 def _map(function: Callable[..., Any], items: Sequence[Any], resources: Resources, *shared: Any) -> Iterator[Any]:
-    """Runs a function on every item and what they share as tasks; yields number and results as they end."""
+    """Runs a function as a task for every item, with shared arguments; yields number and results as tasks end."""
     if not ray.is_initialized():
         ray.init(logging_level="warning", log_to_driver=False)
     task = ray.remote(function).options(
@@ -214,7 +214,7 @@ def _read_all(folder: Path) -> Files:
 
 
 def _write_all(folder: Path, files: Files) -> None:
-    """Writes files, each aside and then renamed."""
+    """Writes files, each under a temporary name that is then changed to its own."""
     for name, content in files.items():
         path = folder / name
         path.parent.mkdir(parents=True, exist_ok=True)

@@ -35,8 +35,8 @@ def make_env(building_type: str | None = None, **arguments: Any) -> BuildingEnv:
     - ``reward``: a function of the step's info that replaces the task's reward;
     - ``render_mode``: ``rgb_array`` or ``human``;
     - ``in_process``: runs the simulation in this process, for debuggers; only one at a time, from one thread;
-    - ``keep_engine_output``: a folder in which EnergyPlus leaves its own output files of the last episode (errors,
-      summary tables, SQLite, time series); as with ``in_process``, and slower.
+    - ``keep_engine_output``: a folder to which EnergyPlus writes its own output files of the last episode (errors,
+      summary tables, SQLite, time series); runs as with ``in_process``, and slower.
 
     Random draws follow the seed of ``reset``.
     """
@@ -51,8 +51,8 @@ def make_vec(building_type: str | None = None, num_envs: int = 1, **arguments: A
     """Makes a vector environment. It takes the arguments of :func:`make_env` and these:
 
     - ``buildings``: a list of :class:`Building`, :class:`Generator` or ids. Environment i repeats the i-th.
-    - ``resample``: ``True`` has every episode draw a building, ``k`` every ``k`` episodes: of ``buildings``, or of the
-      type's ``split``. ``weights={type: weight}`` weighs the building types.
+    - ``resample``: ``True`` draws a building for every episode, ``k`` for every ``k`` episodes, from ``buildings`` or
+      from the type's ``split``. ``weights={type: weight}`` weights the building types.
     - ``task`` may be a list; with ``resample``, tasks are drawn with the buildings.
     - ``by_role``: observations of houses have a slot for every zone role, the same in every house.
     - ``normalize``: observations in [-1, 1] by fixed bounds.

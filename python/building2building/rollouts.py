@@ -85,7 +85,7 @@ class BuiltInController:
 class ReactiveController(BuiltInController):
     """The paper's reactive controllers, based on ASHRAE Guideline 36.
 
-    They have the parameters that are tuned for the building and the task (:meth:`tuned`), with the changes of
+    They use the parameters that are tuned for the building and the task (:meth:`tuned`), except for those given in
     ``parameters``, such as ``{"unitary.deadband": 0.5}``.
     """
 

@@ -105,7 +105,7 @@ class SB3VecEnv(VecEnv):
         raise NotImplementedError(f"`{method_name}` cannot be called: the environments are in other processes")
 
     def env_is_wrapped(self, wrapper_class: Any, indices: Any = None) -> list[bool]:
-        """Returns true for :class:`Monitor`, whose ``infos[i]["episode"]`` these environments have, else false."""
+        """Returns true for :class:`Monitor`, whose ``infos[i]["episode"]`` these environments provide, else false."""
         return [issubclass(Monitor, wrapper_class) for _ in self._get_indices(indices)]
 
 

@@ -129,7 +129,7 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
         self.layouts = [Layout(spaces) for spaces in core.spaces()]
         self._resample = bool(resample)
         slots, actuators = core.slots(), core.actuators()
-        #: Fixed bounds by which observations are normalized: those of everything that a place of the row may hold.
+        #: Fixed bounds by which observations are normalized: those of everything that a slot of the row may hold.
         self.scale = Scale.of_all(slots)
         self._plain = len(slots) == 1 and not by_role
         bounds = np.array([[_bounds(*slot) for slot in row] for row in slots], dtype=np.float32)
@@ -163,8 +163,8 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
 
     @property
     def statistics(self) -> dict[str, Any]:
-        """Numbers of ``episodes``, of ``building_changes``, of ``waits`` for a building that was not prepared when its
-        episode was to begin, and the time of these (``waited``, s)."""
+        """Numbers of ``episodes``, of ``building_changes``, of ``waits`` for a building that was not ready when its
+        episode was due to begin, and the total time of these waits (``waited``, s)."""
         return dict(zip(("episodes", "building_changes", "waits", "waited"), self._open_core().statistics()))
 
     def observation_mask(self) -> Array:
@@ -200,7 +200,7 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
         return self._seen(observations), {"building": np.array(core.buildings(), dtype=object)}
 
     def _read_rows(self, begun: Array) -> None:
-        """Reads what the rows of the environments are whose episode has begun."""
+        """Reads the rows of the environments whose episode has begun."""
         if self._resample:
             core = self._open_core()
             self._rows = [
@@ -249,7 +249,7 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
         return self._seen(observations), rewards, terminated, truncated.copy(), info
 
     def _at_end(self, observations: Array, truncated: Array) -> Array:
-        """Returns the observations, with the last of an episode where the next has begun."""
+        """Returns the observations; where the next episode has begun, the last one of the previous episode."""
         if self.autoreset_mode != AutoresetMode.SAME_STEP:
             return observations
         core, observations = self._open_core(), np.array(observations, dtype=np.float64)

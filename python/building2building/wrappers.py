@@ -40,8 +40,8 @@ class PadObservation(ObservationWrapper):
 
     ``width`` appends zeros up to that many slots. ``zones`` aligns the zones instead: the temperature of zone i, in
     model order, is slot i; weather, calendar and energy follow after those of ``zones`` zones, and then, where targets
-    vary, occupancy and target of each zone at its own place. Either way zones stay in model order: for houses,
-    :class:`RoleObservation` has a place for each role.
+    vary, occupancy and target of each zone at its own place. Either way, zones stay in model order: for houses,
+    :class:`RoleObservation` has a slot for each role.
     """
 
     def __init__(self, env: Env, width: int | None = None, *, zones: int | None = None):
@@ -256,7 +256,7 @@ class SubsetObservation(ObservationWrapper):
 
 
 class SubsetAction(ObservationWrapper):
-    """Restricts the action to the named actuators, in the given order. ``rest``, a controller of all actuators, drives
+    """Restricts the action to the named actuators, in the given order. ``rest``, a controller of all actuators, sets
     the others; :class:`ReactiveController` by default."""
 
     def __init__(self, env: Env, names: Sequence[str], rest: Callable[[Array], ArrayLike] | None = None):

@@ -27,7 +27,7 @@ use crate::{derived, stdout};
 Examples:
   b2b doctor                             check cache, engine, weather files and package client
   b2b doctor OfficeSmall                 also simulate one day of a building
-  b2b doctor --authority OfficeSmall     actuator response check: command against response
+  b2b doctor --authority OfficeSmall     actuator response check: commands against responses
   b2b doctor --authority my.idf --weather my.epw"
 )]
 pub struct Arguments {

@@ -35,7 +35,7 @@ Columns:
   steps/s          steps of all environments per wall-clock second
   steps/CPU s      the same per CPU time of this process and the environments' processes
   environment, inference, learner: shares of the wall-clock time. With fragments, inference is its share of the workers' time
-  SB3              the same of Stable-Baselines3
+  SB3              steps/s and steps/CPU s of Stable-Baselines3
   ratio            steps/s divided by that of SB3
 
 Examples:

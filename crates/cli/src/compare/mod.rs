@@ -21,7 +21,7 @@ use recorded::Recorded;
 #[command(
     verbatim_doc_comment,
     after_help = "\
-The runs must have the same building, weather, run period, time step and task, so that their controllers alone
+The runs must have the same building, weather, run period, time step and task, so that only their controllers
 differ. The worst hours are those with the largest mean deviation from target, at most one per zone and day.
 
 Examples:
@@ -34,7 +34,7 @@ pub struct Arguments {
     /// Output folders of `b2b run`, or their trajectory.parquet; the first is the reference
     #[arg(value_name = "RUN", required = true)]
     runs: Vec<PathBuf>,
-    /// Name of a run, once for each, in order [default: controllers]
+    /// Name of a run; repeat the option once for each run, in order [default: the controllers]
     #[arg(long, value_name = "NAME")]
     name: Vec<String>,
     /// HTML file to write [default: b2b-out/compare-BUILDING-PLACE-PERIOD.html]

@@ -32,9 +32,9 @@ the prototype. The units of house parameters are in crates/dataset/data/README.m
 
 /// Write a page on which all 6,000 buildings can be filtered, plotted and sorted
 ///
-/// Filters by type, place, climate zone, split and parameters; a scatter plot of two parameters; a table; and for each
-/// building all of its parameters and the commands that view and run it. The page opens in any browser, without a
-/// network.
+/// The page has filters by type, place, climate zone, split and parameters, a scatter plot of two parameters, a table
+/// and, for each building, all of its parameters and the commands that view and run it. It opens in any browser,
+/// without a network.
 #[derive(clap::Args)]
 #[command(
     verbatim_doc_comment,

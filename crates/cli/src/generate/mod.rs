@@ -39,7 +39,7 @@ pub struct Arguments {
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
     /// Place, may be repeated: each has an equal share of the buildings; for houses, regions of Québec [default: the 16
-    /// places in the United States; the 15 regions, in proportion to their houses]
+    /// places in the United States; the 15 regions, in proportion to their numbers of houses]
     #[arg(long = "place", value_name = "NAME", value_parser = place_name)]
     places: Vec<String>,
     /// EPW weather file of another place, may be repeated: each has an equal share of the buildings

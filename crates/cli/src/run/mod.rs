@@ -78,8 +78,8 @@ random, each with and without +energy0.5.
              or K; +pmv: predicted mean vote (ISO 7730)
   OBJECTIVE  +energyW, +costW, +carbonW, +peakW: W times the energy, cost, emissions or increase in peak
              demand of each step
-  FAULT      +noiseK, +biasK: errors of the temperature sensors; +stuckP: actuators stuck with probability P;
-             +foulingS: coils that lose the share S of their range
+  FAULT      +noiseK, +biasK: errors of the temperature sensors; +stuckP: actuators are stuck with probability P;
+             +foulingS: coils lose a share S of their range
 
 On one machine, the same arguments give the same episode bit for bit: compare trajectory_hash.";
 

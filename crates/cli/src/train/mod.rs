@@ -91,7 +91,7 @@ Examples:
   b2b train --type SingleFamilyHouse --task random --steps 2000000 --out runs/houses
   b2b train --preset graph --type OfficeSmall RetailStandalone   one policy for both types
   b2b train --problem dynamics-office-small --steps 1000000 --out runs/offices-0
-  b2b train --resume runs/houses --steps 4000000       continue to more steps
+  b2b train --resume runs/houses --steps 4000000       train for more steps
   b2b train OfficeSmall-0509 --config mine.toml        unknown keys are errors, with suggestions
   b2b evaluate OfficeSmall-0509 --policy runs/x        the run's folder is the agent
   tensorboard --logdir runs                            watch runs side by side
