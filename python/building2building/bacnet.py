@@ -217,7 +217,10 @@ def main() -> None:
     parser.add_argument("--period", default="winter", help="run period, such as 01-08..01-14 [default: winter]")
     parser.add_argument("--address", default="0.0.0.0/24:47808", help="ip/bits:port [default: 0.0.0.0/24:47808]")
     parser.add_argument(
-        "--speed", type=float, default=1.0, help="simulated seconds per second; 0: as clients write steps [default: 1]"
+        "--speed",
+        type=float,
+        default=1.0,
+        help="simulated seconds per second; 0: on request of clients [default: 1]",
     )
     arguments = parser.parse_args()
     env = make_env(building=find_building(arguments.building), task=arguments.task, run_period=arguments.period)

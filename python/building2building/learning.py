@@ -78,6 +78,8 @@ def train(
     buildings: str | Sequence[str] | None = None,
     *,
     out: PathLike,
+    place: str | None = None,
+    weather: PathLike | None = None,
     building_type: str | Sequence[str] | None = None,
     problem: str | None = None,
     preset: str = "residual",
@@ -92,9 +94,10 @@ def train(
 ) -> Agent:
     """Trains an agent, as ``b2b train`` does, and returns it.
 
-    ``buildings`` are assigned to the environments in turn; with ``building_type``, every episode draws a building of
-    the type's training split, and with ``problem``, the run uses only the training side of a benchmark problem.
-    Several types need the preset ``"graph"``, whose agents control buildings of any type.
+    ``buildings`` are assigned to the environments in turn, at their own places, at ``place`` (such as ``"Miami"``) or
+    with ``weather`` (an EPW file, which a model of your own needs); with ``building_type``, every episode draws a
+    building of the type's training split, and with ``problem``, the run uses only the training side of a benchmark
+    problem. Several types need the preset ``"graph"``, whose agents control buildings of any type.
     ``preset`` is ``"residual"``, ``"paper"`` or ``"graph"``; ``options`` are any other options of a run's
     ``config.toml``, such as ``environments=4`` or ``ppo={"gamma": 0.99}``. ``out`` is the folder of the run and of the
     agent. If it already has a run with the same options, that run continues from its last checkpoint; with ``resume``,
@@ -107,6 +110,8 @@ def train(
     """
     named = {
         "buildings": [buildings] if isinstance(buildings, str) else buildings and list(buildings),
+        "place": place,
+        "weather": None if weather is None else os.path.abspath(weather),
         "building_type": [building_type] if isinstance(building_type, str) else building_type and list(building_type),
         "problem": problem,
         "task": task,

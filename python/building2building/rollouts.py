@@ -172,7 +172,7 @@ class Trajectory:
         return _core.trajectory_hash(self.observations[1:], self.actions, self.penalties)
 
     def to_dict(self) -> dict[str, Array]:
-        """Returns the columns of ``trajectory.parquet``; observations are those at the ends of the steps."""
+        """Returns the columns of a table: observations at the ends of the steps, actions, penalties and the reward."""
         columns = {name: self.observations[1:, i] for i, name in enumerate(self.metadata["observation_names"])}
         columns |= {f"action: {name}": self.actions[:, i] for i, name in enumerate(self.metadata["action_names"])}
         columns |= {"temperature penalty": self.penalties[:, 0], "energy penalty": self.penalties[:, 1]}

@@ -7,6 +7,7 @@ use std::os::unix::process::CommandExt as _;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 
+use b2b_energyplus::install::{Engine, Quiet};
 use program::{assert_rejected, b2b, both_outputs, command, json, stderr, wait_until};
 use rustix::process::{Pid, Resource, Rlimit, Signal, kill_process_group, prlimit};
 use serde_json::Value;
@@ -48,6 +49,24 @@ fn course(folder: &Path, run: &str) -> Vec<String> {
         [&cells[..1], &cells[4..]].concat().join(",")
     };
     text.lines().map(timeless).collect()
+}
+
+#[test]
+fn a_model_of_ones_own_is_trained_with_its_weather_file() {
+    let folder = folder_with_config();
+    let path = folder.path();
+    let models = Engine::ensure(&mut Quiet).unwrap().models.unwrap();
+    let weather = models.parent().unwrap().join("weather/USA_IL_Chicago-OHare.Intl.AP.725300_TMY3.epw");
+    let model = models.join("RefBldgWarehouseNew2004_Chicago.idf");
+    let building = format!("{} --weather {}", model.display(), weather.display());
+    let summary = json(path, &format!("train {building} --config small.toml --steps 384 --out run"));
+    assert!(summary["buildings"].as_str().unwrap().contains("in USA_IL_Chicago"), "{summary}");
+    let evaluate =
+        format!("evaluate {building} --policy run --task occupancy --period 01-10..01-12 --out evaluated");
+    let evaluated = json(path, &evaluate);
+    let score = &evaluated["windows"][0]["all"]["scores"]["interquartile_mean"]["value"];
+    assert_eq!(score, &summary["score"]);
+    assert_rejected(path, "train --type OfficeSmall --place Miami --out x", &["`place`", "for `buildings`"]);
 }
 
 #[test]

@@ -70,16 +70,17 @@ Examples:
   b2b run RetailStandalone --weather my.epw --json > result.json
   b2b run my.idf --weather my.epw                 your own building; see `b2b import --help`
 
-Tasks are written SETPOINTS[+COMFORT][+OBJECTIVE][+FAULT...]. The six tasks of the paper are constant, occupancy and
-random, each with and without +energy0.5.
-  SETPOINTS  constant (21 °C), constant:C, occupancy (21 °C while occupied; unoccupied 18 °C from December
-             to February and 26 °C from June to August), random, random:SEED
-  COMFORT    squared deviation from the setpoint (default); +deadband or +deadbandK: deviation beyond 1 K
-             or K; +pmv: predicted mean vote (ISO 7730)
-  OBJECTIVE  +energyW, +costW, +carbonW, +peakW: W times the energy, cost, emissions or increase in peak
-             demand of each step
-  FAULT      +noiseK, +biasK: errors of the temperature sensors; +stuckP: actuators are stuck with probability P;
-             +foulingS: coils lose a share S of their range
+Tasks are written SETPOINTS[+COMFORT][+RESOURCE][+VENTILATION][+FAULT...]. The six tasks of the paper are constant,
+occupancy and random, each with and without +energy0.5.
+  SETPOINTS    constant (21 °C), constant:C, occupancy (21 °C while occupied; unoccupied 18 °C from December
+               to February and 26 °C from June to August), random, random:SEED
+  COMFORT      squared deviation from the setpoint (default); +deadband or +deadbandK: deviation beyond 1 K
+               or K; +pmv: predicted mean vote (ISO 7730)
+  RESOURCE     +energyW, +costW, +carbonW, +peakW: W times the energy (relative to the mean use of the reactive
+               controllers), cost, emissions or increase in peak demand of each step
+  VENTILATION  an interlock supplies outdoor air while people are present (default); +free-ventilation: no minimum
+  FAULT        +noiseK, +biasK: errors of the temperature sensors; +stuckP: actuators are stuck with
+               probability P; +foulingS: coils lose a share S of their range
 
 On one machine, the same arguments give the same episode bit for bit: compare trajectory_hash.";
 

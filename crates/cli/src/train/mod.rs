@@ -8,11 +8,12 @@ use std::sync::Arc;
 use anyhow::{Context, Result, bail};
 use b2b_agent::{Acting, ObservationForm};
 use b2b_building::{BuildingType, RunPeriod};
-use b2b_dataset::{BuildingName, Catalog};
+use b2b_dataset::{BuildingName, Catalog, Placement};
 use b2b_env::Task;
 use b2b_learn::train::{Algorithm, CONFIG, PAGE, Place, SUMMARY, Summary, TrainConfig};
 
 use crate::arguments::jobs::Jobs;
+use crate::arguments::location::Location;
 use crate::progress::Download;
 use crate::{interrupt, program, stdout};
 use bar::Bar;
@@ -74,9 +75,11 @@ pub struct Arguments {
     /// Folder of a run to resume from its last checkpoint; --steps trains for more steps
     #[arg(long, value_name = "FOLDER", conflicts_with_all = [
         "buildings", "building_type", "problem", "algorithm", "preset", "config", "task", "period", "seed", "environments", "observation",
-        "direct", "authority", "out",
+        "direct", "authority", "out", "place", "weather", "allow_external",
     ])]
     resume: Option<PathBuf>,
+    #[command(flatten)]
+    location: Location,
     #[command(flatten)]
     jobs: Jobs,
     /// Print one JSON object instead of the text report
@@ -93,6 +96,7 @@ Examples:
   b2b train --problem dynamics-office-small --steps 1000000 --out runs/offices-0
   b2b train --resume runs/houses --steps 4000000       train for more steps
   b2b train OfficeSmall-0509 --config mine.toml        unknown keys are errors, with suggestions
+  b2b train my.idf --weather my.epw                    a model of your own
   b2b evaluate OfficeSmall-0509 --policy runs/x        the run's folder is the agent
   tensorboard --logdir runs                            watch runs side by side
 
@@ -166,6 +170,11 @@ impl Arguments {
         set(&mut config.seed, &self.seed);
         set(&mut config.environments, &self.environments);
         set(&mut config.observation.form, &self.observation);
+        let Placement { place, weather, allow_external } = self.location.placement();
+        set(&mut config.place, &place.map(|place| place.name.to_owned()));
+        // A run that is resumed elsewhere finds the file, too.
+        set(&mut config.weather, &weather.map(|path| std::path::absolute(&path).unwrap_or(path)));
+        config.allow_external |= allow_external;
         if self.direct {
             config.acting = Acting::Direct;
         }

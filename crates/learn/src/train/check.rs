@@ -1,6 +1,7 @@
 //! Checks of a configuration.
 
 use b2b_agent::{Acting, ObservationForm};
+use b2b_dataset::Placement;
 
 use super::config::{Algorithm, TrainConfig};
 use super::policy::Policy;
@@ -16,6 +17,7 @@ impl TrainConfig {
         self.sac.check()?;
         let days = self.run_period()?.days();
         self.named()?;
+        let is_placed = self.placement()? != Placement::default();
         let tasks = self.tasks()?.len();
         self.check_problem()?;
         let wrong = match () {
@@ -50,6 +52,12 @@ impl TrainConfig {
             }
             () if self.buildings.is_empty() == self.building_type.is_empty() => {
                 "expected either `buildings` or `building_type`".to_owned()
+            }
+            () if is_placed && self.buildings.is_empty() => {
+                "`place`, `weather` and `allow_external` are for `buildings`; remove them".to_owned()
+            }
+            () if !self.place.is_empty() && !self.weather.as_os_str().is_empty() => {
+                "expected either `place` or `weather`".to_owned()
             }
             () if self.building_episodes == 0 => "`building_episodes` is 0; expected at least 1".to_owned(),
             () if self.policy == Policy::Flat && self.building_type.len() > 1 => {

@@ -1,11 +1,12 @@
 //! The configuration of a training run, as a TOML file or as presets with changes.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use b2b_agent::{Acting, Interface, ObservationForm, ObservationOptions};
 use b2b_building::{BuildingType, RunPeriod};
-use b2b_dataset::BuildingName;
+use b2b_climate::Place;
+use b2b_dataset::{BuildingName, Placement};
 use b2b_env::Task;
 use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
@@ -64,6 +65,12 @@ pub enum Keep {
 pub struct TrainConfig {
     /// Training buildings by name, in turn for the environments. Empty: those of `building_type` in the training split.
     pub buildings: Vec<String>,
+    /// Place of `buildings`, such as `Miami`. Empty: their own.
+    pub place: String,
+    /// Weather file (EPW) of `buildings` instead of a place. Empty: that of the place.
+    pub weather: PathBuf,
+    /// Whether a model file may run code and open files outside its folder.
+    pub allow_external: bool,
     /// Building type whose training split every episode's building is drawn from, or a list of types, in turn for the
     /// environments. Empty: `buildings`.
     #[serde(with = "one_or_many")]
@@ -144,6 +151,9 @@ impl Default for TrainConfig {
     fn default() -> Self {
         Self {
             buildings: Vec::new(),
+            place: String::new(),
+            weather: PathBuf::new(),
+            allow_external: false,
             building_type: Vec::new(),
             building_episodes: 1,
             problem: String::new(),
@@ -317,13 +327,28 @@ impl TrainConfig {
         Interface { observation: self.observation, acting: self.acting, nodes: self.policy.nodes() }
     }
 
+    /// Returns the site of `buildings`.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for an unknown place.
+    pub fn placement(&self) -> Result<Placement> {
+        let find = |name| Place::find(name).map_err(|error| Error::Invalid(error.to_string()));
+        let place = (!self.place.is_empty()).then(|| find(&self.place)).transpose()?;
+        let weather = (!self.weather.as_os_str().is_empty()).then(|| self.weather.clone());
+        Ok(Placement { place, weather, allow_external: self.allow_external })
+    }
+
     /// Returns the training buildings as a reader names them.
     pub fn buildings_text(&self) -> String {
-        if self.building_type.is_empty() {
-            self.buildings.join(", ")
-        } else {
-            format!("{} of the training split", self.building_type.join(", "))
+        if !self.building_type.is_empty() {
+            return format!("{} of the training split", self.building_type.join(", "));
         }
+        let site = match self.weather.file_stem() {
+            Some(weather) => format!(" in {}", weather.display()),
+            None if self.place.is_empty() => String::new(),
+            None => format!(" in {}", self.place),
+        };
+        format!("{}{site}", self.buildings.join(", "))
     }
 }
 

@@ -155,9 +155,9 @@ impl<'a> Environments<'a> {
     /// Returns the settings of the buildings that are named, over the whole run period.
     fn settings(&self) -> Result<Vec<Setting>> {
         let (period, steps_per_hour) = (self.config.run_period()?, self.config.steps_per_hour);
-        let task = self.config.tasks()?.remove(0);
+        let (task, placement) = (self.config.tasks()?.remove(0), self.config.placement()?);
         let setting = |name: &BuildingName| {
-            let found = self.catalog.find(name, &Placement::default(), &mut Quiet)?;
+            let found = self.catalog.find(name, &placement, &mut Quiet)?;
             let weather = found.weather.clone();
             let episode = EpisodeConfig { weather, period, steps_per_hour, task: task.clone() };
             Ok(Setting::new(Source::from(found), episode))
@@ -238,7 +238,7 @@ impl<'a> Environments<'a> {
         evaluation: &Evaluation<'_>,
         baselines: &Baselines,
     ) -> Result<(Episode, Baseline)> {
-        let subject = Subject::at_home(name.clone());
+        let subject = Subject { name: name.clone(), placement: self.config.placement()? };
         let site = subject.locate(&self.catalog, &mut Quiet)?;
         let (task, steps_per_hour) = (task.clone(), self.config.steps_per_hour);
         let episode = Episode { subject, task, period, seed: 0, steps_per_hour };
