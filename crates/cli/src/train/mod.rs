@@ -157,7 +157,7 @@ impl Arguments {
 
     fn change(&self, config: &mut TrainConfig) {
         if !self.buildings.is_empty() {
-            config.buildings = self.buildings.iter().map(ToString::to_string).collect();
+            config.buildings = self.buildings.iter().map(in_config).collect();
             config.building_type.clear();
         }
         if !self.building_type.is_empty() {
@@ -172,8 +172,7 @@ impl Arguments {
         set(&mut config.observation.form, &self.observation);
         let Placement { place, weather, allow_external } = self.location.placement();
         set(&mut config.place, &place.map(|place| place.name.to_owned()));
-        // A run that is resumed elsewhere finds the file, too.
-        set(&mut config.weather, &weather.map(|path| std::path::absolute(&path).unwrap_or(path)));
+        set(&mut config.weather, &weather.as_deref().map(absolute));
         config.allow_external |= allow_external;
         if self.direct {
             config.acting = Acting::Direct;
@@ -202,6 +201,19 @@ impl Arguments {
             PathBuf::from("b2b-out").join(name.replace([':', '#', '/', ','], "_"))
         })
     }
+}
+
+/// Returns a building as a configuration names it: a model by its path.
+fn in_config(building: &BuildingName) -> String {
+    match building {
+        BuildingName::Model(path) => absolute(path).to_string_lossy().into_owned(),
+        named => named.to_string(),
+    }
+}
+
+/// Returns the path of a file that a run finds when it is resumed from another folder, too.
+fn absolute(path: &Path) -> PathBuf {
+    std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
 }
 
 /// Sets an option if it is given.

@@ -348,7 +348,9 @@ impl TrainConfig {
             None if self.place.is_empty() => String::new(),
             None => format!(" in {}", self.place),
         };
-        format!("{}{site}", self.buildings.join(", "))
+        // A model is named by its file, not by its path.
+        let name = |text: &String| text.parse().map_or(text.clone(), |name: BuildingName| name.to_string());
+        format!("{}{site}", self.buildings.iter().map(name).collect::<Vec<_>>().join(", "))
     }
 }
 
