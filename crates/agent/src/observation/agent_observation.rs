@@ -23,10 +23,11 @@ pub struct AgentObservation {
 }
 
 impl AgentObservation {
-    /// Returns the observation for a building with these [`attributes`]. With a base controller, features include its action.
+    /// Returns the observation for a building with these [`attributes`](super::attributes). With a base controller, features
+    /// include its action.
     ///
     /// # Errors
-    /// [`Error::Io`] and [`Error::Forecast`] for a weather file without a forecast.
+    /// [`Error::Io`](crate::Error::Io) and [`Error::Forecast`](crate::Error::Forecast) for a weather file without a forecast.
     pub fn new(
         options: ObservationOptions,
         attributes: &[f64],

@@ -40,7 +40,7 @@ struct TypeSpaces {
 }
 
 impl NodeSpaces {
-    /// Returns the spaces of all node types for an agent with a [`NodeForm`].
+    /// Returns the spaces of all node types for an agent with a [`NodeForm`](crate::NodeForm).
     pub fn of(interface: Interface) -> Self {
         let types = NodeType::ALL.map(|node_type| TypeSpaces {
             name: node_type.name(),
