@@ -23,6 +23,8 @@ from .rollouts import ReactiveController
 _UNITS = {"°C": "degreesCelsius", "%": "percentRelativeHumidity", "h": "hours", "kg/s": "kilogramsPerSecond"}
 #: A vendor id that ASHRAE reserves.
 _VENDOR = 999
+#: The status of every object.
+_STATUS: dict[str, Any] = {"statusFlags": [0, 0, 0, 0], "eventState": "normal", "outOfService": False}
 
 
 class Plant:
@@ -95,9 +97,8 @@ class Plant:
 
     def _action(self) -> NDArray[np.float64]:
         """Returns the next action: commands, and the reactive controllers' actions where there are none."""
-        own = self._own
         commanded = [output.currentCommandPriority.unsigned is not None for output in self._outputs]
-        return np.where(commanded, [float(output.presentValue) for output in self._outputs], own)
+        return np.where(commanded, [float(output.presentValue) for output in self._outputs], self._own)
 
     def _show(self, reward: float) -> None:
         """Shows the state after a step."""
@@ -125,9 +126,7 @@ def _analog(kind: str, number: int, slot: Any) -> Any:
         minPresValue=float(slot.low),
         maxPresValue=float(slot.high),
         units=_UNITS.get(slot.unit, "noUnits"),
-        statusFlags=[0, 0, 0, 0],
-        eventState="normal",
-        outOfService=False,
+        **_STATUS,
         covIncrement=0.01,
     )
 
@@ -142,9 +141,7 @@ def _value(number: int, name: str, description: str, of: Any = None) -> Any:
         description=description,
         presentValue=0.0,
         units="noUnits",
-        statusFlags=[0, 0, 0, 0],
-        eventState="normal",
-        outOfService=False,
+        **_STATUS,
         covIncrement=0.0,
     )
 
@@ -180,9 +177,7 @@ def _requests(plant: Plant) -> tuple[Any, Any]:
         objectName="new episode",
         description="write active to begin an episode",
         presentValue="inactive",
-        statusFlags=[0, 0, 0, 0],
-        eventState="normal",
-        outOfService=False,
+        **_STATUS,
     )
     return _value(1, "steps to run", "write a number of steps to run them", StepsToRun), new_episode
 

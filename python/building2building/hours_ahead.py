@@ -86,7 +86,7 @@ class WeatherForecast(ObservationWrapper):
         rows = len(self._year)
         forecast = self._year[whole % rows] * (1 - fraction) + self._year[(whole + 1) % rows] * fraction
         if self._errors.any():
-            forecast += self._drawn_errors(int(now + 1e-9))
+            forecast += self._drawn_errors(_full_hour(self._core))
         appended = forecast.T.ravel().clip(self._low, self._high)
         return np.concatenate([observation, appended.astype(observation.dtype)])
 
@@ -125,15 +125,12 @@ class PriceSignal(ObservationWrapper):
         hours[:7], hours[22:], hours[16:21] = 0.08, 0.08, 0.25
         return hours
 
-    def _hour(self) -> int:
-        return int(_hour_of_year(self._core) + 1e-9)
-
     def observation(self, observation: Array) -> Array:
-        hours = (self._hour() + np.arange(self._ahead + 1)) % len(self._series)
+        hours = (_full_hour(self._core) + np.arange(self._ahead + 1)) % len(self._series)
         return np.concatenate([observation, self._series[hours].astype(observation.dtype)])
 
     def step(self, action: Any) -> Stepped:
-        price = self._series[self._hour() % len(self._series)]
+        price = self._series[_full_hour(self._core) % len(self._series)]
         observation, reward, terminated, truncated, info = self.env.step(action)
         if self._weight:
             core = self._core
@@ -146,6 +143,10 @@ class PriceSignal(ObservationWrapper):
 
 def _hour_of_year(core: BuildingEnv) -> float:
     return (core.setting.first_day - 1) * 24 + core.steps / core.timesteps_per_hour
+
+
+def _full_hour(core: BuildingEnv) -> int:
+    return int(_hour_of_year(core) + 1e-9)
 
 
 def _with_term(info: dict[str, Any], name: str, value: float) -> dict[str, Any]:

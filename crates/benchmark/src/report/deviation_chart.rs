@@ -64,27 +64,30 @@ pub fn step_deviations(title: String, all: &[StepDeviations]) -> Chart {
     let mut extent: f64 = 0.5;
     let mut data = Vec::new();
     let beyond = all.iter().map(StepDeviations::beyond).fold(0.0, f64::max);
+    let several = all.windows(2).any(|pair| pair[0].category == pair[1].category);
     for (index, each) in all.iter().enumerate() {
         let values = each.quantiles();
         // 99 % of the steps are within the range of the axis.
         extent = extent.max(-quantile(&values, 0.005)).max(quantile(&values, 0.995));
         let first = all[..index].iter().all(|before| before.series != each.series);
-        data.push(json!({
+        let mut violin = json!({
             "type": "violin", "y": values, "x0": each.category, "name": each.series, "points": false, "hoverinfo": "y+name",
             "legendgroup": each.series, "offsetgroup": each.series, "showlegend": first,
-            "line": {"color": color(each.number), "width": 1.2}, "spanmode": "hard", "width": 0.85,
+            "line": {"color": color(each.number), "width": 1.2}, "spanmode": "hard",
             "meanline": {"visible": true}, "box": {"visible": true, "width": 0.12},
-        }));
+        });
+        if !several {
+            violin["width"] = 0.85.into();
+        }
+        data.push(violin);
     }
     let range = [-1.1 * extent, 1.1 * extent];
-    let several = all.windows(2).any(|pair| pair[0].category == pair[1].category);
     let mut layout = json!({
         "yaxis": {"title": {"text": "deviation from target (K)"}, "range": range, "zeroline": false},
         "xaxis": {"type": "category"}, "shapes": [horizontal_line(0.0)], "showlegend": several,
     });
     if several {
         layout["violinmode"] = "group".into();
-        data.iter_mut().for_each(|violin| drop(violin.as_object_mut().map(|violin| violin.remove("width"))));
     }
     Chart {
         title,

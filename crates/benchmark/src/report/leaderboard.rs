@@ -120,12 +120,9 @@ fn random_rows<'a>(board: &[&'a Entry]) -> &'a [Row] {
         Some(PolicyDescription::BuiltIn { name }) if *name == random => stage == Stage::Test,
         _ => stage == Stage::Untrained,
     };
-    let stages = board.iter().flat_map(|(result, stages)| stages.iter().map(move |each| (result, each)));
-    stages
-        .filter(|(result, (stage, _))| has(result, *stage))
-        .map(|(_, (_, rows))| rows)
-        .next()
-        .map_or(&[], Vec::as_slice)
+    let mut stages = board.iter().flat_map(|(result, stages)| stages.iter().map(move |each| (result, each)));
+    let found = stages.find(|(result, (stage, _))| has(result, *stage));
+    found.map_or(&[], |(_, (_, rows))| rows)
 }
 
 fn scores(board: &[&Entry]) -> Value {
