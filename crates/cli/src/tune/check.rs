@@ -79,7 +79,7 @@ fn measure(catalog: &Catalog, tuned: &Tuned) -> Result<Measured> {
     let mut rollouts = TrainingRollouts::new(catalog, &buildings, &tuned.periods);
     let mut cells = |parameters: &ReactiveParameters| {
         interrupt::check()?;
-        anyhow::Ok(rollouts.cells(parameters)?)
+        anyhow::Ok(rollouts.cells(&plan, parameters)?)
     };
     let defaults = cells(&ReactiveParameters::default())?;
     Ok(tune::measured(&plan, &defaults, &cells(&tuned.parameters)?))

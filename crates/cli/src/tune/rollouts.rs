@@ -18,22 +18,25 @@ pub struct TrainingRollouts<'a> {
     buildings: &'a TrainingBuildings,
     periods: &'a [RunPeriod],
     search: Option<Rollouts>,
+    constant: Option<Rollouts>,
     validation: Option<Rollouts>,
 }
 
 impl<'a> TrainingRollouts<'a> {
     /// Creates the episodes of these buildings, which are not prepared yet.
     pub fn new(catalog: &'a Catalog, buildings: &'a TrainingBuildings, periods: &'a [RunPeriod]) -> Self {
-        Self { catalog, buildings, periods, search: None, validation: None }
+        Self { catalog, buildings, periods, search: None, constant: None, validation: None }
     }
 
-    /// Returns the outcomes of a building: one for the search, one per setpoint mode for the validation.
+    /// Returns the outcomes of a building: one for the search, one per setpoint mode for the
+    /// validation.
     pub fn simulate(&mut self, parameters: &ReactiveParameters, building: Building) -> Result<Vec<Outcome>> {
         let tasks = Plan::tasks()?;
         let (kept, ids, tasks, index) = match building {
             Building::Search(index) => {
                 (&mut self.search, &self.buildings.search, &tasks[tasks.len() - 1..], index)
             }
+            Building::Constant(index) => (&mut self.constant, &self.buildings.search, &tasks[..1], index),
             Building::Validation(index) => {
                 (&mut self.validation, &self.buildings.validation, &tasks[..], index)
             }
@@ -46,13 +49,18 @@ impl<'a> TrainingRollouts<'a> {
         Ok(episodes.chunks(self.periods.len()).map(Outcome::of).collect())
     }
 
-    /// Returns the outcomes of all buildings.
-    pub fn cells(&mut self, parameters: &ReactiveParameters) -> Result<Cells> {
-        let (search, validation) = (self.buildings.search.len(), self.buildings.validation.len());
-        let search = (0..search).map(|index| self.simulate(parameters, Building::Search(index)));
-        let search = search.collect::<Result<Vec<_>>>()?.concat();
-        let validation = (0..validation).map(|index| self.simulate(parameters, Building::Validation(index)));
-        Ok(Cells { search, validation: validation.collect::<Result<_>>()? })
+    /// Returns the outcomes of all buildings of a plan.
+    pub fn cells(&mut self, plan: &Plan, parameters: &ReactiveParameters) -> Result<Cells> {
+        let mut all = |count: usize, building: fn(usize) -> Building| -> Result<Vec<Vec<Outcome>>> {
+            (0..count).map(|index| self.simulate(parameters, building(index))).collect()
+        };
+        let (search, validation) = (plan.buildings.len(), plan.validation.len());
+        let constant = if plan.constant_targets { search } else { 0 };
+        Ok(Cells {
+            search: all(search, Building::Search)?.concat(),
+            constant: all(constant, Building::Constant)?.concat(),
+            validation: all(validation, Building::Validation)?,
+        })
     }
 }
 

@@ -8,9 +8,10 @@
 //!    the return, as in the paper, which tunes on its test buildings; no test building is used here), multiplied by a
 //!    factor if actuators hunt on the worst building. Buildings are simulated one after another, and a proposal that cannot
 //!    win is dropped: most are, after one building. The search ends early when it no longer lowers the score.
+//!    On central air loops, a set must also hold constant targets as well as the defaults.
 //! 4. The best sets and the defaults are validated on other training buildings under other setpoints, and the one with the
 //!    least median loss over all of them is chosen, unless actuators hunt or it is clearly worse than the defaults
-//!    anywhere.
+//!    anywhere. If none is eligible, the next best sets are validated.
 //!
 //! Every evaluation is appended to a file: a tuning run with the same plan resumes from there and returns the same result.
 
@@ -25,15 +26,15 @@ mod space;
 
 use std::path::Path;
 
+use outcome::relative_losses;
 pub use outcome::{Outcome, travel_limit};
-use outcome::{is_within_travel_limit, relative_losses, travel_factor};
 pub use plan::{Plan, TrainingBuildings};
 use race::Best;
 use record::{Evaluation, Record};
 pub use rollouts::Rollouts;
 use search::Search;
+use selection::select;
 pub use selection::{Cells, measured};
-use selection::{FINALISTS, select};
 
 use crate::{ReactiveParameters, Result, Tuned};
 
@@ -41,12 +42,18 @@ use crate::{ReactiveParameters, Result, Tuned};
 const PATIENCE: usize = 20;
 /// Relative.
 const MIN_GAIN: f64 = 0.01;
+/// Number of sets that are validated at once.
+const FINALISTS: usize = 4;
+/// Largest number of sets that are validated.
+const MAX_FINALISTS: usize = 12;
 
 /// A building of a plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Building {
     /// A building of the search, by its index.
     Search(usize),
+    /// A building of the search with constant targets, by its index.
+    Constant(usize),
     /// A building of the validation, by its index.
     Validation(usize),
 }
@@ -107,21 +114,19 @@ fn search(
                     search.propose(best.as_ref().map(|best| &record.evaluations[best.number].values[..]))?
                 }
             };
-            let outcomes = race(plan, record, best.as_ref(), &values, simulate)?;
-            record.push(Evaluation { values, outcomes })?;
+            let evaluation = race(plan, record, best.as_ref(), values, simulate)?;
+            record.push(evaluation)?;
         }
-        let Evaluation { values, outcomes } = &record.evaluations[number];
-        let defaults = &record.evaluations[0].outcomes;
-        let losses = penalized_losses(plan, defaults, outcomes);
-        let is_complete = outcomes.len() == plan.buildings.len();
-        let candidate = Best { number, losses };
+        let (evaluation, defaults) = (&record.evaluations[number], &record.evaluations[0]);
+        let is_complete = evaluation.outcomes.len() == plan.buildings.len();
+        let candidate = Best { number, losses: evaluation.penalized_losses(plan, defaults) };
         let score = match &best {
             Some(best) if !is_complete => best.estimate(&candidate.losses),
             _ => candidate.score(),
         };
-        search.tell(values, score)?;
+        search.tell(&evaluation.values, score)?;
         let is_better = best.as_ref().is_none_or(|best| score < best.score());
-        if is_complete && is_better && is_within_travel_limit(defaults, outcomes) {
+        if is_complete && is_better && evaluation.worst_to_limit(plan, defaults) <= 1.0 {
             best = Some(candidate);
         }
         done(number + 1);
@@ -147,66 +152,74 @@ fn race(
     plan: &Plan,
     record: &Record,
     best: Option<&Best>,
-    values: &[f64],
+    values: Vec<f64>,
     simulate: &mut impl FnMut(&ReactiveParameters, Building) -> Result<Vec<Outcome>>,
-) -> Result<Vec<Outcome>> {
-    let parameters = space::parameters(plan.axes(), values);
-    let mut outcomes = Vec::new();
+) -> Result<Evaluation> {
+    let parameters = space::parameters(plan.axes(), &values);
+    let is_out = |evaluation: &Evaluation| match (best, record.evaluations.first()) {
+        (Some(best), Some(defaults)) => best.is_beyond(&evaluation.penalized_losses(plan, defaults)),
+        _ => false,
+    };
+    let mut evaluation = Evaluation { values, outcomes: Vec::new(), constant: Vec::new() };
     for building in 0..plan.buildings.len() {
-        outcomes.extend(simulate(&parameters, Building::Search(building))?);
-        if let (Some(best), Some(defaults)) = (best, record.evaluations.first())
-            && best.is_beyond(&penalized_losses(plan, &defaults.outcomes, &outcomes))
-        {
+        evaluation.outcomes.extend(simulate(&parameters, Building::Search(building))?);
+        if plan.constant_targets && !is_out(&evaluation) {
+            evaluation.constant.extend(simulate(&parameters, Building::Constant(building))?);
+        }
+        if is_out(&evaluation) {
             break;
         }
     }
-    Ok(outcomes)
+    Ok(evaluation)
 }
 
-/// Returns the relative losses of the buildings, each with the factor for actuator travel on the worst of them.
-fn penalized_losses(plan: &Plan, defaults: &[Outcome], outcomes: &[Outcome]) -> Vec<f64> {
-    let factor = travel_factor(defaults, outcomes);
-    relative_losses(plan, defaults, outcomes).into_iter().map(|loss| loss * factor).collect()
-}
-
-/// Returns the cells of the defaults and of the best sets of the search, which are validated unless the record has them.
+/// Returns the cells of the defaults and of the best sets of the search, a few at a time until one is eligible. They are
+/// validated unless the record has them.
 fn validate(
     plan: &Plan,
     evaluations: usize,
     record: &mut Record,
     simulate: &mut impl FnMut(&ReactiveParameters, Building) -> Result<Vec<Outcome>>,
 ) -> Result<Vec<(Vec<f64>, Cells)>> {
-    let mut sets = Vec::new();
-    for number in finalists(plan, &record.evaluations[..evaluations]) {
-        let Evaluation { values, outcomes: search } = record.evaluations[number].clone();
+    let ranked = ranked(plan, &record.evaluations[..evaluations]);
+    let mut cells = |number: usize| -> Result<(Vec<f64>, Cells)> {
+        let Evaluation { values, outcomes: search, constant } = record.evaluations[number].clone();
         let parameters = space::parameters(plan.axes(), &values);
         let validation = record.validation(&values, || {
             (0..plan.validation.len())
                 .map(|building| simulate(&parameters, Building::Validation(building)))
                 .collect()
         })?;
-        sets.push((values, Cells { search, validation }));
+        Ok((values, Cells { search, constant, validation }))
+    };
+    let mut sets = vec![cells(0)?];
+    for finalists in ranked[..ranked.len().min(MAX_FINALISTS)].chunks(FINALISTS) {
+        for number in finalists {
+            sets.push(cells(*number)?);
+        }
+        if sets[1..].iter().any(|(_, set)| set.is_eligible(plan, &sets[0].1)) {
+            break;
+        }
     }
     Ok(sets)
 }
 
-/// Returns the numbers of the defaults and of the best complete evaluations under which no actuators hunt.
-fn finalists(plan: &Plan, evaluations: &[Evaluation]) -> Vec<usize> {
-    let defaults = &evaluations[0].outcomes;
+/// Returns the numbers of the complete evaluations within the limits of the search, best first, without the defaults.
+fn ranked(plan: &Plan, evaluations: &[Evaluation]) -> Vec<usize> {
+    let defaults = &evaluations[0];
     let mut ranked: Vec<(f64, usize)> = Vec::new();
     for (number, evaluation) in evaluations.iter().enumerate().skip(1) {
-        let Evaluation { values, outcomes } = evaluation;
-        let is_repeated = evaluations[..number].iter().any(|other| other.values == *values);
-        if outcomes.len() == plan.buildings.len()
-            && is_within_travel_limit(defaults, outcomes)
+        let is_repeated = evaluations[..number].iter().any(|other| other.values == evaluation.values);
+        if evaluation.outcomes.len() == plan.buildings.len()
+            && evaluation.worst_to_limit(plan, defaults) <= 1.0
             && !is_repeated
         {
-            let losses = relative_losses(plan, defaults, outcomes);
+            let losses = relative_losses(plan, &defaults.outcomes, &evaluation.outcomes);
             ranked.push((outcome::percentile_75(&losses), number));
         }
     }
     ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
-    std::iter::once(0).chain(ranked.into_iter().take(FINALISTS).map(|(_, number)| number)).collect()
+    ranked.into_iter().map(|(_, number)| number).collect()
 }
 
 #[cfg(test)]

@@ -18,14 +18,48 @@ pub struct Outcome {
     pub daily_travel: f64,
 }
 
-/// Actuator travel above which actuators hunt, full strokes/day, unless it is higher under the reference. A target that
-/// jumps up and down once a day moves an actuator there and back twice: four strokes.
-const MAX_TRAVEL: f64 = 5.0;
+/// Deviation below which differences of the loss do not count as worse, K: the accuracy of an air temperature sensor.
+const RESOLUTION: f64 = 0.2;
+
+/// What a set of parameters may not exceed in any cell.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Limits {
+    /// Actuator travel above which actuators hunt, full strokes/day, unless it is higher under the defaults.
+    travel: f64,
+    /// Increase of the loss over that of the defaults, relative.
+    increase: f64,
+}
+
+impl Limits {
+    /// The limits of the selection. A target that jumps up and down once a day moves an actuator there and back twice:
+    /// four strokes.
+    pub(super) const SELECTION: Self = Self { travel: 5.0, increase: 0.1 };
+    /// Limits with a margin for buildings that the search does not use.
+    pub(super) const WITH_MARGIN: Self = Self { travel: 4.0, increase: 0.05 };
+
+    /// Returns the actuator travel relative to the limit in the worst of the given cells.
+    pub(super) fn worst_travel(self, defaults: &[Outcome], outcomes: &[Outcome]) -> f64 {
+        let relative = |(outcome, default): (&Outcome, &Outcome)| {
+            outcome.daily_travel / default.daily_travel.max(self.travel)
+        };
+        outcomes.iter().zip(defaults).map(relative).fold(0.0, f64::max)
+    }
+
+    /// Returns the loss relative to the limit in the worst of the given cells. The resolution of a sensor is added to the
+    /// loss.
+    pub(super) fn worst_loss(self, plan: &Plan, defaults: &[Outcome], outcomes: &[Outcome]) -> f64 {
+        let floor = RESOLUTION * RESOLUTION;
+        let relative = |(outcome, default): (&Outcome, &Outcome)| {
+            (outcome.loss(plan) + floor) / ((1.0 + self.increase) * (default.loss(plan) + floor))
+        };
+        outcomes.iter().zip(defaults).map(relative).fold(0.0, f64::max)
+    }
+}
 
 /// Returns the actuator travel above which actuators hunt, full strokes/day, given that of a reference under the same
 /// conditions: 5, or that of the reference if it is higher.
 pub fn travel_limit(reference: f64) -> f64 {
-    reference.max(MAX_TRAVEL)
+    reference.max(Limits::SELECTION.travel)
 }
 
 impl Outcome {
@@ -44,11 +78,6 @@ impl Outcome {
         let energy = plan.objective.energy_weight() / plan.energy_scale.unwrap_or(1.0) * self.energy;
         (self.temperature_penalty + energy) / self.steps.max(1) as f64
     }
-
-    /// Returns the actuator travel relative to the limit, given the outcome of the defaults in the same cell.
-    fn relative_travel(&self, default: &Self) -> f64 {
-        self.daily_travel / travel_limit(default.daily_travel)
-    }
 }
 
 /// Returns the loss of each cell relative to that of the defaults.
@@ -57,23 +86,6 @@ pub(super) fn relative_losses(plan: &Plan, defaults: &[Outcome], outcomes: &[Out
         outcome.loss(plan) / default.loss(plan).max(f64::MIN_POSITIVE)
     };
     outcomes.iter().zip(defaults).map(relative).collect()
-}
-
-/// Returns the actuator travel relative to the limit in the worst of the given cells.
-pub(super) fn worst_travel(defaults: &[Outcome], outcomes: &[Outcome]) -> f64 {
-    let relative = outcomes.iter().zip(defaults).map(|(outcome, default)| outcome.relative_travel(default));
-    relative.fold(0.0, f64::max)
-}
-
-/// Returns whether the actuators hunt in no cell. A mean over buildings would hide one that does.
-pub(super) fn is_within_travel_limit(defaults: &[Outcome], outcomes: &[Outcome]) -> bool {
-    worst_travel(defaults, outcomes) <= 1.0
-}
-
-/// Returns the factor on the loss of a set of parameters under which actuators hunt: the square of the travel relative to
-/// the limit, on the worst building.
-pub(super) fn travel_factor(defaults: &[Outcome], outcomes: &[Outcome]) -> f64 {
-    worst_travel(defaults, outcomes).max(1.0).powi(2)
 }
 
 /// Returns the 75th percentile of relative losses, interpolated between neighbors. With five buildings, this is the second
@@ -88,6 +100,7 @@ pub(super) fn percentile_75(losses: &[f64]) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::plan;
     use super::*;
 
     #[test]
@@ -102,12 +115,19 @@ mod tests {
         let outcomes =
             |travel: [f64; 2]| travel.map(|daily_travel| Outcome { daily_travel, ..Outcome::default() });
         let defaults = outcomes([1.0, 8.0]);
-        assert!(is_within_travel_limit(&defaults, &outcomes([5.0, 8.0])));
-        assert!(
-            !is_within_travel_limit(&defaults, &outcomes([0.0, 8.1]))
-                && !is_within_travel_limit(&defaults, &outcomes([5.1, 0.0]))
-        );
-        assert_eq!(travel_factor(&defaults, &outcomes([4.0, 4.0])), 1.0);
-        assert_eq!(travel_factor(&defaults, &outcomes([10.0, 0.0])), 4.0);
+        let worst = |travel| Limits::SELECTION.worst_travel(&defaults, &outcomes(travel));
+        assert_eq!([worst([5.0, 8.0]), worst([4.0, 4.0]), worst([10.0, 0.0])], [1.0, 0.8, 2.0]);
+        assert!(worst([0.0, 8.1]) > 1.0 && worst([5.1, 0.0]) > 1.0);
+        assert!(Limits::WITH_MARGIN.worst_travel(&defaults, &outcomes([4.1, 0.0])) > 1.0);
+    }
+
+    #[test]
+    fn a_loss_that_no_sensor_resolves_is_within_the_limits() {
+        let cells = |losses: [f64; 2]| {
+            losses.map(|temperature_penalty| Outcome { temperature_penalty, steps: 1, ..Outcome::default() })
+        };
+        let defaults = cells([0.003, 1.0]);
+        let worst = |losses| Limits::SELECTION.worst_loss(&plan(0), &defaults, &cells(losses));
+        assert!(worst([0.006, 1.1]) < 1.0 && worst([0.006, 1.2]) > 1.0 && worst([0.03, 1.0]) > 1.0);
     }
 }

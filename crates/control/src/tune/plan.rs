@@ -1,12 +1,13 @@
 //! The plan of a tuning run: class, objective, training buildings and run periods.
 
-use b2b_building::{Class, RunPeriod};
+use b2b_building::{BuildingType, Class, RunPeriod};
 use b2b_dataset::{BuildingId, GENERATOR_VERSION, Split};
 use b2b_env::Task;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
+use super::outcome::Limits;
 use super::space::{self, Axis};
 use crate::{Error, Objective, ReactiveParameters, Result};
 
@@ -32,6 +33,9 @@ pub struct Plan {
     pub validation: Vec<String>,
     /// Run periods of each building.
     pub periods: Vec<RunPeriod>,
+    /// Whether a set must also hold constant targets in the buildings of the search. It does on central air loops, where
+    /// gains that follow jumps quickly let dampers and the common supply temperature oscillate between them.
+    pub constant_targets: bool,
     /// Seed of the buildings and the search.
     pub seed: u64,
     /// Names of the searched parameters.
@@ -65,6 +69,7 @@ impl Plan {
             buildings: names(&buildings.search),
             validation: names(&buildings.validation),
             periods: periods.to_vec(),
+            constant_targets: class.building_type == BuildingType::OfficeMedium,
             seed,
             parameters: Vec::new(),
             starts: Vec::new(),
@@ -90,6 +95,11 @@ impl Plan {
             starts: starts.iter().map(values).collect(),
             ..self
         }
+    }
+
+    /// Returns what a set may not exceed in the search.
+    pub(super) fn limits(&self) -> Limits {
+        if self.constant_targets { Limits::WITH_MARGIN } else { Limits::SELECTION }
     }
 
     /// Returns the searched parameters.

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::outcome::Outcome;
+use super::outcome::{Outcome, relative_losses};
 use super::plan::Plan;
 use crate::{Error, Result};
 
@@ -18,6 +18,28 @@ pub(super) struct Evaluation {
     pub(super) values: Vec<f64>,
     /// Outcome of each building; of the first ones, if the set was dropped.
     pub(super) outcomes: Vec<Outcome>,
+    /// The same with constant targets; empty unless the plan requires them.
+    pub(super) constant: Vec<Outcome>,
+}
+
+impl Evaluation {
+    /// Returns the largest of actuator travel and loss relative to the limits of the search, given the evaluation of the
+    /// defaults. The loss is limited under constant targets alone.
+    pub(super) fn worst_to_limit(&self, plan: &Plan, defaults: &Self) -> f64 {
+        let limits = plan.limits();
+        let travel = limits.worst_travel(&defaults.outcomes, &self.outcomes);
+        let constant = limits.worst_travel(&defaults.constant, &self.constant);
+        travel.max(constant).max(limits.worst_loss(plan, &defaults.constant, &self.constant))
+    }
+
+    /// Returns the relative loss of each building, multiplied by the square of what exceeds the limits on the worst.
+    pub(super) fn penalized_losses(&self, plan: &Plan, defaults: &Self) -> Vec<f64> {
+        let factor = self.worst_to_limit(plan, defaults).max(1.0).powi(2);
+        relative_losses(plan, &defaults.outcomes, &self.outcomes)
+            .into_iter()
+            .map(|loss| loss * factor)
+            .collect()
+    }
 }
 
 /// A set of parameters and its outcomes on the buildings of the validation.

@@ -1,30 +1,24 @@
 //! The choice among the best sets of a search, by buildings that the search did not use.
 
-use super::outcome::{Outcome, is_within_travel_limit, relative_losses};
+use super::outcome::{Limits, Outcome, relative_losses};
 use super::plan::Plan;
 use crate::Measured;
 
-/// Number of the best sets that are validated together with the defaults.
-pub(super) const FINALISTS: usize = 4;
-
-/// Deviation below which differences of the loss do not count as worse, K: the accuracy of an air temperature sensor.
-const RESOLUTION: f64 = 0.2;
-/// Largest increase of the loss over that of the defaults that is tolerated in a cell.
-const TOLERANCE: f64 = 0.1;
-
-/// The outcomes of a set of parameters: on the buildings of the search under `occupancy`, and on those of the validation
-/// under each of [`Plan::VALIDATION_SETPOINTS`].
+/// The outcomes of a set of parameters: on the buildings of the search under `occupancy`, under `constant` if the plan
+/// requires it, and on those of the validation under each of [`Plan::VALIDATION_SETPOINTS`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cells {
     /// Outcomes on the buildings of the search.
     pub search: Vec<Outcome>,
+    /// Outcomes on the same buildings with constant targets; empty unless [`Plan::constant_targets`].
+    pub constant: Vec<Outcome>,
     /// Outcomes on the buildings of the validation, each with one per setpoint mode.
     pub validation: Vec<Vec<Outcome>>,
 }
 
 impl Cells {
     fn all(&self) -> Vec<Outcome> {
-        self.search.iter().chain(self.validation.iter().flatten()).copied().collect()
+        self.search.iter().chain(&self.constant).chain(self.validation.iter().flatten()).copied().collect()
     }
 
     /// The cells with setpoints by occupancy.
@@ -34,13 +28,10 @@ impl Cells {
     }
 
     /// Returns whether a set is eligible: actuators hunt in no cell, and in none is it clearly worse than the defaults.
-    fn is_eligible(&self, plan: &Plan, defaults: &[Outcome]) -> bool {
-        let floor = RESOLUTION * RESOLUTION;
-        let cells = self.all();
-        let clearly_worse = |(outcome, default): (&Outcome, &Outcome)| {
-            outcome.loss(plan) + floor > (1.0 + TOLERANCE) * (default.loss(plan) + floor)
-        };
-        is_within_travel_limit(defaults, &cells) && !cells.iter().zip(defaults).any(clearly_worse)
+    pub(super) fn is_eligible(&self, plan: &Plan, defaults: &Self) -> bool {
+        let (defaults, cells) = (defaults.all(), self.all());
+        let limits = Limits::SELECTION;
+        limits.worst_travel(&defaults, &cells) <= 1.0 && limits.worst_loss(plan, &defaults, &cells) <= 1.0
     }
 }
 
@@ -49,7 +40,7 @@ impl Cells {
 pub(super) fn select(plan: &Plan, sets: &[Cells]) -> usize {
     let defaults = sets[0].all();
     let score = |set: &Cells| median(relative_losses(plan, &defaults, &set.all()));
-    let eligible = sets.iter().enumerate().filter(|(_, set)| set.is_eligible(plan, &defaults));
+    let eligible = sets.iter().enumerate().filter(|(_, set)| set.is_eligible(plan, &sets[0]));
     let best = eligible.map(|(number, set)| (score(set), number)).min_by(|a, b| a.0.total_cmp(&b.0));
     best.map_or(0, |(_, number)| number)
 }
@@ -90,7 +81,7 @@ mod tests {
         let outcome =
             |temperature_penalty| Outcome { temperature_penalty, steps: 1, energy: 2.0, daily_travel };
         let [a, b, c, d] = losses.map(outcome);
-        Cells { search: vec![a, b], validation: vec![vec![c, d]] }
+        Cells { search: vec![a, b], constant: Vec::new(), validation: vec![vec![c, d]] }
     }
 
     #[test]

@@ -25,9 +25,14 @@ fn synthetic(parameters: &ReactiveParameters, building: Building) -> Result<Vec<
     let flow = parameters.unitary.min_flow - 0.3;
     let loss = |weight: f64| weight * (0.01 + off * off + flow * flow);
     Ok(match building {
-        Building::Search(index) => vec![outcome(loss([1.0, 5.0, 100.0][index]))],
+        Building::Search(index) | Building::Constant(index) => vec![outcome(loss([1.0, 5.0, 100.0][index]))],
         Building::Validation(_) => vec![outcome(loss(2.0)), outcome(loss(3.0))],
     })
+}
+
+/// Returns the number of outcomes of a building.
+fn episodes(building: Building) -> usize {
+    if matches!(building, Building::Validation(_)) { 2 } else { 1 }
 }
 
 fn run(plan: &Plan, evaluations: usize, file: &Path) -> (Tuned, usize) {
@@ -57,9 +62,7 @@ fn the_search_approaches_the_optimum_and_is_never_worse_than_the_defaults() {
 #[test]
 fn a_search_that_no_longer_improves_ends() {
     let folder = tempfile::tempdir().unwrap();
-    let constant = |_: &ReactiveParameters, building| {
-        Ok(vec![outcome(1.0); if matches!(building, Building::Search(_)) { 1 } else { 2 }])
-    };
+    let constant = |_: &ReactiveParameters, building| Ok(vec![outcome(1.0); episodes(building)]);
     let file = folder.path().join("file");
     let tuned = tune(&plan(0), 100, &file, "", constant, |_| ()).unwrap();
     assert_eq!(tuned.evaluations, search::UNIFORM + PATIENCE + 1);
@@ -127,7 +130,7 @@ fn parameters_under_which_actuators_hunt_are_not_chosen() {
             let lift = parameters.unitary.heating_lift;
             let daily_travel = if lift > 12.0 && hunting == Some(building) { 9.0 } else { 1.0 };
             let one = Outcome { daily_travel, ..outcome(30.0 - lift) };
-            Ok(vec![one; if matches!(building, Building::Search(_)) { 1 } else { 2 }])
+            Ok(vec![one; episodes(building)])
         };
         let file = folder.path().join(format!("{hunting:?}"));
         tune(&plan(0), 40, &file, "", simulate, |_| ()).unwrap()
@@ -141,6 +144,33 @@ fn parameters_under_which_actuators_hunt_are_not_chosen() {
 }
 
 #[test]
+fn a_set_that_does_not_hold_constant_targets_is_not_chosen_on_air_loops() {
+    let folder = tempfile::tempdir().unwrap();
+    let chosen = |building_type: BuildingType| {
+        let class = Class::new(building_type, Some("5B"));
+        let buildings = TrainingBuildings::draw(class, 3, 2, 0).unwrap();
+        let plan = Plan::comfort(class, &buildings, &["01-08..01-08".parse().unwrap()], 0);
+        // The loss by occupancy falls with the gain; above 1.5, constant targets are no longer held.
+        let simulate = |parameters: &ReactiveParameters, building| {
+            let gain = parameters.air_loop.gains.proportional.max(parameters.unitary.gains.proportional);
+            let (constant, occupancy) = (outcome(if gain > 1.5 { 0.5 } else { 0.1 }), outcome(5.0 - gain));
+            Ok(match building {
+                Building::Search(_) => vec![occupancy],
+                Building::Constant(_) => vec![constant],
+                Building::Validation(_) => vec![constant, occupancy],
+            })
+        };
+        let file = folder.path().join(building_type.to_string());
+        tune(&plan, 60, &file, "", simulate, |_| ()).unwrap().parameters
+    };
+    let gain = chosen(BuildingType::OfficeMedium).air_loop.gains.proportional;
+    assert!((1.3..=1.5).contains(&gain), "{gain}");
+    // Otherwise, validation rejects the best sets, until one further down is eligible.
+    let gain = chosen(BuildingType::OfficeSmall).unitary.gains.proportional;
+    assert!(gain > 0.2 && gain <= 1.5, "{gain}");
+}
+
+#[test]
 fn the_energy_objective_weighs_energy_and_starts_from_the_comfort_set() {
     let folder = tempfile::tempdir().unwrap();
     let mut comfort = ReactiveParameters::default();
@@ -151,7 +181,7 @@ fn the_energy_objective_weighs_energy_and_starts_from_the_comfort_set() {
     let simulate = |parameters: &ReactiveParameters, building| {
         let off = (parameters.unitary.heating_lift - 15.0) / 10.0;
         let one = Outcome { energy: 0.5 + parameters.unitary.min_flow, ..outcome(off * off) };
-        Ok(vec![one; if matches!(building, Building::Search(_)) { 1 } else { 2 }])
+        Ok(vec![one; episodes(building)])
     };
     let tuned = tune(&plan, 40, &folder.path().join("file"), "", simulate, |_| ()).unwrap();
     assert_eq!(tuned.energy_scale, Some(2.0));
