@@ -15,6 +15,7 @@ import sys
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from math import isfinite, nan
 from pathlib import Path
 from typing import Any
 
@@ -101,6 +102,29 @@ def train(
     return {name: Agent.load(place) for name, place in places.items()}
 
 
+def trainable(**fixed: Any) -> Callable[[dict[str, Any]], None]:
+    """Returns a trainable for Ray Tune: a function that trains an agent with the arguments of a trial.
+
+    ``fixed`` are arguments of :func:`building2building.train` that all trials share, without ``out`` and ``callback``;
+    those of a trial replace and extend them. A trial reports the metrics of every evaluation (``score``, ``steps``, …)
+    with the folder of its run as a checkpoint, from which a trial that was interrupted resumes, and the summary at the
+    end (``resolved_score``, …). ``Agent.load(result.checkpoint.path)`` is the agent of a result. Requires
+    ``pip install "ray[tune]"``.
+
+    >>> from ray import tune  # doctest: +SKIP
+    >>> fixed = {"buildings": "OfficeSmall-0509", "task": "occupancy", "steps": 200_000}  # doctest: +SKIP
+    >>> space = {"ppo": {"learning_rate": tune.loguniform(1e-4, 3e-3)}}  # doctest: +SKIP
+    >>> best = tune.TuneConfig(metric="score", mode="min", num_samples=16)  # doctest: +SKIP
+    >>> tune.Tuner(b2b.ray.trainable(**fixed), param_space=space, tune_config=best).fit()  # doctest: +SKIP
+    """
+
+    def trial(config: dict[str, Any]) -> None:
+        with tempfile.TemporaryDirectory(prefix="b2b-ray-") as temporary:
+            _train_trial(_merged(fixed, config), Path(temporary, "run"))
+
+    return trial
+
+
 def tune(
     classes: Sequence[tuple[str, int | None]],
     *,
@@ -152,6 +176,34 @@ def _train(arguments: dict[str, Any]) -> Files:
         place = Path(temporary, "run")
         train_here(**arguments, out=place, jobs=1)
         return _read_all(place)
+
+
+def _train_trial(arguments: dict[str, Any], place: Path) -> None:
+    """Trains an agent in a folder, from the checkpoint of the trial if it has one."""
+    from ray import tune as ray_tune
+
+    def report(numbers: Mapping[str, Any]) -> None:
+        finite = {name: value for name, value in numbers.items() if isinstance(value, int | float) and isfinite(value)}
+        ray_tune.report(finite, checkpoint=ray_tune.Checkpoint.from_directory(place))
+
+    def report_evaluation(numbers: dict[str, float]) -> None:
+        if isfinite(numbers.get("score", nan)):
+            report(numbers)
+
+    checkpoint = ray_tune.get_checkpoint()
+    if checkpoint is not None:
+        checkpoint.to_directory(place)
+    agent = train_here(**{"jobs": 1, **arguments}, out=place, callback=report_evaluation)
+    report(agent.summary or {})
+
+
+def _merged(fixed: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    """Returns options with changes; tables, such as ``ppo``, are merged."""
+    merged = dict(fixed)
+    for name, value in changes.items():
+        before = merged.get(name)
+        merged[name] = _merged(before, value) if isinstance(before, dict) and isinstance(value, dict) else value
+    return merged
 
 
 def _command(words: list[str], before: Files) -> tuple[Files, str]:

@@ -116,3 +116,57 @@ def test_an_experiment_in_shards_gives_the_results_of_one_machine(cluster: Any, 
     options = ["--evaluations", "1", "--buildings", "1", "--validation", "1", "--period", "01-01..01-01"]
     tune([("SingleFamilyHouse", None)], folder=tmp_path / "tuning", options=options, resources=resources)
     assert (tmp_path / "tuning" / "tuned.json").is_file()
+
+
+def test_ray_tune_tries_options_and_a_trial_resumes_from_its_checkpoint(cluster: Any, tmp_path: Path) -> None:
+    from building2building.ray import trainable
+    from ray import tune
+
+    house = {
+        "buildings": "SingleFamilyHouse-0018",
+        "run_period": "01-01..01-02",
+        "window_days": 1,
+        "steps": 2400,
+        "environments": 2,
+        "evaluation": {"every": 1000, "days": 1},
+        "ppo": {"gamma": 0.98},
+    }
+    interrupted, resumed = tmp_path / "interrupted", tmp_path / "resumed"
+
+    def train_with_an_interruption(config: dict[str, Any]) -> None:
+        """Loses the first trial after its first report."""
+        original = tune.report
+
+        def report(metrics: dict[str, Any], **arguments: Any) -> None:
+            original(metrics, **arguments)
+            if not interrupted.exists():
+                interrupted.write_text(str(metrics["steps"]))
+                raise RuntimeError("the node is lost")
+            if not resumed.exists():
+                resumed.write_text(str(metrics["steps"]))
+
+        tune.report = report
+        try:
+            trainable(**house)(config)
+        finally:
+            tune.report = original
+
+    results = tune.Tuner(
+        train_with_an_interruption,
+        param_space={"ppo": {"learning_rate": tune.grid_search([1e-4, 1e-3])}},
+        tune_config=tune.TuneConfig(metric="score", mode="min", max_concurrent_trials=1),
+        run_config=tune.RunConfig(
+            storage_path=str(tmp_path / "study"), failure_config=tune.FailureConfig(max_failures=1), verbose=0
+        ),
+    ).fit()
+    assert not results.errors and len(results) == 2
+    # The first report of the second attempt is not that of the first again.
+    assert float(resumed.read_text()) > float(interrupted.read_text())
+    for result in results:
+        agent = b2b.Agent.load(result.checkpoint.path)
+        assert agent.info["training"]["steps"] >= 2400 and agent.summary is not None
+        assert result.metrics["resolved_score"] == agent.summary["resolved_score"]
+        ppo = {"gamma": 0.98, "learning_rate": result.config["ppo"]["learning_rate"]}
+        here = b2b.train(**{**house, "ppo": ppo}, out=tmp_path / f"here-{ppo['learning_rate']}", jobs=1)
+        weights = [Path(each.path, "weights.safetensors").read_bytes() for each in (agent, here)]
+        assert weights[0] == weights[1]

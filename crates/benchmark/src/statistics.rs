@@ -185,8 +185,9 @@ fn draw(strata: &[Vec<Cluster>], random: &mut ChaCha8Rng, scores: &mut Vec<f64>)
     }
 }
 
-fn mean(sorted: &[f64]) -> f64 {
-    sorted.iter().sum::<f64>() / sorted.len() as f64
+/// Returns the mean of numbers, of which there is at least one.
+pub fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
 }
 
 /// Returns the median of sorted numbers.

@@ -12,11 +12,13 @@ use toml::Table;
 use crate::error::{Error, Result, at};
 
 /// The shipped experiments by name.
-const SHIPPED: [(&str, &str); 7] = [
+const SHIPPED: [(&str, &str); 9] = [
     ("ppo", include_str!("../data/ppo.toml")),
     ("residual", include_str!("../data/residual.toml")),
     ("rewards", include_str!("../data/rewards.toml")),
     ("dynamics", include_str!("../data/dynamics.toml")),
+    ("dynamics-office-small", include_str!("../data/dynamics-office-small.toml")),
+    ("dynamics-office-medium", include_str!("../data/dynamics-office-medium.toml")),
     ("cross-domain", include_str!("../data/cross-domain.toml")),
     ("weights", include_str!("../data/weights.toml")),
     ("speed", include_str!("../data/speed.toml")),
@@ -71,6 +73,9 @@ pub struct Agent {
     pub name: String,
     /// The scope of its training runs.
     pub trains: Training,
+    /// Whether one training covers all tasks of the experiment instead of one each.
+    #[serde(default)]
+    pub all_tasks: bool,
     /// Options of `b2b train`, as in a file for its `--config`.
     pub options: Table,
     /// Changes of the quick budget.

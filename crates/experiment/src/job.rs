@@ -122,26 +122,30 @@ impl Experiment {
                 ));
             }
         }
+        let task_sets: Vec<(&str, &[String])> = match agent.all_tasks {
+            true => vec![("all-tasks", &self.tasks)],
+            false => self.tasks.iter().map(|task| (&task[..], std::slice::from_ref(task))).collect(),
+        };
         let mut jobs = Vec::new();
         for (subject, selected, buildings) in &subjects {
             for period in &self.periods {
-                for task in &self.tasks {
+                for (label, tasks) in &task_sets {
                     for seed in 0..budget.seeds {
                         let mut config = agent.options.clone();
                         config.extend(selected.clone());
                         config.extend([
-                            ("task".to_owned(), Value::String(task.clone())),
+                            ("task".to_owned(), Value::String(tasks.join(","))),
                             ("period".to_owned(), Value::String(period.clone())),
                             ("steps".to_owned(), Value::Integer(budget.steps as i64)),
                             ("seed".to_owned(), Value::Integer(seed as i64)),
                         ]);
                         let episodes = Episodes {
                             buildings: buildings.clone(),
-                            tasks: vec![task.clone()],
+                            tasks: tasks.to_vec(),
                             periods: vec![period.clone()],
                         };
                         jobs.push(Job {
-                            key: format!("{}/{subject}_{task}_{period}_{seed}", agent.name),
+                            key: format!("{}/{subject}_{label}_{period}_{seed}", agent.name),
                             actions: vec![
                                 Action::Train { config, steps: budget.steps },
                                 Action::Evaluate(episodes),
@@ -195,6 +199,17 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn an_agent_for_all_tasks_is_trained_once_for_a_building_and_evaluated_on_each_task() {
+        let jobs = Experiment::named("weights").unwrap().jobs(BudgetName::Quick);
+        let of = |agent: &str| jobs.iter().filter(|job| job.agent() == agent).collect::<Vec<_>>();
+        let (conditioned, residual) = (of("conditioned"), of("residual"));
+        assert_eq!(residual.len(), 8 * conditioned.len());
+        assert!(conditioned.iter().all(|job| job.episodes().unwrap().tasks.len() == 8));
+        let Action::Train { config, .. } = &conditioned[0].actions[0] else { unreachable!() };
+        assert_eq!(config["task"].as_str().unwrap().split(',').count(), 8);
     }
 
     #[test]

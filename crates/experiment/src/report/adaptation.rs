@@ -1,7 +1,7 @@
 //! Specialists and generalists on test buildings, as the paper's figures of dynamics adaptation.
 
 use b2b_benchmark::report::{Chart, Series, color, horizontal_line, rms_deviations};
-use b2b_benchmark::statistics::median;
+use b2b_benchmark::statistics::{mean, median};
 use b2b_benchmark::{EpisodeInfo, Scored};
 use serde_json::json;
 
@@ -68,10 +68,6 @@ pub(super) fn content(experiment: &Experiment, results: &Results) -> Content {
         notes: SCORES.to_owned(),
         ..Content::default()
     }
-}
-
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
 fn standard_error(values: &[f64]) -> f64 {

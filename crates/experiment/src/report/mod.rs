@@ -4,6 +4,7 @@ mod adaptation;
 mod group;
 mod scores;
 mod step_times;
+mod tails;
 mod transfer;
 mod weights;
 
@@ -32,7 +33,7 @@ struct Content {
 /// # Errors
 /// The errors of the writer.
 pub fn write(file: &mut impl Write, experiment: &Experiment, results: &Results) -> std::io::Result<()> {
-    let content = match experiment.report {
+    let mut content = match experiment.report {
         ReportKind::Scores => scores::content(experiment, results),
         ReportKind::StepRewards => rewards(experiment, results),
         ReportKind::Adaptation => adaptation::content(experiment, results),
@@ -40,6 +41,9 @@ pub fn write(file: &mut impl Write, experiment: &Experiment, results: &Results) 
         ReportKind::Weights => weights::content(experiment, results),
         ReportKind::StepTimes => step_times::content(results),
     };
+    if matches!(experiment.report, ReportKind::Adaptation | ReportKind::Transfer) {
+        content.tables.extend(tails::table(experiment, results));
+    }
     let jobs = results.done.len() + results.failed.len() + results.missing.len();
     let mut tiles = vec![
         ("budget".to_owned(), results.budget.to_string()),

@@ -5,14 +5,16 @@ use b2b_benchmark::report::{Chart, StepDeviations, color, step_deviations};
 use serde_json::{Value, json};
 
 use super::{Content, SCORES};
-use crate::definition::Experiment;
+use crate::definition::{Experiment, REACTIVE};
 use crate::results::Results;
 
 /// Means over buildings under one task.
 struct Point {
     weight: f64,
     deviation: f64,
+    /// kWh/m².
     energy: f64,
+    relative_energy: f64,
     episodes: usize,
 }
 
@@ -23,36 +25,38 @@ pub(super) fn content(experiment: &Experiment, results: &Results) -> Content {
     for building_type in &experiment.types {
         for setpoints in &setpoints {
             let mut data = Vec::new();
-            for (number, agent) in experiment.agents.iter().enumerate() {
-                let points = points(experiment, results, &agent.name, building_type.name(), setpoints);
-                for Point { weight, deviation, energy, episodes } in &points {
+            for (number, name) in controllers(experiment).enumerate() {
+                let points = points(experiment, results, name, building_type.name(), setpoints);
+                for Point { weight, deviation, energy, relative_energy, episodes } in &points {
                     rows.push(vec![
                         building_type.to_string(),
                         (*setpoints).to_owned(),
-                        agent.name.clone(),
+                        name.to_owned(),
                         weight.to_string(),
                         episodes.to_string(),
                         format!("{deviation:.2}"),
                         format!("{energy:.2}"),
+                        format!("{relative_energy:.2}"),
                     ]);
                 }
                 data.push(json!({
-                    "type": "scatter", "mode": "lines+markers+text", "name": agent.name,
+                    "type": "scatter", "mode": "lines+markers+text", "name": name,
                     "x": points.iter().map(|point| point.energy).collect::<Vec<_>>(),
                     "y": points.iter().map(|point| point.deviation).collect::<Vec<_>>(),
                     "text": points.iter().map(|point| format!("{}", point.weight)).collect::<Vec<_>>(),
                     "textposition": "top center", "line": {"color": color(number), "width": 1.2}, "marker": {"size": 8},
-                    "hovertemplate": "weight %{text}: energy %{x:.2f}, %{y:.2f} K<extra></extra>",
+                    "hovertemplate": "weight %{text}: %{x:.2f} kWh/m², %{y:.2f} K<extra></extra>",
                 }));
             }
             charts.push(Chart {
                 title: format!("{building_type}: {setpoints} targets"),
-                note: "means over buildings; the number is the weight of energy".into(),
+                note: "means over buildings; the number is the weight of energy. The reactive controllers have one set of parameters for weight 0 \
+                       and one for all others".into(),
                 height: 330,
                 wide: false,
                 data: Value::from(data),
                 layout: json!({
-                    "xaxis": {"title": {"text": "HVAC energy / that of the reactive controllers"}, "zeroline": false},
+                    "xaxis": {"title": {"text": "HVAC energy (kWh/m²)"}, "zeroline": false},
                     "yaxis": {"title": {"text": "RMS deviation (K)"}, "rangemode": "tozero", "zeroline": false},
                 }),
             });
@@ -61,7 +65,8 @@ pub(super) fn content(experiment: &Experiment, results: &Results) -> Content {
     }
     let table = json!({
         "name": "Comfort and energy", "title": "means over buildings",
-        "header": ["type", "targets", "agent", "weight of energy", "episodes", "RMS deviation (K)", "energy / baseline"],
+        "header": ["type", "targets", "agent", "weight of energy", "episodes", "RMS deviation (K)",
+                   "energy (kWh/m²)", "energy / baseline"],
         "rows": rows,
     });
     Content { tables: vec![table], charts, notes: SCORES.to_owned(), ..Content::default() }
@@ -76,11 +81,10 @@ fn distributions(
 ) -> Option<Chart> {
     let mut all = Vec::new();
     for task in experiment.tasks.iter().filter(|task| setpoints(task) == wanted) {
-        for (number, agent) in experiment.agents.iter().enumerate() {
+        for (number, name) in controllers(experiment).enumerate() {
             let is_own = |row: &Row| row.info.building_type == building_type && row.info.task == *task;
-            let mut own =
-                StepDeviations::empty(format!("w_E = {}", weight(task)?), agent.name.clone(), number);
-            let jobs = results.done.iter().filter(|done| done.agent == agent.name);
+            let mut own = StepDeviations::empty(format!("w_E = {}", weight(task)?), name.to_owned(), number);
+            let jobs = results.done.iter().filter(|done| done.agent == name);
             jobs.flat_map(|done| done.deviations(is_own)).for_each(|episode| own.add(&episode));
             all.push(own);
         }
@@ -88,6 +92,12 @@ fn distributions(
     all.retain(|each| !each.is_empty());
     let title = format!("{building_type}: deviation from {wanted} targets");
     (!all.is_empty()).then(|| step_deviations(title, &all))
+}
+
+/// Returns the names of the agents, after that of the reactive controllers if their episodes are kept.
+fn controllers(experiment: &Experiment) -> impl Iterator<Item = &str> {
+    let reactive = experiment.reactive.then_some(REACTIVE);
+    reactive.into_iter().chain(experiment.agents.iter().map(|agent| agent.name.as_str()))
 }
 
 /// Returns the weight of energy in a task.
@@ -99,23 +109,24 @@ fn setpoints(task: &str) -> &str {
     task.split('+').next().unwrap_or(task)
 }
 
-/// Returns the means of an agent, by weight.
+/// Returns the means of a controller, by weight.
 fn points(
     experiment: &Experiment,
     results: &Results,
-    agent: &str,
+    name: &str,
     building_type: &str,
     wanted: &str,
 ) -> Vec<Point> {
     let tasks = experiment.tasks.iter().filter(|task| setpoints(task) == wanted);
     let point = |task: &String| {
         let own = results
-            .of(agent)
+            .of(name)
             .filter(|(_, row)| row.info.building_type == building_type && row.info.task == *task);
-        let values: Vec<[f64; 2]> = own
+        let values: Vec<[f64; 3]> = own
             .filter_map(|(_, row)| {
                 let scored = row.outcome.as_ref().ok()?;
-                Some([scored.metrics.rms_deviation, scored.relative_energy()?])
+                let energy = (scored.metrics.electricity + scored.metrics.gas) / 1000.0;
+                Some([scored.metrics.rms_deviation, energy, scored.relative_energy()?])
             })
             .collect();
         let mean = |of: usize| values.iter().map(|value| value[of]).sum::<f64>() / values.len() as f64;
@@ -124,6 +135,7 @@ fn points(
             weight,
             deviation: mean(0),
             energy: mean(1),
+            relative_energy: mean(2),
             episodes: values.len(),
         })
     };

@@ -230,21 +230,23 @@ impl<'a> Run<'a> {
             let is_last = self.steps >= self.config.steps;
             let after = self.steps;
             let due = |every: u64| every > 0 && (is_last || before / every != after / every);
-            if let Some(judge) = judge.filter(|_| due(self.config.evaluation.every)) {
-                self.evaluate(judge, &mut row);
-            } else {
-                row.values.extend(Measures::UNKNOWN.named());
+            let judge = judge.filter(|_| due(self.config.evaluation.every));
+            match judge {
+                Some(judge) => self.evaluate(judge, &mut row),
+                None => row.values.extend(Measures::UNKNOWN.named()),
             }
             let written = progress.write(&row);
             self.warn_of(written, "the progress of this update");
-            self.monitor.update(&row);
-            let stop = interrupted();
-            if is_last || stop || due(self.config.checkpoint_every) {
-                let saved = self.save();
-                self.warn_of(saved, "this checkpoint");
-                self.warn_of(curve::write(self.out, self.config), "the learning curve");
+            // Whoever is told of an evaluation can resume from it.
+            let is_saved = is_last || judge.is_some() || due(self.config.checkpoint_every);
+            if is_saved {
+                self.save_or_warn();
             }
-            if stop {
+            self.monitor.update(&row);
+            if interrupted() {
+                if !is_saved {
+                    self.save_or_warn();
+                }
                 return Err(Error::Interrupted);
             }
         }
@@ -322,6 +324,13 @@ impl<'a> Run<'a> {
             }
             self.warn_of(written.map_err(Error::from), "the best agent");
         }
+    }
+
+    /// Writes the last agent, a checkpoint and the learning curve. A failure is a warning: training can continue.
+    fn save_or_warn(&mut self) {
+        let saved = self.save();
+        self.warn_of(saved, "this checkpoint");
+        self.warn_of(curve::write(self.out, self.config), "the learning curve");
     }
 
     /// Writes the last agent and a checkpoint.
