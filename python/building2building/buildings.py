@@ -219,6 +219,14 @@ def select_building(
     return find_building(building_type, place, weather)
 
 
+def checked_weather(files: Sequence[PathLike]) -> list[str]:
+    """Returns the paths of weather files; raises :class:`BuildingError` for one that is damaged or incomplete."""
+    paths = [os.path.abspath(file) for file in files]
+    for path in paths:
+        _core.check_weather(path)
+    return paths
+
+
 def generate(
     building_type: str,
     count: int = 1,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from copy import deepcopy
 from typing import Any
 
@@ -15,7 +15,7 @@ from gymnasium.spaces import Box
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
-from .buildings import Building, PathLike, find_building, select_building
+from .buildings import Building, PathLike, checked_weather, find_building, select_building
 from .errors import EpisodeError, ProcessError, SettingError
 from .info import Info, StepInfo
 from .layout import Layout
@@ -61,6 +61,7 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
         rescale_action: bool = False,
         window_days: int | None = None,
         window_starts: int = 8,
+        weather_years: Sequence[PathLike] = (),
         resample_targets: bool = False,
         reward: Callable[[dict[str, Any]], float] | None = None,
         render_mode: str | None = None,
@@ -73,14 +74,15 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
         if render_mode is not None and render_mode not in self.metadata["render_modes"]:
             raise SettingError(f"unknown render_mode `{render_mode}`; expected rgb_array, human or None")
         in_process = in_process or keep_engine_output is not None
-        if in_process and window_days is not None:
-            raise SettingError("window_days is not available with in_process=True or keep_engine_output")
+        if in_process and (window_days is not None or weather_years):
+            raise SettingError("window_days and weather_years are not available with in_process=True or keep_engine_output")
         self.building = select_building(building_type, split, index, building_id, place, weather, building)
         self.task = json.dumps(task) if isinstance(task, dict) else str(task)
         self.run_period, self.timesteps_per_hour = run_period, timesteps_per_hour
         self.rescale_action = rescale_action
         self.render_mode = render_mode
         self._window = None if window_days is None else (window_days, window_starts)
+        self._weather_years = checked_weather(weather_years)
         self._resample_targets = resample_targets
         self._reward = reward
         self._engine_output = keep_engine_output
@@ -131,8 +133,8 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
     ) -> tuple[NDArray[np.float32], dict[str, Any]]:
         """Begins an episode at the end of the building's warm-up; takes milliseconds once the building is ready.
 
-        ``seed`` determines the window of days with ``window_days`` and the targets with ``resample_targets``.
-        Everything else is the same in every episode.
+        ``seed`` determines the window of days with ``window_days``, the weather with ``weather_years`` and the targets
+        with ``resample_targets``. Everything else is the same in every episode.
         """
         super().reset(seed=seed)
         self._open_core()
@@ -141,6 +143,8 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
         setting, steps = self._base_setting, None
         if self._resample_targets:
             setting = self._setting_of(self._task_with_new_targets())
+        if self._weather_years:
+            setting = setting.with_weather(self._weather_years[self.np_random.integers(len(self._weather_years))])
         if self._window is not None:
             setting, steps = setting.window(*self._window, int(self.np_random.integers(2**63)))
         if setting is not self.setting:
@@ -149,7 +153,9 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
         single, self.observation = core.reset() if isinstance(core, _core.LocalEnv) else core.reset(steps)
         self._steps, self._started, self._truncated = 0, True, False
         building = self.building
-        info = Info(lambda: {"building": building.name, "first_day": setting.first_day})
+        info = Info(
+            lambda: {"building": building.name, "weather": str(setting.weather), "first_day": setting.first_day}
+        )
         if self.render_mode == "human":
             self.render()
         return single, info

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -46,6 +47,7 @@ class WeatherForecast(ObservationWrapper):
         self._hours, self._quantities = hours, tuple(quantities)
         self._errors = self._checked(errors or {})
         self._seed = 0
+        self._file: Path | None = None
         self._read()
         bounds = np.repeat([self._BOUNDS[each] for each in self._quantities], hours, axis=0)
         self._low, self._high = bounds.T
@@ -54,8 +56,10 @@ class WeatherForecast(ObservationWrapper):
         self._extend(bounds[:, 0], bounds[:, 1], names, units)
 
     def _read(self) -> None:
-        self._building = self._core.building
-        self._year = weather.read(self._building.weather, self._quantities)
+        self._setting = self._core.setting
+        if self._setting.weather != self._file:
+            self._file = self._setting.weather
+            self._year = weather.read(self._file, self._quantities)
 
     def _checked(self, errors: Mapping[str, float]) -> Array:
         for quantity, error in errors.items():
@@ -77,7 +81,7 @@ class WeatherForecast(ObservationWrapper):
         return (random.standard_normal((self._hours, len(self._quantities))) * self._errors).cumsum(axis=0)
 
     def observation(self, observation: Array) -> Array:
-        if self._core.building is not self._building:
+        if self._core.setting is not self._setting:
             self._read()
         # EPW values are those of the hour that ends: row i belongs to the end of hour i + 1.
         now = _hour_of_year(self._core)

@@ -19,6 +19,7 @@ from .buildings import (
     Building,
     Generator,
     PathLike,
+    checked_weather,
     find_building,
     is_dataset_id,
     list_buildings,
@@ -80,6 +81,7 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
         by_role: bool = False,
         window_days: int | None = None,
         window_starts: int = 8,
+        weather_years: Sequence[PathLike] = (),
         reward: Callable[[dict[str, Any]], ArrayLike] | None = None,
         autoreset_mode: str | AutoresetMode = AutoresetMode.NEXT_STEP,
         render_mode: str | None = None,
@@ -123,6 +125,7 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
             None if window_days is None else (window_days, window_starts),
             problem,
             by_role,
+            checked_weather(weather_years),
         )
         close_at_exit(self)
         #: Layouts of the buildings; with ``resample``, of some that represent the others.

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use b2b_benchmark::{SiteInfo, Subject};
 use b2b_building::description::Origin;
 use b2b_building::{BuildingType, Class, Model};
-use b2b_climate::Place;
+use b2b_climate::{Place, WeatherFile};
 use b2b_dataset::{BuildingName, Catalog, Placement, manifest};
 use b2b_energyplus::install::use_packages_in;
 use b2b_env::vector::{AnyOf, Draw, Sampler, Source, Windows};
@@ -230,6 +230,19 @@ impl Setting {
         serde_json::to_string(&self.setting.episode.task).expect("a task is plain data")
     }
 
+    /// Path of the weather file.
+    #[getter]
+    fn weather(&self) -> &Path {
+        &self.setting.episode.weather
+    }
+
+    /// Returns the setting with another weather file. The building keeps the sizes for its own.
+    fn with_weather(&self, file: PathBuf) -> Self {
+        let mut setting = self.setting.clone();
+        setting.episode.weather = file;
+        Self { setting, building: Arc::clone(&self.building) }
+    }
+
     /// Draws a window of `days` days that begins on one of `starts` days; returns it with its number of steps.
     fn window(&self, days: u32, starts: u32, seed: u64) -> PyResult<(Self, usize)> {
         let mut windows = Windows { of: AnyOf(vec![self.setting.clone()]), days: (days, days), starts };
@@ -238,6 +251,12 @@ impl Setting {
         let steps = steps.unwrap_or(self.episode_steps() as usize);
         Ok((Self { setting, building: Arc::clone(&self.building) }, steps))
     }
+}
+
+/// Raises an error unless a file is a weather file of a whole year.
+#[pyfunction]
+pub fn check_weather(file: PathBuf) -> PyResult<()> {
+    WeatherFile::read(&file, None).map(drop).map_err(|error| of_building(b2b_dataset::Error::from(error)))
 }
 
 /// Reads a task from its short form, a JSON file or JSON text.

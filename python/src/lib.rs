@@ -36,7 +36,9 @@ mod _core {
     #[pymodule_export]
     use super::benchmarks::{Problem, Restriction, measures, normalized_score, resolved_score};
     #[pymodule_export]
-    use super::catalog::{Building, Setting, TypeInfo, building_types, dataset_rows, find_building, places};
+    use super::catalog::{
+        Building, Setting, TypeInfo, building_types, check_weather, dataset_rows, find_building, places,
+    };
     #[pymodule_export]
     use super::command::run_command;
     #[pymodule_export]

@@ -1,12 +1,14 @@
 //! Buildings to draw episodes from: listed, or created by the generator.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use b2b_building::RunPeriod;
 use b2b_dataset::BuildingId;
 use b2b_env::vector::{
     AnyOf, Buildings, Fixed, Kept, Population, Sampler, Setting, Source, Weighted, Windows, WithTask,
+    WithWeather,
 };
 use b2b_env::{EpisodeConfig, Spaces, Task};
 use pyo3::prelude::*;
@@ -142,7 +144,7 @@ impl Episodes {
         &self,
         episodes: u32,
         weights: Option<&BTreeMap<String, f64>>,
-        window: Option<(u32, u32)>,
+        cut: Cut,
     ) -> PyResult<Box<dyn Sampler>> {
         let mut groups: Vec<(&str, f64, Box<dyn Sampler>)> = Vec::new();
         for (building_type, populations) in &self.populations {
@@ -164,7 +166,7 @@ impl Episodes {
         let groups = groups.into_iter().map(|(_, weight, sampler)| (weight, sampler)).collect();
         let of = Weighted::new(groups).map_err(of_env)?;
         let tasks = if self.tasks.len() > 1 { self.tasks.clone() } else { Vec::new() };
-        Ok(windowed(Kept::new(WithTask { of, tasks }, episodes), window))
+        Ok(cut.apply(Kept::new(WithTask { of, tasks }, episodes)))
     }
 
     fn found_by_type(&self) -> BTreeMap<&'static str, Vec<Arc<Inner>>> {
@@ -185,15 +187,26 @@ fn zones(source: &Source) -> Vec<String> {
     }
 }
 
-/// Returns a sampler that repeats a setting in each environment.
-pub fn fixed(settings: Vec<Setting>, window: Option<(u32, u32)>) -> Box<dyn Sampler> {
-    windowed(Fixed(settings), window)
+/// What an episode draws besides its building and its task.
+pub struct Cut {
+    /// Weather files, if not those of the buildings.
+    pub weather_years: Vec<PathBuf>,
+    /// Days of an episode and number of first days; whole run periods if `None`.
+    pub window: Option<(u32, u32)>,
 }
 
-fn windowed(of: impl Sampler + 'static, window: Option<(u32, u32)>) -> Box<dyn Sampler> {
-    match window {
-        None => Box::new(of),
-        Some((days, starts)) => Box::new(Windows { of, days: (days, days), starts }),
+impl Cut {
+    /// Returns a sampler that repeats a setting in each environment.
+    pub fn of_fixed(self, settings: Vec<Setting>) -> Box<dyn Sampler> {
+        self.apply(Fixed(settings))
+    }
+
+    fn apply(self, of: impl Sampler + 'static) -> Box<dyn Sampler> {
+        let of = WithWeather { of, files: self.weather_years };
+        match self.window {
+            None => Box::new(of),
+            Some((days, starts)) => Box::new(Windows { of, days: (days, days), starts }),
+        }
     }
 }
 

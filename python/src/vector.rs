@@ -1,6 +1,7 @@
 //! A batch of environments.
 
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 
 use b2b_benchmark::problem::TrainingForm;
@@ -13,7 +14,7 @@ use crate::benchmarks::Problem;
 use crate::catalog::{Inner, locked};
 use crate::error::{Exception, of_benchmark, of_env};
 use crate::pools::{self, Owner};
-use crate::population::{Candidate, Episodes, fixed};
+use crate::population::{Candidate, Cut, Episodes};
 use crate::spaces::Spaces;
 use crate::{arrays, control};
 
@@ -68,11 +69,12 @@ impl VecEnv {
     /// Prepares the buildings. With `resample`, environments draw a building every `resample` episodes, by the weights
     /// of the types; otherwise, environment i repeats pair i of a building and a task. `window` is the length of an
     /// episode in days and the number of possible first days. `problem` defines the form of observations and actions;
-    /// `by_role` arranges observations of houses by the roles of their zones.
+    /// `by_role` arranges observations of houses by the roles of their zones. With `weather_years`, every episode draws one
+    /// of these weather files.
     #[new]
     #[pyo3(signature = (
         buildings, tasks, run_period, timesteps_per_hour, count, autoreset, rescale, resample=None, weights=None,
-        window=None, problem=None, by_role=false
+        window=None, problem=None, by_role=false, weather_years=Vec::new()
     ))]
     #[expect(clippy::too_many_arguments, reason = "they are those of the Python class, which names them")]
     fn new(
@@ -89,7 +91,9 @@ impl VecEnv {
         window: Option<(u32, u32)>,
         problem: Option<&Problem>,
         by_role: bool,
+        weather_years: Vec<PathBuf>,
     ) -> PyResult<Self> {
+        let cut = Cut { weather_years, window };
         let autoreset = match autoreset {
             "NextStep" => Autoreset::NextStep,
             "SameStep" => Autoreset::SameStep,
@@ -106,7 +110,7 @@ impl VecEnv {
         py.detach(|| {
             let made = match resample {
                 Some(episodes_each) => {
-                    let sampler = episodes.sampler(episodes_each, weights.as_ref(), window)?;
+                    let sampler = episodes.sampler(episodes_each, weights.as_ref(), cut)?;
                     let envs = Envs::new(count, sampler, options).map_err(of_env)?;
                     let mut spaces = Vec::new();
                     let representatives = episodes.representatives()?;
@@ -121,7 +125,7 @@ impl VecEnv {
                     let (settings, buildings): (Vec<_>, Vec<_>) =
                         episodes.repeated(count).into_iter().unzip();
                     let mut envs =
-                        Envs::new(count, fixed(settings.clone(), window), options).map_err(of_env)?;
+                        Envs::new(count, cut.of_fixed(settings.clone()), options).map_err(of_env)?;
                     let spaces = envs.prepare(&settings).map_err(of_env)?;
                     (envs, spaces.into_iter().zip(buildings).collect())
                 }

@@ -98,6 +98,54 @@ def test_the_forecast_is_the_future_weather(make):
     assert later[13] == pytest.approx(observation[14], abs=1e-4)
 
 
+@pytest.fixture
+def years(make, tmp_path):
+    """Weather files of two years, the second 5 K warmer."""
+    own = make().unwrapped.building.weather.read_text().splitlines()
+    warmer = own[:8]
+    for line in own[8:]:
+        cells = line.split(",")
+        cells[6] = str(float(cells[6]) + 5)
+        warmer.append(",".join(cells))
+    files = [tmp_path / "2019.epw", tmp_path / "2020.epw"]
+    for file, lines in zip(files, (own, warmer), strict=True):
+        file.write_text("\n".join(lines) + "\n")
+    return files
+
+
+def test_every_episode_draws_a_weather_year_by_the_seed(make, years):
+    env = wrappers.WeatherForecast(make(weather_years=years), hours=1)
+    outdoors = env.metadata["observation_names"].index("outdoor air temperature")
+
+    def episodes(seed):
+        drawn = []
+        for episode in range(8):
+            observation, info = env.reset(seed=seed if episode == 0 else None)
+            # The forecast is that of the year, which the engine also reads.
+            assert observation[-1] == pytest.approx(observation[outdoors], abs=2)
+            drawn.append((info["weather"].rsplit("/", 1)[1], float(observation[outdoors])))
+        return drawn
+
+    first = episodes(0)
+    assert first == episodes(0) and first != episodes(1)
+    temperature = dict(first)
+    assert temperature["2020.epw"] - temperature["2019.epw"] == pytest.approx(5, abs=0.1)
+    # The building is sized once.
+    np.testing.assert_array_equal(env.action_space.high, make().action_space.high)
+
+    vector = b2b.make_vec("OfficeSmall", 8, run_period="01-01..01-02", weather_years=years)
+    observations, _ = vector.reset(seed=0)
+    assert {round(float(each)) for each in observations[:, outdoors]} == {round(each) for each in temperature.values()}
+    vector.close()
+
+
+def test_a_damaged_weather_year_is_an_error(make, tmp_path):
+    file = tmp_path / "short.epw"
+    file.write_text("LOCATION,x\n" * 20)
+    with pytest.raises(errors.BuildingError, match="short.epw"):
+        make(weather_years=[file])
+
+
 def test_the_errors_of_a_forecast_grow_with_the_hours_ahead_and_follow_the_seed(make):
     hours, error = 6, 0.5
     quantities = ("temperature", "wind_speed")

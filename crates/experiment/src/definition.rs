@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use b2b_benchmark::Problem;
 use b2b_building::{BuildingType, RunPeriod};
 use b2b_dataset::{BuildingId, Split};
 use b2b_env::Task;
@@ -12,7 +13,7 @@ use toml::Table;
 use crate::error::{Error, Result, at};
 
 /// The shipped experiments by name.
-const SHIPPED: [(&str, &str); 9] = [
+const SHIPPED: [(&str, &str); 10] = [
     ("ppo", include_str!("../data/ppo.toml")),
     ("residual", include_str!("../data/residual.toml")),
     ("rewards", include_str!("../data/rewards.toml")),
@@ -20,6 +21,7 @@ const SHIPPED: [(&str, &str); 9] = [
     ("dynamics-office-small", include_str!("../data/dynamics-office-small.toml")),
     ("dynamics-office-medium", include_str!("../data/dynamics-office-medium.toml")),
     ("cross-domain", include_str!("../data/cross-domain.toml")),
+    ("board", include_str!("../data/board.toml")),
     ("weights", include_str!("../data/weights.toml")),
     ("speed", include_str!("../data/speed.toml")),
 ];
@@ -40,7 +42,11 @@ pub struct Experiment {
     /// Kind of the report.
     pub report: ReportKind,
     /// Building types.
+    #[serde(default)]
     pub types: Vec<BuildingType>,
+    /// Benchmark problems, on which agents are entered instead of being evaluated on test buildings of the types.
+    #[serde(default)]
+    pub problems: Vec<String>,
     /// Test buildings: the eight of each type in the small test, or the whole test split.
     #[serde(default)]
     pub small_test: bool,
@@ -50,7 +56,7 @@ pub struct Experiment {
     /// Run periods.
     #[serde(default)]
     pub periods: Vec<String>,
-    /// Whether the episodes of the reactive controllers are kept, too.
+    /// Whether the episodes of the reactive controllers are kept, too; those of random actions as well on problems.
     #[serde(default)]
     pub reactive: bool,
     /// Agents.
@@ -76,6 +82,9 @@ pub struct Agent {
     /// Whether one training covers all tasks of the experiment instead of one each.
     #[serde(default)]
     pub all_tasks: bool,
+    /// The problems that it is entered on, among those of the experiment.
+    #[serde(default)]
+    pub problems: Vec<String>,
     /// Options of `b2b train`, as in a file for its `--config`.
     pub options: Table,
     /// Changes of the quick budget.
@@ -96,6 +105,8 @@ pub enum Training {
     Type,
     /// One training on the training splits of all types together, evaluated on the test buildings of all.
     AllTypes,
+    /// One training per seed on the training side of each problem, all entered on it.
+    Problem,
 }
 
 /// The kind of a report.
@@ -114,6 +125,8 @@ pub enum ReportKind {
     Weights,
     /// Times of a step by type.
     StepTimes,
+    /// The leaderboard of the problems.
+    Board,
 }
 
 /// The name of a budget.
@@ -201,15 +214,40 @@ impl Experiment {
                     agent.name
                 ));
             }
-            if names[..number].contains(&agent.name.as_str()) || agent.name == REACTIVE {
+            if names[..number].contains(&agent.name.as_str()) || [REACTIVE, RANDOM].contains(&&agent.name[..])
+            {
                 return Err(format!("two agents are named `{}`", agent.name));
             }
             TrainConfig::default()
                 .with_changes(&toml::to_string(&agent.options).map_err(|error| error.to_string())?)
                 .map_err(|error| format!("agent `{}`: {error}", agent.name))?;
         }
+        for name in &self.problems {
+            Problem::named(name).map_err(|error| error.to_string())?;
+        }
+        for agent in &self.agents {
+            let is_entered = agent.trains == Training::Problem;
+            if is_entered != (self.report == ReportKind::Board) || is_entered == agent.problems.is_empty() {
+                return Err(format!(
+                    "agent `{}`: an agent is entered on `problems` if it `trains = \"problem\"` for `report = \"board\"`, and \
+                     only then",
+                    agent.name
+                ));
+            }
+            if let Some(other) = agent.problems.iter().find(|name| !self.problems.contains(name)) {
+                return Err(format!(
+                    "agent `{}`: `{other}` is not in the experiment's `problems`",
+                    agent.name
+                ));
+            }
+        }
         let runs = self.reactive || !self.agents.is_empty();
+        let is_board = self.report == ReportKind::Board;
         match () {
+            () if is_board == self.problems.is_empty() => {
+                Err("`problems` belongs to `report = \"board\"`, which needs it".into())
+            }
+            () if is_board => Ok(()),
             () if self.types.is_empty() => Err("`types` is empty".into()),
             () if runs && (self.tasks.is_empty() || self.periods.is_empty()) => {
                 Err("it has agents, but `tasks` or `periods` is empty".into())
@@ -244,6 +282,8 @@ impl Experiment {
 
 /// Name of the reactive controllers beside those of agents.
 pub(crate) const REACTIVE: &str = "reactive";
+/// Name of random actions beside those of agents.
+pub(crate) const RANDOM: &str = "random";
 
 impl Agent {
     /// Returns the budget of a training run of this agent.

@@ -1,14 +1,16 @@
 //! Experiments: agents to train and evaluate on given buildings, and a report of the results.
 //!
-//! An [`Experiment`] is a TOML file. With a [`BudgetName`] it expands to independent [`Job`]s, each one or two `b2b`
-//! commands in a folder of its own: a training and the evaluation of its agent, an evaluation of the reactive
-//! controllers, or a measurement. A [`Runner`] starts them as processes, as many at a time as there are cores, and
+//! An [`Experiment`] is a TOML file. With a [`BudgetName`] it expands to independent [`Job`]s, each a few `b2b`
+//! commands in a folder of its own: a training and the evaluation of its agent, the trainings of a benchmark problem and
+//! their entry, an evaluation of the reactive controllers, or a measurement. A [`Runner`] starts them as processes, as many at a time as there are cores, and
 //! resumes after an interruption. [`Results`] reads the folder, and [`report`] writes one page that shows them beside
 //! the results of the paper.
 
 mod definition;
+mod entry;
 mod error;
 mod estimate;
+mod expansion;
 mod folder;
 mod job;
 mod paper;
@@ -21,7 +23,7 @@ pub use definition::{Agent, Budget, BudgetName, Experiment, ReportKind, Training
 pub use error::{Error, Result};
 pub use estimate::estimate;
 pub use folder::{Folder, State};
-pub use job::{Action, Job};
+pub use job::{Action, Entry, Episodes, Job};
 pub use results::{JobResult, Results};
 pub use runner::{Ended, OWNER, Runner};
 pub use shard::Shard;

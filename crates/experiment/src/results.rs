@@ -3,6 +3,8 @@
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
+use b2b_benchmark::entry::{RunResult, Stages, read_result};
+use b2b_benchmark::problem::Stage;
 use b2b_benchmark::{Deviations, Row, read_episodes, read_kept};
 use serde::Serialize;
 use serde_json::Value;
@@ -11,7 +13,7 @@ use crate::definition::{BudgetName, Experiment};
 use crate::error::{Result, at};
 use crate::folder::Folder;
 use crate::job::{Action, Job};
-use crate::runner::{EVALUATION, MEASURED};
+use crate::runner::{ENTRY, EVALUATION, MEASURED};
 
 /// The results of the jobs of an experiment.
 #[derive(Clone, Debug)]
@@ -39,6 +41,8 @@ pub struct JobResult {
     pub rows: Vec<Row>,
     /// The folder of their evaluation.
     evaluation: PathBuf,
+    /// The entry on a benchmark problem.
+    pub(crate) entry: Option<(RunResult, Stages)>,
     /// What a measurement printed.
     pub measured: Value,
     /// Wall-clock time, s.
@@ -119,6 +123,7 @@ impl JobResult {
             steps: job.steps(),
             rows: Vec::new(),
             evaluation: path.join(EVALUATION),
+            entry: None,
             measured: Value::Null,
             seconds,
         };
@@ -129,6 +134,12 @@ impl JobResult {
                     let path = result.evaluation.join("episodes.parquet");
                     let rows = read_episodes(File::open(&path).map_err(at(&path))?);
                     result.rows = rows.map_err(|error| at(&path)(std::io::Error::other(error)))?;
+                }
+                Action::Enter(_) => {
+                    let (entry, stages) = read_result(&path.join(ENTRY))?;
+                    let test = stages.iter().find(|(stage, _)| *stage == Stage::Test);
+                    result.rows = test.map_or_else(Vec::new, |(_, rows)| rows.clone());
+                    result.entry = Some((entry, stages));
                 }
                 Action::Measure(_) => {
                     let path = path.join(MEASURED);

@@ -14,11 +14,11 @@ use rustix::process::{Pid, Signal, kill_process};
 use crate::definition::REACTIVE;
 use crate::error::{Error, Result, at};
 use crate::folder::{Folder, State};
-use crate::job::{Action, Episodes, Job};
+use crate::job::{AGENT, Action, Entry, Episodes, Job};
 
 /// Names in the folder of a job.
 const CONFIG: &str = "config.toml";
-const AGENT: &str = "agent";
+pub(crate) const ENTRY: &str = "entry";
 pub(crate) const EVALUATION: &str = "evaluation";
 pub(crate) const MEASURED: &str = "result.json";
 /// What a finished training leaves in its folder.
@@ -99,14 +99,15 @@ impl Runner<'_> {
     /// Runs an action unless it has its result. Returns why it failed.
     fn act(&self, job: &Job, path: &Path, action: &Action) -> Result<Option<String>> {
         let arguments: Vec<String> = match action {
-            Action::Train { config, .. } => {
-                if path.join(AGENT).join(TRAINED).exists() {
+            Action::Train { agent, config, .. } => {
+                if path.join(agent).join(TRAINED).exists() {
                     return Ok(None);
                 }
                 let text = toml::to_string(config).expect("a table of plain values always serializes");
                 write_whole(&path.join(CONFIG), text.as_bytes())?;
-                words(&["train", "--config", CONFIG, "--out", AGENT, "--jobs", "1", "--json"])
+                words(&["train", "--config", CONFIG, "--out", agent, "--jobs", "1", "--json"])
             }
+            Action::Enter(entry) => enter(entry, job.agent()),
             Action::Evaluate(Episodes { buildings, tasks, periods }) => {
                 let policy = if job.agent() == REACTIVE { REACTIVE } else { AGENT };
                 let mut arguments = words(&["evaluate", "--policy", policy, "--out", EVALUATION]);
@@ -162,6 +163,22 @@ impl Runner<'_> {
             std::thread::sleep(POLL);
         }
     }
+}
+
+/// Returns the arguments that make an entry.
+fn enter(entry: &Entry, name: &str) -> Vec<String> {
+    let Entry { problem, policy, steps, seeds, test, .. } = entry;
+    let mut arguments = words(&["benchmark", "run", problem, "--policy", policy, "--entry", name]);
+    arguments.extend(words(&["--out", ENTRY, "--jobs", "1", "--json"]));
+    arguments.extend(steps.iter().flat_map(|steps| ["--trained-steps".into(), steps.to_string()]));
+    for (option, values) in [("--seed", seeds.iter().map(u64::to_string).collect()), ("--test", test.clone())]
+    {
+        if !values.is_empty() {
+            arguments.push(option.into());
+            arguments.extend(values);
+        }
+    }
+    arguments
 }
 
 fn words(words: &[&str]) -> Vec<String> {

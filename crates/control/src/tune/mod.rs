@@ -8,7 +8,7 @@
 //!    the return, as in the paper, which tunes on its test buildings; no test building is used here), multiplied by a
 //!    factor if actuators hunt on the worst building. Buildings are simulated one after another, and a proposal that cannot
 //!    win is dropped: most are, after one building. The search ends early when it no longer lowers the score.
-//!    On central air loops, a set must also hold constant targets as well as the defaults.
+//!    On central air loops, each is also simulated with constant targets.
 //! 4. The best sets and the defaults are validated on other training buildings under other setpoints, and the one with the
 //!    least median loss over all of them is chosen, unless actuators hunt or it is clearly worse than the defaults
 //!    anywhere. If none is eligible, the next best sets are validated.
@@ -26,7 +26,6 @@ mod space;
 
 use std::path::Path;
 
-use outcome::relative_losses;
 pub use outcome::{Outcome, travel_limit};
 pub use plan::{Plan, TrainingBuildings};
 use race::Best;
@@ -119,7 +118,7 @@ fn search(
         }
         let (evaluation, defaults) = (&record.evaluations[number], &record.evaluations[0]);
         let is_complete = evaluation.outcomes.len() == plan.buildings.len();
-        let candidate = Best { number, losses: evaluation.penalized_losses(plan, defaults) };
+        let candidate = Best { number, losses: evaluation.losses(plan, defaults) };
         let score = match &best {
             Some(best) if !is_complete => best.estimate(&candidate.losses),
             _ => candidate.score(),
@@ -157,7 +156,7 @@ fn race(
 ) -> Result<Evaluation> {
     let parameters = space::parameters(plan.axes(), &values);
     let is_out = |evaluation: &Evaluation| match (best, record.evaluations.first()) {
-        (Some(best), Some(defaults)) => best.is_beyond(&evaluation.penalized_losses(plan, defaults)),
+        (Some(best), Some(defaults)) => best.is_beyond(&evaluation.losses(plan, defaults)),
         _ => false,
     };
     let mut evaluation = Evaluation { values, outcomes: Vec::new(), constant: Vec::new() };
@@ -214,8 +213,7 @@ fn ranked(plan: &Plan, evaluations: &[Evaluation]) -> Vec<usize> {
             && evaluation.worst_to_limit(plan, defaults) <= 1.0
             && !is_repeated
         {
-            let losses = relative_losses(plan, &defaults.outcomes, &evaluation.outcomes);
-            ranked.push((outcome::percentile_75(&losses), number));
+            ranked.push((outcome::percentile_75(&evaluation.losses(plan, defaults)), number));
         }
     }
     ranked.sort_by(|a, b| a.0.total_cmp(&b.0));

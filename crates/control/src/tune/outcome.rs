@@ -31,11 +31,14 @@ pub(super) struct Limits {
 }
 
 impl Limits {
-    /// The limits of the selection. A target that jumps up and down once a day moves an actuator there and back twice:
+    /// The limits of unitary systems. A target that jumps up and down once a day moves an actuator there and back twice:
     /// four strokes.
-    pub(super) const SELECTION: Self = Self { travel: 5.0, increase: 0.1 };
-    /// Limits with a margin for buildings that the search does not use.
-    pub(super) const WITH_MARGIN: Self = Self { travel: 4.0, increase: 0.05 };
+    pub(super) const UNITARY: Self = Self { travel: 5.0, increase: 0.1 };
+    /// The limits of central air loops. Their defaults hold constant targets to 0.06 to 0.1 K; a loss of 1.5 times is then
+    /// that of 0.16 to 0.19 K, which a sensor does not resolve.
+    pub(super) const AIR_LOOP: Self = Self { travel: 5.0, increase: 0.5 };
+    /// The same with a margin for buildings that the search does not use.
+    pub(super) const AIR_LOOP_SEARCH: Self = Self { travel: 4.0, increase: 0.2 };
 
     /// Returns the actuator travel relative to the limit in the worst of the given cells.
     pub(super) fn worst_travel(self, defaults: &[Outcome], outcomes: &[Outcome]) -> f64 {
@@ -45,21 +48,16 @@ impl Limits {
         outcomes.iter().zip(defaults).map(relative).fold(0.0, f64::max)
     }
 
-    /// Returns the loss relative to the limit in the worst of the given cells. The resolution of a sensor is added to the
-    /// loss.
+    /// Returns the resolved loss relative to the limit in the worst of the given cells.
     pub(super) fn worst_loss(self, plan: &Plan, defaults: &[Outcome], outcomes: &[Outcome]) -> f64 {
-        let floor = RESOLUTION * RESOLUTION;
-        let relative = |(outcome, default): (&Outcome, &Outcome)| {
-            (outcome.loss(plan) + floor) / ((1.0 + self.increase) * (default.loss(plan) + floor))
-        };
-        outcomes.iter().zip(defaults).map(relative).fold(0.0, f64::max)
+        resolved_losses(plan, defaults, outcomes).into_iter().fold(0.0, f64::max) / (1.0 + self.increase)
     }
 }
 
 /// Returns the actuator travel above which actuators hunt, full strokes/day, given that of a reference under the same
 /// conditions: 5, or that of the reference if it is higher.
 pub fn travel_limit(reference: f64) -> f64 {
-    reference.max(Limits::SELECTION.travel)
+    reference.max(Limits::UNITARY.travel)
 }
 
 impl Outcome {
@@ -78,6 +76,15 @@ impl Outcome {
         let energy = plan.objective.energy_weight() / plan.energy_scale.unwrap_or(1.0) * self.energy;
         (self.temperature_penalty + energy) / self.steps.max(1) as f64
     }
+}
+
+/// Returns the loss of each cell relative to that of the defaults, after the resolution of a sensor is added to both.
+pub(super) fn resolved_losses(plan: &Plan, defaults: &[Outcome], outcomes: &[Outcome]) -> Vec<f64> {
+    let floor = RESOLUTION * RESOLUTION;
+    let relative = |(outcome, default): (&Outcome, &Outcome)| {
+        (outcome.loss(plan) + floor) / (default.loss(plan) + floor)
+    };
+    outcomes.iter().zip(defaults).map(relative).collect()
 }
 
 /// Returns the loss of each cell relative to that of the defaults.
@@ -115,10 +122,10 @@ mod tests {
         let outcomes =
             |travel: [f64; 2]| travel.map(|daily_travel| Outcome { daily_travel, ..Outcome::default() });
         let defaults = outcomes([1.0, 8.0]);
-        let worst = |travel| Limits::SELECTION.worst_travel(&defaults, &outcomes(travel));
+        let worst = |travel| Limits::UNITARY.worst_travel(&defaults, &outcomes(travel));
         assert_eq!([worst([5.0, 8.0]), worst([4.0, 4.0]), worst([10.0, 0.0])], [1.0, 0.8, 2.0]);
         assert!(worst([0.0, 8.1]) > 1.0 && worst([5.1, 0.0]) > 1.0);
-        assert!(Limits::WITH_MARGIN.worst_travel(&defaults, &outcomes([4.1, 0.0])) > 1.0);
+        assert!(Limits::AIR_LOOP_SEARCH.worst_travel(&defaults, &outcomes([4.1, 0.0])) > 1.0);
     }
 
     #[test]
@@ -127,7 +134,7 @@ mod tests {
             losses.map(|temperature_penalty| Outcome { temperature_penalty, steps: 1, ..Outcome::default() })
         };
         let defaults = cells([0.003, 1.0]);
-        let worst = |losses| Limits::SELECTION.worst_loss(&plan(0), &defaults, &cells(losses));
+        let worst = |losses| Limits::UNITARY.worst_loss(&plan(0), &defaults, &cells(losses));
         assert!(worst([0.006, 1.1]) < 1.0 && worst([0.006, 1.2]) > 1.0 && worst([0.03, 1.0]) > 1.0);
     }
 }

@@ -33,8 +33,8 @@ pub struct Plan {
     pub validation: Vec<String>,
     /// Run periods of each building.
     pub periods: Vec<RunPeriod>,
-    /// Whether a set must also hold constant targets in the buildings of the search. It does on central air loops, where
-    /// gains that follow jumps quickly let dampers and the common supply temperature oscillate between them.
+    /// Whether the search also runs constant targets, as on central air loops: gains that follow jumps of the target quickly
+    /// can let zones that share a supply temperature drift between jumps.
     pub constant_targets: bool,
     /// Seed of the buildings and the search.
     pub seed: u64,
@@ -98,8 +98,13 @@ impl Plan {
     }
 
     /// Returns what a set may not exceed in the search.
+    pub(super) fn search_limits(&self) -> Limits {
+        if self.constant_targets { Limits::AIR_LOOP_SEARCH } else { Limits::UNITARY }
+    }
+
+    /// Returns what a set may not exceed to be eligible.
     pub(super) fn limits(&self) -> Limits {
-        if self.constant_targets { Limits::WITH_MARGIN } else { Limits::SELECTION }
+        if self.constant_targets { Limits::AIR_LOOP } else { Limits::UNITARY }
     }
 
     /// Returns the searched parameters.

@@ -2,11 +2,12 @@
 
 use std::fs::{File, OpenOptions};
 use std::io::Write;
+use std::iter::repeat;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::outcome::{Outcome, relative_losses};
+use super::outcome::{Outcome, relative_losses, resolved_losses};
 use super::plan::Plan;
 use crate::{Error, Result};
 
@@ -26,18 +27,22 @@ impl Evaluation {
     /// Returns the largest of actuator travel and loss relative to the limits of the search, given the evaluation of the
     /// defaults. The loss is limited under constant targets alone.
     pub(super) fn worst_to_limit(&self, plan: &Plan, defaults: &Self) -> f64 {
-        let limits = plan.limits();
+        let limits = plan.search_limits();
         let travel = limits.worst_travel(&defaults.outcomes, &self.outcomes);
         let constant = limits.worst_travel(&defaults.constant, &self.constant);
         travel.max(constant).max(limits.worst_loss(plan, &defaults.constant, &self.constant))
     }
 
-    /// Returns the relative loss of each building, multiplied by the square of what exceeds the limits on the worst.
-    pub(super) fn penalized_losses(&self, plan: &Plan, defaults: &Self) -> Vec<f64> {
+    /// Returns the relative loss of each building: by occupancy, multiplied by the resolved one under constant targets as far
+    /// as these were run, and by the square of what exceeds the limits on the worst building.
+    pub(super) fn losses(&self, plan: &Plan, defaults: &Self) -> Vec<f64> {
         let factor = self.worst_to_limit(plan, defaults).max(1.0).powi(2);
-        relative_losses(plan, &defaults.outcomes, &self.outcomes)
+        let constant = resolved_losses(plan, &defaults.constant, &self.constant);
+        let occupancy = relative_losses(plan, &defaults.outcomes, &self.outcomes);
+        occupancy
             .into_iter()
-            .map(|loss| loss * factor)
+            .zip(constant.into_iter().chain(repeat(1.0)))
+            .map(|(a, b)| a * b * factor)
             .collect()
     }
 }

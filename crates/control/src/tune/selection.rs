@@ -1,6 +1,6 @@
 //! The choice among the best sets of a search, by buildings that the search did not use.
 
-use super::outcome::{Limits, Outcome, relative_losses};
+use super::outcome::{Outcome, relative_losses};
 use super::plan::Plan;
 use crate::Measured;
 
@@ -30,7 +30,7 @@ impl Cells {
     /// Returns whether a set is eligible: actuators hunt in no cell, and in none is it clearly worse than the defaults.
     pub(super) fn is_eligible(&self, plan: &Plan, defaults: &Self) -> bool {
         let (defaults, cells) = (defaults.all(), self.all());
-        let limits = Limits::SELECTION;
+        let limits = plan.limits();
         limits.worst_travel(&defaults, &cells) <= 1.0 && limits.worst_loss(plan, &defaults, &cells) <= 1.0
     }
 }

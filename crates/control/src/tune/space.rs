@@ -50,12 +50,16 @@ const UNITARY_ENERGY: [Axis; 10] = [
     logarithmic("unitary.trim_respond.trim", 2.0, 50.0),
 ];
 
+/// Highest minimum opening of a damper: where no zone calls for air, ASHRAE 90.1 (6.5.2.1) allows 20 % of the design flow
+/// to be reheated.
+const MAX_MIN_OPENING: f64 = 0.2;
+
 /// Parameters of central air loops that matter for comfort. The deadband is not among them: with an energy weight of 0 the
 /// search would remove it, and zones would be cooled and reheated at once.
 const AIR_LOOP: [Axis; 9] = [
     logarithmic("air_loop.gains.proportional", 0.1, 4.0),
     logarithmic("air_loop.gains.integral", 0.2, 20.0),
-    linear("air_loop.min_opening", 0.03, 0.4),
+    linear("air_loop.min_opening", 0.03, MAX_MIN_OPENING),
     linear("air_loop.max_supply_temperature", 15.0, 21.0),
     linear("air_loop.min_supply_temperature", 8.0, 14.0),
     logarithmic("air_loop.trim_respond.respond", 1.0, 40.0),
@@ -69,7 +73,7 @@ const AIR_LOOP: [Axis; 9] = [
 const AIR_LOOP_ENERGY: [Axis; 11] = [
     AIR_LOOP[0],
     AIR_LOOP[1],
-    linear("air_loop.min_opening", 0.0, 0.4),
+    linear("air_loop.min_opening", 0.0, MAX_MIN_OPENING),
     AIR_LOOP[3],
     AIR_LOOP[4],
     AIR_LOOP[5],

@@ -1,5 +1,7 @@
 //! Samplers of episodes.
 
+use std::path::PathBuf;
+
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
@@ -131,6 +133,31 @@ impl<S: Sampler> Sampler for WithTask<S> {
         if !self.tasks.is_empty() {
             let index = random.random_range(0..self.tasks.len());
             draw.setting.episode.task = self.tasks[index].clone();
+        }
+        Ok(draw)
+    }
+
+    fn restart(&mut self) {
+        self.of.restart();
+    }
+}
+
+/// The draws of another sampler, each with one of several weather files, such as those of other years. Buildings keep the
+/// sizes for their own.
+#[derive(Clone, Debug)]
+pub struct WithWeather<S> {
+    /// Sampler whose draws get a weather file.
+    pub of: S,
+    /// Weather files (EPW), with equal probability; the buildings' own if there are none.
+    pub files: Vec<PathBuf>,
+}
+
+impl<S: Sampler> Sampler for WithWeather<S> {
+    fn draw(&mut self, environment: usize, random: &mut ChaCha8Rng) -> Result<Draw> {
+        let mut draw = self.of.draw(environment, random)?;
+        if !self.files.is_empty() {
+            let index = random.random_range(0..self.files.len());
+            draw.setting.episode.weather = self.files[index].clone();
         }
         Ok(draw)
     }

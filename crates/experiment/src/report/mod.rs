@@ -10,7 +10,7 @@ mod weights;
 
 use std::io::Write;
 
-use b2b_benchmark::report::{Chart, Series, step_rewards, write_page};
+use b2b_benchmark::report::{Chart, RankBy, Series, leaderboard, step_rewards, write_page};
 use serde_json::{Value, json};
 
 use crate::definition::{Experiment, ReportKind};
@@ -34,6 +34,10 @@ struct Content {
 /// The errors of the writer.
 pub fn write(file: &mut impl Write, experiment: &Experiment, results: &Results) -> std::io::Result<()> {
     let mut content = match experiment.report {
+        ReportKind::Board => {
+            let entries: Vec<_> = results.done.iter().filter_map(|done| done.entry.clone()).collect();
+            return leaderboard::write(file, &entries, RankBy::default());
+        }
         ReportKind::Scores => scores::content(experiment, results),
         ReportKind::StepRewards => rewards(experiment, results),
         ReportKind::Adaptation => adaptation::content(experiment, results),
