@@ -13,7 +13,7 @@ pub const INSULATION: &str = "Material:NoMass";
 /// Class of glazing that is given by U-factor and solar heat gain coefficient only.
 pub const SIMPLE_GLAZING: &str = "WindowMaterial:SimpleGlazingSystem";
 /// Layers of a construction, outermost first.
-const LAYERS: [&str; 10] = [
+pub(crate) const LAYERS: [&str; 10] = [
     "outside_layer",
     "layer_2",
     "layer_3",

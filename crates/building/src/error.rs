@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use crate::parameter::OutOfBounds;
+
 /// An error of this crate.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
@@ -30,6 +32,41 @@ pub enum Error {
         name: String,
         /// The reason, and what is supported.
         why: String,
+    },
+    /// An object that an edit cannot change.
+    #[error("{class} `{name}` cannot be changed: {why}")]
+    Edit {
+        /// EnergyPlus class.
+        class: String,
+        /// Object name.
+        name: String,
+        /// The reason, and the remedy.
+        why: String,
+    },
+    /// An edit of a model that has no object for it.
+    #[error("cannot change {change}: the model has no {what}")]
+    NothingToChange {
+        /// The change.
+        change: &'static str,
+        /// The missing objects.
+        what: &'static str,
+    },
+    /// An unknown change of a model.
+    #[error("unknown parameter `{text}`; expected one of {known}")]
+    UnknownChange {
+        /// The name.
+        text: String,
+        /// Every change.
+        known: String,
+    },
+    /// A parameter that is not within its bounds.
+    #[error(transparent)]
+    Parameter(#[from] OutOfBounds),
+    /// An edited model whose file cannot be written.
+    #[error("{path} is not a name for the edited model; expected a name that ends in .epJSON")]
+    OutputName {
+        /// The file.
+        path: PathBuf,
     },
     /// An unknown building type.
     #[error(
@@ -106,6 +143,11 @@ pub enum Error {
 }
 
 impl Error {
+    /// An [`Error::Edit`] for an object.
+    pub fn edit(class: &str, name: &str, why: &str) -> Self {
+        Self::Edit { class: class.to_owned(), name: name.to_owned(), why: why.to_owned() }
+    }
+
     /// An [`Error::Unsupported`] for an object.
     pub fn unsupported(class: &str, name: &str, why: &str) -> Self {
         Self::Unsupported { class: class.to_owned(), name: name.to_owned(), why: why.to_owned() }

@@ -4,6 +4,7 @@ mod building_type;
 mod class;
 pub mod construction;
 pub mod description;
+pub mod edit;
 mod error;
 pub mod hvac;
 pub mod import;

@@ -74,6 +74,13 @@ pub fn zones(model: &Model) -> Result<Vec<Zone>> {
     Ok(zones.collect())
 }
 
+/// Returns whether a zone has air conditioning equipment.
+pub fn has_equipment(model: &Model, zone: &str) -> bool {
+    let connections = model.objects("ZoneHVAC:EquipmentConnections");
+    let zones = connections.iter().filter_map(|(_, fields)| text(fields, "zone_name"));
+    zones.into_iter().any(|name| name.eq_ignore_ascii_case(zone))
+}
+
 /// Returns the surfaces of a model, in model order (`BuildingSurface:Detailed`).
 ///
 /// # Errors

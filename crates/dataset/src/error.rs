@@ -124,7 +124,10 @@ pub enum Error {
 
 impl From<b2b_building::Error> for Error {
     fn from(error: b2b_building::Error) -> Self {
-        Self::Building(Box::new(error))
+        match error {
+            b2b_building::Error::Parameter(error) => Self::Parameter(error),
+            error => Self::Building(Box::new(error)),
+        }
     }
 }
 

@@ -42,9 +42,9 @@ pub(super) fn flow(model: &Model, zone: &str, measures: &Measures) -> f64 {
     FORMS.into_iter().map(of_form).sum()
 }
 
-/// Returns whether an infiltration object stands for people opening doors, by its name.
+/// Returns whether an infiltration object stands for people opening doors, by its name. Outdoor air is not a door.
 pub fn is_door(name: &str) -> bool {
-    name.to_ascii_lowercase().contains("door")
+    name.to_ascii_lowercase().replace("outdoor", "").replace("indoor", "").contains("door")
 }
 
 fn design_flow(fields: &Fields, measures: &Measures) -> f64 {
@@ -82,7 +82,7 @@ fn flow_coefficient(fields: &Fields, _: &Measures) -> f64 {
 }
 
 /// Returns whether an object applies to a zone: by its name, a list, or a space in it.
-fn is_in(model: &Model, fields: &Fields, zone: &str) -> bool {
+pub(crate) fn is_in(model: &Model, fields: &Fields, zone: &str) -> bool {
     let names = ["zone_or_zonelist_or_space_or_spacelist_name", "zone_or_space_name", "zone_name"]
         .map(|f| text(fields, f));
     names.into_iter().flatten().any(|name| {
@@ -115,6 +115,12 @@ mod tests {
         model.insert(class, "Leak", fields);
         assert_eq!(flow(&model, "Hall", &ROOM), 0.0);
         flow(&model, "Room", &ROOM)
+    }
+
+    #[test]
+    fn doors_are_told_from_the_outdoors() {
+        assert!(is_door("Dock Door_Infil") && is_door("Outdoor air at the DOOR"));
+        assert!(!is_door("Outdoor air infiltration") && !is_door("Indoor leak"));
     }
 
     #[test]

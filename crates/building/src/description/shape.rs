@@ -243,7 +243,7 @@ impl Frame {
 }
 
 /// Returns whether corners are relative to the origins of their zones.
-fn is_relative(model: &Model) -> bool {
+pub(crate) fn is_relative(model: &Model) -> bool {
     let rules = model.objects("GlobalGeometryRules");
     let system = rules.first().and_then(|(_, rules)| text(rules, "coordinate_system"));
     system.is_none_or(|system| system.eq_ignore_ascii_case("Relative"))

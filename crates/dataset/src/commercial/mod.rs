@@ -4,9 +4,10 @@
 //! place:
 //!
 //! 1. `relocate`: site, design days, ground and mains water of the weather file.
-//! 2. `geometry` and `loads`: the building is stretched, and loads given per zone are scaled with the floor area.
-//! 3. `opaque`, `glazing`, `windows` and `infiltration`: the envelope, whose bounds follow the code's requirements
-//!    in the climate zone (`prescriptive`).
+//! 2. [`edit::geometry`] and [`edit::loads`]: the building is stretched, and loads given per zone are scaled with the
+//!    floor area.
+//! 3. [`edit::opaque`], [`edit::glazing`], [`edit::windows`] and [`edit::infiltration`]: the envelope, whose bounds follow
+//!    the code's requirements in the climate zone (`prescriptive`).
 //! 4. `economizer`, `recovery`, `capacity` and `kitchen`: equipment that the code and the climate require.
 //!
 //! The model is autosized: [`b2b_building::PreparedBuilding`] sizes it for its design days.
@@ -24,21 +25,16 @@
 
 mod capacity;
 mod economizer;
-mod geometry;
-mod glazing;
-mod infiltration;
 mod kitchen;
-mod loads;
-mod opaque;
 mod parameters;
 mod prescriptive;
 mod recovery;
 mod relocate;
-mod windows;
 
 pub use parameters::{CommercialParameters, bounds};
 pub use prescriptive::Prescriptive;
 
+use b2b_building::edit::{self, Amount};
 use b2b_building::{BuildingType, Model};
 use b2b_climate::{Place, Site};
 
@@ -113,13 +109,15 @@ fn build(
 ) -> Result<Model> {
     let mut model = base.clone();
     relocate::relocate(&mut model, site);
-    geometry::stretch(&mut model, parameters.x_scale, parameters.y_scale)?;
-    geometry::turn(&mut model, parameters.north_axis);
-    loads::scale(&mut model, parameters.x_scale * parameters.y_scale);
-    opaque::insulate(&mut model, parameters.wall_u, parameters.roof_u)?;
-    glazing::glaze(&mut model, parameters.window_u, parameters.window_shgc)?;
-    windows::resize(&mut model, parameters.window_to_wall)?;
-    infiltration::scale(&mut model, parameters.infiltration);
+    let (x, y) = (parameters.x_scale, parameters.y_scale);
+    edit::geometry::stretch(&mut model, x, y)?;
+    edit::geometry::turn(&mut model, parameters.north_axis);
+    edit::loads::scale(&mut model, x * y);
+    let value = |value| Some(Amount::Value(value));
+    edit::opaque::insulate(&mut model, value(parameters.wall_u), value(parameters.roof_u))?;
+    edit::glazing::glaze(&mut model, value(parameters.window_u), Some(parameters.window_shgc))?;
+    edit::windows::resize(&mut model, parameters.window_to_wall)?;
+    edit::infiltration::scale(&mut model, parameters.infiltration);
     economizer::choose(&mut model, ashrae_zone);
     recovery::add(&mut model, building_type, ashrae_zone)?;
     size_for_site(&mut model)?;

@@ -1,8 +1,7 @@
-//! Loads that the prototype gives per zone or building but that depend on the floor area.
-
-use b2b_building::Model;
+//! Loads that a model gives per zone or building but that depend on the floor area.
 
 use super::geometry::multiply;
+use crate::Model;
 
 /// Fields that scale with floor area. Values per area (W/m², m²/person, m³/s·m²) are not changed; autosized equipment
 /// follows its loads.
@@ -14,6 +13,7 @@ const ABSOLUTE: &[(&str, &str)] = &[
     ("ElectricEquipment", "design_level"),
     ("GasEquipment", "design_level"),
     ("HotWaterEquipment", "design_level"),
+    ("SteamEquipment", "design_level"),
     ("OtherEquipment", "design_level"),
     ("InternalMass", "surface_area"),
     // Parking, façade and entrance lighting.
@@ -22,6 +22,7 @@ const ABSOLUTE: &[(&str, &str)] = &[
     // Kitchen hoods, dining exhaust and the make-up air that goes with them.
     ("Fan:ZoneExhaust", "maximum_flow_rate"),
     ("ZoneMixing", "design_flow_rate"),
+    ("ZoneCrossMixing", "design_flow_rate"),
     ("DesignSpecification:OutdoorAir", "outdoor_air_flow_per_zone"),
     ("Sizing:Zone", "cooling_design_air_flow_rate"),
     ("Sizing:Zone", "cooling_minimum_air_flow"),
@@ -39,7 +40,7 @@ const ABSOLUTE: &[(&str, &str)] = &[
 ];
 
 /// Multiplies loads per zone or building by the ratio of floor areas.
-pub(super) fn scale(model: &mut Model, floor_area_ratio: f64) {
+pub fn scale(model: &mut Model, floor_area_ratio: f64) {
     for (class, field) in ABSOLUTE {
         for name in model.names(class) {
             if let Some(fields) = model.get_mut(class, &name) {

@@ -1,9 +1,8 @@
 //! Infiltration through the envelope.
 
-use b2b_building::Model;
-use b2b_building::description::leakage::is_door;
-
 use super::geometry::multiply;
+use crate::Model;
+use crate::description::leakage::is_door;
 
 /// The infiltration objects of the engine with their flow fields.
 const LEAKAGE: &[(&str, &[&str])] = &[
@@ -21,15 +20,18 @@ const LEAKAGE: &[(&str, &[&str])] = &[
 ];
 
 /// Multiplies all infiltration, including that of attics. Infiltration through opened doors, which the prototypes mark by
-/// `Door` in the name, and ventilation are not changed.
-pub(super) fn scale(model: &mut Model, multiplier: f64) {
+/// `Door` in the name, and ventilation are not changed. Returns the number of objects.
+pub fn scale(model: &mut Model, multiplier: f64) -> usize {
+    let mut count = 0;
     for (class, fields_of_form) in LEAKAGE {
         for name in model.names(class).into_iter().filter(|name| !is_door(name)) {
             if let Some(fields) = model.get_mut(class, &name) {
                 fields_of_form.iter().for_each(|field| multiply(fields, field, multiplier));
+                count += 1;
             }
         }
     }
+    count
 }
 
 #[cfg(test)]
@@ -47,7 +49,7 @@ mod tests {
                 model.insert(class, &format!("{field} Door"), json!({*field: 2.0}));
             }
         }
-        scale(&mut model, 1.5);
+        assert_eq!(scale(&mut model, 1.5), 6);
         for (class, fields) in LEAKAGE {
             for field in *fields {
                 assert_eq!(model.get(class, field).unwrap()[*field], 3.0);

@@ -2,23 +2,92 @@
 
 use std::collections::HashMap;
 
-use b2b_building::model::{Fields, number};
-use b2b_building::zone::{self, Surface};
-use b2b_building::{Model, Result};
 use serde_json::{Value, json};
 
-/// Sets the orientation: degrees from true north to the y axis of the building.
-pub(super) fn turn(model: &mut Model, north_axis: f64) {
-    for name in model.names("Building") {
-        if let Some(building) = model.get_mut("Building", &name) {
+use crate::description::shape::is_relative;
+use crate::model::{Fields, number, text};
+use crate::zone::{self, Surface};
+use crate::{Error, Model, Result};
+
+/// Surfaces that are given by azimuth, length and height rather than by their corners.
+const WITHOUT_CORNERS: [&str; 17] = [
+    "Wall:Exterior",
+    "Wall:Adiabatic",
+    "Wall:Underground",
+    "Wall:Interzone",
+    "Roof",
+    "Ceiling:Adiabatic",
+    "Ceiling:Interzone",
+    "Floor:GroundContact",
+    "Floor:Adiabatic",
+    "Floor:Interzone",
+    "Window",
+    "Window:Interzone",
+    "Door",
+    "Door:Interzone",
+    "GlazedDoor",
+    "GlazedDoor:Interzone",
+    "Shading:Building",
+];
+
+/// Sets the orientation: degrees from true north to the y axis of the building. Returns the number of objects.
+pub fn turn(model: &mut Model, north_axis: f64) -> usize {
+    let names = model.names("Building");
+    for name in &names {
+        if let Some(building) = model.get_mut("Building", name) {
             building.insert("north_axis".into(), json!(north_axis));
         }
     }
+    names.len()
+}
+
+/// Checks that the engine takes the orientation from the north axis.
+///
+/// # Errors
+/// [`Error::Edit`] for a model in world coordinates.
+pub fn require_relative_coordinates(model: &Model) -> Result<()> {
+    if is_relative(model) {
+        return Ok(());
+    }
+    let name = model.names("GlobalGeometryRules").into_iter().next().unwrap_or_default();
+    let why = "its coordinates are world coordinates, for which EnergyPlus ignores the north axis; turn the building in \
+               the program that drew it, or give it relative coordinates";
+    Err(Error::edit("GlobalGeometryRules", &name, why))
+}
+
+/// Checks that all surfaces have corners, in axes that are those of the building.
+///
+/// # Errors
+/// [`Error::Edit`] naming the first object that cannot be stretched.
+pub fn require_stretchable(model: &Model, x: f64, y: f64) -> Result<()> {
+    require_corners(model, &WITHOUT_CORNERS)?;
+    for (name, zone) in model.objects("Zone").into_iter().filter(|_| x != y && is_relative(model)) {
+        if number(zone, "direction_of_relative_north").is_some_and(|angle| angle != 0.0) {
+            let why = "its axes are rotated from those of the building, so x_scale and y_scale must be equal";
+            return Err(Error::edit("Zone", name, why));
+        }
+    }
+    Ok(())
+}
+
+/// Checks that a model has no objects of classes without corners.
+pub(super) fn require_corners(model: &Model, classes: &[&str]) -> Result<()> {
+    for class in classes {
+        if let Some(name) = model.names(class).first() {
+            let why = "it is given without corners; convert it to BuildingSurface:Detailed or \
+                       FenestrationSurface:Detailed";
+            return Err(Error::edit(class, name, why));
+        }
+    }
+    Ok(())
 }
 
 /// Scales every corner of the building along x and y from the origin. Heights are not changed; volumes and slab edges that
 /// the model gives as numbers are scaled.
-pub(super) fn stretch(model: &mut Model, x: f64, y: f64) -> Result<()> {
+///
+/// # Errors
+/// As [`zone::surfaces`].
+pub fn stretch(model: &mut Model, x: f64, y: f64) -> Result<()> {
     let before = exposed_perimeters(model)?;
     for class in model.classes().map(str::to_owned).collect::<Vec<_>>() {
         for name in model.names(&class) {
@@ -38,7 +107,7 @@ fn stretch_object(class: &str, fields: &mut Fields, x: f64, y: f64) {
                 stretch_fields(fields, &format!("vertex_{corner}_#_coordinate"), x, y);
             }
         }
-        "Zone" => {
+        "Zone" | "Space" => {
             stretch_fields(fields, "#_origin", x, y);
             multiply(fields, "volume", x * y);
             multiply(fields, "floor_area", x * y);
@@ -76,18 +145,27 @@ fn stretch_slabs(
     before: &HashMap<String, f64>,
     after: &HashMap<String, f64>,
 ) -> Result<()> {
-    const CLASS: &str = "Construction:FfactorGroundFloor";
+    const F_FACTOR: &str = "Construction:FfactorGroundFloor";
+    const KIVA: &str = "SurfaceProperty:ExposedFoundationPerimeter";
     let floors = zone::surfaces(model)?;
-    for slab in model.names(CLASS) {
-        let floor = floors.iter().find(|floor| floor.construction.eq_ignore_ascii_case(&slab));
+    let perimeter = |floor: Option<&Surface>| {
         let zone = floor.map(|floor| floor.zone.to_lowercase()).unwrap_or_default();
-        let perimeter = match (before.get(&zone), after.get(&zone)) {
+        match (before.get(&zone), after.get(&zone)) {
             (Some(before), Some(after)) if *before > 0.0 => after / before,
             _ => 1.0,
-        };
-        let fields = model.require_mut(CLASS, &slab)?;
+        }
+    };
+    for slab in model.names(F_FACTOR) {
+        let factor = perimeter(floors.iter().find(|floor| floor.construction.eq_ignore_ascii_case(&slab)));
+        let fields = model.require_mut(F_FACTOR, &slab)?;
         multiply(fields, "area", area);
-        multiply(fields, "perimeterexposed", perimeter);
+        multiply(fields, "perimeterexposed", factor);
+    }
+    for edge in model.names(KIVA) {
+        let fields = model.require_mut(KIVA, &edge)?;
+        let surface = text(fields, "surface_name").unwrap_or(&edge);
+        let factor = perimeter(floors.iter().find(|floor| floor.name.eq_ignore_ascii_case(surface)));
+        multiply(fields, "total_exposed_perimeter", factor);
     }
     Ok(())
 }
@@ -166,9 +244,31 @@ mod tests {
     }
 
     #[test]
+    fn what_cannot_be_stretched_is_named() {
+        let mut model = model();
+        require_stretchable(&model, 2.0, 1.0).unwrap();
+        model.require_mut("Zone", "Z").unwrap().insert("direction_of_relative_north".into(), json!(30));
+        require_stretchable(&model, 2.0, 2.0).unwrap();
+        let error = require_stretchable(&model, 2.0, 1.0).unwrap_err().to_string();
+        assert!(error.contains("Zone `Z`") && error.contains("must be equal"), "{error}");
+        model.insert("Wall:Exterior", "North Wall", json!({}));
+        let error = require_stretchable(&model, 2.0, 2.0).unwrap_err().to_string();
+        assert!(error.contains("Wall:Exterior `North Wall`") && error.contains("convert it"), "{error}");
+    }
+
+    #[test]
+    fn a_model_in_world_coordinates_cannot_be_turned() {
+        let mut model = model();
+        require_relative_coordinates(&model).unwrap();
+        model.insert("GlobalGeometryRules", "Rules", json!({"coordinate_system": "World"}));
+        let error = require_relative_coordinates(&model).unwrap_err().to_string();
+        assert!(error.contains("`Rules`") && error.contains("north axis"), "{error}");
+    }
+
+    #[test]
     fn the_north_axis_is_the_parameter_whatever_the_prototype_has() {
         let mut model = model();
-        turn(&mut model, 30.0);
+        assert_eq!(turn(&mut model, 30.0), 1);
         assert_eq!(number(model.require("Building", "B").unwrap(), "north_axis"), Some(30.0));
     }
 }

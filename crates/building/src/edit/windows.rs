@@ -1,20 +1,25 @@
 //! Window-to-wall ratio.
 
-use b2b_building::model::text;
-use b2b_building::opening::{FENESTRATION, corners, is_glass, parent};
-use b2b_building::parameter::OutOfBounds;
-use b2b_building::zone::{self, Surface};
-use b2b_building::{Model, Parameter};
 use serde_json::json;
 
-use crate::{Error, Result};
+use super::geometry::require_corners;
+use crate::model::{number, text};
+use crate::opening::{FENESTRATION, corners, is_glass, parent};
+use crate::parameter::OutOfBounds;
+use crate::zone::{self, Surface, area_vector, polygon_area};
+use crate::{Error, Model, Parameter, Result};
 
 /// Wall left above and below a window, m.
 const MARGIN: f64 = 0.05;
+/// Largest difference from the area of its bounding rectangle, relative to it, for which a polygon is a rectangle.
+const ROUNDING: f64 = 0.01;
+/// Largest sine of the angle from the vertical for which a wall is vertical.
+const VERTICAL: f64 = 0.01;
 
 /// A window in a wall.
 struct Window {
     name: String,
+    /// Area over height, with the multiplier, m.
     width: f64,
     height: f64,
     /// Maximum height in its wall.
@@ -25,14 +30,20 @@ struct Window {
 ///
 /// Windows change in height and keep their width and place along the wall, so that no window meets another or a door.
 /// They stay at the height of their middle where the wall has room, and move up or down where it has not. All scale
-/// alike; when one fills its wall the others take the rest. Glass doors stay as they are.
+/// alike; when one fills its wall the others take the rest. Glass doors stay as they are. In a wall that is not a
+/// rectangle, such as a gable, windows do not grow. Returns the number of windows.
 ///
 /// # Errors
-/// [`Error::Parameter`] when the walls with windows are too small.
-pub(super) fn resize(model: &mut Model, ratio: f64) -> Result<()> {
+/// [`Error::Parameter`] when the walls with windows are too small; [`Error::Edit`] for a window without corners or in a
+/// tilted wall.
+pub fn resize(model: &mut Model, ratio: f64) -> Result<usize> {
+    require_corners(model, &["Window", "GlazedDoor"])?;
     let surfaces = zone::surfaces(model)?;
     let walls: f64 = surfaces.iter().filter(|s| s.is_exterior_wall()).map(Surface::area).sum();
-    let (windows, doors) = glass_in_walls(model, &surfaces);
+    let (windows, doors) = glass_in_walls(model, &surfaces)?;
+    if windows.is_empty() {
+        return Ok(0);
+    }
     let max_glass: f64 = windows.iter().map(|w| w.width * w.greatest).sum();
     let reachable = Parameter::new("window_to_wall", "1", doors / walls, (max_glass + doors) / walls);
     let refused = || Error::Parameter(OutOfBounds { parameter: reachable, value: ratio });
@@ -40,26 +51,48 @@ pub(super) fn resize(model: &mut Model, ratio: f64) -> Result<()> {
     for window in &windows {
         set_height(model, &surfaces, window, (window.height * factor).min(window.greatest));
     }
-    Ok(())
+    Ok(windows.len())
 }
 
 /// The windows in exterior walls, in model order, and the area of the glass doors in them, m².
-fn glass_in_walls(model: &Model, surfaces: &[Surface]) -> (Vec<Window>, f64) {
+fn glass_in_walls(model: &Model, surfaces: &[Surface]) -> Result<(Vec<Window>, f64)> {
     let (mut windows, mut doors) = (Vec::new(), 0.0);
     for (name, fields) in model.objects(FENESTRATION).into_iter().filter(|(_, fields)| is_glass(fields)) {
         let Some(wall) = parent(surfaces, fields).filter(|wall| wall.is_exterior_wall()) else { continue };
         let corners = corners(fields);
         let (low, high) = heights(&corners);
-        let (width, height) = (width(&corners), high - low);
+        let height = high - low;
+        let width = mean_width(&corners, height) * number(fields, "multiplier").unwrap_or(1.0);
         if text(fields, "surface_type") == Some("GlassDoor") {
             doors += width * height;
             continue;
         }
+        if !is_vertical(wall) {
+            let why =
+                format!("its wall `{}` is tilted; only windows in vertical walls can be resized", wall.name);
+            return Err(Error::edit(FENESTRATION, name, &why));
+        }
         let (floor, ceiling) = heights(&wall.corners);
-        let greatest = (ceiling - floor - 2.0 * MARGIN).max(height);
-        windows.push(Window { name: name.to_owned(), width, height, greatest });
+        let greatest = if is_rectangle(&wall.corners) { ceiling - floor - 2.0 * MARGIN } else { height };
+        windows.push(Window { name: name.to_owned(), width, height, greatest: greatest.max(height) });
     }
-    (windows, doors)
+    Ok((windows, doors))
+}
+
+fn is_vertical(wall: &Surface) -> bool {
+    area_vector(&wall.corners)[2].abs() <= VERTICAL * wall.area()
+}
+
+/// Returns whether a polygon in a vertical plane fills its bounding rectangle.
+fn is_rectangle(corners: &[[f64; 3]]) -> bool {
+    let (low, high) = heights(corners);
+    let around = width(corners) * (high - low);
+    (polygon_area(corners) - around).abs() <= ROUNDING * around
+}
+
+/// The width of a rectangle, m, or of the rectangle with the height and the area of another polygon.
+fn mean_width(corners: &[[f64; 3]], height: f64) -> f64 {
+    if is_rectangle(corners) { width(corners) } else { polygon_area(corners) / height }
 }
 
 /// Returns the factor of all heights that gives the windows an area, m²; `None` if there is none. Windows that would exceed
@@ -167,6 +200,37 @@ mod tests {
         let (low, high) = (z(&model, "Low"), z(&model, "High"));
         assert!((high.1 - high.0 - 2.9).abs() < 1e-12, "{high:?}");
         assert!((low.1 - low.0 - 2.1).abs() < 1e-12 && (low.0 - MARGIN).abs() < 1e-12, "{low:?}");
+    }
+
+    #[test]
+    fn windows_in_a_gable_do_not_grow_and_copies_count() {
+        let mut model = model();
+        let corners = model.require_mut("BuildingSurface:Detailed", "Wall").unwrap();
+        let ridge = json!({"vertex_x_coordinate": 5, "vertex_y_coordinate": 0, "vertex_z_coordinate": 6});
+        corners["vertices"].as_array_mut().unwrap().push(ridge);
+        model.require_mut(FENESTRATION, "Low").unwrap().insert("multiplier".into(), json!(2));
+        let area = |model: &Model| {
+            let height = |name| z(model, name).1 - z(model, name).0;
+            2.0 * (2.0 * height("Low") + height("High")) + 2.0
+        };
+        assert_eq!(area(&model), 10.0);
+        resize(&mut model, 6.0 / 45.0).unwrap();
+        assert!((area(&model) - 6.0).abs() < 1e-9, "{}", area(&model));
+        let error = resize(&mut model, 0.30).unwrap_err().to_string();
+        assert!(error.contains("window_to_wall"), "{error}");
+    }
+
+    #[test]
+    fn what_cannot_be_resized_is_named() {
+        let mut tilted = model();
+        tilted.require_mut("BuildingSurface:Detailed", "Wall").unwrap()["vertices"][0]["vertex_y_coordinate"] =
+            json!(3);
+        let error = resize(&mut tilted, 0.2).unwrap_err().to_string();
+        assert!(error.contains("tilted"), "{error}");
+        let mut simple = model();
+        simple.insert("Window", "South Window", json!({"building_surface_name": "Wall"}));
+        let error = resize(&mut simple, 0.2).unwrap_err().to_string();
+        assert!(error.contains("Window `South Window`") && error.contains("FenestrationSurface"), "{error}");
     }
 
     #[test]

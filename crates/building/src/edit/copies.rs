@@ -1,0 +1,53 @@
+//! Copies of materials and constructions under new names.
+
+use crate::model::{Fields, text};
+use crate::{Error, Model, Result};
+
+/// Returns a name that no object of the classes with this prefix has. Materials of all classes share their names.
+pub(super) fn unused_name(model: &Model, prefix: &str, wanted: &str) -> String {
+    let classes: Vec<&str> = model.classes().filter(|class| class.starts_with(prefix)).collect();
+    let is_free = |name: &String| classes.iter().all(|class| !model.contains(class, name));
+    let numbered = (2..).map(|number| format!("{wanted} {number}"));
+    let mut names = std::iter::once(wanted.to_owned()).chain(numbered);
+    names.find(is_free).expect("a model has fewer objects than there are numbers")
+}
+
+/// Copies an object under an unused name, which is returned.
+pub(super) fn copy(model: &mut Model, class: &str, name: &str, wanted: &str) -> Result<String> {
+    let mut fields = model.require(class, name)?.clone();
+    fields.remove("idf_order");
+    let prefix = if class.starts_with("Construction") { "Construction" } else { family(class) };
+    let copy = unused_name(model, prefix, wanted);
+    model.insert(class, &copy, fields.into());
+    Ok(copy)
+}
+
+fn family(class: &str) -> &str {
+    class.split(':').next().unwrap_or(class)
+}
+
+/// Returns the name of an object as the model spells it.
+pub(super) fn spelled(model: &Model, class: &str, name: &str) -> String {
+    let mut names = model.names(class).into_iter();
+    names.find(|known| known.eq_ignore_ascii_case(name)).unwrap_or_else(|| name.to_owned())
+}
+
+/// Returns how many objects refer to a construction in `construction_name`.
+pub(super) fn users_of(model: &Model, construction: &str) -> usize {
+    let refers = |fields: &Fields| {
+        text(fields, "construction_name").is_some_and(|name| name.eq_ignore_ascii_case(construction))
+    };
+    model.classes().map(|class| model.objects(class).iter().filter(|(_, f)| refers(f)).count()).sum()
+}
+
+/// Returns the layers of a construction as fields.
+///
+/// # Errors
+/// [`Error::Edit`] for a construction that is not given by layers; [`Error::MissingObject`] for a dangling reference.
+pub(super) fn layered<'a>(model: &'a Model, construction: &str) -> Result<&'a Fields> {
+    let other = model.classes().find(|c| c.starts_with("Construction:") && model.contains(c, construction));
+    match other {
+        Some(class) => Err(Error::edit(class, construction, "only a Construction of layers can be changed")),
+        None => model.require("Construction", construction),
+    }
+}

@@ -1,0 +1,180 @@
+//! Internal gains: people, lights and equipment.
+
+use serde_json::json;
+
+use crate::Model;
+use crate::description::leakage;
+use crate::model::{Fields, number, text};
+use crate::zone::zones;
+
+/// A kind of gains: the classes with their fields.
+#[derive(Clone, Copy, Debug)]
+pub struct Gains {
+    classes: &'static [Class],
+}
+
+/// The fields of a class that give its gains; the calculation method selects one.
+#[derive(Debug)]
+struct Class {
+    name: &'static str,
+    /// Per object, W or people.
+    level: &'static str,
+    /// Per floor area, W/m² or people/m².
+    per_area: &'static str,
+    /// Per person, W; for people the floor area of one, m².
+    per_person: &'static str,
+}
+
+/// Fields that select the form.
+const METHODS: [&str; 2] = ["number_of_people_calculation_method", "design_level_calculation_method"];
+
+const fn watts(name: &'static str, level: &'static str) -> Class {
+    Class { name, level, per_area: "watts_per_floor_area", per_person: "watts_per_person" }
+}
+
+const fn power(name: &'static str) -> Class {
+    Class { name, level: "design_level", per_area: "power_per_floor_area", per_person: "power_per_person" }
+}
+
+/// People.
+pub const PEOPLE: Gains = Gains {
+    classes: &[Class {
+        name: "People",
+        level: "number_of_people",
+        per_area: "people_per_floor_area",
+        per_person: "floor_area_per_person",
+    }],
+};
+/// Lights in zones; exterior lights are not gains.
+pub const LIGHTS: Gains = Gains { classes: &[watts("Lights", "lighting_level")] };
+/// Equipment in zones.
+pub const EQUIPMENT: Gains = Gains {
+    classes: &[
+        watts("ElectricEquipment", "design_level"),
+        watts("ElectricEquipment:ITE:AirCooled", "watts_per_unit"),
+        power("GasEquipment"),
+        power("HotWaterEquipment"),
+        power("SteamEquipment"),
+        power("OtherEquipment"),
+    ],
+};
+
+/// Multiplies gains in every form, and returns the number of objects. A floor area per person is divided.
+pub fn scale(model: &mut Model, gains: &Gains, multiplier: f64) -> usize {
+    let mut count = 0;
+    for class in gains.classes {
+        for name in model.names(class.name) {
+            let Some(fields) = model.get_mut(class.name, &name) else { continue };
+            multiply(fields, class.level, multiplier);
+            multiply(fields, class.per_area, multiplier);
+            let is_area = class.per_person == "floor_area_per_person";
+            multiply(fields, class.per_person, if is_area { 1.0 / multiplier } else { multiplier });
+            count += 1;
+        }
+    }
+    count
+}
+
+/// Multiplies a number; other equipment may have a negative one.
+fn multiply(fields: &mut Fields, field: &str, factor: f64) {
+    if let Some(value) = number(fields, field) {
+        fields.insert(field.to_owned(), json!(value * factor));
+    }
+}
+
+/// Returns the design level of gains per floor area of all zones, W/m² or people/m²; `None` if it cannot be computed.
+pub(super) fn intensity(model: &Model, gains: &Gains) -> Option<f64> {
+    let (mut total, mut floor) = (0.0, 0.0);
+    for zone in zones(model).ok()? {
+        let area = zone.floor_area;
+        let people = level(model, &PEOPLE, &zone.name, area, 0.0)?;
+        total += level(model, gains, &zone.name, area, people)? * zone.multiplier;
+        floor += area * zone.multiplier;
+    }
+    (floor > 0.0).then(|| total / floor)
+}
+
+/// Returns the design level of gains in a zone.
+fn level(model: &Model, gains: &Gains, zone: &str, area: f64, people: f64) -> Option<f64> {
+    let mut sum = 0.0;
+    for class in gains.classes {
+        for (_, fields) in model.objects(class.name) {
+            // Neither lists of spaces nor units of servers are resolved.
+            if class.level == "watts_per_unit" || names_space_list(model, fields) {
+                return None;
+            }
+            if leakage::is_in(model, fields, zone) {
+                sum += class.level_of(fields, area, people)?;
+            }
+        }
+    }
+    Some(sum)
+}
+
+fn names_space_list(model: &Model, fields: &Fields) -> bool {
+    let place = text(fields, "zone_or_zonelist_or_space_or_spacelist_name").unwrap_or_default();
+    model.contains("SpaceList", place) || model.contains("Space", place)
+}
+
+impl Class {
+    fn level_of(&self, fields: &Fields, area: f64, people: f64) -> Option<f64> {
+        let method = METHODS.iter().find_map(|field| text(fields, field));
+        let method = method.unwrap_or_default().to_ascii_lowercase();
+        match method.as_str() {
+            "area/person" => Some(area / number(fields, self.per_person)?),
+            method if method.ends_with("/area") => Some(area * number(fields, self.per_area)?),
+            method if method.ends_with("/person") => Some(people * number(fields, self.per_person)?),
+            _ => number(fields, self.level),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_form_scales_and_the_area_of_a_person_shrinks() {
+        let mut model = Model::default();
+        let people =
+            json!({"number_of_people": 4, "people_per_floor_area": 0.1, "floor_area_per_person": 20});
+        model.insert("People", "P", people);
+        assert_eq!(scale(&mut model, &PEOPLE, 2.0), 1);
+        let people = model.get("People", "P").unwrap();
+        assert_eq!(people["number_of_people"], 8.0);
+        assert_eq!(people["people_per_floor_area"], 0.2);
+        assert_eq!(people["floor_area_per_person"], 10.0);
+        for (class, gains) in
+            [("Lights", LIGHTS), ("ElectricEquipment", EQUIPMENT), ("OtherEquipment", EQUIPMENT)]
+        {
+            let of_class = gains.classes.iter().find(|each| each.name == class).unwrap();
+            for field in [of_class.level, of_class.per_area, of_class.per_person] {
+                model.insert(class, field, json!({field: -2.0}));
+            }
+            assert_eq!(scale(&mut model, &gains, 1.5), 3 + usize::from(class == "OtherEquipment") * 3);
+            for field in [of_class.level, of_class.per_area, of_class.per_person] {
+                assert_eq!(model.get(class, field).unwrap()[field], -3.0, "{class} {field}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_intensity_is_that_of_the_selected_forms() {
+        let mut model = Model::default();
+        model.insert("Zone", "A", json!({"floor_area": 50.0, "multiplier": 2}));
+        model.insert("Zone", "B", json!({"floor_area": 100.0}));
+        let place = "zone_or_zonelist_or_space_or_spacelist_name";
+        model.insert(
+            "People",
+            "P",
+            json!({place: "A", "number_of_people_calculation_method": "Area/Person", "floor_area_per_person": 10,
+                "clothing_insulation_calculation_method": "ClothingInsulationSchedule"}),
+        );
+        let method = "design_level_calculation_method";
+        model.insert("Lights", "1", json!({place: "a", method: "Watts/Person", "watts_per_person": 100}));
+        model.insert("Lights", "2", json!({place: "B", method: "Watts/Area", "watts_per_floor_area": 8}));
+        model.insert("Lights", "3", json!({place: "B", method: "LightingLevel", "lighting_level": 200}));
+        assert_eq!(intensity(&model, &PEOPLE), Some(10.0 / 200.0));
+        assert_eq!(intensity(&model, &LIGHTS), Some((2.0 * 500.0 + 800.0 + 200.0) / 200.0));
+    }
+}
