@@ -50,6 +50,12 @@ def find_building(
     weather: str | PathLike[str] | None = None,
     allow_external: bool = False,
 ) -> Building: ...
+def edit_model(
+    model: str | PathLike[str],
+    out: str | PathLike[str],
+    changes: Sequence[tuple[str, float]],
+    allow_external: bool,
+) -> str: ...
 def generate(
     building_type: str,
     count: int,

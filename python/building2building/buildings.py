@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Sequence
 from functools import cache
@@ -193,6 +194,49 @@ def import_building(model: PathLike, weather: PathLike, *, allow_external: bool 
     if not path.is_file():
         raise BuildingError(f"{path}: no such model file")
     return find_building(os.fspath(path), None, Path(weather).resolve(), allow_external=allow_external)
+
+
+def edit_model(
+    model: PathLike,
+    out: PathLike,
+    *,
+    wall_u: float | None = None,
+    roof_u: float | None = None,
+    window_u: float | None = None,
+    window_shgc: float | None = None,
+    window_to_wall: float | None = None,
+    infiltration: float | None = None,
+    x_scale: float | None = None,
+    y_scale: float | None = None,
+    north_axis: float | None = None,
+    people: float | None = None,
+    lights: float | None = None,
+    equipment: float | None = None,
+    allow_external: bool = False,
+) -> dict[str, Any]:
+    """Changes the envelope, the shape or the internal gains of an EnergyPlus model, and writes the result as epJSON.
+
+    U-factors are in W/m²K, ``north_axis`` in degrees; ``infiltration``, ``x_scale``, ``y_scale``, ``people``,
+    ``lights`` and ``equipment`` are multipliers. The model itself is not changed. Returns what ``b2b edit --json``
+    prints: ``changes``, each with its quantity before and after and the number of objects, and ``warnings``.
+    """
+    values = {
+        "wall_u": wall_u,
+        "roof_u": roof_u,
+        "window_u": window_u,
+        "window_shgc": window_shgc,
+        "window_to_wall": window_to_wall,
+        "infiltration": infiltration,
+        "x_scale": x_scale,
+        "y_scale": y_scale,
+        "north_axis": north_axis,
+        "people": people,
+        "lights": lights,
+        "equipment": equipment,
+    }
+    changes = [(name, float(value)) for name, value in values.items() if value is not None]
+    report: dict[str, Any] = json.loads(_core.edit_model(model, out, changes, allow_external))
+    return report
 
 
 def select_building(

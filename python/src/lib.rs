@@ -1,6 +1,6 @@
 //! `building2building._core`: the Rust crates as Python classes.
 //!
-//! This crate only converts. [`catalog`] finds buildings, [`generator`] makes new ones, and [`table`] converts the dataset's
+//! This crate only converts. [`catalog`] finds buildings, [`generator`] makes new ones, [`edit`] changes model files, and [`table`] converts the dataset's
 //! rows; [`spaces`] and [`morphology`] describe observations and actions; [`env`] is an environment in its own process,
 //! [`local`] one in this process, and [`vector`] a batch over the buildings of [`population`]; [`control`] has the built-in
 //! controllers, [`evaluation`] evaluates a policy on many buildings, [`learning`] trains agents, [`benchmarks`] has the
@@ -11,6 +11,7 @@ mod benchmarks;
 mod catalog;
 mod command;
 mod control;
+mod edit;
 mod env;
 mod error;
 mod evaluation;
@@ -43,6 +44,8 @@ mod _core {
     use super::command::run_command;
     #[pymodule_export]
     use super::control::{Controller, reactive_parameters, trajectory_hash};
+    #[pymodule_export]
+    use super::edit::edit_model;
     #[pymodule_export]
     use super::env::Env;
     #[pymodule_export]

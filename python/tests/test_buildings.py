@@ -72,6 +72,20 @@ def test_an_imported_model_is_an_environment(make):
         b2b.import_building("nowhere.idf", building.weather)
 
 
+def test_an_edited_model_is_written_and_imported(tmp_path):
+    shipped = b2b.list_engine_models()["ASHRAE901_Warehouse_STD2019_Denver"]
+    out = tmp_path / "edited.epJSON"
+    report = b2b.edit_model(shipped, out, infiltration=1.5, wall_u=0.3)
+    effects = {each["change"]: each for each in report["changes"]}
+    assert effects["wall_u"]["after"] == pytest.approx(0.3)
+    assert effects["infiltration"]["after"] == pytest.approx(1.5 * effects["infiltration"]["before"])
+    weather = b2b.find_building("Warehouse").weather
+    assert b2b.import_building(out, weather).name == "edited"
+    for arguments, words in [({}, "at least one of"), ({"wall_u": 50}, "`wall_u` is 50"), ({"people": 0}, "people")]:
+        with pytest.raises(errors.Error, match=words):
+            b2b.edit_model(shipped, out, **arguments)
+
+
 def test_a_model_that_runs_code_is_refused_unless_it_is_allowed(tmp_path):
     weather = b2b.find_building("OfficeSmall").weather
     model = tmp_path / "hostile.epJSON"

@@ -5,8 +5,9 @@ use crate::wrap;
 /// Commands by purpose.
 #[cfg(target_os = "linux")]
 const GROUPS: &[(&str, &[&str])] = &[
-    ("Simulate", &["run", "compare", "import"]),
+    ("Simulate", &["run", "compare"]),
     ("Explore buildings", &["list", "show", "view"]),
+    ("Your own models", &["import", "edit"]),
     ("Train agents", &["train", "collect", "clone", "export"]),
     ("Evaluate policies", &["evaluate", "score", "benchmark", "experiment"]),
     ("Dataset and baselines", &["dataset", "generate", "check", "tune", "baseline"]),
@@ -14,8 +15,9 @@ const GROUPS: &[(&str, &[&str])] = &[
 ];
 #[cfg(not(target_os = "linux"))]
 const GROUPS: &[(&str, &[&str])] = &[
-    ("Simulate", &["run", "compare", "import"]),
+    ("Simulate", &["run", "compare"]),
     ("Explore buildings", &["list", "show", "view"]),
+    ("Your own models", &["import", "edit"]),
     ("Dataset", &["dataset", "generate", "check"]),
     ("Installation and performance", &["setup", "doctor", "bench"]),
 ];

@@ -18,6 +18,7 @@ mod compare;
 mod dataset;
 mod derived;
 mod doctor;
+mod edit;
 #[cfg(target_os = "linux")]
 mod evaluate;
 #[cfg(target_os = "linux")]
@@ -98,6 +99,7 @@ enum Command {
     Dataset(dataset::Arguments),
     Check(check::Arguments),
     Import(import::Arguments),
+    Edit(edit::Arguments),
     #[cfg(target_os = "linux")]
     Train(Box<train::Arguments>),
     #[cfg(target_os = "linux")]
@@ -117,7 +119,10 @@ impl Command {
     /// therefore needs supervision.
     #[cfg(target_os = "linux")]
     fn is_foreign(&self) -> bool {
-        matches!(self, Self::Run(_) | Self::Show(_) | Self::View(_) | Self::Doctor(_) | Self::Import(_))
+        matches!(
+            self,
+            Self::Run(_) | Self::Show(_) | Self::View(_) | Self::Doctor(_) | Self::Import(_) | Self::Edit(_)
+        )
     }
 }
 
@@ -186,6 +191,7 @@ fn execute(command: Command) -> Result<ExitCode> {
         Command::Generate(arguments) => generate::generate(&arguments)?,
         Command::Check(arguments) => return check::check(&arguments),
         Command::Import(arguments) => return import::import(&arguments),
+        Command::Edit(arguments) => edit::edit(&arguments)?,
         #[cfg(target_os = "linux")]
         Command::Export(arguments) => export::export(&arguments)?,
         #[cfg(target_os = "linux")]

@@ -44,6 +44,7 @@ fn no_command_takes_a_model_that_runs_code_or_reads_elsewhere() {
     for arguments in [
         "run m.idf --weather w.epw",
         "import m.idf --weather w.epw --run 01-01..01-01",
+        "edit m.idf --lights 2 --out edited.epJSON",
         "show m.idf --weather w.epw",
         "view m.idf --weather w.epw",
         "doctor --authority m.idf --weather w.epw",
