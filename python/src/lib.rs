@@ -1,7 +1,7 @@
 //! `building2building._core`: the Rust crates as Python classes.
 //!
-//! This crate only converts. [`catalog`] finds buildings, [`generator`] makes new ones, [`edit`] changes model files, and [`table`] converts the dataset's
-//! rows; [`spaces`] and [`morphology`] describe observations and actions; [`env`] is an environment in its own process,
+//! This crate only converts. [`catalog`] finds buildings, [`generator`] makes new ones, [`edit`] changes model files, and
+//! [`table`] converts the dataset's rows; [`spaces`] and [`morphology`] describe observations and actions; [`env`] is an environment in its own process,
 //! [`local`] one in this process, and [`vector`] a batch over the buildings of [`population`]; [`control`] has the built-in
 //! controllers, [`evaluation`] evaluates a policy on many buildings, [`learning`] trains agents, [`benchmarks`] has the
 //! benchmark problems; [`command`] is the command `b2b`, [`signals`] handles Ctrl-C, and [`error`] defines the exceptions.

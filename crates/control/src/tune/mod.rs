@@ -37,7 +37,8 @@ pub use selection::{Cells, measured};
 
 use crate::{ReactiveParameters, Result, Tuned};
 
-/// The search ends when this number of evaluations in a row has lowered the best score by less than [`MIN_GAIN`].
+/// The search ends when this number of evaluations in a row has lowered the best score, which is below that of the defaults,
+/// by less than [`MIN_GAIN`].
 const PATIENCE: usize = 20;
 /// Relative.
 const MIN_GAIN: f64 = 0.01;
@@ -137,13 +138,15 @@ fn search(
     Ok(scores.len())
 }
 
-/// Returns whether the best score, given after each evaluation, no longer falls.
+/// Returns whether the best score, given after each evaluation, no longer falls. It has fallen below that of the defaults, 1:
+/// a search that has found nothing continues.
 fn has_stalled(scores: &[f64]) -> bool {
     let Some(earlier) = scores.len().checked_sub(1 + PATIENCE).filter(|number| *number >= search::UNIFORM)
     else {
         return false;
     };
-    scores[scores.len() - 1] > (1.0 - MIN_GAIN) * scores[earlier]
+    let best = scores[scores.len() - 1];
+    best < 1.0 - MIN_GAIN && best > (1.0 - MIN_GAIN) * scores[earlier]
 }
 
 /// Simulates the buildings of the search one after another, until the set is out of the race.
