@@ -131,6 +131,24 @@ pub enum Error {
         /// The error of SQLite.
         source: rusqlite::Error,
     },
+    /// The engine's table of monthly energy could not be read.
+    #[error("the energy in {path} cannot be read: {source}")]
+    EnergyTable {
+        /// The engine's SQLite output.
+        path: PathBuf,
+        /// The error of SQLite.
+        source: rusqlite::Error,
+    },
+    /// A table of metered energy with an error.
+    #[error("{path}, line {line}: {why}")]
+    Metered {
+        /// The file.
+        path: PathBuf,
+        /// Number of the line, from 1.
+        line: usize,
+        /// The problem, and the remedy.
+        why: String,
+    },
     /// Autosized fields for which the engine reports no size.
     #[error("the engine reports no size for:\n  {}\nGive each field a number in the model.", fields.join("\n  "))]
     Unsized {

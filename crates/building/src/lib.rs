@@ -1,6 +1,7 @@
 //! Building models for control: reading, sizing and making systems controllable.
 
 mod building_type;
+pub mod calibration;
 mod class;
 pub mod construction;
 pub mod description;
@@ -9,6 +10,7 @@ mod error;
 pub mod hvac;
 pub mod import;
 pub mod model;
+mod monthly_energy;
 pub mod morphology;
 pub mod opening;
 mod outputs;
@@ -24,6 +26,7 @@ pub use class::Class;
 pub use description::Description;
 pub use error::{Error, Result};
 pub use model::Model;
+pub use monthly_energy::MonthlyEnergy;
 pub use morphology::Morphology;
 pub use parameter::Parameter;
 pub use prepare::{Conditioning, PreparedBuilding, Zone};

@@ -1,0 +1,128 @@
+//! Monthly energy of a model under its own controls.
+
+use std::path::Path;
+
+use b2b_energyplus::{Library, Run, temporary_folder};
+use rusqlite::{Connection, OpenFlags};
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+
+use crate::calibration::Fuel;
+use crate::model::{Fields, number};
+use crate::outputs;
+use crate::sizing::simulation_control;
+use crate::{Error, Model, Result, RunPeriod};
+
+/// J in one kWh.
+const JOULES: f64 = 3.6e6;
+
+/// The energy of a whole building by calendar month, kWh.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct MonthlyEnergy {
+    /// Purchased and produced electricity that the building uses.
+    pub electricity: [f64; 12],
+    /// Natural gas.
+    pub gas: [f64; 12],
+}
+
+impl MonthlyEnergy {
+    /// Simulates a year of a model with its own controls and sizing. The run period is that of the model if it is one
+    /// whole year, and otherwise [`RunPeriod::FULL_YEAR`].
+    ///
+    /// # Errors
+    /// [`Error::Engine`] with the engine's messages when it rejects the model; [`Error::EnergyTable`] when its output
+    /// cannot be read; [`Error::Io`] when temporary files cannot be written.
+    pub fn of(model: &Model, weather: &Path, library: &Library) -> Result<Self> {
+        let folder = temporary_folder("b2b-year-")?;
+        let input = folder.path().join("model.epJSON");
+        std::fs::write(&input, metered_year(model).to_epjson())
+            .map_err(|source| Error::Io { path: input.clone(), source })?;
+        Run::new(&input, weather).output(folder.path()).to_end(library)?;
+        let table = folder.path().join("eplusout.sql");
+        let unreadable = |source| Error::EnergyTable { path: table.clone(), source };
+        let read = |fuel: Fuel| read_meter(&table, fuel.meter()).map_err(unreadable);
+        Ok(Self { electricity: read(Fuel::Electricity)?, gas: read(Fuel::Gas)? })
+    }
+
+    /// Returns the energy of a fuel.
+    pub fn fuel(&self, fuel: Fuel) -> &[f64; 12] {
+        match fuel {
+            Fuel::Electricity => &self.electricity,
+            Fuel::Gas => &self.gas,
+        }
+    }
+}
+
+/// The model with a run period of a year and monthly meters as its only output.
+fn metered_year(model: &Model) -> Model {
+    let mut year = model.clone();
+    outputs::write_only(&mut year, &["sqlite"]);
+    year.insert("Output:SQLite", "energy", json!({"option_type": "Simple"}));
+    for fuel in Fuel::ALL {
+        let meter = json!({"key_name": fuel.meter(), "reporting_frequency": "Monthly"});
+        year.insert("Output:Meter", fuel.meter(), meter);
+    }
+    let control = simulation_control(&mut year);
+    control.insert("run_simulation_for_weather_file_run_periods".into(), json!("Yes"));
+    control.insert("run_simulation_for_sizing_periods".into(), json!("No"));
+    if !matches!(&year.objects("RunPeriod")[..], [(_, period)] if is_whole_year(period)) {
+        year.remove_class("RunPeriod");
+        year.insert("RunPeriod", "Year", RunPeriod::FULL_YEAR.to_epjson());
+    }
+    year
+}
+
+fn is_whole_year(period: &Fields) -> bool {
+    let is = |field: &str, value: f64| number(period, field) == Some(value);
+    let one_year = number(period, "end_year").is_none() || period.get("begin_year") == period.get("end_year");
+    one_year
+        && is("begin_month", 1.0)
+        && is("begin_day_of_month", 1.0)
+        && is("end_month", 12.0)
+        && is("end_day_of_month", 31.0)
+}
+
+/// Reads a monthly meter, kWh; zero if the model does not use the fuel.
+fn read_meter(table: &Path, meter: &str) -> rusqlite::Result<[f64; 12]> {
+    let database = Connection::open_with_flags(table, OpenFlags::SQLITE_OPEN_READ_ONLY)?;
+    let mut rows = database.prepare(
+        "SELECT Time.Month, ReportData.Value FROM ReportData \
+         JOIN Time USING (TimeIndex) JOIN ReportDataDictionary USING (ReportDataDictionaryIndex) \
+         WHERE ReportDataDictionary.Name = ?1 AND ReportDataDictionary.ReportingFrequency = 'Monthly'",
+    )?;
+    let mut months = [0.0; 12];
+    let values = rows.query_map([meter], |row| Ok((row.get::<_, u32>(0)?, row.get::<_, f64>(1)?)))?;
+    for value in values {
+        let (month, joules) = value?;
+        if let Some(energy) = months.get_mut((month as usize).wrapping_sub(1)) {
+            *energy += joules / JOULES;
+        }
+    }
+    Ok(months)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_run_period_of_a_model_is_kept_if_it_is_a_year() {
+        let period = |month: u32, year: u32| {
+            json!({"begin_month": 1, "begin_day_of_month": 1, "begin_year": 2019, "end_month": month,
+                "end_day_of_month": 31, "end_year": year})
+        };
+        let name = |periods: &[serde_json::Value]| {
+            let mut model = Model::default();
+            for (number, period) in periods.iter().enumerate() {
+                model.insert("RunPeriod", &format!("Own {number}"), period.clone());
+            }
+            metered_year(&model).names("RunPeriod")
+        };
+        assert_eq!(name(&[period(12, 2019)]), ["Own 0"]);
+        for others in
+            [vec![], vec![period(1, 2019)], vec![period(12, 2020)], vec![period(12, 2019), period(1, 2019)]]
+        {
+            assert_eq!(name(&others), ["Year"]);
+        }
+    }
+}
