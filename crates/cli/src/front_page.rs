@@ -7,7 +7,7 @@ use crate::wrap;
 const GROUPS: &[(&str, &[&str])] = &[
     ("Simulate", &["run", "compare"]),
     ("Explore buildings", &["list", "show", "view"]),
-    ("Your own models", &["import", "edit"]),
+    ("Your own models", &["import", "edit", "calibrate"]),
     ("Train agents", &["train", "collect", "clone", "export"]),
     ("Evaluate policies", &["evaluate", "score", "benchmark", "experiment"]),
     ("Dataset and baselines", &["dataset", "generate", "check", "tune", "baseline"]),
@@ -17,7 +17,7 @@ const GROUPS: &[(&str, &[&str])] = &[
 const GROUPS: &[(&str, &[&str])] = &[
     ("Simulate", &["run", "compare"]),
     ("Explore buildings", &["list", "show", "view"]),
-    ("Your own models", &["import", "edit"]),
+    ("Your own models", &["import", "edit", "calibrate"]),
     ("Dataset", &["dataset", "generate", "check"]),
     ("Installation and performance", &["setup", "doctor", "bench"]),
 ];

@@ -8,6 +8,7 @@ mod baseline;
 mod bench;
 #[cfg(target_os = "linux")]
 mod benchmark;
+mod calibrate;
 mod check;
 mod child;
 #[cfg(target_os = "linux")]
@@ -100,6 +101,7 @@ enum Command {
     Check(check::Arguments),
     Import(import::Arguments),
     Edit(edit::Arguments),
+    Calibrate(calibrate::Arguments),
     #[cfg(target_os = "linux")]
     Train(Box<train::Arguments>),
     #[cfg(target_os = "linux")]
@@ -121,7 +123,13 @@ impl Command {
     fn is_foreign(&self) -> bool {
         matches!(
             self,
-            Self::Run(_) | Self::Show(_) | Self::View(_) | Self::Doctor(_) | Self::Import(_) | Self::Edit(_)
+            Self::Run(_)
+                | Self::Show(_)
+                | Self::View(_)
+                | Self::Doctor(_)
+                | Self::Import(_)
+                | Self::Edit(_)
+                | Self::Calibrate(_)
         )
     }
 }
@@ -192,6 +200,7 @@ fn execute(command: Command) -> Result<ExitCode> {
         Command::Check(arguments) => return check::check(&arguments),
         Command::Import(arguments) => return import::import(&arguments),
         Command::Edit(arguments) => edit::edit(&arguments)?,
+        Command::Calibrate(arguments) => calibrate::calibrate(&arguments)?,
         #[cfg(target_os = "linux")]
         Command::Export(arguments) => export::export(&arguments)?,
         #[cfg(target_os = "linux")]

@@ -18,7 +18,7 @@ fn model(name: &str) -> PathBuf {
     engine().models.unwrap().join(name)
 }
 
-/// Rejects the name of a model with a space, at which the arguments of commands are split.
+/// Returns a path as one of the arguments of a command, which are split at spaces.
 fn word(path: &Path) -> String {
     let text = path.to_str().unwrap().to_owned();
     assert!(!text.contains(' '));
@@ -41,6 +41,8 @@ fn gas(folder: &Path, model: &Path) -> f64 {
     let mut document: Value = serde_json::from_str(&std::fs::read_to_string(model).unwrap()).unwrap();
     document["RunPeriod"] = serde_json::json!({"January": {"begin_month": 1, "begin_day_of_month": 8,
         "end_month": 1, "end_day_of_month": 14, "day_of_week_for_start_day": "Monday"}});
+    let control = document["SimulationControl"].as_object_mut().unwrap().values_mut().next().unwrap();
+    control["run_simulation_for_weather_file_run_periods"] = "Yes".into();
     let file = folder.join("january.epJSON");
     std::fs::write(&file, document.to_string()).unwrap();
     let library = Library::load(&engine().library).unwrap();

@@ -40,11 +40,14 @@ fn no_command_takes_a_model_that_runs_code_or_reads_elsewhere() {
          PythonPlugin:Instance,Plugin,Yes,module,Class;\n\
          Schedule:File,Outside,,/etc/hostname,1,0,8760,Comma;\n",
     );
+    std::fs::write(folder.path().join("metered.csv"), "month,electricity_kwh,gas_kwh\n1,2,3\n2,3,4\n")
+        .unwrap();
     let files = names(folder.path());
     for arguments in [
         "run m.idf --weather w.epw",
         "import m.idf --weather w.epw --run 01-01..01-01",
         "edit m.idf --lights 2 --out edited.epJSON",
+        "calibrate m.idf --weather w.epw --energy metered.csv --out calibrated.epJSON",
         "show m.idf --weather w.epw",
         "view m.idf --weather w.epw",
         "doctor --authority m.idf --weather w.epw",
