@@ -15,7 +15,8 @@ fn warehouse(folder: &Path) {
     assert_eq!(generated["written"], 1);
     let model = std::fs::read_to_string(folder.join("w/Warehouse-seed1-0001.epJSON")).unwrap();
     let mut model: Value = serde_json::from_str(&model).unwrap();
-    model["Timestep"] = serde_json::json!({"Timestep": {"number_of_timesteps_per_hour": 4}});
+    model["Timestep"] = serde_json::json!({"Timestep": {"number_of_timesteps_per_hour": 1}});
+    model["ConvergenceLimits"] = serde_json::json!({"Limits": {"minimum_system_timestep": 60}});
     std::fs::write(folder.join("model.epJSON"), model.to_string()).unwrap();
 }
 

@@ -99,8 +99,8 @@ impl Report {
                 fuels.row([
                     each.fuel.to_string(),
                     model.into(),
-                    format!("{:.1}", agreement.cv_rmse_percent),
-                    format!("{:.1}", agreement.nmbe_percent),
+                    percent(agreement.cv_rmse_percent),
+                    percent(agreement.nmbe_percent),
                     if agreement.meets_guideline_14 { "met" } else { "not met" }.into(),
                 ]);
             }
@@ -113,6 +113,11 @@ impl Report {
             out.display()
         )
     }
+}
+
+/// Returns a number with one decimal; never `-0.0`.
+fn percent(value: f64) -> String {
+    format!("{:.1}", (10.0 * value).round() / 10.0 + 0.0)
 }
 
 fn warnings(parameters: &[Change], fit: &Fit) -> Vec<String> {
