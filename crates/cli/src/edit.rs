@@ -22,6 +22,7 @@ use crate::table::Table;
 #[derive(clap::Args)]
 #[command(
     verbatim_doc_comment,
+    override_usage = "b2b edit [OPTIONS] --out <FILE.epJSON> <MODEL>",
     after_help = "\
 Examples:
   b2b edit office.idf --wall-u 0.3 --roof-u 0.2 --out insulated.epJSON

@@ -117,3 +117,52 @@ fn an_invalid_request_is_an_error_that_names_the_fault() {
         assert!(!b2b(path, &format!("experiment run small.toml --shard {shard}")).status.success());
     }
 }
+
+#[test]
+fn one_agent_for_all_tasks_is_scored_on_each_beside_the_reactive_controllers() {
+    let weights = SMALL
+        .replace("\"adaptation\"", "\"weights\"")
+        .replace("[\"occupancy\"]", "[\"occupancy\", \"occupancy+energy5\"]")
+        .replace("trains = \"building\"", "trains = \"building\"\nall_tasks = true")
+        .replace(
+            "preset = \"residual\",",
+            "preset = \"residual\", observation = { form = \"features\", attributes = true },",
+        );
+    let folder = folder_with(&weights);
+    let path = folder.path();
+    let summary = json(path, "experiment run small.toml --out out");
+    assert_eq!((summary["done"].as_u64(), summary["failed"].as_u64()), (Some(3), Some(0)), "{summary}");
+    let results: Value = serde_json::from_str(&results(path, "out")).unwrap();
+    let of_agent = |episode: &&Value| episode["agent"] == "specialist";
+    let episodes: Vec<&Value> = results["episodes"].as_array().unwrap().iter().filter(of_agent).collect();
+    assert_eq!(episodes.len(), 4, "two houses, two weights");
+    let log = path.join("out/jobs/specialist");
+    let jobs: Vec<_> = std::fs::read_dir(log).unwrap().map(|job| job.unwrap().file_name()).collect();
+    assert!(jobs.iter().all(|name| name.to_string_lossy().contains("_all-tasks_")), "{jobs:?}");
+    let page = std::fs::read_to_string(path.join("out/report.html")).unwrap();
+    assert!(page.contains("\"reactive\"") && page.contains("HVAC energy (kWh/m²)"));
+}
+
+#[test]
+fn an_agent_is_entered_on_a_benchmark_problem() {
+    let folder = folder_with(
+        "title = \"Board\"\nquestion = \"Which?\"\npaper = \"not in it\"\nreport = \"board\"\n\
+         problems = [\"goal-energy-weight\"]\n\
+         quick = { steps = 1152, seeds = 1, buildings = 1 }\nfull = { steps = 1152, seeds = 3, buildings = 1 }\n\
+         [[agents]]\nname = \"residual\"\ntrains = \"problem\"\nproblems = [\"goal-energy-weight\"]\n\
+         options = { preset = \"residual\", environments = 2, window_days = 1, window_starts = 1, \
+         ppo = { n_steps = 96, batch_size = 64, epochs = 2 } }\n",
+    );
+    let path = folder.path();
+    let summary = json(path, "experiment run small.toml --out out");
+    assert_eq!((summary["done"].as_u64(), summary["failed"].as_u64()), (Some(1), Some(0)), "{summary}");
+    let results: Value = serde_json::from_str(&results(path, "out")).unwrap();
+    let tasks: Vec<&Value> =
+        results["episodes"].as_array().unwrap().iter().map(|episode| &episode["task"]).collect();
+    assert_eq!(tasks, ["constant+energy0.5", "occupancy+energy0.5", "random+energy0.5"]);
+    let result = std::fs::read_to_string(path.join("out/jobs/residual/goal-energy-weight/entry/result.json"));
+    let result: Value = serde_json::from_str(&result.unwrap()).unwrap();
+    assert_eq!((&result["name"], result["training_steps"].as_u64()), (&"residual".into(), Some(1152)));
+    let page = std::fs::read_to_string(path.join("out/report.html")).unwrap();
+    assert!(page.contains("goal-energy-weight"));
+}

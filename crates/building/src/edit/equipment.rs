@@ -40,9 +40,10 @@ fn is_equipment(class: &str) -> bool {
     class != "Fan:ZoneExhaust" && EQUIPMENT.iter().any(|prefix| class.starts_with(prefix))
 }
 
+/// Returns whether a field is a size that the loads determine. Crankcase heaters are not.
 fn is_size(field: &str) -> bool {
-    let is_ratio = ["minimum", "fraction", "_per_"].iter().any(|word| field.contains(word));
-    !is_ratio && (field.ends_with("flow_rate") || field.ends_with("capacity"))
+    let is_other = ["minimum", "fraction", "_per_", "crankcase"].iter().any(|word| field.contains(word));
+    !is_other && (field.ends_with("flow_rate") || field.ends_with("capacity"))
 }
 
 fn is_positive(value: &Value) -> bool {
