@@ -75,7 +75,8 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
             raise SettingError(f"unknown render_mode `{render_mode}`; expected rgb_array, human or None")
         in_process = in_process or keep_engine_output is not None
         if in_process and (window_days is not None or weather_years):
-            raise SettingError("window_days and weather_years are not available with in_process=True or keep_engine_output")
+            message = "window_days and weather_years are not available with in_process=True or keep_engine_output"
+            raise SettingError(message)
         self.building = select_building(building_type, split, index, building_id, place, weather, building)
         self.task = json.dumps(task) if isinstance(task, dict) else str(task)
         self.run_period, self.timesteps_per_hour = run_period, timesteps_per_hour
