@@ -37,8 +37,7 @@ pub use selection::{Cells, measured};
 
 use crate::{ReactiveParameters, Result, Tuned};
 
-/// The search ends when this number of evaluations in a row has lowered the best score, which is below that of the defaults,
-/// by less than [`MIN_GAIN`].
+/// The search ends when this number of evaluations in a row has lowered the best score by less than [`MIN_GAIN`].
 const PATIENCE: usize = 20;
 /// Relative.
 const MIN_GAIN: f64 = 0.01;
@@ -131,22 +130,23 @@ fn search(
         }
         done(number + 1);
         scores.push(best.as_ref().map_or(f64::INFINITY, Best::score));
-        if has_stalled(&scores) {
+        if has_stalled(plan, &scores) {
             break;
         }
     }
     Ok(scores.len())
 }
 
-/// Returns whether the best score, given after each evaluation, no longer falls. It has fallen below that of the defaults, 1:
-/// a search that has found nothing continues.
-fn has_stalled(scores: &[f64]) -> bool {
+/// Returns whether the best score, given after each evaluation, no longer falls. On central air loops, where few sets are
+/// within the limits, a search that has found nothing better than the defaults, whose score is 1, continues.
+fn has_stalled(plan: &Plan, scores: &[f64]) -> bool {
     let Some(earlier) = scores.len().checked_sub(1 + PATIENCE).filter(|number| *number >= search::UNIFORM)
     else {
         return false;
     };
     let best = scores[scores.len() - 1];
-    best < 1.0 - MIN_GAIN && best > (1.0 - MIN_GAIN) * scores[earlier]
+    let has_found = !plan.constant_targets || best < 1.0 - MIN_GAIN;
+    has_found && best > (1.0 - MIN_GAIN) * scores[earlier]
 }
 
 /// Simulates the buildings of the search one after another, until the set is out of the race.

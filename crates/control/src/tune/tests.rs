@@ -60,22 +60,24 @@ fn the_search_approaches_the_optimum_and_is_never_worse_than_the_defaults() {
 }
 
 #[test]
-fn a_search_that_no_longer_improves_ends_unless_it_has_found_nothing() {
+fn a_search_that_no_longer_improves_ends_but_on_air_loops_not_before_it_has_found_something() {
     let folder = tempfile::tempdir().unwrap();
     // Every set but the defaults has this loss.
-    let evaluations = |of_others: f64| {
+    let evaluations = |constant_targets: bool, of_others: f64| {
+        let plan = Plan { constant_targets, ..plan(0) };
         let simulate = |parameters: &ReactiveParameters, building| {
             let is_default = *parameters == ReactiveParameters::default();
             Ok(vec![outcome(if is_default { 1.0 } else { of_others }); episodes(building)])
         };
-        let file = folder.path().join(of_others.to_string());
-        let tuned = tune(&plan(0), 100, &file, "", simulate, |_| ()).unwrap();
+        let file = folder.path().join(format!("{constant_targets} {of_others}"));
+        let tuned = tune(&plan, 100, &file, "", simulate, |_| ()).unwrap();
         // The search resumes at its end.
         let none = |_: &ReactiveParameters, _| unreachable!();
-        assert_eq!(tune(&plan(0), 100, &file, "", none, |_| ()).unwrap(), tuned);
+        assert_eq!(tune(&plan, 100, &file, "", none, |_| ()).unwrap(), tuned);
         tuned.evaluations
     };
-    assert_eq!((evaluations(0.5), evaluations(1.0)), (search::UNIFORM + PATIENCE + 1, 100));
+    let end = search::UNIFORM + PATIENCE + 1;
+    assert_eq!([evaluations(false, 1.0), evaluations(true, 0.5), evaluations(true, 1.0)], [end, end, 100]);
 }
 
 #[test]

@@ -40,7 +40,7 @@ pub(super) fn content(experiment: &Experiment, results: &Results) -> Content {
                     ]);
                 }
                 data.push(json!({
-                    "type": "scatter", "mode": "lines+markers+text", "name": name,
+                    "type": "scatter", "mode": "lines+markers+text", "name": name, "cliponaxis": false,
                     "x": points.iter().map(|point| point.energy).collect::<Vec<_>>(),
                     "y": points.iter().map(|point| point.deviation).collect::<Vec<_>>(),
                     "text": points.iter().map(|point| format!("{}", point.weight)).collect::<Vec<_>>(),
