@@ -15,6 +15,7 @@
 //!
 //! Every evaluation is appended to a file: a tuning run with the same plan resumes from there and returns the same result.
 
+mod limits;
 mod outcome;
 mod plan;
 mod race;

@@ -3,6 +3,7 @@
 use b2b_env::Metrics;
 use serde::{Deserialize, Serialize};
 
+use super::limits::Limits;
 use super::plan::Plan;
 
 /// The outcome in a cell: sums over the episodes of a building under one setpoint mode.
@@ -20,39 +21,6 @@ pub struct Outcome {
 
 /// Deviation below which differences of the loss do not count as worse, K: the accuracy of an air temperature sensor.
 const RESOLUTION: f64 = 0.2;
-
-/// What a set of parameters may not exceed in any cell.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Limits {
-    /// Actuator travel above which actuators hunt, full strokes/day, unless it is higher under the defaults.
-    travel: f64,
-    /// Increase of the loss over that of the defaults, relative.
-    increase: f64,
-}
-
-impl Limits {
-    /// The limits of unitary systems. A target that jumps up and down once a day moves an actuator there and back twice:
-    /// four strokes.
-    pub(super) const UNITARY: Self = Self { travel: 5.0, increase: 0.1 };
-    /// The limits of central air loops. Their defaults hold constant targets to 0.06 to 0.1 K; a loss of 1.5 times is then
-    /// that of 0.16 to 0.19 K, which a sensor does not resolve.
-    pub(super) const AIR_LOOP: Self = Self { travel: 5.0, increase: 0.5 };
-    /// The same with a margin for buildings that the search does not use.
-    pub(super) const AIR_LOOP_SEARCH: Self = Self { travel: 4.0, increase: 0.2 };
-
-    /// Returns the actuator travel relative to the limit in the worst of the given cells.
-    pub(super) fn worst_travel(self, defaults: &[Outcome], outcomes: &[Outcome]) -> f64 {
-        let relative = |(outcome, default): (&Outcome, &Outcome)| {
-            outcome.daily_travel / default.daily_travel.max(self.travel)
-        };
-        outcomes.iter().zip(defaults).map(relative).fold(0.0, f64::max)
-    }
-
-    /// Returns the resolved loss relative to the limit in the worst of the given cells.
-    pub(super) fn worst_loss(self, plan: &Plan, defaults: &[Outcome], outcomes: &[Outcome]) -> f64 {
-        resolved_losses(plan, defaults, outcomes).into_iter().fold(0.0, f64::max) / (1.0 + self.increase)
-    }
-}
 
 /// Returns the actuator travel above which actuators hunt, full strokes/day, given that of a reference under the same
 /// conditions: 5, or that of the reference if it is higher.
@@ -95,6 +63,19 @@ pub(super) fn relative_losses(plan: &Plan, defaults: &[Outcome], outcomes: &[Out
     outcomes.iter().zip(defaults).map(relative).collect()
 }
 
+/// Returns the actuator travel relative to the limit in the worst of the given cells.
+pub(super) fn worst_travel(limits: Limits, defaults: &[Outcome], outcomes: &[Outcome]) -> f64 {
+    let relative = |(outcome, default): (&Outcome, &Outcome)| {
+        outcome.daily_travel / default.daily_travel.max(limits.travel)
+    };
+    outcomes.iter().zip(defaults).map(relative).fold(0.0, f64::max)
+}
+
+/// Returns the resolved loss relative to the limit in the worst of the given cells.
+pub(super) fn worst_loss(limits: Limits, plan: &Plan, defaults: &[Outcome], outcomes: &[Outcome]) -> f64 {
+    resolved_losses(plan, defaults, outcomes).into_iter().fold(0.0, f64::max) / (1.0 + limits.increase)
+}
+
 /// Returns the 75th percentile of relative losses, interpolated between neighbors. With five buildings, this is the second
 /// worst: a set has to be good on all but one.
 pub(super) fn percentile_75(losses: &[f64]) -> f64 {
@@ -122,10 +103,10 @@ mod tests {
         let outcomes =
             |travel: [f64; 2]| travel.map(|daily_travel| Outcome { daily_travel, ..Outcome::default() });
         let defaults = outcomes([1.0, 8.0]);
-        let worst = |travel| Limits::UNITARY.worst_travel(&defaults, &outcomes(travel));
+        let worst = |travel| worst_travel(Limits::UNITARY, &defaults, &outcomes(travel));
         assert_eq!([worst([5.0, 8.0]), worst([4.0, 4.0]), worst([10.0, 0.0])], [1.0, 0.8, 2.0]);
         assert!(worst([0.0, 8.1]) > 1.0 && worst([5.1, 0.0]) > 1.0);
-        assert!(Limits::AIR_LOOP_SEARCH.worst_travel(&defaults, &outcomes([4.1, 0.0])) > 1.0);
+        assert!(worst_travel(Limits::AIR_LOOP_SEARCH, &defaults, &outcomes([4.1, 0.0])) > 1.0);
     }
 
     #[test]
@@ -134,7 +115,7 @@ mod tests {
             losses.map(|temperature_penalty| Outcome { temperature_penalty, steps: 1, ..Outcome::default() })
         };
         let defaults = cells([0.003, 1.0]);
-        let worst = |losses| Limits::UNITARY.worst_loss(&plan(0), &defaults, &cells(losses));
+        let worst = |losses| worst_loss(Limits::UNITARY, &plan(0), &defaults, &cells(losses));
         assert!(worst([0.006, 1.1]) < 1.0 && worst([0.006, 1.2]) > 1.0 && worst([0.03, 1.0]) > 1.0);
     }
 }

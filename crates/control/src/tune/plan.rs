@@ -7,7 +7,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
-use super::outcome::Limits;
+use super::limits::Limits;
 use super::space::{self, Axis};
 use crate::{Error, Objective, ReactiveParameters, Result};
 

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::outcome::{Outcome, relative_losses, resolved_losses};
+use super::outcome::{Outcome, relative_losses, resolved_losses, worst_loss, worst_travel};
 use super::plan::Plan;
 use crate::{Error, Result};
 
@@ -28,9 +28,9 @@ impl Evaluation {
     /// defaults. The loss is limited under constant targets alone.
     pub(super) fn worst_to_limit(&self, plan: &Plan, defaults: &Self) -> f64 {
         let limits = plan.search_limits();
-        let travel = limits.worst_travel(&defaults.outcomes, &self.outcomes);
-        let constant = limits.worst_travel(&defaults.constant, &self.constant);
-        travel.max(constant).max(limits.worst_loss(plan, &defaults.constant, &self.constant))
+        let travel = worst_travel(limits, &defaults.outcomes, &self.outcomes);
+        let constant = worst_travel(limits, &defaults.constant, &self.constant);
+        travel.max(constant).max(worst_loss(limits, plan, &defaults.constant, &self.constant))
     }
 
     /// Returns the relative loss of each building: by occupancy, multiplied by the resolved one under constant targets as far

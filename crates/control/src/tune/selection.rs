@@ -1,6 +1,6 @@
 //! The choice among the best sets of a search, by buildings that the search did not use.
 
-use super::outcome::{Outcome, relative_losses};
+use super::outcome::{Outcome, relative_losses, worst_loss, worst_travel};
 use super::plan::Plan;
 use crate::Measured;
 
@@ -31,7 +31,7 @@ impl Cells {
     pub(super) fn is_eligible(&self, plan: &Plan, defaults: &Self) -> bool {
         let (defaults, cells) = (defaults.all(), self.all());
         let limits = plan.limits();
-        limits.worst_travel(&defaults, &cells) <= 1.0 && limits.worst_loss(plan, &defaults, &cells) <= 1.0
+        worst_travel(limits, &defaults, &cells) <= 1.0 && worst_loss(limits, plan, &defaults, &cells) <= 1.0
     }
 }
 
