@@ -19,6 +19,12 @@ cluster_utils = pytest.importorskip("ray.cluster_utils")
 
 HOUSES = ["SingleFamilyHouse-0018", "SingleFamilyHouse-0064", "Warehouse-0001", "Warehouse-0004"]
 ARGUMENTS: dict[str, Any] = {"tasks": ["constant", "occupancy"], "run_periods": "01-01..01-05", "seeds": [0, 1]}
+TRAINING: dict[str, Any] = {
+    "buildings": HOUSES[0],
+    "run_period": "01-01..01-02",
+    "window_days": 1,
+    "environments": 2,
+}
 
 
 @pytest.fixture
@@ -63,14 +69,7 @@ def test_a_cluster_gives_the_bytes_of_one_machine_also_when_a_node_is_lost(clust
 def test_agents_are_trained_as_on_one_machine(cluster: Any, tmp_path: Path) -> None:
     from building2building.ray import Resources, train
 
-    run = {
-        "buildings": "SingleFamilyHouse-0018",
-        "run_period": "01-01..01-02",
-        "window_days": 1,
-        "steps": 1000,
-        "environments": 2,
-    }
-    runs = {f"seed-{seed}": {**run, "seed": seed} for seed in range(2)}
+    runs = {f"seed-{seed}": {**TRAINING, "steps": 1000, "seed": seed} for seed in range(2)}
     agents = train(runs, folder=tmp_path / "runs", resources=Resources(memory_mb=100))
     here = b2b.train(**runs["seed-1"], out=tmp_path / "here")
     weights = [Path(agent.path, "weights.safetensors").read_bytes() for agent in (agents["seed-1"], here)]
@@ -122,15 +121,7 @@ def test_ray_tune_tries_options_and_a_trial_resumes_from_its_checkpoint(cluster:
     from building2building.ray import trainable
     from ray import tune
 
-    house = {
-        "buildings": "SingleFamilyHouse-0018",
-        "run_period": "01-01..01-02",
-        "window_days": 1,
-        "steps": 2400,
-        "environments": 2,
-        "evaluation": {"every": 1000, "days": 1},
-        "ppo": {"gamma": 0.98},
-    }
+    house = {**TRAINING, "steps": 2400, "evaluation": {"every": 1000, "days": 1}, "ppo": {"gamma": 0.98}}
     interrupted, resumed = tmp_path / "interrupted", tmp_path / "resumed"
 
     def train_with_an_interruption(config: dict[str, Any]) -> None:

@@ -13,6 +13,7 @@ pub mod model;
 mod monthly_energy;
 pub mod morphology;
 pub mod opening;
+mod output_database;
 mod outputs;
 pub mod parameter;
 mod prepare;

@@ -2,14 +2,14 @@
 
 use std::path::Path;
 
-use b2b_energyplus::{Library, Run, temporary_folder};
-use rusqlite::{Connection, OpenFlags};
+use b2b_energyplus::Library;
+use rusqlite::Connection;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 use crate::calibration::Fuel;
 use crate::model::{Fields, number};
-use crate::outputs;
+use crate::output_database::OutputDatabase;
 use crate::sizing::simulation_control;
 use crate::{Error, Model, Result, RunPeriod};
 
@@ -33,15 +33,13 @@ impl MonthlyEnergy {
     /// [`Error::Engine`] with the engine's messages when it rejects the model; [`Error::EnergyTable`] when its output
     /// cannot be read; [`Error::Io`] when temporary files cannot be written.
     pub fn of(model: &Model, weather: &Path, library: &Library) -> Result<Self> {
-        let folder = temporary_folder("b2b-year-")?;
-        let input = folder.path().join("model.epJSON");
-        std::fs::write(&input, metered_year(model).to_epjson())
-            .map_err(|source| Error::Io { path: input.clone(), source })?;
-        Run::new(&input, weather).output(folder.path()).to_end(library)?;
-        let table = folder.path().join("eplusout.sql");
-        let unreadable = |source| Error::EnergyTable { path: table.clone(), source };
-        let read = |fuel: Fuel| read_meter(&table, fuel.meter()).map_err(unreadable);
-        Ok(Self { electricity: read(Fuel::Electricity)?, gas: read(Fuel::Gas)? })
+        let database = OutputDatabase::of(&metered_year(model), weather, library, "b2b-year-")?;
+        let read = |database: &Connection| {
+            let [electricity, gas] =
+                [Fuel::Electricity, Fuel::Gas].map(|fuel| read_meter(database, fuel.meter()));
+            Ok(Self { electricity: electricity?, gas: gas? })
+        };
+        database.read(read, |path, source| Error::EnergyTable { path, source })
     }
 
     /// Returns the energy of a fuel.
@@ -56,8 +54,7 @@ impl MonthlyEnergy {
 /// The model with a run period of a year and monthly meters as its only output.
 fn metered_year(model: &Model) -> Model {
     let mut year = model.clone();
-    outputs::write_only(&mut year, &["sqlite"]);
-    year.insert("Output:SQLite", "energy", json!({"option_type": "Simple"}));
+    OutputDatabase::request(&mut year);
     for fuel in Fuel::ALL {
         let meter = json!({"key_name": fuel.meter(), "reporting_frequency": "Monthly"});
         year.insert("Output:Meter", fuel.meter(), meter);
@@ -83,8 +80,7 @@ fn is_whole_year(period: &Fields) -> bool {
 }
 
 /// Reads a monthly meter, kWh; zero if the model does not use the fuel.
-fn read_meter(table: &Path, meter: &str) -> rusqlite::Result<[f64; 12]> {
-    let database = Connection::open_with_flags(table, OpenFlags::SQLITE_OPEN_READ_ONLY)?;
+fn read_meter(database: &Connection, meter: &str) -> rusqlite::Result<[f64; 12]> {
     let mut rows = database.prepare(
         "SELECT Time.Month, ReportData.Value FROM ReportData \
          JOIN Time USING (TimeIndex) JOIN ReportDataDictionary USING (ReportDataDictionaryIndex) \

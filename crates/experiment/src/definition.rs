@@ -222,6 +222,27 @@ impl Experiment {
                 .with_changes(&toml::to_string(&agent.options).map_err(|error| error.to_string())?)
                 .map_err(|error| format!("agent `{}`: {error}", agent.name))?;
         }
+        self.check_entries()?;
+        let runs = self.reactive || !self.agents.is_empty();
+        let is_board = self.report == ReportKind::Board;
+        match () {
+            () if is_board == self.problems.is_empty() => {
+                Err("`problems` belongs to `report = \"board\"`, which needs it".into())
+            }
+            () if is_board => Ok(()),
+            () if self.types.is_empty() => Err("`types` is empty".into()),
+            () if runs && (self.tasks.is_empty() || self.periods.is_empty()) => {
+                Err("it has agents, but `tasks` or `periods` is empty".into())
+            }
+            () if runs != self.measure.is_empty() => {
+                Err("it has either agents (or `reactive = true`) or a command under `measure`".into())
+            }
+            () => Ok(()),
+        }
+    }
+
+    /// Checks the problems, and that an agent is entered on some if and only if the report is their leaderboard.
+    fn check_entries(&self) -> std::result::Result<(), String> {
         for name in &self.problems {
             Problem::named(name).map_err(|error| error.to_string())?;
         }
@@ -241,22 +262,7 @@ impl Experiment {
                 ));
             }
         }
-        let runs = self.reactive || !self.agents.is_empty();
-        let is_board = self.report == ReportKind::Board;
-        match () {
-            () if is_board == self.problems.is_empty() => {
-                Err("`problems` belongs to `report = \"board\"`, which needs it".into())
-            }
-            () if is_board => Ok(()),
-            () if self.types.is_empty() => Err("`types` is empty".into()),
-            () if runs && (self.tasks.is_empty() || self.periods.is_empty()) => {
-                Err("it has agents, but `tasks` or `periods` is empty".into())
-            }
-            () if runs != self.measure.is_empty() => {
-                Err("it has either agents (or `reactive = true`) or a command under `measure`".into())
-            }
-            () => Ok(()),
-        }
+        Ok(())
     }
 
     /// Returns the budget of this name.

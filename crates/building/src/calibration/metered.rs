@@ -38,7 +38,6 @@ impl Metered {
     }
 
     fn parse(text: &str) -> std::result::Result<Self, (usize, String)> {
-        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let mut lines = (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty());
         let (first, header) = lines.next().ok_or((1, format!("it is empty; expected {}", expected())))?;
         let columns: Vec<String> = cells(header).map(str::to_ascii_lowercase).collect();

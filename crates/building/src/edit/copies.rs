@@ -40,13 +40,17 @@ pub(super) fn users_of(model: &Model, construction: &str) -> usize {
     model.classes().map(|class| model.objects(class).iter().filter(|(_, f)| refers(f)).count()).sum()
 }
 
+/// Returns the class of a construction that is not given by layers.
+pub(super) fn other_class<'a>(model: &'a Model, construction: &str) -> Option<&'a str> {
+    model.classes().find(|class| class.starts_with("Construction:") && model.contains(class, construction))
+}
+
 /// Returns the layers of a construction as fields.
 ///
 /// # Errors
 /// [`Error::Edit`] for a construction that is not given by layers; [`Error::MissingObject`] for a dangling reference.
 pub(super) fn layered<'a>(model: &'a Model, construction: &str) -> Result<&'a Fields> {
-    let other = model.classes().find(|c| c.starts_with("Construction:") && model.contains(c, construction));
-    match other {
+    match other_class(model, construction) {
         Some(class) => Err(Error::edit(class, construction, "only a Construction of layers can be changed")),
         None => model.require("Construction", construction),
     }

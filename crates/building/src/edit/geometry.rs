@@ -30,6 +30,9 @@ const WITHOUT_CORNERS: [&str; 17] = [
     "Shading:Building",
 ];
 
+/// Classes of exterior walls other than `BuildingSurface:Detailed`.
+pub(super) const OTHER_WALLS: [&str; 2] = ["Wall:Exterior", "Wall:Detailed"];
+
 /// Sets the orientation: degrees from true north to the y axis of the building. Returns the number of objects.
 pub fn turn(model: &mut Model, north_axis: f64) -> usize {
     let names = model.names("Building");

@@ -5,7 +5,8 @@ use std::collections::BTreeSet;
 use serde_json::json;
 
 use super::Amount;
-use super::copies::{copy, layered, spelled, unused_name};
+use super::copies::{copy, other_class, spelled, unused_name};
+use super::geometry::OTHER_WALLS;
 use crate::construction::SIMPLE_GLAZING as GLAZING;
 use crate::model::{Fields, items, number, text};
 use crate::opening::{FENESTRATION, is_glass, parent};
@@ -19,8 +20,6 @@ const LIGHT_TO_SOLAR_GAIN: f64 = 1.1;
 const MAX_TRANSMITTANCE: f64 = 0.99;
 /// Windows and doors that are glass, apart from those of [`FENESTRATION`].
 const SIMPLE_GLASS: [&str; 2] = ["Window", "GlazedDoor"];
-/// Walls other than `BuildingSurface:Detailed`.
-const OTHER_WALLS: [&str; 2] = ["Wall:Exterior", "Wall:Detailed"];
 
 /// A window or a glass door.
 struct Glass {
@@ -128,18 +127,13 @@ fn is_in_wall(model: &Model, surfaces: &[Surface], fields: &Fields) -> Option<bo
 
 /// Returns the glazing of a construction, in lower case; `None` if it is given layer by layer.
 fn simple_glazing(model: &Model, construction: &str) -> Result<Option<String>> {
-    let Ok(fields) = layered(model, construction) else {
-        // A window from a data file, or with complex fenestration.
-        return other_class(model, construction).map(|_| None);
-    };
+    // A window from a data file, or with complex fenestration.
+    if other_class(model, construction).is_some() {
+        return Ok(None);
+    }
+    let fields = model.require("Construction", construction)?;
     let glass = text(fields, "outside_layer").unwrap_or_default();
     Ok(model.contains(GLAZING, glass).then(|| glass.to_lowercase()))
-}
-
-/// Returns the class of a construction that is not given by layers.
-fn other_class<'a>(model: &'a Model, construction: &str) -> Result<&'a str> {
-    let other = model.classes().find(|c| c.starts_with("Construction:") && model.contains(c, construction));
-    other.ok_or_else(|| Error::MissingObject { class: "Construction".into(), name: construction.to_owned() })
 }
 
 /// Returns whether one of these constructions has a glazing.

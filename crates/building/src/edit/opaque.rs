@@ -69,8 +69,9 @@ pub fn insulate(model: &mut Model, walls: Option<Amount>, roofs: Option<Amount>)
     };
     let mut requirements = Vec::new();
     for (names, amount, films) in [(&of_walls, walls, WALL_FILMS), (&of_roofs, roofs, ROOF_FILMS)] {
+        let Some(amount) = amount else { continue };
         for construction in names {
-            requirements.extend(requirement(model, construction, amount, films)?);
+            requirements.push(requirement(model, construction, amount, films)?);
         }
     }
     reject_conflicts(&requirements)?;
@@ -98,14 +99,8 @@ fn unsupported(construction: &str, why: &str) -> Error {
 }
 
 /// Returns the resistance that gives a construction its U-factor.
-fn requirement(
-    model: &Model,
-    construction: &str,
-    amount: Option<Amount>,
-    films: f64,
-) -> Result<Option<Requirement>> {
+fn requirement(model: &Model, construction: &str, amount: Amount, films: f64) -> Result<Requirement> {
     let fields = layered(model, construction)?;
-    let Some(amount) = amount else { return Ok(None) };
     let mut all = Vec::new();
     for layer in layers(fields) {
         let resistance = resistance(model, layer)
@@ -122,7 +117,7 @@ fn requirement(
     let too_low =
         "its other layers alone have a lower U-factor than requested; request a lower one, or remove layers";
     let (lever, resistance) = lever.ok_or_else(|| unsupported(construction, too_low))?;
-    Ok(Some(Requirement { construction: construction.to_owned(), lever, resistance }))
+    Ok(Requirement { construction: construction.to_owned(), lever, resistance })
 }
 
 /// Returns the resistance of each layer of a material for which all layers sum to `total`; `None` if it is too low.

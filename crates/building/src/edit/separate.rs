@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::copies::{copy, layered, spelled, users_of};
-use super::geometry::require_corners;
+use super::geometry::{OTHER_WALLS, require_corners};
 use super::roof::roof_surfaces;
 use crate::zone::surfaces;
 use crate::{Model, Result};
@@ -15,7 +15,7 @@ const SURFACE: &str = "BuildingSurface:Detailed";
 /// # Errors
 /// [`crate::Error::Edit`] for a wall without corners, or a construction that is not given by layers.
 pub(super) fn walls(model: &mut Model) -> Result<()> {
-    require_corners(model, &["Wall:Exterior", "Wall:Detailed"])?;
+    require_corners(model, &OTHER_WALLS)?;
     let all = surfaces(model)?;
     let walls = all.iter().filter(|s| s.is_exterior_wall());
     let walls: Vec<_> = walls.map(|s| (s.name.clone(), s.construction.clone())).collect();

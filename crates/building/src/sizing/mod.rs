@@ -25,13 +25,13 @@ mod exceptions;
 
 use std::path::Path;
 
-use b2b_energyplus::{Library, Run, temporary_folder};
+use b2b_energyplus::Library;
 use exceptions::{ALIASES, OPTIONAL, POSITIVE, UNUSED};
-use rusqlite::{Connection, OpenFlags};
+use rusqlite::Connection;
 use serde_json::{Value, json};
 
 use crate::model::Fields;
-use crate::outputs;
+use crate::output_database::OutputDatabase;
 use crate::{Error, Model, Result};
 
 /// A size that the engine reports.
@@ -65,13 +65,8 @@ impl Sizes {
     /// [`Error::Engine`] with the engine's messages when it rejects the model; [`Error::SizeTable`] when its
     /// output cannot be read; [`Error::Io`] when temporary files cannot be written.
     pub fn of(model: &Model, weather: &Path, library: &Library) -> Result<Self> {
-        let folder = temporary_folder("b2b-sizing-")?;
-        let input = folder.path().join("model.epJSON");
-        std::fs::write(&input, sizing_only(model).to_epjson())
-            .map_err(|source| Error::Io { path: input.clone(), source })?;
-        Run::new(&input, weather).output(folder.path()).to_end(library)?;
-        let table = folder.path().join("eplusout.sql");
-        let sizes = read_table(&table).map_err(|source| Error::SizeTable { path: table, source })?;
+        let database = OutputDatabase::of(&sizing_only(model), weather, library, "b2b-sizing-")?;
+        let sizes = database.read(read_table, |path, source| Error::SizeTable { path, source })?;
         Ok(Self { sizes })
     }
 
@@ -177,8 +172,7 @@ const FOR_SIZING: [&str; 3] = ["Sizing:Zone", "Sizing:System", "Sizing:Plant"];
 /// The model reduced to what sizing needs.
 fn sizing_only(model: &Model) -> Model {
     let mut sizing = model.clone();
-    outputs::write_only(&mut sizing, &["sqlite"]);
-    sizing.insert("Output:SQLite", "sizes", json!({"option_type": "Simple"}));
+    OutputDatabase::request(&mut sizing);
     let control = simulation_control(&mut sizing);
     for field in ["run_simulation_for_weather_file_run_periods", "run_simulation_for_sizing_periods"] {
         control.insert(field.to_owned(), json!("No"));
@@ -223,8 +217,7 @@ pub(crate) fn simulation_control(model: &mut Model) -> &mut Fields {
     model.get_mut(CLASS, &name).expect("the object was found or made above")
 }
 
-fn read_table(path: &Path) -> rusqlite::Result<Vec<Size>> {
-    let database = Connection::open_with_flags(path, OpenFlags::SQLITE_OPEN_READ_ONLY)?;
+fn read_table(database: &Connection) -> rusqlite::Result<Vec<Size>> {
     let mut rows = database.prepare(
         "SELECT CompType, CompName, Description, Value, Units FROM ComponentSizes ORDER BY ComponentSizesIndex",
     )?;

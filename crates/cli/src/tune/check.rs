@@ -76,10 +76,10 @@ fn measure(catalog: &Catalog, tuned: &Tuned) -> Result<Measured> {
     if let Some(energy_scale) = tuned.energy_scale {
         plan = plan.energy(&ReactiveParameters::default(), energy_scale);
     }
-    let mut rollouts = TrainingRollouts::new(catalog, &buildings, &tuned.periods);
+    let mut rollouts = TrainingRollouts::new(catalog, &buildings, &tuned.periods, &plan);
     let mut cells = |parameters: &ReactiveParameters| {
         interrupt::check()?;
-        anyhow::Ok(rollouts.cells(&plan, parameters)?)
+        anyhow::Ok(rollouts.cells(parameters)?)
     };
     let defaults = cells(&ReactiveParameters::default())?;
     Ok(tune::measured(&plan, &defaults, &cells(&tuned.parameters)?))

@@ -125,7 +125,7 @@ impl Arguments {
         let mut runs = Vec::new();
         for set in Set::ALL {
             let (parameters, is_tuned) = set.parameters(class);
-            let episodes = rollouts.run(&parameters, 0)?;
+            let episodes = rollouts.run(&parameters, 0, 0..self.tasks.len())?;
             for (task, episodes) in self.tasks.iter().zip(episodes.chunks(self.periods.len())) {
                 runs.push(Run::of(id, task, set, is_tuned, episodes));
             }

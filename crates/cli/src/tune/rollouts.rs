@@ -17,45 +17,53 @@ pub struct TrainingRollouts<'a> {
     catalog: &'a Catalog,
     buildings: &'a TrainingBuildings,
     periods: &'a [RunPeriod],
+    constant_targets: bool,
     search: Option<Rollouts>,
-    constant: Option<Rollouts>,
     validation: Option<Rollouts>,
 }
 
 impl<'a> TrainingRollouts<'a> {
-    /// Creates the episodes of these buildings, which are not prepared yet.
-    pub fn new(catalog: &'a Catalog, buildings: &'a TrainingBuildings, periods: &'a [RunPeriod]) -> Self {
-        Self { catalog, buildings, periods, search: None, constant: None, validation: None }
+    /// Creates the episodes of a plan for these buildings and periods, which are not prepared yet.
+    pub fn new(
+        catalog: &'a Catalog,
+        buildings: &'a TrainingBuildings,
+        periods: &'a [RunPeriod],
+        plan: &Plan,
+    ) -> Self {
+        let constant_targets = plan.constant_targets;
+        Self { catalog, buildings, periods, constant_targets, search: None, validation: None }
     }
 
-    /// Returns the outcomes of a building: one for the search, one per setpoint mode for the
-    /// validation.
+    /// Returns the outcomes of a building: one for the search, one per setpoint mode for the validation.
     pub fn simulate(&mut self, parameters: &ReactiveParameters, building: Building) -> Result<Vec<Outcome>> {
         let tasks = Plan::tasks()?;
-        let (kept, ids, tasks, index) = match building {
+        // Those of the search are by occupancy, after constant ones if the plan requires them.
+        let searched = if self.constant_targets { &tasks[..] } else { &tasks[tasks.len() - 1..] };
+        let TrainingBuildings { search, validation } = self.buildings;
+        let (kept, ids, tasks, index, range) = match building {
             Building::Search(index) => {
-                (&mut self.search, &self.buildings.search, &tasks[tasks.len() - 1..], index)
+                (&mut self.search, search, searched, index, searched.len() - 1..searched.len())
             }
-            Building::Constant(index) => (&mut self.constant, &self.buildings.search, &tasks[..1], index),
+            Building::Constant(index) => (&mut self.search, search, searched, index, 0..1),
             Building::Validation(index) => {
-                (&mut self.validation, &self.buildings.validation, &tasks[..], index)
+                (&mut self.validation, validation, &tasks[..], index, 0..tasks.len())
             }
         };
         let ready = match kept {
             Some(ready) => ready,
             none => none.insert(rollouts(self.catalog, ids, self.periods, tasks)?),
         };
-        let episodes = ready.run(parameters, index)?;
+        let episodes = ready.run(parameters, index, range)?;
         Ok(episodes.chunks(self.periods.len()).map(Outcome::of).collect())
     }
 
-    /// Returns the outcomes of all buildings of a plan.
-    pub fn cells(&mut self, plan: &Plan, parameters: &ReactiveParameters) -> Result<Cells> {
+    /// Returns the outcomes of all buildings.
+    pub fn cells(&mut self, parameters: &ReactiveParameters) -> Result<Cells> {
+        let (search, validation) = (self.buildings.search.len(), self.buildings.validation.len());
+        let constant = if self.constant_targets { search } else { 0 };
         let mut all = |count: usize, building: fn(usize) -> Building| -> Result<Vec<Vec<Outcome>>> {
             (0..count).map(|index| self.simulate(parameters, building(index))).collect()
         };
-        let (search, validation) = (plan.buildings.len(), plan.validation.len());
-        let constant = if plan.constant_targets { search } else { 0 };
         Ok(Cells {
             search: all(search, Building::Search)?.concat(),
             constant: all(constant, Building::Constant)?.concat(),

@@ -129,8 +129,8 @@ impl Arguments {
     ) -> Result<(Tuned, Option<Tuned>)> {
         let (search, validation) = (self.buildings as usize, self.validation as usize);
         let buildings = TrainingBuildings::draw(class, search, validation, self.seed)?;
-        let mut rollouts = TrainingRollouts::new(catalog, &buildings, &self.periods);
         let plan = Plan::comfort(class, &buildings, &self.periods, self.seed);
+        let mut rollouts = TrainingRollouts::new(catalog, &buildings, &self.periods, &plan);
         let comfort = self.tune_one(&plan, &mut rollouts, folder, bar)?;
         if !self.objectives.contains(&Objective::Energy) {
             return Ok((comfort, None));

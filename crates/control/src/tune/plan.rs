@@ -1,6 +1,6 @@
 //! The plan of a tuning run: class, objective, training buildings and run periods.
 
-use b2b_building::{BuildingType, Class, RunPeriod};
+use b2b_building::{Class, RunPeriod};
 use b2b_dataset::{BuildingId, GENERATOR_VERSION, Split};
 use b2b_env::Task;
 use rand::{RngExt, SeedableRng};
@@ -69,7 +69,7 @@ impl Plan {
             buildings: names(&buildings.search),
             validation: names(&buildings.validation),
             periods: periods.to_vec(),
-            constant_targets: class.building_type == BuildingType::OfficeMedium,
+            constant_targets: space::has_air_loops(class),
             seed,
             parameters: Vec::new(),
             starts: Vec::new(),

@@ -1,5 +1,6 @@
 //! Repeated episodes of some buildings, each time under another controller.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use b2b_building::RunPeriod;
@@ -18,6 +19,8 @@ pub struct Rollouts {
     workers: Workers,
     /// The settings of each building, for each task one for each period.
     settings: Vec<Vec<Setting>>,
+    /// Number of periods.
+    periods: usize,
 }
 
 impl Rollouts {
@@ -53,18 +56,23 @@ impl Rollouts {
             let ones: Vec<Setting> = settings.iter().map(|settings| settings[episode].clone()).collect();
             workers.prepare_all(&ones)?;
         }
-        Ok(Self { workers, settings })
+        Ok(Self { workers, settings, periods: periods.len() })
     }
 
-    /// Runs the episodes of a building, by its index, under the reactive controllers with some parameters: for each task
-    /// one for each period.
+    /// Runs episodes of a building under the reactive controllers with some parameters: for each of a range of tasks one for
+    /// each period. Building and tasks are given by their indices.
     ///
     /// # Errors
     /// [`Error::Lost`] when an episode is lost; [`Error::Env`].
-    pub fn run(&mut self, parameters: &ReactiveParameters, building: usize) -> Result<Vec<Metrics>> {
+    pub fn run(
+        &mut self,
+        parameters: &ReactiveParameters,
+        building: usize,
+        tasks: Range<usize>,
+    ) -> Result<Vec<Metrics>> {
         let controller = Reactive::description(parameters);
         let mut episodes = Vec::new();
-        for setting in &self.settings[building] {
+        for setting in &self.settings[building][tasks.start * self.periods..tasks.end * self.periods] {
             let mut episode = self.workers.episode(setting)?;
             episode.begin()?;
             episodes.push(episode);

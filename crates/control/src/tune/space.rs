@@ -84,14 +84,18 @@ const AIR_LOOP_ENERGY: [Axis; 11] = [
     linear("air_loop.deadband", 0.0, 0.5),
 ];
 
-/// Returns the axes of a class and an objective. All types but the medium office have unitary systems. The ranges of the
-/// energy objective include those of the comfort objective.
+/// Returns whether a class has central air loops; the others have unitary systems.
+pub(super) fn has_air_loops(class: Class) -> bool {
+    class.building_type == BuildingType::OfficeMedium
+}
+
+/// Returns the axes of a class and an objective. The ranges of the energy objective include those of the comfort objective.
 pub(super) fn axes(class: Class, objective: Objective) -> &'static [Axis] {
-    match (class.building_type, objective) {
-        (BuildingType::OfficeMedium, Objective::Comfort) => &AIR_LOOP,
-        (BuildingType::OfficeMedium, Objective::Energy) => &AIR_LOOP_ENERGY,
-        (_, Objective::Comfort) => &UNITARY,
-        (_, Objective::Energy) => &UNITARY_ENERGY,
+    match (has_air_loops(class), objective) {
+        (true, Objective::Comfort) => &AIR_LOOP,
+        (true, Objective::Energy) => &AIR_LOOP_ENERGY,
+        (false, Objective::Comfort) => &UNITARY,
+        (false, Objective::Energy) => &UNITARY_ENERGY,
     }
 }
 

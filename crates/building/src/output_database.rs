@@ -1,0 +1,50 @@
+//! The database (SQLite) of what the engine reports of a run.
+
+use std::path::{Path, PathBuf};
+
+use b2b_energyplus::{Library, Run, temporary_folder};
+use rusqlite::{Connection, OpenFlags};
+use serde_json::json;
+use tempfile::TempDir;
+
+use crate::{Error, Model, Result, outputs};
+
+/// The database of a run, in a temporary folder.
+pub(crate) struct OutputDatabase {
+    _folder: TempDir,
+    path: PathBuf,
+}
+
+impl OutputDatabase {
+    /// Makes the database a model's only output.
+    pub(crate) fn request(model: &mut Model) {
+        outputs::write_only(model, &["sqlite"]);
+        model.insert("Output:SQLite", "Output:SQLite", json!({"option_type": "Simple"}));
+    }
+
+    /// Runs a model that [requests](Self::request) the database to its end. The temporary folder's name begins with `prefix`.
+    ///
+    /// # Errors
+    /// [`Error::Engine`] with the engine's messages when it rejects the model; [`Error::Io`] when temporary files cannot be
+    /// written.
+    pub(crate) fn of(model: &Model, weather: &Path, library: &Library, prefix: &str) -> Result<Self> {
+        let folder = temporary_folder(prefix)?;
+        let input = folder.path().join("model.epJSON");
+        std::fs::write(&input, model.to_epjson())
+            .map_err(|source| Error::Io { path: input.clone(), source })?;
+        Run::new(&input, weather).output(folder.path()).to_end(library)?;
+        let path = folder.path().join("eplusout.sql");
+        Ok(Self { _folder: folder, path })
+    }
+
+    /// Reads from the database. An error of SQLite becomes one of this crate with the database's path.
+    pub(crate) fn read<T>(
+        &self,
+        read: impl FnOnce(&Connection) -> rusqlite::Result<T>,
+        unreadable: impl FnOnce(PathBuf, rusqlite::Error) -> Error,
+    ) -> Result<T> {
+        let database = Connection::open_with_flags(&self.path, OpenFlags::SQLITE_OPEN_READ_ONLY);
+        let found = database.and_then(|database| read(&database));
+        found.map_err(|source| unreadable(self.path.clone(), source))
+    }
+}
