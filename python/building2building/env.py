@@ -195,13 +195,14 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
         if core is None or (self._thread is not None and self._thread != threading.get_ident()):
             core = self._open_core()
         rescale = self.rescale_action if rescale is None else rescale
-        single, after, temperature, energy, truncated = core.step(action, rescale)
+        single, after, numbers, truncated = core.step(action, rescale)
         before, self.observation = self.observation, after
+        temperature, energy, *_ = numbers
         self._penalties = temperature, energy
         self._steps += 1
         self._truncated = truncated
         info = StepInfo()
-        info.record = self.layout, before, after, temperature, energy, self._steps
+        info.record = self.layout, before, after, numbers, self._steps
         if truncated:
             info["metrics"] = core.metrics()
         reward = -temperature - energy if self._reward is None else float(self._reward(info))

@@ -98,8 +98,10 @@ class Info(dict[str, Any]):
 
 
 #: The data that the info of a step is computed from: layout, observation before and after the step,
-#: temperature and energy penalty, number of the step.
-StepRecord = tuple[Layout, NDArray[np.float64], NDArray[np.float64], float, float, int]
+#: temperature penalty, energy penalty, cost and emissions, number of the step.
+StepRecord = tuple[
+    Layout, NDArray[np.float64], NDArray[np.float64], tuple[float, float, float, float], int
+]
 
 
 class StepInfo(Info):
@@ -124,13 +126,12 @@ def _step_info(
     layout: Layout,
     before: NDArray[np.float64],
     after: NDArray[np.float64],
-    temperature_penalty: float,
-    energy_penalty: float,
+    numbers: tuple[float, float, float, float],
     step: int,
 ) -> dict[str, Any]:
+    temperature_penalty, energy_penalty, cost, emissions = numbers
     electricity, gas = float(after[layout.electricity]), float(after[layout.gas])
     hour = (step - 1) % (24 * layout.steps_per_hour) / layout.steps_per_hour
-    cost, emissions = layout.spaces.cost_and_emissions(electricity, gas, hour)
     temperatures, targets = after[layout.temperatures], layout.targets_in(before)
     info = {
         "step": step,

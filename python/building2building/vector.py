@@ -228,7 +228,7 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
 
     def step(self, actions: ArrayLike) -> tuple[Array, Array, Array, Array, dict[str, Any]]:
         """Runs one step of every environment."""
-        observations, rewards, penalties, truncated = self._open_core().step(actions)
+        observations, rewards, numbers, truncated = self._open_core().step(actions)
         before, self._observations = self._observations, observations
         reset, self._done = self._done, truncated
         self._steps = np.where(reset & (self.autoreset_mode == AutoresetMode.NEXT_STEP), 0, self._steps + 1)
@@ -238,13 +238,13 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
         if truncated.any():
             info = Info()
             at_end = self._at_end(observations, truncated)
-            info.update(step_info(rows, before, at_end, penalties, steps, self._steps_per_hour))
+            info.update(step_info(rows, before, at_end, numbers, steps, self._steps_per_hour))
             self._add_final_info(info, truncated)
             if self.autoreset_mode == AutoresetMode.SAME_STEP:
                 self._read_rows(truncated)
                 self._steps = np.where(truncated, 0, steps)
         else:
-            info = Info(lambda: step_info(rows, before, observations, penalties, steps, self._steps_per_hour))
+            info = Info(lambda: step_info(rows, before, observations, numbers, steps, self._steps_per_hour))
         if self._reward is not None:
             # The step after an episode only resets; Gymnasium gives it no reward.
             rewards = np.where(reset, 0.0, np.asarray(self._reward(info), dtype=np.float64))

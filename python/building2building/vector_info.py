@@ -59,7 +59,7 @@ def hours(steps: Array, steps_per_hour: int) -> Array:
 
 
 def step_info(
-    rows: Sequence[Row], before: Array, after: Array, penalties: Array, steps: Array, steps_per_hour: int
+    rows: Sequence[Row], before: Array, after: Array, numbers: Array, steps: Array, steps_per_hour: int
 ) -> dict[str, Any]:
     """Returns what the info of a single environment has, with a row for every environment.
 
@@ -70,13 +70,12 @@ def step_info(
     after = np.array(after, dtype=np.float64)
     count, zones = len(rows), max(len(row.temperatures) for row in rows)
     hour = hours(steps, steps_per_hour)
-    energy, cost, emissions = np.zeros((count, 2)), np.zeros(count), np.zeros(count)
+    energy = np.zeros((count, 2))
     temperatures, targets = np.full((count, zones), np.nan), np.full((count, zones), np.nan)
     occupied = np.zeros((count, zones), dtype=bool)
     for i, row in enumerate(rows):
         own = slice(len(row.temperatures))
         energy[i] = after[i, row.energy]
-        cost[i], emissions[i] = row.spaces.cost_and_emissions(energy[i, 0], energy[i, 1], hour[i])
         temperatures[i, own] = after[i, row.temperatures]
         targets[i, own] = row.layout.constant_target if row.targets is None else before[i, row.targets]
         occupied[i, own] = row.occupancies is None or before[i, row.occupancies] > 0.5
@@ -84,10 +83,10 @@ def step_info(
         "building": np.array([row.spaces.name for row in rows], dtype=object),
         "step": steps,
         "hour": hour,
-        "reward_terms": {"temperature": -penalties[:, 0], "energy": -penalties[:, 1]},
+        "reward_terms": {"temperature": -numbers[:, 0], "energy": -numbers[:, 1]},
         "energy": {"electricity": energy[:, 0], "gas": energy[:, 1]},
-        "cost": cost,
-        "emissions": emissions,
+        "cost": numbers[:, 2],
+        "emissions": numbers[:, 3],
         "zone_temperature": temperatures,
         "zone_target": targets,
         "zone_deviation": temperatures - targets,

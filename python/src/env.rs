@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
 
-use b2b_env::Environment;
 use b2b_env::vector::{Episode, EpisodeOptions, Snapshot, Workers};
+use b2b_env::{Environment, StepNumbers};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
@@ -38,7 +38,7 @@ struct Open {
 /// An observation as f32 and as f64.
 pub type Observations<'py> = (Bound<'py, PyArray1<f32>>, Bound<'py, PyArray1<f64>>);
 /// The result of a step: observation as f32 and as f64, temperature and energy penalty, and truncation.
-pub type Stepped<'py> = (Bound<'py, PyArray1<f32>>, Bound<'py, PyArray1<f64>>, f64, f64, bool);
+pub type Stepped<'py> = (Bound<'py, PyArray1<f32>>, Bound<'py, PyArray1<f64>>, StepNumbers, bool);
 
 #[pymethods]
 impl Env {
@@ -96,17 +96,16 @@ impl Env {
         rescale: bool,
     ) -> PyResult<Stepped<'py>> {
         let mut action = arrays::numbers(action)?;
-        let (observation, [temperature, energy], truncated) = self.owner.with(py, &self.state, |state| {
+        let (observation, numbers, truncated) = self.owner.with(py, &self.state, |state| {
             let episode = &mut state.open()?.episode;
             if rescale {
                 episode.spaces().action.rescale(&mut action);
             }
             let step = episode.step(&action).map_err(of_env)?;
-            let penalties = [step.reward.temperature_penalty, step.reward.energy_penalty];
-            Ok((step.observation.to_vec(), penalties, step.truncated))
+            Ok((step.observation.to_vec(), step.numbers(), step.truncated))
         })?;
         let single = arrays::single(py, &observation);
-        Ok((single, arrays::row(py, &observation), temperature, energy, truncated))
+        Ok((single, arrays::row(py, &observation), numbers, truncated))
     }
 
     /// Returns the last action as applied: clamped, in physical units.

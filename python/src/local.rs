@@ -73,10 +73,10 @@ impl LocalEnv {
         let env = self.env.as_mut().ok_or_else(closed)?;
         let step = env.step(&action).map_err(of_env)?;
         self.applied_action.copy_from_slice(step.action);
-        let (temperature, energy) = (step.reward.temperature_penalty, step.reward.energy_penalty);
+        let numbers = step.numbers();
         let observation = step.observation.to_vec();
         let single = arrays::single(py, &observation);
-        Ok((single, arrays::row(py, &observation), temperature, energy, step.truncated))
+        Ok((single, arrays::row(py, &observation), numbers, step.truncated))
     }
 
     /// Repeats an action for `steps` steps without returning to Python, to measure the cost of a step in Rust alone.

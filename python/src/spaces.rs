@@ -269,7 +269,7 @@ impl Spaces {
         self.spaces.observation.electricity()
     }
 
-    /// Slot of the HVAC gas of the step.
+    /// Slot of the HVAC gas of the step, with other fuels and district energy.
     #[getter]
     fn gas_slot(&self) -> usize {
         self.spaces.observation.gas()
@@ -285,11 +285,6 @@ impl Spaces {
     #[getter]
     fn episode_steps(&self) -> usize {
         self.spaces.episode_steps()
-    }
-
-    /// Returns the cost (currency/m²) and emissions (g CO₂/m²) of electricity and gas (Wh/m²) at an hour of the day.
-    fn cost_and_emissions(&self, electricity: f64, gas: f64, hour: f64) -> (f64, f64) {
-        self.spaces.episode.task.cost_and_emissions([electricity, gas], hour)
     }
 
     /// Returns the description that `b2b show --json` prints, as JSON text.

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 
 use b2b_benchmark::problem::TrainingForm;
-use b2b_env::ActionSpace;
 use b2b_env::vector::{Arrangement, Autoreset, Form, Padded, RowSlot, VecEnv as Envs, VecEnvOptions};
+use b2b_env::{ActionSpace, StepNumbers, to_numbers};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 
@@ -37,7 +37,7 @@ struct State {
     rescale: bool,
 }
 
-/// Observations, rewards, penalties and truncations of the batch.
+/// Observations, rewards, numbers (see [`StepNumbers`]) and truncations of the batch.
 type Stepped<'py> = (
     Bound<'py, PyArray2<f32>>,
     Bound<'py, PyArray1<f64>>,
@@ -49,7 +49,7 @@ type Stepped<'py> = (
 struct Batch {
     observations: Vec<f32>,
     rewards: Vec<f64>,
-    penalties: Vec<f64>,
+    numbers: Vec<f64>,
     truncated: Vec<bool>,
     shape: [usize; 2],
 }
@@ -256,7 +256,7 @@ impl VecEnv {
         Ok((
             arrays::table(py, batch.observations, batch.shape)?,
             arrays::row(py, &batch.rewards),
-            arrays::table(py, batch.penalties, [batch.shape[0], 2])?,
+            arrays::table(py, batch.numbers, [batch.shape[0], StepNumbers::default().len()])?,
             arrays::row(py, &batch.truncated),
         ))
     }
@@ -338,11 +338,11 @@ impl State {
 
 impl Batch {
     fn of(envs: &Envs) -> Self {
-        let penalties = |reward: &b2b_env::Reward| [reward.temperature_penalty, reward.energy_penalty];
+        let steps = envs.rewards().iter().zip(envs.expenses());
         Self {
             observations: envs.observations().iter().map(|value| *value as f32).collect(),
             rewards: envs.rewards().iter().map(|reward| reward.total()).collect(),
-            penalties: envs.rewards().iter().flat_map(penalties).collect(),
+            numbers: steps.flat_map(|(reward, expenses)| to_numbers(*reward, *expenses)).collect(),
             truncated: envs.truncated().to_vec(),
             shape: [envs.len(), envs.widths().1],
         }

@@ -10,6 +10,7 @@ use serde_json::json;
 
 use crate::hvac::energy_management;
 use crate::hvac::{self, Actuator, Discovery, System, SystemLayout, Uncontrolled};
+use crate::hvac_energy::{Carrier, HvacMeter, hvac_meters};
 use crate::model::Model;
 use crate::outputs;
 use crate::run_period::RunPeriod;
@@ -41,6 +42,8 @@ pub struct PreparedBuilding {
     /// Floor area of the conditioned zones, m², to which energy is normalized. Energy is that of all HVAC, so that zones
     /// under their own controls count too.
     pub conditioned_floor_area: f64,
+    /// The engine's meters of HVAC energy, electricity and natural gas first.
+    pub meters: Vec<HvacMeter>,
 }
 
 /// A zone of a prepared building.
@@ -114,6 +117,7 @@ impl PreparedBuilding {
         let names: Vec<&str> = zones.iter().map(|zone| zone.name.as_str()).collect();
         let layouts = SystemLayout::of_all(&systems, &names)?;
         let zones = prepared_zones(&model, zones, &systems, &layouts)?;
+        let meters = hvac_meters(&model);
         let conditioned = |zone: &&Zone| zone.conditioning != Conditioning::None || zone.own_controls;
         Ok(Self {
             name: name.to_owned(),
@@ -126,6 +130,7 @@ impl PreparedBuilding {
             systems,
             layouts,
             uncontrolled,
+            meters,
         })
     }
 
@@ -158,6 +163,11 @@ impl PreparedBuilding {
     /// Returns the actuators, in the order of the action.
     pub fn actuators(&self) -> impl Iterator<Item = &Actuator> {
         self.systems.iter().flat_map(System::actuators)
+    }
+
+    /// Returns what its HVAC energy may consist of.
+    pub fn carriers(&self) -> impl Iterator<Item = Carrier> {
+        Carrier::ALL.into_iter().filter(|carrier| self.meters.iter().any(|meter| meter.carrier == *carrier))
     }
 
     /// Returns the layouts of the systems, in the same order.

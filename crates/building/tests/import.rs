@@ -116,10 +116,22 @@ fn zones_with_the_same_name_are_rejected() {
 }
 
 #[test]
+fn models_of_the_previous_version_are_updated() {
+    let stock = Stock::new();
+    let text = stock.text("SmallOffice").replacen("Version,25.2", "Version,25.1", 1);
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("previous.idf");
+    std::fs::write(&file, text).unwrap();
+    let model = import::read(&file, &stock.library, false).unwrap();
+    let [(_, version)] = model.objects("Version")[..] else { panic!("one version") };
+    assert_eq!(version["version_identifier"], "25.2");
+}
+
+#[test]
 fn models_of_another_version_and_other_files_are_rejected() {
     let stock = Stock::new();
     let old = stock.text("SmallOffice").replacen("Version,25.2", "Version,9.4", 1);
-    assert_says(&stock.refusal("old.idf", &old), &["9.4", "25.2", "updater"]);
+    assert_says(&stock.refusal("old.idf", &old), &["9.4", "25.2", "IDFVersionUpdater"]);
     assert_says(&stock.refusal("empty.idf", "! nothing\n"), &["empty"]);
     assert_says(&stock.refusal("noise.idf", "what is this;"), &["noise.idf"]);
     let shed = "Version,25.2;\nBuilding,Shed;\nGlobalGeometryRules,UpperLeftCorner,Clockwise,Relative;";

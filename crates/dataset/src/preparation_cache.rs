@@ -109,7 +109,7 @@ mod tests {
     fn building(name: &str) -> PreparedBuilding {
         let empty = serde_json::json!({
             "name": name, "class": null, "prototype": false, "model": {}, "model_sha256": "", "zones": [], "systems": [],
-            "layouts": [], "uncontrolled": [], "conditioned_floor_area": 123.4,
+            "layouts": [], "uncontrolled": [], "conditioned_floor_area": 123.4, "meters": [],
         });
         serde_json::from_value(empty).unwrap()
     }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::Result;
 use crate::metrics::Metrics;
-use crate::reward::Reward;
+use crate::reward::{Expenses, Reward, StepNumbers, to_numbers};
 use crate::spaces::Spaces;
 
 /// An environment: a building whose HVAC is controlled step by step over a run period.
@@ -42,6 +42,15 @@ pub struct Step<'a> {
     pub action: &'a [f64],
     /// Reward by its terms.
     pub reward: Reward,
+    /// Cost and emissions.
+    pub expenses: Expenses,
     /// Whether the episode is over.
     pub truncated: bool,
+}
+
+impl Step<'_> {
+    /// Returns reward and expenses as numbers: temperature penalty, energy penalty, cost and emissions.
+    pub fn numbers(&self) -> StepNumbers {
+        to_numbers(self.reward, self.expenses)
+    }
 }

@@ -116,7 +116,7 @@ episode_metrics! {
     discomfort: f64 = "discomfort_k_h", "K h", Metrics::discomfort;
     /// HVAC electricity, Wh/m².
     electricity: f64 = "electricity_wh_m2", "Wh/m²", |metrics| metrics.electricity;
-    /// HVAC gas, Wh/m².
+    /// HVAC gas, with other fuels and district energy, Wh/m².
     gas: f64 = "gas_wh_m2", "Wh/m²", |metrics| metrics.gas;
     /// Cost at the task's prices, currency/m².
     cost: f64 = "cost_m2", "currency/m²", |metrics| metrics.cost;

@@ -53,7 +53,7 @@ pub use faults::Faults;
 pub use metrics::{Metrics, ZoneMetrics};
 pub use morphology::Decomposition;
 pub use observation::{ObservationSpace, Slot, Target};
-pub use reward::{Reward, RewardFunction, StepView, ZoneStep};
+pub use reward::{Expenses, Reward, RewardFunction, StepNumbers, StepView, ZoneStep, to_numbers};
 pub use role_observation::{RoleObservation, RoleSlot, RoleValue};
 pub use rollout::{Observer, rollout};
 pub use setpoints::{RandomDay, RandomHour, Setpoints};

@@ -37,11 +37,11 @@ pub struct Metrics {
     pub energy_penalty: f64,
     /// HVAC electricity, Wh/m².
     pub electricity: f64,
-    /// HVAC gas, Wh/m².
+    /// HVAC gas, with other fuels and district energy, Wh/m².
     pub gas: f64,
-    /// Cost of both at the task's prices, currency/m².
+    /// Cost of all at the task's prices, currency/m².
     pub cost: f64,
-    /// Emissions of both at the task's factors, g of CO₂/m².
+    /// Emissions of all at the task's factors, g of CO₂/m².
     pub emissions: f64,
     /// Peak electric HVAC demand, averaged over a step, W/m².
     pub peak_electricity: f64,

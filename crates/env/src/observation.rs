@@ -134,14 +134,14 @@ impl ObservationSpace {
                 (Owner::Energy, Observed::Electricity),
                 "Wh/m²",
                 (0.0, energy),
-                "engine: meter Electricity:HVAC, of the step",
+                "engine: meters of HVAC electricity (Electricity:HVAC without a plant), of the step",
             ),
             slot(
                 "HVAC gas",
                 (Owner::Energy, Observed::Gas),
                 "Wh/m²",
                 (0.0, energy),
-                "engine: meter NaturalGas:HVAC, of the step",
+                "engine: meters of HVAC gas, other fuels and district energy (NaturalGas:HVAC), of the step",
             ),
         ]);
         let constant_target = setpoints.constant_target();
@@ -223,7 +223,7 @@ impl ObservationSpace {
         self.shared(Shared::Electricity)
     }
 
-    /// Slot of the HVAC gas of the step, Wh/m².
+    /// Slot of the HVAC gas of the step, with other fuels and district energy, Wh/m².
     pub fn gas(&self) -> usize {
         self.shared(Shared::Gas)
     }

@@ -18,6 +18,30 @@ impl Reward {
     }
 }
 
+/// What the HVAC energy of a step costs and emits, by the prices and factors of the task.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Expenses {
+    /// Currency/m².
+    pub cost: f64,
+    /// g CO₂/m².
+    pub emissions: f64,
+}
+
+/// Reward and expenses of a step as numbers: temperature penalty, energy penalty, cost, emissions.
+pub type StepNumbers = [f64; 4];
+
+/// Returns reward and expenses as numbers.
+pub fn to_numbers(reward: Reward, expenses: Expenses) -> StepNumbers {
+    [reward.temperature_penalty, reward.energy_penalty, expenses.cost, expenses.emissions]
+}
+
+/// Returns reward and expenses of [`to_numbers`].
+pub fn from_numbers(
+    [temperature_penalty, energy_penalty, cost, emissions]: StepNumbers,
+) -> (Reward, Expenses) {
+    (Reward { temperature_penalty, energy_penalty }, Expenses { cost, emissions })
+}
+
 /// The step that a [`RewardFunction`] evaluates.
 #[derive(Debug)]
 pub struct StepView<'a> {
@@ -29,7 +53,7 @@ pub struct StepView<'a> {
     pub action: &'a [f64],
     /// HVAC electricity of the step, Wh/m².
     pub electricity: f64,
-    /// HVAC gas of the step, Wh/m².
+    /// HVAC gas of the step, with other fuels and district energy, Wh/m².
     pub gas: f64,
     /// Energy cost of the step at the task's prices, currency/m².
     pub cost: f64,

@@ -14,12 +14,13 @@
 pub mod external;
 mod idf;
 mod references;
+mod version;
 
 use std::path::Path;
 
 use b2b_energyplus::Library;
 
-use crate::model::{Model, text};
+use crate::model::Model;
 use crate::{Error, Result};
 
 /// Reads a user's model (IDF or epJSON) and makes the checks that the engine does not.
@@ -35,7 +36,8 @@ pub fn read(path: &Path, library: &Library, allow_external: bool) -> Result<Mode
     let mut model = Model::read(path, library)?;
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     external::resolve(&mut model, folder, allow_external).map_err(|problems| refused(path, problems))?;
-    check(&model, &library.version()).map_err(|problems| refused(path, problems))?;
+    version::update(&mut model, &library.version()).map_err(|problem| refused(path, vec![problem]))?;
+    check(&model).map_err(|problems| refused(path, problems))?;
     Ok(model)
 }
 
@@ -71,9 +73,8 @@ fn check_file(path: &Path) -> Result<()> {
 }
 
 /// Checks a model for problems that the engine silently accepts.
-fn check(model: &Model, engine: &str) -> std::result::Result<(), Vec<String>> {
+fn check(model: &Model) -> std::result::Result<(), Vec<String>> {
     let mut problems = Vec::new();
-    problems.extend(other_version(model, engine));
     problems.extend(templates(model));
     problems.extend(like_named(model));
     if model.objects("Zone").is_empty() {
@@ -81,20 +82,6 @@ fn check(model: &Model, engine: &str) -> std::result::Result<(), Vec<String>> {
     }
     problems.extend(references::dangling(model));
     if problems.is_empty() { Ok(()) } else { Err(problems) }
-}
-
-/// The meaning of fields changes between versions.
-fn other_version(model: &Model, engine: &str) -> Option<String> {
-    let expected = engine.split('.').take(2).collect::<Vec<_>>().join(".");
-    let (_, fields) = model.objects("Version").into_iter().next()?;
-    let version = text(fields, "version_identifier")?;
-    let same = version == expected || version.starts_with(&format!("{expected}."));
-    (!same).then(|| {
-        format!(
-            "it is a model of EnergyPlus {version}; expected {expected}. Convert it with the IDF version updater that \
-             ships with EnergyPlus"
-        )
-    })
 }
 
 fn templates(model: &Model) -> Option<String> {
@@ -122,25 +109,18 @@ mod tests {
 
     fn problems(model: Value) -> String {
         let model = Model::from_epjson(&model.to_string(), Path::new("test.epJSON")).unwrap();
-        check(&model, "25.2.0-cf7368216c").map_or_else(|problems| problems.join("\n"), |()| String::new())
+        check(&model).map_or_else(|problems| problems.join("\n"), |()| String::new())
     }
 
     #[test]
     fn a_sound_model_has_no_problem() {
-        let version = json!({"Version 1": {"version_identifier": "25.2"}});
-        assert_eq!(problems(json!({"Version": version, "Zone": {"A": {}}})), "");
+        assert_eq!(problems(json!({"Zone": {"A": {}}})), "");
     }
 
     #[test]
     fn zones_that_differ_only_by_case_are_both_named() {
         let said = problems(json!({"Zone": {"Core": {}, "CORE": {}}}));
         assert!(said.contains("`Core`") && said.contains("`CORE`") && said.contains("rename"), "{said}");
-    }
-
-    #[test]
-    fn the_error_of_another_version_has_the_expected_one() {
-        let said = problems(json!({"Zone": {"A": {}}, "Version": {"V": {"version_identifier": "9.4"}}}));
-        assert!(said.contains("9.4") && said.contains("25.2") && said.contains("updater"), "{said}");
     }
 
     #[test]

@@ -48,7 +48,7 @@ pub enum Observed {
     DayOfYear,
     /// HVAC electricity of the step, Wh/m².
     Electricity,
-    /// HVAC gas of the step, Wh/m².
+    /// HVAC gas of the step, with other fuels and district energy, Wh/m².
     Gas,
 }
 

@@ -1,6 +1,6 @@
 //! Fields whose size the engine reports under another description, and fields that it does not size.
 //!
-//! Found by sizing the 32 models that ship with EnergyPlus 25.2.
+//! Found by sizing the 32 models that ship with EnergyPlus 25.2, the models of Sinergym, and models that OpenStudio writes.
 
 /// Fields whose size is reported under another description, without `Design Size`. A description applies to the sizes of
 /// the same object only.
@@ -35,6 +35,7 @@ pub(super) const ALIASES: &[(&str, &str)] = &[
     ("total_design_flow_rate", "Design Flow Rate"),
     ("design_maximum_flow_rate", "Design Flow Rate"),
     ("design_heat_recovery_water_flow_rate", "Heat Recovery Water Flow Rate"),
+    ("design_condenser_fluid_flow_rate", "Design Condenser Water Flow Rate"),
     ("loop_demand_side_design_flow_rate", "Loop Demand Side Design Fluid Flow Rate"),
     ("loop_supply_side_design_flow_rate", "Loop Supply Side Design Fluid Flow Rate"),
     ("design_fan_power", "Fan Power at Design Air Flow Rate"),
@@ -46,33 +47,55 @@ pub(super) const ALIASES: &[(&str, &str)] = &[
     ("low_fan_speed_air_flow_rate", "Air Flow Rate at Low Fan Speed"),
     ("low_fan_speed_fan_power", "Fan Power at Low Fan Speed"),
     ("low_fan_speed_u_factor_times_area_value", "U-Factor Times Area Value at Low Fan Speed"),
+    // Evaporative coolers.
+    ("recirculating_water_pump_design_power", "Recirculating Pump Power"),
+    ("secondary_air_fan_design_power", "Secondary Fan Power"),
 ];
 
 /// An autosized field that the engine gives no size because the object does not use it.
 pub(super) struct Unused {
     /// Class, or a prefix of several classes.
     pub(super) class: &'static str,
-    /// The field.
+    /// The end of the field's name.
     pub(super) field: &'static str,
     /// The value to write; it has no effect.
     pub(super) value: f64,
+    /// The field and its value with which the object does use it.
+    pub(super) used_with: Option<(&'static str, &'static str)>,
+}
+
+impl Unused {
+    const fn new(class: &'static str, field: &'static str, value: f64) -> Self {
+        Self { class, field, value, used_with: None }
+    }
+
+    const fn unless(self, used_with: (&'static str, &'static str)) -> Self {
+        Self { used_with: Some(used_with), ..self }
+    }
 }
 
 /// Fields without effect that must still hold a number.
 pub(super) const UNUSED: &[Unused] = &[
     // The defrost is by reverse cycle; a resistive one is sized and reported.
-    Unused { class: "Coil:Heating:DX:", field: "resistive_defrost_heater_capacity", value: 0.0 },
+    Unused::new("Coil:Heating:DX:", "resistive_defrost_heater_capacity", 0.0),
     // The reheat coil is electric or burns gas; the flow of a water or steam coil is reported.
-    Unused {
-        class: "AirTerminal:SingleDuct:VAV:Reheat",
-        field: "maximum_hot_water_or_steam_flow_rate",
-        value: 0.0,
-    },
+    Unused::new("AirTerminal:SingleDuct:VAV:Reheat", "maximum_hot_water_or_steam_flow_rate", 0.0),
+    Unused::new("AirTerminal:SingleDuct:ParallelPIU:Reheat", "maximum_hot_water_or_steam_flow_rate", 0.0),
+    Unused::new("AirTerminal:SingleDuct:SeriesPIU:Reheat", "maximum_hot_water_or_steam_flow_rate", 0.0),
     // The same for a unit heater, whose input must be more than zero.
-    Unused { class: "ZoneHVAC:UnitHeater", field: "maximum_hot_water_or_steam_flow_rate", value: 1e-3 },
+    Unused::new("ZoneHVAC:UnitHeater", "maximum_hot_water_or_steam_flow_rate", 1e-3),
+    // The condenser is cooled by air, as in most models that OpenStudio writes. The flow must be more than zero.
+    Unused::new("Coil:Cooling:DX:", "evaporative_condenser_air_flow_rate", 1e-3).unless(EVAPORATIVE),
+    Unused::new("Coil:Cooling:DX:", "evaporative_condenser_pump_rated_power_consumption", 0.0)
+        .unless(EVAPORATIVE),
+    // Only the sizing of a tower reads them.
+    Unused::new("CoolingTower:", "design_approach_temperature", 3.9),
+    Unused::new("CoolingTower:", "design_range_temperature", 5.6),
     // No loop on the source side.
-    Unused { class: "WaterHeater:", field: "source_side_design_flow_rate", value: 0.0 },
+    Unused::new("WaterHeater:", "source_side_design_flow_rate", 0.0),
 ];
+
+const EVAPORATIVE: (&str, &str) = ("condenser_type", "EvaporativelyCooled");
 
 /// Fields that the engine sizes when a model omits them. A hard-sized model must have them.
 pub(super) const OPTIONAL: [(&str, &str); 3] = [

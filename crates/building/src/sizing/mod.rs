@@ -125,8 +125,9 @@ impl Sizes {
             }
         }
         let mut equipment_flows = self.equipment_flows(class, object);
+        let given = fields.clone();
         for (field, value) in fields.iter_mut().filter(|(_, value)| is_automatic(value)) {
-            let size = self.get(class, object, field).or_else(|| unused(class, field));
+            let size = self.get(class, object, field).or_else(|| unused(class, &given, field));
             let size = size.or_else(|| is_equipment_flow(field).then(|| equipment_flows.next()).flatten());
             if let Some(size) = size {
                 *value = json!(size.max(minimum(class, field)));
@@ -242,10 +243,14 @@ fn field_name(description: &str) -> String {
     words.map(str::to_ascii_lowercase).collect::<Vec<_>>().join("_")
 }
 
-/// Returns the value of an autosized field that the object does not use.
-fn unused(class: &str, field: &str) -> Option<f64> {
-    let entry = UNUSED.iter().find(|u| starts_with(class, u.class) && u.field == field)?;
-    Some(entry.value)
+/// Returns the value of an autosized field that an object of this class does not use.
+fn unused(class: &str, fields: &Fields, field: &str) -> Option<f64> {
+    let entry =
+        UNUSED.iter().find(|unused| starts_with(class, unused.class) && field.ends_with(unused.field))?;
+    let is_used = entry
+        .used_with
+        .is_some_and(|(other, value)| fields.get(other).is_some_and(|given| is_word(given, value)));
+    (!is_used).then_some(entry.value)
 }
 
 /// Returns the minimum that the engine accepts for a field.

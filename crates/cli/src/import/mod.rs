@@ -40,7 +40,7 @@ Examples:
   b2b run office.idf --weather boston.epw                           then run an episode"
 )]
 pub struct Arguments {
-    /// Model files (.idf or .epJSON, EnergyPlus 25.2), or folders of them
+    /// Model files (.idf or .epJSON, EnergyPlus 25.2 or 25.1), or folders of them
     #[arg(value_name = "MODEL", required = true)]
     models: Vec<PathBuf>,
     #[command(flatten)]

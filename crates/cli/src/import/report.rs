@@ -1,7 +1,7 @@
 //! The zones and systems of an imported model.
 
-use b2b_building::Conditioning;
 use b2b_building::hvac::{self, Uncontrolled};
+use b2b_building::{Carrier, Conditioning};
 use b2b_dataset::BuildingName;
 use serde::{Deserialize, Serialize};
 
@@ -14,6 +14,8 @@ pub struct Report {
     pub model: String,
     pub place: String,
     pub conditioned_floor_area_m2: f64,
+    /// What HVAC energy may consist of.
+    pub energy_carriers: Vec<Carrier>,
     pub zones: Vec<Zone>,
     /// The systems that the agent controls.
     pub systems: Vec<System>,
@@ -60,6 +62,7 @@ impl Report {
             model: name.to_string(),
             place: prepared.place.clone(),
             conditioned_floor_area_m2: building.conditioned_floor_area,
+            energy_carriers: building.carriers().collect(),
             zones: building.zones.iter().map(Zone::of).collect(),
             systems: building.systems.iter().map(System::of).collect(),
             not_controlled: building.uncontrolled.clone(),

@@ -10,13 +10,14 @@ use crate::table::Table;
 /// Returns the text report.
 pub fn text(report: &Report, model: &Path, location: &Location) -> String {
     let summary = format!(
-        "{} in {}: the agent controls {} of {} zones through {} actuators; conditioned floor area {:.0} m²",
+        "{} in {}: the agent controls {} of {} zones through {} actuators; conditioned floor area {:.0} m²; HVAC energy: {}",
         report.model,
         report.place,
         report.controlled_zones(),
         report.zones.len(),
         report.actuators(),
-        report.conditioned_floor_area_m2
+        report.conditioned_floor_area_m2,
+        report.energy_carriers.iter().map(|carrier| carrier.name()).collect::<Vec<_>>().join(", ")
     );
     let mut parts = vec![summary, format!("Controlled systems\n{}", systems_text(report))];
     if !report.not_controlled.is_empty() {
@@ -75,13 +76,16 @@ fn trial_text(trial: &Trial) -> String {
     };
     format!(
         "Simulated {} under the reactive controller, target 21 °C\n  RMS deviation {:.2} K over the zones with heating \
-         and cooling, {:.2} K below target over those without cooling; worst zone {}, {:.2} K{far}\n  engine messages: {} \
-         warnings, {} severe{severe}",
+         and cooling, {:.2} K below target over those without cooling; worst zone {}, {:.2} K{far}\n  HVAC energy \
+         {:.2} kWh/m² of electricity, {:.2} kWh/m² of gas and other carriers\n  engine messages: {} warnings, {} \
+         severe{severe}",
         trial.period,
         trial.rms_deviation_k,
         trial.rms_heating_only_k,
         trial.worst_zone,
         trial.worst_zone_rms_k,
+        trial.electricity_kwh_m2,
+        trial.gas_kwh_m2,
         trial.warnings,
         trial.severes,
     )

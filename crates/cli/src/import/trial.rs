@@ -22,6 +22,9 @@ pub struct Trial {
     /// The controlled zone with the largest deviation.
     pub worst_zone: String,
     pub worst_zone_rms_k: f64,
+    pub electricity_kwh_m2: f64,
+    /// Gas, with other fuels and district energy.
+    pub gas_kwh_m2: f64,
     pub warnings: usize,
     pub severes: usize,
     /// The first severe message.
@@ -46,6 +49,8 @@ impl Trial {
             never_near_target: far.map(name).collect(),
             worst_zone: name(worst),
             worst_zone_rms_k: rms(worst),
+            electricity_kwh_m2: metrics.electricity / 1000.0,
+            gas_kwh_m2: metrics.gas / 1000.0,
             warnings: engine.warnings,
             severes: engine.severes,
             severe_message: engine.severe_messages.into_iter().next(),

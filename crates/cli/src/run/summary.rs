@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use b2b_benchmark::{Inputs, Versions};
+use b2b_building::Carrier;
 use b2b_env::{EpisodeMetrics, Metrics, Setpoints, Spaces, Task, ZoneMetrics};
 use serde::Serialize;
 
@@ -39,6 +40,8 @@ pub struct Summary {
     /// Metrics of the episode, each under the name of its column.
     #[serde(flatten, serialize_with = "EpisodeMetrics::serialize_columns")]
     pub metrics: EpisodeMetrics,
+    /// What HVAC energy may consist of; all but electricity count as gas in the metrics.
+    pub energy_carriers: Vec<Carrier>,
     /// Controlled zones that are never occupied.
     pub never_occupied: Vec<String>,
     /// Travel of each actuator over the episode, full strokes, in action order.
@@ -114,6 +117,7 @@ impl Summary {
             task_definition: episode.task.clone(),
             energy_scale: spaces.energy_scale(),
             metrics: metrics.into(),
+            energy_carriers: spaces.building.carriers().collect(),
             never_occupied: engine.never_occupied.clone(),
             travel: metrics.travel.clone(),
             meter_relative_error: meter_relative_error(metrics, engine.meters),
@@ -179,7 +183,7 @@ impl Summary {
             ),
             ("discomfort outside the band", format!("{:.1} K·h", metrics.discomfort)),
             ("HVAC electricity", format!("{:.2} kWh/m²", metrics.electricity / 1000.0)),
-            ("HVAC gas", format!("{:.2} kWh/m²", metrics.gas / 1000.0)),
+            (self.fuels(), format!("{:.2} kWh/m²", metrics.gas / 1000.0)),
             (
                 "cost, emissions",
                 format!("{:.2} {}, {:.2} kg CO₂/m²", metrics.cost, self.cost_unit(), metrics.emissions),
@@ -188,6 +192,14 @@ impl Summary {
             ("actuator travel", format!("{:.1} full strokes/day", metrics.daily_travel)),
             ("outdoor air per person", format!("{:.1} L/s", metrics.outdoor_air_per_person)),
         ]
+    }
+
+    /// Returns the name of HVAC energy other than electricity.
+    fn fuels(&self) -> &'static str {
+        match self.energy_carriers[..] {
+            [Carrier::Electricity, Carrier::Gas] => "HVAC gas",
+            _ => "HVAC gas and other carriers",
+        }
     }
 
     /// Returns the unit of costs: only the default prices have a known currency.

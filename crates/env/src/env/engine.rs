@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use b2b_building::PreparedBuilding;
 use b2b_building::hvac::{EngineVariable, System};
+use b2b_building::{Carrier, CarrierEnergy, HvacMeter, PreparedBuilding};
 use b2b_energyplus::{Actuator, Library, Meter, Run, Simulation, Variable};
 
-use super::meters::{JOULES_PER_WATT_HOUR, METERS};
+use super::meters::by_carrier;
 use crate::Result;
 use crate::zones::ControlledZone;
 
@@ -38,7 +38,8 @@ pub(super) struct Engine {
     pub(super) outdoor: [Variable; 2],
     /// People in each controlled zone; `None` where the model never has any.
     pub(super) people: Vec<Option<Variable>>,
-    meters: [Option<Meter>; 2],
+    /// Those of the building's meters that the engine has.
+    meters: Vec<(Carrier, Meter)>,
     actuators: Vec<(Actuator, f64)>,
     /// For each system its outdoor air, if it has any.
     ventilated: Vec<Option<Ventilated>>,
@@ -81,6 +82,7 @@ impl Engine {
             Ok((simulation.actuator(&a.component, &a.control, &a.key)?, a.scale))
         };
         let variable = |v: &EngineVariable| Ok(simulation.variable(&v.name, &v.key)?);
+        let meter = |m: &HvacMeter| Some((m.carrier, simulation.meter(&m.name).ok()?));
         let mut ventilated = Vec::new();
         for (system, layout) in building.laid_out_systems() {
             let Some(air) = system.ventilation() else {
@@ -104,7 +106,7 @@ impl Engine {
             outdoor: [simulation.variable(OUTDOOR[0], SITE)?, simulation.variable(OUTDOOR[1], SITE)?],
             // The engine has the variable for zones with people alone.
             people: controlled().map(|name| simulation.variable(PEOPLE, name).ok()).collect(),
-            meters: METERS.map(|meter| simulation.meter(meter).ok()),
+            meters: building.meters.iter().filter_map(meter).collect(),
             actuators: building.actuators().map(actuator).collect::<Result<_>>()?,
             effects: observed.iter().map(|a| variable(&a.effect)).collect::<Result<_>>()?,
             heats: observed
@@ -162,10 +164,9 @@ impl Engine {
         [self.simulation.read(system.outdoor_air), people]
     }
 
-    /// HVAC energy of the step by fuel, Wh/m².
-    pub(super) fn energy(&self, floor_area: f64) -> [f64; 2] {
-        self.meters.map(|meter| {
-            meter.map_or(0.0, |m| self.simulation.read_meter(m)) / JOULES_PER_WATT_HOUR / floor_area
-        })
+    /// HVAC energy of the step, Wh/m².
+    pub(super) fn energy(&self, floor_area: f64) -> CarrierEnergy {
+        let read = |&(carrier, meter)| (carrier, self.simulation.read_meter(meter));
+        by_carrier(self.meters.iter().map(read), floor_area)
     }
 }

@@ -2,21 +2,19 @@
 
 use std::path::Path;
 
-use b2b_building::Model;
+use b2b_building::{Carrier, CarrierEnergy, HvacMeter, Model};
 
 use crate::{Error, Result};
 
-/// The meters that make up HVAC energy, electricity and gas; a building need not have both.
-pub(super) const METERS: [&str; 2] = ["Electricity:HVAC", "NaturalGas:HVAC"];
 /// The file that the engine writes them to.
 pub(super) const METER_FILE: &str = "eplusout.mtr";
-pub(super) const JOULES_PER_WATT_HOUR: f64 = 3600.0;
+const JOULES_PER_WATT_HOUR: f64 = 3600.0;
 
 /// Makes the engine write the HVAC meters of the run period to [`METER_FILE`].
-pub(super) fn request(model: &mut Model) {
-    for meter in METERS {
-        let fields = serde_json::json!({"key_name": meter, "reporting_frequency": "RunPeriod"});
-        model.insert("Output:Meter:MeterFileOnly", meter, fields);
+pub(super) fn request(model: &mut Model, meters: &[HvacMeter]) {
+    for HvacMeter { name, .. } in meters {
+        let fields = serde_json::json!({"key_name": name, "reporting_frequency": "RunPeriod"});
+        model.insert("Output:Meter:MeterFileOnly", name, fields);
     }
     for name in model.names("OutputControl:Files") {
         if let Some(files) = model.get_mut("OutputControl:Files", &name) {
@@ -25,10 +23,26 @@ pub(super) fn request(model: &mut Model) {
     }
 }
 
-/// Reads the meters of a finished run, Wh/m²: electricity and gas.
-pub(super) fn read(path: &Path, floor_area: f64) -> Result<[f64; 2]> {
+/// Reads the meters of a finished run, Wh/m²: electricity and fuels.
+pub(super) fn read(path: &Path, meters: &[HvacMeter], floor_area: f64) -> Result<[f64; 2]> {
     let text = std::fs::read_to_string(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
-    Ok(METERS.map(|meter| run_period_value(&text, meter).unwrap_or(0.0) / JOULES_PER_WATT_HOUR / floor_area))
+    let values =
+        meters.iter().map(|meter| (meter.carrier, run_period_value(&text, &meter.name).unwrap_or(0.0)));
+    Ok(electricity_and_fuels(&by_carrier(values, floor_area)))
+}
+
+/// Adds readings of meters (J) up by carrier, Wh/m². A building need not have every meter.
+pub(super) fn by_carrier(readings: impl Iterator<Item = (Carrier, f64)>, floor_area: f64) -> CarrierEnergy {
+    let mut energy = CarrierEnergy::default();
+    for (carrier, joules) in readings {
+        energy[carrier as usize] += joules / JOULES_PER_WATT_HOUR / floor_area;
+    }
+    energy
+}
+
+/// Electricity, and the sum of everything else.
+pub(super) fn electricity_and_fuels(energy: &CarrierEnergy) -> [f64; 2] {
+    [energy[0], energy[1..].iter().sum()]
 }
 
 /// A run-period value from the text of a meter file: `12,1,Electricity:HVAC [J] !RunPeriod …` gives the number

@@ -24,7 +24,7 @@ use crate::faults::Impairment;
 use crate::metrics::Metrics;
 use crate::observation::ObservationSpace;
 use crate::oscillation::Oscillation;
-use crate::reward::{RewardFunction, ZoneStep};
+use crate::reward::{Expenses, RewardFunction, ZoneStep};
 use crate::setpoints::Targets;
 use crate::spaces::{EpisodeConfig, Spaces};
 use crate::task::Task;
@@ -64,6 +64,8 @@ pub struct Env {
     observation: Vec<f64>,
     action: Vec<f64>,
     metrics: Metrics,
+    /// Of the last step.
+    expenses: Expenses,
     /// Of each controlled zone.
     oscillations: Vec<Oscillation>,
     truncated: bool,
@@ -105,6 +107,7 @@ impl Env {
             observation: vec![0.0; spaces.observation.len()],
             action: vec![0.0; spaces.action.len()],
             metrics: new_metrics(&zones, &spaces),
+            expenses: Expenses::default(),
             oscillations: vec![Oscillation::default(); zones.len()],
             targets: Targets::new(&task.setpoints, spaces.building.class, zones.len()),
             reward: Box::new(reward),
@@ -164,6 +167,7 @@ impl Env {
         self.never_occupied = zones.map(|(zone, _)| spaces.building.zones[zone.slot].name.clone()).collect();
         self.warm_up(&mut engine)?;
         self.observe(&engine, [0.0; 2])?;
+        self.expenses = Expenses::default();
         self.disturb();
         self.engine = Some(engine);
         Ok(&self.observation)
@@ -194,8 +198,10 @@ impl Env {
         if engine.simulation.advance()? != Some(Event::Step) {
             return Err(self.wrong_length());
         }
-        let energy = engine.energy(self.spaces.building.conditioned_floor_area);
+        let by_carrier = engine.energy(self.spaces.building.conditioned_floor_area);
+        let energy = meters::electricity_and_fuels(&by_carrier);
         let began = self.moment();
+        self.expenses = self.spaces.episode.task.expenses(&by_carrier, began.hour);
         self.metrics.add_outdoor_air(engine.outdoor_air());
         self.keep_targets();
         self.metrics.steps += 1;
@@ -209,7 +215,8 @@ impl Env {
             self.engine = Some(engine);
         }
         self.truncated = truncated;
-        Ok(Step { observation: &self.observation, action: &self.action, reward, truncated })
+        let expenses = self.expenses;
+        Ok(Step { observation: &self.observation, action: &self.action, reward, expenses, truncated })
     }
 
     /// The building with its observation and action spaces.
@@ -287,12 +294,13 @@ impl Env {
         }
     }
 
-    /// EnergyPlus's own HVAC meters over a finished episode, Wh/m²: electricity and gas.
+    /// EnergyPlus's own HVAC meters over a finished episode, Wh/m²: electricity, and fuels with district energy.
     ///
     /// # Errors
     /// [`Error::Io`] when the engine has not written them, which it does at the end of the run period.
     pub fn engine_meters(&self) -> Result<[f64; 2]> {
-        meters::read(&self.meter_file, self.spaces.building.conditioned_floor_area)
+        let building = &self.spaces.building;
+        meters::read(&self.meter_file, &building.meters, building.conditioned_floor_area)
     }
 
     /// Messages, meters and occupancy of the engine's run, for a finished episode.
@@ -426,7 +434,7 @@ impl Env {
 /// The model of an episode, with the meters that the engine writes.
 fn episode_model(building: &PreparedBuilding, episode: &EpisodeConfig) -> Model {
     let mut model = building.model_for(episode.period, episode.steps_per_hour);
-    meters::request(&mut model);
+    meters::request(&mut model, &building.meters);
     model
 }
 

@@ -35,20 +35,19 @@ impl Env {
         }));
     }
 
-    /// The reward of the step just observed; adds the step to the metrics.
+    /// The reward of the step just observed; adds the step to the metrics. `energy` in Wh/m², electricity and fuels.
     pub(super) fn judge(&mut self, energy: [f64; 2], began: Moment) -> Reward {
         for (step, zone) in self.zone_steps.iter_mut().zip(&self.zones) {
             step.temperature = self.observation[zone.slot];
         }
-        let (cost, emissions) = self.spaces.episode.task.cost_and_emissions(energy, began.hour);
         let step = StepView {
             zones: &self.zone_steps,
             observation: &self.observation,
             action: &self.action,
             electricity: energy[0],
             gas: energy[1],
-            cost,
-            emissions,
+            cost: self.expenses.cost,
+            emissions: self.expenses.emissions,
             peak_rise: self.metrics.peak_rise(energy[0]),
             day_of_year: began.day_of_year,
             hour: began.hour,
@@ -71,7 +70,7 @@ impl Env {
         }
     }
 
-    /// Writes the observation. `energy` in Wh/m², electricity and gas.
+    /// Writes the observation. `energy` in Wh/m², electricity and fuels.
     pub(super) fn observe(&mut self, engine: &Engine, energy: [f64; 2]) -> Result<()> {
         for (slot, variable) in self.observation.iter_mut().zip(&engine.temperatures) {
             *slot = engine.simulation.read(*variable);

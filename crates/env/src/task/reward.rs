@@ -1,9 +1,11 @@
 //! The reward that a task describes.
 
+use b2b_building::{Carrier, CarrierEnergy};
+
+use super::fuels::{EMISSIONS_OF_OTHERS, PRICES_OF_OTHERS};
 use super::{Resource, Task};
 use crate::calendar::Season;
-use crate::reward::{Reward, RewardFunction, StepView};
-use crate::task::fuels::Fuels;
+use crate::reward::{Expenses, Reward, RewardFunction, StepView};
 
 /// The task's own reward. An energy scale of `None` counts as 1: [`crate::Env`] fills in that of the building.
 impl RewardFunction for Task {
@@ -24,11 +26,16 @@ impl RewardFunction for Task {
 }
 
 impl Task {
-    /// Returns cost (currency/m²) and emissions (g CO₂/m²) of electricity and gas (Wh/m²) used at an hour of the day.
-    pub fn cost_and_emissions(&self, energy: [f64; 2], hour: f64) -> (f64, f64) {
-        let at = |fuels: &Fuels| energy[0] * fuels.electricity.at(hour) + energy[1] * fuels.gas.at(hour);
-        // Prices are per kWh; kg/kWh is g/Wh.
-        (at(&self.prices) / 1000.0, at(&self.emissions))
+    /// Returns what energy (Wh/m²) used at an hour of the day costs and emits.
+    pub fn expenses(&self, energy: &CarrierEnergy, hour: f64) -> Expenses {
+        let total = |value: &dyn Fn(Carrier) -> f64| {
+            Carrier::ALL.into_iter().map(|carrier| energy[carrier as usize] * value(carrier)).sum::<f64>()
+        };
+        Expenses {
+            // Prices are per kWh; kg/kWh is g/Wh.
+            cost: total(&|carrier| self.prices.at(carrier, hour, &PRICES_OF_OTHERS)) / 1000.0,
+            emissions: total(&|carrier| self.emissions.at(carrier, hour, &EMISSIONS_OF_OTHERS)),
+        }
     }
 }
 
@@ -77,9 +84,28 @@ mod tests {
     }
 
     #[test]
-    fn cost_and_emissions_follow_the_fuel_and_the_hour() {
-        let (cost, emissions) = Task::default().cost_and_emissions([1000.0, 2000.0], 5.0);
-        assert!((cost - (0.127 + 2.0 * 0.0365)).abs() < 1e-12);
-        assert!((emissions - (373.0 + 362.0)).abs() < 1e-9);
+    fn expenses_follow_the_carrier_and_the_hour() {
+        let used = |amounts: &[(Carrier, f64)]| {
+            let mut energy = CarrierEnergy::default();
+            amounts.iter().for_each(|(carrier, amount)| energy[*carrier as usize] = *amount);
+            energy
+        };
+        let task: Task = serde_json::from_value(serde_json::json!({"prices": {
+            "electricity": (0..24).map(|hour| if hour < 7 { 0.1 } else { 0.2 }).collect::<Vec<_>>(),
+            "gas": 0.04,
+            "fuel_oil": 0.09,
+        }}))
+        .unwrap();
+        let close = |expenses: Expenses, [cost, emissions]: [f64; 2]| {
+            assert!((expenses.cost - cost).abs() < 1e-12, "{expenses:?}, expected a cost of {cost}");
+            assert!((expenses.emissions - emissions).abs() < 1e-9, "{expenses:?}, expected {emissions} g");
+        };
+        let usual = used(&[(Carrier::Electricity, 1000.0), (Carrier::Gas, 2000.0)]);
+        close(Task::default().expenses(&usual, 5.0), [0.127 + 2.0 * 0.0365, 373.0 + 362.0]);
+        close(task.expenses(&usual, 6.9), [0.1 + 0.08, 373.0 + 362.0]);
+        close(task.expenses(&used(&[(Carrier::FuelOil, 1000.0)]), 0.0), [0.09, 252.0]);
+        close(task.expenses(&used(&[(Carrier::Propane, 1000.0)]), 0.0), [0.10, 215.0]);
+        close(task.expenses(&used(&[(Carrier::DistrictHeating, 800.0)]), 0.0), [0.04, 181.0]);
+        close(task.expenses(&used(&[(Carrier::DistrictCooling, 5000.0)]), 7.0), [0.2, 373.0]);
     }
 }

@@ -11,7 +11,7 @@ use super::time_limit::TimeLimit;
 use super::workers::Workers;
 use crate::environment::Step;
 use crate::metrics::Metrics;
-use crate::reward::Reward;
+use crate::reward::{Expenses, Reward, from_numbers};
 use crate::spaces::Spaces;
 use crate::{Error, Result};
 
@@ -40,6 +40,7 @@ pub struct Episode {
     observation: Vec<f64>,
     action: Vec<f64>,
     reward: Reward,
+    expenses: Expenses,
     metrics: Option<Metrics>,
     report: Option<EpisodeReport>,
 }
@@ -85,6 +86,7 @@ impl Episode {
             phase: Phase::New,
             failed_starts: 0,
             reward: Reward::default(),
+            expenses: Expenses::default(),
             metrics: None,
             report: None,
         }
@@ -114,7 +116,8 @@ impl Episode {
     fn ask_for_copy(&mut self) -> Result<()> {
         self.end();
         self.phase = Phase::New;
-        (self.metrics, self.report, self.reward) = (None, None, Reward::default());
+        (self.metrics, self.report) = (None, None);
+        (self.reward, self.expenses) = (Reward::default(), Expenses::default());
         self.place = Some(self.workers.lock().start(&self.setting, self.options)?);
         self.phase = Phase::Starting(None);
         Ok(())
@@ -171,6 +174,7 @@ impl Episode {
                 observation: &self.observation,
                 action: &self.action,
                 reward: self.reward,
+                expenses: self.expenses,
                 truncated: self.phase == Phase::Truncated,
             }),
             _ => Err(self.not_ready()),
@@ -226,6 +230,7 @@ impl Episode {
             observation: self.observation.clone(),
             action: self.action.clone(),
             reward: self.reward,
+            expenses: self.expenses,
             metrics: None,
             report: None,
         };
@@ -260,6 +265,11 @@ impl Episode {
     /// The reward of the last step.
     pub fn reward(&self) -> Reward {
         self.reward
+    }
+
+    /// Cost and emissions of the last step.
+    pub fn expenses(&self) -> Expenses {
+        self.expenses
     }
 
     /// Returns whether the worker is busy with a step or with its start.
@@ -330,8 +340,7 @@ impl Episode {
             self.workers.lock().adopt(slot);
         } else {
             region.read_action(slot, &mut self.action);
-            let [temperature_penalty, energy_penalty] = region.penalties(slot);
-            self.reward = Reward { temperature_penalty, energy_penalty };
+            (self.reward, self.expenses) = from_numbers(region.step_numbers(slot));
         }
         self.phase = Phase::Ready;
         if status == Status::Truncated {

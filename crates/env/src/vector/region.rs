@@ -16,6 +16,7 @@ use memmap2::{MmapOptions, MmapRaw};
 use rustix::fs::{FallocateFlags, MemfdFlags};
 
 use super::episode_options::EpisodeOptions;
+use crate::reward::StepNumbers;
 
 mod futex;
 mod owner;
@@ -110,8 +111,8 @@ struct Slot {
     report_bytes: AtomicU32,
     /// Generation in the upper half, process in the lower; process 0 until one attaches.
     occupant: AtomicU64,
-    temperature_penalty: AtomicU64,
-    energy_penalty: AtomicU64,
+    /// Bits of [`StepNumbers`].
+    step_numbers: [AtomicU64; 4],
     /// Wait status of a process that ended, and [`EXITED`].
     exit: AtomicU32,
     copies: AtomicU32,
@@ -308,18 +309,16 @@ impl Region {
         unsafe { slice::from_raw_parts(self.at(slot, offset), bytes) }.to_vec()
     }
 
-    /// The penalties of the last step.
-    pub(super) fn penalties(&self, slot: u32) -> [f64; 2] {
-        let slot = self.slot(slot);
-        [&slot.temperature_penalty, &slot.energy_penalty]
-            .map(|bits| f64::from_bits(bits.load(Ordering::Relaxed)))
+    /// Reward and expenses of the last step.
+    pub(super) fn step_numbers(&self, slot: u32) -> StepNumbers {
+        self.slot(slot).step_numbers.each_ref().map(|bits| f64::from_bits(bits.load(Ordering::Relaxed)))
     }
 
-    /// Writes the penalties of a step.
-    pub(super) fn set_penalties(&self, slot: u32, [temperature, energy]: [f64; 2]) {
-        let slot = self.slot(slot);
-        slot.temperature_penalty.store(temperature.to_bits(), Ordering::Relaxed);
-        slot.energy_penalty.store(energy.to_bits(), Ordering::Relaxed);
+    /// Writes reward and expenses of a step.
+    pub(super) fn set_step_numbers(&self, slot: u32, numbers: StepNumbers) {
+        for (bits, number) in self.slot(slot).step_numbers.iter().zip(numbers) {
+            bits.store(number.to_bits(), Ordering::Relaxed);
+        }
     }
 
     /// The process attached to a slot, 0 for none.

@@ -15,7 +15,7 @@ use super::fragment::{Runner, RunnerError, SharedMemory};
 use super::workers::Workers;
 use crate::environment::{Environment, Step};
 use crate::metrics::Metrics;
-use crate::reward::Reward;
+use crate::reward::{StepNumbers, from_numbers};
 use crate::spaces::Spaces;
 use crate::{Controller, Env, Error, Observer, Result};
 
@@ -145,22 +145,22 @@ fn order(controller: &Value, steps: usize, record: Option<usize>) -> Vec<u8> {
     serde_json::to_vec(&order).expect("JSON of values that are JSON")
 }
 
-/// Numbers in the record of a step: observation, action and two penalties.
+/// Numbers in the record of a step: observation, action, reward and expenses.
 fn width(spaces: &Spaces) -> usize {
-    spaces.observation.len() + spaces.action.len() + 2
+    spaces.observation.len() + spaces.action.len() + StepNumbers::default().len()
 }
 
 fn write_record(record: &mut [f64], step: &Step<'_>) {
     let (observation, rest) = record.split_at_mut(step.observation.len());
-    let (action, penalties) = rest.split_at_mut(step.action.len());
+    let (action, numbers) = rest.split_at_mut(step.action.len());
     observation.copy_from_slice(step.observation);
     action.copy_from_slice(step.action);
-    penalties.copy_from_slice(&[step.reward.temperature_penalty, step.reward.energy_penalty]);
+    numbers.copy_from_slice(&step.numbers());
 }
 
 fn step_of_record<'a>(record: &'a [f64], spaces: &Spaces, truncated: bool) -> Step<'a> {
     let (observation, rest) = record.split_at(spaces.observation.len());
-    let (action, penalties) = rest.split_at(spaces.action.len());
-    let reward = Reward { temperature_penalty: penalties[0], energy_penalty: penalties[1] };
-    Step { observation, action, reward, truncated }
+    let (action, numbers) = rest.split_at(spaces.action.len());
+    let (reward, expenses) = from_numbers(numbers.try_into().expect("the record has this width"));
+    Step { observation, action, reward, expenses, truncated }
 }

@@ -28,6 +28,7 @@ use super::fragment::{MakeRunner, Runner, SharedMemory};
 use super::region::{Command, LONG_ORDER, Region, Status, Ticket};
 use super::setting::Order;
 use crate::env::Env;
+use crate::reward::StepNumbers;
 
 /// How often a process that waits looks for its owner.
 const LOOK_FOR_OWNER: Duration = Duration::from_millis(500);
@@ -180,7 +181,7 @@ impl Worker {
         let step = env.step(action)?;
         region.write_observation(slot, step.observation);
         region.write_action(slot, step.action);
-        region.set_penalties(slot, [step.reward.temperature_penalty, step.reward.energy_penalty]);
+        region.set_step_numbers(slot, step.numbers());
         self.end_step(env)
     }
 
@@ -208,7 +209,7 @@ impl Worker {
         let steps = runner.run(env, order, &SharedMemory::new(Arc::clone(region)))?;
         region.set_fragment_steps(slot, steps);
         region.write_observation(slot, env.observation());
-        region.set_penalties(slot, [0.0; 2]);
+        region.set_step_numbers(slot, StepNumbers::default());
         self.end_step(env)
     }
 

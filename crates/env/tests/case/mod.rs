@@ -4,7 +4,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use b2b_building::{BuildingType, PreparedBuilding, import};
+use b2b_building::{BuildingType, Model, PreparedBuilding, import};
 use b2b_climate::{Place, Site};
 use b2b_energyplus::Library;
 use b2b_energyplus::install::{Engine, Quiet};
@@ -36,11 +36,17 @@ impl Case {
 
     /// A model that comes with the engine, taken as a user's own, under weather that comes with it too.
     pub fn imported(model: &str, weather: &str) -> Self {
+        Self::imported_after(model, weather, |_| ())
+    }
+
+    /// As [`Case::imported`], after a change to the model.
+    pub fn imported_after(model: &str, weather: &str, change: impl FnOnce(&mut Model)) -> Self {
         let engine = Engine::ensure(&mut Quiet).unwrap();
         let library = Library::load(&engine.library).unwrap();
         let models = engine.models.unwrap();
         let weather = models.parent().unwrap().join("weather").join(weather);
-        let read = import::read(&models.join(model), &library, false).unwrap();
+        let mut read = import::read(&models.join(model), &library, false).unwrap();
+        change(&mut read);
         let building = PreparedBuilding::as_far_as_possible(model, read, &weather, &library).unwrap();
         Self { library, building: Arc::new(building), weather }
     }

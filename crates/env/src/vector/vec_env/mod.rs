@@ -16,7 +16,7 @@ use super::statistics::Statistics;
 use super::worker_options::WorkerOptions;
 use super::workers::{Reservation, Workers};
 use crate::metrics::Metrics;
-use crate::reward::Reward;
+use crate::reward::{Expenses, Reward};
 use crate::spaces::Spaces;
 use crate::{Error, Result};
 
@@ -66,6 +66,7 @@ pub struct VecEnv {
     environments: Vec<EnvState>,
     observations: Vec<f64>,
     rewards: Vec<Reward>,
+    expenses: Vec<Expenses>,
     truncated: Vec<bool>,
 }
 
@@ -151,6 +152,7 @@ impl VecEnv {
             environments: (0..count).map(|_| EnvState::new()).collect(),
             observations: vec![0.0; count * widths.1],
             rewards: vec![Reward::default(); count],
+            expenses: vec![Expenses::default(); count],
             truncated: vec![false; count],
         })
     }
@@ -333,6 +335,11 @@ impl VecEnv {
         &self.rewards
     }
 
+    /// Cost and emissions of the last steps.
+    pub fn expenses(&self) -> &[Expenses] {
+        &self.expenses
+    }
+
     /// Returns whether each episode ended with the last step.
     pub fn truncated(&self) -> &[bool] {
         &self.truncated
@@ -390,6 +397,7 @@ impl VecEnv {
     /// Clears the outcome of the previous step.
     fn clear_outcome(&mut self, index: usize) {
         self.rewards[index] = Reward::default();
+        self.expenses[index] = Expenses::default();
         self.truncated[index] = false;
         self.environments[index].lost = None;
     }

@@ -132,6 +132,7 @@ impl VecEnv {
         }
         if one.state == State::Stepping {
             self.rewards[index] = episode.reward();
+            self.expenses[index] = episode.expenses();
         }
         one.fragment_steps = episode.fragment_steps();
         one.state = State::Ready;

@@ -1,0 +1,192 @@
+//! The energy that a building's HVAC buys, and the engine's meters of it.
+//!
+//! The meters `…:HVAC` are those of coils, fans and zone equipment. Boilers, chillers, towers, pumps and district energy count
+//! in `…:Plant`, together with service hot water and refrigeration. In a model with such equipment, HVAC energy is therefore
+//! the sum of the meters of [`END_USES`]. These include the pumps of service hot water, which have no meter of their own.
+
+use serde::{Deserialize, Serialize};
+
+use crate::model::{Model, text};
+
+/// What is bought.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Carrier {
+    /// Electricity.
+    Electricity,
+    /// Natural gas.
+    Gas,
+    /// Propane.
+    Propane,
+    /// Heating oil, diesel and gasoline.
+    FuelOil,
+    /// Coal, and the engine's `OtherFuel1` and `OtherFuel2`.
+    OtherFuel,
+    /// Hot water or steam of a district.
+    DistrictHeating,
+    /// Chilled water of a district.
+    DistrictCooling,
+}
+
+/// An amount of energy for each carrier, in the order of [`Carrier::ALL`].
+pub type CarrierEnergy = [f64; Carrier::ALL.len()];
+
+impl Carrier {
+    /// All carriers.
+    pub const ALL: [Self; 7] = [
+        Self::Electricity,
+        Self::Gas,
+        Self::Propane,
+        Self::FuelOil,
+        Self::OtherFuel,
+        Self::DistrictHeating,
+        Self::DistrictCooling,
+    ];
+
+    /// Returns its name, for example `fuel oil`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Electricity => "electricity",
+            Self::Gas => "gas",
+            Self::Propane => "propane",
+            Self::FuelOil => "fuel oil",
+            Self::OtherFuel => "other fuels",
+            Self::DistrictHeating => "district heating",
+            Self::DistrictCooling => "district cooling",
+        }
+    }
+}
+
+/// A meter of the engine that counts toward HVAC energy.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct HvacMeter {
+    /// What it measures.
+    pub carrier: Carrier,
+    /// Name, for example `Electricity:HVAC`. The engine does not have those that nothing is metered by.
+    pub name: String,
+}
+
+/// The engine's resources; a model need not use them.
+const RESOURCES: [(&str, Carrier); 13] = [
+    ("Electricity", Carrier::Electricity),
+    ("NaturalGas", Carrier::Gas),
+    ("Propane", Carrier::Propane),
+    ("FuelOilNo1", Carrier::FuelOil),
+    ("FuelOilNo2", Carrier::FuelOil),
+    ("Diesel", Carrier::FuelOil),
+    ("Gasoline", Carrier::FuelOil),
+    ("Coal", Carrier::OtherFuel),
+    ("OtherFuel1", Carrier::OtherFuel),
+    ("OtherFuel2", Carrier::OtherFuel),
+    ("DistrictHeatingWater", Carrier::DistrictHeating),
+    ("DistrictHeatingSteam", Carrier::DistrictHeating),
+    ("DistrictCooling", Carrier::DistrictCooling),
+];
+
+/// End uses of HVAC; fuels and district energy have the first two and humidifiers.
+const END_USES: [&str; 7] =
+    ["Heating", "Cooling", "Fans", "Pumps", "HeatRejection", "HeatRecovery", "Humidifier"];
+
+/// Beginnings of the classes of plant equipment for HVAC. Pumps and water heaters are not among them: service hot water has
+/// them too.
+const PLANT: [&str; 12] = [
+    "Boiler:",
+    "CentralHeatPumpSystem",
+    "Chiller:",
+    "ChillerHeater:",
+    "CoolingTower:",
+    "DistrictCooling",
+    "DistrictHeating:",
+    "EvaporativeFluidCooler:",
+    "FluidCooler:",
+    "GroundHeatExchanger:",
+    "HeatPump:",
+    "PlantComponent:",
+];
+
+/// Returns the meters of a model's HVAC energy, electricity and natural gas first.
+pub(crate) fn hvac_meters(model: &Model) -> Vec<HvacMeter> {
+    let has = |begin: &str| model.classes().any(|class| class.starts_with(begin));
+    let has_plant = PLANT.iter().any(|begin| has(begin));
+    let meters = |&(resource, carrier): &(&str, Carrier)| {
+        let is_metered = |end_use: &str| match end_use {
+            "Heating" | "Cooling" => true,
+            "Humidifier" => has("Humidifier:"),
+            "HeatRecovery" => carrier == Carrier::Electricity && has("HeatExchanger:AirToAir:"),
+            _ => carrier == Carrier::Electricity,
+        };
+        let names: Vec<_> = match has_plant {
+            true => {
+                let end_uses = END_USES.iter().filter(|end_use| is_metered(end_use));
+                end_uses.map(|end_use| format!("{end_use}:{resource}")).collect()
+            }
+            false => vec![format!("{resource}:HVAC")],
+        };
+        names.into_iter().map(move |name| HvacMeter { carrier, name })
+    };
+    RESOURCES
+        .iter()
+        .filter(|(resource, carrier)| is_used(model, resource, *carrier))
+        .flat_map(meters)
+        .collect()
+}
+
+/// Returns whether a model may use a resource. Every model may use electricity and natural gas.
+fn is_used(model: &Model, resource: &str, carrier: Carrier) -> bool {
+    match carrier {
+        Carrier::Electricity | Carrier::Gas => true,
+        Carrier::DistrictCooling => model.classes().any(|class| class == resource),
+        Carrier::DistrictHeating => {
+            let class = resource.replacen("DistrictHeating", "DistrictHeating:", 1);
+            model.classes().any(|found| found == class)
+        }
+        Carrier::Propane | Carrier::FuelOil | Carrier::OtherFuel => {
+            let burns = |class| {
+                model.objects(class).iter().any(|(_, fields)| {
+                    let fuels = fields.keys().filter(|field| field.ends_with("fuel_type"));
+                    fuels
+                        .filter_map(|field| text(fields, field))
+                        .any(|fuel| fuel.eq_ignore_ascii_case(resource))
+                })
+            };
+            model.classes().any(burns)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    fn names(model: &Model) -> Vec<String> {
+        hvac_meters(model).into_iter().map(|meter| meter.name).collect()
+    }
+
+    #[test]
+    fn without_a_plant_the_meters_are_those_of_the_air_side() {
+        let mut model = Model::default();
+        model.insert("WaterHeater:Mixed", "Heater", json!({"heater_fuel_type": "NaturalGas"}));
+        model.insert("Pump:ConstantSpeed", "Circulator", json!({}));
+        model.insert("Coil:Heating:Fuel", "Furnace", json!({"fuel_type": "fueloilno2"}));
+        assert_eq!(names(&model), ["Electricity:HVAC", "NaturalGas:HVAC", "FuelOilNo2:HVAC"]);
+    }
+
+    #[test]
+    fn with_a_plant_the_meters_are_those_of_end_uses() {
+        let mut model = Model::default();
+        model.insert("DistrictHeating:Water", "Purchased", json!({}));
+        let meters = hvac_meters(&model);
+        let of = |carrier| {
+            let metered = meters.iter().filter(move |meter| meter.carrier == carrier);
+            metered.map(|meter| meter.name.as_str()).collect::<Vec<_>>()
+        };
+        let electricity = ["Heating", "Cooling", "Fans", "Pumps", "HeatRejection"];
+        assert_eq!(of(Carrier::Electricity), electricity.map(|end_use| format!("{end_use}:Electricity")));
+        assert_eq!(of(Carrier::Gas), ["Heating:NaturalGas", "Cooling:NaturalGas"]);
+        let district = ["Heating:DistrictHeatingWater", "Cooling:DistrictHeatingWater"];
+        assert_eq!(of(Carrier::DistrictHeating), district);
+        assert_eq!(meters.len(), 9);
+    }
+}
