@@ -99,9 +99,7 @@ class Info(dict[str, Any]):
 
 #: The data that the info of a step is computed from: layout, observation before and after the step,
 #: temperature penalty, energy penalty, cost and emissions, number of the step.
-StepRecord = tuple[
-    Layout, NDArray[np.float64], NDArray[np.float64], tuple[float, float, float, float], int
-]
+StepRecord = tuple[Layout, NDArray[np.float64], NDArray[np.float64], tuple[float, float, float, float], int]
 
 
 class StepInfo(Info):
