@@ -1,4 +1,5 @@
-//! Units modeled as separate components: cooling coil, heating coil and fan in series on the branch of an air loop.
+//! Units modeled as separate components: cooling coil, heating coil and fan in series on the branch of an air loop. The
+//! heating coil may be that of a heat pump, with or without a backup.
 
 use serde_json::json;
 
@@ -12,6 +13,7 @@ use crate::{Error, Result};
 
 const OUTDOOR_AIR_SYSTEM: &str = "AirLoopHVAC:OutdoorAirSystem";
 const COOLING_SYSTEM: &str = "CoilSystem:Cooling:DX";
+const HEATING_SYSTEM: &str = "CoilSystem:Heating:DX";
 const COOLING: [&str; 4] =
     [COOLING_SYSTEM, "Coil:Cooling:DX:SingleSpeed", "Coil:Cooling:DX:TwoSpeed", "Coil:Cooling:DX:MultiSpeed"];
 const FANS: [&str; 4] = ["Fan:ConstantVolume", "Fan:OnOff", "Fan:SystemModel", "Fan:VariableVolume"];
@@ -20,6 +22,8 @@ const FANS: [&str; 4] = ["Fan:ConstantVolume", "Fan:OnOff", "Fan:SystemModel", "
 struct Parts {
     cooling: Reference,
     heating: Reference,
+    /// The backup of a heat pump.
+    supplemental: Option<Reference>,
     fan: Reference,
 }
 
@@ -38,39 +42,45 @@ pub(super) fn assemble(model: &mut Model, air_loop: &str) -> Result<()> {
     let Some(parts) = parts(&supply_components(model, air_loop)?) else { return Ok(()) };
     let name = format!("{air_loop} Unit");
     put_on_branch(model, air_loop, &name)?;
-    let cooling = cooling_coil(model, parts.cooling)?;
-    model.insert(
-        UNITARY_SYSTEM,
-        &name,
-        json!({
-            "supply_fan_object_type": parts.fan.class, "supply_fan_name": parts.fan.name,
-            "cooling_coil_object_type": cooling.class, "cooling_coil_name": cooling.name,
-            "heating_coil_object_type": parts.heating.class, "heating_coil_name": parts.heating.name,
-        }),
-    );
+    let mut unit = json!({"supply_fan_object_type": parts.fan.class, "supply_fan_name": parts.fan.name});
+    let coils = [
+        ("cooling", Some(coil_within(model, parts.cooling, COOLING_SYSTEM, "cooling_coil")?)),
+        ("heating", Some(coil_within(model, parts.heating, HEATING_SYSTEM, "heating_coil")?)),
+        ("supplemental_heating", parts.supplemental),
+    ];
+    for (which, coil) in coils.into_iter().filter_map(|(which, coil)| Some((which, coil?))) {
+        unit[format!("{which}_coil_object_type")] = json!(coil.class);
+        unit[format!("{which}_coil_name")] = json!(coil.name);
+    }
+    model.insert(UNITARY_SYSTEM, &name, unit);
     Ok(())
 }
 
-/// Returns the parts if there are one cooling coil, one heating coil and one fan, and nothing else but outdoor air.
+/// Returns the parts if there are one cooling coil, one heating coil or a heat pump's and its backup, one fan, and nothing
+/// else but outdoor air.
 fn parts(components: &[Reference]) -> Option<Parts> {
     let inside: Vec<_> = components.iter().filter(|c| !is_outdoor_air(&c.class)).collect();
     let one = |classes: &[&str]| inside.iter().find(|c| is_one_of(&c.class, classes)).map(|c| (*c).clone());
-    let parts = Parts { cooling: one(&COOLING)?, heating: one(&HEATERS)?, fan: one(&FANS)? };
-    (inside.len() == 3).then_some(parts)
+    let (heating, supplemental) = match (one(&[HEATING_SYSTEM]), one(&HEATERS)) {
+        (Some(heat_pump), backup) => (heat_pump, backup),
+        (None, heater) => (heater?, None),
+    };
+    let count = 3 + usize::from(supplemental.is_some());
+    let parts = Parts { cooling: one(&COOLING)?, heating, supplemental, fan: one(&FANS)? };
+    (inside.len() == count).then_some(parts)
 }
 
 fn is_outdoor_air(class: &str) -> bool {
     class.eq_ignore_ascii_case(OUTDOOR_AIR_SYSTEM)
 }
 
-/// Returns the coil itself; removes a coil system around it.
-fn cooling_coil(model: &mut Model, cooling: Reference) -> Result<Reference> {
-    if !cooling.class.eq_ignore_ascii_case(COOLING_SYSTEM) {
-        return Ok(cooling);
+/// Returns the coil itself; removes a coil system of this class around it.
+fn coil_within(model: &mut Model, found: Reference, system: &str, which: &str) -> Result<Reference> {
+    if !found.class.eq_ignore_ascii_case(system) {
+        return Ok(found);
     }
-    let system = model.take(&cooling.class, &cooling.name)?;
-    coil(&system, "cooling_coil")
-        .ok_or_else(|| Error::unsupported(&cooling.class, &cooling.name, "it has no coil"))
+    let fields = model.take(&found.class, &found.name)?;
+    coil(&fields, which).ok_or_else(|| Error::unsupported(&found.class, &found.name, "it has no coil"))
 }
 
 /// Replaces the parts on the branch by the unit, downstream of outdoor air if there is any.

@@ -211,30 +211,32 @@ fn a_coil_that_cannot_be_rewritten_is_named() {
     assert!(error.contains("Coil:Cooling:Water") && error.contains("`Cooling`"), "{error}");
 }
 
-/// The rooftop unit in parts on its branch: cooling coil in a coil system, heating coil and fan.
-fn rooftop_in_parts() -> Model {
-    let mut model = rooftop();
+/// The model of a unit with its parts on the branch instead: cooling coil in a coil system, heating coils and fan.
+fn in_parts(mut model: Model, heating: &[[&str; 2]]) -> Model {
     model.remove("AirLoopHVAC:UnitarySystem", "Unit");
     model.remove("UnitarySystemPerformance:Multispeed", "Speeds");
     let system =
         json!({"cooling_coil_object_type": "Coil:Cooling:DX:MultiSpeed", "cooling_coil_name": "Cooling"});
     model.insert("CoilSystem:Cooling:DX", "Cooling system", system);
-    let part = |class: &str, name: &str, inlet: &str, outlet: &str| {
+    let mut inlet = "Mixed".to_owned();
+    let mut part = |[class, name]: [&str; 2], outlet: &str| {
         json!({"component_object_type": class, "component_name": name,
-            "component_inlet_node_name": inlet, "component_outlet_node_name": outlet})
+            "component_inlet_node_name": std::mem::replace(&mut inlet, outlet.into()),
+            "component_outlet_node_name": outlet})
     };
-    model.require_mut("Branch", "Main").unwrap()["components"] = json!([
-        part("AirLoopHVAC:OutdoorAirSystem", "OA", "Return", "Mixed"),
-        part("CoilSystem:Cooling:DX", "Cooling system", "Mixed", "After cooling"),
-        part("Coil:Heating:Fuel", "Heating", "After cooling", "After heating"),
-        part("Fan:SystemModel", "Fan", "After heating", "Supply outlet"),
-    ]);
+    let outdoor_air = json!({"component_object_type": "AirLoopHVAC:OutdoorAirSystem", "component_name": "OA",
+        "component_inlet_node_name": "Return", "component_outlet_node_name": "Mixed"});
+    let mut components =
+        vec![outdoor_air, part(["CoilSystem:Cooling:DX", "Cooling system"], "After cooling")];
+    components.extend(heating.iter().map(|coil| part(*coil, &format!("After {}", coil[1]))));
+    components.push(part(["Fan:SystemModel", "Fan"], "Supply outlet"));
+    model.require_mut("Branch", "Main").unwrap()["components"] = json!(components);
     model
 }
 
 #[test]
 fn a_unit_in_parts_is_rewritten_as_the_same_packaged_unit() {
-    let mut model = rooftop_in_parts();
+    let mut model = in_parts(rooftop(), &[["Coil:Heating:Fuel", "Heating"]]);
     assert!(has_unit(&model, "Loop").unwrap());
     let unit = make_controllable(&mut model, "Loop", 1.2).unwrap();
     let (whole, same) = controllable();
@@ -248,6 +250,22 @@ fn a_unit_in_parts_is_rewritten_as_the_same_packaged_unit() {
         assert_eq!(model.get(class, name), whole.get(class, name), "{class}");
     }
     assert_eq!(on_branch(&model), on_branch(&whole));
+}
+
+#[test]
+fn a_heat_pump_in_parts_is_rewritten_as_the_same_heat_pump() {
+    let parts = [["CoilSystem:Heating:DX", "Heating system"], ["Coil:Heating:Electric", "Backup"]];
+    let mut model = in_parts(heat_pump(), &parts);
+    let system =
+        json!({"heating_coil_object_type": "Coil:Heating:DX:SingleSpeed", "heating_coil_name": "Heating"});
+    model.insert("CoilSystem:Heating:DX", "Heating system", system);
+    let mut whole = heat_pump();
+    let [unit, same] = [&mut model, &mut whole].map(|m| make_controllable(m, "Loop", 1.2).unwrap());
+    assert_eq!(unit, same);
+    assert_eq!(on_branch(&model), on_branch(&whole));
+    for (class, name) in [("Coil:Heating:DX:SingleSpeed", "Heating"), ("Coil:Heating:Electric", "Backup")] {
+        assert_eq!(model.get(class, name), whole.get(class, name), "{class}");
+    }
 }
 
 #[test]
