@@ -9,18 +9,19 @@ import gymnasium
 from .buildings import find_building, list_building_types
 from .env import BuildingEnv
 from .errors import SettingError
-from .signatures import with_arguments_of
+from .signatures import check_names, with_arguments_of
 from .vector import BuildingVectorEnv
 
 
 @with_arguments_of(BuildingEnv)
 def make_env(building_type: str | None = None, **arguments: Any) -> BuildingEnv:
-    """Makes an environment, for example ``make_env("OfficeSmall")``.
+    """Makes an environment, for example ``make_env("OfficeSmall")`` or ``make_env("OfficeSmall-0042")``.
 
     The building is the type's prototype in its default place unless selected otherwise:
 
     - ``place`` (such as ``"Miami"``) or ``weather`` (an EPW file): the prototype at another place;
-    - ``split`` and ``index``, or ``building_id`` (``"OfficeSmall-0042"``): a building of the dataset;
+    - ``split`` and ``index``, or ``building_id`` (``"OfficeSmall-0042"``, or the same in place of the type): a
+      building of the dataset;
     - ``building``: the result of :func:`generate` or :func:`import_building`.
 
     Further arguments:
@@ -42,10 +43,11 @@ def make_env(building_type: str | None = None, **arguments: Any) -> BuildingEnv:
 
     Random draws follow the seed of ``reset``.
     """
+    check_names("make_env", arguments, (BuildingEnv, gymnasium.make))
     if building_type is None:
         return BuildingEnv(**arguments)
-    env = gymnasium.make(_env_id(building_type), **{"rescale_action": False, **arguments})
-    return cast(BuildingEnv, env)
+    env_id, building = _env_id(building_type)
+    return cast(BuildingEnv, gymnasium.make(env_id, **{"rescale_action": False, **building, **arguments}))
 
 
 @with_arguments_of(BuildingVectorEnv)
@@ -60,10 +62,12 @@ def make_vec(building_type: str | None = None, num_envs: int = 1, **arguments: A
     - ``normalize``: observations in [-1, 1] by fixed bounds.
     - ``autoreset_mode``: ``NextStep`` (Gymnasium's default), ``SameStep`` or ``Disabled``.
     """
+    check_names("make_vec", arguments, (BuildingVectorEnv, gymnasium.make_vec))
     if building_type is None:
         return BuildingVectorEnv(None, num_envs, **arguments)
-    arguments = {"rescale_action": False, **arguments}
-    return cast(BuildingVectorEnv, gymnasium.make_vec(_env_id(building_type), num_envs=num_envs, **arguments))
+    env_id, building = _env_id(building_type)
+    arguments = {"rescale_action": False, **building, **arguments}
+    return cast(BuildingVectorEnv, gymnasium.make_vec(env_id, num_envs=num_envs, **arguments))
 
 
 def register_envs() -> None:
@@ -81,9 +85,12 @@ def register_envs() -> None:
             )
 
 
-def _env_id(building_type: str) -> str:
+def _env_id(building: str) -> tuple[str, dict[str, str]]:
+    """Returns the id of a building type or of a dataset building's type, and the argument for the latter."""
     for name in list_building_types():
-        if name.lower() == building_type.lower():
-            return f"b2b/{name}-v0"
-    find_building(building_type)  # raises for an unknown type and suggests the nearest
-    raise SettingError(f"`{building_type}` is not a building type; pass it as building_id")
+        if name.lower() == building.lower():
+            return f"b2b/{name}-v0", {}
+        if building.lower().startswith(f"{name.lower()}-"):
+            return f"b2b/{name}-v0", {"building_id": building}
+    find_building(building)  # raises for an unknown type and suggests the nearest
+    raise SettingError(f"`{building}` is a model; pass import_building(...) as building")

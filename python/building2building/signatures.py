@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from difflib import get_close_matches
 from typing import ParamSpec, TypeVar, cast
 
 P = ParamSpec("P")
@@ -20,3 +21,13 @@ def with_arguments_of(maker: Callable[P, object]) -> Callable[[Callable[..., T]]
         return cast(Callable[P, T], function)
 
     return give
+
+
+def check_names(name: str, arguments: Iterable[str], takers: Iterable[Callable[..., object]]) -> None:
+    """Raises a :class:`TypeError` that suggests the nearest name for an argument that none of ``takers`` has."""
+    known = [parameter for taker in takers for parameter in inspect.signature(taker).parameters]
+    for argument in arguments:
+        if argument not in known:
+            near = get_close_matches(argument, known, 1)
+            hint = f"; did you mean `{near[0]}`?" if near else ""
+            raise TypeError(f"{name}() has no argument `{argument}`{hint}")

@@ -180,6 +180,18 @@ def test_invalid_arguments_raise_and_name_the_valid_ones(arguments, error, words
     assert isinstance(raised.value, b2b.Error)
 
 
+def test_an_unknown_argument_is_answered_with_the_nearest():
+    with pytest.raises(TypeError, match="`period`; did you mean `run_period`"):
+        b2b.make_env("OfficeSmall", period="summer")
+    with pytest.raises(TypeError, match="`tsk`; did you mean `task`"):
+        b2b.make_vec("OfficeSmall", 2, tsk="constant")
+
+
+def test_the_id_of_a_building_selects_it():
+    with b2b.make_env("SingleFamilyHouse-0042", run_period="01-01..01-01") as env:
+        assert env.metadata["building"] == "SingleFamilyHouse-0042"
+
+
 def test_an_invalid_action_names_the_actuator_and_leaves_the_episode_intact(make):
     env = make()
     with pytest.raises(errors.EpisodeError, match="reset"):

@@ -6,6 +6,7 @@ use b2b_benchmark::report::fill;
 use serde_json::{Value, json};
 
 use super::config::TrainConfig;
+use super::days;
 use super::progress::read_column;
 use crate::error::Result;
 
@@ -27,6 +28,18 @@ const PANELS: [(&str, &str, Option<f64>); 10] = [
     ("steps_per_s", "Environment steps per second", None),
 ];
 
+/// The line below the title: period, seed, and the days of evaluations.
+fn note(config: &TrainConfig) -> Result<String> {
+    let evaluated = match config.evaluation.every {
+        0 => "not evaluated during training".to_owned(),
+        _ => {
+            let also = if days::are_held_out(config)? { "" } else { ", which training uses as well" };
+            format!("evaluated on {}{also}", days::evaluated(config)?)
+        }
+    };
+    Ok(format!("{}, seed {}; {evaluated}", config.period, config.seed))
+}
+
 /// Writes the page of a run's folder from its table.
 pub(super) fn write(folder: &Path, config: &TrainConfig) -> Result<()> {
     let panels = PANELS.iter().filter_map(|(name, title, baseline)| {
@@ -36,7 +49,7 @@ pub(super) fn write(folder: &Path, config: &TrainConfig) -> Result<()> {
     });
     let data = json!({
         "title": format!("{} on {}", config.task, config.buildings_text()),
-        "note": format!("{}, seed {}, evaluated on {} days", config.period, config.seed, config.evaluation.days),
+        "note": note(config)?,
         "panels": panels.collect::<Vec<Value>>(),
     });
     Ok(b2b_agent::write_whole(&folder.join(PAGE), fill(TEMPLATE, &data).as_bytes())?)

@@ -25,6 +25,13 @@ pub(super) fn trained(config: &TrainConfig) -> Result<Vec<RunPeriod>> {
     Ok(if parts.is_empty() { vec![period] } else { parts })
 }
 
+/// Returns whether training leaves out the days of evaluations.
+pub(super) fn are_held_out(config: &TrainConfig) -> Result<bool> {
+    let evaluated = evaluated(config)?;
+    let is_apart = |part: &RunPeriod| part.last() < evaluated.first() || part.first() > evaluated.last();
+    Ok(trained(config)?.iter().all(is_apart))
+}
+
 fn first_evaluated(config: &TrainConfig) -> Result<u32> {
     Ok(config.run_period()?.days().saturating_sub(config.evaluation.days) / 2)
 }
@@ -48,6 +55,9 @@ mod tests {
             (evaluated.as_str(), trained),
             ("02-08..02-21", vec!["01-01..02-07".into(), "02-22..03-31".into()])
         );
+        let config = TrainConfig { period: "winter".into(), window_days: 14, ..TrainConfig::default() };
+        assert!(are_held_out(&config).unwrap());
+        assert!(!are_held_out(&TrainConfig { period: "01-01..01-31".into(), ..config }).unwrap());
         // Neither side has fourteen days.
         assert_eq!(of("01-01..01-31", 14).1, ["01-01..01-31"]);
         assert_eq!(of("01-01..01-10", 14).0, "01-01..01-10");
