@@ -15,6 +15,7 @@ use arrow_array::cast::AsArray;
 use arrow_array::types::Float64Type;
 use b2b_climate::Place;
 use b2b_dataset::Building;
+use b2b_energyplus::digest::sha256;
 use b2b_energyplus::install::Quiet;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use program::{assert_rejected, b2b, command, json, stderr};
@@ -39,6 +40,19 @@ fn the_manifest_command_writes_the_checked_in_files_and_parquet_equals_csv() {
     assert!(written["v1.csv"] == files(&checked_in)["v1.csv"]);
     for folder in [folder.path().join("here"), checked_in] {
         parquet_equals_csv(&folder);
+    }
+}
+
+#[test]
+fn the_frozen_files_have_the_documented_digests() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let page = std::fs::read_to_string(root.join("docs/dataset.md")).unwrap();
+    let frozen: Vec<_> = page.lines().filter_map(|line| line.strip_prefix("| `crates/")).collect();
+    assert_eq!(frozen.len(), 4);
+    for row in frozen {
+        let (file, digest) = row.split_once("` | `").unwrap();
+        let bytes = std::fs::read(root.join("crates").join(file)).unwrap();
+        assert_eq!(digest.split('`').next().unwrap(), sha256(bytes), "{file} belongs to the frozen v1");
     }
 }
 

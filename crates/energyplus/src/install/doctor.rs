@@ -94,7 +94,9 @@ fn installed_version(root: &Path) -> Option<String> {
 
 fn package(cache: &Cache, package: &Package) -> Finding {
     let (health, detail) = match package.verify(cache) {
-        State::Absent => (Health::Absent, "not in the cache; downloaded when first needed, or by `b2b setup`".to_owned()),
+        State::Absent => {
+            (Health::Absent, "not in the cache; downloaded when needed, or by `b2b setup`".to_owned())
+        }
         State::Whole { files, bytes } => {
             (Health::Good, format!("{files} files, {:.0} MB, all SHA-256 verified", bytes as f64 / 1e6))
         }
