@@ -83,7 +83,7 @@ const RESOURCES: [(&str, Carrier); 13] = [
     ("DistrictCooling", Carrier::DistrictCooling),
 ];
 
-/// End uses of HVAC; fuels and district energy have the first two and humidifiers.
+/// End uses of HVAC; fuels and district energy have the first two and the last.
 const END_USES: [&str; 7] =
     ["Heating", "Cooling", "Fans", "Pumps", "HeatRejection", "HeatRecovery", "Humidifier"];
 

@@ -1,8 +1,9 @@
 //! The version of EnergyPlus that a model was written for.
 //!
 //! The engine simulates a model of another version with a warning, although the meaning of fields changes between versions.
-//! By comparison of the engine's schemas, fields that were moved, renamed or given another default between 25.1 and 25.2 are
-//! those of [`CHANGED`], and of outputs, which are removed. Output variables were renamed as well.
+//! By comparison of the engine's schemas, the classes with fields that were moved, renamed or given a default with another
+//! effect between 25.1 and 25.2 are those of [`CHANGED`], and outputs, which are removed. Output variables were renamed as
+//! well.
 
 use serde_json::json;
 
