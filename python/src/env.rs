@@ -37,7 +37,7 @@ struct Open {
 
 /// An observation as f32 and as f64.
 pub type Observations<'py> = (Bound<'py, PyArray1<f32>>, Bound<'py, PyArray1<f64>>);
-/// The result of a step: observation as f32 and as f64, temperature and energy penalty, and truncation.
+/// The result of a step: observation as f32 and as f64, reward and expenses, and truncation.
 pub type Stepped<'py> = (Bound<'py, PyArray1<f32>>, Bound<'py, PyArray1<f64>>, StepNumbers, bool);
 
 #[pymethods]

@@ -135,8 +135,7 @@ pub(crate) fn hvac_meters(model: &Model) -> Vec<HvacMeter> {
 fn is_used(model: &Model, resource: &str, carrier: Carrier) -> bool {
     match carrier {
         Carrier::Electricity | Carrier::Gas => true,
-        Carrier::DistrictCooling => model.classes().any(|class| class == resource),
-        Carrier::DistrictHeating => {
+        Carrier::DistrictHeating | Carrier::DistrictCooling => {
             let class = resource.replacen("DistrictHeating", "DistrictHeating:", 1);
             model.classes().any(|found| found == class)
         }

@@ -7,7 +7,7 @@
 
 use serde_json::json;
 
-use crate::model::{Model, text};
+use crate::model::{Fields, Model, text};
 
 /// The version before the engine's, whose models are updated.
 const PREVIOUS: &str = "25.1";
@@ -61,7 +61,7 @@ pub(super) fn update(model: &mut Model, engine: &str) -> Result<(), String> {
     Ok(())
 }
 
-fn rename(fields: &mut crate::model::Fields, field: &str) {
+fn rename(fields: &mut Fields, field: &str) {
     let Some(name) = text(fields, field) else { return };
     let renamed = RENAMED.iter().find(|(from, to)| name.contains(from) && !name.contains(to));
     if let Some((from, to)) = renamed {

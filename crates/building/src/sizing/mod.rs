@@ -125,12 +125,14 @@ impl Sizes {
             }
         }
         let mut equipment_flows = self.equipment_flows(class, object);
-        let given = fields.clone();
-        for (field, value) in fields.iter_mut().filter(|(_, value)| is_automatic(value)) {
-            let size = self.get(class, object, field).or_else(|| unused(class, &given, field));
-            let size = size.or_else(|| is_equipment_flow(field).then(|| equipment_flows.next()).flatten());
+        let automatic = fields.iter().filter(|(_, value)| is_automatic(value));
+        let automatic: Vec<String> = automatic.map(|(field, _)| field.clone()).collect();
+        for field in automatic {
+            let size = self.get(class, object, &field).or_else(|| unused(class, fields, &field));
+            let size = size.or_else(|| is_equipment_flow(&field).then(|| equipment_flows.next()).flatten());
             if let Some(size) = size {
-                *value = json!(size.max(minimum(class, field)));
+                let value = json!(size.max(minimum(class, &field)));
+                fields.insert(field, value);
             }
         }
         let mut left = Vec::new();

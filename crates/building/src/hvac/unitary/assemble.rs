@@ -4,6 +4,7 @@
 use serde_json::json;
 
 use super::commands::TERMINALS;
+use super::heat_pump;
 use super::unit::{HEATERS, UNITARY_SYSTEM, coil};
 use crate::hvac::air_loop_graph::{Component, components, only_branch, set_components, supply_components};
 use crate::hvac::distribution::served_zones;
@@ -13,7 +14,6 @@ use crate::{Error, Result};
 
 const OUTDOOR_AIR_SYSTEM: &str = "AirLoopHVAC:OutdoorAirSystem";
 const COOLING_SYSTEM: &str = "CoilSystem:Cooling:DX";
-const HEATING_SYSTEM: &str = "CoilSystem:Heating:DX";
 const COOLING: [&str; 4] =
     [COOLING_SYSTEM, "Coil:Cooling:DX:SingleSpeed", "Coil:Cooling:DX:TwoSpeed", "Coil:Cooling:DX:MultiSpeed"];
 const FANS: [&str; 4] = ["Fan:ConstantVolume", "Fan:OnOff", "Fan:SystemModel", "Fan:VariableVolume"];
@@ -45,7 +45,7 @@ pub(super) fn assemble(model: &mut Model, air_loop: &str) -> Result<()> {
     let mut unit = json!({"supply_fan_object_type": parts.fan.class, "supply_fan_name": parts.fan.name});
     let coils = [
         ("cooling", Some(coil_within(model, parts.cooling, COOLING_SYSTEM, "cooling_coil")?)),
-        ("heating", Some(coil_within(model, parts.heating, HEATING_SYSTEM, "heating_coil")?)),
+        ("heating", Some(coil_within(model, parts.heating, heat_pump::SYSTEM, "heating_coil")?)),
         ("supplemental_heating", parts.supplemental),
     ];
     for (which, coil) in coils.into_iter().filter_map(|(which, coil)| Some((which, coil?))) {
@@ -61,7 +61,7 @@ pub(super) fn assemble(model: &mut Model, air_loop: &str) -> Result<()> {
 fn parts(components: &[Reference]) -> Option<Parts> {
     let inside: Vec<_> = components.iter().filter(|c| !is_outdoor_air(&c.class)).collect();
     let one = |classes: &[&str]| inside.iter().find(|c| is_one_of(&c.class, classes)).map(|c| (*c).clone());
-    let (heating, supplemental) = match (one(&[HEATING_SYSTEM]), one(&HEATERS)) {
+    let (heating, supplemental) = match (one(&[heat_pump::SYSTEM]), one(&HEATERS)) {
         (Some(heat_pump), backup) => (heat_pump, backup),
         (None, heater) => (heater?, None),
     };

@@ -13,7 +13,7 @@ use crate::hvac::schedules::ALWAYS_ON;
 use crate::model::Model;
 
 pub(super) const HEATING_COIL: &str = "Coil:Heating:DX:SingleSpeed";
-const SYSTEM: &str = "CoilSystem:Heating:DX";
+pub(super) const SYSTEM: &str = "CoilSystem:Heating:DX";
 
 /// Moves the heating coil and its backup downstream of the unit, and returns their components of the branch.
 pub(super) fn move_coils_out(
