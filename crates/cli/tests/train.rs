@@ -8,6 +8,7 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 
 use b2b_energyplus::install::{Engine, Quiet};
+use b2b_learn::train::read_column;
 use program::{assert_rejected, b2b, both_outputs, command, json, stderr, wait_until};
 use rustix::process::{Pid, Resource, Rlimit, Signal, kill_process_group, prlimit};
 use serde_json::Value;
@@ -82,7 +83,10 @@ fn a_run_is_an_agent_that_evaluations_take_as_a_policy() {
     {
         assert!(path.join("run").join(file).is_file(), "{file}");
     }
-    assert_eq!(course(path, "run").len(), 13, "a header and twelve updates");
+    assert_eq!(course(path, "run").len(), 14, "a header, the first evaluation and twelve updates");
+    let scores = read_column(&path.join("run"), "score").unwrap();
+    assert_eq!(scores.iter().map(|(steps, _)| *steps).collect::<Vec<_>>(), [0, 768, 1536, 2304]);
+    assert!((scores[0].1 - 1.0).abs() < 0.05, "the first agent hardly corrects the baseline: {scores:?}");
     assert!(number("relative_travel") > 0.0 && number("oscillating_share") <= 1.0);
 
     let evaluate = "evaluate SingleFamilyHouse-0014 --policy run --task occupancy --period 01-10..01-12";

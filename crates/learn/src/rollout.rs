@@ -139,6 +139,12 @@ impl Rollout {
         -self.rewards.iter().map(|reward| f64::from(*reward)).sum::<f64>() / self.rows() as f64
     }
 
+    /// Returns the share of the last of `parts` parts in the mean penalty of a step.
+    pub(crate) fn mean_penalty_of_last_part(&self, parts: usize) -> f64 {
+        let last = self.rewards.iter().skip(parts - 1).step_by(parts);
+        -last.map(|reward| f64::from(*reward)).sum::<f64>() / self.rows() as f64
+    }
+
     /// Returns the number of the scene of a step of an environment. Without graphs it is 0.
     pub fn scene_of(&self, environment: usize, step: usize) -> usize {
         let later = |scene: &Scene| (scene.environment, scene.step) > (environment, step);

@@ -10,7 +10,7 @@ use b2b_agent::{Acting, ObservationForm};
 use b2b_building::{BuildingType, RunPeriod};
 use b2b_dataset::{BuildingName, Catalog, Placement};
 use b2b_env::Task;
-use b2b_learn::train::{Algorithm, CONFIG, PAGE, Place, SUMMARY, Summary, TrainConfig};
+use b2b_learn::train::{Algorithm, CONFIG, Measures, PAGE, Place, SUMMARY, Summary, TrainConfig};
 
 use crate::arguments::jobs::Jobs;
 use crate::arguments::location::Location;
@@ -226,32 +226,38 @@ fn set<T: Clone>(option: &mut T, given: &Option<T>) {
 /// Formats the result of a run.
 fn text(summary: &Summary) -> String {
     let Summary { steps, steps_per_s, out, .. } = summary;
-    let scores = &summary.scores.mean;
-    let verdict = if scores.score < 1.0 { "beats" } else { "does not beat" };
     format!(
         "{} on {}, {}: {steps} steps at {steps_per_s:.0}/s, seed {}\n\n\
-         score             {:.3}   {verdict} the reactive controllers\n\
-         resolved score    {:.3}\n\
-         RMS deviation     {:.3} K\n\
-         energy            {:.3} of the reactive controllers'\n\
-         actuator travel   {:.1} strokes/day, {:.2} of the limit\n\
-         oscillation       {:.1} % of zone-steps\n\n\
-         agent    {}\n\
+         {}agent    {}\n\
          curve    {}\n\
          result   {}",
         summary.task,
         summary.buildings,
         summary.period,
         summary.seed,
-        scores.score,
-        scores.resolved_score,
-        scores.rms_deviation_k,
-        scores.energy_ratio,
-        scores.travel_per_day,
-        scores.relative_travel,
-        100.0 * scores.oscillating_share,
+        summary.scores.as_ref().map_or_else(String::new, |scores| measures_text(&scores.mean)),
         out.display(),
         out.join(PAGE).display(),
         out.join(SUMMARY).display(),
+    )
+}
+
+/// Formats the scores of an agent.
+fn measures_text(measures: &Measures) -> String {
+    let verdict = if measures.score < 1.0 { "beats" } else { "does not beat" };
+    format!(
+        "score             {:.3}   {verdict} the reactive controllers\n\
+         resolved score    {:.3}\n\
+         RMS deviation     {:.3} K\n\
+         energy            {:.3} of the reactive controllers'\n\
+         actuator travel   {:.1} strokes/day, {:.2} of the limit\n\
+         oscillation       {:.1} % of zone-steps\n\n",
+        measures.score,
+        measures.resolved_score,
+        measures.rms_deviation_k,
+        measures.energy_ratio,
+        measures.travel_per_day,
+        measures.relative_travel,
+        100.0 * measures.oscillating_share,
     )
 }

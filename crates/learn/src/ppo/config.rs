@@ -71,6 +71,9 @@ pub struct PpoConfig {
     pub normalize_values: bool,
     /// Weight of the returns of the newest update in their running mean and deviation. Default 0.1.
     pub value_rate: f64,
+    /// Weight of the newest parameters in the running average that agents are written and evaluated with; rollouts use the newest
+    /// ones. Default 1: no average.
+    pub average_rate: f32,
     /// Weight of each part of the reward (column) in the advantage of each action (row). Default none: the advantage of all
     /// actions is that of the sum of the parts.
     pub credit: Option<Vec<Vec<f32>>>,
@@ -103,6 +106,7 @@ impl Default for PpoConfig {
             actor_gain: 0.01,
             normalize_values: true,
             value_rate: 0.1,
+            average_rate: 1.0,
             credit: None,
         }
     }
@@ -129,6 +133,7 @@ impl PpoConfig {
             ("gamma", f64::from(self.gamma)),
             ("gae_lambda", f64::from(self.gae_lambda)),
             ("value_rate", self.value_rate),
+            ("average_rate", f64::from(self.average_rate)),
         ];
         if let Some((name, value)) = shares.into_iter().find(|(_, value)| !(0.0..=1.0).contains(value)) {
             return Err(Error::config(name, value, "it must be from 0 to 1"));

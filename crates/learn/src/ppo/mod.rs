@@ -47,6 +47,8 @@ pub struct Ppo {
     networks: Networks,
     credit: Credit,
     parameters: Vec<f32>,
+    /// Running average of the parameters.
+    average: Vec<f32>,
     adam: Adam,
     /// Factor of the learning rate of the actor.
     rate: f64,
@@ -112,6 +114,7 @@ impl Ppo {
             rate: 1.0,
             scale: ValueScale::new(widths.parts, config.value_rate),
             gradients: vec![0.0; parameters.len()],
+            average: parameters.clone(),
             workers: vec![Worker::new(&networks)],
             threads: 1,
             features,
@@ -146,8 +149,10 @@ impl Ppo {
 
     /// Sets the logarithm of the standard deviation of all actions, where these are free parameters.
     pub fn set_log_std(&mut self, log_std: f32) {
-        self.parameters[self.networks.log_stds()].fill(log_std);
-        self.networks.project(&mut self.parameters);
+        for parameters in [&mut self.parameters, &mut self.average] {
+            parameters[self.networks.log_stds()].fill(log_std);
+            self.networks.project(parameters);
+        }
     }
 
     /// Returns the node types that rollouts had so far, as places among those of the graph network.
@@ -160,10 +165,17 @@ impl Ppo {
         self.networks.actor(&self.parameters)
     }
 
+    /// Returns the actor with the average of the parameters over the last updates: what it has learned, with less of what each
+    /// rollout had by chance (Polyak and Juditsky 1992).
+    pub fn averaged_actor(&self) -> Actor {
+        self.networks.actor(&self.average)
+    }
+
     /// Returns the state, from which [`Ppo::restore`] continues bit for bit.
     pub fn state(&self) -> State {
         let mut state = State::default();
         state.put_f32("parameters", &self.parameters);
+        state.put_f32("average", &self.average);
         self.adam.save("adam", &mut state);
         self.scale.save(&mut state);
         self.features.save(&mut state);
@@ -179,6 +191,7 @@ impl Ppo {
     /// When the state is of another configuration; the learner is then not usable.
     pub fn restore(&mut self, state: &State) -> Result<()> {
         state.read_f32("parameters", &mut self.parameters)?;
+        state.read_f32("average", &mut self.average)?;
         self.adam.restore("adam", state)?;
         self.scale.restore(state)?;
         self.features.restore(state)?;

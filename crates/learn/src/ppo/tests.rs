@@ -72,6 +72,25 @@ fn a_restored_learner_continues_bit_for_bit() {
 }
 
 #[test]
+fn the_averaged_actor_has_the_running_average_of_the_parameters() {
+    let mut ppo = Ppo::new(WIDTHS, PpoConfig { average_rate: 0.25, ..config(LogStd::Free) }, 3).unwrap();
+    let initial = ppo.actor().parameters;
+    assert_eq!(ppo.averaged_actor(), ppo.actor());
+    ppo.update(&rollout(40, 0)).unwrap();
+    let (newest, average) = (ppo.actor().parameters, ppo.averaged_actor().parameters);
+    assert_ne!(newest, initial);
+    for ((average, newest), initial) in average.iter().zip(&newest).zip(&initial) {
+        assert!((average - (0.25 * newest + 0.75 * initial)).abs() < 1e-6);
+    }
+    let mut restored = Ppo::new(WIDTHS, config(LogStd::Free), 8).unwrap();
+    restored.restore(&ppo.state()).unwrap();
+    assert_eq!(restored.averaged_actor(), ppo.averaged_actor());
+    // Without an average it is the actor, bit for bit.
+    restored.update(&rollout(40, 1)).unwrap();
+    assert_eq!(restored.averaged_actor(), restored.actor());
+}
+
+#[test]
 fn a_credit_of_ones_is_ordinary_ppo() {
     let run = |credit| {
         let mut ppo = Ppo::new(WIDTHS, PpoConfig { credit, ..config(LogStd::Free) }, 3).unwrap();

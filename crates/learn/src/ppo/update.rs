@@ -73,12 +73,22 @@ impl Ppo {
         self.adapt_rate(&update);
         self.features.update(rollout, self.widths.observation);
         self.features.write(&self.networks, &mut self.parameters);
+        self.average_parameters();
         self.updates += 1;
         self.failures = if update.skipped > 0 { self.failures + 1 } else { 0 };
         match self.failures >= FAILURES {
             true => Err(Error::NotFinite { updates: self.failures }),
             false => Ok(update),
         }
+    }
+
+    /// Adds the parameters to their running average, apart from the statistics of features.
+    fn average_parameters(&mut self) {
+        let rate = self.config.average_rate;
+        for (average, newest) in self.average.iter_mut().zip(&self.parameters) {
+            *average = rate * newest + (1.0 - rate) * *average;
+        }
+        self.features.write(&self.networks, &mut self.average);
     }
 
     /// Returns the learning rate of the critic, and of the actor before its adaptation.

@@ -115,8 +115,9 @@ pub struct TrainConfig {
     pub credit_by_zone: bool,
     /// Correlation of the exploration noise between consecutive steps, from 0 to 1.
     pub noise_correlation: f32,
-    /// Mean penalty with exploration noise, over that without, that the noise is chosen for when training begins: the most noise
-    /// of which a short trial costs no more. 0: that of `ppo.initial_log_std`.
+    /// Comfort penalty with exploration noise, over that without, that the noise is chosen for when training begins: the most
+    /// noise that adds no more than the difference, or than a tenth of the penalty, to the penalty of a day in every environment.
+    /// Without `credit_by_zone` all of the penalty counts as comfort. 0: the noise of `ppo.initial_log_std`.
     pub noise_cost: f64,
     /// Exploration noise at the end of the run, as a share of that at its beginning: it falls exponentially in between, so that
     /// the agent ends at what is good without noise. 1: it is learned with the rest instead.
@@ -145,6 +146,8 @@ pub struct EvaluationConfig {
     pub held_out: bool,
     /// Buildings to evaluate on, at most this many of the training buildings.
     pub buildings: usize,
+    /// Whether the agent is scored over the whole run period when training ends.
+    pub whole_period: bool,
 }
 
 impl Default for TrainConfig {
@@ -186,7 +189,7 @@ impl Default for TrainConfig {
 
 impl Default for EvaluationConfig {
     fn default() -> Self {
-        Self { every: 50_000, days: 14, held_out: true, buildings: 4 }
+        Self { every: 50_000, days: 14, held_out: true, buildings: 4, whole_period: true }
     }
 }
 

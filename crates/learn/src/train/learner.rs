@@ -61,6 +61,14 @@ impl Learner {
         }
     }
 
+    /// Returns the actor to evaluate and to keep.
+    pub(super) fn averaged_actor(&self) -> Actor {
+        match self {
+            Self::Ppo(ppo) => ppo.averaged_actor(),
+            Self::Sac(sac) => sac.actor(),
+        }
+    }
+
     /// Returns the names of the node types that rollouts had so far, of graph networks.
     pub(super) fn node_types(&self) -> Vec<String> {
         match self {
@@ -87,37 +95,67 @@ impl Learner {
         }
     }
 
-    /// Learns from a rollout and returns the numbers that describe the update.
-    pub(super) fn update(&mut self, rollout: &Rollout) -> Result<Vec<(&'static str, f64)>> {
+    /// Returns the names of the numbers that describe an update.
+    pub(super) fn names(&self) -> [&'static str; 10] {
+        match self {
+            Self::Ppo(_) => [
+                "policy_loss",
+                "value_loss",
+                "entropy",
+                "approx_kl",
+                "clip_fraction",
+                "explained_variance",
+                "gradient_norm",
+                "learning_rate",
+                "epochs",
+                "skipped",
+            ],
+            Self::Sac(_) => [
+                "critic_loss",
+                "actor_loss",
+                "temperature",
+                "entropy",
+                "value",
+                "critic_gradient_norm",
+                "actor_gradient_norm",
+                "learning_rate",
+                "minibatches",
+                "skipped",
+            ],
+        }
+    }
+
+    /// Learns from a rollout and returns the numbers that describe the update, in the order of their names.
+    pub(super) fn update(&mut self, rollout: &Rollout) -> Result<[f64; 10]> {
         match self {
             Self::Ppo(ppo) => {
                 let update = ppo.update(rollout)?;
-                Ok(vec![
-                    ("policy_loss", update.policy_loss),
-                    ("value_loss", update.value_loss),
-                    ("entropy", update.entropy),
-                    ("approx_kl", update.approx_kl),
-                    ("clip_fraction", update.clip_fraction),
-                    ("explained_variance", update.explained_variance),
-                    ("gradient_norm", update.gradient_norm),
-                    ("learning_rate", update.learning_rate),
-                    ("epochs", update.epochs as f64),
-                    ("skipped", update.skipped as f64),
+                Ok([
+                    update.policy_loss,
+                    update.value_loss,
+                    update.entropy,
+                    update.approx_kl,
+                    update.clip_fraction,
+                    update.explained_variance,
+                    update.gradient_norm,
+                    update.learning_rate,
+                    update.epochs as f64,
+                    update.skipped as f64,
                 ])
             }
             Self::Sac(sac) => {
                 let update = sac.update(rollout)?;
-                Ok(vec![
-                    ("critic_loss", update.critic_loss),
-                    ("actor_loss", update.actor_loss),
-                    ("temperature", update.temperature),
-                    ("entropy", update.entropy),
-                    ("value", update.value),
-                    ("critic_gradient_norm", update.critic_gradient_norm),
-                    ("actor_gradient_norm", update.actor_gradient_norm),
-                    ("learning_rate", update.learning_rate),
-                    ("minibatches", update.steps as f64),
-                    ("skipped", update.skipped as f64),
+                Ok([
+                    update.critic_loss,
+                    update.actor_loss,
+                    update.temperature,
+                    update.entropy,
+                    update.value,
+                    update.critic_gradient_norm,
+                    update.actor_gradient_norm,
+                    update.learning_rate,
+                    update.steps as f64,
+                    update.skipped as f64,
                 ])
             }
         }

@@ -15,6 +15,7 @@ mod journal;
 mod judge;
 mod learner;
 mod measure;
+mod noise;
 mod one_or_many;
 mod policy;
 mod problem;

@@ -74,7 +74,8 @@ fn kept_lines(path: &Path, steps: u64) -> Result<String> {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(String::new()),
         Err(error) => return Err(at(path)(error)),
     };
-    let is_kept = |line: &&str| steps_of(line).is_some_and(|at| at <= steps);
+    // A run that has no checkpoint begins anew, with its first evaluation.
+    let is_kept = |line: &&str| steps > 0 && steps_of(line).is_some_and(|at| at <= steps);
     let mut lines = text.lines();
     let header = lines.next().unwrap_or_default();
     let kept: Vec<&str> = lines.filter(is_kept).collect();

@@ -17,6 +17,7 @@ use super::days;
 use super::environments::Environments;
 use super::judge::{Judge, Measures, Rating, Scores};
 use super::learner::Learner;
+use super::noise;
 use super::progress::{Progress, Row};
 use crate::collector::Collector as _;
 use crate::error::{Error, Result, at};
@@ -63,9 +64,10 @@ impl Monitor for () {}
 /// The result of a run.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
-    /// Scores of the agent in the run's folder over the whole run period, without exploration.
+    /// Scores of the agent in the run's folder over the whole run period, without exploration; `None` without
+    /// `evaluation.whole_period`.
     #[serde(flatten)]
-    pub scores: Scores,
+    pub scores: Option<Scores>,
     /// Environment steps.
     pub steps: u64,
     /// Environment steps per second of training, without evaluations.
@@ -106,7 +108,10 @@ pub fn train(config: &TrainConfig, place: Place<'_>) -> Result<Summary> {
     };
 
     monitor.stage("computing baselines");
-    let whole = Judge::new(&evaluation, episodes(config.run_period()?)?);
+    let whole = match config.evaluation.whole_period {
+        false => None,
+        true => Some(Judge::new(&evaluation, episodes(config.run_period()?)?)),
+    };
     let judge = match config.evaluation.every {
         0 => None,
         _ => Some(Judge::new(&uninterrupted, episodes(days::evaluated(config)?)?)),
@@ -118,7 +123,7 @@ pub fn train(config: &TrainConfig, place: Place<'_>) -> Result<Summary> {
     let mut run = Run::new(config, &out, collector, monitor)?;
     run.resume()?;
     run.learn(judge.as_ref(), interrupted)?;
-    run.finish(&whole)
+    run.finish(whole.as_ref())
 }
 
 /// Checks that the folder is that of this configuration, or writes it.
@@ -213,11 +218,18 @@ impl<'a> Run<'a> {
     /// Collects and learns until the run has its steps.
     fn learn(&mut self, judge: Option<&Judge<'_>>, interrupted: fn() -> bool) -> Result<()> {
         if self.steps == 0 && self.config.noise_cost > 0.0 {
-            self.calibrate_noise()?;
+            self.monitor.stage("calibrating exploration noise");
+            self.log_std = noise::calibrate(self.config, &mut self.learner, &mut self.collector)?.into();
         }
         let (mut progress, warning) = Progress::open(self.out, self.steps)?;
         if let Some(warning) = warning {
             self.monitor.warn(&warning);
+        }
+        if let Some(judge) = judge.filter(|_| self.steps == 0) {
+            let mut row = self.row([f64::NAN; 6], [f64::NAN; 10]);
+            self.evaluate(judge, &mut row);
+            let written = progress.write(&row);
+            self.warn_of(written, "the first evaluation");
         }
         let mut rollout = Rollout::default();
         while self.steps < self.config.steps {
@@ -253,34 +265,12 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
-    /// Chooses the exploration noise: the most of which a day in every environment costs no more than it may.
-    fn calibrate_noise(&mut self) -> Result<()> {
-        self.monitor.stage("calibrating exploration noise");
-        let quiet = self.penalty_with(SILENT)?;
-        for log_std in LOG_STDS {
-            self.log_std = log_std.into();
-            if self.penalty_with(log_std)? <= self.config.noise_cost * quiet {
-                break;
-            }
-        }
-        Ok(())
-    }
-
     /// Lowers the exploration noise by the share of the run that is done.
     fn anneal_noise(&mut self) {
         if self.config.final_noise < 1.0 {
             let done = self.steps as f64 / self.config.steps as f64;
             self.learner.set_log_std((self.log_std + done * self.config.final_noise.ln()) as f32);
         }
-    }
-
-    /// Returns the mean penalty of a day in every environment with this logarithm of the standard deviation.
-    fn penalty_with(&mut self, log_std: f32) -> Result<f64> {
-        self.learner.set_log_std(log_std);
-        let mut rollout = Rollout::default();
-        let steps = 24 * self.config.steps_per_hour as usize;
-        self.collector.collect(&self.learner.actor(), steps, &mut rollout)?;
-        Ok(rollout.mean_penalty())
     }
 
     /// Collects a rollout and learns from it.
@@ -293,21 +283,28 @@ impl<'a> Run<'a> {
         let steps = rollout.rows() as u64;
         self.steps += steps;
         self.seconds += seconds;
-        let mut values = vec![
-            ("seconds", self.seconds),
-            ("steps_per_s", steps as f64 / seconds),
-            ("collection_share", collected / seconds),
-            ("training_penalty", rollout.mean_penalty()),
-            ("episodes", self.collector.ended() as f64),
-            ("lost_episodes", self.collector.lost() as f64),
+        let counts = [
+            self.seconds,
+            steps as f64 / seconds,
+            collected / seconds,
+            rollout.mean_penalty(),
+            self.collector.ended() as f64,
+            self.collector.lost() as f64,
         ];
-        values.extend(learned);
-        Ok(Row { steps: self.steps, values })
+        Ok(self.row(counts, learned))
+    }
+
+    /// Returns the row of an update without its evaluation.
+    fn row(&self, counts: [f64; 6], learned: [f64; 10]) -> Row {
+        let names =
+            ["seconds", "steps_per_s", "collection_share", "training_penalty", "episodes", "lost_episodes"];
+        let names = names.into_iter().chain(self.learner.names());
+        Row { steps: self.steps, values: names.zip(counts.into_iter().chain(learned)).collect() }
     }
 
     /// Scores the agent as it is now, and keeps it if it is the best. A failure is a warning: training does not depend on it.
     fn evaluate(&mut self, judge: &Judge<'_>, row: &mut Row) {
-        let (info, actor) = (self.info(), self.learner.actor());
+        let (info, actor) = (self.info(), self.learner.averaged_actor());
         let measures = match judge.judge(&Agent::new("agent", info.clone(), actor.clone())) {
             Ok(scores) => scores.mean,
             Err(error) => {
@@ -335,7 +332,7 @@ impl<'a> Run<'a> {
 
     /// Writes the last agent and a checkpoint.
     fn save(&mut self) -> Result<()> {
-        Agent::write(&self.out.join(LAST), self.info(), &self.learner.actor())?;
+        Agent::write(&self.out.join(LAST), self.info(), &self.learner.averaged_actor())?;
         let checkpoint = Checkpoint {
             steps: self.steps,
             best: self.best,
@@ -348,9 +345,9 @@ impl<'a> Run<'a> {
     }
 
     /// Writes the agent of the run's folder if it is not there yet, scores it over the whole run period and writes the result.
-    fn finish(self, whole: &Judge<'_>) -> Result<Summary> {
+    fn finish(mut self, whole: Option<&Judge<'_>>) -> Result<Summary> {
         if self.config.keep == Keep::Last || self.best == Rating::default() {
-            Agent::write(self.out, self.info(), &self.learner.actor())?;
+            Agent::write(self.out, self.info(), &self.learner.averaged_actor())?;
         } else if !self.best.is_within_travel_limit() {
             self.monitor.warn(&format!(
                 "the actuators of every evaluated agent hunt; those of the best travel {:.1} times the limit; raise \
@@ -358,9 +355,8 @@ impl<'a> Run<'a> {
                 self.best.relative_travel
             ));
         }
-        self.monitor.stage("evaluating the agent over the whole run period");
         let summary = Summary {
-            scores: whole.judge(&Agent::read(self.out)?)?,
+            scores: whole.map(|judge| self.score(judge)).transpose()?,
             steps: self.steps,
             steps_per_s: self.steps as f64 / self.seconds.max(f64::MIN_POSITIVE),
             seed: self.config.seed,
@@ -376,10 +372,16 @@ impl<'a> Run<'a> {
         Ok(summary)
     }
 
+    /// Returns the scores of the agent in the run's folder.
+    fn score(&mut self, judge: &Judge<'_>) -> Result<Scores> {
+        self.monitor.stage("evaluating the agent over the whole run period");
+        judge.judge(&Agent::read(self.out)?)
+    }
+
     /// Keeps the last good agent where learning cannot continue.
     fn give_up(&mut self, error: Error) -> Error {
         if matches!(error, Error::NotFinite { .. }) && self.best == Rating::default() {
-            let written = Agent::write(self.out, self.info(), &self.learner.actor());
+            let written = Agent::write(self.out, self.info(), &self.learner.averaged_actor());
             self.warn_of(written.map_err(Error::from), "the last good agent");
         }
         error
@@ -401,14 +403,11 @@ impl<'a> Run<'a> {
     /// Returns the description of the agent as it is now.
     fn info(&self) -> AgentInfo {
         let training = TrainingInfo { steps: self.steps, ..self.info.training.clone() };
-        let (distribution, node_types) = (self.learner.actor().distribution, self.learner.node_types());
+        let (distribution, node_types) =
+            (self.learner.averaged_actor().distribution, self.learner.node_types());
         AgentInfo { distribution, node_types, training, ..self.info.clone() }
     }
 }
-
-/// Logarithms of standard deviations that are tried, from the largest on, and one of hardly any noise.
-const LOG_STDS: [f32; 8] = [-0.5, -1.0, -1.5, -2.0, -2.5, -3.0, -3.5, -4.0];
-const SILENT: f32 = -7.0;
 
 fn training_info(config: &TrainConfig) -> TrainingInfo {
     let Versions { package, generator, engine, controllers } = Versions::current();
