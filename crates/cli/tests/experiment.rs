@@ -59,6 +59,28 @@ fn shards_and_an_interrupted_run_give_the_results_of_one_run() {
     }
     assert_eq!(results(path, "parts"), results(path, "whole"));
 
+    // Without the jobs' folders, their results are still known.
+    let agents = path.join("whole/jobs/specialist");
+    std::fs::rename(path.join("whole/jobs/reactive"), path.join("reactive")).unwrap();
+    let output = b2b(path, "experiment run small.toml --out whole");
+    assert!(both_outputs(&output).contains("0 of 3 jobs left"), "{}", both_outputs(&output));
+    assert_eq!(results(path, "whole"), results(path, "parts"));
+
+    // Agents give their results again, unless they or the results were changed.
+    let checked = json(path, "experiment check whole");
+    assert_eq!((checked["checked"].as_u64(), checked["agree"].as_u64()), (Some(2), Some(2)), "{checked}");
+    let jobs: Vec<_> = std::fs::read_dir(&agents).unwrap().map(|job| job.unwrap().path()).collect();
+    let weights = ["agent/weights.safetensors", "agent/agent.json"];
+    for file in weights {
+        std::fs::copy(jobs[0].join(file), jobs[1].join(file)).unwrap();
+    }
+    let output = b2b(path, "experiment check whole");
+    assert_eq!(output.status.code(), Some(1));
+    assert!(both_outputs(&output).contains("is another agent than that of the results"));
+    assert!(both_outputs(&output).contains("1 of 2 agents agree"), "{}", both_outputs(&output));
+    std::fs::remove_dir_all(path.join("whole/jobs")).unwrap();
+    assert_rejected(path, "experiment check whole", &["whole has no agents to check"]);
+
     // Killed in the middle of the first training: its command stops by itself, and a second run continues.
     let mut process = command(path, "experiment run small.toml --out killed --jobs 1");
     let mut process = process.stderr(Stdio::null()).stdout(Stdio::null()).spawn().unwrap();

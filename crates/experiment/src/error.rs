@@ -47,6 +47,14 @@ pub enum Error {
         /// The folder.
         path: PathBuf,
     },
+    /// A folder without agents.
+    #[error(
+        "{path} has no agents to check; expected jobs/AGENT/.../agent with agent.json and weights.safetensors"
+    )]
+    NoAgents {
+        /// The folder.
+        path: PathBuf,
+    },
     /// The user asked to stop.
     #[error("interrupted")]
     Interrupted,

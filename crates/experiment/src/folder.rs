@@ -1,6 +1,8 @@
 //! The folder of an experiment's results.
 
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use b2b_agent::write_whole;
 use serde::{Deserialize, Serialize};
@@ -8,11 +10,15 @@ use serde::{Deserialize, Serialize};
 use crate::definition::{BudgetName, Experiment};
 use crate::error::{Error, Result, at};
 use crate::job::Job;
+use crate::results::JobResult;
 
-/// The folder of an experiment: `experiment.json`, and a folder of every job under `jobs`.
+/// The folder of an experiment: `experiment.json`, a folder of every job under `jobs`, and `jobs.json` with the results of
+/// those that are done, whose folders are then needed no more.
 #[derive(Clone, Debug)]
 pub struct Folder {
     path: PathBuf,
+    /// The content of `jobs.json`, by key.
+    kept: Arc<HashMap<String, JobResult>>,
 }
 
 /// The experiment and budget that a folder has results of.
@@ -34,6 +40,7 @@ pub struct State {
 
 const IDENTITY: &str = "experiment.json";
 const STATE: &str = "job.json";
+const KEPT: &str = "jobs.json";
 
 impl Folder {
     /// Opens the folder of an experiment with a budget, and creates it if there is none.
@@ -42,7 +49,7 @@ impl Folder {
     /// [`Error::OtherExperiment`] if it has results of another one; [`Error::Io`].
     pub fn create(path: &Path, experiment: &Experiment, source: &str, budget: BudgetName) -> Result<Self> {
         let identity = Identity { experiment: source.to_owned(), budget };
-        let folder = Self { path: path.to_owned() };
+        let folder = Self { path: path.to_owned(), kept: Arc::new(read_kept(path)?) };
         if let Some(other) = folder.identity()?
             && other != identity
         {
@@ -64,7 +71,7 @@ impl Folder {
     /// # Errors
     /// [`Error::NoResults`]; those of [`Experiment::named`].
     pub fn open(path: &Path) -> Result<(Self, Experiment, BudgetName)> {
-        let folder = Self { path: path.to_owned() };
+        let folder = Self { path: path.to_owned(), kept: Arc::new(read_kept(path)?) };
         let identity = folder.identity()?.ok_or_else(|| Error::NoResults { path: path.to_owned() })?;
         Ok((folder, Experiment::named(&identity.experiment)?, identity.budget))
     }
@@ -95,7 +102,28 @@ impl Folder {
 
     /// Returns how a job ended; `None` if it has not.
     pub fn state(&self, job: &Job) -> Option<State> {
+        self.own_state(job).or_else(|| Some(State { error: None, seconds: self.kept(job)?.seconds }))
+    }
+
+    /// As [`Folder::state`], from the job's own folder.
+    pub(crate) fn own_state(&self, job: &Job) -> Option<State> {
         serde_json::from_str(&std::fs::read_to_string(self.job(job).join(STATE)).ok()?).ok()
+    }
+
+    /// Returns the result of a job that `jobs.json` has.
+    pub(crate) fn kept(&self, job: &Job) -> Option<&JobResult> {
+        self.kept.get(&job.key)
+    }
+
+    /// Keeps the results of jobs, so that they do not need their folders any more: a job per line of `jobs.json`.
+    ///
+    /// # Errors
+    /// [`Error::Io`].
+    pub fn keep(&self, results: &[JobResult]) -> Result<()> {
+        let line = |result: &JobResult| serde_json::to_string(result).expect("plain data always serializes");
+        let lines: Vec<String> = results.iter().map(line).collect();
+        let text = format!("[\n{}\n]\n", lines.join(",\n"));
+        Ok(write_whole(&self.path.join(KEPT), text.as_bytes())?)
     }
 
     /// Returns whether a job has ended without an error.
@@ -107,6 +135,16 @@ impl Folder {
     pub(crate) fn set_state(&self, job: &Job, state: &State) -> Result<()> {
         write_json(&self.job(job).join(STATE), state)
     }
+}
+
+fn read_kept(folder: &Path) -> Result<HashMap<String, JobResult>> {
+    let path = folder.join(KEPT);
+    if !path.exists() {
+        return Ok(HashMap::new());
+    }
+    let text = std::fs::read_to_string(&path).map_err(at(&path))?;
+    let kept: Vec<JobResult> = serde_json::from_str(&text).map_err(|error| at(&path)(error.into()))?;
+    Ok(kept.into_iter().map(|result| (result.key.clone(), result)).collect())
 }
 
 /// Writes a JSON file, which appears complete or not at all.

@@ -92,6 +92,11 @@ impl Job {
 pub(crate) fn train(agent: &str, mut config: Table, steps: u64, seed: u64) -> Action {
     config.insert("steps".to_owned(), Value::Integer(steps as i64));
     config.insert("seed".to_owned(), Value::Integer(seed as i64));
+    // The job evaluates the agent itself.
+    let evaluation = config.entry("evaluation").or_insert_with(|| Value::Table(Table::new()));
+    if let Value::Table(evaluation) = evaluation {
+        evaluation.insert("whole_period".to_owned(), Value::Boolean(false));
+    }
     Action::Train { agent: agent.to_owned(), config, steps }
 }
 

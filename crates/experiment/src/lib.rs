@@ -6,6 +6,7 @@
 //! many at a time as there are cores, and resumes after an interruption. [`Results`] reads the folder, and [`report`]
 //! writes one page that shows them beside the results of the paper.
 
+mod check;
 mod definition;
 mod entry;
 mod error;
@@ -19,6 +20,7 @@ mod results;
 mod runner;
 mod shard;
 
+pub use check::{Checked, check};
 pub use definition::{Agent, Budget, BudgetName, Experiment, ReportKind, Training};
 pub use error::{Error, Result};
 pub use estimate::estimate;

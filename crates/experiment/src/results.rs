@@ -1,17 +1,19 @@
 //! The results of an experiment.
 
-use std::fs::File;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
+use b2b_agent::Agent;
 use b2b_benchmark::entry::{RunResult, Stages, read_result};
 use b2b_benchmark::problem::Stage;
-use b2b_benchmark::{Deviations, Row, read_episodes, read_kept};
-use serde::Serialize;
+use b2b_benchmark::{Deviations, Row, read_kept};
+use b2b_energyplus::machine;
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::definition::{BudgetName, Experiment};
+use crate::check::read_rows;
+use crate::definition::{BudgetName, Experiment, ReportKind};
 use crate::error::{Result, at};
-use crate::folder::Folder;
+use crate::folder::{Folder, State};
 use crate::job::{Action, Job};
 use crate::runner::{ENTRY, EVALUATION, MEASURED};
 
@@ -28,8 +30,8 @@ pub struct Results {
     pub missing: Vec<String>,
 }
 
-/// The result of a job.
-#[derive(Clone, Debug)]
+/// The result of a job, as the file of an experiment's jobs keeps it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct JobResult {
     /// Key of the job.
     pub key: String,
@@ -37,13 +39,21 @@ pub struct JobResult {
     pub agent: String,
     /// Steps trained.
     pub steps: u64,
+    /// SHA-256 of the trained agent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub agent_sha256: Option<String>,
+    /// [`machine::fingerprint`] of the evaluation: machines with the same one give the same bits.
+    pub machine: String,
     /// Evaluated episodes.
     pub rows: Vec<Row>,
-    /// The folder of their evaluation.
-    evaluation: PathBuf,
-    /// The entry on a benchmark problem.
-    pub(crate) entry: Option<(RunResult, Stages)>,
+    /// Distributions of the deviations of each episode from its targets; empty if the report does not show them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    deviations: Vec<Option<Deviations>>,
+    /// The entry on a benchmark problem: its result, and the rows of each stage.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    entry: Option<(RunResult, Vec<(String, Vec<Row>)>)>,
     /// What a measurement printed.
+    #[serde(default, skip_serializing_if = "Value::is_null")]
     pub measured: Value,
     /// Wall-clock time, s.
     pub seconds: f64,
@@ -68,19 +78,22 @@ struct Episode<'a> {
 }
 
 impl Results {
-    /// Reads the results in the folder of an experiment.
+    /// Reads the results in the folder of an experiment: those of the jobs' folders and, of jobs without one, those that
+    /// [`Folder::keep`] kept.
     ///
     /// # Errors
     /// [`Error::Io`](crate::Error::Io) and those of the benchmark's reader, for a job that is marked as done.
     pub fn read(folder: &Folder, experiment: &Experiment, budget: BudgetName) -> Result<Self> {
         let mut results = Self { budget, done: Vec::new(), failed: Vec::new(), missing: Vec::new() };
         for job in experiment.jobs(budget) {
-            match folder.state(&job) {
-                None => results.missing.push(job.key),
-                Some(state) => match state.error {
-                    Some(error) => results.failed.push((job.key, error)),
-                    None => results.done.push(JobResult::read(&folder.job(&job), &job, state.seconds)?),
-                },
+            match (folder.own_state(&job), folder.kept(&job)) {
+                (Some(State { error: None, seconds }), _) => {
+                    let path = folder.job(&job);
+                    results.done.push(JobResult::read(&path, &job, seconds, experiment.report)?);
+                }
+                (_, Some(kept)) => results.done.push(kept.clone()),
+                (Some(State { error: Some(error), .. }), None) => results.failed.push((job.key, error)),
+                (None, None) => results.missing.push(job.key),
             }
         }
         Ok(results)
@@ -116,30 +129,38 @@ impl Results {
 }
 
 impl JobResult {
-    fn read(path: &Path, job: &Job, seconds: f64) -> Result<Self> {
+    fn read(path: &Path, job: &Job, seconds: f64, report: ReportKind) -> Result<Self> {
         let mut result = Self {
             key: job.key.clone(),
             agent: job.agent().to_owned(),
             steps: job.steps(),
+            agent_sha256: None,
+            machine: machine::fingerprint(),
             rows: Vec::new(),
-            evaluation: path.join(EVALUATION),
+            deviations: Vec::new(),
             entry: None,
             measured: Value::Null,
             seconds,
         };
         for action in &job.actions {
             match action {
-                Action::Train { .. } => {}
+                Action::Train { agent, .. } => {
+                    result.agent_sha256 = Some(Agent::read(&path.join(agent))?.sha256().to_owned());
+                }
                 Action::Evaluate(_) => {
-                    let path = result.evaluation.join("episodes.parquet");
-                    let rows = read_episodes(File::open(&path).map_err(at(&path))?);
-                    result.rows = rows.map_err(|error| at(&path)(std::io::Error::other(error)))?;
+                    let folder = path.join(EVALUATION);
+                    result.rows = read_rows(&folder)?;
+                    if report == ReportKind::Weights {
+                        let kept = |number| Some(read_kept(&folder, number)?.deviations);
+                        result.deviations = (0..result.rows.len()).map(kept).collect();
+                    }
                 }
                 Action::Enter(_) => {
                     let (entry, stages) = read_result(&path.join(ENTRY))?;
                     let test = stages.iter().find(|(stage, _)| *stage == Stage::Test);
                     result.rows = test.map_or_else(Vec::new, |(_, rows)| rows.clone());
-                    result.entry = Some((entry, stages));
+                    let named = stages.into_iter().map(|(stage, rows)| (stage.to_string(), rows));
+                    result.entry = Some((entry, named.collect()));
                 }
                 Action::Measure(_) => {
                     let path = path.join(MEASURED);
@@ -151,13 +172,20 @@ impl JobResult {
         Ok(result)
     }
 
+    /// Returns the entry on a benchmark problem.
+    pub(crate) fn entry(&self) -> Option<(RunResult, Stages)> {
+        let (entry, stages) = self.entry.as_ref()?;
+        let stages = stages.iter().map(|(stage, rows)| Some((stage.parse().ok()?, rows.clone())));
+        Some((entry.clone(), stages.collect::<Option<_>>()?))
+    }
+
     /// Returns the distributions of deviations of some episodes, as far as the evaluation keeps them.
     pub(crate) fn deviations<'a>(
         &'a self,
         is_own: impl Fn(&Row) -> bool + 'a,
     ) -> impl Iterator<Item = Deviations> + 'a {
-        let own = self.rows.iter().enumerate().filter(move |(_, row)| is_own(row));
-        own.filter_map(|(number, _)| Some(read_kept(&self.evaluation, number)?.deviations))
+        let own = self.rows.iter().zip(&self.deviations).filter(move |(row, _)| is_own(row));
+        own.filter_map(|(_, deviations)| deviations.clone())
     }
 
     fn episodes(&self) -> Vec<Episode<'_>> {

@@ -108,41 +108,45 @@ impl Runner<'_> {
                 words(&["train", "--config", CONFIG, "--out", agent, "--jobs", "1", "--json"])
             }
             Action::Enter(entry) => enter(entry, job.agent()),
-            Action::Evaluate(Episodes { buildings, tasks, periods }) => {
-                let policy = if job.agent() == REACTIVE { REACTIVE } else { AGENT };
-                let mut arguments = words(&["evaluate", "--policy", policy, "--out", EVALUATION]);
-                arguments.extend(words(&["--jobs", "1", "--json", "--task"]));
-                arguments.extend(tasks.iter().cloned());
-                arguments.push("--period".into());
-                arguments.extend(periods.iter().cloned());
-                arguments.push("--".into());
-                arguments.extend(buildings.iter().cloned());
-                arguments
+            Action::Evaluate(episodes) => {
+                evaluate(episodes, if job.agent() == REACTIVE { REACTIVE } else { AGENT })
             }
             Action::Measure(arguments) => arguments.iter().cloned().chain(words(&["--json"])).collect(),
         };
-        let log = self.folder.log(job);
-        let mut file = OpenOptions::new().create(true).append(true).open(&log).map_err(at(&log))?;
-        writeln!(file, "$ b2b {}", arguments.join(" ")).map_err(at(&log))?;
+        let result = matches!(action, Action::Measure(_)).then(|| path.join(MEASURED));
+        self.command(path, &self.folder.log(job), &arguments, result.as_deref())
+    }
+
+    /// Runs a command in a folder, and adds it and its output to a log, or writes its output to the file of a result. Returns why
+    /// it failed.
+    pub(crate) fn command(
+        &self,
+        path: &Path,
+        log: &Path,
+        arguments: &[String],
+        result: Option<&Path>,
+    ) -> Result<Option<String>> {
+        let mut file = OpenOptions::new().create(true).append(true).open(log).map_err(at(log))?;
+        writeln!(file, "$ b2b {}", arguments.join(" ")).map_err(at(log))?;
         let mut printed = tempfile::tempfile().map_err(at(path))?;
         let mut command = (self.command)();
-        command.args(&arguments).current_dir(path).env(OWNER, std::process::id().to_string());
+        command.args(arguments).current_dir(path).env(OWNER, std::process::id().to_string());
         command.stdin(Stdio::null()).process_group(0);
-        command.stdout(printed.try_clone().map_err(at(&log))?);
-        command.stderr(file.try_clone().map_err(at(&log))?);
+        command.stdout(printed.try_clone().map_err(at(log))?);
+        command.stderr(file.try_clone().map_err(at(log))?);
         let mut child = command.spawn().map_err(at(Path::new("b2b")))?;
         if !self.wait(&mut child)? {
-            let tail = tail(&log).map_err(at(&log))?;
+            let tail = tail(log).map_err(at(log))?;
             let last = tail.lines().rev().find(|line| !line.trim().is_empty()).unwrap_or("no message");
             let said = tail.lines().rev().find_map(|line| line.strip_prefix("error: "));
             return Ok(Some(said.unwrap_or(last).to_owned()));
         }
-        printed.rewind().map_err(at(&log))?;
+        printed.rewind().map_err(at(log))?;
         let mut text = Vec::new();
-        printed.read_to_end(&mut text).map_err(at(&log))?;
-        match action {
-            Action::Measure(_) => write_whole(&path.join(MEASURED), &text)?,
-            _ => file.write_all(&text).map_err(at(&log))?,
+        printed.read_to_end(&mut text).map_err(at(log))?;
+        match result {
+            Some(result) => write_whole(result, &text)?,
+            None => file.write_all(&text).map_err(at(log))?,
         }
         Ok(None)
     }
@@ -163,6 +167,19 @@ impl Runner<'_> {
             std::thread::sleep(POLL);
         }
     }
+}
+
+/// Returns the arguments that evaluate a policy, with the result in the folder [`EVALUATION`].
+pub(crate) fn evaluate(episodes: &Episodes, policy: &str) -> Vec<String> {
+    let Episodes { buildings, tasks, periods } = episodes;
+    let mut arguments = words(&["evaluate", "--policy", policy, "--out", EVALUATION]);
+    arguments.extend(words(&["--jobs", "1", "--json", "--task"]));
+    arguments.extend(tasks.iter().cloned());
+    arguments.push("--period".into());
+    arguments.extend(periods.iter().cloned());
+    arguments.push("--".into());
+    arguments.extend(buildings.iter().cloned());
+    arguments
 }
 
 /// Returns the arguments that make an entry.

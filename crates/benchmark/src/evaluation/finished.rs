@@ -16,7 +16,7 @@ use crate::return_terms::ReturnTerms;
 pub type Outcome = std::result::Result<Finished, Lost>;
 
 /// The reason why an episode was lost.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
 #[error("{reason}")]
 pub struct Lost {
     /// The reason.

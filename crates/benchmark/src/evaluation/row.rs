@@ -1,6 +1,7 @@
 //! A row of a results table.
 
 use b2b_env::EpisodeMetrics;
+use serde::{Deserialize, Serialize};
 
 use super::finished::{Lost, Record};
 use super::info::EpisodeInfo;
@@ -9,7 +10,7 @@ use crate::inputs::Inputs;
 use crate::scores::Baseline;
 
 /// An episode in a results table.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     /// What was run.
     pub info: EpisodeInfo,
@@ -18,7 +19,7 @@ pub struct Row {
 }
 
 /// The metrics of an episode with its score.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Scored {
     /// The metrics.
     pub metrics: EpisodeMetrics,

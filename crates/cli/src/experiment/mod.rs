@@ -1,5 +1,6 @@
 //! `b2b experiment`: the paper's experiments and your own, as lists of resumable jobs.
 
+mod check;
 mod report;
 mod run;
 mod show;
@@ -24,7 +25,8 @@ Examples:
   b2b experiment run dynamics --budget quick --out results/dynamics
   b2b experiment run ppo --budget full --shard 0/16 --out results/ppo    one of 16 parts, into a shared folder
   b2b experiment run mine.toml --budget quick
-  b2b experiment report results/dynamics"
+  b2b experiment report results/dynamics
+  b2b experiment check results/residual                                  evaluate agents again"
 )]
 pub struct Arguments {
     #[command(subcommand)]
@@ -37,6 +39,7 @@ enum Command {
     Show(show::ShowArguments),
     Run(run::Arguments),
     Report(report::Arguments),
+    Check(check::Arguments),
 }
 
 /// Runs the command.
@@ -46,6 +49,7 @@ pub fn experiment(arguments: &Arguments) -> Result<ExitCode> {
         Command::Show(arguments) => show::show(arguments)?,
         Command::Run(arguments) => return run::run(arguments),
         Command::Report(arguments) => report::report(arguments)?,
+        Command::Check(arguments) => return check::check(arguments),
     }
     Ok(ExitCode::Success)
 }

@@ -37,6 +37,7 @@ pub fn report(arguments: &Arguments) -> Result<()> {
 pub fn write(path: &Path, json: bool) -> Result<()> {
     let (folder, experiment, budget) = Folder::open(path)?;
     let results = Results::read(&folder, &experiment, budget)?;
+    folder.keep(&results.done)?;
     let staged = OutputFolder::stage(path)?;
     staged.write(RESULTS, |file| {
         serde_json::to_writer_pretty(&mut *file, &results.json())?;

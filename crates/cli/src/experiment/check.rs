@@ -1,0 +1,52 @@
+//! `b2b experiment check`.
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+use b2b_experiment::{Checked, Folder, Runner};
+use serde_json::json;
+
+use crate::exit_code::ExitCode;
+use crate::{interrupt, program, stdout};
+
+/// Evaluate the agents in a folder of results again and compare with the results
+///
+/// Checks every agent whose folder is at hand (jobs/AGENT/.../agent). On a machine like that of the results, episodes must
+/// agree bit for bit; on others, scores must agree within 0.1 %. Exits with code 1 if an agent does not agree.
+#[derive(clap::Args)]
+#[command(verbatim_doc_comment)]
+pub struct Arguments {
+    /// Folder of `b2b experiment run`
+    #[arg(value_name = "FOLDER")]
+    folder: PathBuf,
+    /// Print one JSON object instead of the text report
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs the command.
+pub fn check(arguments: &Arguments) -> Result<ExitCode> {
+    let (folder, experiment, budget) = Folder::open(&arguments.folder)?;
+    let runner =
+        Runner { command: program::command, folder: &folder, parallel: 1, interrupted: interrupt::requested };
+    let line = |checked: &Checked| match &checked.fault {
+        None => format!("✓ {}", checked.job),
+        Some(fault) => format!("✗ {}: {fault}", checked.job),
+    };
+    let done = |checked: &Checked| {
+        if !arguments.json {
+            eprintln!("{}", line(checked));
+        }
+    };
+    let all = b2b_experiment::check(&runner, &experiment, budget, &done)?;
+    let faults: Vec<_> = all.iter().filter(|checked| checked.fault.is_some()).collect();
+    let summary = json!({
+        "checked": all.len(),
+        "agree": all.len() - faults.len(),
+        "faults": faults.iter().map(|checked| json!({"job": checked.job, "fault": checked.fault})).collect::<Vec<_>>(),
+    });
+    stdout::print_result(arguments.json, &summary, || {
+        format!("{} of {} agents agree with the results", all.len() - faults.len(), all.len())
+    })?;
+    Ok(ExitCode::of(faults.is_empty()))
+}

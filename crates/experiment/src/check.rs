@@ -1,0 +1,109 @@
+//! Checks of results: agents are evaluated again.
+
+use std::fs::File;
+use std::path::{Path, PathBuf};
+
+use b2b_agent::Agent;
+use b2b_benchmark::{Row, read_episodes};
+use b2b_energyplus::machine;
+
+use crate::definition::{BudgetName, Experiment};
+use crate::error::{Error, Result, at};
+use crate::folder::Folder;
+use crate::job::{AGENT, Action, Job};
+use crate::results::JobResult;
+use crate::runner::{EVALUATION, Runner, evaluate};
+
+/// Relative difference of scores on machines that do not give the same bits.
+const TOLERANCE: f64 = 1e-3;
+
+/// The check of an agent.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Checked {
+    /// Key of the job.
+    pub job: String,
+    /// Why its results are not those of its agent; `None` if they are.
+    pub fault: Option<String>,
+}
+
+/// Evaluates the agents again whose folders are at hand, and compares their episodes with the results that
+/// [`Folder::keep`] kept: bit for bit on a machine like that
+/// of the results, otherwise scores within a relative 0.001. `done` is called with every check.
+///
+/// # Errors
+/// [`Error::NoAgents`] if there is no agent; the errors of [`Runner::run`].
+pub fn check(
+    runner: &Runner<'_>,
+    experiment: &Experiment,
+    budget: BudgetName,
+    done: &dyn Fn(&Checked),
+) -> Result<Vec<Checked>> {
+    let mut all = Vec::new();
+    for job in experiment.jobs(budget) {
+        let Some(result) = runner.folder.kept(&job).filter(|_| agent_folder(runner.folder, &job).exists())
+        else {
+            continue;
+        };
+        let checked = Checked { fault: fault(runner, &job, result)?, job: job.key };
+        done(&checked);
+        all.push(checked);
+    }
+    match all.is_empty() {
+        true => Err(Error::NoAgents { path: runner.folder.path().to_owned() }),
+        false => Ok(all),
+    }
+}
+
+fn agent_folder(folder: &Folder, job: &Job) -> PathBuf {
+    folder.job(job).join(AGENT)
+}
+
+/// Returns why a result is not that of its agent, if it is not.
+fn fault(runner: &Runner<'_>, job: &Job, result: &JobResult) -> Result<Option<String>> {
+    let path = agent_folder(runner.folder, job);
+    let agent = match Agent::read(&path) {
+        Ok(agent) => agent,
+        Err(error) => return Ok(Some(error.to_string())),
+    };
+    if result.agent_sha256.as_deref() != Some(agent.sha256()) {
+        return Ok(Some(format!("{} is another agent than that of the results", path.display())));
+    }
+    let Some(Action::Evaluate(episodes)) = job.actions.last() else { return Ok(None) };
+    let again = tempfile::Builder::new().prefix("b2b-check-").tempdir().map_err(at(&path))?;
+    let policy = std::path::absolute(&path).map_err(at(&path))?;
+    let arguments = evaluate(episodes, &policy.to_string_lossy());
+    if let Some(error) = runner.command(again.path(), &again.path().join("log.txt"), &arguments, None)? {
+        return Ok(Some(error));
+    }
+    let rows = read_rows(&again.path().join(EVALUATION))?;
+    Ok(difference(&result.rows, &rows, result.machine == machine::fingerprint()))
+}
+
+/// Reads the episodes of an evaluation.
+pub(crate) fn read_rows(folder: &Path) -> Result<Vec<Row>> {
+    let path = folder.join("episodes.parquet");
+    let rows = read_episodes(File::open(&path).map_err(at(&path))?);
+    rows.map_err(|error| at(&path)(std::io::Error::other(error)))
+}
+
+/// Returns the first difference between the episodes of results and the same that ran again.
+fn difference(there: &[Row], here: &[Row], bits: bool) -> Option<String> {
+    if there.len() != here.len() {
+        return Some(format!("{} episodes in the results, {} now", there.len(), here.len()));
+    }
+    there.iter().zip(here).find_map(|(there, here)| {
+        let (Ok(before), Ok(now)) = (&there.outcome, &here.outcome) else {
+            return Some(format!("{} was lost", there.info));
+        };
+        let is_near = match (before.score, now.score) {
+            (Some(before), Some(now)) => (now / before - 1.0).abs() <= TOLERANCE,
+            (before, now) => before == now,
+        };
+        let is_same = if bits { before.trajectory_hash == now.trajectory_hash } else { is_near };
+        let score =
+            |score: Option<f64>| score.map_or_else(|| "no score".to_owned(), |score| score.to_string());
+        (!is_same).then(|| {
+            format!("{}: {} in the results, {} now", there.info, score(before.score), score(now.score))
+        })
+    })
+}
