@@ -20,7 +20,10 @@ use crate::reward::StepNumbers;
 
 mod futex;
 mod owner;
+mod spin;
 mod worker;
+
+use spin::Spin;
 
 /// How often a waiting owner looks whether the workers it waits for are alive.
 pub(super) const LOOK: Duration = Duration::from_millis(50);
@@ -99,6 +102,8 @@ struct Bell {
     wanted: AtomicU32,
     /// Slots ever reserved.
     slots: AtomicU32,
+    /// Episodes under way.
+    episodes: AtomicU32,
 }
 
 /// The fixed part of a slot; action, observation and report follow it.
@@ -140,6 +145,10 @@ fn unpack(packed: u64) -> (u32, u32) {
 pub(super) struct Region {
     map: MmapRaw,
     file: OwnedFd,
+    /// Processors that this process may use.
+    processors: u32,
+    /// The active waits of this side.
+    spin: Spin,
 }
 
 impl Region {
@@ -155,7 +164,8 @@ impl Region {
     pub(super) fn open(file: OwnedFd) -> std::io::Result<Self> {
         let file = File::from(file);
         let map = MmapOptions::new().len(BYTES).map_raw(&file)?;
-        Ok(Self { map, file: file.into() })
+        let processors = std::thread::available_parallelism().map_or(1, |count| count.get() as u32);
+        Ok(Self { map, file: file.into(), processors, spin: Spin::default() })
     }
 
     /// A descriptor to give to a worker.
@@ -239,6 +249,18 @@ impl Region {
         // SAFETY: the region begins with a page of its own for the bell, all zeros at first and only ever touched
         // as atomics, for which every bit pattern is valid.
         unsafe { &*self.map.as_ptr().cast() }
+    }
+
+    /// Sets the number of episodes under way.
+    pub(super) fn set_episodes(&self, episodes: u32) {
+        self.bell().episodes.store(episodes, Ordering::Relaxed);
+    }
+
+    /// Waits actively for a moment until something is over, if the owner and every worker can have a processor of their own.
+    /// Returns whether it is over.
+    fn wait_actively(&self, is_over: impl Fn() -> bool) -> bool {
+        let has_room = self.bell().episodes.load(Ordering::Relaxed) < self.processors;
+        if has_room { self.spin.until(is_over) } else { is_over() }
     }
 
     fn slot(&self, slot: u32) -> &Slot {

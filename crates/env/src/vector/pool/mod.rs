@@ -41,6 +41,8 @@ pub(super) struct Pool {
     slots: Slots,
     templates: BTreeMap<TemplateId, Template>,
     next_template: u64,
+    /// Episodes under way.
+    episodes: u32,
     /// Buildings that were prepared, so that no other template has to.
     prepared: VecDeque<(Setting, Arc<PreparedBuilding>)>,
     clock: u64,
@@ -72,6 +74,7 @@ impl Pool {
             options,
             templates: BTreeMap::new(),
             next_template: 0,
+            episodes: 0,
             prepared: VecDeque::new(),
             clock: 0,
             look: Instant::now() + LOOK,
@@ -88,7 +91,7 @@ impl Pool {
             self.drop_template(template);
             template = self.template_of(setting)?;
         }
-        let slot = self.take_slot(options)?;
+        let slot = self.take_episode_slot(options)?;
         let entry = self.template_mut(template)?;
         entry.users += 1;
         entry.waiting.push_back(Request { slot, failures: 0 });
@@ -178,7 +181,7 @@ impl Pool {
         while places.len() < count {
             let first = places.len();
             for _ in first..count.min(first + COPIES) {
-                let slot = self.take_slot(EpisodeOptions::default())?;
+                let slot = self.take_episode_slot(EpisodeOptions::default())?;
                 // The template may be gone: a copy of an episode does not need it.
                 if let Some(template) = self.templates.get_mut(&of.template) {
                     template.users += 1;
@@ -292,6 +295,8 @@ impl Pool {
             template.copying.retain(|request| request.slot != place.slot);
         }
         self.slots.release(place.slot);
+        self.episodes = self.episodes.saturating_sub(1);
+        self.region.set_episodes(self.episodes);
     }
 
     /// The processes of the templates.
@@ -309,6 +314,13 @@ impl Pool {
     /// The temporary folder of everything that its processes write.
     pub(super) fn folder(&self) -> &Path {
         self.folder.path()
+    }
+
+    fn take_episode_slot(&mut self, options: EpisodeOptions) -> Result<u32> {
+        let slot = self.take_slot(options)?;
+        self.episodes += 1;
+        self.region.set_episodes(self.episodes);
+        Ok(slot)
     }
 
     fn take_slot(&mut self, options: EpisodeOptions) -> Result<u32> {

@@ -69,8 +69,12 @@ impl Region {
     pub(in crate::vector) fn sleep(&self, done: u32, more: u32, at_most: Duration) {
         let bell = self.bell();
         bell.wanted.store(done.wrapping_add(more), Ordering::SeqCst);
+        let is_over = |now: u32| now.wrapping_sub(done) as i32 >= more as i32;
+        if self.wait_actively(|| is_over(bell.done.load(Ordering::SeqCst))) {
+            return;
+        }
         let now = bell.done.load(Ordering::SeqCst);
-        if (now.wrapping_sub(done) as i32) < more as i32 {
+        if !is_over(now) {
             wait(&bell.done, now, at_most);
         }
     }

@@ -28,7 +28,7 @@ impl Region {
     /// Waits for a command; `None` when there is none for a time, or a signal comes.
     pub(in crate::vector) fn next_command(&self, slot: u32, at_most: Duration) -> Option<Command> {
         let slot = self.slot(slot);
-        if slot.state.load(Ordering::Acquire) == READY {
+        if !self.wait_actively(|| slot.state.load(Ordering::Acquire) != READY) {
             wait(&slot.state, READY, at_most);
             if slot.state.load(Ordering::Acquire) == READY {
                 return None;

@@ -74,11 +74,11 @@ impl VecEnv {
     /// Has the next episode of an environment begin.
     fn start(&mut self, index: usize, spaces: Arc<Spaces>) -> Result<()> {
         let form = self.form.episode(&spaces)?;
+        let processor = self.processor(index);
         let one = &mut self.environments[index];
         // Its template is kept until the episode waits for a copy of it.
         let Some(Next { draw, reservation }) = one.next.take() else { return Ok(()) };
-        let options =
-            EpisodeOptions { max_steps: draw.steps, processor: Some(index as u32), finish_run: false };
+        let options = EpisodeOptions { max_steps: draw.steps, processor, finish_run: false };
         let episode = Episode::new(self.workers.clone(), draw.setting, Arc::clone(&spaces));
         let episode = one.episode.insert(episode.with_options(options));
         episode.begin()?;
@@ -96,6 +96,12 @@ impl VecEnv {
         // reported, when its turn comes.
         let _ = self.draw(index);
         Ok(())
+    }
+
+    /// Returns the processor to pin an environment to; none if there are processors to spare, one of which the owner needs.
+    fn processor(&self, index: usize) -> Option<u32> {
+        let processors = std::thread::available_parallelism().map_or(1, usize::from);
+        (self.len() >= processors).then_some(index as u32)
     }
 
     /// Waits until `count` environments are not busy.
