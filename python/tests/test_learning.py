@@ -23,7 +23,8 @@ SMALL = {
 
 @pytest.fixture(scope="module")
 def agent(tmp_path_factory):
-    return b2b.train(HOUSE, out=tmp_path_factory.mktemp("runs") / "run", steps=np.int64(384), **SMALL)
+    out = tmp_path_factory.mktemp("runs") / "run"
+    return b2b.train(HOUSE, out=out, steps=np.int64(384), keep="last", **SMALL)
 
 
 def test_an_agent_controls_its_building_as_its_evaluation_does(agent):
