@@ -27,8 +27,8 @@ pub struct Checked {
 }
 
 /// Evaluates the agents again whose folders are at hand, and compares their episodes with the results that
-/// [`Folder::keep`] kept: bit for bit on a machine like that
-/// of the results, otherwise scores within a relative 0.001. `done` is called with every check.
+/// [`Folder::keep`] kept: bit for bit on a machine like that of the results, otherwise scores within a relative 0.001. `done` is
+/// called with every check.
 ///
 /// # Errors
 /// [`Error::NoAgents`] if there is no agent; the errors of [`Runner::run`].

@@ -6,7 +6,6 @@ use b2b_agent::Agent;
 use b2b_benchmark::entry::{RunResult, Stages, read_result};
 use b2b_benchmark::problem::Stage;
 use b2b_benchmark::{Deviations, Row, read_kept};
-use b2b_energyplus::machine;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -42,7 +41,8 @@ pub struct JobResult {
     /// SHA-256 of the trained agent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub agent_sha256: Option<String>,
-    /// [`machine::fingerprint`] of the evaluation: machines with the same one give the same bits.
+    /// Fingerprint of the machine of the evaluation ([`b2b_energyplus::machine`]): machines with the same one give the same
+    /// bits. Empty without an evaluation.
     pub machine: String,
     /// Evaluated episodes.
     pub rows: Vec<Row>,
@@ -135,7 +135,7 @@ impl JobResult {
             agent: job.agent().to_owned(),
             steps: job.steps(),
             agent_sha256: None,
-            machine: machine::fingerprint(),
+            machine: String::new(),
             rows: Vec::new(),
             deviations: Vec::new(),
             entry: None,
@@ -150,6 +150,7 @@ impl JobResult {
                 Action::Evaluate(_) => {
                     let folder = path.join(EVALUATION);
                     result.rows = read_rows(&folder)?;
+                    result.machine = read_machine(&folder)?;
                     if report == ReportKind::Weights {
                         let kept = |number| Some(read_kept(&folder, number)?.deviations);
                         result.deviations = (0..result.rows.len()).map(kept).collect();
@@ -210,4 +211,16 @@ impl JobResult {
             trajectory_hash: &scored.trajectory_hash,
         })
     }
+}
+
+/// Returns the machine that an evaluation ran on.
+fn read_machine(folder: &Path) -> Result<String> {
+    #[derive(Deserialize)]
+    struct Definition {
+        machine: String,
+    }
+    let path = folder.join("evaluation.json");
+    let text = std::fs::read_to_string(&path).map_err(at(&path))?;
+    let definition: Definition = serde_json::from_str(&text).map_err(|error| at(&path)(error.into()))?;
+    Ok(definition.machine)
 }

@@ -72,7 +72,8 @@ fn by_task(experiment: &Experiment, results: &Results) -> Value {
             else {
                 continue;
             };
-            let medians = [deviation, Scored::relative_energy].map(|value| median_of(&own, value));
+            let [share, deviation, energy] =
+                [comfort_share, deviation, Scored::relative_energy].map(|value| median_of(&own, value));
             rows.push(vec![
                 task.clone(),
                 agent.name.clone(),
@@ -80,15 +81,16 @@ fn by_task(experiment: &Experiment, results: &Results) -> Value {
                 scores.interquartile_mean.to_string(),
                 resolved.interquartile_mean.to_string(),
                 scores.beats_baseline_text(),
-                medians[0].clone(),
-                medians[1].clone(),
+                share,
+                deviation,
+                energy,
             ]);
         }
     }
     json!({
-        "title": "interquartile means by task with 95 % intervals: a bootstrap over buildings and periods within each type, and seeds",
+        "title": "interquartile means by task with 95 % intervals (a bootstrap over buildings and periods within each type, and seeds), and medians",
         "header": ["task", "agent", "episodes", "score", "resolved score", "beats baseline (%)",
-                   "median RMS deviation (K)", "median energy / baseline"],
+                   "comfort in baseline's penalty", "RMS deviation (K)", "energy / baseline"],
         "rows": rows,
     })
 }
@@ -105,6 +107,15 @@ fn strata(rows: &[&Row], score: fn(&Row) -> Option<f64>) -> Vec<Vec<Cluster>> {
         clusters.into_values().filter(|cluster| !cluster.is_empty()).collect()
     };
     strata.into_values().map(scored).collect()
+}
+
+/// Returns the share of comfort in the penalty of the reactive controllers. Without it, an agent gains by energy alone.
+fn comfort_share(scored: &Scored) -> Option<f64> {
+    let of_energy = match scored.metrics.energy_penalty {
+        0.0 => 0.0,
+        penalty => scored.baseline_energy? * penalty / scored.metrics.energy(),
+    };
+    Some(1.0 + of_energy / scored.baseline_return?)
 }
 
 fn deviation(scored: &Scored) -> Option<f64> {

@@ -355,8 +355,12 @@ impl<'a> Run<'a> {
                 self.best.relative_travel
             ));
         }
+        let kept = Agent::read(self.out)?;
+        if kept.info().training.steps == 0 && self.steps > 0 {
+            self.monitor.warn("training did not improve on the first agent, which is kept");
+        }
         let summary = Summary {
-            scores: whole.map(|judge| self.score(judge)).transpose()?,
+            scores: whole.map(|judge| self.score(judge, &kept)).transpose()?,
             steps: self.steps,
             steps_per_s: self.steps as f64 / self.seconds.max(f64::MIN_POSITIVE),
             seed: self.config.seed,
@@ -373,9 +377,9 @@ impl<'a> Run<'a> {
     }
 
     /// Returns the scores of the agent in the run's folder.
-    fn score(&mut self, judge: &Judge<'_>) -> Result<Scores> {
+    fn score(&mut self, judge: &Judge<'_>, agent: &Agent) -> Result<Scores> {
         self.monitor.stage("evaluating the agent over the whole run period");
-        judge.judge(&Agent::read(self.out)?)
+        judge.judge(agent)
     }
 
     /// Keeps the last good agent where learning cannot continue.
