@@ -25,10 +25,10 @@ fn main() -> building2building::Result<()> {
         ..TrainConfig::preset("residual")?
     };
     let summary = train(&config, &folder)?;
-    println!(
-        "{} steps at {:.0}/s, score {:.4}",
-        summary.steps, summary.steps_per_s, summary.scores.mean.score
-    );
+    println!("{} steps at {:.0}/s", summary.steps, summary.steps_per_s);
+    if let Some(scores) = summary.scores {
+        println!("score {:.4}", scores.mean.score);
+    }
 
     let mut env = make(&building)?.task("occupancy").period(&period).build()?;
     let mut reactive = Reactive::for_env(&env);

@@ -49,15 +49,18 @@ pub struct JobResult {
     /// Distributions of the deviations of each episode from its targets; empty if the report does not show them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     deviations: Vec<Option<Deviations>>,
-    /// The entry on a benchmark problem: its result, and the rows of each stage.
+    /// The entry on a benchmark problem.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    entry: Option<(RunResult, Vec<(String, Vec<Row>)>)>,
+    entry: Option<NamedEntry>,
     /// What a measurement printed.
     #[serde(default, skip_serializing_if = "Value::is_null")]
     pub measured: Value,
     /// Wall-clock time, s.
     pub seconds: f64,
 }
+
+/// An entry on a benchmark problem: its result, and the rows of each stage by name.
+type NamedEntry = (RunResult, Vec<(String, Vec<Row>)>);
 
 /// An episode in `results.json`.
 #[derive(Serialize)]
