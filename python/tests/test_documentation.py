@@ -16,8 +16,8 @@ DOCS = ROOT / "docs"
 
 #: What is made shorter, so that a page takes seconds.
 SHORTER = {
-    "steps=12_000, environments=4": "steps=1_200, environments=2",
-    '"every": 4_000': '"every": 1_200',
+    "steps=60_000, environments=4": "steps=1_200, environments=2",
+    '"every": 15_000': '"every": 1_200',
     'run_periods=["02-06..02-07", "03-06..03-07"]': 'run_periods=["02-06..02-06"]',
     "steps=6_000": "steps=1_200",
     '"every": 6_000': '"every": 1_200',
