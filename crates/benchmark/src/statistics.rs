@@ -94,12 +94,7 @@ pub fn aggregate(strata: &[Vec<f64>], seed: u64) -> Option<Aggregate> {
 /// buildings within their stratum, and seeds within each resampled building.
 pub fn aggregate_clusters(strata: &[Vec<Cluster>], seed: u64) -> Option<Aggregate> {
     let measure = |scores: &[f64]| {
-        vec![
-            mean(scores),
-            median(scores),
-            interquartile_mean(scores),
-            share_up_to(scores, |score| score < 1.0),
-        ]
+        vec![mean(scores), median(scores), interquartile_mean(scores), share_up_to(scores, beats_baseline)]
     };
     let intervals = bootstrap(&[strata], seed, |lists| measure(lists[0]))?;
     let [mean, median, interquartile_mean, beats_baseline] = intervals[..] else {
@@ -114,7 +109,7 @@ pub fn aggregate_clusters(strata: &[Vec<Cluster>], seed: u64) -> Option<Aggregat
         min: scores.iter().copied().fold(f64::INFINITY, f64::min),
         max: scores.iter().copied().fold(f64::NEG_INFINITY, f64::max),
         beats_baseline,
-        beats_baseline_count: scores.iter().filter(|score| **score < 1.0).count(),
+        beats_baseline_count: scores.iter().filter(|score| self::beats_baseline(**score)).count(),
     })
 }
 
@@ -202,6 +197,11 @@ pub fn interquartile_mean(sorted: &[f64]) -> f64 {
     mean(&sorted[cut..sorted.len() - cut])
 }
 
+/// Returns whether a score beats the baseline. The baseline's own score may differ from 1 by rounding.
+pub fn beats_baseline(score: f64) -> bool {
+    score < 1.0 - 1e-6
+}
+
 fn share_up_to(scores: &[f64], counts: impl Fn(f64) -> bool) -> f64 {
     scores.iter().filter(|score| counts(**score)).count() as f64 / scores.len() as f64
 }
@@ -228,7 +228,8 @@ mod tests {
         // Without the two lowest and the two highest: 0.91, 0.97, 0.99, 1.01, 1.05, 1.2.
         assert!((interquartile_mean(&scores) - 6.13 / 6.0).abs() < 1e-12);
         assert!((quantile(&scores, 0.1) - 0.865).abs() < 1e-12);
-        assert_eq!(share_up_to(&scores, |score| score < 1.0), 0.5);
+        assert_eq!(share_up_to(&scores, beats_baseline), 0.5);
+        assert!(!beats_baseline(0.999_999_999_999_999), "the baseline itself");
     }
 
     #[test]

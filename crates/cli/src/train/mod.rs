@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use anyhow::{Context, Result, bail};
 use b2b_agent::{Acting, ObservationForm};
+use b2b_benchmark::statistics::beats_baseline;
 use b2b_building::{BuildingType, RunPeriod};
 use b2b_dataset::{BuildingName, Catalog, Placement};
 use b2b_env::Task;
@@ -244,7 +245,7 @@ fn text(summary: &Summary) -> String {
 
 /// Formats the scores of an agent.
 fn measures_text(measures: &Measures) -> String {
-    let verdict = if measures.score < 1.0 { "beats" } else { "does not beat" };
+    let verdict = if beats_baseline(measures.score) { "beats" } else { "does not beat" };
     format!(
         "score             {:.3}   {verdict} the reactive controllers\n\
          resolved score    {:.3}\n\

@@ -1,7 +1,7 @@
 //! Scores of a group of episodes.
 
 use b2b_benchmark::Row;
-use b2b_benchmark::statistics::median;
+use b2b_benchmark::statistics::{beats_baseline, median};
 
 /// Scores of a group of episodes, of which none was lost.
 pub(super) struct Group {
@@ -42,7 +42,7 @@ impl Group {
 
     /// Returns the number of scores below 1.
     pub(super) fn beats(&self) -> usize {
-        self.scores.partition_point(|score| *score < 1.0)
+        self.scores.partition_point(|score| beats_baseline(*score))
     }
 
     /// Returns median, resolved median, lowest and highest score, and the number that beats the baseline, as cells.

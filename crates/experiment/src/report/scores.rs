@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use b2b_benchmark::report::{Chart, color, horizontal_line, make_logarithmic, range};
-use b2b_benchmark::statistics::{Cluster, aggregate_clusters, median};
+use b2b_benchmark::statistics::{Cluster, aggregate_clusters, beats_baseline, median};
 use b2b_benchmark::{Row, Scored};
 use serde_json::{Value, json};
 
@@ -31,7 +31,7 @@ pub(super) fn content(experiment: &Experiment, results: &Results) -> Content {
                     match Group::of(own) {
                         Some(group) => {
                             cells.extend(group.cells());
-                            *won = [won[0] + usize::from(group.median() < 1.0), won[1] + 1];
+                            *won = [won[0] + usize::from(beats_baseline(group.median())), won[1] + 1];
                         }
                         None => cells.extend(["–"; 4].map(str::to_owned)),
                     }
