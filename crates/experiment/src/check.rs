@@ -1,17 +1,16 @@
 //! Checks of results: agents are evaluated again.
 
-use std::fs::File;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use b2b_agent::Agent;
-use b2b_benchmark::{Row, read_episodes};
+use b2b_benchmark::Row;
 use b2b_energyplus::machine;
 
 use crate::definition::{BudgetName, Experiment};
 use crate::error::{Error, Result, at};
 use crate::folder::Folder;
 use crate::job::{AGENT, Action, Job};
-use crate::results::JobResult;
+use crate::results::{JobResult, read_rows};
 use crate::runner::{EVALUATION, Runner, evaluate};
 
 /// Relative difference of scores on machines that do not give the same bits.
@@ -77,13 +76,6 @@ fn fault(runner: &Runner<'_>, job: &Job, result: &JobResult) -> Result<Option<St
     }
     let rows = read_rows(&again.path().join(EVALUATION))?;
     Ok(difference(&result.rows, &rows, result.machine == machine::fingerprint()))
-}
-
-/// Reads the episodes of an evaluation.
-pub(crate) fn read_rows(folder: &Path) -> Result<Vec<Row>> {
-    let path = folder.join("episodes.parquet");
-    let rows = read_episodes(File::open(&path).map_err(at(&path))?);
-    rows.map_err(|error| at(&path)(std::io::Error::other(error)))
 }
 
 /// Returns the first difference between the episodes of results and the same that ran again.

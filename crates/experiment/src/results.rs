@@ -1,15 +1,15 @@
 //! The results of an experiment.
 
+use std::fs::File;
 use std::path::Path;
 
 use b2b_agent::Agent;
 use b2b_benchmark::entry::{RunResult, Stages, read_result};
 use b2b_benchmark::problem::Stage;
-use b2b_benchmark::{Deviations, Row, read_kept};
+use b2b_benchmark::{Deviations, Row, read_episodes, read_kept};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::check::read_rows;
 use crate::definition::{BudgetName, Experiment, ReportKind};
 use crate::error::{Result, at};
 use crate::folder::{Folder, State};
@@ -51,16 +51,13 @@ pub struct JobResult {
     deviations: Vec<Option<Deviations>>,
     /// The entry on a benchmark problem.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    entry: Option<NamedEntry>,
+    pub(crate) entry: Option<(RunResult, Stages)>,
     /// What a measurement printed.
     #[serde(default, skip_serializing_if = "Value::is_null")]
     pub measured: Value,
     /// Wall-clock time, s.
     pub seconds: f64,
 }
-
-/// An entry on a benchmark problem: its result, and the rows of each stage by name.
-type NamedEntry = (RunResult, Vec<(String, Vec<Row>)>);
 
 /// An episode in `results.json`.
 #[derive(Serialize)]
@@ -163,8 +160,7 @@ impl JobResult {
                     let (entry, stages) = read_result(&path.join(ENTRY))?;
                     let test = stages.iter().find(|(stage, _)| *stage == Stage::Test);
                     result.rows = test.map_or_else(Vec::new, |(_, rows)| rows.clone());
-                    let named = stages.into_iter().map(|(stage, rows)| (stage.to_string(), rows));
-                    result.entry = Some((entry, named.collect()));
+                    result.entry = Some((entry, stages));
                 }
                 Action::Measure(_) => {
                     let path = path.join(MEASURED);
@@ -174,13 +170,6 @@ impl JobResult {
             }
         }
         Ok(result)
-    }
-
-    /// Returns the entry on a benchmark problem.
-    pub(crate) fn entry(&self) -> Option<(RunResult, Stages)> {
-        let (entry, stages) = self.entry.as_ref()?;
-        let stages = stages.iter().map(|(stage, rows)| Some((stage.parse().ok()?, rows.clone())));
-        Some((entry.clone(), stages.collect::<Option<_>>()?))
     }
 
     /// Returns the distributions of deviations of some episodes, as far as the evaluation keeps them.
@@ -214,6 +203,13 @@ impl JobResult {
             trajectory_hash: &scored.trajectory_hash,
         })
     }
+}
+
+/// Reads the episodes of an evaluation.
+pub(crate) fn read_rows(folder: &Path) -> Result<Vec<Row>> {
+    let path = folder.join("episodes.parquet");
+    let rows = read_episodes(File::open(&path).map_err(at(&path))?);
+    rows.map_err(|error| at(&path)(std::io::Error::other(error)))
 }
 
 /// Returns the machine that an evaluation ran on.

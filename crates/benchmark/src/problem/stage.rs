@@ -3,8 +3,11 @@
 use std::fmt;
 use std::str::FromStr;
 
-/// A stage of a benchmark run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+use serde::{Deserialize, Serialize};
+
+/// A stage of a benchmark run. Serialized as its name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
 pub enum Stage {
     /// Test environments, zero-shot: without a step of training on them.
     Test,
@@ -28,6 +31,20 @@ impl fmt::Display for Stage {
             Self::Adapted(steps) => write!(f, "adapted-{steps}"),
             Self::UpperBound => f.write_str("upper-bound"),
         }
+    }
+}
+
+impl From<Stage> for String {
+    fn from(stage: Stage) -> Self {
+        stage.to_string()
+    }
+}
+
+impl TryFrom<String> for Stage {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        text.parse()
     }
 }
 

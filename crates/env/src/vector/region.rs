@@ -251,6 +251,11 @@ impl Region {
         unsafe { &*self.map.as_ptr().cast() }
     }
 
+    /// Returns the number of processors that this process may use.
+    pub(super) fn processors(&self) -> usize {
+        self.processors as usize
+    }
+
     /// Sets the number of episodes under way.
     pub(super) fn set_episodes(&self, episodes: u32) {
         self.bell().episodes.store(episodes, Ordering::Relaxed);

@@ -14,7 +14,7 @@ use b2b_benchmark::report::{Chart, RankBy, Series, leaderboard, step_rewards, wr
 use serde_json::{Value, json};
 
 use crate::definition::{Experiment, ReportKind};
-use crate::results::{JobResult, Results};
+use crate::results::Results;
 
 /// Tables and charts of a page.
 #[derive(Default)]
@@ -35,7 +35,7 @@ struct Content {
 pub fn write(file: &mut impl Write, experiment: &Experiment, results: &Results) -> std::io::Result<()> {
     let mut content = match experiment.report {
         ReportKind::Board => {
-            let entries: Vec<_> = results.done.iter().filter_map(JobResult::entry).collect();
+            let entries: Vec<_> = results.done.iter().filter_map(|done| done.entry.clone()).collect();
             return leaderboard::write(file, &entries, RankBy::default());
         }
         ReportKind::Scores => scores::content(experiment, results),

@@ -100,8 +100,7 @@ impl VecEnv {
 
     /// Returns the processor to pin an environment to; none if there are processors to spare, one of which the owner needs.
     fn processor(&self, index: usize) -> Option<u32> {
-        let processors = std::thread::available_parallelism().map_or(1, usize::from);
-        (self.len() >= processors).then_some(index as u32)
+        (self.len() >= self.workers.region().processors()).then_some(index as u32)
     }
 
     /// Waits until `count` environments are not busy.
