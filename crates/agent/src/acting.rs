@@ -98,6 +98,9 @@ impl Driver {
                 }
             };
         }
+        if let Some(base) = &mut self.base {
+            base.follow(&self.action);
+        }
         &self.action
     }
 }

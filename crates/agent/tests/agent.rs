@@ -96,6 +96,31 @@ fn corrections_are_within_their_authority_and_actions_within_bounds() {
     }
 }
 
+/// The cooling setpoint of the base controllers stays above a reheat setpoint that an agent has raised. Otherwise they would cool
+/// what it reheats, and lower the supply air temperature to its minimum.
+#[test]
+fn base_controllers_do_not_cool_a_zone_whose_reheat_setpoint_is_raised() {
+    let mut env = env("OfficeMedium-0626", "constant");
+    let spaces = Arc::clone(env.spaces());
+    let names = spaces.action.names();
+    let raised: Vec<f32> =
+        names.iter().map(|name| if name.ends_with("heating setpoint") { 0.02 } else { 0.0 }).collect();
+    let supply: Vec<usize> =
+        (0..names.len()).filter(|index| names[*index].ends_with("supply air temperature")).collect();
+    let mut pilot = Pilot::new(RESIDUAL, &spaces).unwrap();
+    let mut observation = env.reset().unwrap().to_vec();
+    let mut action = Vec::new();
+    for _ in 0..288 {
+        pilot.observe(&observation);
+        action = pilot.act(&raised).to_vec();
+        env.step(&action).unwrap();
+        observation = env.observation().to_vec();
+    }
+    let temperatures: Vec<f64> = supply.iter().map(|index| action[*index]).collect();
+    println!("{temperatures:?}");
+    assert!(temperatures.iter().all(|temperature| *temperature > 16.0), "{temperatures:?}");
+}
+
 #[test]
 fn an_agent_reads_back_as_it_was_written_and_acts_alike() {
     let folder = tempfile::tempdir().unwrap();

@@ -6,7 +6,7 @@
 //! bits, whatever the number of threads. [`offline`] learns from recorded episodes instead.
 
 pub mod collector;
-mod credit;
+pub mod credit;
 pub mod error;
 pub mod fragments;
 pub mod gaussian;

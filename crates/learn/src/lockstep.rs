@@ -15,6 +15,7 @@ use b2b_agent::{Interface, Pilot};
 use b2b_env::vector::VecEnv;
 
 use crate::collector::{Collector, count_lost};
+use crate::credit::Credit;
 use crate::error::Result;
 use crate::fragments::{RewardScale, spaces_of, stream};
 use crate::random::{Noise, Random};
@@ -80,14 +81,14 @@ impl LockstepCollector {
         for index in 0..environments.len() {
             let spaces = spaces_of(&environments, index)?;
             let pilot = Pilot::new(interface, spaces)?;
-            let (observation, action) = pilot.widths();
+            let own = widths_of(&pilot);
             if index == 0 || interface.nodes.is_some() {
-                widths = widths.covering(Widths { observation, action, parts: 1 });
+                widths = widths.covering(own);
             }
             progress.push(EnvProgress {
                 pilot,
                 scratch: None,
-                noise: Noise::new(action, correlation, Random::new(seed, 0)),
+                noise: Noise::new(own.action, correlation, Random::new(seed, 0)),
                 scale: scale(spaces)? as f32,
                 done: 0,
                 fragments: 0,
@@ -133,7 +134,7 @@ impl LockstepCollector {
     fn check_and_observe(&mut self, environment: usize) -> Result<()> {
         let pilot = &self.progress[environment].pilot;
         let name = &spaces_of(&self.environments, environment)?.building.name;
-        self.widths.check(name, pilot.widths(), pilot.graph().is_some())?;
+        self.widths.check(name, widths_of(pilot), pilot.graph().is_some())?;
         self.observe(environment)
     }
 
@@ -255,7 +256,8 @@ impl EnvProgress {
     fn begin_scene(&mut self, environment: usize) {
         if let Some(graph) = self.pilot.graph() {
             self.scenes.retain(|scene| scene.step < self.done);
-            self.scenes.push(Scene { environment, step: self.done, graph: Arc::clone(graph) });
+            let credit = Arc::new(Credit::joint(widths_of(&self.pilot)));
+            self.scenes.push(Scene { environment, step: self.done, graph: Arc::clone(graph), credit });
         }
     }
 
@@ -292,4 +294,10 @@ impl Collector for LockstepCollector {
         self.times[1] = began.elapsed();
         Ok(())
     }
+}
+
+/// Returns the widths of the building of a pilot, whose reward is in one part.
+fn widths_of(pilot: &Pilot) -> Widths {
+    let (observation, action) = pilot.widths();
+    Widths { observation, action, parts: 1 }
 }

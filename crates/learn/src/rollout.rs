@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use b2b_agent::network::Graph;
 
+use crate::credit::Credit;
 use crate::error::{Error, Result};
 
 /// Widths of the arrays of a rollout.
@@ -50,6 +51,8 @@ pub struct Scene {
     pub step: usize,
     /// The building.
     pub graph: Arc<Graph>,
+    /// What its actions are credited with.
+    pub credit: Arc<Credit>,
 }
 
 /// The end of an episode. It is a truncation: the return does not end there.
@@ -78,9 +81,8 @@ impl Widths {
     ///
     /// # Errors
     /// [`Error::Collect`] when it has others.
-    pub(crate) fn check(self, building: &str, widths: (usize, usize), is_graph: bool) -> Result<()> {
-        let fits = (widths.0 <= self.observation, widths.1 <= self.action) == (true, true);
-        if widths == (self.observation, self.action) || (is_graph && fits) {
+    pub(crate) fn check(self, building: &str, widths: Self, is_graph: bool) -> Result<()> {
+        if widths == self || (is_graph && self.covering(widths) == self) {
             return Ok(());
         }
         let why = match is_graph {
@@ -139,10 +141,14 @@ impl Rollout {
         -self.rewards.iter().map(|reward| f64::from(*reward)).sum::<f64>() / self.rows() as f64
     }
 
-    /// Returns the share of the last of `parts` parts in the mean penalty of a step.
-    pub(crate) fn mean_penalty_of_last_part(&self, parts: usize) -> f64 {
-        let last = self.rewards.iter().skip(parts - 1).step_by(parts);
-        -last.map(|reward| f64::from(*reward)).sum::<f64>() / self.rows() as f64
+    /// Returns the share of energy in the mean penalty of a step, whose reward has this number of parts. For flat networks energy
+    /// is the last part.
+    pub(crate) fn mean_energy_penalty(&self, parts: usize) -> f64 {
+        let energy = |(row, rewards): (usize, &[f32])| {
+            let scene = self.scenes.get(self.scene_of(row / self.steps, row % self.steps));
+            f64::from(rewards[scene.map_or(parts - 1, |scene| scene.credit.energy())])
+        };
+        -self.rewards.chunks_exact(parts).enumerate().map(energy).sum::<f64>() / self.rows() as f64
     }
 
     /// Returns the number of the scene of a step of an environment. Without graphs it is 0.

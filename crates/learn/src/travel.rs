@@ -13,18 +13,21 @@ pub(crate) struct TravelCost {
 }
 
 impl TravelCost {
-    /// Returns the cost in a building, of rewards with this number of parts: one, or one for each controlled zone and one for
-    /// energy. An actuator is charged to its own zone, or in equal shares to the zones that it serves, so that it is credited
-    /// with its own travel.
-    pub(crate) fn new(spaces: &Spaces, parts: usize) -> Self {
+    /// Returns the cost in a building, of rewards with this number of parts; `places` are those of the controlled zones and of
+    /// energy among them. An actuator is charged to its own zone, or in equal shares to the zones that it serves, so that it is
+    /// credited with its own travel.
+    pub(crate) fn new(spaces: &Spaces, places: &[usize], parts: usize) -> Self {
         let actuators = spaces.action.len();
         let mut shares = vec![0.0; actuators * parts];
         for (row, credits) in shares.chunks_exact_mut(parts).zip(credit(spaces)) {
-            let (energy, zones) = row.split_last_mut().expect("a reward has a part");
-            let served: f32 = credits.iter().take(zones.len()).sum();
+            let zones = credits.len() - 1;
+            let served: f32 = credits[..zones].iter().sum();
             match served > 0.0 {
-                true => zones.iter_mut().zip(credits).for_each(|(share, credit)| *share = credit / served),
-                false => *energy = 1.0,
+                true => places
+                    .iter()
+                    .zip(&credits[..zones])
+                    .for_each(|(place, credit)| row[*place] += credit / served),
+                false => row[places[zones]] += 1.0,
             }
             row.iter_mut().for_each(|share| *share /= actuators as f32);
         }

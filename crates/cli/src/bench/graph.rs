@@ -8,6 +8,7 @@ use b2b_agent::{Interface, Pilot};
 use b2b_building::{BuildingType, RunPeriod};
 use b2b_dataset::BuildingName;
 use b2b_env::{Spaces, Task};
+use b2b_learn::credit::Credit;
 use b2b_learn::ppo::{Ppo, PpoConfig};
 use b2b_learn::random::Random;
 use b2b_learn::rollout::{Rollout, Scene, Widths};
@@ -176,7 +177,11 @@ impl Learner {
             random.normals(&mut values);
             values
         };
-        let scene = |graph: &Arc<Graph>| Scene { environment: 0, step: 0, graph: Arc::clone(graph) };
+        let credit = Arc::new(Credit::joint(self.widths));
+        let scene = |graph: &Arc<Graph>| {
+            let (graph, credit) = (Arc::clone(graph), Arc::clone(&credit));
+            Scene { environment: 0, step: 0, graph, credit }
+        };
         Rollout {
             environments: 1,
             steps: STEPS,

@@ -81,6 +81,10 @@ struct Terminal {
     heating_opening: f64,
     cooling: Pi,
     request: Request,
+    /// Its last reheat setpoint, °C.
+    reheat: f64,
+    /// By how much a higher setpoint was used instead, K.
+    raised: f64,
 }
 
 impl AirLoop {
@@ -97,6 +101,8 @@ impl AirLoop {
             heating_opening: terminal.heating_opening,
             cooling: Pi::new(parameters.gains, [0.0, 1.0], hours, parameters.restart_jump),
             request: Request::default(),
+            reheat: 0.0,
+            raised: 0.0,
         });
         Self {
             parameters: parameters.clone(),
@@ -113,6 +119,14 @@ impl AirLoop {
         for terminal in &mut self.terminals {
             terminal.cooling.reset();
             terminal.request = Request::default();
+            terminal.raised = 0.0;
+        }
+    }
+
+    /// Takes the action that was used instead of the last one.
+    pub(super) fn follow(&mut self, used: &[f64]) {
+        for (index, terminal) in self.terminals.iter_mut().enumerate() {
+            terminal.raised = (used[hvac::AirLoop::reheat(index)] - terminal.reheat).max(0.0);
         }
     }
 
@@ -125,13 +139,16 @@ impl AirLoop {
             let (temperature, target) =
                 (observation[terminal.slots.temperature], terminal.slots.target.of(observation));
             let error = temperature - target;
-            let demand = terminal.cooling.step(error, target);
-            requests += terminal.request.count(rule, demand, error);
+            // The cooling setpoint stays a deadband above the reheat setpoint.
+            let excess = error - terminal.raised;
+            let demand = terminal.cooling.step(excess, target);
+            requests += terminal.request.count(rule, demand, excess);
             let min_opening = self.parameters.min_opening;
             let heating = (self.parameters.heating_gain * -error).clamp(0.0, terminal.heating_opening);
             let opening = min_opening + (1.0 - min_opening) * demand.max(heating);
             action[hvac::AirLoop::damper(index)] = opening;
-            action[hvac::AirLoop::reheat(index)] = target - self.parameters.deadband;
+            terminal.reheat = target - self.parameters.deadband;
+            action[hvac::AirLoop::reheat(index)] = terminal.reheat;
             flow += opening * terminal.design_flow;
             heat += opening * terminal.design_flow * temperature;
         }

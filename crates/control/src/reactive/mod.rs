@@ -75,6 +75,17 @@ impl Reactive {
         json!({ "reactive": parameters })
     }
 
+    /// Takes the action that was used instead of the last one of [`act`](Controller::act), as by an agent that corrects it. Air loops
+    /// begin to cool a zone above the reheat setpoint that is in use; otherwise a zone whose setpoint was raised would be
+    /// reheated and cooled at once, and its requests would lower the supply air temperature of all zones.
+    pub fn follow(&mut self, used: &[f64]) {
+        for (system, range) in &mut self.systems {
+            if let Loop::AirLoop(air_loop) = system {
+                air_loop.follow(&used[range.clone()]);
+            }
+        }
+    }
+
     /// Creates controllers for an environment, with the parameters tuned for its class of buildings and the objective of its
     /// task.
     pub fn for_env(environment: &dyn Environment) -> Self {

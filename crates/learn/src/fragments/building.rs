@@ -6,7 +6,9 @@ use b2b_agent::network::Graph;
 use b2b_agent::{AgentObservation, Interface, NodePlan};
 use b2b_env::Spaces;
 
+use crate::credit::Credit;
 use crate::error::Result;
+use crate::rollout::Widths;
 
 /// A building as a graph network sees it.
 #[derive(Clone, Debug)]
@@ -15,19 +17,28 @@ pub(crate) struct GraphBuilding {
     pub(super) plan: NodePlan,
     /// Its graph.
     pub(super) graph: Arc<Graph>,
+    /// What its actions are credited with.
+    pub(super) credit: Arc<Credit>,
 }
 
 impl GraphBuilding {
-    /// Returns a building that has its model; `None` for flat networks.
-    pub(crate) fn of(interface: Interface, spaces: &Arc<Spaces>) -> Result<Option<Self>> {
+    /// Returns a building that has its model; `None` for flat networks. With `by_node`, a reward has a part for every node.
+    pub(crate) fn of(interface: Interface, by_node: bool, spaces: &Arc<Spaces>) -> Result<Option<Self>> {
         let Some(form) = interface.nodes else { return Ok(None) };
         let plan = NodePlan::of(form, spaces)?;
-        let graph = Arc::new(AgentObservation::by_node(interface, spaces, &plan)?.graph);
-        Ok(Some(Self { plan, graph }))
+        let graph = AgentObservation::by_node(interface, spaces, &plan)?.graph;
+        let credit = match by_node {
+            true => Credit::by_node(spaces, &plan, &graph),
+            false => {
+                Credit::joint(Widths { observation: graph.width(), action: graph.actions.len(), parts: 1 })
+            }
+        };
+        Ok(Some(Self { plan, graph: Arc::new(graph), credit: Arc::new(credit) }))
     }
 
-    /// Returns the widths of its observation and of its actions.
-    pub(crate) fn widths(&self) -> (usize, usize) {
-        (self.graph.width(), self.graph.actions.len())
+    /// Returns the widths of its observation, of its actions and of the parts of a reward.
+    pub(crate) fn widths(&self) -> Widths {
+        let Self { graph, credit, .. } = self;
+        Widths { observation: graph.width(), action: graph.actions.len(), parts: credit.parts().len() }
     }
 }

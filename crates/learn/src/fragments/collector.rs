@@ -1,9 +1,11 @@
 //! The owner's side: rollouts of environments in worker processes.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use b2b_agent::network::Actor;
 use b2b_agent::{Interface, Pilot, attributes};
+use b2b_building::morphology::NodeType;
 use b2b_env::Spaces;
 use b2b_env::vector::{SharedMemory, VecEnv};
 
@@ -28,6 +30,8 @@ pub type RewardScale = Box<dyn Fn(&Spaces) -> Result<f64> + Send>;
 pub struct FragmentCollector {
     environments: VecEnv,
     interface: Interface,
+    /// Whether a reward has parts by zone.
+    by_zone: bool,
     widths: Widths,
     scale: RewardScale,
     seed: u64,
@@ -47,8 +51,8 @@ pub struct FragmentCollector {
 }
 
 impl FragmentCollector {
-    /// Begins the first episodes. With `by_zone` a reward has a part for each controlled zone and one for energy, so that all
-    /// buildings must have the same zones. `correlation` is that of the exploration noise between consecutive steps, `travel_cost`
+    /// Begins the first episodes. With `by_zone` a reward has a part for each controlled zone and one for energy: for flat networks
+    /// all buildings must have the same zones, for graph networks each part is that of its node. `correlation` is that of the exploration noise between consecutive steps, `travel_cost`
     /// what a full stroke costs, averaged over the actuators, in the unit of the scaled rewards.
     ///
     /// # Errors
@@ -64,16 +68,18 @@ impl FragmentCollector {
     ) -> Result<Self> {
         environments.reset(seed)?;
         let mut progress = Vec::with_capacity(environments.len());
-        let parts = if by_zone { spaces_of(&environments, 0)?.controlled_zones().count() + 1 } else { 1 };
-        let mut widths = Widths { observation: 0, action: 0, parts };
+        let mut widths = Widths { observation: 0, action: 0, parts: 1 };
         for index in 0..environments.len() {
             let spaces = spaces_of(&environments, index)?;
-            let building = GraphBuilding::of(interface, spaces)?;
-            let (observation, action) = match &building {
+            let building = GraphBuilding::of(interface, by_zone, spaces)?;
+            widths = widths.covering(match &building {
                 Some(building) => building.widths(),
-                None => Pilot::new(interface, spaces)?.widths(),
-            };
-            widths = widths.covering(Widths { observation, action, parts });
+                None => {
+                    let (observation, action) = Pilot::new(interface, spaces)?.widths();
+                    let parts = if by_zone { spaces.controlled_zones().count() + 1 } else { 1 };
+                    Widths { observation, action, parts }
+                }
+            });
             let attributes = attributes(interface.observation, spaces)?;
             progress.push(Progress::new(scale(spaces)? as f32, building, attributes));
         }
@@ -81,6 +87,7 @@ impl FragmentCollector {
             memory: environments.workers().memory(),
             environments,
             interface,
+            by_zone,
             widths,
             scale,
             seed,
@@ -131,7 +138,7 @@ impl FragmentCollector {
         self.environments.reset_after(self.seed, &skipped)?;
         for (index, episodes) in episodes.into_iter().enumerate() {
             let spaces = spaces_of(&self.environments, index)?;
-            let building = GraphBuilding::of(self.interface, spaces)?;
+            let building = GraphBuilding::of(self.interface, self.by_zone, spaces)?;
             let scale = (self.scale)(spaces)? as f32;
             let attributes = attributes(self.interface.observation, spaces)?;
             let actions = state.values_f32(&actions_of(index))?;
@@ -164,6 +171,13 @@ impl FragmentCollector {
             .iter_mut()
             .enumerate()
             .for_each(|(environment, progress)| progress.begin_rollout(environment));
+    }
+
+    /// Returns the names of the node types of the buildings of the episodes in progress, for graph networks.
+    pub fn node_types(&self) -> Vec<String> {
+        let graphs = self.progress.iter().filter_map(|progress| progress.building.as_ref());
+        let types: BTreeSet<usize> = graphs.flat_map(|building| building.graph.types.clone()).collect();
+        types.into_iter().map(|index| NodeType::ALL[index].name().to_owned()).collect()
     }
 
     /// Returns how many episodes ended.
@@ -307,7 +321,7 @@ impl FragmentCollector {
         let progress = &mut self.progress[environment];
         progress.scale = (self.scale)(spaces)? as f32;
         progress.attributes = attributes(self.interface.observation, spaces)?;
-        progress.building = GraphBuilding::of(self.interface, spaces)?;
+        progress.building = GraphBuilding::of(self.interface, self.by_zone, spaces)?;
         if let Some(building) = &progress.building {
             self.widths.check(&spaces.building.name, building.widths(), true)?;
         }

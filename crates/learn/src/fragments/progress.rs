@@ -73,9 +73,10 @@ impl Progress {
     /// Notes scale and building from this step on.
     pub(super) fn begin_scene(&mut self, environment: usize) {
         self.scales.push((self.done, self.scale));
-        if let Some(GraphBuilding { graph, .. }) = &self.building {
+        if let Some(GraphBuilding { graph, credit, .. }) = &self.building {
             self.scenes.retain(|scene| scene.step < self.done);
-            self.scenes.push(Scene { environment, step: self.done, graph: Arc::clone(graph) });
+            let (graph, credit) = (Arc::clone(graph), Arc::clone(credit));
+            self.scenes.push(Scene { environment, step: self.done, graph, credit });
         }
     }
 

@@ -8,6 +8,7 @@ use b2b_env::vector::{ControllerRunner, RolloutOrder, Runner, RunnerError, Share
 use b2b_env::{Env, Reward};
 
 use super::order::{Order, Purpose};
+use crate::credit::part_places;
 use crate::random::{Noise, Random};
 use crate::travel::TravelCost;
 
@@ -22,15 +23,13 @@ pub fn make_runner(env: &Env, order: &[u8]) -> Result<Box<dyn Runner>, RunnerErr
         return Ok(Box::new(ControllerRunner::new(controller, env)));
     }
     let order: Order = serde_json::from_slice(order)?;
-    let Order { interface, plan, attributes, .. } = &order;
-    let mut pilot = Pilot::without_model(*interface, env.spaces(), plan.as_ref(), attributes)?;
+    let Order { interface, plan, attributes, shape, distribution, block, .. } = order;
+    let mut pilot = Pilot::without_model(interface, env.spaces(), plan.as_ref(), &attributes)?;
     pilot.observe(env.observation());
-    let actor = Actor {
-        parameters: vec![0.0; order.shape.parameters()],
-        shape: order.shape,
-        distribution: order.distribution,
-    };
+    let actor = Actor { parameters: vec![0.0; shape.parameters()], shape, distribution };
     let scratch = actor.scratch(pilot.graph());
+    let parts = block.parts();
+    let places = part_places(env.spaces(), plan.as_ref(), parts);
     if (scratch.observations(), scratch.actions()) != pilot.widths() {
         let name = &env.building().name;
         return Err(format!("the observation or the actuators of {name} do not match the network").into());
@@ -38,8 +37,9 @@ pub fn make_runner(env: &Env, order: &[u8]) -> Result<Box<dyn Runner>, RunnerErr
     Ok(Box::new(FragmentRunner {
         action: vec![0.0; scratch.actions()],
         scratch,
-        rewards: vec![0.0; order.block.parts()],
-        travel: TravelCost::new(env.spaces(), order.block.parts()),
+        rewards: vec![0.0; parts],
+        travel: TravelCost::new(env.spaces(), &places, parts),
+        places,
         actor,
         pilot,
         version: None,
@@ -55,6 +55,8 @@ struct FragmentRunner {
     action: Vec<f32>,
     /// Parts of the reward of a step.
     rewards: Vec<f32>,
+    /// Places of the controlled zones and of energy among the parts.
+    places: Vec<usize>,
     travel: TravelCost,
 }
 
@@ -113,7 +115,7 @@ impl FragmentRunner {
         }
     }
 
-    /// Records the reward: as a whole, or a part for each controlled zone and one for energy, less the cost of travel.
+    /// Records the reward: as a whole, or with a part for each controlled zone and one for energy, less the cost of travel.
     fn record_reward(
         &mut self,
         order: &Order,
@@ -124,14 +126,15 @@ impl FragmentRunner {
     ) {
         match &mut self.rewards[..] {
             [whole] => *whole = reward.total() as f32,
-            [zones @ .., energy] => {
+            parts => {
+                let (energy, zones) = self.places.split_last().expect("energy has a part");
                 let count = zones.len() as f64;
-                for (part, penalty) in zones.iter_mut().zip(env.comfort_penalties()) {
-                    *part = (-penalty / count) as f32;
+                parts.fill(0.0);
+                for (place, penalty) in zones.iter().zip(env.comfort_penalties()) {
+                    parts[*place] = (-penalty / count) as f32;
                 }
-                *energy = -reward.energy_penalty as f32;
+                parts[*energy] = -reward.energy_penalty as f32;
             }
-            [] => {}
         }
         if order.travel_cost > 0.0 {
             self.travel.subtract(env.metrics(), order.travel_cost, &mut self.rewards);

@@ -1,6 +1,6 @@
 //! The losses of PPO and their gradients with respect to the outputs of the networks.
 
-use super::credit::Credit;
+use crate::credit::Credit;
 use crate::gaussian::{entropy, log_density, log_density_gradient};
 
 /// Losses and statistics of a minibatch, as means over its rows.
@@ -115,22 +115,24 @@ pub fn group_log_density(
     credit.actions(group, action.len()).map(|each| log_density(action[each], mean[each], log_std[each])).sum()
 }
 
-/// Writes the gradients of `coefficient` × mean squared error of values, rows × parts, over a minibatch of `total` values, and
-/// returns the share of these values in the mean squared error.
+/// Writes the gradients of `coefficient` × mean squared error of the values of a step, over a minibatch of this number of rows, and
+/// returns the share of these values in the mean squared error. Parts without rewards do not count.
 pub fn value_loss(
     values: &[f32],
     returns: &[f32],
-    coefficient: f32,
-    total: usize,
+    credit: &Credit,
+    (coefficient, rows): (f32, usize),
     gradients: &mut [f32],
 ) -> f64 {
+    let count = rows * credit.parts().iter().flatten().count();
     let mut squares = 0.0;
-    for ((value, target), gradient) in values.iter().zip(returns).zip(gradients) {
-        let error = value - target;
+    gradients.fill(0.0);
+    for (part, _) in credit.parts().iter().enumerate().filter(|(_, kind)| kind.is_some()) {
+        let error = values[part] - returns[part];
         squares += f64::from(error * error);
-        *gradient = coefficient * 2.0 * error / total as f32;
+        gradients[part] = coefficient * 2.0 * error / count as f32;
     }
-    squares / total as f64
+    squares / count as f64
 }
 
 #[cfg(test)]
@@ -208,7 +210,8 @@ mod tests {
     fn gradients_of_values_are_those_of_finite_differences() {
         let (values, returns) = ([0.5, -1.0, 2.0, 0.3], [0.0, 1.0, 2.5, -0.1]);
         let mut gradients = [0.0; 4];
-        let found = value_loss(&values, &returns, 0.5, 4, &mut gradients);
+        let credit = Credit::joint(Widths { observation: 1, action: ACTIONS, parts: 4 });
+        let found = value_loss(&values, &returns, &credit, (0.5, 1), &mut gradients);
         let loss = |values: &[f64]| {
             values
                 .iter()

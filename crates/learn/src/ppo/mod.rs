@@ -4,14 +4,13 @@
 //!
 //! 1. Values and log densities of the steps of the rollout, under the parameters that made them.
 //! 2. Advantages and returns of each part of the reward, by generalized advantage estimation ([`advantage`]). Each action gets
-//!    those of its parts ([`credit`]).
+//!    those of its parts ([`credit`](crate::credit)).
 //! 3. Epochs of minibatches: losses ([`loss`]) and gradients, clipped, and a step of Adam.
 //!
 //! Actions are of a diagonal Gaussian and are not bounded: environments clip them. Actor and critic are separate networks.
 
 pub mod advantage;
 mod config;
-pub mod credit;
 mod features;
 pub mod loss;
 mod networks;
@@ -27,12 +26,12 @@ use b2b_agent::network::{Actor, Graph, GraphNetwork};
 pub use config::{LogStd, PpoConfig};
 pub use update::Update;
 
+use crate::credit::Credit;
 use crate::error::{Error, Result};
 use crate::nn::Adam;
 use crate::random::Random;
 use crate::rollout::Widths;
 use crate::state::State;
-use credit::Credit;
 use features::FeatureScale;
 use networks::Networks;
 use samples::Samples;
@@ -45,7 +44,10 @@ pub struct Ppo {
     config: PpoConfig,
     widths: Widths,
     networks: Networks,
-    credit: Credit,
+    /// Credit of the buildings of the rollout: for flat networks one, for graph networks one for each of its scenes.
+    credits: Vec<Arc<Credit>>,
+    /// Number of groups of actions of the largest building.
+    groups: usize,
     parameters: Vec<f32>,
     /// Running average of the parameters.
     average: Vec<f32>,
@@ -83,7 +85,7 @@ impl Ppo {
     /// are those of the largest building. With `normalize`, features have mean 0 and deviation 1 over all nodes of a type.
     ///
     /// # Errors
-    /// As [`Ppo::new`]; when a reward has several parts, or there is a credit matrix.
+    /// As [`Ppo::new`]; when there is a credit matrix.
     pub fn of_graphs(
         network: &GraphNetwork,
         widths: Widths,
@@ -91,8 +93,8 @@ impl Ppo {
         normalize: bool,
         seed: u64,
     ) -> Result<Self> {
-        if widths.parts != 1 {
-            return Err(Error::config("parts", widths.parts, "it must be 1 for graph networks"));
+        if config.credit.is_some() {
+            return Err(Error::config("credit", "a matrix", "graph networks have that of their scenes"));
         }
         let networks = Networks::new(widths, &config, Some(network));
         Self::with_networks(networks, FeatureScale::new(&network.types, normalize), config, seed)
@@ -108,11 +110,13 @@ impl Ppo {
         let widths = networks.widths;
         let mut random = Random::new(seed, 0);
         let parameters = networks.initialize(&config, &mut random);
+        let credit = Credit::new(config.credit.as_deref(), widths)?;
         Ok(Self {
-            credit: Credit::new(config.credit.as_deref(), widths)?,
+            groups: if networks.is_by_node() { widths.action } else { credit.groups() },
+            credits: vec![Arc::new(credit)],
             adam: Adam::new(parameters.len(), config.adam_epsilon),
             rate: 1.0,
-            scale: ValueScale::new(widths.parts, config.value_rate),
+            scale: ValueScale::new(networks.value_kinds(), config.value_rate),
             gradients: vec![0.0; parameters.len()],
             average: parameters.clone(),
             workers: vec![Worker::new(&networks)],

@@ -6,6 +6,7 @@ use b2b_agent::network::graph::{EncoderPlaces, NodeWidths};
 use b2b_agent::network::{Actor, Distribution, Graph, GraphNetwork, LOG_STD, Layer, Mlp, Shape};
 
 use super::{LogStd, PpoConfig};
+use crate::nn::graph::Readout;
 use crate::nn::{Gains, graph, orthogonal};
 use crate::random::Random;
 use crate::rollout::Widths;
@@ -16,7 +17,8 @@ use crate::rollout::Widths;
 pub(super) struct Networks {
     /// Shape of the actor: outputs are means and, if they depend on the observation, logarithms of standard deviations.
     pub actor: Shape,
-    /// Shape of the critic: a value per part of the reward; of a graph network one of each node, whose mean is the value.
+    /// Shape of the critic: a value per part of the reward; of a graph network one of each node, whose mean is the value if the
+    /// reward is not in parts.
     pub critic: Shape,
     pub widths: Widths,
     /// Whether standard deviations depend on the observation.
@@ -116,12 +118,38 @@ impl Networks {
         self.ends[1]..self.ends[2]
     }
 
-    /// Returns the last layers of the critic. Their places are those within the parameters of the critic.
-    pub fn value_layers(&self) -> Vec<Layer> {
+    /// Returns the last layers of the critic and their outputs that have the values of a kind of parts. Their places are those
+    /// within the parameters of the critic.
+    pub fn value_outputs(&self, kind: usize) -> Vec<(Layer, usize)> {
         match &self.critic {
-            Shape::Mlp(mlp) => mlp.layers().last().into_iter().collect(),
-            Shape::Graph(network) => network.places().decoders,
+            Shape::Mlp(mlp) => mlp.layers().last().map(|layer| (layer.clone(), kind)).into_iter().collect(),
+            Shape::Graph(network) => {
+                let decoders = network.places().decoders.into_iter().enumerate();
+                let is_read = |(node_type, _): &(usize, Layer)| !self.is_by_node() || *node_type == kind;
+                decoders.filter(is_read).map(|(_, layer)| (layer, 0)).collect()
+            }
         }
+    }
+
+    /// Returns the number of kinds of parts of the reward.
+    pub fn value_kinds(&self) -> usize {
+        match &self.critic {
+            Shape::Graph(network) if self.is_by_node() => network.types.len(),
+            Shape::Mlp(_) | Shape::Graph(_) => self.widths.parts,
+        }
+    }
+
+    /// Returns how a graph network's outputs become values.
+    pub fn values(&self) -> Readout {
+        match self.is_by_node() {
+            true => Readout::Nodes { nodes: self.widths.parts },
+            false => Readout::Mean,
+        }
+    }
+
+    /// Returns whether the reward has a part for every node of a building.
+    pub fn is_by_node(&self) -> bool {
+        self.critic.graph().is_some() && self.widths.parts > 1
     }
 
     /// Returns the actor with these parameters.

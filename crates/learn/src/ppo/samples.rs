@@ -1,5 +1,8 @@
 //! Steps as PPO learns from them: those of a rollout, and those of a minibatch.
 
+use std::sync::Arc;
+
+use crate::credit::Credit;
 use crate::rollout::{Rollout, Widths};
 
 /// Rows of steps.
@@ -42,19 +45,34 @@ impl Samples {
         gather(&mut self.returns, &all.returns, rows, widths.parts);
     }
 
-    /// Brings the advantages of each group to mean 0 and deviation 1, as Stable-Baselines3 does. One row stays as it is.
-    pub fn normalize_advantages(&mut self, groups: usize) {
-        let rows = self.advantages.len() / groups;
-        for group in 0..if rows > 1 { groups } else { 0 } {
-            let of_group =
-                || self.advantages.iter().skip(group).step_by(groups).map(|value| f64::from(*value));
-            let mean = of_group().sum::<f64>() / rows as f64;
-            let variance = of_group().map(|value| (value - mean).powi(2)).sum::<f64>() / (rows - 1) as f64;
-            let scale = 1.0 / (variance.sqrt() + 1e-8);
-            for value in self.advantages.iter_mut().skip(group).step_by(groups) {
-                *value = ((f64::from(*value) - mean) * scale) as f32;
+    /// Brings the advantages of each kind of group to mean 0 and deviation 1, as Stable-Baselines3 does. One of a kind stays as it
+    /// is. `groups` is the width of a row.
+    pub fn normalize_advantages(&mut self, groups: usize, credits: &[Arc<Credit>]) {
+        let kinds = 1 + credits.iter().flat_map(|credit| credit.kinds()).max().copied().unwrap_or_default();
+        let Self { advantages, scenes, .. } = self;
+        let mut each = |apply: &mut dyn FnMut(usize, &mut f32)| {
+            for (row, scene) in advantages.chunks_exact_mut(groups).zip(scenes.iter()) {
+                row.iter_mut().zip(credits[*scene].kinds()).for_each(|(value, kind)| apply(*kind, value));
             }
-        }
+        };
+        let (mut counts, mut means) = (vec![0usize; kinds], vec![0.0; kinds]);
+        each(&mut |kind, value| {
+            counts[kind] += 1;
+            means[kind] += f64::from(*value);
+        });
+        means.iter_mut().zip(&counts).for_each(|(mean, count)| *mean /= (*count).max(1) as f64);
+        let mut squares = vec![0.0; kinds];
+        each(&mut |kind, value| squares[kind] += (f64::from(*value) - means[kind]).powi(2));
+        let scale = |(squares, count): (&f64, &usize)| {
+            let variance = squares / count.saturating_sub(1) as f64;
+            1.0 / (variance.sqrt() + 1e-8)
+        };
+        let scales: Vec<f64> = squares.iter().zip(&counts).map(scale).collect();
+        each(&mut |kind, value| {
+            if counts[kind] > 1 {
+                *value = ((f64::from(*value) - means[kind]) * scales[kind]) as f32;
+            }
+        });
     }
 }
 
@@ -68,9 +86,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn advantages_are_normalized_by_group() {
-        let mut samples = Samples { advantages: vec![1.0, 10.0, 3.0, 10.0, 5.0, 40.0], ..Samples::default() };
-        samples.normalize_advantages(2);
+    fn advantages_are_normalized_by_kind() {
+        let credit = |matrix: &[Vec<f32>]| {
+            let widths = Widths { observation: 1, action: matrix.len(), parts: 2 };
+            Arc::new(Credit::new(Some(matrix), widths).unwrap())
+        };
+        let two = credit(&[vec![1.0, 0.0], vec![0.0, 1.0]]);
+        let advantages = vec![1.0, 10.0, 3.0, 10.0, 5.0, 40.0];
+        let mut samples = Samples { advantages, scenes: vec![0; 3], ..Samples::default() };
+        samples.normalize_advantages(2, &[Arc::clone(&two)]);
         let expected = [-1.0, -0.57735, 0.0, -0.57735, 1.0, 1.1547];
         assert!(samples.advantages.iter().zip(expected).all(|(a, b): (&f32, f32)| (a - b).abs() < 1e-5));
     }

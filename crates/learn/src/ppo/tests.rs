@@ -136,7 +136,8 @@ fn a_rollout_of_other_widths_is_an_error() {
 
 /// Returns the loss of a minibatch in double precision.
 fn loss(batch: &Minibatch<'_>, parameters: &[f64]) -> f64 {
-    let Minibatch { networks, credit, samples, config, .. } = batch;
+    let Minibatch { networks, credits, samples, config, .. } = batch;
+    let credit = &credits[0];
     let mut sum = 0.0;
     for row in 0..batch.rows {
         let input = wide(&samples.observations[row * 4..][..4]);
@@ -176,7 +177,8 @@ fn gradients_of_all_parameters_are_those_of_finite_differences() {
         let batch = Minibatch {
             config: &ppo.config,
             networks: &ppo.networks,
-            credit: &ppo.credit,
+            credits: &ppo.credits,
+            groups: ppo.groups,
             parameters: &parameters,
             samples: &ppo.samples,
             graphs: &[],

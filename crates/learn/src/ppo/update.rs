@@ -7,6 +7,8 @@ use b2b_agent::network::graph::Batch;
 use super::Ppo;
 use super::advantage::{Values, advantages};
 use super::loss::Losses;
+use super::samples::Samples;
+use super::scale::Rows;
 use super::worker::{Minibatch, Worker};
 use crate::error::{Error, Result};
 use crate::nn::{chunk, chunk_count, clip_norm, for_each, threads_for};
@@ -65,7 +67,6 @@ impl Ppo {
     /// When an array of the rollout has a wrong length, or losses or gradients were not finite in three updates in a row.
     pub fn update(&mut self, rollout: &Rollout) -> Result<Update> {
         rollout.check(self.widths)?;
-        self.graphs = rollout.scenes.iter().map(|scene| Arc::clone(&scene.graph)).collect();
         let explained_variance = self.prepare(rollout);
         let learning_rate = self.learning_rate() * self.rate;
         let mut update = Update { explained_variance, learning_rate, ..Update::default() };
@@ -110,39 +111,57 @@ impl Ppo {
 
     /// Computes log densities, advantages and returns of the steps. Returns the explained variance.
     pub(super) fn prepare(&mut self, rollout: &Rollout) -> f64 {
+        if !rollout.scenes.is_empty() {
+            self.graphs = rollout.scenes.iter().map(|scene| Arc::clone(&scene.graph)).collect();
+            self.credits = rollout.scenes.iter().map(|scene| Arc::clone(&scene.credit)).collect();
+        }
         self.samples.read(rollout);
         self.evaluate_actions();
         let values = self.evaluate(rollout);
         let mut of_parts = vec![0.0; values.steps.len()];
         advantages(rollout, &values, self.config.gamma, self.config.gae_lambda, &mut of_parts);
-        self.samples.advantages.resize(rollout.rows() * self.credit.groups(), 0.0);
-        self.credit.assign(&of_parts, &mut self.samples.advantages);
+        self.assign_credit(&of_parts);
         let returns = &mut self.samples.returns;
         returns.clear();
         returns.extend(of_parts.iter().zip(&values.steps).map(|(advantage, value)| advantage + value));
         let explained = explained_variance(&values.steps, returns, self.widths.parts);
         if self.config.normalize_values {
             let critic = &mut self.parameters[self.networks.critics()];
-            self.scale.update(returns, &self.networks.value_layers(), critic);
-            self.scale.normalize(returns);
+            let (scenes, parts) = (&self.samples.scenes, self.widths.parts);
+            let rows = Rows { credits: &self.credits, scenes, parts };
+            self.scale.update(rows, returns, |kind| self.networks.value_outputs(kind), critic);
+            self.scale.normalize(rows, returns);
         }
         explained
     }
 
+    /// Computes the advantages of the groups of actions from those of the parts of the reward, rows × parts.
+    fn assign_credit(&mut self, of_parts: &[f32]) {
+        let (parts, Samples { advantages, scenes, .. }) = (self.widths.parts, &mut self.samples);
+        advantages.clear();
+        advantages.resize(scenes.len() * self.groups, 0.0);
+        let rows = of_parts.chunks_exact(parts).zip(advantages.chunks_exact_mut(self.groups));
+        for ((of_parts, of_groups), scene) in rows.zip(scenes.iter()) {
+            self.credits[*scene].assign(of_parts, of_groups);
+        }
+    }
+
     fn evaluate_actions(&mut self) {
-        let Self { samples, workers, networks, credit, parameters, widths, graphs, .. } = self;
+        let Self { samples, workers, networks, credits, groups, parameters, widths, graphs, .. } = self;
         samples.old.clear();
         let observations = samples.observations.chunks(BLOCK * widths.observation);
         let actions = samples.actions.chunks(BLOCK * widths.action);
         for ((observations, actions), of_rows) in observations.zip(actions).zip(samples.scenes.chunks(BLOCK))
         {
             let batch = Batch { graphs, of_rows, observations, width: widths.observation };
-            workers[0].log_densities(networks, credit, parameters, (batch, actions), &mut samples.old);
+            let credits = (&credits[..], *groups);
+            workers[0].log_densities(networks, credits, parameters, (batch, actions), &mut samples.old);
         }
     }
 
-    fn evaluate(&mut self, rollout: &Rollout) -> Values {
-        let Self { workers, networks, parameters, widths, scale, config, graphs, samples, .. } = self;
+    pub(super) fn evaluate(&mut self, rollout: &Rollout) -> Values {
+        let Self { workers, networks, parameters, widths, scale, config, graphs, credits, samples, .. } =
+            self;
         let mut of = |observations: &[f32], scenes: &[usize]| {
             let mut values = Vec::new();
             for (observations, of_rows) in
@@ -152,7 +171,7 @@ impl Ppo {
                 workers[0].values(networks, parameters, batch, &mut values);
             }
             if config.normalize_values {
-                scale.denormalize(&mut values);
+                scale.denormalize(Rows { credits, scenes, parts: widths.parts }, &mut values);
             }
             values
         };
@@ -191,10 +210,9 @@ impl Ppo {
 
     /// Learns from a minibatch of these rows, and adds its losses to the sums.
     fn learn(&mut self, rows: &[usize], sums: &mut Losses, update: &mut Update) -> Outcome {
-        let groups = self.credit.groups();
-        self.minibatch.gather(&self.samples, rows, self.widths, groups);
+        self.minibatch.gather(&self.samples, rows, self.widths, self.groups);
         if self.config.normalize_advantage {
-            self.minibatch.normalize_advantages(groups);
+            self.minibatch.normalize_advantages(self.groups, &self.credits);
         }
         let losses = self.differentiate(rows.len());
         if self.config.target_kl.is_some_and(|target| losses.kl > KL_FACTOR * f64::from(target)) {
@@ -217,14 +235,25 @@ impl Ppo {
     /// Computes the gradients of the minibatch, and returns its losses.
     fn differentiate(&mut self, rows: usize) -> Losses {
         let Self {
-            workers, networks, config, credit, parameters, minibatch, graphs, gradients, threads, ..
+            workers,
+            networks,
+            config,
+            credits,
+            groups,
+            parameters,
+            minibatch,
+            graphs,
+            gradients,
+            threads,
+            ..
         } = self;
         let used = chunk_count(rows);
         while workers.len() < used {
             workers.push(Worker::new(networks));
         }
         let workers = &mut workers[..used];
-        let batch = Minibatch { config, networks, credit, parameters, samples: minibatch, graphs, rows };
+        let (samples, groups) = (&*minibatch, *groups);
+        let batch = Minibatch { config, networks, credits, groups, parameters, samples, graphs, rows };
         let threads = threads_for(rows, batch.parameters.len(), *threads);
         for_each(workers, threads, |index, worker| worker.learn(&batch, chunk(rows, index)));
         gradients.fill(0.0);

@@ -7,10 +7,10 @@ use b2b_agent::network::graph::Batch;
 use b2b_agent::network::{Graph, Shape};
 
 use super::PpoConfig;
-use super::credit::Credit;
 use super::loss::{Losses, PolicyLoss, Step, group_log_density, value_loss};
 use super::networks::Networks;
 use super::samples::Samples;
+use crate::credit::Credit;
 use crate::nn::graph::{GraphPass, Readout};
 use crate::nn::{Pass, sized};
 
@@ -19,7 +19,10 @@ use crate::nn::{Pass, sized};
 pub(super) struct Minibatch<'a> {
     pub config: &'a PpoConfig,
     pub networks: &'a Networks,
-    pub credit: &'a Credit,
+    /// Credits of the buildings.
+    pub credits: &'a [Arc<Credit>],
+    /// Width of a row of advantages.
+    pub groups: usize,
     pub parameters: &'a [f32],
     pub samples: &'a Samples,
     /// Buildings of the scenes of the rollout.
@@ -31,7 +34,7 @@ pub(super) struct Minibatch<'a> {
 impl<'a> Minibatch<'a> {
     /// Returns the step of a row with these outputs of the actor.
     fn step(&self, row: usize, outputs: &'a [f32], log_std: &'a [f32]) -> Step<'a> {
-        let (groups, actions) = (self.credit.groups(), log_std.len());
+        let (groups, actions) = (self.groups, log_std.len());
         Step {
             action: &self.samples.actions[row * self.networks.widths.action..][..actions],
             mean: &outputs[..actions],
@@ -50,6 +53,11 @@ impl<'a> Minibatch<'a> {
             observations: &self.samples.observations[times(rows, width)],
             width,
         }
+    }
+
+    /// Returns the credit of a row.
+    fn credit(&self, row: usize) -> &'a Credit {
+        &self.credits[self.samples.scenes[row]]
     }
 
     /// Returns the building of a row, of a graph network.
@@ -123,7 +131,7 @@ impl Worker {
         let (actions, of_state) = (networks.widths.action, networks.of_state());
         Self {
             actor: NetworkPass::new(&networks.actor, Readout::Actions { actions, of_state }),
-            critic: NetworkPass::new(&networks.critic, Readout::Mean),
+            critic: NetworkPass::new(&networks.critic, networks.values()),
             log_std: [vec![0.0; actions], vec![0.0; actions]],
             outputs: Default::default(),
             gradients: vec![0.0; networks.critics().end],
@@ -160,12 +168,6 @@ impl Worker {
     fn add_policy_loss(&mut self, batch: &Minibatch<'_>, rows: Range<usize>) {
         let Minibatch { networks, config, .. } = batch;
         let width = networks.outputs();
-        let loss = PolicyLoss {
-            credit: batch.credit,
-            clip_range: config.clip_range,
-            entropy_coefficient: config.entropy_coefficient,
-            rows: batch.rows,
-        };
         let [log_std, log_std_gradients] = &mut self.log_std;
         let outputs = self.actor.outputs().chunks_exact(width);
         for (row, (outputs, gradients)) in rows.zip(outputs.zip(self.outputs[0].chunks_exact_mut(width))) {
@@ -173,6 +175,12 @@ impl Worker {
             networks.write_log_std(batch.parameters, outputs, graph, log_std);
             let actions = graph.map_or(networks.widths.action, |graph| graph.actions.len());
             let step = batch.step(row, outputs, &log_std[..actions]);
+            let loss = PolicyLoss {
+                credit: batch.credit(row),
+                clip_range: config.clip_range,
+                entropy_coefficient: config.entropy_coefficient,
+                rows: batch.rows,
+            };
             let (means, of_state) = gradients.split_at_mut(networks.widths.action);
             if networks.of_state() {
                 loss.add(&step, means, of_state, &mut self.losses);
@@ -191,11 +199,14 @@ impl Worker {
         let parameters = &batch.parameters[networks.critics()];
         let inputs = batch.batch(&rows);
         let parts = networks.widths.parts;
-        let returns = &samples.returns[times(&rows, parts)];
+        let returns = samples.returns[times(&rows, parts)].chunks_exact(parts);
         let values = self.critic.forward(parameters, inputs);
         let gradients = sized(&mut self.outputs[1], values.len());
-        let total = batch.rows * parts;
-        self.losses.value += value_loss(values, returns, config.value_coefficient, total, gradients);
+        let share = (config.value_coefficient, batch.rows);
+        let steps = values.chunks_exact(parts).zip(returns).zip(gradients.chunks_exact_mut(parts));
+        for (row, ((values, returns), gradients)) in rows.zip(steps) {
+            self.losses.value += value_loss(values, returns, batch.credit(row), share, gradients);
+        }
         let sums = &mut self.gradients[networks.critics()];
         self.critic.backward(parameters, inputs, gradients, sums);
     }
@@ -204,7 +215,7 @@ impl Worker {
     pub fn log_densities(
         &mut self,
         networks: &Networks,
-        credit: &Credit,
+        (credits, groups): (&[Arc<Credit>], usize),
         parameters: &[f32],
         (observations, actions): (Batch<'_>, &[f32]),
         densities: &mut Vec<f32>,
@@ -217,8 +228,8 @@ impl Worker {
             networks.write_log_std(parameters, outputs, graph, &mut self.log_std[0]);
             let count = graph.map_or(action.len(), |graph| graph.actions.len());
             let (action, mean, log_std) = (&action[..count], &outputs[..count], &self.log_std[0][..count]);
-            let density = |group| group_log_density(credit, group, action, mean, log_std);
-            densities.extend((0..credit.groups()).map(density));
+            let density = |group| group_log_density(&credits[*of_row], group, action, mean, log_std);
+            densities.extend((0..groups).map(density));
         }
     }
 

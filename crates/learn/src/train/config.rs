@@ -316,7 +316,6 @@ impl TrainConfig {
         let excluded = [
             ("algorithm", self.algorithm != Algorithm::Ppo, "it must be ppo"),
             ("observation", self.observation.form == ObservationForm::Roles, "it must be raw or features"),
-            ("credit_by_zone", self.credit_by_zone, "it must be false"),
             ("observation.attributes", self.observation.attributes, "use `policy.attributes`"),
             ("observation.forecast", self.observation.forecast > 0, "it must be 0"),
         ];

@@ -13,8 +13,9 @@ use b2b_env::vector::{
 };
 use b2b_env::{EpisodeConfig, Spaces, Task};
 
-use super::config::TrainConfig;
+use super::config::{Algorithm, TrainConfig};
 use super::days;
+use super::staggered::Staggered;
 use crate::error::{Error, Result};
 use crate::fragments::{FragmentCollector, GraphBuilding, RewardScale};
 use crate::lockstep::LockstepCollector;
@@ -70,8 +71,8 @@ impl<'a> Environments<'a> {
                 let found = self.catalog.find(&name.parse()?, &Placement::default(), &mut Quiet)?;
                 let prepared = Arc::new(found.prepare(self.catalog.library())?);
                 let spaces = Arc::new(Spaces::new(prepared, setting.episode));
-                let widths = GraphBuilding::of(interface, &spaces)?.map(|building| building.widths());
-                all.extend(widths.map(|(observation, action)| Widths { observation, action, parts: 1 }));
+                let building = GraphBuilding::of(interface, self.config.credit_by_zone, &spaces)?;
+                all.extend(building.map(|building| building.widths()));
             }
         }
         Ok(all)
@@ -116,10 +117,15 @@ impl<'a> Environments<'a> {
             let starts = (self.config.window_starts * part.days()).div_ceil(all);
             samplers.push((f64::from(starts), self.part(part, starts, &settings)?));
         }
-        match samplers.len() {
-            1 => Ok(samplers.remove(0).1),
-            _ => Ok(Box::new(Weighted::new(samplers)?)),
-        }
+        let all: Box<dyn Sampler> = match samplers.len() {
+            1 => samplers.remove(0).1,
+            _ => Box::new(Weighted::new(samplers)?),
+        };
+        let is_whole_days = self.config.ppo.n_steps.is_multiple_of(24 * self.config.steps_per_hour as usize);
+        Ok(match self.config.algorithm == Algorithm::Ppo && !is_whole_days {
+            true => Box::new(Staggered::new(all, self.config.environments)),
+            false => all,
+        })
     }
 
     /// Returns the sampler of windows that begin on a number of days of a part of the run period.
@@ -283,12 +289,16 @@ mod tests {
     use rand::SeedableRng as _;
 
     use super::*;
+    use crate::ppo::PpoConfig;
 
     #[test]
     fn no_training_episode_has_a_day_of_the_evaluations() {
         let catalog = Arc::new(Catalog::open(&mut Quiet).unwrap());
-        let named = TrainConfig { buildings: vec!["OfficeSmall-0042".into()], ..TrainConfig::default() };
-        let drawn = TrainConfig { building_type: vec!["OfficeSmall".into()], ..TrainConfig::default() };
+        // Rollouts of whole days: all episodes are whole windows.
+        let ppo = PpoConfig { n_steps: 288, ..PpoConfig::default() };
+        let all = TrainConfig { ppo, ..TrainConfig::default() };
+        let named = TrainConfig { buildings: vec!["OfficeSmall-0042".into()], ..all.clone() };
+        let drawn = TrainConfig { building_type: vec!["OfficeSmall".into()], ..all };
         for config in [named, drawn] {
             let config = TrainConfig { window_days: 14, window_starts: 6, ..config };
             let day = |date: b2b_building::Date| date.day_of_year();

@@ -21,6 +21,7 @@ mod policy;
 mod problem;
 mod progress;
 mod run;
+mod staggered;
 mod suggestion;
 mod tensorboard;
 

@@ -61,7 +61,7 @@ fn first_day(config: &TrainConfig, learner: &Learner, collector: &mut FragmentCo
     collector.collect(&learner.actor(), steps, &mut rollout)?;
     let all = rollout.mean_penalty();
     let energy = match config.credit_by_zone {
-        true => rollout.mean_penalty_of_last_part(collector.widths().parts),
+        true => rollout.mean_energy_penalty(collector.widths().parts),
         false => 0.0,
     };
     Ok(Penalty { all, comfort: all - energy })

@@ -181,7 +181,7 @@ impl<'a> Run<'a> {
             interface,
             slots,
             actuators,
-            node_types: Vec::new(),
+            node_types: collector.node_types(),
             network: actor.shape,
             distribution: actor.distribution,
             task: spaces.episode.task.clone(),
@@ -407,9 +407,12 @@ impl<'a> Run<'a> {
     /// Returns the description of the agent as it is now.
     fn info(&self) -> AgentInfo {
         let training = TrainingInfo { steps: self.steps, ..self.info.training.clone() };
-        let (distribution, node_types) =
-            (self.learner.averaged_actor().distribution, self.learner.node_types());
-        AgentInfo { distribution, node_types, training, ..self.info.clone() }
+        let distribution = self.learner.averaged_actor().distribution;
+        let mut info = AgentInfo { distribution, training, ..self.info.clone() };
+        if self.steps > 0 {
+            info.node_types = self.learner.node_types();
+        }
+        info
     }
 }
 

@@ -19,6 +19,11 @@ pub enum Readout {
     },
     /// The mean of the outputs of all nodes.
     Mean,
+    /// The output of each node, padded to `nodes`.
+    Nodes {
+        /// Nodes in a row.
+        nodes: usize,
+    },
 }
 
 /// Buffers of passes through a graph network. They grow to the largest batch and are reused: see [`Pass`](crate::nn::Pass).
@@ -50,6 +55,7 @@ impl GraphPass {
         match self.readout {
             Readout::Actions { actions, of_state } => actions * if of_state { 2 } else { 1 },
             Readout::Mean => 1,
+            Readout::Nodes { nodes } => nodes,
         }
     }
 
@@ -119,5 +125,6 @@ fn each(
             let share = 1.0 / graph.nodes() as f32;
             (0..graph.nodes()).for_each(|node| read(node, 0, 0, share));
         }
+        Readout::Nodes { .. } => (0..graph.nodes()).for_each(|node| read(node, 0, node, 1.0)),
     }
 }

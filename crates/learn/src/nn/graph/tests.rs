@@ -84,6 +84,11 @@ fn expected(network: &GraphNetwork, parameters: &[f64], observations: &[f64], re
                 row.resize(actions, 0.0);
                 row
             }
+            Readout::Nodes { nodes } => {
+                let mut row: Vec<f64> = outputs.iter().map(|node| node[0]).collect();
+                row.resize(nodes, 0.0);
+                row
+            }
             Readout::Mean => vec![outputs.iter().map(|node| node[0]).sum::<f64>() / outputs.len() as f64],
         }
     })
@@ -91,12 +96,13 @@ fn expected(network: &GraphNetwork, parameters: &[f64], observations: &[f64], re
 }
 
 const ACTIONS: Readout = Readout::Actions { actions: 12, of_state: false };
+const NODES: Readout = Readout::Nodes { nodes: 9 };
 
 #[test]
 fn outputs_and_gradients_are_those_of_the_definition() {
     for edges in ALL {
         for (readout, outputs) in
-            [(ACTIONS, (|actions| actions) as fn(usize) -> usize), (Readout::Mean, |_| 1)]
+            [(ACTIONS, (|actions| actions) as fn(usize) -> usize), (Readout::Mean, |_| 1), (NODES, |_| 1)]
         {
             let network = network(edges, outputs);
             let (parameters, observations, graphs) = (random_parameters(&network), observations(), graphs());
