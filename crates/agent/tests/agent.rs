@@ -117,7 +117,6 @@ fn base_controllers_do_not_cool_a_zone_whose_reheat_setpoint_is_raised() {
         observation = env.observation().to_vec();
     }
     let temperatures: Vec<f64> = supply.iter().map(|index| action[*index]).collect();
-    println!("{temperatures:?}");
     assert!(temperatures.iter().all(|temperature| *temperature > 16.0), "{temperatures:?}");
 }
 

@@ -19,10 +19,12 @@ use super::episode_options::EpisodeOptions;
 use crate::reward::StepNumbers;
 
 mod futex;
+mod handover;
 mod owner;
 mod spin;
 mod worker;
 
+use handover::{BUSY, READY};
 use spin::Spin;
 
 /// How often a waiting owner looks whether the workers it waits for are alive.
@@ -86,10 +88,6 @@ impl Ticket {
     }
 }
 
-/// The slot waits for the owner.
-const READY: u32 = 0;
-/// A command is being carried out.
-const BUSY: u32 = 1;
 /// Marks an exit status as known.
 const EXITED: u32 = 1 << 31;
 
@@ -104,6 +102,12 @@ struct Bell {
     slots: AtomicU32,
     /// Episodes under way.
     episodes: AtomicU32,
+}
+
+impl Bell {
+    fn words(&self) -> handover::Bell<'_, AtomicU32> {
+        handover::Bell { done: &self.done, wanted: &self.wanted }
+    }
 }
 
 /// The fixed part of a slot; action, observation and report follow it.

@@ -3,7 +3,7 @@
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
-use super::futex::{wait, wake};
+use super::handover::{await_done, give, is_back};
 use super::{BUSY, Command, EpisodeOptions, READY, Region, Status, Ticket, pack};
 
 impl Region {
@@ -41,8 +41,7 @@ impl Region {
     pub(in crate::vector) fn command(&self, slot: u32, command: Command) {
         let slot = self.slot(slot);
         slot.command.store(command as u32, Ordering::Relaxed);
-        slot.state.store(BUSY, Ordering::Release);
-        wake(&slot.state);
+        give(&slot.state);
     }
 
     /// Lists the slots for [`Command::Copy`].
@@ -57,7 +56,7 @@ impl Region {
 
     /// Whether the owner holds a slot.
     pub(in crate::vector) fn is_ready(&self, slot: u32) -> bool {
-        self.slot(slot).state.load(Ordering::Acquire) == READY
+        is_back(&self.slot(slot).state)
     }
 
     /// Commands carried out so far: to be read before slots are looked at, and given to [`Region::sleep`].
@@ -67,15 +66,6 @@ impl Region {
 
     /// Sleeps until `more` commands after `done` are carried out, or the time is over, or a signal comes.
     pub(in crate::vector) fn sleep(&self, done: u32, more: u32, at_most: Duration) {
-        let bell = self.bell();
-        bell.wanted.store(done.wrapping_add(more), Ordering::SeqCst);
-        let is_over = |now: u32| now.wrapping_sub(done) as i32 >= more as i32;
-        if self.wait_actively(|| is_over(bell.done.load(Ordering::SeqCst))) {
-            return;
-        }
-        let now = bell.done.load(Ordering::SeqCst);
-        if !is_over(now) {
-            wait(&bell.done, now, at_most);
-        }
+        await_done(self.bell().words(), (done, more), at_most, |is_over| self.wait_actively(is_over));
     }
 }

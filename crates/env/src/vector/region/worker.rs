@@ -3,8 +3,8 @@
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
-use super::futex::{wait, wake};
-use super::{COPIES, Command, EXITED, READY, Region, Ticket, pack, unpack};
+use super::handover::{await_slot, give_back};
+use super::{COPIES, Command, EXITED, Region, Ticket, pack, unpack};
 
 impl Region {
     /// Attaches this process to a slot. False if the slot was given to another meanwhile.
@@ -16,23 +16,14 @@ impl Region {
 
     /// Marks the slot as ready for the owner, and wakes the owner if it is the last slot that it waits for.
     pub(in crate::vector) fn complete(&self, slot: u32) {
-        let slot = self.slot(slot);
-        slot.state.store(READY, Ordering::Release);
-        let bell = self.bell();
-        let done = bell.done.fetch_add(1, Ordering::SeqCst).wrapping_add(1);
-        if done.wrapping_sub(bell.wanted.load(Ordering::SeqCst)) as i32 >= 0 {
-            wake(&bell.done);
-        }
+        give_back(&self.slot(slot).state, self.bell().words());
     }
 
     /// Waits for a command; `None` when there is none for a time, or a signal comes.
     pub(in crate::vector) fn next_command(&self, slot: u32, at_most: Duration) -> Option<Command> {
         let slot = self.slot(slot);
-        if !self.wait_actively(|| slot.state.load(Ordering::Acquire) != READY) {
-            wait(&slot.state, READY, at_most);
-            if slot.state.load(Ordering::Acquire) == READY {
-                return None;
-            }
+        if !await_slot(&slot.state, at_most, |is_over| self.wait_actively(is_over)) {
+            return None;
         }
         Some(match slot.command.load(Ordering::Relaxed) {
             0 => Command::Step,
