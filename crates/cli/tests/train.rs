@@ -257,6 +257,12 @@ fn one_policy_for_two_types_is_an_agent_that_is_resumed_entered_and_verified() {
     let info: Value = serde_json::from_slice(&std::fs::read(path.join("run/agent.json")).unwrap()).unwrap();
     let known = ["weather", "calendar", "energy", "unitary zone", "uncontrolled zone"];
     assert_eq!(info["node_types"], serde_json::json!(known));
+    // The first agent, which corrects nothing, is evaluated before the first step.
+    let table = std::fs::read_to_string(path.join("run/progress.csv")).unwrap();
+    let mut rows = table.lines().map(|row| row.split(',').collect::<Vec<_>>());
+    let score = rows.next().unwrap().iter().position(|name| *name == "score").unwrap();
+    let first = rows.next().unwrap();
+    assert_eq!((first[0], first[score]), ("0", "1"));
 
     // Stopped at a checkpoint and continued.
     assert!(b2b(path, "train --config graph.toml --steps 768 --out parts").status.success());
