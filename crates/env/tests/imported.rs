@@ -62,7 +62,7 @@ fn fuel_oil_counts_as_much_energy_as_gas_at_its_own_price() {
     let (carriers, oil, meters) = with_fuel("FuelOilNo2");
     assert_eq!(carriers, [Carrier::Electricity, Carrier::Gas, Carrier::FuelOil]);
     assert!(oil.gas > 100.0 && (oil.gas / meters[1] - 1.0).abs() < 1e-9, "{} Wh/m²", oil.gas);
-    assert!((oil.gas / gas.gas - 1.0).abs() < 1e-12);
+    assert!((oil.gas / gas.gas - 1.0).abs() < 1e-12, "{} Wh/m² of oil, {} of gas", oil.gas, gas.gas);
     let per_kwh = (oil.cost - gas.cost) / (oil.gas / 1000.0);
     assert!((per_kwh - (0.10 - 0.0365)).abs() < 1e-9, "{per_kwh} more per kWh");
 }

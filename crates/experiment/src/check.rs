@@ -1,5 +1,6 @@
 //! Checks of results: agents are evaluated again.
 
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use b2b_agent::Agent;
@@ -9,7 +10,7 @@ use b2b_energyplus::machine;
 use crate::definition::{BudgetName, Experiment};
 use crate::error::{Error, Result, at};
 use crate::folder::Folder;
-use crate::job::{AGENT, Action, Job};
+use crate::job::{AGENT, Action, Episodes, Job};
 use crate::results::{JobResult, read_rows};
 use crate::runner::{EVALUATION, Runner, evaluate};
 
@@ -26,8 +27,9 @@ pub struct Checked {
 }
 
 /// Evaluates the agents again whose folders are at hand, and compares their episodes with the results that
-/// [`Folder::keep`] kept: bit for bit on a machine like that of the results, otherwise scores within a relative 0.001. `done` is
-/// called with every check.
+/// [`Folder::keep`] kept: bit for bit on a machine like that of the results, otherwise scores within a relative 0.001. With
+/// `buildings`, at most that many buildings of each agent are evaluated, evenly spaced over its results. `done` is called with
+/// every check.
 ///
 /// # Errors
 /// [`Error::NoAgents`] if there is no agent; the errors of [`Runner::run`].
@@ -35,6 +37,7 @@ pub fn check(
     runner: &Runner<'_>,
     experiment: &Experiment,
     budget: BudgetName,
+    buildings: Option<NonZeroUsize>,
     done: &dyn Fn(&Checked),
 ) -> Result<Vec<Checked>> {
     let mut all = Vec::new();
@@ -43,7 +46,7 @@ pub fn check(
         else {
             continue;
         };
-        let checked = Checked { fault: fault(runner, &job, result)?, job: job.key };
+        let checked = Checked { fault: fault(runner, &job, result, buildings)?, job: job.key };
         done(&checked);
         all.push(checked);
     }
@@ -58,7 +61,12 @@ fn agent_folder(folder: &Folder, job: &Job) -> PathBuf {
 }
 
 /// Returns why a result is not that of its agent, if it is not.
-fn fault(runner: &Runner<'_>, job: &Job, result: &JobResult) -> Result<Option<String>> {
+fn fault(
+    runner: &Runner<'_>,
+    job: &Job,
+    result: &JobResult,
+    buildings: Option<NonZeroUsize>,
+) -> Result<Option<String>> {
     let path = agent_folder(runner.folder, job);
     let agent = match Agent::read(&path) {
         Ok(agent) => agent,
@@ -70,12 +78,22 @@ fn fault(runner: &Runner<'_>, job: &Job, result: &JobResult) -> Result<Option<St
     let Some(Action::Evaluate(episodes)) = job.actions.last() else { return Ok(None) };
     let again = tempfile::Builder::new().prefix("b2b-check-").tempdir().map_err(at(&path))?;
     let policy = std::path::absolute(&path).map_err(at(&path))?;
-    let arguments = evaluate(episodes, &policy.to_string_lossy());
+    let buildings = spread(&episodes.buildings, buildings);
+    let there =
+        result.rows.iter().filter(|row| buildings.contains(&row.info.building)).cloned().collect::<Vec<_>>();
+    let episodes = Episodes { buildings, ..episodes.clone() };
+    let arguments = evaluate(&episodes, &policy.to_string_lossy());
     if let Some(error) = runner.command(again.path(), &again.path().join("log.txt"), &arguments, None)? {
         return Ok(Some(error));
     }
     let rows = read_rows(&again.path().join(EVALUATION))?;
-    Ok(difference(&result.rows, &rows, result.machine == machine::fingerprint()))
+    Ok(difference(&there, &rows, result.machine == machine::fingerprint()))
+}
+
+/// Returns at most `limit` of `all`, evenly spaced.
+fn spread(all: &[String], limit: Option<NonZeroUsize>) -> Vec<String> {
+    let count = limit.map_or(all.len(), |limit| limit.get().min(all.len()));
+    (0..count).map(|index| all[index * all.len() / count].clone()).collect()
 }
 
 /// Returns the first difference between the episodes of results and the same that ran again.
@@ -98,4 +116,18 @@ fn difference(there: &[Row], here: &[Row], bits: bool) -> Option<String> {
             format!("{}: {} in the results, {} now", there.info, score(before.score), score(now.score))
         })
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_limit_spreads_over_all_buildings() {
+        let all: Vec<String> = (0..40).map(|index| index.to_string()).collect();
+        let spread = |limit| spread(&all, NonZeroUsize::new(limit));
+        assert_eq!(spread(4), ["0", "10", "20", "30"]);
+        assert_eq!(spread(3), ["0", "13", "26"]);
+        assert_eq!((spread(0), spread(41)), (all.clone(), all.clone()));
+    }
 }

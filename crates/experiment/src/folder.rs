@@ -40,6 +40,8 @@ pub struct State {
 
 const IDENTITY: &str = "experiment.json";
 const STATE: &str = "job.json";
+/// Wall-clock time of a job that has not ended, s.
+const SECONDS: &str = "seconds.json";
 const KEPT: &str = "jobs.json";
 
 impl Folder {
@@ -108,6 +110,18 @@ impl Folder {
     /// As [`Folder::state`], from the job's own folder.
     pub(crate) fn own_state(&self, job: &Job) -> Option<State> {
         serde_json::from_str(&std::fs::read_to_string(self.job(job).join(STATE)).ok()?).ok()
+    }
+
+    /// Returns the wall-clock time that a job has taken so far, in s: that of its finished and interrupted commands.
+    pub(crate) fn seconds(&self, job: &Job) -> f64 {
+        let text = std::fs::read_to_string(self.job(job).join(SECONDS)).ok();
+        let own = text.and_then(|text| serde_json::from_str(&text).ok());
+        own.or_else(|| Some(self.state(job)?.seconds)).unwrap_or(0.0)
+    }
+
+    /// Writes the wall-clock time that a job has taken so far.
+    pub(crate) fn set_seconds(&self, job: &Job, seconds: f64) -> Result<()> {
+        write_json(&self.job(job).join(SECONDS), &seconds)
     }
 
     /// Returns the result of a job that `jobs.json` has.

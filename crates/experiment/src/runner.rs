@@ -82,16 +82,18 @@ impl Runner<'_> {
     fn run_job(&self, job: &Job) -> Result<State> {
         let path = self.folder.job(job);
         std::fs::create_dir_all(&path).map_err(at(&path))?;
-        let earlier = self.folder.state(job).map_or(0.0, |state| state.seconds);
+        let earlier = self.folder.seconds(job);
         let begun = Instant::now();
         let mut error = None;
         for action in &job.actions {
-            error = self.act(job, &path, action)?;
+            let ended = self.act(job, &path, action);
+            self.folder.set_seconds(job, earlier + begun.elapsed().as_secs_f64())?;
+            error = ended?;
             if error.is_some() {
                 break;
             }
         }
-        let state = State { error, seconds: earlier + begun.elapsed().as_secs_f64() };
+        let state = State { error, seconds: self.folder.seconds(job) };
         self.folder.set_state(job, &state)?;
         Ok(state)
     }

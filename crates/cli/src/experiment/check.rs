@@ -1,5 +1,6 @@
 //! `b2b experiment check`.
 
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use anyhow::Result;
@@ -19,6 +20,9 @@ pub struct Arguments {
     /// Folder of `b2b experiment run`
     #[arg(value_name = "FOLDER")]
     folder: PathBuf,
+    /// Evaluate at most N buildings of each agent, evenly spaced over its results (default: all)
+    #[arg(long, value_name = "N")]
+    buildings: Option<NonZeroUsize>,
     /// Print one JSON object instead of the text report
     #[arg(long)]
     json: bool,
@@ -38,7 +42,7 @@ pub fn check(arguments: &Arguments) -> Result<ExitCode> {
             eprintln!("{}", line(checked));
         }
     };
-    let all = b2b_experiment::check(&runner, &experiment, budget, &done)?;
+    let all = b2b_experiment::check(&runner, &experiment, budget, arguments.buildings, &done)?;
     let faults: Vec<_> = all.iter().filter(|checked| checked.fault.is_some()).collect();
     let summary = json!({
         "checked": all.len(),
