@@ -16,7 +16,7 @@ use corosensei::{Coroutine, CoroutineResult, Yielder};
 use crate::abort_line::Withheld;
 use crate::api::{Api, State};
 use crate::event::Event;
-use crate::library::lock;
+use crate::library::exclusive;
 use crate::message::Messages;
 use crate::{Error, Library, Result};
 
@@ -75,7 +75,7 @@ impl EngineRun {
         requests: &[(String, String)],
         stops: Stops,
     ) -> Result<Self> {
-        let _lock = lock();
+        let _lock = exclusive();
         let api = Arc::clone(&library.api);
         let arguments = arguments.iter().map(|a| c_string(a)).collect::<Result<Vec<_>>>()?;
         let requests = requests
@@ -130,7 +130,7 @@ impl EngineRun {
         let Some(coroutine) = &mut self.coroutine else {
             return Outcome::Returned(0);
         };
-        let _lock = lock();
+        let _lock = exclusive();
         let before = CURRENT.replace(&*self.context);
         let result = coroutine.resume(());
         CURRENT.set(before);
@@ -183,7 +183,7 @@ impl Drop for EngineRun {
     fn drop(&mut self) {
         self.stop();
         self.coroutine = None;
-        let _lock = lock();
+        let _lock = exclusive();
         // SAFETY: the run is over (or never started) and nothing else holds the state.
         unsafe { (self.context.api.stateDelete)(self.context.state) };
     }

@@ -23,8 +23,8 @@
 //! Limitations:
 //!
 //! - Runs may be interleaved on one thread, and a process may use several threads, but EnergyPlus itself must never run on two
-//!   threads at once: its results would be silently wrong. Every call into it holds one process-wide lock; use several
-//!   processes for parallel work.
+//!   threads at once: its results would be silently wrong. Every call into it holds one process-wide lock, which
+//!   [`exclusive`] holds for several calls; use several processes for parallel work.
 //! - A crash of EnergyPlus (a segmentation fault in its C++ code) ends the process. Validate models first.
 
 #[cfg(unix)]
@@ -48,7 +48,7 @@ pub mod snapshot;
 pub use confinement::{Confinement, confine};
 pub use error::{Error, Result};
 pub use event::Event;
-pub use library::Library;
+pub use library::{Exclusive, Library, exclusive};
 pub use message::{Level, Message, Messages};
 pub use scratch::{folder_in, temporary_folder};
 pub use simulation::{Actuator, Clock, Meter, Run, Simulation, Variable};

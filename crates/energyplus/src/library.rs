@@ -1,5 +1,6 @@
 //! The loaded shared library of EnergyPlus.
 
+use std::cell::Cell;
 use std::ffi::CStr;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -46,9 +47,54 @@ impl Library {
     }
 }
 
-/// Locks EnergyPlus for the current thread. The library has global state: two threads in it at once give silently wrong
-/// numbers, while interleaved calls are exact.
-pub(crate) fn lock() -> MutexGuard<'static, ()> {
+/// Keeps other threads of the process out of EnergyPlus while it lives; see [`exclusive`].
+#[must_use]
+#[derive(Debug)]
+pub struct Exclusive {
+    /// `None` if the thread had the lock before.
+    lock: Option<MutexGuard<'static, ()>>,
+}
+
+thread_local! {
+    static IS_HELD: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Locks EnergyPlus for the current thread, which may have the lock already. The library has global state: two threads in it
+/// at once give silently wrong numbers, while interleaved calls are exact, with one exception: a run that starts or ends while
+/// another is in the first steps of its warm-up can change the last digits of the results of either. Where other threads may
+/// do so, hold the lock from the start of a run to the end of its warm-up.
+pub fn exclusive() -> Exclusive {
     static LOCK: Mutex<()> = Mutex::new(());
-    LOCK.lock().unwrap_or_else(PoisonError::into_inner)
+    let lock = (!IS_HELD.get()).then(|| LOCK.lock().unwrap_or_else(PoisonError::into_inner));
+    IS_HELD.set(true);
+    Exclusive { lock }
+}
+
+impl Drop for Exclusive {
+    fn drop(&mut self) {
+        if self.lock.is_some() {
+            IS_HELD.set(false);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc;
+    use std::time::Duration;
+
+    use super::*;
+
+    #[test]
+    fn a_thread_that_has_the_lock_enters_again_and_keeps_others_out() {
+        let (sender, receiver) = mpsc::channel();
+        let outer = exclusive();
+        drop(exclusive());
+        std::thread::scope(|scope| {
+            scope.spawn(|| sender.send(exclusive().lock.is_some()));
+            assert!(receiver.recv_timeout(Duration::from_millis(50)).is_err(), "another thread has entered");
+            drop(outer);
+            assert!(receiver.recv().unwrap());
+        });
+    }
 }

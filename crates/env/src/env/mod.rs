@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use b2b_building::{Model, PreparedBuilding};
-use b2b_energyplus::{Clock, Event, Level, Library, Messages, temporary_folder};
+use b2b_energyplus::{Clock, Event, Level, Library, Messages, exclusive, temporary_folder};
 use tempfile::TempDir;
 
 use self::engine::Engine;
@@ -151,6 +151,8 @@ impl Env {
     /// # Errors
     /// [`Error::Engine`] with the engine's messages.
     pub fn reset(&mut self) -> Result<&[f64]> {
+        // Other threads may start and end episodes of their own.
+        let _exclusive = exclusive();
         self.engine = None;
         self.truncated = false;
         self.metrics = new_metrics(&self.zones, &self.spaces);
