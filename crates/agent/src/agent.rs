@@ -3,15 +3,16 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use b2b_building::morphology::NodeType;
 use b2b_control::Controller;
 use b2b_env::Spaces;
 
 use crate::folder;
 use crate::info::AgentInfo;
-use crate::network::{Actor, Graph, Scratch};
-use crate::observation::NodeSpaces;
+use crate::interface::Interface;
+use crate::network::{Actor, Scratch};
+use crate::observation::{NodeSpaces, attributes};
 use crate::pilot::Pilot;
+use crate::plan::{NodeForm, NodePlan, PlannedNode};
 use crate::{Error, Result};
 
 /// A trained agent.
@@ -82,43 +83,62 @@ impl Agent {
         &self.identity
     }
 
-    /// Returns a controller for an episode of a building.
+    /// Returns a controller for an episode of a building. A graph agent does not see nodes of types that it was not trained with. If
+    /// it corrects the reactive controllers, those control the actuators of such nodes alone.
     ///
     /// # Errors
     /// [`Error::OtherBuilding`] when the building's observation or actuators are not those that it was trained with;
-    /// [`Error::UnknownNodeType`] when a graph agent does not know one of its nodes' types; those of [`Pilot::new`].
+    /// [`Error::UnknownNodeType`] when a graph agent with direct actions does not know the type of a node that has actuators; those of
+    /// [`Pilot::new`].
     pub fn controller(&self, spaces: &Arc<Spaces>) -> Result<AgentController> {
-        let pilot = Pilot::new(self.info.interface, spaces)?;
-        self.check_fit(&pilot, spaces)?;
-        Ok(AgentController::new(pilot, Arc::clone(&self.actor)))
+        Ok(AgentController::new(self.pilot(spaces)?, Arc::clone(&self.actor)))
     }
 
-    /// Checks that the agent was trained with the observation and the actuators of a building.
-    pub(crate) fn check_fit(&self, pilot: &Pilot, spaces: &Spaces) -> Result<()> {
+    /// Returns its pilot in a building that has its model.
+    pub(crate) fn pilot(&self, spaces: &Arc<Spaces>) -> Result<Pilot> {
+        let (plan, attributes) = self.model_parts(spaces)?;
+        self.pilot_without_model(spaces, plan.as_ref(), &attributes)
+    }
+
+    /// Returns what it needs of the model of a building: the nodes of the types that it was trained with, for a graph network, and
+    /// the attributes.
+    pub(crate) fn model_parts(&self, spaces: &Spaces) -> Result<(Option<NodePlan>, Vec<f64>)> {
+        let Interface { observation, nodes, .. } = self.info.interface;
+        let plan = nodes.map(|form| self.plan(form, spaces)).transpose()?;
+        Ok((plan, attributes(observation, spaces)?))
+    }
+
+    /// As [`Agent::pilot`], with what [`Agent::model_parts`] returned.
+    pub(crate) fn pilot_without_model(
+        &self,
+        spaces: &Arc<Spaces>,
+        plan: Option<&NodePlan>,
+        attributes: &[f64],
+    ) -> Result<Pilot> {
+        let pilot = Pilot::without_model(self.info.interface, spaces, plan, attributes)?;
         match pilot.graph() {
-            None => self.check(&pilot.observation().names(), spaces.action.names(), spaces),
-            Some(graph) => {
+            None => self.check(&pilot.observation().names(), spaces.action.names(), spaces)?,
+            Some(_) => {
                 let types = NodeSpaces::of(self.info.interface);
                 self.check(&types.slots(), &types.actuators(), spaces)?;
-                self.check_types(graph, spaces)
             }
         }
+        Ok(pilot)
     }
 
-    /// Checks that every node has a type that the agent was trained with.
-    fn check_types(&self, graph: &Graph, spaces: &Spaces) -> Result<()> {
+    fn plan(&self, form: NodeForm, spaces: &Spaces) -> Result<NodePlan> {
         let known = &self.info.node_types;
-        let names = graph.types.iter().map(|index| NodeType::ALL[*index].name());
-        let unknown = names.enumerate().find(|(_, name)| !known.iter().any(|each| each == name));
-        match unknown {
-            None => Ok(()),
-            Some((node, node_type)) => Err(Error::UnknownNodeType {
+        let plan = NodePlan::of(form, spaces)?.restricted_to(known);
+        let acts = |node: &&PlannedNode| !node.kind().action().is_empty();
+        match plan.left_out.iter().find(acts) {
+            Some(node) if !self.info.interface.acting.has_base() => Err(Error::UnknownNodeType {
                 agent: self.folder.display().to_string(),
                 building: spaces.building.name.clone(),
-                node: graph.names[node].clone(),
-                node_type,
+                node: node.name.clone(),
+                node_type: node.kind().name(),
                 known: known.join(", "),
             }),
+            _ => Ok(plan),
         }
     }
 
@@ -163,6 +183,11 @@ impl AgentController {
     pub fn new(pilot: Pilot, actor: Arc<Actor>) -> Self {
         let scratch = actor.scratch(pilot.graph());
         Self { row: vec![0.0; scratch.actions()], scratch, pilot, actor }
+    }
+
+    /// Returns the number of actuators that the agent controls or corrects.
+    pub fn actuators(&self) -> usize {
+        self.row.len()
     }
 }
 

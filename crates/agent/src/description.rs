@@ -9,7 +9,6 @@ use serde::{Deserialize, Serialize};
 
 use crate::agent::{Agent, AgentController};
 use crate::error::at;
-use crate::observation::attributes;
 use crate::pilot::Pilot;
 use crate::plan::NodePlan;
 use crate::{Error, Result};
@@ -64,11 +63,8 @@ impl Agent {
         if self.sha256().is_empty() {
             return Ok(None);
         }
-        let interface = self.info().interface;
-        let plan = interface.nodes.map(|form| NodePlan::of(form, spaces)).transpose()?;
-        let attributes = attributes(interface.observation, spaces)?;
-        let pilot = Pilot::without_model(interface, spaces, plan.as_ref(), &attributes)?;
-        self.check_fit(&pilot, spaces)?;
+        let (plan, attributes) = self.model_parts(spaces)?;
+        self.pilot_without_model(spaces, plan.as_ref(), &attributes)?;
         let folder = absolute(self.folder()).map_err(at(self.folder()))?;
         let sha256 = self.sha256().to_owned();
         Ok(Some(ControllerDescription::Agent { folder, sha256, plan, attributes }))

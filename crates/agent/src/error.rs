@@ -41,10 +41,10 @@ pub enum Error {
         /// Its training buildings.
         trained_on: String,
     },
-    /// A building with a node of a type that a graph agent was not trained with.
+    /// A building with actuators at a node of a type that a graph agent with direct actions was not trained with.
     #[error(
         "the agent {agent} was not trained with the node type `{node_type}` of `{node}` in {building}, only with {known}; train it \
-         with a building that has one"
+         with a building that has one, or as corrections of the reactive controllers"
     )]
     UnknownNodeType {
         /// Name of the agent.

@@ -8,7 +8,7 @@ use crate::Result;
 use crate::acting::Driver;
 use crate::interface::Interface;
 use crate::network::Graph;
-use crate::observation::{AgentObservation, NodeView, attributes};
+use crate::observation::{AgentObservation, attributes};
 use crate::plan::NodePlan;
 
 /// An agent's observations and actions in an episode of a building, around its network. Allocates nothing in a step.
@@ -20,7 +20,9 @@ pub struct Pilot {
     observation: AgentObservation,
     graph: Option<Arc<Graph>>,
     driver: Driver,
-    /// The last action of the network, within ±1.
+    /// The actuator of each action of the network.
+    actuators: Vec<usize>,
+    /// The last action for every actuator, within ±1; 0 where the network has none.
     previous: Vec<f32>,
     row: Vec<f32>,
 }
@@ -49,14 +51,15 @@ impl Pilot {
         attributes: &[f64],
     ) -> Result<Self> {
         let acting = interface.acting;
-        let (observation, graph) = match plan {
+        let (observation, graph, actuators) = match plan {
             None => {
                 let options = interface.observation;
-                (AgentObservation::new(options, attributes, spaces, acting.has_base())?, None)
+                let observation = AgentObservation::new(options, attributes, spaces, acting.has_base())?;
+                (observation, None, (0..spaces.action.len()).collect())
             }
             Some(plan) => {
-                let NodeView { observation, graph } = AgentObservation::by_node(interface, spaces, plan)?;
-                (observation, Some(Arc::new(graph)))
+                let view = AgentObservation::by_node(interface, spaces, plan)?;
+                (view.observation, Some(Arc::new(view.graph)), view.actuators)
             }
         };
         Ok(Self {
@@ -64,6 +67,7 @@ impl Pilot {
             observation,
             graph,
             driver: Driver::new(acting, spaces),
+            actuators,
             previous: vec![0.0; spaces.action.len()],
         })
     }
@@ -82,7 +86,7 @@ impl Pilot {
 
     /// Returns the width of the network's observation and the number of its actions.
     pub fn widths(&self) -> (usize, usize) {
-        (self.row.len(), self.previous.len())
+        (self.row.len(), self.actuators.len())
     }
 
     /// Returns the observation of the agent.
@@ -104,8 +108,8 @@ impl Pilot {
 
     /// Takes an action of the network, whose values beyond ±1 are clipped, and returns it in physical units.
     pub fn act(&mut self, action: &[f32]) -> &[f64] {
-        for (previous, value) in self.previous.iter_mut().zip(action) {
-            *previous = value.clamp(-1.0, 1.0);
+        for (actuator, value) in self.actuators.iter().zip(action) {
+            self.previous[*actuator] = value.clamp(-1.0, 1.0);
         }
         self.driver.drive(&self.previous)
     }

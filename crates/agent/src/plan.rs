@@ -24,6 +24,8 @@ pub struct NodePlan {
     pub edges: Vec<(usize, usize, usize)>,
     /// Scaled attributes of the building, if they are observed.
     pub common_attributes: Vec<f64>,
+    /// The nodes that the network does not have: see [`NodePlan::restricted_to`].
+    pub left_out: Vec<PlannedNode>,
 }
 
 /// A node of a [`NodePlan`].
@@ -69,7 +71,25 @@ impl NodePlan {
         let number = |kind: EdgeKind| EdgeKind::ALL.iter().position(|each| *each == kind).unwrap_or_default();
         let edges = morphology.edges.iter().map(|edge| (edge.from, edge.to, number(edge.kind)));
         let common = if form.attributes { morphology.scaled_common_attributes() } else { Vec::new() };
-        Ok(Self { nodes: nodes.collect(), edges: edges.collect(), common_attributes: common })
+        Ok(Self {
+            nodes: nodes.collect(),
+            edges: edges.collect(),
+            common_attributes: common,
+            left_out: Vec::new(),
+        })
+    }
+
+    /// Leaves out the nodes of other types than these, and their edges.
+    #[must_use]
+    pub fn restricted_to(self, types: &[String]) -> Self {
+        let is_known = |node: &PlannedNode| types.iter().any(|each| each == node.kind().name());
+        let kept: Vec<usize> = (0..self.nodes.len()).filter(|node| is_known(&self.nodes[*node])).collect();
+        let place = |node: usize| kept.binary_search(&node).ok();
+        let edges =
+            self.edges.iter().filter_map(|(from, to, kind)| Some((place(*from)?, place(*to)?, *kind)));
+        let edges = edges.collect();
+        let (nodes, left_out) = self.nodes.into_iter().partition(is_known);
+        Self { nodes, edges, left_out, ..self }
     }
 }
 

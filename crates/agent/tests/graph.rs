@@ -103,7 +103,7 @@ fn a_correction_of_zero_is_the_reactive_controllers() {
 }
 
 #[test]
-fn a_building_with_an_unknown_node_type_is_an_error_that_names_it() {
+fn actuators_of_an_unknown_node_type_are_an_error_for_direct_actions() {
     let folder = tempfile::tempdir().unwrap();
     let known: Vec<_> = NodeType::ALL.into_iter().filter(|each| *each != NodeType::AirLoop).collect();
     write(folder.path(), interface(ObservationForm::Raw, Acting::Direct, false), 0.1, &known);
@@ -113,6 +113,41 @@ fn a_building_with_an_unknown_node_type_is_an_error_that_names_it() {
     assert!(matches!(&error, Error::UnknownNodeType { node_type: "air loop", .. }), "{error}");
     let said = error.to_string();
     assert!(said.contains("OfficeMedium-0007") && said.contains("unitary zone, VAV zone"), "{said}");
+}
+
+#[test]
+fn nodes_of_unknown_types_follow_the_reactive_controllers() {
+    let folder = tempfile::tempdir().unwrap();
+    let form = interface(ObservationForm::Features, RESIDUAL, true);
+    let returns = |scale: f32, known: &[NodeType], env: &mut Env| {
+        write(folder.path(), form, scale, known);
+        let agent = Agent::read(folder.path()).unwrap();
+        let spaces = Arc::clone(env.spaces());
+        let mut controller = agent.controller(&spaces).unwrap();
+        let corrected = controller.actuators();
+        let first = rollout(env, &mut controller, &mut ()).unwrap().episode_return;
+        // As a worker, which has no model, makes it.
+        let mut again = agent.description(&spaces).unwrap().unwrap().controller(&spaces).unwrap();
+        assert_eq!(rollout(env, again.as_mut(), &mut ()).unwrap().episode_return, first);
+        (corrected, first)
+    };
+    let without = |left_out: &[NodeType]| -> Vec<NodeType> {
+        NodeType::ALL.into_iter().filter(|each| !left_out.contains(each)).collect()
+    };
+    let mut office = env("OfficeMedium-0007", "occupancy");
+    let (all, reactive) = returns(0.0, &NodeType::ALL, &mut office);
+    assert_eq!(all, 36);
+    let (zones, corrected) = returns(0.3, &without(&[NodeType::AirLoop]), &mut office);
+    assert!(zones < all && corrected != reactive, "{zones} corrected actuators, return {corrected}");
+    assert_ne!(corrected, returns(0.3, &NodeType::ALL, &mut office).1);
+    let nothing = without(&[NodeType::AirLoop, NodeType::VavZone]);
+    assert_eq!(returns(0.3, &nothing, &mut office), (0, reactive));
+
+    // A node without actuators is not seen.
+    let mut small = env("OfficeSmall-0042", "occupancy");
+    let (all, seen) = returns(0.3, &NodeType::ALL, &mut small);
+    let (same, unseen) = returns(0.3, &without(&[NodeType::UncontrolledZone]), &mut small);
+    assert!(same == all && unseen != seen, "{seen} and {unseen}");
 }
 
 #[test]

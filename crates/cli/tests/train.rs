@@ -274,15 +274,9 @@ fn one_policy_for_two_types_is_an_agent_that_is_resumed_entered_and_verified() {
         "evaluate OfficeSmall-0011 --policy run --task occupancy --period 01-10..01-10 --out unseen";
     let score = json(path, evaluate)["windows"][0]["all"]["scores"]["interquartile_mean"]["value"].as_f64();
     assert!(score.unwrap() > 0.0);
-    assert_rejected(
-        path,
-        "run OfficeMedium-0007 --controller run --period 01-10..01-10",
-        &[
-            "OfficeMedium-0007",
-            "was not trained with the node type `air loop`",
-            "only with weather, calendar",
-        ],
-    );
+    let output = b2b(path, "run OfficeMedium-0007 --controller run --period 01-10..01-10");
+    let said = stderr(&output);
+    assert!(output.status.success() && said.contains("corrects 0 of the 36 actuators"), "{said}");
     let problem = "cross-domain --train-type SingleFamilyHouse --test-type OfficeSmall --test OfficeSmall-0011 \
                    --train SingleFamilyHouse-0001 --period 01-10..01-10 --seed 0";
     let output = b2b(path, &format!("benchmark run {problem} --policy run --out entered"));

@@ -24,6 +24,8 @@ pub struct NodeView {
     pub observation: AgentObservation,
     /// The assignment of features and actions to nodes.
     pub graph: Graph,
+    /// The actuator of each action.
+    pub actuators: Vec<usize>,
 }
 
 /// The features and actions of the nodes of each type, which are the same in every building.
@@ -84,7 +86,7 @@ impl AgentObservation {
     /// the universe to [-1, 1], `features` has the features of the node's own zone or actuators.
     ///
     /// # Errors
-    /// [`Error::Graph`] for a building with an actuator that no node has.
+    /// [`Error::Graph`] for a building with an actuator of no node, in the plan or left out of it.
     pub fn by_node(interface: Interface, spaces: &Arc<Spaces>, plan: &NodePlan) -> Result<NodeView> {
         let failed = |what: &str, name: &str| Error::Graph {
             building: spaces.building.name.clone(),
@@ -100,17 +102,26 @@ impl AgentObservation {
             };
             features.extend(local.into_iter().map(|(what, source)| Feature::new(name(what), source)));
         }
-        let actuators =
-            spaces.action.names().iter().zip(spaces.action.owners()).zip(spaces.action.quantities());
-        let actions = actuators.map(|((name, owner), quantity)| {
-            let node = plan.nodes.iter().position(|node| node.owner() == *owner);
-            let node = node.ok_or_else(|| failed("no node has", name))?;
-            let outputs = plan.nodes[node].kind().action();
-            let output = outputs.iter().position(|slot| slot.quantity == *quantity);
-            Ok((node, output.ok_or_else(|| failed("its node does not have", name))?))
-        });
-        let graph = Graph::new(plan, &widths, &actions.collect::<Result<Vec<_>>>()?);
-        Ok(NodeView { observation: Self::of_features(features, spaces), graph })
+        let (mut actions, mut actuators) = (Vec::new(), Vec::new());
+        let action = &spaces.action;
+        for (actuator, (owner, quantity)) in action.owners().iter().zip(action.quantities()).enumerate() {
+            let has_it = |node: &PlannedNode| node.owner() == *owner;
+            let Some(node) = plan.nodes.iter().position(has_it) else {
+                match plan.left_out.iter().any(has_it) {
+                    true => continue,
+                    false => return Err(failed("no node has", &action.names()[actuator])),
+                }
+            };
+            let mut outputs = plan.nodes[node].kind().action().iter();
+            let output = outputs.position(|slot| slot.quantity == *quantity);
+            actions.push((
+                node,
+                output.ok_or_else(|| failed("its node does not have", &action.names()[actuator]))?,
+            ));
+            actuators.push(actuator);
+        }
+        let graph = Graph::new(plan, &widths, &actions);
+        Ok(NodeView { observation: Self::of_features(features, spaces), graph, actuators })
     }
 }
 

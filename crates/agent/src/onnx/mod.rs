@@ -13,7 +13,6 @@ use crate::acting::Acting;
 use crate::agent::Agent;
 use crate::network::Shape;
 use crate::observation::{ObservationForm, ObservationOptions};
-use crate::pilot::Pilot;
 use crate::{Error, Result};
 
 impl Agent {
@@ -22,9 +21,9 @@ impl Agent {
     ///
     /// # Errors
     /// [`Error::NotExportable`] for an agent with features, which depend on earlier steps, or on a base controller;
-    /// [`Error::OtherBuilding`] for a building that it was not made for.
+    /// [`Error::OtherBuilding`] and [`Error::UnknownNodeType`] for a building that it was not made for.
     pub fn to_onnx(&self, spaces: &Arc<Spaces>) -> Result<Vec<u8>> {
-        self.controller(spaces)?;
+        let pilot = self.pilot(spaces)?;
         let interface = self.info().interface;
         let ObservationOptions { form, attributes, forecast } = interface.observation;
         if form == ObservationForm::Features {
@@ -47,7 +46,6 @@ impl Agent {
                 Ok(plain::file(self.actor(), mlp, &bounds, self.info().actuators.len()))
             }
             Shape::Graph(network) => {
-                let pilot = Pilot::new(interface, spaces)?;
                 let graph = pilot.graph().expect("a pilot of a graph network has a graph");
                 let features = pilot.observation().linear_features();
                 let features = features.ok_or_else(|| self.not_exportable("its features are not linear"))?;

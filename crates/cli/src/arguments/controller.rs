@@ -5,6 +5,8 @@ use std::str::FromStr;
 use std::sync::Arc;
 
 use anyhow::{Result, bail};
+#[cfg(target_os = "linux")]
+use b2b_agent::{Agent, AgentController};
 use b2b_control::{Constant, Controller, Random, Reactive, ReactiveParameters};
 use b2b_env::Spaces;
 
@@ -101,7 +103,7 @@ impl ControllerArguments {
             #[cfg(target_os = "linux")]
             Kind::Planner => Box::new(self.plan(prepared, spaces, quiet)?),
             #[cfg(target_os = "linux")]
-            Kind::Agent(folder) => Box::new(b2b_agent::Agent::read(folder)?.controller(spaces)?),
+            Kind::Agent(folder) => Box::new(agent(folder, spaces)?),
         })
     }
 
@@ -159,6 +161,22 @@ impl Parameters {
             Self::File(path) => ReactiveParameters::read(path)?,
         })
     }
+}
+
+/// Returns the controller of the agent in a folder.
+#[cfg(target_os = "linux")]
+fn agent(folder: &Path, spaces: &Arc<Spaces>) -> Result<AgentController> {
+    let controller = Agent::read(folder)?.controller(spaces)?;
+    let (corrected, actuators) = (controller.actuators(), spaces.action.len());
+    if corrected < actuators {
+        eprintln!(
+            "the agent {} corrects {corrected} of the {actuators} actuators of {}; the reactive controllers control the others, whose \
+             node types it was not trained with",
+            folder.display(),
+            spaces.building.name
+        );
+    }
+    Ok(controller)
 }
 
 /// Returns the reactive controllers of a building.
