@@ -2,7 +2,7 @@
 #![cfg(target_os = "linux")]
 
 mod batch;
-#[path = "../case/mod.rs"]
+#[path = "../env/case.rs"]
 mod case;
 mod copies;
 mod losses;

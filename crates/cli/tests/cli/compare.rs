@@ -1,0 +1,125 @@
+//! `b2b compare` from the outside, on runs of the real engine.
+
+use std::path::Path;
+
+use crate::program::{assert_rejected, b2b, json, stderr};
+
+/// Runs the fastest building for two days.
+fn record(folder: &Path, name: &str, arguments: &str) {
+    let output = b2b(folder, &format!("run RestaurantFastFood --out {name} {arguments}"));
+    assert!(output.status.success(), "{}", stderr(&output));
+}
+
+const DAYS: &str = "--period 01-01..01-02";
+
+#[test]
+fn runs_of_one_episode_are_compared_in_tables_json_and_page() {
+    let folder = tempfile::tempdir().unwrap();
+    record(folder.path(), "reactive", &format!("{DAYS} --task occupancy"));
+    record(folder.path(), "random", &format!("{DAYS} --task occupancy --controller random"));
+    let compared = json(folder.path(), "compare reactive random/trajectory.parquet --out page.html");
+    let runs = compared["runs"].as_array().unwrap();
+    assert_eq!((&compared["building"], &compared["steps"]), (&"RestaurantFastFood".into(), &576.into()));
+    assert_eq!([&runs[0]["name"], &runs[1]["name"]], ["reactive", "random"]);
+    // Metrics and differences are those of the summaries.
+    let summary = |name: &str| -> serde_json::Value {
+        serde_json::from_slice(&std::fs::read(folder.path().join(name).join("summary.json")).unwrap())
+            .unwrap()
+    };
+    for column in
+        ["return", "rms_deviation_k", "discomfort_k_h", "electricity_wh_m2", "gas_wh_m2", "daily_travel"]
+    {
+        let [ours, theirs] = ["reactive", "random"].map(|name| summary(name)[column].as_f64().unwrap());
+        assert_eq!(runs[1]["metrics"][column].as_f64(), Some(theirs), "{column}");
+        assert_eq!(runs[1]["difference"][column].as_f64(), Some(theirs - ours), "{column}");
+        assert_eq!(runs[0]["difference"][column].as_f64(), Some(0.0), "{column}");
+    }
+    // The worst hours begin with the largest deviation; none is of a zone and day that is listed already.
+    for run in runs {
+        let hours = run["worst_hours"].as_array().unwrap();
+        let sizes: Vec<_> = hours.iter().map(|hour| hour["deviation_k"].as_f64().unwrap().abs()).collect();
+        assert!(!sizes.is_empty() && sizes.is_sorted_by(|a, b| a >= b), "{sizes:?}");
+        let mut days: Vec<_> = hours.iter().map(|hour| (hour["zone"].to_string(), &hour["date"])).collect();
+        days.sort_by_key(|(zone, date)| (zone.clone(), date.to_string()));
+        days.dedup();
+        assert_eq!(days.len(), hours.len());
+        for hour in hours {
+            let [zone, target, deviation] =
+                ["temperature_c", "target_c", "deviation_k"].map(|key| hour[key].as_f64().unwrap());
+            assert!((zone - target - deviation).abs() < 1e-9, "{hour}");
+        }
+    }
+    let page = std::fs::read_to_string(folder.path().join("page.html")).unwrap();
+    assert!(page.contains("RestaurantFastFood in Denver") && page.len() < 1_000_000, "{}", page.len());
+
+    let output = b2b(folder.path(), "compare reactive random --name baseline --name chance");
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    for words in
+        ["baseline", "chance", "difference", "peak electric demand", "worst hours", "Dining", "compare-"]
+    {
+        assert!(text.contains(words), "`{words}` is not in: {text}");
+    }
+    assert!(folder.path().join("b2b-out/compare-RestaurantFastFood-Denver-01-01..01-02.html").is_file());
+}
+
+#[test]
+fn runs_of_one_controller_are_named_after_seeds_or_folders() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, arguments) in [("a", "random --seed 1"), ("b", "random --seed 2"), ("c", "constant")] {
+        record(folder.path(), name, &format!("{DAYS} --controller {arguments}"));
+    }
+    let names = |runs: &str| {
+        let compared = json(folder.path(), &format!("compare {runs} --out page.html"));
+        let runs = compared["runs"].as_array().unwrap().iter();
+        runs.map(|run| run["name"].as_str().unwrap().to_owned()).collect::<Vec<_>>()
+    };
+    assert_eq!(names("a c"), ["random", "constant"]);
+    assert_eq!(names("a b"), ["random, seed 1", "random, seed 2"]);
+    assert_eq!(names("c c/"), ["c", "c/"]);
+}
+
+#[test]
+fn runs_that_do_not_belong_together_are_rejected() {
+    let folder = tempfile::tempdir().unwrap();
+    let rejected = |arguments: &str, words: &[&str]| assert_rejected(folder.path(), arguments, words);
+    record(folder.path(), "a", DAYS);
+    record(folder.path(), "days", "--period 01-01..01-01");
+    record(folder.path(), "place", &format!("{DAYS} --place Miami"));
+    record(folder.path(), "task", &format!("{DAYS} --task occupancy"));
+    record(folder.path(), "slow", &format!("{DAYS} --steps-per-hour 6"));
+    rejected("compare", &["RUN", "required"]);
+    rejected("compare a", &["a is one run", "at least two"]);
+    rejected("compare a none", &["no run at none", "b2b run"]);
+    rejected("compare a days", &["run period", "01-01..01-02 in a", "01-01..01-01 in days"]);
+    rejected("compare a place", &["place", "Denver in a", "Miami in place"]);
+    rejected("compare a task", &["task", "constant in a", "occupancy in task"]);
+    rejected("compare a slow", &["steps per hour", "12 in a", "6 in slow"]);
+    rejected("compare a days --name one", &["--name has 1 names for 2 runs"]);
+    // Folders that are not runs, and files that do not belong to each other.
+    std::fs::create_dir(folder.path().join("empty")).unwrap();
+    rejected("compare a empty", &["empty has no trajectory.parquet"]);
+    let copy = |file: &str, from: &str, to: &str| {
+        std::fs::create_dir_all(folder.path().join(to)).unwrap();
+        std::fs::copy(folder.path().join(from).join(file), folder.path().join(to).join(file)).unwrap();
+    };
+    copy("trajectory.parquet", "a", "bare");
+    rejected("compare a bare", &["cannot read bare/summary.json"]);
+    copy("summary.json", "task", "bare");
+    rejected("compare a bare", &["bare are of different runs"]);
+    std::fs::write(folder.path().join("bare/summary.json"), "{}").unwrap();
+    rejected("compare a bare", &["bare/summary.json is not a summary"]);
+    copy("summary.json", "a", "bare");
+    std::fs::write(folder.path().join("bare/trajectory.parquet"), "PAR1").unwrap();
+    rejected("compare a bare", &["bare/trajectory.parquet is not a trajectory"]);
+}
+
+#[test]
+fn runs_of_different_buildings_are_rejected() {
+    let folder = tempfile::tempdir().unwrap();
+    record(folder.path(), "restaurant", "--period 01-01..01-01");
+    let run = "run SingleFamilyHouse --period 01-01..01-01 --out house";
+    assert!(b2b(folder.path(), run).status.success());
+    let words = ["building", "RestaurantFastFood in restaurant", "SingleFamilyHouse in house"];
+    assert_rejected(folder.path(), "compare restaurant house", &words);
+    assert!(!folder.path().join("b2b-out").exists());
+}

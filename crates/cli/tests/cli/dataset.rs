@@ -1,0 +1,325 @@
+//! The dataset on the command line: manifest, generated files, and buildings by id.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::os::unix::process::ExitStatusExt;
+use std::path::Path;
+use std::process::Stdio;
+use std::time::Duration;
+
+use crate::program::{assert_rejected, b2b, command, json, stderr};
+use arrow_array::Array;
+use arrow_array::cast::AsArray;
+use arrow_array::types::Float64Type;
+use b2b_climate::Place;
+use b2b_dataset::Building;
+use b2b_energyplus::digest::sha256;
+use b2b_energyplus::install::Quiet;
+use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use rustix::process::{Pid, Signal, kill_process};
+use serde_json::Value;
+
+/// The files of a folder by name.
+fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    entries
+        .map(|path| (path.file_name().unwrap().to_str().unwrap().to_owned(), std::fs::read(path).unwrap()))
+        .collect()
+}
+
+#[test]
+fn the_manifest_command_writes_the_checked_in_files_and_parquet_equals_csv() {
+    let folder = tempfile::tempdir().unwrap();
+    assert!(b2b(folder.path(), "dataset manifest --out here").status.success());
+    let written = files(&folder.path().join("here"));
+    assert_eq!(written.keys().collect::<Vec<_>>(), ["v1.csv", "v1.parquet"]);
+    let checked_in = Path::new(env!("CARGO_MANIFEST_DIR")).join("../dataset/data");
+    assert!(written["v1.csv"] == files(&checked_in)["v1.csv"]);
+    for folder in [folder.path().join("here"), checked_in] {
+        parquet_equals_csv(&folder);
+    }
+}
+
+#[test]
+fn the_frozen_files_have_the_documented_digests() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let page = std::fs::read_to_string(root.join("docs/dataset.md")).unwrap();
+    let frozen: Vec<_> = page.lines().filter_map(|line| line.strip_prefix("| `crates/")).collect();
+    assert_eq!(frozen.len(), 4);
+    for row in frozen {
+        let (file, digest) = row.split_once("` | `").unwrap();
+        let bytes = std::fs::read(root.join("crates").join(file)).unwrap();
+        assert_eq!(digest.split('`').next().unwrap(), sha256(bytes), "{file} belongs to the frozen v1");
+    }
+}
+
+fn parquet_equals_csv(folder: &Path) {
+    let file = File::open(folder.join("v1.parquet")).unwrap();
+    let reader = ParquetRecordBatchReaderBuilder::try_new(file).unwrap().with_batch_size(10_000);
+    let table = reader.build().unwrap().next().unwrap().unwrap();
+    let text = std::fs::read_to_string(folder.join("v1.csv")).unwrap();
+    let mut rows = text.lines().map(|row| row.split(',').collect::<Vec<_>>());
+    let names = rows.next().unwrap();
+    let rows: Vec<_> = rows.collect();
+    assert_eq!((table.num_rows(), table.num_columns()), (rows.len(), names.len()));
+    let column = |name| names.iter().position(|each| *each == name).unwrap();
+    let (ids, window_u) = (column("id"), column("window_u"));
+    let ventilation = column("ventilation");
+    for (index, row) in rows.iter().enumerate() {
+        assert_eq!(table.column(ids).as_string::<i32>().value(index), row[ids]);
+        let value = table.column(window_u).as_primitive::<Float64Type>().value(index);
+        assert_eq!(value, row[window_u].parse::<f64>().unwrap());
+        assert_eq!(table.column(ventilation).is_null(index), row[ventilation].is_empty());
+    }
+}
+
+#[test]
+fn the_same_arguments_generate_the_same_bytes_in_two_processes() {
+    let folder = tempfile::tempdir().unwrap();
+    for arguments in [
+        "generate Warehouse --count 3 --seed 7 --place Miami --place Denver",
+        "generate SingleFamilyHouse --count 3",
+    ] {
+        for (out, jobs) in [("one", 1), ("two", 2)] {
+            let said = json(folder.path(), &format!("{arguments} --out {out} --jobs {jobs}"));
+            assert_eq!((said["written"].as_u64(), said["kept"].as_u64()), (Some(3), Some(0)));
+        }
+    }
+    let [one, two] = ["one", "two"].map(|out| files(&folder.path().join(out)));
+    assert_eq!(one.len(), 7, "{:?}", one.keys());
+    assert!(one == two);
+}
+
+#[test]
+fn files_of_unchanged_buildings_are_kept_and_others_are_replaced() {
+    let folder = tempfile::tempdir().unwrap();
+    let generate = |count: u32| {
+        let said = json(folder.path(), &format!("generate Warehouse --count {count} --place Denver --out w"));
+        (said["written"].as_u64().unwrap(), said["kept"].as_u64().unwrap())
+    };
+    assert_eq!(generate(2), (2, 0));
+    assert_eq!(generate(2), (0, 2));
+    // Another count is another hypercube: the same names stand for other buildings.
+    assert_eq!(generate(3), (3, 0));
+    let manifest = folder.path().join("w/manifest.csv");
+    let old = std::fs::read_to_string(&manifest).unwrap().replace(",v1,", ",v0,");
+    std::fs::write(&manifest, old).unwrap();
+    assert_eq!(generate(3), (3, 0));
+}
+
+#[test]
+fn an_interrupted_generation_leaves_complete_files_and_resumes() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let arguments = "generate Warehouse --count 60 --place Denver --jobs 1 --out out";
+    let child = command(folder.path(), arguments).stderr(Stdio::piped()).spawn().unwrap();
+    let models = || {
+        let entries = std::fs::read_dir(&out).into_iter().flatten().map(|entry| entry.unwrap().path());
+        entries.filter(|path| path.extension().is_some_and(|e| e == "epJSON")).collect::<Vec<_>>()
+    };
+    while models().len() < 3 {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    kill_process(Pid::from_child(&child), Signal::INT).unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert_eq!((output.status.code(), output.status.signal()), (Some(130), None), "{}", stderr(&output));
+    assert!(stderr(&output).contains("interrupted after "), "{}", stderr(&output));
+    for path in models() {
+        serde_json::from_reader::<_, Value>(File::open(&path).unwrap()).unwrap();
+    }
+    assert!(files_are_models_and_manifest(&out));
+    let there = models().len() as u64;
+    let said = json(folder.path(), arguments);
+    assert_eq!((said["kept"].as_u64(), said["written"].as_u64()), (Some(there), Some(60 - there)));
+    assert!(files_are_models_and_manifest(&out));
+}
+
+fn files_are_models_and_manifest(folder: &Path) -> bool {
+    files(folder).keys().all(|name| name == "manifest.csv" || name.ends_with(".epJSON"))
+}
+
+/// Denver's weather file, without the design conditions of its header.
+fn undesigned(folder: &Path) -> std::path::PathBuf {
+    let denver = Place::find("Denver").unwrap().epw(&mut Quiet).unwrap();
+    let text = std::fs::read_to_string(denver).unwrap();
+    let lines = text.lines().map(|line| match line.starts_with("DESIGN CONDITIONS,") {
+        true => "DESIGN CONDITIONS,0",
+        false => line,
+    });
+    let path = folder.join("somewhere.epw");
+    std::fs::write(&path, lines.collect::<Vec<_>>().join("\n")).unwrap();
+    path
+}
+
+/// The rows of the manifest of a generated folder, by column.
+fn manifest(folder: &Path) -> Vec<BTreeMap<String, String>> {
+    let text = std::fs::read_to_string(folder.join("manifest.csv")).unwrap();
+    let mut lines = text.lines().map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>());
+    let names = lines.next().unwrap();
+    lines.map(|row| names.iter().cloned().zip(row).collect()).collect()
+}
+
+#[test]
+fn the_manifest_records_the_weather_file_and_the_parameters() {
+    let folder = tempfile::tempdir().unwrap();
+    let weather = undesigned(folder.path());
+    let out = folder.path().join("o");
+    let settings = "--set x_scale=1.25 --set infiltration=0.5..0.6";
+    let generate = |zone: &str| {
+        let arguments =
+            format!("generate RetailStandalone --count 4 --weather somewhere.epw {settings} {zone}");
+        let output = b2b(folder.path(), &format!("{arguments} --out o --json"));
+        assert!(output.status.success(), "{}", stderr(&output));
+        let said: Value = serde_json::from_slice(&output.stdout).unwrap();
+        (said["written"].as_u64().unwrap(), stderr(&output))
+    };
+    let (written, said) = generate("");
+    assert_eq!(written, 4);
+    assert!(said.contains("somewhere: climate zone 5B") && said.contains("--zone"), "{said}");
+    assert!(said.contains("no design conditions") && said.contains("99.6 %"), "{said}");
+    for row in manifest(&out) {
+        assert_eq!((row["place"].as_str(), row["climate_zone"].as_str()), ("somewhere", "5B"));
+        assert_eq!(row["x_scale"], "1.25");
+        assert!((0.5..=0.6).contains(&row["infiltration"].parse::<f64>().unwrap()));
+        assert_eq!(row["weather_sha256"].len(), 64);
+    }
+    // Nothing is made twice; another zone, and another file of the same name, make other buildings.
+    assert_eq!(generate("").0, 0);
+    let (written, said) = generate("--zone 6A");
+    assert!(written == 4 && !said.contains("climate zone"), "{said}");
+    assert_eq!(manifest(&out)[0]["climate_zone"], "6A");
+    let warmer = std::fs::read_to_string(&weather).unwrap() + "\n";
+    std::fs::write(&weather, warmer).unwrap();
+    assert_eq!(generate("--zone 6A").0, 4);
+}
+
+#[test]
+fn dataset_buildings_and_new_ones_share_a_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let dataset = "generate RestaurantFastFood --dataset v1 --split test_small --out o";
+    assert_eq!(json(folder.path(), dataset)["written"], 8);
+    assert_eq!(json(folder.path(), "generate Warehouse --count 2 --place Denver --out o")["written"], 2);
+    assert_eq!(json(folder.path(), dataset)["kept"], 8);
+    let rows = manifest(&folder.path().join("o"));
+    assert_eq!((rows.len(), rows[0]["test_small"].as_str()), (10, "true"));
+}
+
+#[test]
+fn houses_accept_any_weather_file_and_have_no_climate_zone() {
+    let folder = tempfile::tempdir().unwrap();
+    undesigned(folder.path());
+    let arguments = "generate SingleFamilyHouse --count 3 --weather somewhere.epw --set year=1950 --set storeys=2 --out o";
+    let output = b2b(folder.path(), arguments);
+    assert!(output.status.success() && !stderr(&output).contains("climate zone"), "{}", stderr(&output));
+    for row in manifest(&folder.path().join("o")) {
+        assert_eq!((row["year"].as_str(), row["vintage"].as_str()), ("1950", "[1946 - 1971)"));
+        assert_eq!((row["storeys"].as_str(), row["climate_zone"].as_str()), ("2", ""));
+        assert!((3000.0..3700.0).contains(&row["heating_degree_days"].parse::<f64>().unwrap()));
+    }
+    let output = b2b(folder.path(), &format!("{arguments} --zone 6A"));
+    assert!(!output.status.success() && stderr(&output).contains("--zone"), "{}", stderr(&output));
+}
+
+#[test]
+fn a_weather_file_without_design_conditions_is_reported() {
+    let folder = tempfile::tempdir().unwrap();
+    undesigned(folder.path());
+    let output = b2b(folder.path(), "show Warehouse --weather somewhere.epw --json");
+    assert!(
+        output.status.success() && stderr(&output).contains("no design conditions"),
+        "{}",
+        stderr(&output)
+    );
+}
+
+/// `b2b dataset ranges` prints them.
+#[test]
+fn the_ranges_in_the_documentation_are_those_of_the_dataset() {
+    let printed = b2b(Path::new("."), "dataset ranges");
+    let documented =
+        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/dataset.md")).unwrap();
+    assert!(documented.contains(String::from_utf8_lossy(&printed.stdout).trim_end()));
+}
+
+#[test]
+fn invalid_arguments_are_rejected_with_the_valid_ones() {
+    for (arguments, words) in [
+        ("run OfficeSmall-1001", ["1001", "OfficeSmall-1000"]),
+        ("run OficeSmall-0042", ["OficeSmall", "OfficeSmall"]),
+        ("show Warehouse-x", ["`Warehouse-x`", "Warehouse-0001"]),
+        ("check Warehouse", ["`Warehouse`", "OfficeSmall-0042"]),
+        ("run OfficeSmall-0042 --place Denver", ["OfficeSmall-0042 is located in", "--weather"]),
+        ("generate Warehouse --place Dever --out o", ["Dever", "Denver"]),
+        ("generate SingleFamilyHouse --place Miami --out o", ["Miami", "Estrie"]),
+        ("generate Warehouse --count 0 --out o", ["0", "--count"]),
+        ("generate --out o", ["TYPE", "required"]),
+        ("generate Warehouse --split test --out o", ["--dataset", "required"]),
+        ("generate --dataset v1 --seed 3 --out o", ["--dataset", "--seed"]),
+        (
+            "generate Warehouse --set window_to_wal=0.01 --out o",
+            ["window_to_wal`", "did you mean window_to_wall?"],
+        ),
+        ("generate Warehouse --set infiltration=2.5 --out o", ["`infiltration` is 2.5", "climate zone"]),
+        ("generate Warehouse --set x_scale=nan --out o", ["`x_scale` is NaN", "0.7 to 1.5"]),
+        ("generate Warehouse --set x_scale=0.5..1 --out o", ["`x_scale` is 0.5", "0.7 to 1.5"]),
+        ("generate Warehouse --set x_scale --out o", ["x_scale", "NAME=VALUE"]),
+        ("generate SingleFamilyHouse --set foundation=rock --out o", ["rock", "slab"]),
+        ("generate SingleFamilyHouse --set floor_area=20 --out o", ["`floor_area` is 20", "40"]),
+        ("generate Warehouse --weather none.epw --out o", ["none.epw", "No such file"]),
+        ("generate Warehouse --zone 5A --out o", ["--weather", "required"]),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        assert_rejected(folder.path(), arguments, &words);
+        assert!(files(folder.path()).is_empty());
+    }
+}
+
+#[test]
+fn a_building_of_the_dataset_runs_at_its_own_place() {
+    let folder = tempfile::tempdir().unwrap();
+    for id in ["RestaurantFastFood-0042", "SingleFamilyHouse-0042"] {
+        let said = json(folder.path(), &format!("run {id} --period 01-01..01-01"));
+        assert_eq!(said["building"], id);
+        assert_eq!(said["place"], b2b_dataset::row(id.parse().unwrap()).building.place());
+        assert_eq!(said["engine_severes"], 0);
+    }
+}
+
+/// The floor that is conditioned follows the parameters.
+#[test]
+fn show_describes_the_building_of_the_id() {
+    let folder = tempfile::tempdir().unwrap();
+    let area = |name: &str| {
+        json(folder.path(), &format!("show {name}"))["conditioned_floor_area_m2"].as_f64().unwrap()
+    };
+    let Building::Commercial { parameters, .. } =
+        &b2b_dataset::row("RestaurantFastFood-0042".parse().unwrap()).building
+    else {
+        unreachable!()
+    };
+    let expected = area("RestaurantFastFood") * parameters.x_scale * parameters.y_scale;
+    assert!((area("RestaurantFastFood-0042") / expected - 1.0).abs() < 1e-3);
+}
+
+/// Cold outside asks for more air at the same supply temperature.
+#[test]
+fn the_equipment_of_a_type_is_sized_for_the_place() {
+    let folder = tempfile::tempdir().unwrap();
+    let flow = |arguments: &str| {
+        let shown = json(folder.path(), &format!("show OfficeSmall {arguments}"));
+        let flows = shown["action"].as_array().unwrap().iter();
+        flows.filter(|each| each["unit"] == "kg/s").map(|each| each["high"].as_f64().unwrap()).sum::<f64>()
+    };
+    let home = flow("");
+    assert_eq!(flow("--place Denver"), home);
+    assert!(flow("--place Miami") > 1.2 * home, "{} {home}", flow("--place Miami"));
+}
+
+#[test]
+fn check_passes_a_building_within_its_temperature_limits() {
+    let folder = tempfile::tempdir().unwrap();
+    let reports = json(folder.path(), "check RestaurantFastFood-0042");
+    let report = &reports.as_array().unwrap()[0];
+    assert_eq!((&report["id"], &report["passed"]), (&"RestaurantFastFood-0042".into(), &true.into()));
+    assert_eq!(report["episodes"].as_array().unwrap().len(), 2);
+}

@@ -1,0 +1,176 @@
+//! Untrusted models, damaged files and crashes of the engine cause an error and nothing else.
+
+use std::ffi::OsStr;
+use std::os::unix::ffi::OsStrExt;
+use std::path::{Path, PathBuf};
+
+use crate::program::{assert_rejected, b2b, both_outputs, command, json, stderr};
+use b2b_energyplus::install::{Engine, Quiet};
+use serde_json::Value;
+use tempfile::TempDir;
+
+const WAREHOUSE: &str = "RefBldgWarehouseNew2004_Chicago.idf";
+const CHICAGO: &str = "USA_IL_Chicago-OHare.Intl.AP.725300_TMY3.epw";
+
+/// Returns a folder with the weather of Chicago and a warehouse with more objects.
+fn folder_with(objects: &str) -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let models = Engine::ensure(&mut Quiet).unwrap().models.unwrap();
+    let weather = models.parent().unwrap().join("weather").join(CHICAGO);
+    std::fs::copy(weather, folder.path().join("w.epw")).unwrap();
+    let model = std::fs::read(models.join(WAREHOUSE)).unwrap();
+    std::fs::write(folder.path().join("m.idf"), [&model, objects.as_bytes()].concat()).unwrap();
+    folder
+}
+
+fn names(folder: &Path) -> Vec<PathBuf> {
+    let mut names: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn no_command_takes_a_model_that_runs_code_or_reads_elsewhere() {
+    let folder = folder_with(
+        "\nExternalInterface,FunctionalMockupUnitImport;\n\
+         ExternalInterface:FunctionalMockupUnitImport,./evil.fmu,0,0;\n\
+         PythonPlugin:Instance,Plugin,Yes,module,Class;\n\
+         Schedule:File,Outside,,/etc/hostname,1,0,8760,Comma;\n",
+    );
+    std::fs::write(folder.path().join("metered.csv"), "month,electricity_kwh,gas_kwh\n1,2,3\n2,3,4\n")
+        .unwrap();
+    let files = names(folder.path());
+    for arguments in [
+        "run m.idf --weather w.epw",
+        "import m.idf --weather w.epw --run 01-01..01-01",
+        "edit m.idf --lights 2 --out edited.epJSON",
+        "calibrate m.idf --weather w.epw --energy metered.csv --out calibrated.epJSON",
+        "show m.idf --weather w.epw",
+        "view m.idf --weather w.epw",
+        "doctor --authority m.idf --weather w.epw",
+    ] {
+        let words = [
+            "ExternalInterface:FunctionalMockupUnitImport `",
+            "native code",
+            "PythonPlugin:Instance `Plugin` runs Python code",
+            "Schedule:File `Outside` names the file `/etc/hostname`",
+            "--allow-external",
+        ];
+        assert_rejected(folder.path(), arguments, &words);
+        assert_eq!(names(folder.path()), files, "{arguments}");
+    }
+    let evaluation = "evaluate m.idf --weather w.epw --policy reactive --period 01-01..01-01 --out e";
+    assert_rejected(folder.path(), evaluation, &["PythonPlugin:Instance `Plugin`", "--allow-external"]);
+}
+
+#[test]
+fn a_file_next_to_the_model_is_read_and_one_elsewhere_on_request() {
+    let schedule = |file: &str| format!("\nSchedule:File,Shares,,{file},1,0,8760,Comma;\n");
+    let elsewhere = tempfile::Builder::new().suffix(".csv").tempfile().unwrap();
+    std::fs::write(elsewhere.path(), "0.5\n".repeat(8760)).unwrap();
+    let folder = folder_with(&schedule("shares.csv"));
+    let import = "import m.idf --weather w.epw";
+    assert_rejected(folder.path(), import, &["`Shares`", "is not in the folder of the model"]);
+    std::fs::write(folder.path().join("shares.csv"), "0.5\n".repeat(8760)).unwrap();
+    assert!(json(folder.path(), import).is_object());
+    // The engine reads it from wherever the command runs.
+    let model = folder.path().join("m.idf").display().to_string();
+    let weather = folder.path().join("w.epw").display().to_string();
+    assert!(json(Path::new("/"), &format!("import {model} --weather {weather}")).is_object());
+    // Its content is part of what is prepared, so that a changed file is not taken for the one before.
+    std::fs::write(folder.path().join("shares.csv"), "no number\n".repeat(8760)).unwrap();
+    assert!(!b2b(folder.path(), import).status.success());
+
+    let folder = folder_with(&schedule(&elsewhere.path().display().to_string()));
+    assert_rejected(folder.path(), import, &["`Shares`", "is outside the folder of the model"]);
+    assert!(json(folder.path(), &format!("{import} --allow-external")).is_object());
+}
+
+#[test]
+fn a_crash_of_the_engine_is_an_error_and_leaves_nothing() {
+    let folder = folder_with("");
+    let weather = std::fs::read_to_string(folder.path().join("w.epw")).unwrap();
+    let line = weather.lines().find(|line| line.starts_with("HOLIDAYS")).unwrap();
+    let crashes = weather.replace(line, "HOLIDAYS/DAYLIGHT SAVINGS,No,0,0");
+    std::fs::write(folder.path().join("w.epw"), crashes).unwrap();
+    let (files, temporary) = (names(folder.path()), tempfile::tempdir().unwrap());
+    for arguments in ["run m.idf --weather w.epw --out out", "import m.idf --weather w.epw"] {
+        let output = command(folder.path(), arguments).env("TMPDIR", temporary.path()).output().unwrap();
+        let said = stderr(&output);
+        assert_eq!(output.status.code(), Some(1), "{said}");
+        assert!(said.contains("EnergyPlus crashed with a segmentation fault"), "{said}");
+        assert_eq!(names(folder.path()), files);
+        assert_eq!(names(temporary.path()), Vec::<PathBuf>::new());
+    }
+    std::fs::copy(folder.path().join("m.idf"), folder.path().join("n.idf")).unwrap();
+    let all = b2b(folder.path(), "import . --weather w.epw");
+    assert_eq!(both_outputs(&all).matches("EnergyPlus crashed").count(), 2, "{}", both_outputs(&all));
+}
+
+#[test]
+fn a_model_that_the_engine_refuses_is_an_error_with_its_messages_alone() {
+    let folder =
+        folder_with("\nSchedule:Compact,Half a day,Fraction,Through: 12/31,For: AllDays,Until: 12:00,0.5;\n");
+    for arguments in ["run m.idf --weather w.epw --out out", "import m.idf --weather w.epw"] {
+        let output = b2b(folder.path(), arguments);
+        let said = both_outputs(&output);
+        assert_eq!(output.status.code(), Some(1), "{said}");
+        assert!(said.contains("error: cannot prepare m"), "{said}");
+        assert!(said.contains("fatal: ProcessScheduleInput"), "{said}");
+        assert!(!said.contains("Program terminated"), "{said}");
+    }
+}
+
+#[test]
+fn a_damaged_trajectory_is_never_scored() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = b2b(folder.path(), "run SingleFamilyHouse --period 01-01..01-01 --out out");
+    assert!(out.status.success(), "{}", stderr(&out));
+    let path = folder.path().join("out/trajectory.parquet");
+    let whole = std::fs::read(&path).unwrap();
+    let honest: Value = json(folder.path(), "score out/trajectory.parquet");
+    let mut refused = 0;
+    let positions: Vec<usize> = (0..40).map(|n| n * (whole.len() - 1) / 39).collect();
+    for at in positions {
+        let mut damaged = whole.clone();
+        damaged[at] ^= 0x55;
+        std::fs::write(&path, damaged).unwrap();
+        let output = b2b(folder.path(), "score out/trajectory.parquet --json");
+        let said = stderr(&output);
+        assert!(!said.contains("panicked"), "byte {at}: {said}");
+        match output.status.code() {
+            Some(0) => {
+                assert_eq!(serde_json::from_slice::<Value>(&output.stdout).unwrap(), honest, "byte {at}")
+            }
+            code => {
+                assert_eq!(code, Some(1), "byte {at}: {said}");
+                assert!(said.contains("trajectory.parquet"), "{said}");
+                refused += 1;
+            }
+        }
+    }
+    assert!(refused > 30, "{refused}");
+}
+
+#[test]
+fn an_output_folder_that_results_cannot_name_is_refused_before_the_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut run = command(folder.path(), "run SingleFamilyHouse --period 01-01..01-01 --out");
+    let output = run.arg(OsStr::from_bytes(b"out-\xff")).output().unwrap();
+    let said = stderr(&output);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("--out") && said.contains("UTF-8"), "{said}");
+    assert_eq!(names(folder.path()), Vec::<PathBuf>::new());
+}
+
+#[test]
+fn a_temporary_folder_that_cannot_be_used_is_named_with_the_remedy() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut run = command(folder.path(), "run SingleFamilyHouse --period 01-01..01-01");
+    let output = run.env("TMPDIR", folder.path().join("none")).output().unwrap();
+    let said = stderr(&output);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    for word in ["temporary folder", "/none", "TMPDIR"] {
+        assert!(said.contains(word), "`{word}` is not in: {said}");
+    }
+}

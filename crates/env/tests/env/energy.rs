@@ -1,0 +1,55 @@
+//! Energy is the engine's own, and counted once.
+
+use crate::case::{Case, random_episode};
+use b2b_building::BuildingType;
+
+fn energy_is_the_engine_s_own(building_type: BuildingType) {
+    let case = Case::at_home(building_type);
+    for period in ["01-08..01-14", "07-08..07-14"] {
+        let mut env = case.env(period);
+        let trajectory = random_episode(&mut env, 2);
+        let space = env.observation_space();
+        let sum = |slot: usize| -> f64 {
+            trajectory.observations.chunks_exact(space.len()).map(|row| row[slot]).sum()
+        };
+        let reported = [space.electricity(), space.gas()].map(sum);
+        let engine = env.engine_meters().unwrap();
+        for (reported, engine) in reported.iter().zip(engine) {
+            let error = (reported - engine).abs() / engine.max(1.0);
+            assert!(error < 1e-6, "{building_type} {period}: {reported} Wh/m², the engine says {engine}");
+        }
+        assert!(reported[0] > 0.0, "{building_type}: fans take electricity");
+        assert!((env.metrics().electricity - reported[0]).abs() < 1e-9 * reported[0]);
+        assert!((env.metrics().gas - reported[1]).abs() <= 1e-9 * reported[1]);
+    }
+}
+
+#[test]
+fn energy_of_the_house_is_counted_once() {
+    energy_is_the_engine_s_own(BuildingType::SingleFamilyHouse);
+}
+
+#[test]
+fn energy_of_the_small_office_is_counted_once() {
+    energy_is_the_engine_s_own(BuildingType::OfficeSmall);
+}
+
+#[test]
+fn energy_of_the_medium_office_is_counted_once() {
+    energy_is_the_engine_s_own(BuildingType::OfficeMedium);
+}
+
+#[test]
+fn energy_of_the_shop_is_counted_once() {
+    energy_is_the_engine_s_own(BuildingType::RetailStandalone);
+}
+
+#[test]
+fn energy_of_the_restaurant_is_counted_once() {
+    energy_is_the_engine_s_own(BuildingType::RestaurantFastFood);
+}
+
+#[test]
+fn energy_of_the_warehouse_is_counted_once() {
+    energy_is_the_engine_s_own(BuildingType::Warehouse);
+}

@@ -1,0 +1,79 @@
+//! Faults on the engine: sensors err without touching the reward, and faulty equipment does not follow.
+
+use crate::case::{Case, random_episode};
+use b2b_building::BuildingType;
+use b2b_building::hvac::Quantity;
+use b2b_env::{Faults, Task, Trajectory};
+
+const DAY: &str = "01-03..01-03";
+
+fn office() -> Case {
+    Case::at_home(BuildingType::OfficeSmall)
+}
+
+#[test]
+fn sensors_err_by_the_given_noise_and_bias_and_rewards_do_not() {
+    let office = office();
+    let sound = random_episode(&mut office.env_for(DAY, "constant"), 3);
+    let mut env = office.env_for(DAY, "constant+noise0.2");
+    let noisy = random_episode(&mut env, 3);
+    assert_eq!(noisy.penalties, sound.penalties);
+    let (width, zones) = (env.observation().len(), env.building().zones.len());
+    let errors = |trajectory: &Trajectory| -> Vec<Vec<f64>> {
+        let rows = trajectory.observations.chunks_exact(width).zip(sound.observations.chunks_exact(width));
+        rows.map(|(noisy, sound)| {
+            assert_eq!(noisy[zones..], sound[zones..], "only zone temperatures have errors");
+            (0..zones).map(|zone| noisy[zone] - sound[zone]).collect()
+        })
+        .collect()
+    };
+    let all = errors(&noisy).concat();
+    let mean = all.iter().sum::<f64>() / all.len() as f64;
+    let deviation = (all.iter().map(|error| (error - mean).powi(2)).sum::<f64>() / all.len() as f64).sqrt();
+    assert!(mean.abs() < 0.02 && (deviation - 0.2).abs() < 0.01, "{mean} {deviation}");
+
+    let biased = errors(&random_episode(&mut office.env_for(DAY, "constant+bias0.5"), 3));
+    for zone in 0..zones {
+        let first = biased[0][zone];
+        assert!(first != 0.0 && biased.iter().all(|row| (row[zone] - first).abs() < 1e-9));
+    }
+}
+
+#[test]
+fn equal_tasks_have_equal_faults_and_another_seed_has_others() {
+    let office = office();
+    let run = |seed| {
+        let faults = Faults { seed, noise: 0.1, bias: 0.3, stuck: 0.3, fouling: 0.2 };
+        random_episode(&mut office.env_with(DAY, Task { faults, ..Task::default() }), 3).hash()
+    };
+    assert_eq!(run(1), run(1));
+    assert_ne!(run(1), run(2));
+    // A reset repeats them.
+    let mut env = office.env_for(DAY, "constant+noise0.1+stuck0.3");
+    assert_eq!(random_episode(&mut env, 3).hash(), random_episode(&mut env, 3).hash());
+}
+
+#[test]
+fn stuck_actuators_do_not_move_and_fouled_coils_lose_their_range() {
+    let office = office();
+    let mut env = office.env_for(DAY, "constant+stuck1");
+    let stuck = random_episode(&mut env, 3);
+    let actuators = env.action_space().len();
+    assert!(stuck.actions.chunks_exact(actuators).all(|action| action == &stuck.actions[..actuators]));
+
+    let mut env = office.env_for(DAY, "constant+fouling0.5");
+    let fouled = random_episode(&mut env, 3);
+    for (index, actuator) in env.building().actuators().enumerate() {
+        let values = fouled.actions.chunks_exact(actuators).map(|action| action[index]);
+        let (low, high) =
+            values.fold((f64::MAX, f64::MIN), |(low, high), value| (low.min(value), high.max(value)));
+        let half = |bound: f64| 20.0 + 0.5 * (bound - 20.0);
+        match actuator.quantity {
+            Quantity::SupplyAirTemperature => {
+                assert!(low >= half(actuator.low) && high <= half(actuator.high), "{low} {high}");
+                assert!(high - low > 0.4 * (actuator.high - actuator.low), "{low} {high}");
+            }
+            _ => assert!(high - low > 0.8 * (actuator.high - actuator.low), "{low} {high}"),
+        }
+    }
+}

@@ -1,0 +1,66 @@
+//! A building of a user's own as an environment.
+
+use crate::case::{Case, random_episode};
+use b2b_building::{Carrier, Conditioning};
+use b2b_energyplus::Level;
+
+const CHICAGO: &str = "USA_IL_Chicago-OHare.Intl.AP.725300_TMY3.epw";
+
+#[test]
+fn zones_left_to_their_own_controls_are_held_by_them_and_not_judged() {
+    let case = Case::imported("RefBldgSmallHotelNew2004_Chicago.idf", CHICAGO);
+    let mut env = case.env("01-08..01-08");
+    let trajectory = random_episode(&mut env, 1);
+    assert_eq!(env.message_count(Level::Severe), 0);
+    let zones = &case.building.zones;
+    assert_eq!(env.observation_space().zone_temperatures().len(), zones.len());
+    for (slot, zone) in zones.iter().enumerate().filter(|(_, zone)| zone.own_controls) {
+        let temperatures: Vec<f64> = trajectory.observed(slot).collect();
+        assert!(temperatures.iter().all(|t| (12.0..32.0).contains(t)), "{}: {temperatures:?}", zone.name);
+        assert!(env.metrics().zones.iter().all(|judged| judged.slot != slot), "{} is judged", zone.name);
+    }
+    let driven = zones.iter().filter(|zone| zone.conditioning != Conditioning::None).count();
+    assert_eq!(env.metrics().zones.len(), driven);
+    let meters = env.engine_meters().unwrap();
+    assert!((env.metrics().electricity / meters[0] - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn the_gas_of_boilers_and_the_electricity_of_chillers_and_pumps_count() {
+    let case = Case::imported("RefBldgLargeOfficeNew2004_Chicago.idf", CHICAGO);
+    let used = |period: &str| {
+        let mut env = case.env(period);
+        random_episode(&mut env, 1);
+        let (metrics, meters) = (env.metrics(), env.engine_meters().unwrap());
+        for (ours, engine) in [metrics.electricity, metrics.gas].into_iter().zip(meters) {
+            assert!((ours - engine).abs() <= 1e-9 * engine, "{ours} Wh/m², the engine says {engine}");
+        }
+        [metrics.electricity, metrics.gas]
+    };
+    let ([january_electricity, january_gas], [july_electricity, _]) =
+        (used("01-08..01-08"), used("07-09..07-09"));
+    assert!(january_gas > 5.0 * january_electricity, "{january_gas} Wh/m² of gas in January");
+    assert!(july_electricity > 2.0 * january_electricity, "{july_electricity} Wh/m² of electricity in July");
+}
+
+#[test]
+fn fuel_oil_counts_as_much_energy_as_gas_at_its_own_price() {
+    let with_fuel = |fuel: &str| {
+        let case = Case::imported_after("RefBldgSmallOfficeNew2004_Chicago.idf", CHICAGO, |model| {
+            for (_, _, coil) in model.objects_mut().filter(|(class, ..)| *class == "Coil:Heating:Fuel") {
+                coil.insert("fuel_type".into(), fuel.into());
+            }
+        });
+        let mut env = case.env("01-08..01-08");
+        random_episode(&mut env, 1);
+        let carriers: Vec<_> = case.building.carriers().collect();
+        (carriers, env.metrics().clone(), env.engine_meters().unwrap())
+    };
+    let (_, gas, _) = with_fuel("NaturalGas");
+    let (carriers, oil, meters) = with_fuel("FuelOilNo2");
+    assert_eq!(carriers, [Carrier::Electricity, Carrier::Gas, Carrier::FuelOil]);
+    assert!(oil.gas > 100.0 && (oil.gas / meters[1] - 1.0).abs() < 1e-9, "{} Wh/m²", oil.gas);
+    assert!((oil.gas / gas.gas - 1.0).abs() < 1e-12, "{} Wh/m² of oil, {} of gas", oil.gas, gas.gas);
+    let per_kwh = (oil.cost - gas.cost) / (oil.gas / 1000.0);
+    assert!((per_kwh - (0.10 - 0.0365)).abs() < 1e-9, "{per_kwh} more per kWh");
+}

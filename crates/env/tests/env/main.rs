@@ -1,0 +1,13 @@
+//! One environment, on the real engine. One program, so that its tests fill all cores to the end.
+
+mod authority;
+mod case;
+mod energy;
+mod episode;
+mod faults;
+mod imported;
+mod morphology;
+mod random_actions;
+mod role_observation;
+mod tasks;
+mod ventilation;
