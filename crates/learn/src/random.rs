@@ -80,6 +80,8 @@ pub struct Noise {
     pub correlation: f32,
     random: Random,
     values: Vec<f32>,
+    /// 1, or -1 for mirrored noise.
+    sign: f32,
 }
 
 impl Noise {
@@ -87,12 +89,19 @@ impl Noise {
     pub fn new(actions: usize, correlation: f32, mut random: Random) -> Self {
         let mut values = vec![0.0; actions];
         random.normals(&mut values);
-        Self { correlation, random, values }
+        Self { correlation, random, values, sign: 1.0 }
+    }
+
+    /// Returns the noise of opposite sign.
+    #[must_use]
+    pub fn mirrored(mut self) -> Self {
+        self.values.iter_mut().for_each(|value| *value = -*value);
+        Self { sign: -self.sign, ..self }
     }
 
     /// Draws the numbers of the next step, one per action, as [`Actor::sample`](b2b_agent::network::Actor::sample) takes them.
     pub fn draw(&mut self) -> &[f32] {
-        let innovation = (1.0 - self.correlation * self.correlation).max(0.0).sqrt();
+        let innovation = self.sign * (1.0 - self.correlation * self.correlation).max(0.0).sqrt();
         for value in &mut self.values {
             *value = self.correlation * *value + innovation * self.random.normal() as f32;
         }

@@ -40,6 +40,9 @@ pub struct Rollout {
     /// Buildings, for a graph network: ordered by environment and step, each environment from its first step on. Rows of a
     /// building that is smaller than the widths are padded with zeros.
     pub scenes: Vec<Scene>,
+    /// With mirrored noise, of every two environments the number of first steps in which both are at the same step of the same episode,
+    /// and have opposite noise.
+    pub pairs: Vec<usize>,
 }
 
 /// The building of an environment from a step on.
@@ -109,6 +112,7 @@ impl Rollout {
         self.next.resize(environments * widths.observation, 0.0);
         self.ends.clear();
         self.scenes.clear();
+        self.pairs.clear();
     }
 
     /// Sets what is behind the last number of smaller buildings to 0.

@@ -217,6 +217,30 @@ fn a_restored_collection_continues_with_the_same_bits() {
     }
 }
 
+#[test]
+fn mirrored_noise_is_opposite_in_the_environments_of_a_pair() {
+    let mut collector = fragments(DIRECT, 0.4).with_mirrored_noise();
+    let widths = collector.widths();
+    let all = rollouts(&mut collector, DIRECT, 1..=3, 100);
+    // Three environments: a pair in the same episode, and one alone.
+    assert!(all.iter().all(|rollout| rollout.pairs == [100]));
+    let first = &all[0];
+    let row = |values: &[f32], environment: usize, width: usize| {
+        values[environment * 100 * width..][..width].to_vec()
+    };
+    let [one, other, alone] = [0, 1, 2].map(|environment| row(&first.actions, environment, widths.action));
+    let actor = actor(widths, DIRECT, 1);
+    let mut mean = vec![0.0; widths.action];
+    actor.mean(&row(&first.observations, 0, widths.observation), &mut actor.scratch(None), &mut mean);
+    for (index, mean) in mean.iter().enumerate() {
+        assert!((one[index] + other[index] - 2.0 * mean).abs() < 1e-5 && one[index] != *mean);
+    }
+    assert_ne!(one, alone);
+    // A pair of which one was lost is a pair no longer.
+    let process = collector.environments().process(1).unwrap();
+    assert!(with_a_kill(&mut collector, process).pairs[0] < 100);
+}
+
 fn signal(process: u32, signal: Signal) {
     kill_process(Pid::from_raw(process as i32).unwrap(), signal).unwrap();
 }

@@ -134,7 +134,7 @@ fn time_of_an_update() {
         rewards: draw(336),
         next: draw(11),
         ends: vec![],
-        scenes: vec![],
+        ..Rollout::default()
     };
     for (threads, epochs) in [(1, 1), (2, 1), (1, 10), (2, 10)] {
         let mut ppo = Ppo::new(widths, PpoConfig { epochs, ..config.clone() }, 0).unwrap();

@@ -189,8 +189,8 @@ impl Learner {
             actions: draw(STEPS * self.widths.action),
             rewards: draw(STEPS),
             next: draw(self.widths.observation),
-            ends: Vec::new(),
             scenes: self.graph.iter().map(scene).collect(),
+            ..Rollout::default()
         }
     }
 }

@@ -36,6 +36,8 @@ pub struct FragmentCollector {
     scale: RewardScale,
     seed: u64,
     correlation: f32,
+    /// Whether the second environment of every pair has the noise of the first one, negated.
+    mirrored: bool,
     travel_cost: f32,
     memory: SharedMemory,
     /// Place of the parameters and how many there is room for.
@@ -92,6 +94,7 @@ impl FragmentCollector {
             scale,
             seed,
             correlation,
+            mirrored: false,
             travel_cost,
             parameters: (0, 0),
             blocks: (0, 0),
@@ -100,6 +103,14 @@ impl FragmentCollector {
             ended: 0,
             lost: 0,
         })
+    }
+
+    /// Gives the environments 0 and 1, 2 and 3, and so on opposite exploration noise. They have the same episodes. Called before the first
+    /// rollout.
+    #[must_use]
+    pub fn with_mirrored_noise(mut self) -> Self {
+        self.mirrored = true;
+        self
     }
 
     /// Makes room for buildings of these widths, for a graph network whose later episodes may be in larger ones than the first.
@@ -114,11 +125,7 @@ impl FragmentCollector {
         let mut state = State::default();
         // Of an environment between two episodes, the state is that of the next one.
         let is_between = |progress: &Progress| progress.phase == Phase::Starting;
-        let episodes: Vec<u64> = self
-            .progress
-            .iter()
-            .map(|progress| progress.episodes + u64::from(is_between(progress)))
-            .collect();
+        let episodes: Vec<u64> = self.progress.iter().map(|progress| progress.place().0).collect();
         state.put_u64("episodes", &episodes);
         state.put_u64("counts", &[self.rollouts, self.ended, self.lost]);
         for (index, progress) in self.progress.iter().enumerate() {
@@ -238,6 +245,8 @@ impl FragmentCollector {
     /// Requests the remaining steps of an environment, if it is ready.
     fn send(&mut self, environment: usize, actor: &Actor, purpose: Purpose, steps: usize) -> Result<()> {
         let block = self.block(environment);
+        // The environment that has the noise first.
+        let source = if self.mirrored { environment / 2 * 2 } else { environment };
         let progress = &mut self.progress[environment];
         if progress.phase != Phase::Ready || progress.done >= steps {
             return Ok(());
@@ -254,8 +263,9 @@ impl FragmentCollector {
             steps: steps - progress.done,
             block,
             done: progress.done,
-            random: (self.seed, stream(self.rollouts, environment, progress.fragments)),
+            random: (self.seed, stream(self.rollouts, source, progress.fragments)),
             correlation: self.correlation,
+            mirrored: source != environment,
             // The scale comes after.
             travel_cost: self.travel_cost / progress.scale,
         };
@@ -365,6 +375,10 @@ impl FragmentCollector {
             rollout.scenes.extend(progress.scenes.iter().filter(|scene| scene.step < steps).cloned());
         }
         rollout.clear_padding(self.widths);
+        if self.mirrored {
+            let pairs = self.progress.chunks_exact(2);
+            rollout.pairs.extend(pairs.map(|pair| pair[0].in_step_with(&pair[1], steps)));
+        }
     }
 }
 

@@ -17,7 +17,7 @@ pub enum Purpose {
 }
 
 /// Returns the number of the random stream of exploration of a fragment: steps of one environment and episode in a rollout,
-/// counted from 0 in each rollout. No two fragments of a run have the same.
+/// counted from 0 in each rollout. No two fragments of a run have the same, apart from those with mirrored noise.
 pub(crate) fn stream(rollout: u64, environment: usize, fragment: u64) -> u64 {
     rollout << 24 | (environment as u64) << 8 | fragment
 }
@@ -51,6 +51,8 @@ pub struct Order {
     pub random: (u64, u64),
     /// Correlation of the exploration noise between consecutive steps.
     pub correlation: f32,
+    /// Whether the exploration noise is negated.
+    pub mirrored: bool,
     /// Cost of a full stroke, averaged over the actuators, in the unit of the environment's rewards.
     pub travel_cost: f32,
 }

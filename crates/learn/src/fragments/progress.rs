@@ -28,6 +28,8 @@ pub(super) struct Progress {
     pub(super) episodes: u64,
     /// Actions of the episode in progress.
     pub(super) actions: Vec<f32>,
+    /// Where the rollout began: see [`Progress::place`].
+    pub(super) began: (u64, usize),
     pub(super) lost_in_a_row: u32,
     /// Time spent on actions and on all steps of the rollout, s.
     pub(super) times: [f32; 2],
@@ -57,6 +59,7 @@ impl Progress {
             ends: Vec::new(),
             episodes: 1,
             actions: Vec::new(),
+            began: (1, 0),
             lost_in_a_row: 0,
             times: [0.0; 2],
         }
@@ -64,6 +67,7 @@ impl Progress {
 
     pub(super) fn begin_rollout(&mut self, environment: usize) {
         (self.done, self.fragments, self.times) = (0, 0, [0.0; 2]);
+        self.began = self.place();
         self.ends.clear();
         self.scales.clear();
         self.scenes.clear();
@@ -78,6 +82,27 @@ impl Progress {
             let (graph, credit) = (Arc::clone(graph), Arc::clone(credit));
             self.scenes.push(Scene { environment, step: self.done, graph, credit });
         }
+    }
+
+    /// Returns the number of the episode in progress, or the next one if it is over, and how many numbers its actions have so far.
+    pub(super) fn place(&self) -> (u64, usize) {
+        match self.phase {
+            Phase::Starting => (self.episodes + 1, 0),
+            Phase::Ready | Phase::Running => (self.episodes, self.actions.len()),
+        }
+    }
+
+    /// Returns the number of first steps of the rollout in which another environment with the same episodes is certain to be at the same
+    /// step of the same episode.
+    pub(super) fn in_step_with(&self, other: &Self, steps: usize) -> usize {
+        let ends = |progress: &Self| -> Vec<usize> { progress.ends.iter().map(|end| end.step + 1).collect() };
+        let (own, others) = (ends(self), ends(other));
+        if self.began == other.began && self.place() == other.place() && own == others {
+            return steps;
+        }
+        // One was lost, in the rollout or before. Both are in step up to the last end that they share.
+        let shared = own.iter().zip(&others).take_while(|(own, other)| own == other).last();
+        shared.filter(|_| self.began == other.began).map_or(0, |(step, _)| *step)
     }
 
     /// Multiplies the rewards of the rollout by the factors of their steps.

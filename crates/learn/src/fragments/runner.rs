@@ -66,6 +66,9 @@ impl Runner for FragmentRunner {
         self.read_parameters(&order, memory);
         let (seed, stream) = order.random;
         let mut noise = Noise::new(self.action.len(), order.correlation, Random::new(seed, stream));
+        if order.mirrored {
+            noise = noise.mirrored();
+        }
         let (began, mut acting) = (Instant::now(), Duration::ZERO);
         let mut done = 0;
         while done < order.steps && !env.is_truncated() {

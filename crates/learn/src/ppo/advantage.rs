@@ -43,6 +43,20 @@ pub fn advantages(rollout: &Rollout, values: &Values, gamma: f32, lambda: f32, a
     }
 }
 
+/// Subtracts from the advantages of environments with opposite noise the means of the pairs, where both are at the same step of the
+/// same episode. What is left is what the noise causes: the errors of values are nearly the same in both, as are the costs of noise of
+/// either sign.
+pub fn center_pairs(rollout: &Rollout, parts: usize, advantages: &mut [f32]) {
+    let width = rollout.steps * parts;
+    for (pair, steps) in advantages.chunks_exact_mut(2 * width).zip(&rollout.pairs) {
+        let (one, other) = pair.split_at_mut(width);
+        for (one, other) in one.iter_mut().zip(other).take(steps * parts) {
+            let half = 0.5 * (*one - *other);
+            (*one, *other) = (half, -half);
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -86,5 +100,14 @@ mod tests {
         let mut found = [0.0; 4];
         advantages(&rollout, &values, 0.5, 1.0, &mut found);
         assert_eq!(found, [3.0, 30.0, 4.0, 40.0]);
+    }
+
+    #[test]
+    fn a_pair_keeps_its_differences_as_long_as_it_is_in_step() {
+        let rollout = Rollout { environments: 3, steps: 2, pairs: vec![1], ..Rollout::default() };
+        // Two environments with noise that is good for the first part and bad for the second; the third is alone.
+        let mut values = vec![5.0, 1.0, 7.0, 7.0, 3.0, 4.0, 9.0, 9.0, 2.0, 2.0, 2.0, 2.0];
+        center_pairs(&rollout, 2, &mut values);
+        assert_eq!(values, [1.0, -1.5, 7.0, 7.0, -1.0, 1.5, 9.0, 9.0, 2.0, 2.0, 2.0, 2.0]);
     }
 }

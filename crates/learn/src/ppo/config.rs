@@ -72,7 +72,7 @@ pub struct PpoConfig {
     /// Weight of the returns of the newest update in their running mean and deviation. Default 0.1.
     pub value_rate: f64,
     /// Weight of the newest parameters in the running average that agents are written and evaluated with; rollouts use the newest
-    /// ones. Default 1: no average.
+    /// ones. The first updates have equal weights. Default 1: no average.
     pub average_rate: f32,
     /// Weight of each part of the reward (column) in the advantage of each action (row). Default none: the advantage of all
     /// actions is that of the sum of the parts.

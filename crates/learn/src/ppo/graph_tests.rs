@@ -87,6 +87,7 @@ fn rollout_of(widths: Widths, steps: usize, seed: u64) -> Rollout {
         next: draw(2 * 7),
         ends: vec![End { environment: 1, step: 5, observation: draw(7) }],
         scenes: vec![scene(0, 0, 1), scene(1, 0, 3), scene(1, 6, 2)],
+        ..Rollout::default()
     };
     rollout.clear_padding(widths);
     rollout

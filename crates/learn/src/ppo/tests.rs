@@ -38,7 +38,7 @@ fn rollout(steps: usize, seed: u64) -> Rollout {
         rewards: draw(2 * steps * 2),
         next: draw(2 * 4),
         ends: vec![end(0, 5, draw(4)), end(1, steps - 1, draw(4))],
-        scenes: vec![],
+        ..Rollout::default()
     }
 }
 
@@ -74,19 +74,21 @@ fn a_restored_learner_continues_bit_for_bit() {
 #[test]
 fn the_averaged_actor_has_the_running_average_of_the_parameters() {
     let mut ppo = Ppo::new(WIDTHS, PpoConfig { average_rate: 0.25, ..config(LogStd::Free) }, 3).unwrap();
-    let initial = ppo.actor().parameters;
+    let mut expected = ppo.actor().parameters;
     assert_eq!(ppo.averaged_actor(), ppo.actor());
-    ppo.update(&rollout(40, 0)).unwrap();
-    let (newest, average) = (ppo.actor().parameters, ppo.averaged_actor().parameters);
-    assert_ne!(newest, initial);
-    for ((average, newest), initial) in average.iter().zip(&newest).zip(&initial) {
-        assert!((average - (0.25 * newest + 0.75 * initial)).abs() < 1e-6);
+    // Updates have equal weights until one of them has a quarter.
+    for (number, rate) in [1.0, 1.0 / 2.0, 1.0 / 3.0, 0.25, 0.25].into_iter().enumerate() {
+        ppo.update(&rollout(40, number as u64)).unwrap();
+        let (newest, average) = (ppo.actor().parameters, ppo.averaged_actor().parameters);
+        expected.iter_mut().zip(&newest).for_each(|(mean, newest)| *mean += rate * (newest - *mean));
+        assert!(average.iter().zip(&expected).all(|(average, mean)| (average - mean).abs() < 1e-6));
+        assert_eq!(average != newest, number > 0);
     }
     let mut restored = Ppo::new(WIDTHS, config(LogStd::Free), 8).unwrap();
     restored.restore(&ppo.state()).unwrap();
     assert_eq!(restored.averaged_actor(), ppo.averaged_actor());
     // Without an average it is the actor, bit for bit.
-    restored.update(&rollout(40, 1)).unwrap();
+    restored.update(&rollout(40, 9)).unwrap();
     assert_eq!(restored.averaged_actor(), restored.actor());
 }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use b2b_agent::network::graph::Batch;
 
 use super::Ppo;
-use super::advantage::{Values, advantages};
+use super::advantage::{Values, advantages, center_pairs};
 use super::loss::Losses;
 use super::samples::Samples;
 use super::scale::Rows;
@@ -83,9 +83,9 @@ impl Ppo {
         }
     }
 
-    /// Adds the parameters to their running average, apart from the statistics of features.
+    /// Adds the parameters to their running average, apart from the statistics of features. The first updates count alike.
     fn average_parameters(&mut self) {
-        let rate = self.config.average_rate;
+        let rate = self.config.average_rate.max(1.0 / (self.updates + 1) as f32);
         for (average, newest) in self.average.iter_mut().zip(&self.parameters) {
             *average = rate * newest + (1.0 - rate) * *average;
         }
@@ -99,6 +99,8 @@ impl Ppo {
 
     fn adapt_rate(&mut self, update: &Update) {
         let Some(desired) = self.config.desired_kl.map(f64::from) else { return };
+        // A divergence goes with the square of the rate.
+        let desired = desired * self.config.schedule.factor(self.updates).powi(2);
         // The mean over the minibatches before a stop says little of what it was for.
         let kl = update.stopped_kl.unwrap_or(update.approx_kl);
         if kl > 2.0 * desired {
@@ -120,10 +122,12 @@ impl Ppo {
         let values = self.evaluate(rollout);
         let mut of_parts = vec![0.0; values.steps.len()];
         advantages(rollout, &values, self.config.gamma, self.config.gae_lambda, &mut of_parts);
-        self.assign_credit(&of_parts);
         let returns = &mut self.samples.returns;
         returns.clear();
         returns.extend(of_parts.iter().zip(&values.steps).map(|(advantage, value)| advantage + value));
+        center_pairs(rollout, self.widths.parts, &mut of_parts);
+        self.assign_credit(&of_parts);
+        let returns = &mut self.samples.returns;
         let explained = explained_variance(&values.steps, returns, self.widths.parts);
         if self.config.normalize_values {
             let critic = &mut self.parameters[self.networks.critics()];

@@ -40,7 +40,7 @@ fn rollout(steps: usize, seed: u64) -> Rollout {
         rewards: draw(2 * steps),
         next: draw(2 * 3),
         ends: vec![end(0, 5, draw(3)), end(1, steps - 1, draw(3))],
-        scenes: vec![],
+        ..Rollout::default()
     }
 }
 

@@ -115,6 +115,9 @@ pub struct TrainConfig {
     pub credit_by_zone: bool,
     /// Correlation of the exploration noise between consecutive steps, from 0 to 1.
     pub noise_correlation: f32,
+    /// Whether environments come in pairs with the same episodes and opposite exploration noise, and the advantages of a pair are
+    /// its differences.
+    pub mirrored_noise: bool,
     /// Comfort penalty with exploration noise, over that without, that the noise is chosen for when training begins: the most
     /// noise that adds no more than the difference, or than a tenth of the penalty, to the penalty of a day in every environment.
     /// Without `credit_by_zone` all of the penalty counts as comfort. 0: the noise of `ppo.initial_log_std`.
@@ -176,6 +179,7 @@ impl Default for TrainConfig {
             travel_cost: 0.0,
             credit_by_zone: false,
             noise_correlation: 0.0,
+            mirrored_noise: false,
             noise_cost: 0.0,
             final_noise: 1.0,
             keep: Keep::Best,
@@ -217,7 +221,9 @@ impl TrainConfig {
     pub fn with_algorithm(self, algorithm: Algorithm) -> Self {
         match algorithm {
             Algorithm::Ppo => Self { algorithm, ..self },
-            Algorithm::Sac => Self { algorithm, credit_by_zone: false, noise_cost: 0.0, ..self },
+            Algorithm::Sac => {
+                Self { algorithm, credit_by_zone: false, noise_cost: 0.0, mirrored_noise: false, ..self }
+            }
         }
     }
 

@@ -15,6 +15,7 @@ use b2b_env::{EpisodeConfig, Spaces, Task};
 
 use super::config::{Algorithm, TrainConfig};
 use super::days;
+use super::paired::Paired;
 use super::staggered::Staggered;
 use crate::error::{Error, Result};
 use crate::fragments::{FragmentCollector, GraphBuilding, RewardScale};
@@ -54,7 +55,10 @@ impl<'a> Environments<'a> {
             config.seed,
         )?;
         self.room()?.into_iter().for_each(|widths| collector.make_room(widths));
-        Ok(collector)
+        Ok(match config.mirrored_noise {
+            true => collector.with_mirrored_noise(),
+            false => collector,
+        })
     }
 
     /// Returns the widths of one building of every shape that may be drawn, for graph networks.
@@ -99,6 +103,10 @@ impl<'a> Environments<'a> {
             let why = "`travel_cost` requires the loop design fragments; in lockstep it must be 0";
             return Err(Error::Invalid(why.into()));
         }
+        if config.mirrored_noise {
+            let why = "`mirrored_noise` requires the loop design fragments; in lockstep it must be false";
+            return Err(Error::Invalid(why.into()));
+        }
         LockstepCollector::new(
             self.vector(workers)?,
             config.interface(),
@@ -108,8 +116,20 @@ impl<'a> Environments<'a> {
         )
     }
 
-    /// Returns the sampler of training episodes: in each part of the run period that they may be in, windows of some days.
+    /// Returns the sampler of training episodes.
     fn sampler(&self) -> Result<Box<dyn Sampler>> {
+        let TrainConfig { environments, mirrored_noise, seed, .. } = *self.config;
+        Ok(match mirrored_noise {
+            true => {
+                let one = || self.sampler_for(environments / 2);
+                Box::new(Paired::new([one()?, one()?], seed))
+            }
+            false => self.sampler_for(environments)?,
+        })
+    }
+
+    /// Returns the sampler for a number of environments: in each part of the run period that episodes may be in, windows of some days.
+    fn sampler_for(&self, environments: usize) -> Result<Box<dyn Sampler>> {
         let (parts, settings) = (days::trained(self.config)?, self.settings()?);
         let all: u32 = parts.iter().map(|part| part.days()).sum();
         let mut samplers = Vec::new();
@@ -123,7 +143,7 @@ impl<'a> Environments<'a> {
         };
         let is_whole_days = self.config.ppo.n_steps.is_multiple_of(24 * self.config.steps_per_hour as usize);
         Ok(match self.config.algorithm == Algorithm::Ppo && !is_whole_days {
-            true => Box::new(Staggered::new(all, self.config.environments)),
+            true => Box::new(Staggered::new(all, environments)),
             false => all,
         })
     }

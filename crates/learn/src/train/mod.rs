@@ -17,6 +17,7 @@ mod learner;
 mod measure;
 mod noise;
 mod one_or_many;
+mod paired;
 mod policy;
 mod problem;
 mod progress;
