@@ -116,7 +116,7 @@ pub struct TrainConfig {
     /// Correlation of the exploration noise between consecutive steps, from 0 to 1.
     pub noise_correlation: f32,
     /// Whether environments come in pairs with the same episodes and opposite exploration noise, and the advantages of a pair are
-    /// its differences.
+    /// half its differences. Of an odd number of environments, the last one is alone.
     pub mirrored_noise: bool,
     /// Comfort penalty with exploration noise, over that without, that the noise is chosen for when training begins: the most
     /// noise that adds no more than the difference, or than a tenth of the penalty, to the penalty of a day in every environment.

@@ -121,7 +121,7 @@ impl<'a> Environments<'a> {
         let TrainConfig { environments, mirrored_noise, seed, .. } = *self.config;
         Ok(match mirrored_noise {
             true => {
-                let one = || self.sampler_for(environments / 2);
+                let one = || self.sampler_for(environments.div_ceil(2));
                 Box::new(Paired::new([one()?, one()?], seed))
             }
             false => self.sampler_for(environments)?,
