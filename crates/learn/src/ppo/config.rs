@@ -49,7 +49,7 @@ pub struct PpoConfig {
     pub target_kl: Option<f32>,
     /// Divergence of the policy in an update, in nats, that the learning rate of the actor is adapted to: it is divided by 1.5
     /// after an update with more than twice as much, and multiplied by 1.5 after one with less than half, as in rsl_rl (Rudin
-    /// et al. 2022). Default none.
+    /// et al. 2022). The schedule's factor lowers it, squared. Default none.
     pub desired_kl: Option<f32>,
     /// Whether advantages have mean 0 and deviation 1 in each minibatch. Default true.
     pub normalize_advantage: bool,
