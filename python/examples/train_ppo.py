@@ -21,6 +21,7 @@ parser.add_argument("--building", default="SingleFamilyHouse-0042")
 parser.add_argument("--period", default="winter")
 parser.add_argument("--envs", type=int, default=14)
 parser.add_argument("--n-steps", type=int, default=672, help="steps per environment between updates")
+parser.add_argument("--seed", type=int, default=0)
 parser.add_argument("--onnx", metavar="FILE")
 arguments = parser.parse_args()
 
@@ -54,7 +55,7 @@ model = PPO(
         "ortho_init": True,
         "log_std_init": -1.0,
     },
-    seed=0,
+    seed=arguments.seed,
     device="cpu",
 )
 
