@@ -60,6 +60,15 @@ pub struct Row {
     pub test_small: bool,
 }
 
+impl Row {
+    /// Returns whether the building is in an ASHRAE 169 climate zone, such as `5B`, or in one of those of a number, such as `5`.
+    /// Houses, whose regions have no zone, are in none.
+    pub fn is_in_climate_zone(&self, zone: &str) -> bool {
+        let own = self.building.location().ashrae_zone();
+        own.is_some_and(|own| own == zone || own.trim_end_matches(char::is_alphabetic) == zone)
+    }
+}
+
 /// Returns the buildings of a type, by number.
 pub fn rows(building_type: BuildingType) -> &'static [Row] {
     static ROWS: [OnceLock<Vec<Row>>; BuildingType::ALL.len()] = [const { OnceLock::new() }; 6];

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use b2b_benchmark::Problem;
 use b2b_building::{BuildingType, RunPeriod};
-use b2b_dataset::{BuildingId, Split};
+use b2b_dataset::{BuildingId, Row, Split};
 use b2b_env::Task;
 use b2b_learn::train::TrainConfig;
 use serde::{Deserialize, Serialize};
@@ -13,13 +13,14 @@ use toml::Table;
 use crate::error::{Error, Result, at};
 
 /// The shipped experiments by name.
-const SHIPPED: [(&str, &str); 10] = [
+const SHIPPED: [(&str, &str); 11] = [
     ("ppo", include_str!("../data/ppo.toml")),
     ("residual", include_str!("../data/residual.toml")),
     ("rewards", include_str!("../data/rewards.toml")),
     ("dynamics", include_str!("../data/dynamics.toml")),
     ("dynamics-office-small", include_str!("../data/dynamics-office-small.toml")),
     ("dynamics-office-medium", include_str!("../data/dynamics-office-medium.toml")),
+    ("climates", include_str!("../data/climates.toml")),
     ("cross-domain", include_str!("../data/cross-domain.toml")),
     ("board", include_str!("../data/board.toml")),
     ("weights", include_str!("../data/weights.toml")),
@@ -50,6 +51,9 @@ pub struct Experiment {
     /// Test buildings: the eight of each type in the small test, or the whole test split.
     #[serde(default)]
     pub small_test: bool,
+    /// ASHRAE 169 climate zones of the test buildings, such as `1A`, or `1` for 1A to 1C. Empty: all.
+    #[serde(default)]
+    pub climate_zones: Vec<String>,
     /// Tasks.
     #[serde(default)]
     pub tasks: Vec<String>,
@@ -231,6 +235,9 @@ impl Experiment {
             }
             () if is_board => Ok(()),
             () if self.types.is_empty() => Err("`types` is empty".into()),
+            () if self.types.iter().any(|each| self.buildings(*each, 1).is_empty()) => {
+                Err(format!("no test building is in the climate zones {}", self.climate_zones.join(", ")))
+            }
             () if runs && (self.tasks.is_empty() || self.periods.is_empty()) => {
                 Err("it has agents, but `tasks` or `periods` is empty".into())
             }
@@ -275,12 +282,20 @@ impl Experiment {
 
     /// Returns the first `count` test buildings of a type, evenly spaced in the list of the dataset.
     pub fn buildings(&self, building_type: BuildingType, count: usize) -> Vec<BuildingId> {
-        let is_test = |row: &&b2b_dataset::Row| match self.small_test {
+        let is_in_zone = |row: &&Row| {
+            self.climate_zones.is_empty()
+                || self.climate_zones.iter().any(|zone| row.is_in_climate_zone(zone))
+        };
+        let is_test = |row: &&Row| match self.small_test {
             true => row.test_small,
             false => row.split == Split::Test,
         };
-        let ids: Vec<BuildingId> =
-            b2b_dataset::rows(building_type).iter().filter(is_test).map(|row| row.id).collect();
+        let ids: Vec<BuildingId> = b2b_dataset::rows(building_type)
+            .iter()
+            .filter(is_test)
+            .filter(is_in_zone)
+            .map(|row| row.id)
+            .collect();
         let count = count.min(ids.len());
         (0..count).map(|index| ids[(2 * index + 1) * ids.len() / (2 * count)]).collect()
     }
@@ -351,6 +366,17 @@ mod tests {
         assert_eq!(all.len(), 8);
         assert_eq!(experiment.buildings(BuildingType::OfficeSmall, 2), [all[2], all[6]]);
         assert_eq!(experiment.buildings(BuildingType::OfficeSmall, 99), all);
+    }
+
+    #[test]
+    fn test_buildings_are_in_the_climate_zones() {
+        let experiment = Experiment::named("climates").unwrap();
+        let zone = |id: &BuildingId| b2b_dataset::row(*id).building.location().ashrae_zone().unwrap();
+        let ids = experiment.buildings(BuildingType::OfficeSmall, 100);
+        assert!(ids.len() > 10 && ids.iter().all(|id| ["1A", "2A", "7", "8"].contains(&zone(id))));
+        let Experiment { agents, climate_zones, .. } = experiment;
+        let excluded = agents[1].options["excluded_climate_zones"].as_array().unwrap();
+        assert!(excluded.iter().map(|zone| zone.as_str().unwrap()).eq(&climate_zones));
     }
 
     #[test]

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use b2b_agent::write_whole;
 use serde::{Deserialize, Serialize};
 
-use crate::definition::{BudgetName, Experiment};
+use crate::definition::{BudgetName, Experiment, ReportKind};
 use crate::error::{Error, Result, at};
 use crate::job::Job;
 use crate::results::JobResult;
@@ -138,6 +138,31 @@ impl Folder {
         let lines: Vec<String> = results.iter().map(line).collect();
         let text = format!("[\n{}\n]\n", lines.join(",\n"));
         Ok(write_whole(&self.path.join(KEPT), text.as_bytes())?)
+    }
+
+    /// Takes over the results of jobs that are done in the folder of another experiment, and returns their number. A job there is
+    /// the same if it has the same key, options and episodes, and if its result has what this experiment's report shows.
+    ///
+    /// # Errors
+    /// [`Error::NoResults`] if there are none; [`Error::Io`] and those of the benchmark's reader.
+    pub fn reuse(&mut self, jobs: &[Job], report: ReportKind, other: &Path) -> Result<usize> {
+        let (other, experiment, budget) = Self::open(other)?;
+        let theirs = experiment.jobs(budget);
+        let mut count = 0;
+        for job in jobs.iter().filter(|job| theirs.contains(job)) {
+            if self.is_done(job) {
+                continue;
+            }
+            let result = JobResult::find(&other, job, report)?;
+            if let Some(result) = result.filter(|result| result.serves(report)) {
+                Arc::make_mut(&mut self.kept).insert(job.key.clone(), result);
+                count += 1;
+            }
+        }
+        let mut kept: Vec<JobResult> = self.kept.values().cloned().collect();
+        kept.sort_by(|a, b| a.key.cmp(&b.key));
+        self.keep(&kept)?;
+        Ok(count)
     }
 
     /// Returns whether a job has ended without an error.

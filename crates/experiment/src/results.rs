@@ -86,14 +86,10 @@ impl Results {
     pub fn read(folder: &Folder, experiment: &Experiment, budget: BudgetName) -> Result<Self> {
         let mut results = Self { budget, done: Vec::new(), failed: Vec::new(), missing: Vec::new() };
         for job in experiment.jobs(budget) {
-            match (folder.own_state(&job), folder.kept(&job)) {
-                (Some(State { error: None, seconds }), _) => {
-                    let path = folder.job(&job);
-                    results.done.push(JobResult::read(&path, &job, seconds, experiment.report)?);
-                }
-                (_, Some(kept)) => results.done.push(kept.clone()),
-                (Some(State { error: Some(error), .. }), None) => results.failed.push((job.key, error)),
-                (None, None) => results.missing.push(job.key),
+            match (JobResult::find(folder, &job, experiment.report)?, folder.own_state(&job)) {
+                (Some(result), _) => results.done.push(result),
+                (None, Some(State { error: Some(error), .. })) => results.failed.push((job.key, error)),
+                (None, _) => results.missing.push(job.key),
             }
         }
         Ok(results)
@@ -129,6 +125,22 @@ impl Results {
 }
 
 impl JobResult {
+    /// Returns the result of a job for a report, from the job's own folder or as [`Folder::keep`] kept it; `None` if the job is not
+    /// done.
+    pub(crate) fn find(folder: &Folder, job: &Job, report: ReportKind) -> Result<Option<Self>> {
+        match folder.own_state(job) {
+            Some(State { error: None, seconds }) => {
+                Self::read(&folder.job(job), job, seconds, report).map(Some)
+            }
+            _ => Ok(folder.kept(job).cloned()),
+        }
+    }
+
+    /// Returns whether it has what a report shows.
+    pub(crate) fn serves(&self, report: ReportKind) -> bool {
+        report != ReportKind::Weights || self.deviations.len() == self.rows.len()
+    }
+
     fn read(path: &Path, job: &Job, seconds: f64, report: ReportKind) -> Result<Self> {
         let mut result = Self {
             key: job.key.clone(),

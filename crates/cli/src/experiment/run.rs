@@ -26,6 +26,9 @@ pub struct Arguments {
     /// Run only part I of N of the jobs, with I from 0 to N - 1; the parts may share the output folder
     #[arg(long, value_name = "I/N")]
     shard: Option<Shard>,
+    /// Take over the results of identical jobs from the folder of another experiment; can be repeated
+    #[arg(long, value_name = "FOLDER")]
+    reuse: Vec<PathBuf>,
     /// Print the remaining jobs and their estimated duration without running them
     #[arg(long)]
     dry_run: bool,
@@ -45,10 +48,16 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     let budget = arguments.budget;
     let default = || PathBuf::from("b2b-out").join(format!("experiment-{}-{budget}", experiment.name));
     let out = arguments.out.clone().unwrap_or_else(default);
-    let folder = Folder::create(&out, &experiment, &source(&arguments.experiment)?, budget)?;
+    let mut folder = Folder::create(&out, &experiment, &source(&arguments.experiment)?, budget)?;
     let shard = arguments.shard.unwrap_or(Shard::WHOLE);
     let numbered = experiment.jobs(budget).into_iter().enumerate();
     let jobs: Vec<Job> = numbered.filter(|(number, _)| shard.contains(*number)).map(|(_, job)| job).collect();
+    for other in &arguments.reuse {
+        let count = folder.reuse(&jobs, experiment.report, other)?;
+        if !arguments.json {
+            stdout::print(&format!("{count} jobs taken over from {}", other.display()))?;
+        }
+    }
     let parallel = arguments.jobs.count()?;
     let left: Vec<&Job> = jobs.iter().filter(|job| !folder.is_done(job)).collect();
     let hours = show::hours(Some(&folder), &jobs, parallel);

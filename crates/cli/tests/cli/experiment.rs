@@ -63,6 +63,17 @@ fn shards_and_an_interrupted_run_give_the_results_of_one_run() {
     assert!(both_outputs(&output).contains("0 of 3 jobs left"), "{}", both_outputs(&output));
     assert_eq!(results(path, "whole"), results(path, "parts"));
 
+    // Another experiment with the same jobs takes them over.
+    std::fs::write(path.join("other.toml"), SMALL.replace("adaptation", "scores").replace("1152", "2304"))
+        .unwrap();
+    let said = both_outputs(&b2b(path, "experiment run other.toml --out other --reuse whole --dry-run"));
+    assert!(said.contains("1 jobs taken over") && said.contains("2 of 3 jobs left"), "{said}");
+    std::fs::write(path.join("other.toml"), SMALL.replace("adaptation", "scores")).unwrap();
+    let output = b2b(path, "experiment run other.toml --out other --reuse whole");
+    assert!(both_outputs(&output).contains("0 of 3 jobs left"), "{}", both_outputs(&output));
+    assert_eq!(results(path, "other"), results(path, "whole"));
+    assert_rejected(path, "experiment run other.toml --out x --reuse nowhere", &["nowhere has no results"]);
+
     // Agents give their results again, unless they or the results were changed.
     let checked = json(path, "experiment check whole");
     assert_eq!((checked["checked"].as_u64(), checked["agree"].as_u64()), (Some(2), Some(2)), "{checked}");

@@ -62,6 +62,7 @@ impl TrainConfig {
             () if !self.place.is_empty() && !self.weather.as_os_str().is_empty() => {
                 "expected either `place` or `weather`".to_owned()
             }
+            () if self.fault_of_zones().is_some() => self.fault_of_zones().unwrap_or_default(),
             () if self.building_episodes == 0 => "`building_episodes` is 0; expected at least 1".to_owned(),
             () if self.policy == Policy::Flat && self.building_type.len() > 1 => {
                 "several building types are for graph networks; choose the preset graph, or one type"
@@ -76,6 +77,30 @@ impl TrainConfig {
             },
         };
         Err(Error::Invalid(wrong))
+    }
+
+    /// Returns what is wrong with the excluded climate zones, if something is.
+    fn fault_of_zones(&self) -> Option<String> {
+        let zones = &self.excluded_climate_zones;
+        if zones.is_empty() {
+            return None;
+        }
+        if self.building_type.is_empty() {
+            return Some("`excluded_climate_zones` are for `building_type`; remove them".to_owned());
+        }
+        let types = self.building_types().ok()?;
+        let has = |zone: &String| {
+            types.iter().any(|each| b2b_dataset::rows(*each).iter().any(|row| row.is_in_climate_zone(zone)))
+        };
+        if let Some(zone) = zones.iter().find(|zone| !has(zone)) {
+            return Some(format!(
+                "`excluded_climate_zones` has `{zone}`, which no {} is in; expected an ASHRAE 169 zone, such as 5B, or a number, \
+                 such as 5",
+                self.building_type.join(" or ")
+            ));
+        }
+        let empty = types.iter().find(|each| self.drawn(**each).next().is_none());
+        empty.map(|each| format!("`excluded_climate_zones` leave no {each} to train on"))
     }
 }
 
@@ -94,6 +119,17 @@ mod tests {
         assert!(error(TrainConfig { travel_cost: -1.0, ..valid.clone() }).contains("travel_cost"));
         let of_sac = TrainConfig { algorithm: Algorithm::Sac, mirrored_noise: true, ..valid.clone() };
         assert!(error(of_sac).contains("`mirrored_noise` is for ppo"));
+        let without = |zones: &[&str]| TrainConfig {
+            buildings: Vec::new(),
+            building_type: vec!["OfficeSmall".into()],
+            excluded_climate_zones: zones.iter().map(ToString::to_string).collect(),
+            ..valid.clone()
+        };
+        without(&["1", "5B"]).check().unwrap();
+        assert!(error(without(&["9"])).contains("`9`, which no OfficeSmall is in"));
+        assert!(error(without(&["1", "2", "3", "4", "5", "6", "7", "8"])).contains("leave no OfficeSmall"));
+        let named = TrainConfig { excluded_climate_zones: vec!["1".into()], ..valid.clone() };
+        assert!(error(named).contains("`excluded_climate_zones` are for `building_type`"));
         let acting = Acting::Residual { authority: 1.5 };
         assert!(error(TrainConfig { acting, ..valid }).contains("authority"));
     }

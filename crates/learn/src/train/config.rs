@@ -6,7 +6,7 @@ use std::str::FromStr;
 use b2b_agent::{Acting, Interface, ObservationForm, ObservationOptions};
 use b2b_building::{BuildingType, RunPeriod};
 use b2b_climate::Place;
-use b2b_dataset::{BuildingName, Placement};
+use b2b_dataset::{BuildingId, BuildingName, Placement, Row, Split};
 use b2b_env::Task;
 use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
@@ -75,6 +75,8 @@ pub struct TrainConfig {
     /// environments. Empty: `buildings`.
     #[serde(with = "one_or_many")]
     pub building_type: Vec<String>,
+    /// ASHRAE 169 climate zones whose buildings are not drawn, such as `1A`, or `1` for 1A to 1C.
+    pub excluded_climate_zones: Vec<String>,
     /// Episodes that an environment stays in a building that was drawn.
     pub building_episodes: u32,
     /// Benchmark problem, by name or JSON file, that the agent is for. It sets buildings, tasks, run period, steps per hour,
@@ -161,6 +163,7 @@ impl Default for TrainConfig {
             weather: PathBuf::new(),
             allow_external: false,
             building_type: Vec::new(),
+            excluded_climate_zones: Vec::new(),
             building_episodes: 1,
             problem: String::new(),
             task: "constant".into(),
@@ -314,6 +317,14 @@ impl TrainConfig {
         self.building_type.iter().map(parsed).collect()
     }
 
+    /// Returns the buildings of a type that are drawn: its training split but for the climate zones that are excluded.
+    pub(super) fn drawn(&self, building_type: BuildingType) -> impl Iterator<Item = BuildingId> {
+        let is_excluded =
+            |row: &Row| self.excluded_climate_zones.iter().any(|zone| row.is_in_climate_zone(zone));
+        let rows = b2b_dataset::rows(building_type).iter();
+        rows.filter(move |row| row.split == Split::Train && !is_excluded(row)).map(|row| row.id)
+    }
+
     /// Returns what does not go together with graph networks, if something does not.
     pub(super) fn fault_of_graph(&self) -> Option<String> {
         if self.policy == Policy::Flat {
@@ -349,7 +360,12 @@ impl TrainConfig {
     /// Returns the training buildings as a reader names them.
     pub fn buildings_text(&self) -> String {
         if !self.building_type.is_empty() {
-            return format!("{} of the training split", self.building_type.join(", "));
+            let types = self.building_type.join(", ");
+            let excluded = match &self.excluded_climate_zones[..] {
+                [] => String::new(),
+                zones => format!(" outside of the climate zones {}", zones.join(", ")),
+            };
+            return format!("{types} of the training split{excluded}");
         }
         let site = match self.weather.file_stem() {
             Some(weather) => format!(" in {}", weather.display()),
@@ -416,6 +432,22 @@ mod tests {
         assert!(said.contains("many"), "{said}");
         let changed = base.with_changes("preset = \"paper\"\nseed = 7\n[ppo]\ngamma = 0.9").unwrap();
         assert_eq!((changed.seed, changed.ppo.gamma, changed.ppo.epochs), (7, 0.9, 5));
+    }
+
+    #[test]
+    fn buildings_of_excluded_climate_zones_are_not_drawn() {
+        let all = TrainConfig { building_type: vec!["OfficeSmall".into()], ..TrainConfig::default() };
+        let some = TrainConfig { excluded_climate_zones: vec!["5B".into(), "8".into()], ..all.clone() };
+        let drawn = |config: &TrainConfig| config.drawn(BuildingType::OfficeSmall).collect::<Vec<_>>();
+        let zone = |id: &BuildingId| b2b_dataset::row(*id).building.location().ashrae_zone().unwrap();
+        assert_eq!(drawn(&all).len(), 900);
+        assert!(drawn(&all).iter().any(|id| zone(id) == "5B"));
+        assert!(drawn(&some).iter().all(|id| !["5B", "8"].contains(&zone(id))));
+        assert!(drawn(&some).iter().any(|id| zone(id) == "5A"));
+        assert_eq!(
+            some.buildings_text(),
+            "OfficeSmall of the training split outside of the climate zones 5B, 8"
+        );
     }
 
     #[test]

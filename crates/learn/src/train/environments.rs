@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use b2b_benchmark::{Baseline, Baselines, Episode, Evaluation, Subject};
 use b2b_building::{BuildingType, RunPeriod};
-use b2b_dataset::{BuildingName, Catalog, Placement, Split};
+use b2b_dataset::{BuildingName, Catalog, Placement};
 use b2b_energyplus::install::Quiet;
 use b2b_env::vector::{
     Autoreset, Buildings, Fixed, Kept, Launcher, Population, RoundRobin, Sampler, Setting, Source, VecEnv,
@@ -85,7 +85,7 @@ impl<'a> Environments<'a> {
     fn population(&self, building_type: BuildingType, period: RunPeriod) -> Result<Buildings> {
         Ok(Buildings {
             catalog: Arc::clone(&self.catalog),
-            population: Population::of_split(building_type, Split::Train),
+            population: Population::Ids(self.config.drawn(building_type).collect()),
             period,
             steps_per_hour: self.config.steps_per_hour,
             task: self.config.tasks()?.remove(0),
@@ -195,7 +195,7 @@ impl<'a> Environments<'a> {
     pub(super) fn evaluated(&self) -> Result<Vec<(BuildingName, Task)>> {
         let all: Vec<BuildingName> = match &self.config.building_types()?[..] {
             [] => self.config.named()?,
-            types => types.iter().flat_map(|each| training_rows(*each)).map(BuildingName::Id).collect(),
+            types => types.iter().flat_map(|each| self.config.drawn(*each)).map(BuildingName::Id).collect(),
         };
         let count = self.config.evaluation.buildings.clamp(1, all.len());
         let spread = (0..count).map(|index| all[index * all.len() / count].clone()).collect();
@@ -298,10 +298,6 @@ fn median(scales: &HashMap<String, f64>) -> f64 {
     let mut sorted: Vec<f64> = scales.values().copied().collect();
     sorted.sort_by(f64::total_cmp);
     sorted[sorted.len() / 2]
-}
-
-fn training_rows(building_type: BuildingType) -> impl Iterator<Item = b2b_dataset::BuildingId> {
-    b2b_dataset::rows(building_type).iter().filter(|row| row.split == Split::Train).map(|row| row.id)
 }
 
 #[cfg(test)]
