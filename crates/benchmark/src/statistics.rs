@@ -60,14 +60,23 @@ impl Aggregate {
     }
 }
 
+/// Returns a score as tables show it: with three decimals near the baseline, and with fewer from 10 on.
+pub fn score_text(score: f64) -> String {
+    let decimals = match score.abs() {
+        small if small < 9.9995 => 3,
+        medium if medium < 99.95 => 1,
+        _ => 0,
+    };
+    match format!("{score:.decimals$}") {
+        zero if zero == "-0.000" => "0.000".to_owned(),
+        text => text,
+    }
+}
+
 /// Writes the value, and the interval in brackets unless it is empty.
 impl fmt::Display for Interval {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let text = |value: f64| match format!("{value:.3}") {
-            zero if zero == "-0.000" => "0.000".to_owned(),
-            text => text,
-        };
-        let [value, low, high] = [self.value, self.low, self.high].map(text);
+        let [value, low, high] = [self.value, self.low, self.high].map(score_text);
         if self.low == self.high { f.write_str(&value) } else { write!(f, "{value} [{low}, {high}]") }
     }
 }
@@ -230,6 +239,13 @@ mod tests {
         assert!((quantile(&scores, 0.1) - 0.865).abs() < 1e-12);
         assert_eq!(share_up_to(&scores, beats_baseline), 0.5);
         assert!(!beats_baseline(0.999_999_999_999_999), "the baseline itself");
+    }
+
+    #[test]
+    fn scores_far_from_the_baseline_are_shown_with_fewer_decimals() {
+        let shown =
+            [0.87345, -0.0001, 9.9994, 9.9996, 99.94, 99.96, 53_261.163, f64::INFINITY].map(score_text);
+        assert_eq!(shown, ["0.873", "0.000", "9.999", "10.0", "99.9", "100", "53261", "inf"]);
     }
 
     #[test]

@@ -25,10 +25,10 @@ fn milliseconds(building_type: BuildingType) -> [f64; 2] {
     }
 }
 
-/// Returns the estimated duration of the unfinished jobs with `parallel` jobs at a time, corrected by the finished
-/// ones.
+/// Returns the estimated duration of the unfinished jobs with `parallel` jobs at a time, each on a core of its own: no less than
+/// that of the longest job. The times of finished jobs correct it.
 pub fn estimate(folder: Option<&Folder>, jobs: &[Job], parallel: usize) -> Duration {
-    let (mut left, mut expected, mut taken) = (0.0, 0.0, 0.0);
+    let (mut left, mut longest, mut expected, mut taken) = (0.0, 0.0_f64, 0.0, 0.0);
     for job in jobs {
         let done = folder.and_then(|folder| folder.state(job)).filter(|state| state.error.is_none());
         match done {
@@ -36,11 +36,15 @@ pub fn estimate(folder: Option<&Folder>, jobs: &[Job], parallel: usize) -> Durat
                 expected += seconds(job);
                 taken += state.seconds;
             }
-            None => left += seconds(job),
+            None => {
+                let own = seconds(job);
+                left += own;
+                longest = longest.max(own);
+            }
         }
     }
     let correction = if expected > 0.0 { taken / expected } else { 1.0 };
-    Duration::from_secs_f64(left * correction / parallel.max(1) as f64)
+    Duration::from_secs_f64(correction * longest.max(left / parallel.max(1) as f64))
 }
 
 /// Returns the time of a job on one core, s.
@@ -74,6 +78,7 @@ mod tests {
         let (quick, full) = (jobs(BudgetName::Quick), jobs(BudgetName::Full));
         assert!(estimate(None, &full, 2) > 50 * estimate(None, &quick, 2));
         assert_eq!(estimate(None, &quick, 4) * 2, estimate(None, &quick, 2));
+        assert_eq!(estimate(None, &full, 10_000), estimate(None, &full, 20_000), "the longest job");
         assert_eq!(estimate(None, &[], 2), Duration::ZERO);
     }
 }

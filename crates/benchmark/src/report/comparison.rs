@@ -9,6 +9,7 @@ use super::page::write_page;
 use super::reward_chart::step_rewards;
 use super::series::{Series, rms_deviations};
 use crate::evaluation::{EpisodeInfo, Row, Scored, relative_energy};
+use crate::statistics::score_text;
 use crate::{Error, Result};
 
 /// The episodes of a policy.
@@ -83,7 +84,7 @@ fn table(all: &[Compared]) -> Value {
         let score = |value: fn(&Scored) -> Option<f64>| {
             let scores: Vec<f64> = ran.iter().filter_map(|(_, scored)| value(scored)).collect();
             match scores.len() == ran.len() && !ran.is_empty() {
-                true => format!("{:.3}", scores.iter().sum::<f64>() / scores.len() as f64),
+                true => score_text(scores.iter().sum::<f64>() / scores.len() as f64),
                 false => "–".to_owned(),
             }
         };

@@ -11,7 +11,7 @@ use super::page::write_page;
 use crate::evaluation::{Finished, Row};
 use crate::results::Results;
 use crate::scores::RESOLUTION;
-use crate::statistics::Aggregate;
+use crate::statistics::{Aggregate, score_text};
 use crate::summary::{Group, Summary, Window, type_label};
 
 /// Number of episodes with an hourly chart.
@@ -110,8 +110,8 @@ fn table(window: &Window) -> Value {
             of(|scores| scores.interquartile_mean.to_string()),
             of(|scores| scores.median.to_string()),
             of(|scores| scores.mean.to_string()),
-            of(|scores| format!("{:.3}", scores.min)),
-            of(|scores| format!("{:.3}", scores.max)),
+            of(|scores| score_text(scores.min)),
+            of(|scores| score_text(scores.max)),
             of(Aggregate::beats_baseline_text),
             format!("{:.2}", group.rms_deviation_k),
             group.relative_energy.map_or("–".to_owned(), |ratio| format!("{ratio:.2}")),

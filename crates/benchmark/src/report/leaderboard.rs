@@ -11,7 +11,7 @@ use crate::entry::{Measures, Performance, PolicyDescription, RunResult, Stages, 
 use crate::evaluation::Row;
 use crate::problem::Stage;
 use crate::scores::RESOLUTION;
-use crate::statistics::Aggregate;
+use crate::statistics::{Aggregate, score_text};
 
 /// A result with its rows by stage.
 type Entry = (RunResult, Stages);
@@ -138,8 +138,8 @@ fn scores(board: &[&Entry]) -> Value {
             test.scores.interquartile_mean.to_string(),
             test.scores.median.to_string(),
             test.scores.mean.to_string(),
-            format!("{:.3}", test.scores.min),
-            format!("{:.3}", test.scores.max),
+            score_text(test.scores.min),
+            score_text(test.scores.max),
             from_random.map_or("–".to_owned(), |mean| mean.to_string()),
             test.scores.beats_baseline_text(),
             format!("{:.2}", test.rms_deviation_k),
@@ -180,8 +180,8 @@ fn strata(board: &[&Entry]) -> Option<Value> {
                 stratum.period,
                 stratum.performance.resolved.interquartile_mean.to_string(),
                 stratum.performance.scores.interquartile_mean.to_string(),
-                format!("{:.3}", stratum.performance.scores.min),
-                format!("{:.3}", stratum.performance.scores.max),
+                score_text(stratum.performance.scores.min),
+                score_text(stratum.performance.scores.max),
                 stratum.performance.scores.beats_baseline_text(),
                 format!("{:.2}", stratum.performance.rms_deviation_k),
                 ratio(stratum.performance.relative_energy),

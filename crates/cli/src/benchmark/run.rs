@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use anyhow::{Context, Result, bail};
 use b2b_benchmark::entry::{Entry, EntryPolicy, Measures, Performance, RunOutcome, RunResult};
 use b2b_benchmark::problem::{Problem, Stage};
-use b2b_benchmark::statistics::Aggregate;
+use b2b_benchmark::statistics::{Aggregate, score_text};
 use b2b_benchmark::{Baselines, Row};
 use b2b_dataset::Catalog;
 
@@ -183,8 +183,8 @@ fn score_table(measures: &Measures) -> String {
             each.building.clone(),
             each.task.clone(),
             each.period.clone(),
-            format!("{:.3}", each.resolved_score),
-            format!("{:.3}", each.score),
+            score_text(each.resolved_score),
+            score_text(each.score),
             format!("{:.2}", each.rms_deviation_k),
             ratio(each.relative_energy),
         ]);
@@ -248,8 +248,8 @@ fn row(table: &mut Table, name: String, scores: &Aggregate, performance: Option<
         scores.interquartile_mean.to_string(),
         scores.median.to_string(),
         scores.mean.to_string(),
-        format!("{:.3}", scores.min),
-        format!("{:.3}", scores.max),
+        score_text(scores.min),
+        score_text(scores.max),
         scores.beats_baseline_text(),
         of(&|each| format!("{:.2}", each.rms_deviation_k)),
         of(&|each| ratio(each.relative_energy)),

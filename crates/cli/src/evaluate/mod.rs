@@ -5,7 +5,7 @@ mod compare;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result};
-use b2b_benchmark::statistics::Aggregate;
+use b2b_benchmark::statistics::{Aggregate, score_text};
 use b2b_benchmark::{Baselines, Folder, Group, Results, Summary, Window};
 use b2b_dataset::Catalog;
 use b2b_env::Task;
@@ -161,8 +161,8 @@ fn table<'a>(groups: impl Iterator<Item = &'a Group>) -> String {
             cell(|scores| scores.interquartile_mean.to_string()),
             cell(|scores| scores.median.to_string()),
             cell(|scores| scores.mean.to_string()),
-            cell(|scores| format!("{:.3}", scores.min)),
-            cell(|scores| format!("{:.3}", scores.max)),
+            cell(|scores| score_text(scores.min)),
+            cell(|scores| score_text(scores.max)),
             cell(Aggregate::beats_baseline_text),
             format!("{:.2}", group.rms_deviation_k),
             ratio(group.relative_energy),

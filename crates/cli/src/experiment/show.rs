@@ -57,11 +57,12 @@ pub fn show(arguments: &ShowArguments) -> Result<()> {
         }));
     }
     let agents: Vec<String> = experiment.agents.iter().map(|agent| agent.name.clone()).collect();
-    let mut table = Table::new(["budget", "jobs", "training steps", "hours on two cores"]);
+    let mut table = Table::new(["budget", "jobs", "training steps", "hours on 2 cores", "on 64 cores"]);
     for budget in BUDGETS {
         let jobs = experiment.jobs(budget);
         let steps: u64 = jobs.iter().map(Job::steps).sum();
-        table.row([budget.to_string(), jobs.len().to_string(), steps.to_string(), hours(None, &jobs, 2)]);
+        let [two, many] = [2, 64].map(|cores| hours(None, &jobs, cores));
+        table.row([budget.to_string(), jobs.len().to_string(), steps.to_string(), two, many]);
     }
     stdout::print(&format!(
         "{}\n\n  {}\n  in the paper   {}\n  agents         {}\n\n{}",

@@ -8,6 +8,10 @@ use super::{Content, SCORES};
 use crate::definition::{Experiment, REACTIVE};
 use crate::results::Results;
 
+/// Sizes of points with the weight of the slider, and of all others, px.
+const MARKED: u32 = 16;
+const UNMARKED: u32 = 7;
+
 /// Means over buildings under one task.
 struct Point {
     weight: f64,
@@ -18,14 +22,17 @@ struct Point {
     episodes: usize,
 }
 
+/// The points of a controller, by weight.
+type Curve<'a> = (&'a str, Vec<Point>);
+
 pub(super) fn content(experiment: &Experiment, results: &Results) -> Content {
     let (mut rows, mut charts) = (Vec::new(), Vec::new());
     let mut setpoints: Vec<&str> = experiment.tasks.iter().map(|task| setpoints(task)).collect();
     setpoints.dedup();
     for building_type in &experiment.types {
         for setpoints in &setpoints {
-            let mut data = Vec::new();
-            for (number, name) in controllers(experiment).enumerate() {
+            let mut curves = Vec::new();
+            for name in controllers(experiment) {
                 let points = points(experiment, results, name, building_type.name(), setpoints);
                 for Point { weight, deviation, energy, relative_energy, episodes } in &points {
                     rows.push(vec![
@@ -39,27 +46,9 @@ pub(super) fn content(experiment: &Experiment, results: &Results) -> Content {
                         format!("{relative_energy:.2}"),
                     ]);
                 }
-                data.push(json!({
-                    "type": "scatter", "mode": "lines+markers+text", "name": name, "cliponaxis": false,
-                    "x": points.iter().map(|point| point.energy).collect::<Vec<_>>(),
-                    "y": points.iter().map(|point| point.deviation).collect::<Vec<_>>(),
-                    "text": points.iter().map(|point| format!("{}", point.weight)).collect::<Vec<_>>(),
-                    "textposition": "top center", "line": {"color": color(number), "width": 1.2}, "marker": {"size": 8},
-                    "hovertemplate": "weight %{text}: %{x:.2f} kWh/m², %{y:.2f} K<extra></extra>",
-                }));
+                curves.push((name, points));
             }
-            charts.push(Chart {
-                title: format!("{building_type}: {setpoints} targets"),
-                note: "means over buildings; the number is the weight of energy. The reactive controllers have one set of parameters for weight 0 \
-                       and one for all others".into(),
-                height: 330,
-                wide: false,
-                data: Value::from(data),
-                layout: json!({
-                    "xaxis": {"title": {"text": "HVAC energy (kWh/m²)"}, "zeroline": false},
-                    "yaxis": {"title": {"text": "RMS deviation (K)"}, "rangemode": "tozero", "zeroline": false},
-                }),
-            });
+            charts.push(front(format!("{building_type}: {setpoints} targets"), &curves));
             charts.extend(distributions(experiment, results, building_type.name(), setpoints));
         }
     }
@@ -70,6 +59,60 @@ pub(super) fn content(experiment: &Experiment, results: &Results) -> Content {
         "rows": rows,
     });
     Content { tables: vec![table], charts, notes: SCORES.to_owned(), ..Content::default() }
+}
+
+/// Draws comfort against energy, with a slider that marks the points of a weight.
+fn front(title: String, curves: &[Curve<'_>]) -> Chart {
+    let mut weights: Vec<f64> =
+        curves.iter().flat_map(|(_, points)| points).map(|point| point.weight).collect();
+    weights.sort_by(f64::total_cmp);
+    weights.dedup();
+    let sizes = |weight: f64| {
+        let size = |point: &Point| if point.weight == weight { MARKED } else { UNMARKED };
+        let of_curve = |(_, points): &Curve<'_>| points.iter().map(size).collect::<Vec<_>>();
+        curves.iter().map(of_curve).collect::<Vec<_>>()
+    };
+    let caption = |weight: f64| {
+        let line = |(name, points): &Curve<'_>| {
+            let point = points.iter().find(|point| point.weight == weight)?;
+            Some(format!("{name}: {:.2} kWh/m², {:.2} K", point.energy, point.deviation))
+        };
+        let text = curves.iter().filter_map(line).collect::<Vec<_>>().join("<br>");
+        json!([{"text": text, "xref": "paper", "yref": "paper", "x": 1, "y": 1, "xanchor": "right", "yanchor": "top",
+                "align": "right", "showarrow": false}])
+    };
+    let step = |weight: &f64| {
+        json!({"label": weight.to_string(), "method": "update",
+               "args": [{"marker.size": sizes(*weight)}, {"annotations": caption(*weight)}]})
+    };
+    let steps: Vec<Value> = weights.iter().map(step).collect();
+    let first = weights.first().copied().unwrap_or_default();
+    let mut data = Vec::new();
+    for (number, ((name, points), sizes)) in curves.iter().zip(sizes(first)).enumerate() {
+        data.push(json!({
+            "type": "scatter", "mode": "lines+markers+text", "name": name, "cliponaxis": false,
+            "x": points.iter().map(|point| point.energy).collect::<Vec<_>>(),
+            "y": points.iter().map(|point| point.deviation).collect::<Vec<_>>(),
+            "text": points.iter().map(|point| point.weight.to_string()).collect::<Vec<_>>(),
+            "textposition": "top center", "line": {"color": color(number), "width": 1.2}, "marker": {"size": sizes},
+            "hovertemplate": "weight %{text}: %{x:.2f} kWh/m², %{y:.2f} K<extra></extra>",
+        }));
+    }
+    Chart {
+        title,
+        note: "means over buildings; the number is the weight of energy. The reactive controllers have one set of parameters for weight 0 \
+               and one for all others"
+            .into(),
+        height: 430,
+        wide: false,
+        data: data.into(),
+        layout: json!({
+            "xaxis": {"title": {"text": "HVAC energy (kWh/m²)"}, "zeroline": false},
+            "yaxis": {"title": {"text": "RMS deviation (K)"}, "rangemode": "tozero", "zeroline": false},
+            "annotations": caption(first),
+            "sliders": [{"steps": steps, "active": 0, "pad": {"t": 50}, "currentvalue": {"prefix": "weight of energy: "}}],
+        }),
+    }
 }
 
 /// Draws the deviations from target of all steps by weight, as the paper's figure of temperatures; `None` without kept episodes.
