@@ -25,6 +25,7 @@ from .buildings import (
     list_engine_models,
     list_places,
 )
+from .calibration import calibrate
 from .env import BuildingEnv
 from .errors import Error
 from .evaluation import EpisodeContext, Evaluation, compute_normalized_score, compute_resolved_score, evaluate
@@ -66,6 +67,7 @@ __all__ = [
     "Trajectory",
     "benchmarks",
     "building_parameters",
+    "calibrate",
     "callable_controller",
     "collect",
     "compute_normalized_score",

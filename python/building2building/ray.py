@@ -10,7 +10,6 @@ Every node needs this package, and downloads EnergyPlus on first use. Requires `
 from __future__ import annotations
 
 import os
-import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -21,7 +20,7 @@ from typing import Any
 
 import ray
 
-from . import _core
+from . import _core, command
 from .buildings import Building, PathLike
 from .errors import EvaluationError, SettingError
 from .evaluation import Evaluation, Policy, Request
@@ -145,7 +144,8 @@ def tune(
     _commands(commands, Path(folder), "evaluations", resources)
     types = sorted({name for name, _ in classes})
     zones = sorted({str(zone) for _, zone in classes if zone is not None})
-    _run(["tune", "--type", *types, *(["--zone", *zones] if zones else []), *options, "--out", os.fspath(folder)])
+    zoned = ["--zone", *zones] if zones else []
+    command.run(["tune", "--type", *types, *zoned, *options, "--out", os.fspath(folder)], EvaluationError)
 
 
 def experiment(
@@ -160,7 +160,7 @@ def experiment(
     base = ["experiment", "run", source, "--budget", budget]
     commands = [[*base, "--shard", f"{number}/{shards}", "--jobs", "1"] for number in range(shards)]
     _commands(commands, Path(folder), "jobs", resources)
-    _run([*base, "--out", os.fspath(folder)])
+    command.run([*base, "--out", os.fspath(folder)], EvaluationError)
     return Path(folder, "report.html")
 
 
@@ -212,17 +212,10 @@ def _command(words: list[str], before: Files) -> tuple[Files, str]:
         place, error = Path(temporary, "out"), ""
         _write_all(place, before)
         try:
-            _run([*words, "--out", os.fspath(place)])
+            command.run([*words, "--out", os.fspath(place)], EvaluationError)
         except EvaluationError as failure:
             error = str(failure)
         return _read_all(place), error
-
-
-def _run(words: list[str]) -> None:
-    command = [sys.executable, "-m", "building2building", *words]
-    ended = subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-    if ended.returncode:
-        raise EvaluationError(f"b2b {' '.join(words)} failed: {ended.stderr.strip()}")
 
 
 def _commands(commands: list[list[str]], folder: Path, kept: str, resources: Resources) -> None:

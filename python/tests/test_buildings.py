@@ -7,7 +7,7 @@ import subprocess
 import building2building as b2b
 import numpy as np
 import pytest
-from building2building import _engine, errors
+from building2building import _engine, command, errors
 
 DAY = "01-01..01-01"
 
@@ -84,6 +84,28 @@ def test_an_edited_model_is_written_and_imported(tmp_path):
     for arguments, words in [({}, "at least one of"), ({"wall_u": 50}, "`wall_u` is 50"), ({"people": 0}, "people")]:
         with pytest.raises(errors.Error, match=words):
             b2b.edit_model(shipped, out, **arguments)
+
+
+def test_a_model_is_calibrated_to_columns_of_metered_energy(tmp_path):
+    house = "SingleFamilyHouse-0001"
+    simulated = json.loads(command.run(["calibrate", house, "--simulate"], errors.BuildingError))
+    # A house with electric heating uses more in winter if it is leakier.
+    winter = {12, 1, 2}
+    metered = {
+        "month": range(1, 13),
+        "electricity_kwh": [
+            kwh * (1.1 if month in winter else 1) for month, kwh in enumerate(simulated["electricity"], 1)
+        ],
+    }
+    out = tmp_path / "calibrated.epJSON"
+    report = b2b.calibrate(house, metered, out, parameters=["infiltration"], iterations=1)
+    (parameter,), (fuel,) = report["parameters"], report["fuels"]
+    assert parameter["name"] == "infiltration" and 1.05 < parameter["multiplier"] < 3
+    assert abs(fuel["after"]["nmbe_percent"]) < abs(fuel["before"]["nmbe_percent"])
+    assert json.loads(out.read_text())["Zone"]
+    with pytest.raises(errors.BuildingError, match="unknown column `kwh`; expected the columns month"):
+        b2b.calibrate(house, {"month": [1, 2], "kwh": [3, 4]}, tmp_path / "other.epJSON")
+    assert not (tmp_path / "other.epJSON").exists()
 
 
 def test_a_model_that_runs_code_is_refused_unless_it_is_allowed(tmp_path):

@@ -100,3 +100,11 @@ SHORT = ["--steps", 1, "--envs", 2, "--n-steps", 336, "--period", "01-01..01-14"
 )
 def test_an_example_learns(name, arguments, words):
     assert words in run(EXAMPLES / f"{name}.py", *arguments)
+
+
+@pytest.mark.learners
+def test_both_implementations_of_ppo_are_compared(tmp_path):
+    arguments = ["--steps", 1, "--seeds", 1, "--period", "01-01..01-14"]
+    printed = run(EXAMPLES / "native_and_sb3.py", tmp_path, *arguments)
+    assert len(re.findall(r"interquartile mean \d+, 95 % interval", printed)) == 2
+    assert (tmp_path / "curves.svg").is_file()

@@ -1,0 +1,61 @@
+"""Calibration of models to metered energy."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import tempfile
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from . import command
+from .buildings import PathLike
+from .errors import BuildingError
+
+
+def calibrate(
+    model: PathLike,
+    energy: PathLike | Mapping[str, Iterable[float]],
+    out: PathLike,
+    *,
+    place: str | None = None,
+    weather: PathLike | None = None,
+    parameters: Sequence[str] = (),
+    iterations: int = 12,
+    jobs: int | None = None,
+    allow_external: bool = False,
+) -> dict[str, Any]:
+    """Fits a model to monthly metered energy, as ``b2b calibrate`` does, and writes the calibrated model as epJSON.
+
+    ``model`` is a model file or a building of the dataset, with the weather of ``place`` (such as ``"Denver"``) or
+    ``weather`` (an EPW file, best that of the metered year). ``energy`` is a CSV file, a mapping or a data frame with
+    the columns ``month`` (1 to 12), ``electricity_kwh`` and ``gas_kwh``, of which one fuel may be missing.
+    ``parameters`` are ``"infiltration"``, ``"lights"``, ``"equipment"``, ``"people"``, ``"wall_u"``, ``"roof_u"`` or
+    ``"window_u"``; the default is infiltration, lights, equipment and walls. ``jobs`` simulations run at a time, by
+    default one per core.
+
+    Returns what ``b2b calibrate --json`` prints: ``parameters``, each with its ``multiplier``; ``fuels``, each with
+    metered and simulated energy and the agreement by ASHRAE Guideline 14 before and after; and ``warnings``. Raises
+    :class:`~building2building.errors.BuildingError` for a model that cannot be simulated or a wrong table.
+    """
+    words = ["calibrate", os.fspath(model), "--out", os.fspath(out), "--iterations", str(iterations), "--json"]
+    for option, value in {"--place": place, "--weather": weather, "--jobs": jobs}.items():
+        words += [option, os.fspath(value) if isinstance(value, os.PathLike) else str(value)] if value else []
+    words += [word for name in parameters for word in ("--parameter", name)]
+    words += ["--allow-external"] if allow_external else []
+    with tempfile.TemporaryDirectory(prefix="b2b-calibrate-") as folder:
+        table = energy if isinstance(energy, str | os.PathLike) else _write(energy, Path(folder, "metered.csv"))
+        printed = command.run([*words, "--energy", os.fspath(table)], BuildingError)
+    report: dict[str, Any] = json.loads(printed)
+    return report
+
+
+def _write(energy: Mapping[str, Iterable[float]], path: Path) -> Path:
+    """Writes columns as CSV."""
+    with path.open("w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(energy)
+        writer.writerows(zip(*(energy[name] for name in energy), strict=True))
+    return path
