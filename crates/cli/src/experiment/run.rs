@@ -55,7 +55,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     for other in &arguments.reuse {
         let count = folder.reuse(&jobs, experiment.report, other)?;
         if !arguments.json {
-            stdout::print(&format!("{count} jobs taken over from {}", other.display()))?;
+            stdout::print(&format!("jobs taken over from {}: {count}", other.display()))?;
         }
     }
     let parallel = arguments.jobs.count()?;
