@@ -113,6 +113,11 @@ impl FragmentCollector {
         self
     }
 
+    /// Sets the cost of a full stroke of all actuators, in units of the scaled reward, of the next rollouts.
+    pub fn set_travel_cost(&mut self, travel_cost: f32) {
+        self.travel_cost = travel_cost;
+    }
+
     /// Makes room for buildings of these widths, for a graph network whose later episodes may be in larger ones than the first.
     /// Called before the first rollout.
     pub fn make_room(&mut self, widths: Widths) {

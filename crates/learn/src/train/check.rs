@@ -32,6 +32,9 @@ impl TrainConfig {
             () if !(self.travel_cost >= 0.0 && self.travel_cost.is_finite()) => {
                 format!("`travel_cost` is {}; expected 0 or more", self.travel_cost)
             }
+            () if !(self.travel_cost_growth >= 1.0 && self.travel_cost_growth.is_finite()) => {
+                format!("`travel_cost_growth` is {}; expected 1 or more", self.travel_cost_growth)
+            }
             () if !(0.0..1.0).contains(&self.noise_correlation) => {
                 format!("`noise_correlation` is {}; expected 0 to less than 1", self.noise_correlation)
             }
@@ -117,6 +120,8 @@ mod tests {
         assert!(error(TrainConfig { buildings: Vec::new(), ..valid.clone() }).contains("building_type"));
         assert!(error(TrainConfig { task: "warm".into(), ..valid.clone() }).contains("warm"));
         assert!(error(TrainConfig { travel_cost: -1.0, ..valid.clone() }).contains("travel_cost"));
+        let shrinking = TrainConfig { travel_cost_growth: 0.5, ..valid.clone() };
+        assert!(error(shrinking).contains("`travel_cost_growth` is 0.5"));
         let of_sac = TrainConfig { algorithm: Algorithm::Sac, mirrored_noise: true, ..valid.clone() };
         assert!(error(of_sac).contains("`mirrored_noise` is for ppo"));
         let without = |zones: &[&str]| TrainConfig {

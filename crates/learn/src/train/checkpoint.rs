@@ -20,6 +20,8 @@ pub(super) struct Checkpoint {
     pub(super) seconds: f64,
     /// Logarithm of the standard deviation of actions when training began.
     pub(super) log_std: f64,
+    /// Cost of actuator travel.
+    pub(super) travel_cost: f32,
     /// State of the learner.
     pub(super) learner: State,
     /// State of the environments.
@@ -32,6 +34,7 @@ impl Checkpoint {
         let mut all = State::default();
         all.put_u64("steps", &[self.steps]);
         all.put_f64("best", &[self.best.score, self.best.relative_travel, self.seconds, self.log_std]);
+        all.put_f32("travel_cost", &[self.travel_cost]);
         all.put_all("learner", &self.learner);
         all.put_all("collector", &self.collector);
         Ok(b2b_agent::write_whole(&folder.join(CHECKPOINT), &all.to_bytes())?)
@@ -51,9 +54,12 @@ impl Checkpoint {
         let mut numbers = [0.0; 4];
         all.read_f64("best", &mut numbers).map_err(|error| wrong(error.to_string()))?;
         let [score, relative_travel, seconds, log_std] = numbers;
+        let mut travel_cost = [0.0];
+        all.read_f32("travel_cost", &mut travel_cost).map_err(|error| wrong(error.to_string()))?;
+        let [travel_cost] = travel_cost;
         let best = Rating { score, relative_travel };
         let (learner, collector) = (all.part("learner"), all.part("collector"));
-        Ok(Some(Self { steps, best, seconds, log_std, learner, collector }))
+        Ok(Some(Self { steps, best, seconds, log_std, travel_cost, learner, collector }))
     }
 }
 
@@ -66,8 +72,14 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         assert_eq!(Checkpoint::read(folder.path()).unwrap(), None);
         let best = Rating { score: 0.9, relative_travel: 1.5 };
-        let mut checkpoint =
-            Checkpoint { steps: 7, best, seconds: 1.5, log_std: -2.0, ..Checkpoint::default() };
+        let mut checkpoint = Checkpoint {
+            steps: 7,
+            best,
+            seconds: 1.5,
+            log_std: -2.0,
+            travel_cost: 4.0,
+            ..Checkpoint::default()
+        };
         checkpoint.learner.put_f32("weights", &[1.0, -0.0]);
         checkpoint.collector.put_u64("episodes", &[3]);
         checkpoint.write(folder.path()).unwrap();

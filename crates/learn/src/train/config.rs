@@ -112,6 +112,9 @@ pub struct TrainConfig {
     /// What a full stroke costs, averaged over the actuators, in the unit of the rewards that are learned from: with
     /// `scale_rewards`, the mean penalty per step of the reactive controllers. 0: travel is free. Scores do not count it.
     pub travel_cost: f32,
+    /// Factor by which `travel_cost` grows after every evaluation in which actuators hunt: their travel is above its limit. 1: it does
+    /// not grow.
+    pub travel_cost_growth: f32,
     /// Whether a reward has a part for every zone and one for energy, and each action is credited with the parts that it
     /// affects.
     pub credit_by_zone: bool,
@@ -180,6 +183,7 @@ impl Default for TrainConfig {
             window_starts: 1,
             scale_rewards: true,
             travel_cost: 0.0,
+            travel_cost_growth: 1.0,
             credit_by_zone: false,
             noise_correlation: 0.0,
             mirrored_noise: false,

@@ -159,6 +159,8 @@ struct Run<'a> {
     seconds: f64,
     /// Logarithm of the standard deviation of actions when training began.
     log_std: f64,
+    /// Cost of actuator travel: it grows while actuators hunt.
+    travel_cost: f32,
 }
 
 impl<'a> Run<'a> {
@@ -200,6 +202,7 @@ impl<'a> Run<'a> {
             best: Rating::default(),
             seconds: 0.0,
             log_std: config.ppo.initial_log_std.into(),
+            travel_cost: config.travel_cost,
         })
     }
 
@@ -210,8 +213,9 @@ impl<'a> Run<'a> {
         let other = |error: Error| Error::Resume { path: self.out.to_owned(), why: error.to_string() };
         self.learner.restore(&checkpoint.learner).map_err(other)?;
         self.collector.restore(&checkpoint.collector, &self.learner.actor())?;
-        let Checkpoint { steps, best, seconds, log_std, .. } = checkpoint;
+        let Checkpoint { steps, best, seconds, log_std, travel_cost, .. } = checkpoint;
         (self.steps, self.best, self.seconds, self.log_std) = (steps, best, seconds, log_std);
+        self.set_travel_cost(travel_cost);
         Ok(())
     }
 
@@ -226,7 +230,7 @@ impl<'a> Run<'a> {
             self.monitor.warn(&warning);
         }
         if let Some(judge) = judge.filter(|_| self.steps == 0) {
-            let mut row = self.row([f64::NAN; 6], [f64::NAN; 10]);
+            let mut row = self.row([f64::NAN; 7], [f64::NAN; 10]);
             self.evaluate(judge, &mut row);
             let written = progress.write(&row);
             self.warn_of(written, "the first evaluation");
@@ -290,14 +294,22 @@ impl<'a> Run<'a> {
             rollout.mean_penalty(),
             self.collector.ended() as f64,
             self.collector.lost() as f64,
+            self.travel_cost.into(),
         ];
         Ok(self.row(counts, learned))
     }
 
     /// Returns the row of an update without its evaluation.
-    fn row(&self, counts: [f64; 6], learned: [f64; 10]) -> Row {
-        let names =
-            ["seconds", "steps_per_s", "collection_share", "training_penalty", "episodes", "lost_episodes"];
+    fn row(&self, counts: [f64; 7], learned: [f64; 10]) -> Row {
+        let names = [
+            "seconds",
+            "steps_per_s",
+            "collection_share",
+            "training_penalty",
+            "episodes",
+            "lost_episodes",
+            "travel_cost",
+        ];
         let names = names.into_iter().chain(self.learner.names());
         Row { steps: self.steps, values: names.zip(counts.into_iter().chain(learned)).collect() }
     }
@@ -314,6 +326,9 @@ impl<'a> Run<'a> {
             }
         };
         row.values.extend(measures.named());
+        if measures.relative_travel > 1.0 {
+            self.set_travel_cost(self.travel_cost * self.config.travel_cost_growth);
+        }
         if self.config.keep == Keep::Best && measures.rating().is_better_than(self.best) {
             let written = Agent::write(self.out, info, &actor);
             if written.is_ok() {
@@ -321,6 +336,11 @@ impl<'a> Run<'a> {
             }
             self.warn_of(written.map_err(Error::from), "the best agent");
         }
+    }
+
+    fn set_travel_cost(&mut self, travel_cost: f32) {
+        self.travel_cost = travel_cost;
+        self.collector.set_travel_cost(travel_cost);
     }
 
     /// Writes the last agent, a checkpoint and the learning curve. A failure is a warning: training can continue.
@@ -338,6 +358,7 @@ impl<'a> Run<'a> {
             best: self.best,
             seconds: self.seconds,
             log_std: self.log_std,
+            travel_cost: self.travel_cost,
             learner: self.learner.state(),
             collector: self.collector.state(),
         };
