@@ -375,6 +375,45 @@ fn assert_resumes_as(folder: &Path, run: &str, whole: &str) {
     assert_eq!(course(folder, run), course(folder, whole), "{run}");
 }
 
+/// An agent whose random corrections move its actuators back and forth all day, and which hardly learns.
+const HUNTING: &str = "\
+preset = \"residual\"
+buildings = [\"SingleFamilyHouse-0042\"]
+task = \"occupancy\"
+period = \"01-10..01-20\"
+steps = 1152
+seed = 1
+environments = 2
+window_days = 1
+window_starts = 1
+mirrored_noise = false
+noise_cost = 0.0
+travel_cost_growth = 3.0
+evaluation = { every = 576, days = 1, whole_period = false }
+ppo = { n_steps = 144, batch_size = 64, actor_gain = 4.0, learning_rate = 1e-5 }
+";
+
+#[test]
+fn the_cost_of_travel_grows_while_actuators_hunt_also_after_resuming() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    std::fs::write(path.join("hunting.toml"), HUNTING).unwrap();
+    let costs = |run: &str| {
+        let text = std::fs::read_to_string(path.join(run).join("progress.csv")).unwrap();
+        let mut rows = text.lines().map(|row| row.split(',').collect::<Vec<_>>());
+        let header = rows.next().unwrap();
+        let column = header.iter().position(|name| *name == "travel_cost").unwrap();
+        rows.map(|row| row[column].to_owned()).collect::<Vec<_>>()
+    };
+    json(path, "train --config hunting.toml --out whole");
+    // 2 by default; the first agent and the one after 576 steps hunt.
+    assert_eq!(costs("whole"), ["", "6", "6", "18", "18"]);
+    json(path, "train --config hunting.toml --steps 576 --out parts");
+    json(path, "train --resume parts --steps 1152");
+    assert_eq!(costs("parts"), costs("whole"));
+    assert_eq!(weights(path, "parts"), weights(path, "whole"));
+}
+
 #[test]
 fn a_finished_run_continues_to_more_steps() {
     let folder = folder_with_config();
