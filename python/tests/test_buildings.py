@@ -87,24 +87,22 @@ def test_an_edited_model_is_written_and_imported(tmp_path):
 
 
 def test_a_model_is_calibrated_to_columns_of_metered_energy(tmp_path):
-    house = "SingleFamilyHouse-0001"
-    simulated = json.loads(command.run(["calibrate", house, "--simulate"], errors.BuildingError))
-    # A house with electric heating uses more in winter if it is leakier.
-    winter = {12, 1, 2}
-    metered = {
-        "month": range(1, 13),
-        "electricity_kwh": [
-            kwh * (1.1 if month in winter else 1) for month, kwh in enumerate(simulated["electricity"], 1)
-        ],
-    }
-    out = tmp_path / "calibrated.epJSON"
-    report = b2b.calibrate(house, metered, out, parameters=["infiltration"], iterations=1)
+    model = json.loads(b2b.find_building("Warehouse-0001").to_epjson())
+    model["Timestep"] = {"Timestep": {"number_of_timesteps_per_hour": 1}}
+    model["ConvergenceLimits"] = {"Limits": {"minimum_system_timestep": 60}}
+    warehouse, out = tmp_path / "warehouse.epJSON", tmp_path / "calibrated.epJSON"
+    warehouse.write_text(json.dumps(model))
+    words = ["calibrate", str(warehouse), "--place", "Denver", "--simulate"]
+    simulated = json.loads(command.run(words, errors.BuildingError))
+    # A leakier warehouse burns more gas.
+    metered = {"month": range(1, 13), "gas_kwh": [1.2 * kwh for kwh in simulated["gas"]]}
+    report = b2b.calibrate(warehouse, metered, out, place="Denver", parameters=["infiltration"], iterations=1)
     (parameter,), (fuel,) = report["parameters"], report["fuels"]
     assert parameter["name"] == "infiltration" and 1.05 < parameter["multiplier"] < 3
     assert abs(fuel["after"]["nmbe_percent"]) < abs(fuel["before"]["nmbe_percent"])
     assert json.loads(out.read_text())["Zone"]
     with pytest.raises(errors.BuildingError, match="unknown column `kwh`; expected the columns month"):
-        b2b.calibrate(house, {"month": [1, 2], "kwh": [3, 4]}, tmp_path / "other.epJSON")
+        b2b.calibrate(warehouse, {"month": [1, 2], "kwh": [3, 4]}, tmp_path / "other.epJSON", place="Denver")
     assert not (tmp_path / "other.epJSON").exists()
 
 

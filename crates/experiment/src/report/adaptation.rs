@@ -1,6 +1,6 @@
 //! Specialists and generalists on test buildings, as the paper's figures of dynamics adaptation.
 
-use b2b_benchmark::report::{Chart, Series, color, horizontal_line, rms_deviations};
+use b2b_benchmark::report::{Chart, Series, color, horizontal_line, make_logarithmic, range, rms_deviations};
 use b2b_benchmark::statistics::{mean, median};
 use b2b_benchmark::{EpisodeInfo, Scored};
 use serde_json::json;
@@ -45,16 +45,23 @@ pub(super) fn content(experiment: &Experiment, results: &Results) -> Content {
             own().filter_map(|(_, row)| Some((&row.info, row.outcome.as_ref().ok()?))).collect();
         series.push(Series { name: &agent.name, episodes });
     }
-    let bars = json!([{"type": "bar", "x": names, "y": medians, "marker": {"color": colors}, "width": 0.6,
-        "error_y": {"type": "data", "array": errors}, "hovertemplate": "%{x}: %{y:.3f}<extra></extra>"}]);
+    let mut layout = json!({"xaxis": {"type": "category"}, "yaxis": {"title": {"text": "median score"}, "rangemode": "tozero"},
+                            "shapes": [horizontal_line(1.0)], "showlegend": false});
+    let (low, high) = range(&medians);
+    // A logarithmic axis has no zero for the foot of a bar.
+    let (kind, size) = match make_logarithmic(&mut layout["yaxis"], (low.min(1.0), high.max(1.0))) {
+        true => ("scatter", 11),
+        false => ("bar", 0),
+    };
     let chart = Chart {
         title: "Median score on the test buildings".into(),
         note: "dashed line: the reactive controllers; below beats them".into(),
         height: 340,
         wide: false,
-        data: bars,
-        layout: json!({"xaxis": {"type": "category"}, "yaxis": {"title": {"text": "median score"}, "rangemode": "tozero"},
-                       "shapes": [horizontal_line(1.0)], "showlegend": false}),
+        data: json!([{"type": kind, "mode": "markers", "x": names, "y": medians, "marker": {"color": colors, "size": size},
+                      "width": 0.6, "error_y": {"type": "data", "array": errors},
+                      "hovertemplate": "%{x}: %{y:.3f}<extra></extra>"}]),
+        layout,
     };
     let table = json!({
         "title": "on test buildings; ± standard error: over seeds, or by bootstrap over buildings for specialists",
