@@ -31,6 +31,9 @@ pub const LAST: &str = "last";
 /// Name of the result in a run's folder.
 pub const SUMMARY: &str = "summary.json";
 
+/// Cost up to which that of travel grows: five strokes a day then cost 174 times the penalty of the reactive controllers.
+const LARGEST_TRAVEL_COST: f32 = 1e4;
+
 /// Where and how a run is carried out. None of it changes the result.
 pub struct Place<'a> {
     /// Folder of the run.
@@ -327,7 +330,8 @@ impl<'a> Run<'a> {
         };
         row.values.extend(measures.named());
         if measures.relative_travel > 1.0 {
-            self.set_travel_cost(self.travel_cost * self.config.travel_cost_growth);
+            let grown = self.travel_cost * self.config.travel_cost_growth;
+            self.set_travel_cost(grown.min(LARGEST_TRAVEL_COST.max(self.config.travel_cost)));
         }
         if self.config.keep == Keep::Best && measures.rating().is_better_than(self.best) {
             let written = Agent::write(self.out, info, &actor);
