@@ -39,6 +39,14 @@ fn weights(folder: &Path, run: &str) -> [Vec<u8>; 2] {
         .map(|file| std::fs::read(folder.join(run).join(file)).unwrap())
 }
 
+/// A column of a run's table.
+fn column(folder: &Path, run: &str, name: &str) -> Vec<String> {
+    let text = std::fs::read_to_string(folder.join(run).join("progress.csv")).unwrap();
+    let mut rows = text.lines().map(|row| row.split(',').collect::<Vec<_>>());
+    let index = rows.next().unwrap().iter().position(|each| *each == name).unwrap();
+    rows.map(|row| row[index].to_owned()).collect()
+}
+
 /// The columns of a run's table that do not depend on time.
 fn course(folder: &Path, run: &str) -> Vec<String> {
     let text = std::fs::read_to_string(folder.join(run).join("progress.csv")).unwrap();
@@ -255,11 +263,8 @@ fn one_policy_for_two_types_is_an_agent_that_is_resumed_entered_and_verified() {
     let known = ["weather", "calendar", "energy", "unitary zone", "uncontrolled zone"];
     assert_eq!(info["node_types"], serde_json::json!(known));
     // The first agent, which corrects nothing, is evaluated before the first step.
-    let table = std::fs::read_to_string(path.join("run/progress.csv")).unwrap();
-    let mut rows = table.lines().map(|row| row.split(',').collect::<Vec<_>>());
-    let score = rows.next().unwrap().iter().position(|name| *name == "score").unwrap();
-    let first = rows.next().unwrap();
-    assert_eq!((first[0], first[score]), ("0", "1"));
+    let [steps, score] = ["steps", "score"].map(|name| column(path, "run", name).swap_remove(0));
+    assert_eq!((&steps[..], &score[..]), ("0", "1"));
 
     // Stopped at a checkpoint and continued.
     assert!(b2b(path, "train --config graph.toml --steps 768 --out parts").status.success());
@@ -398,13 +403,7 @@ fn the_cost_of_travel_grows_while_actuators_hunt_also_after_resuming() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
     std::fs::write(path.join("hunting.toml"), HUNTING).unwrap();
-    let costs = |run: &str| {
-        let text = std::fs::read_to_string(path.join(run).join("progress.csv")).unwrap();
-        let mut rows = text.lines().map(|row| row.split(',').collect::<Vec<_>>());
-        let header = rows.next().unwrap();
-        let column = header.iter().position(|name| *name == "travel_cost").unwrap();
-        rows.map(|row| row[column].to_owned()).collect::<Vec<_>>()
-    };
+    let costs = |run: &str| column(path, run, "travel_cost");
     json(path, "train --config hunting.toml --out whole");
     // 2 by default; the first agent and the one after 576 steps hunt.
     assert_eq!(costs("whole"), ["", "6", "6", "18", "18"]);

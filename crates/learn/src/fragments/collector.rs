@@ -113,7 +113,12 @@ impl FragmentCollector {
         self
     }
 
-    /// Sets the cost of a full stroke of all actuators, in units of the scaled reward, of the next rollouts.
+    /// Returns the cost of a full stroke of all actuators, in units of the scaled reward.
+    pub fn travel_cost(&self) -> f32 {
+        self.travel_cost
+    }
+
+    /// Sets the cost of a full stroke of all actuators of the next rollouts.
     pub fn set_travel_cost(&mut self, travel_cost: f32) {
         self.travel_cost = travel_cost;
     }

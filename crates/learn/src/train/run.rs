@@ -162,8 +162,6 @@ struct Run<'a> {
     seconds: f64,
     /// Logarithm of the standard deviation of actions when training began.
     log_std: f64,
-    /// Cost of actuator travel: it grows while actuators hunt.
-    travel_cost: f32,
 }
 
 impl<'a> Run<'a> {
@@ -205,7 +203,6 @@ impl<'a> Run<'a> {
             best: Rating::default(),
             seconds: 0.0,
             log_std: config.ppo.initial_log_std.into(),
-            travel_cost: config.travel_cost,
         })
     }
 
@@ -218,7 +215,7 @@ impl<'a> Run<'a> {
         self.collector.restore(&checkpoint.collector, &self.learner.actor())?;
         let Checkpoint { steps, best, seconds, log_std, travel_cost, .. } = checkpoint;
         (self.steps, self.best, self.seconds, self.log_std) = (steps, best, seconds, log_std);
-        self.set_travel_cost(travel_cost);
+        self.collector.set_travel_cost(travel_cost);
         Ok(())
     }
 
@@ -297,7 +294,7 @@ impl<'a> Run<'a> {
             rollout.mean_penalty(),
             self.collector.ended() as f64,
             self.collector.lost() as f64,
-            self.travel_cost.into(),
+            self.collector.travel_cost().into(),
         ];
         Ok(self.row(counts, learned))
     }
@@ -330,8 +327,8 @@ impl<'a> Run<'a> {
         };
         row.values.extend(measures.named());
         if measures.relative_travel > 1.0 {
-            let grown = self.travel_cost * self.config.travel_cost_growth;
-            self.set_travel_cost(grown.min(LARGEST_TRAVEL_COST.max(self.config.travel_cost)));
+            let grown = self.collector.travel_cost() * self.config.travel_cost_growth;
+            self.collector.set_travel_cost(grown.min(LARGEST_TRAVEL_COST.max(self.config.travel_cost)));
         }
         if self.config.keep == Keep::Best && measures.rating().is_better_than(self.best) {
             let written = Agent::write(self.out, info, &actor);
@@ -340,11 +337,6 @@ impl<'a> Run<'a> {
             }
             self.warn_of(written.map_err(Error::from), "the best agent");
         }
-    }
-
-    fn set_travel_cost(&mut self, travel_cost: f32) {
-        self.travel_cost = travel_cost;
-        self.collector.set_travel_cost(travel_cost);
     }
 
     /// Writes the last agent, a checkpoint and the learning curve. A failure is a warning: training can continue.
@@ -362,7 +354,7 @@ impl<'a> Run<'a> {
             best: self.best,
             seconds: self.seconds,
             log_std: self.log_std,
-            travel_cost: self.travel_cost,
+            travel_cost: self.collector.travel_cost(),
             learner: self.learner.state(),
             collector: self.collector.state(),
         };
