@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The first entries of the leaderboard, each a folder that `b2b benchmark verify` checks, and the board itself.
 #
-#   examples/benchmark_entries.sh FOLDER            the problem as it is: 100 test houses, a winter, three seeds
+#   examples/benchmark_entries.sh FOLDER            the problem as it is: 100 test houses, a winter, nine seeds
 #   examples/benchmark_entries.sh FOLDER --small    a try: eight test houses, a week
 #
 # Finished entries are kept: run it again to resume after an interrupt. The planner runs on a small setting alone,
@@ -42,7 +42,7 @@ here=$(cd "$(dirname "$0")" && pwd)
 if "$python" -c 'import stable_baselines3, building2building' 2>/dev/null; then
   network=$out/networks/ppo.onnx
   [ -f "$network" ] || "$python" "$here/../python/examples/benchmark_ppo.py" "$network" "$steps"
-  run ppo --policy "$network" --trained-steps "$steps" --description "PPO of Stable-Baselines3, eight houses, one seed"
+  run ppo --policy "$network" --trained-steps "$steps" --description "PPO of Stable-Baselines3, 900 training houses, one seed"
   results+=("$out/ppo")
 else
   echo "PPO is left out: $python has no stable_baselines3 and building2building" >&2

@@ -85,8 +85,10 @@ class Plant:
         """Number of steps that are left in the episode."""
         return self.env.episode_steps - self.env.steps
 
-    def step(self) -> None:
-        """Advances by one step."""
+    def step_if_left(self) -> None:
+        """Advances by one step, unless the episode has ended."""
+        if not self.steps_left:
+            return
         _, reward, _, _, _ = self.env.step(self._action(), rescale=False)
         self._episode_return += reward
         self._show(reward)
@@ -160,7 +162,7 @@ def _requests(plant: Plant) -> tuple[Any, Any]:
             if not (math.isfinite(count) and count.is_integer() and 0 <= count <= plant.steps_left):
                 raise PropertyError("valueOutOfRange")
             for _ in range(int(count)):
-                plant.step()
+                plant.step_if_left()
                 # Answers other clients between steps.
                 await asyncio.sleep(0)
 
@@ -197,9 +199,11 @@ async def serve(env: BuildingEnv, address: str = "0.0.0.0/24:47808", *, speed: f
         else:
             clock, interval = asyncio.get_running_loop(), 3600 / env.layout.steps_per_hour / speed
             start = clock.time()
-            for step in range(1, plant.steps_left + 1):
+            step = 0
+            while plant.steps_left:
+                step += 1
                 await asyncio.sleep(max(0.0, start + step * interval - clock.time()))
-                plant.step()
+                plant.step_if_left()
     finally:
         plant.close()
 

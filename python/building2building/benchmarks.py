@@ -185,8 +185,9 @@ class Problem:
 
     def _make(self, side: str, building_id: str, task: str, **arguments: Any) -> _Env:
         protocol = self.definition["protocol"]
-        period = protocol["training_period"] if side == "train" else protocol["windows"][0]
-        arguments = {"run_period": period, "timesteps_per_hour": protocol["steps_per_hour"], **arguments}
+        arguments = {"timesteps_per_hour": protocol["steps_per_hour"], **arguments}
+        if side == "train":
+            arguments.setdefault("run_period", protocol["training_period"])
         building_env = BuildingEnv(building_id=building_id, task=task, **arguments)
         env: _Env = building_env
         if "restriction" in self.definition[side]:
@@ -207,8 +208,12 @@ class Problem:
         return [self._make("train", *each, **arguments) for each in self._spread(n, building_ids)]
 
     def make_test_envs(self, n: int | None = None, **arguments: Any) -> list[_Env]:
-        """Makes the test environments, every building under every task, or the first ``n`` of them."""
-        return [self._make("test", *each, **arguments) for each in self._tests()[:n]]
+        """Makes the test environments, every building under every task in every test period, or the first ``n`` of
+        them."""
+        return [
+            self._make("test", building, task, **{"run_period": period, **arguments})
+            for building, task, period in self._tests()[:n]
+        ]
 
     def make_train_vec(
         self,
@@ -240,9 +245,10 @@ class Problem:
         buildings = known if resample else list(dict.fromkeys(spread))
         return BuildingVectorEnv(None, n, buildings=buildings, resample=resample, problem=self._core, **options)
 
-    def _tests(self) -> list[tuple[str, str]]:
-        tasks = self.definition["test"]["tasks"]
-        return [(building, task) for building in self.test_building_ids() for task in tasks]
+    def _tests(self) -> list[tuple[str, str, str]]:
+        """Returns building, task and run period of the test environments."""
+        tasks, periods = self.definition["test"]["tasks"], self.definition["protocol"]["windows"]
+        return [(building, task, period) for building in self.test_building_ids() for task in tasks for period in periods]
 
     def evaluate(
         self,
@@ -258,10 +264,10 @@ class Problem:
         ``ReactiveController``, which is instantiated for every environment. ``wrap`` applies the wrappers of training.
         """
         episodes: list[dict[str, Any]] = []
-        strata: dict[tuple[str, str], list[list[float]]] = {}
-        resolved: dict[tuple[str, str], list[list[float]]] = {}
-        for building, task in self._tests()[:n]:
-            made = self._make("test", building, task, **arguments)
+        strata: dict[tuple[str, str, str], list[list[float]]] = {}
+        resolved: dict[tuple[str, str, str], list[list[float]]] = {}
+        for building, task, period in self._tests()[:n]:
+            made = self._make("test", building, task, **{"run_period": period, **arguments})
             try:
                 env = made if wrap is None else wrap(made)
                 baseline = rollout(made, ReactiveController(made))
@@ -270,12 +276,12 @@ class Problem:
                 made.close()
             returns = (trajectory.episode_return, baseline.episode_return)
             score, resolved_score = _core.normalized_score(*returns), _core.resolved_score(*returns, len(trajectory))
-            row = {"building": building, "task": task, "return": trajectory.episode_return}
+            row = {"building": building, "task": task, "period": period, "return": trajectory.episode_return}
             row |= {"baseline_return": baseline.episode_return, "score": score, "resolved_score": resolved_score}
             row["relative_energy"] = _energy(trajectory) / (_energy(baseline) or math.nan)
             episodes.append({**(trajectory.metrics or {}), **row})
             if score is not None and resolved_score is not None:
-                stratum = (building.split("-")[0], task)
+                stratum = (building.split("-")[0], task, period)
                 strata.setdefault(stratum, []).append([score])
                 resolved.setdefault(stratum, []).append([resolved_score])
         measures = _core.measures(list(strata.values()), list(resolved.values()))

@@ -23,6 +23,7 @@ from .morphology import Morphology
 from .open_envs import close_at_exit
 from .render import Renderer, Scene
 from .snapshot import Position, Snapshot
+from .tasks import task_text
 
 
 class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
@@ -69,6 +70,7 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
         keep_engine_output: PathLike | None = None,
     ):
         self._core: _core.Env | _core.LocalEnv | None = None
+        self._penalties = math.nan, math.nan
         self._renderer: Renderer | None = None
         self._arguments = {name: value for name, value in locals().items() if name not in ("self", "__class__")}
         if render_mode is not None and render_mode not in self.metadata["render_modes"]:
@@ -78,7 +80,7 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
             message = "window_days and weather_years are not available with in_process=True or keep_engine_output"
             raise SettingError(message)
         self.building = select_building(building_type, split, index, building_id, place, weather, building)
-        self.task = json.dumps(task) if isinstance(task, dict) else str(task)
+        self.task = task_text(task)
         self.run_period, self.timesteps_per_hour = run_period, timesteps_per_hour
         self.rescale_action = rescale_action
         self.render_mode = render_mode
@@ -212,7 +214,7 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
 
     @property
     def penalties(self) -> tuple[float, float]:
-        """Temperature and energy penalty of the last step; the task's reward is minus their sum."""
+        """Temperature and energy penalty of the last step; the task's reward is minus their sum. NaN before the first step."""
         return self._penalties
 
     def applied_action(self) -> NDArray[np.float64]:
@@ -267,7 +269,7 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
             raise ProcessError("snapshots are not available with in_process=True")
         if not self._started:
             raise EpisodeError("no episode is in progress; call reset first")
-        position = Position(self.layout, self.setting, self.observation, self._steps, self._truncated)
+        position = Position(self.building, self.layout, self.setting, self.observation, self._steps, self._truncated)
         return Snapshot(self, core.snapshot(), position, core.release)
 
     def restore(self, snapshot: Snapshot) -> tuple[NDArray[np.float32], dict[str, Any]]:
@@ -275,6 +277,9 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
         core = self._open_core()
         if isinstance(core, _core.LocalEnv) or not snapshot.belongs_to(self):
             raise EpisodeError("the snapshot belongs to another environment")
+        if snapshot.position.building is not self.building:
+            taken, now = snapshot.position.building.name, self.building.name
+            raise EpisodeError(f"the snapshot is of {taken}, but the building of the environment is now {now}")
         core.restore(snapshot.number)
         position = snapshot.position
         self.layout, self.setting, self._steps = position.layout, position.setting, position.steps
@@ -297,6 +302,7 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
         """Returns a copy of this environment that has another core."""
         env = object.__new__(type(self))
         env.__dict__.update(self.__dict__)
+        env._arguments = dict(self._arguments)
         env._core, env._renderer, env.np_random = core, None, deepcopy(self.np_random)
         close_at_exit(env)
         return env

@@ -23,6 +23,7 @@ from .morphology import Morphology
 from .rollouts import BuiltInController, CallableController, Controller
 from .scaling import Scale
 from .signatures import with_arguments_of
+from .tasks import task_text
 
 Array = NDArray[Any]
 Policy = str | os.PathLike[str] | Callable[[Array], ArrayLike] | Controller | type[Any]
@@ -117,7 +118,7 @@ class Request:
             (*found, text, period, seed, timesteps_per_hour)
             for found in (_found(building, place, weather) for building in _listed(buildings))
             for period in _listed(run_periods)
-            for text in (_task_text(task) for task in _listed(tasks))
+            for text in (task_text(task) for task in _listed(tasks))
             for seed in _listed(seeds)
         ]
         self.name = name or ("" if named is not None else name_of(policy))
@@ -199,7 +200,7 @@ def compute_normalized_score(
 
     Raises :class:`~building2building.errors.EvaluationError` if the building cannot be simulated.
     """
-    episode = (*_found(building, place, weather), _task_text(task), run_period, 0, timesteps_per_hour)
+    episode = (*_found(building, place, weather), task_text(task), run_period, 0, timesteps_per_hour)
     return _core.normalized_score(float(episode_return), _core.baseline(episode)[0])
 
 
@@ -218,7 +219,7 @@ def compute_resolved_score(
     0.2 K is the accuracy that ISO 7726 calls desirable for an air temperature sensor: differences below it count
     little.
     """
-    episode = (*_found(building, place, weather), _task_text(task), run_period, 0, timesteps_per_hour)
+    episode = (*_found(building, place, weather), task_text(task), run_period, 0, timesteps_per_hour)
     baseline, _, steps = _core.baseline(episode)
     return _core.resolved_score(float(episode_return), baseline, steps)
 
@@ -262,11 +263,7 @@ class ProgressLine:
 
 
 def _listed(given: Any) -> Iterable[Any]:
-    return [given] if isinstance(given, (str, int, dict, Building)) else list(given)
-
-
-def _task_text(task: str | dict[str, Any]) -> str:
-    return json.dumps(task) if isinstance(task, dict) else str(task)
+    return [given] if isinstance(given, (str, int, np.integer, dict, os.PathLike, Building)) else list(given)
 
 
 def name_of(policy: Any) -> str:

@@ -17,6 +17,7 @@ from . import _core
 from .buildings import PathLike
 from .errors import SettingError
 from .rollouts import BuiltInController, ControlledEnv
+from .tasks import Task, task_text
 
 Array = NDArray[Any]
 #: Called with the metrics of every update, as in ``progress.csv``; ends the run when it returns ``False``.
@@ -83,7 +84,7 @@ def train(
     building_type: str | Sequence[str] | None = None,
     problem: str | None = None,
     preset: str = "residual",
-    task: str | None = None,
+    task: Task | Sequence[Task] | None = None,
     run_period: str | None = None,
     steps: int | None = None,
     seed: int | None = None,
@@ -98,6 +99,7 @@ def train(
     with ``weather`` (an EPW file, which a model of your own needs); with ``building_type``, every episode draws a
     building of the type's training split, and with ``problem``, the run uses only the training side of a benchmark
     problem. Several types need the preset ``"graph"``, whose agents control buildings of any type.
+    ``task`` is a task as for :func:`make_env`, or several, of which every episode has another one.
     ``preset`` is ``"residual"``, ``"paper"`` or ``"graph"``; ``options`` are any other options of a run's
     ``config.toml``, such as ``environments=4`` or ``ppo={"gamma": 0.99}``. ``out`` is the folder of the run and of the
     agent. If it already has a run with the same options, that run continues from its last checkpoint; with ``resume``,
@@ -114,7 +116,7 @@ def train(
         "weather": None if weather is None else os.path.abspath(weather),
         "building_type": [building_type] if isinstance(building_type, str) else building_type and list(building_type),
         "problem": problem,
-        "task": task,
+        "task": None if task is None else [task_text(each) for each in ([task] if isinstance(task, (str, dict)) else task)],
         "period": run_period,
         "steps": steps,
         "seed": seed,

@@ -9,7 +9,9 @@ Every node needs this package, and downloads EnergyPlus on first use. Requires `
 
 from __future__ import annotations
 
+import json
 import os
+import shutil
 import sys
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -93,10 +95,15 @@ def train(
     """
     places = {name: Path(folder) / name for name in runs}
     missing = [name for name, place in places.items() if not (place / "summary.json").exists()]
+    for name in missing:
+        if places[name].exists():
+            raise SettingError(f"{places[name]} is not a finished run; remove it, or choose another folder")
     for number, files in _map(_train, [dict(runs[name]) for name in missing], resources):
         place = places[missing[number]]
         aside = place.with_name(place.name + ".partial")
-        _write_all(aside, files)
+        shutil.rmtree(aside, ignore_errors=True)
+        summary = json.loads(files["summary.json"]) | {"out": os.fspath(place)}
+        _write_all(aside, {**files, "summary.json": json.dumps(summary, indent=2).encode()})
         os.rename(aside, place)
     return {name: Agent.load(place) for name, place in places.items()}
 

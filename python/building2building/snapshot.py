@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _core
+from .buildings import Building
 from .layout import Layout
 
 
@@ -17,6 +18,7 @@ from .layout import Layout
 class Position:
     """The part of an environment's state that is not in its process."""
 
+    building: Building
     layout: Layout
     setting: _core.Setting
     observation: NDArray[np.float64]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -30,6 +29,7 @@ from .info import Info
 from .layout import Layout, rounded_inward
 from .open_envs import close_at_exit
 from .scaling import Scale
+from .tasks import task_text
 from .vector_info import Row, step_info
 
 Array = NDArray[Any]
@@ -114,7 +114,7 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
         self._process = os.getpid()
         self._core = core = _core.VecEnv(
             [each if isinstance(each, str) else each._core for each in self.buildings],
-            [json.dumps(each) if isinstance(each, dict) else str(each) for each in tasks],
+            [task_text(each) for each in tasks],
             run_period,
             timesteps_per_hour,
             num_envs,
@@ -218,7 +218,9 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
         if isinstance(seed, (int, np.integer)):
             self._np_random, self._np_random_seed = gymnasium.utils.seeding.np_random(int(seed))
             return int(seed) % 2**64
-        given = None if seed is None else [0 if each is None else int(each) for each in seed]
+        if seed is None:
+            return int(self.np_random.integers(2**64, dtype=np.uint64))
+        given = [0 if each is None else int(each) for each in seed]
         return int(np.random.SeedSequence(given).generate_state(1, np.uint64)[0])
 
     def _open_core(self) -> _core.VecEnv:
@@ -246,8 +248,10 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
         else:
             info = Info(lambda: step_info(rows, before, observations, numbers, steps, self._steps_per_hour))
         if self._reward is not None:
-            # The step after an episode only resets; Gymnasium gives it no reward.
-            rewards = np.where(reset, 0.0, np.asarray(self._reward(info), dtype=np.float64))
+            rewards = np.asarray(self._reward(info), dtype=np.float64)
+            if self.autoreset_mode == AutoresetMode.NEXT_STEP:
+                # The step after an episode only resets; Gymnasium gives it no reward.
+                rewards = np.where(reset, 0.0, rewards)
         terminated = np.zeros(self.num_envs, dtype=bool)
         return self._seen(observations), rewards, terminated, truncated.copy(), info
 

@@ -15,7 +15,7 @@ use pyo3::prelude::*;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use crate::error::{Exception, of_building, of_env};
+use crate::error::{of_building, of_env};
 use crate::signals::Signals;
 use crate::table::{self, Row};
 
@@ -261,15 +261,7 @@ pub fn check_weather(file: PathBuf) -> PyResult<()> {
 
 /// Reads a task from its short form, a JSON file or JSON text.
 pub fn read_task(text: &str) -> PyResult<Task> {
-    if text.trim_start().starts_with('{') {
-        let task: Task = serde_json::from_str(text)
-            .map_err(|error| Exception::Task.new_err(format!("invalid task: {error}")))?;
-        task.check().map_err(of_env)?;
-        return Ok(task);
-    }
-    let path = std::path::Path::new(text);
-    let is_file = path.extension().is_some_and(|extension| extension == "json");
-    if is_file { Task::read(path) } else { text.parse() }.map_err(of_env)
+    Task::from_text(text).map_err(of_env)
 }
 
 /// Finds a building by its name: a type, a dataset id or a model file. Except for model files, recent results with the

@@ -152,7 +152,10 @@ pub fn of_env(error: b2b_env::Error) -> PyErr {
             Exception::Episode
         }
         Error::Template { .. } | Error::TooWide { .. } => Exception::Building,
-        Error::UnknownTask { .. } | Error::TaskFile { .. } | Error::TaskValue { .. } => Exception::Task,
+        Error::UnknownTask { .. }
+        | Error::InvalidTask { .. }
+        | Error::TaskFile { .. }
+        | Error::TaskValue { .. } => Exception::Task,
         Error::StepsPerHour(_) | Error::Window { .. } | Error::NoEnvironment => Exception::Setting,
         Error::Engine(_) | Error::EpisodeLength { .. } | Error::ObservationNotFinite { .. } => {
             Exception::Engine

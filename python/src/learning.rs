@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Mutex;
 
 use b2b_agent::Agent;
-use b2b_learn::train::{CONFIG, Monitor, Place, Row, TrainConfig};
+use b2b_learn::train::{Monitor, Place, Row, TrainConfig};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -28,11 +28,7 @@ pub fn train(
     callback: Option<Py<PyAny>>,
 ) -> PyResult<String> {
     let _running = running()?;
-    let base = if resume {
-        TrainConfig::default().with_file(&out.join(CONFIG))
-    } else {
-        TrainConfig::preset("residual")
-    };
+    let base = if resume { TrainConfig::of_run(&out) } else { TrainConfig::preset("residual") };
     let config = base.and_then(|base| base.with_json(options)).map_err(of_training)?;
     let launcher = pools::options(py)?.launcher;
     let updates = Updates::default();

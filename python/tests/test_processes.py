@@ -283,3 +283,7 @@ def test_snapshots_branch_the_simulation(make):
     kept.release()
     with pytest.raises(errors.EpisodeError, match="released"):
         env.restore(kept)
+    kept = env.snapshot()
+    env.set_building("OfficeSmall-0042")
+    with pytest.raises(errors.EpisodeError, match="the building of the environment is now OfficeSmall-0042"):
+        env.restore(kept)

@@ -135,6 +135,24 @@ def test_a_custom_reward_is_computed_for_the_batch(make_vec):
     np.testing.assert_array_equal(rewards, -np.abs(info["zone_deviation"]).max(axis=1))
 
 
+def test_a_custom_reward_counts_in_every_step_that_runs(make_vec):
+    for mode, resets in [("SameStep", 0), ("NextStep", 1)]:
+        envs = make_vec("SingleFamilyHouse", 1, reward=lambda info: np.array([7.0]), autoreset_mode=mode)
+        envs.reset(seed=0)
+        rewards = [float(envs.step(envs.action_space.sample())[1][0]) for _ in range(26)]
+        assert rewards.count(0.0) == resets and rewards.count(7.0) == 26 - resets, mode
+
+
+def test_a_reset_without_a_seed_continues_the_random_numbers_of_the_last_seed(make_vec):
+    envs = make_vec("SingleFamilyHouse", 2, split="train", resample=True, rescale_action=True)
+
+    def drawn():
+        return [list(envs.reset(seed=seed)[1]["building"]) for seed in (5, None, None)]
+
+    first = drawn()
+    assert drawn() == first and first[1] != first[2]
+
+
 def test_invalid_actions_raise_before_any_environment_steps(make_vec):
     envs = make_vec("OfficeSmall", 2)
     envs.reset(seed=0)

@@ -48,7 +48,7 @@ impl Agent {
     /// Writes an agent's folder, or replaces the agent in it; other files stay.
     ///
     /// # Errors
-    /// [`Error::Io`]; the agent before is still there then.
+    /// [`Error::Io`]; the agent before is still there then, unless the second of the two files could not be moved to its place.
     pub fn write(path: &Path, info: AgentInfo, actor: &Actor) -> Result<()> {
         folder::write(path, info, actor)
     }

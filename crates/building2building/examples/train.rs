@@ -17,7 +17,7 @@ fn main() -> building2building::Result<()> {
 
     let config = TrainConfig {
         buildings: vec![building.clone()],
-        task: "occupancy".into(),
+        task: "occupancy".parse()?,
         period: period.clone(),
         steps,
         environments: 4,

@@ -13,7 +13,6 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::arguments::buildings::Buildings;
 use crate::arguments::jobs::Jobs;
-use crate::arguments::task;
 use crate::evaluation::{Bars, evaluation};
 use crate::exit_code::ExitCode;
 use crate::output_folder::OutputFolder;
@@ -42,7 +41,7 @@ pub struct Arguments {
     #[command(flatten)]
     buildings: Buildings,
     /// Tasks; the energy term selects the objective, and any weight above 0 gives the same baseline
-    #[arg(long = "task", value_name = "TASK", num_args = 1.., value_parser = task::parse,
+    #[arg(long = "task", value_name = "TASK", num_args = 1.., value_parser = Task::from_text,
           default_values = Task::NAMED)]
     tasks: Vec<Task>,
     /// Run periods: winter, summer, full_year or MM-DD..MM-DD

@@ -11,7 +11,6 @@ use serde_json::json;
 
 use crate::arguments::episodes::Episodes;
 use crate::arguments::jobs::Jobs;
-use crate::arguments::task;
 use crate::evaluation::{Bars, evaluation, fetch_weather};
 use crate::progress::Download;
 use crate::stdout;
@@ -34,7 +33,7 @@ pub struct Arguments {
     #[arg(long = "policy", value_name = "POLICY", num_args = 1.., default_values = ["reactive"])]
     policies: Vec<String>,
     /// Task (see `b2b run --help`)
-    #[arg(long, value_name = "TASK", default_value = "constant", value_parser = task::parse)]
+    #[arg(long, value_name = "TASK", default_value = "constant", value_parser = Task::from_text)]
     task: Task,
     #[command(flatten)]
     jobs: Jobs,

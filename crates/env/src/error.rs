@@ -130,6 +130,12 @@ pub enum Error {
         /// Name of the building.
         building: String,
     },
+    /// A JSON object that is not a task.
+    #[error("invalid task: {why}")]
+    InvalidTask {
+        /// Reason.
+        why: String,
+    },
     /// Text that does not name a task.
     #[error(
         "unknown task `{text}`{renamed}; expected constant, occupancy or random, optionally followed by +deadband or +pmv and by \

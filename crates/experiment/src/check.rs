@@ -29,7 +29,7 @@ pub struct Checked {
 /// Evaluates the agents again whose folders are at hand, and compares their episodes with the results that
 /// [`Folder::keep`] kept: bit for bit on a machine like that of the results, otherwise scores within a relative 0.001. With
 /// `buildings`, at most that many buildings of each agent are evaluated, evenly spaced over its results. `done` is called with
-/// every check.
+/// every check. Entries on benchmark problems are left out: `b2b benchmark verify` checks them.
 ///
 /// # Errors
 /// [`Error::NoAgents`] if there is no agent; the errors of [`Runner::run`].
@@ -42,11 +42,12 @@ pub fn check(
 ) -> Result<Vec<Checked>> {
     let mut all = Vec::new();
     for job in experiment.jobs(budget) {
+        let Some(Action::Evaluate(episodes)) = job.actions.last() else { continue };
         let Some(result) = runner.folder.kept(&job).filter(|_| agent_folder(runner.folder, &job).exists())
         else {
             continue;
         };
-        let checked = Checked { fault: fault(runner, &job, result, buildings)?, job: job.key };
+        let checked = Checked { fault: fault(runner, &job, episodes, result, buildings)?, job: job.key };
         done(&checked);
         all.push(checked);
     }
@@ -64,6 +65,7 @@ fn agent_folder(folder: &Folder, job: &Job) -> PathBuf {
 fn fault(
     runner: &Runner<'_>,
     job: &Job,
+    episodes: &Episodes,
     result: &JobResult,
     buildings: Option<NonZeroUsize>,
 ) -> Result<Option<String>> {
@@ -75,7 +77,6 @@ fn fault(
     if result.agent_sha256.as_deref() != Some(agent.sha256()) {
         return Ok(Some(format!("{} is another agent than that of the results", path.display())));
     }
-    let Some(Action::Evaluate(episodes)) = job.actions.last() else { return Ok(None) };
     let again = tempfile::Builder::new().prefix("b2b-check-").tempdir().map_err(at(&path))?;
     let policy = std::path::absolute(&path).map_err(at(&path))?;
     let buildings = spread(&episodes.buildings, buildings);

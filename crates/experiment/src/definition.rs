@@ -280,7 +280,7 @@ impl Experiment {
         }
     }
 
-    /// Returns the first `count` test buildings of a type, evenly spaced in the list of the dataset.
+    /// Returns `count` test buildings of a type, evenly spaced in the list of the dataset.
     pub fn buildings(&self, building_type: BuildingType, count: usize) -> Vec<BuildingId> {
         let is_in_zone = |row: &&Row| {
             self.climate_zones.is_empty()

@@ -41,6 +41,17 @@ pub enum Error {
         /// What was to run.
         experiment: String,
     },
+    /// The result of a job whose actions were others.
+    #[error(
+        "{path} has a result of the job {job} with other options or episodes than the experiment has now; choose another folder, or \
+         remove that result"
+    )]
+    OtherJob {
+        /// The folder.
+        path: PathBuf,
+        /// Key of the job.
+        job: String,
+    },
     /// A folder without results.
     #[error("{path} has no results of an experiment; `b2b experiment run` writes them")]
     NoResults {

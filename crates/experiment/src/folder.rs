@@ -1,6 +1,7 @@
 //! The folder of an experiment's results.
 
 use std::collections::HashMap;
+use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -36,6 +37,9 @@ pub struct State {
     pub error: Option<String>,
     /// Wall-clock time of all attempts, s.
     pub seconds: f64,
+    /// [`Job::actions_sha256`]; empty in older folders.
+    #[serde(default)]
+    pub actions_sha256: String,
 }
 
 const IDENTITY: &str = "experiment.json";
@@ -64,7 +68,9 @@ impl Folder {
             });
         }
         std::fs::create_dir_all(path).map_err(at(path))?;
-        write_json(&path.join(IDENTITY), &identity)?;
+        if folder.identity()?.is_none() {
+            write_json(&path.join(IDENTITY), &identity)?;
+        }
         Ok(folder)
     }
 
@@ -104,7 +110,25 @@ impl Folder {
 
     /// Returns how a job ended; `None` if it has not.
     pub fn state(&self, job: &Job) -> Option<State> {
-        self.own_state(job).or_else(|| Some(State { error: None, seconds: self.kept(job)?.seconds }))
+        self.own_state(job).or_else(|| {
+            let JobResult { seconds, actions_sha256, .. } = self.kept(job)?.clone();
+            Some(State { error: None, seconds, actions_sha256 })
+        })
+    }
+
+    /// Checks that the results of jobs are those of their actions: the definition of the experiment may have changed since.
+    ///
+    /// # Errors
+    /// [`Error::OtherJob`].
+    pub fn check(&self, jobs: &[Job]) -> Result<()> {
+        let is_other = |job: &&Job| {
+            let before = self.state(job).map(|state| state.actions_sha256);
+            before.is_some_and(|before| !before.is_empty() && before != job.actions_sha256())
+        };
+        match jobs.iter().find(is_other) {
+            Some(job) => Err(Error::OtherJob { path: self.path.clone(), job: job.key.clone() }),
+            None => Ok(()),
+        }
     }
 
     /// As [`Folder::state`], from the job's own folder.
@@ -129,13 +153,21 @@ impl Folder {
         self.kept.get(&job.key)
     }
 
-    /// Keeps the results of jobs, so that they do not need their folders any more: a job per line of `jobs.json`.
+    /// Keeps the results of jobs, so that they do not need their folders any more: a job per line of `jobs.json`, after which those
+    /// follow that it has of other jobs. Shards may do so at the same time.
     ///
     /// # Errors
     /// [`Error::Io`].
     pub fn keep(&self, results: &[JobResult]) -> Result<()> {
+        let path = self.path.join(IDENTITY);
+        let lock = File::open(&path).map_err(at(&path))?;
+        lock.lock().map_err(at(&path))?;
+        let mut others = read_kept(&self.path)?;
+        results.iter().for_each(|result| drop(others.remove(&result.key)));
+        let mut others: Vec<&JobResult> = others.values().collect();
+        others.sort_by(|a, b| a.key.cmp(&b.key));
         let line = |result: &JobResult| serde_json::to_string(result).expect("plain data always serializes");
-        let lines: Vec<String> = results.iter().map(line).collect();
+        let lines: Vec<String> = results.iter().chain(others).map(line).collect();
         let text = format!("[\n{}\n]\n", lines.join(",\n"));
         Ok(write_whole(&self.path.join(KEPT), text.as_bytes())?)
     }

@@ -1,6 +1,7 @@
 //! A job of an experiment: commands in a folder.
 
 use b2b_dataset::BuildingId;
+use b2b_energyplus::digest::sha256;
 use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
 
@@ -17,7 +18,7 @@ pub struct Job {
 }
 
 /// One `b2b` command.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub enum Action {
     /// Trains an agent.
     Train {
@@ -48,7 +49,7 @@ pub struct Episodes {
 }
 
 /// An entry on a benchmark problem.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Entry {
     /// Name of the problem.
     pub problem: String,
@@ -80,6 +81,11 @@ impl Job {
             Action::Evaluate(episodes) | Action::Enter(Entry { episodes, .. }) => Some(episodes),
             _ => None,
         })
+    }
+
+    /// Returns the SHA-256 of the actions: results of other actions are not those of this job.
+    pub fn actions_sha256(&self) -> String {
+        sha256(serde_json::to_vec(&self.actions).expect("plain data always serializes"))
     }
 
     /// Returns the first part of the key: the name of the agent.

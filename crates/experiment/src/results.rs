@@ -57,6 +57,9 @@ pub struct JobResult {
     pub measured: Value,
     /// Wall-clock time, s.
     pub seconds: f64,
+    /// [`Job::actions_sha256`]; empty in older results.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub(crate) actions_sha256: String,
 }
 
 /// An episode in `results.json`.
@@ -85,7 +88,9 @@ impl Results {
     /// [`Error::Io`](crate::Error::Io) and those of the benchmark's reader, for a job that is marked as done.
     pub fn read(folder: &Folder, experiment: &Experiment, budget: BudgetName) -> Result<Self> {
         let mut results = Self { budget, done: Vec::new(), failed: Vec::new(), missing: Vec::new() };
-        for job in experiment.jobs(budget) {
+        let jobs = experiment.jobs(budget);
+        folder.check(&jobs)?;
+        for job in jobs {
             match (JobResult::find(folder, &job, experiment.report)?, folder.own_state(&job)) {
                 (Some(result), _) => results.done.push(result),
                 (None, Some(State { error: Some(error), .. })) => results.failed.push((job.key, error)),
@@ -129,8 +134,9 @@ impl JobResult {
     /// done.
     pub(crate) fn find(folder: &Folder, job: &Job, report: ReportKind) -> Result<Option<Self>> {
         match folder.own_state(job) {
-            Some(State { error: None, seconds }) => {
-                Self::read(&folder.job(job), job, seconds, report).map(Some)
+            Some(State { error: None, seconds, actions_sha256 }) => {
+                let read = Self::read(&folder.job(job), job, seconds, report)?;
+                Ok(Some(Self { actions_sha256, ..read }))
             }
             _ => Ok(folder.kept(job).cloned()),
         }
@@ -153,6 +159,7 @@ impl JobResult {
             entry: None,
             measured: Value::Null,
             seconds,
+            actions_sha256: String::new(),
         };
         for action in &job.actions {
             match action {

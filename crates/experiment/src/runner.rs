@@ -2,9 +2,9 @@
 
 use std::fs::{File, OpenOptions};
 use std::io::{Read, Seek, SeekFrom, Write};
-use std::os::unix::process::CommandExt;
+use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
@@ -57,8 +57,9 @@ impl Runner<'_> {
     /// `done` is called with every job that ends and with how it ended.
     ///
     /// # Errors
-    /// [`Error::Interrupted`], when the processes have written their checkpoints; [`Error::Io`].
+    /// [`Error::Interrupted`], when the processes have written their checkpoints; [`Error::OtherJob`]; [`Error::Io`].
     pub fn run(&self, jobs: &[Job], done: &(dyn Fn(&Job, &State) + Sync)) -> Result<Ended> {
+        self.folder.check(jobs)?;
         let left: Vec<&Job> = jobs.iter().filter(|job| !self.folder.is_done(job)).collect();
         let next = AtomicUsize::new(0);
         let work = || -> Result<()> {
@@ -93,7 +94,7 @@ impl Runner<'_> {
                 break;
             }
         }
-        let state = State { error, seconds: self.folder.seconds(job) };
+        let state = State { error, seconds: self.folder.seconds(job), actions_sha256: job.actions_sha256() };
         self.folder.set_state(job, &state)?;
         Ok(state)
     }
@@ -130,6 +131,7 @@ impl Runner<'_> {
     ) -> Result<Option<String>> {
         let mut file = OpenOptions::new().create(true).append(true).open(log).map_err(at(log))?;
         writeln!(file, "$ b2b {}", arguments.join(" ")).map_err(at(log))?;
+        let begin = file.metadata().map_err(at(log))?.len();
         let mut printed = tempfile::tempfile().map_err(at(path))?;
         let mut command = (self.command)();
         command.args(arguments).current_dir(path).env(OWNER, std::process::id().to_string());
@@ -137,29 +139,24 @@ impl Runner<'_> {
         command.stdout(printed.try_clone().map_err(at(log))?);
         command.stderr(file.try_clone().map_err(at(log))?);
         let mut child = command.spawn().map_err(at(Path::new("b2b")))?;
-        if !self.wait(&mut child)? {
-            let tail = tail(log).map_err(at(log))?;
-            let last = tail.lines().rev().find(|line| !line.trim().is_empty()).unwrap_or("no message");
-            let said = tail.lines().rev().find_map(|line| line.strip_prefix("error: "));
-            return Ok(Some(said.unwrap_or(last).to_owned()));
-        }
+        let status = self.wait(&mut child)?;
+        let error = if status.success() { None } else { Some(cause(status, log, begin).map_err(at(log))?) };
         printed.rewind().map_err(at(log))?;
         let mut text = Vec::new();
         printed.read_to_end(&mut text).map_err(at(log))?;
-        match result {
+        match result.filter(|_| error.is_none()) {
             Some(result) => write_whole(result, &text)?,
             None => file.write_all(&text).map_err(at(log))?,
         }
-        Ok(None)
+        Ok(error)
     }
 
-    /// Waits for a process, and returns whether it succeeded. An interrupt is passed on, so that a training writes its
-    /// checkpoint.
-    fn wait(&self, child: &mut Child) -> Result<bool> {
+    /// Waits for a process, and returns how it ended. An interrupt is passed on, so that a training writes its checkpoint.
+    fn wait(&self, child: &mut Child) -> Result<ExitStatus> {
         let mut told = false;
         loop {
             if let Some(status) = child.try_wait().map_err(at(Path::new("b2b")))? {
-                return if told { Err(Error::Interrupted) } else { Ok(status.success()) };
+                return if told { Err(Error::Interrupted) } else { Ok(status) };
             }
             if !told && (self.interrupted)() {
                 told = true;
@@ -204,12 +201,36 @@ fn words(words: &[&str]) -> Vec<String> {
     words.iter().map(|word| (*word).to_owned()).collect()
 }
 
-/// Returns the end of a log.
-fn tail(path: &Path) -> std::io::Result<String> {
-    let mut file = File::open(path)?;
+/// Returns why a command failed: its signal, its error in the log from `begin` on, or the last line there.
+fn cause(status: ExitStatus, log: &Path, begin: u64) -> std::io::Result<String> {
+    if let Some(signal) = status.signal() {
+        return Ok(format!("killed by signal {signal}"));
+    }
+    let mut file = File::open(log)?;
     let length = file.metadata()?.len();
-    file.seek(SeekFrom::Start(length.saturating_sub(TAIL)))?;
+    file.seek(SeekFrom::Start(begin.max(length.saturating_sub(TAIL))))?;
     let mut bytes = Vec::new();
     file.read_to_end(&mut bytes)?;
-    Ok(String::from_utf8_lossy(&bytes).into_owned())
+    let text = String::from_utf8_lossy(&bytes);
+    let last = text.lines().rev().find(|line| !line.trim().is_empty());
+    let error = text.lines().rev().find_map(|line| line.strip_prefix("error: "));
+    Ok(error.or(last).map_or_else(|| status.to_string(), str::to_owned))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_cause_of_a_failure_is_that_of_the_last_command() {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(file.path(), "error: of an earlier command\n$ b2b train\n").unwrap();
+        let begin = file.path().metadata().unwrap().len();
+        let cause_of = |status: i32| cause(ExitStatus::from_raw(status), file.path(), begin).unwrap();
+        assert_eq!(cause_of(9), "killed by signal 9");
+        assert_eq!(cause_of(1 << 8), "exit status: 1");
+        std::fs::write(file.path(), "error: of an earlier command\n$ b2b train\nerror: no space\n  help\n")
+            .unwrap();
+        assert_eq!(cause_of(1 << 8), "no space");
+    }
 }

@@ -10,6 +10,7 @@ pub mod credit;
 pub mod error;
 pub mod fragments;
 pub mod gaussian;
+mod limits;
 pub mod lockstep;
 pub mod nn;
 pub mod offline;

@@ -218,6 +218,23 @@ fn a_restored_collection_continues_with_the_same_bits() {
 }
 
 #[test]
+fn an_episode_that_is_lost_in_a_replay_costs_no_other() {
+    let mut whole = fragments(DIRECT, 0.4);
+    // More steps than are replayed at a time would need an episode of several days; the first chunk is enough to be lost in.
+    rollouts(&mut whole, DIRECT, 1..=1, 100);
+    let mut state = whole.state();
+    let width = whole.widths().action;
+    state.put_f32("actions.1", &vec![f32::NAN; 100 * width]);
+    let mut restored = fragments(DIRECT, 0.4);
+    let any = actor(restored.widths(), DIRECT, 0);
+    restored.restore(&state, &any).unwrap();
+    assert_eq!(restored.lost(), 1);
+    let expected = rollouts(&mut whole, DIRECT, 2..=2, 100).remove(0);
+    let rollout = rollouts(&mut restored, DIRECT, 2..=2, 100).remove(0);
+    assert_one_episode_is_another(&rollout, &expected, whole.widths());
+}
+
+#[test]
 fn mirrored_noise_is_opposite_in_the_environments_of_a_pair() {
     let mut collector = fragments(DIRECT, 0.4).with_mirrored_noise();
     let widths = collector.widths();

@@ -17,7 +17,7 @@ use crate::{Error, Result};
 
 impl Agent {
     /// Returns the agent as an ONNX file that takes the environment's observation without scaling, or that by roles, and returns
-    /// actions from -1 to 1. That of a graph network is for this building alone.
+    /// actions of which -1 and 1 are the bounds, and which the environment clamps to them. That of a graph network is for this building alone.
     ///
     /// # Errors
     /// [`Error::NotExportable`] for an agent with features, which depend on earlier steps, or on a base controller;

@@ -8,4 +8,3 @@ pub mod jobs;
 pub mod location;
 #[cfg(target_os = "linux")]
 pub mod policy;
-pub mod task;

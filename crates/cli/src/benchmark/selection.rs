@@ -10,8 +10,6 @@ use b2b_building::{BuildingType, RunPeriod};
 use b2b_dataset::BuildingId;
 use b2b_env::Task;
 
-use crate::arguments::task;
-
 /// Arguments that select a problem.
 #[derive(clap::Args)]
 pub struct Selection {
@@ -42,10 +40,10 @@ struct ChangeArguments {
     #[arg(long, value_name = "ID", num_args = 1..)]
     test: Vec<BuildingId>,
     /// Tasks to train on
-    #[arg(long = "train-task", value_name = "TASK", num_args = 1.., value_parser = task::parse)]
+    #[arg(long = "train-task", value_name = "TASK", num_args = 1.., value_parser = Task::from_text)]
     train_tasks: Vec<Task>,
     /// Tasks to test on
-    #[arg(long = "test-task", value_name = "TASK", num_args = 1.., value_parser = task::parse)]
+    #[arg(long = "test-task", value_name = "TASK", num_args = 1.., value_parser = Task::from_text)]
     test_tasks: Vec<Task>,
     /// Task to test on; training uses the other five of the six tasks
     #[arg(long, value_name = "TASK", conflicts_with_all = ["train_tasks", "test_tasks"])]

@@ -13,7 +13,6 @@ use b2b_env::Task;
 use crate::arguments::episodes::Episodes;
 use crate::arguments::jobs::Jobs;
 use crate::arguments::policy::PolicyArguments;
-use crate::arguments::task;
 use crate::evaluation::{Bars, evaluation, fetch_weather};
 use crate::exit_code::ExitCode;
 use crate::progress::Download;
@@ -55,7 +54,7 @@ struct Run {
     #[command(flatten)]
     episodes: Episodes,
     /// Tasks (see `b2b run --help`)
-    #[arg(long = "task", value_name = "TASK", num_args = 1.., default_values = ["constant"], value_parser = task::parse)]
+    #[arg(long = "task", value_name = "TASK", num_args = 1.., default_values = ["constant"], value_parser = Task::from_text)]
     tasks: Vec<Task>,
     #[command(flatten)]
     jobs: Jobs,

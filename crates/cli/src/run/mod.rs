@@ -14,7 +14,6 @@ use b2b_env::{Spaces, Task, Trajectory};
 
 use crate::arguments::controller::{ControllerArguments, Parameters, reactive};
 use crate::arguments::location::Location;
-use crate::arguments::task;
 use crate::output_folder::OutputFolder;
 use crate::prepare::Prepared;
 use crate::{interrupt, stdout};
@@ -45,7 +44,7 @@ pub struct Arguments {
     #[arg(long, default_value_t = 12, value_name = "N")]
     steps_per_hour: u32,
     /// Task: constant, occupancy or random setpoints, +energyW for an energy weight W; or a JSON file (see below)
-    #[arg(long, default_value = "constant", value_name = "TASK", value_parser = task::parse)]
+    #[arg(long, default_value = "constant", value_name = "TASK", value_parser = Task::from_text)]
     task: Task,
     /// Output folder [default: b2b-out/BUILDING-PLACE-PERIOD-CONTROLLER[-TASK]]
     #[arg(long, value_name = "FOLDER")]

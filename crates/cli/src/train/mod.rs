@@ -10,8 +10,7 @@ use b2b_agent::{Acting, ObservationForm};
 use b2b_benchmark::statistics::beats_baseline;
 use b2b_building::{BuildingType, RunPeriod};
 use b2b_dataset::{BuildingName, Catalog, Placement};
-use b2b_env::Task;
-use b2b_learn::train::{Algorithm, CONFIG, Measures, PAGE, Place, SUMMARY, Summary, TrainConfig};
+use b2b_learn::train::{Algorithm, Measures, PAGE, Place, SUMMARY, Summary, Tasks, TrainConfig};
 
 use crate::arguments::jobs::Jobs;
 use crate::arguments::location::Location;
@@ -46,9 +45,9 @@ pub struct Arguments {
     /// Algorithm: ppo or sac [default: ppo]
     #[arg(long, value_name = "ALGORITHM")]
     algorithm: Option<Algorithm>,
-    /// Task, as for `b2b run` [default: constant]
+    /// Task, as for `b2b run`, or several, separated by commas: every episode has another one [default: constant]
     #[arg(long, value_name = "TASK")]
-    task: Option<Task>,
+    task: Option<Tasks>,
     /// Run period: winter, summer, full_year or MM-DD..MM-DD [default: winter]
     #[arg(long, value_name = "PERIOD")]
     period: Option<RunPeriod>,
@@ -133,9 +132,8 @@ impl Arguments {
     /// Returns the configuration: that of the run to resume, or a preset changed by a file and the arguments.
     fn configuration(&self) -> Result<TrainConfig> {
         if let Some(folder) = &self.resume {
-            let path = folder.join(CONFIG);
-            let config = TrainConfig::default().with_file(&path);
-            let config = config.with_context(|| format!("{} has no run to resume", folder.display()))?;
+            let config = TrainConfig::of_run(folder)
+                .with_context(|| format!("{} has no run to resume", folder.display()))?;
             return Ok(TrainConfig { steps: self.steps.unwrap_or(config.steps), ..config });
         }
         let base = TrainConfig::preset(self.preset.as_deref().unwrap_or("residual"))?;
@@ -165,7 +163,7 @@ impl Arguments {
             config.building_type = self.building_type.iter().map(ToString::to_string).collect();
             config.buildings.clear();
         }
-        set(&mut config.task, &self.task.as_ref().map(ToString::to_string));
+        set(&mut config.task, &self.task);
         set(&mut config.period, &self.period.map(|period| period.to_string()));
         set(&mut config.steps, &self.steps);
         set(&mut config.seed, &self.seed);

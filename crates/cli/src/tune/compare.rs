@@ -10,7 +10,6 @@ use serde::Serialize;
 
 use super::rollouts::rollouts;
 use crate::arguments::buildings::DatasetBuildings;
-use crate::arguments::task;
 use crate::progress::{Download, counter};
 use crate::table::Table;
 use crate::{interrupt, stdout};
@@ -28,7 +27,7 @@ pub struct Arguments {
     buildings: DatasetBuildings,
     /// Tasks (see `b2b run --help`); their energy terms are ignored
     #[arg(long = "task", value_name = "TASK", num_args = 1.., default_values = ["constant", "occupancy", "random"],
-          value_parser = task::parse)]
+          value_parser = Task::from_text)]
     tasks: Vec<Task>,
     /// Run period; repeat the option for several
     #[arg(long = "period", value_name = "PERIOD", default_values = WEEKS)]

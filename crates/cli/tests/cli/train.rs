@@ -109,6 +109,22 @@ fn a_run_is_an_agent_that_evaluations_take_as_a_policy() {
 }
 
 #[test]
+fn a_task_from_a_file_is_part_of_the_run() {
+    let folder = folder_with_config();
+    let path = folder.path();
+    std::fs::write(path.join("mine.json"), r#"{"comfort_band": 0.5, "energy_weight": 0.1}"#).unwrap();
+    let summary = json(path, &format!("{} --task mine.json,random --steps 384", train("run")));
+    let tasks: Vec<_> = summary["by_building"].as_array().unwrap().iter().map(|each| &each["task"]).collect();
+    assert!(
+        tasks[0].as_str().unwrap().starts_with("constant+energy0.1#") && tasks[1] == "random",
+        "{tasks:?}"
+    );
+    std::fs::remove_file(path.join("mine.json")).unwrap();
+    let summary = json(path, "train --resume run --steps 768");
+    assert_eq!(summary["steps"], 768);
+}
+
+#[test]
 fn a_plain_network_exports_to_onnx_and_scores_alike() {
     let folder = folder_with_config();
     let path = folder.path();

@@ -128,6 +128,22 @@ impl Task {
         Ok(task)
     }
 
+    /// Returns the task of a text that a user gives: the short form, a JSON object, or the path of a JSON file.
+    ///
+    /// # Errors
+    /// [`Error::UnknownTask`] for an unknown short form; [`Error::InvalidTask`] for an invalid object; those of [`Task::read`].
+    pub fn from_text(text: &str) -> Result<Self> {
+        if text.trim_start().starts_with('{') {
+            let task: Self = user_file::parse_object(text).map_err(|why| Error::InvalidTask { why })?;
+            task.check()?;
+            return Ok(task);
+        }
+        match Path::new(text).extension() {
+            Some(extension) if extension == "json" => Self::read(Path::new(text)),
+            _ => text.parse(),
+        }
+    }
+
     /// Checks that every number is finite and within its limits.
     ///
     /// # Errors

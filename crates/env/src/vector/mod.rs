@@ -36,7 +36,9 @@ pub use fragment::{MakeRunner, Runner, RunnerError, SharedMemory};
 pub use launcher::Launcher;
 pub use population::{Buildings, Population};
 pub use rollout::{ControllerRunner, RolloutMemory, RolloutOrder};
-pub use sampler::{AnyOf, Draw, Fixed, Kept, RoundRobin, Sampler, Weighted, Windows, WithTask, WithWeather};
+pub use sampler::{
+    AnyOf, Draw, Fixed, Kept, Rotating, RoundRobin, Sampler, Weighted, Windows, WithTask, WithWeather,
+};
 pub use setting::{Setting, Source};
 pub use statistics::Statistics;
 pub use vec_env::{Autoreset, VecEnv, VecEnvOptions};

@@ -47,13 +47,45 @@ impl<F: FnMut(usize, &mut ChaCha8Rng) -> Result<Draw> + Send> Sampler for F {
     }
 }
 
-/// A fixed setting for each environment, the same in every episode.
+/// Settings assigned to the environments in turn, the same in every episode. Those beyond the number of environments are not drawn:
+/// see [`Rotating`].
 #[derive(Clone, Debug)]
 pub struct Fixed(pub Vec<Setting>);
 
 impl Sampler for Fixed {
     fn draw(&mut self, environment: usize, _: &mut ChaCha8Rng) -> Result<Draw> {
         Ok(Draw { setting: self.0[environment % self.0.len()].clone(), steps: None })
+    }
+}
+
+/// Settings assigned to a number of environments in turn. If there are more settings than environments, each environment goes through
+/// several of them, one per episode, so that all are drawn.
+#[derive(Clone, Debug)]
+pub struct Rotating {
+    settings: Vec<Setting>,
+    environments: usize,
+    /// Number of episodes of each environment so far.
+    episodes: Vec<usize>,
+}
+
+impl Rotating {
+    /// Returns the settings for a number of environments.
+    pub fn new(settings: Vec<Setting>, environments: usize) -> Self {
+        Self { settings, environments, episodes: vec![0; environments] }
+    }
+}
+
+impl Sampler for Rotating {
+    fn draw(&mut self, environment: usize, _: &mut ChaCha8Rng) -> Result<Draw> {
+        let rounds = self.settings.len().div_ceil(self.environments);
+        let round = self.episodes[environment] % rounds;
+        self.episodes[environment] += 1;
+        let index = (environment + round * self.environments) % self.settings.len();
+        Ok(Draw { setting: self.settings[index].clone(), steps: None })
+    }
+
+    fn restart(&mut self) {
+        self.episodes.fill(0);
     }
 }
 

@@ -1,5 +1,7 @@
 //! Specialists and generalists on test buildings, as the paper's figures of dynamics adaptation.
 
+use std::collections::BTreeMap;
+
 use b2b_benchmark::report::{Chart, Series, color, horizontal_line, make_logarithmic, range, rms_deviations};
 use b2b_benchmark::statistics::{mean, median};
 use b2b_benchmark::{EpisodeInfo, Scored};
@@ -17,12 +19,18 @@ pub(super) fn content(experiment: &Experiment, results: &Results) -> Content {
     for (number, agent) in experiment.agents.iter().enumerate() {
         let own = || results.of(&agent.name);
         let Some(group) = Group::of(own().map(|(_, row)| row)) else { continue };
-        let jobs = results.done.iter().filter(|done| done.agent == agent.name);
-        let of_jobs: Vec<f64> =
-            jobs.clone().filter_map(|done| Some(Group::of(done.rows.iter())?.median())).collect();
+        let mut of_jobs = Vec::new();
+        let mut by_building: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
+        for done in results.done.iter().filter(|done| done.agent == agent.name) {
+            let Some(median) = Group::of(done.rows.iter()).map(|group| group.median()) else { continue };
+            of_jobs.push(median);
+            by_building.entry(&done.rows[0].info.building).or_default().push(median);
+        }
         // A generalist's median is the mean over the medians of its seeds; specialists have one building each.
         let (value, error) = match agent.trains {
-            Training::Building => (group.median(), bootstrap_error(&of_jobs)),
+            Training::Building => {
+                (group.median(), bootstrap_error(&Vec::from_iter(by_building.into_values())))
+            }
             _ => (mean(&of_jobs), standard_error(&of_jobs)),
         };
         let deviation = own().filter_map(|(_, row)| Some(row.metrics()?.rms_deviation)).collect::<Vec<_>>();
@@ -31,7 +39,7 @@ pub(super) fn content(experiment: &Experiment, results: &Results) -> Content {
             agent.name.clone(),
             of_jobs.len().to_string(),
             group.count().to_string(),
-            format!("{value:.2} ± {error:.2}"),
+            format!("{value:.2}{}", error.map_or(String::new(), |error| format!(" ± {error:.2}"))),
             resolved,
             range,
             beats,
@@ -77,32 +85,34 @@ pub(super) fn content(experiment: &Experiment, results: &Results) -> Content {
     }
 }
 
-fn standard_error(values: &[f64]) -> f64 {
+/// Returns the standard error of a mean; `None` of a single value.
+fn standard_error(values: &[f64]) -> Option<f64> {
     if values.len() < 2 {
-        return 0.0;
+        return None;
     }
     let mean = mean(values);
     let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (values.len() - 1) as f64;
-    (variance / values.len() as f64).sqrt()
+    Some((variance / values.len() as f64).sqrt())
 }
 
-/// Returns the standard deviation of the median of resampled values.
-fn bootstrap_error(values: &[f64]) -> f64 {
+/// Returns the standard deviation of the median when the buildings are resampled, each with all of its values; `None` of a single
+/// building.
+fn bootstrap_error(buildings: &[Vec<f64>]) -> Option<f64> {
     use rand::{RngExt, SeedableRng};
     const DRAWS: usize = 2000;
-    if values.len() < 2 {
-        return 0.0;
+    if buildings.len() < 2 {
+        return None;
     }
     let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(0);
     let medians: Vec<f64> = (0..DRAWS)
         .map(|_| {
-            let mut drawn: Vec<f64> =
-                values.iter().map(|_| values[random.random_range(0..values.len())]).collect();
+            let drawn = buildings.iter().map(|_| &buildings[random.random_range(0..buildings.len())]);
+            let mut drawn: Vec<f64> = drawn.flatten().copied().collect();
             drawn.sort_by(f64::total_cmp);
             median(&drawn)
         })
         .collect();
-    standard_error(&medians) * (DRAWS as f64).sqrt()
+    Some(standard_error(&medians)? * (DRAWS as f64).sqrt())
 }
 
 #[cfg(test)]
@@ -111,11 +121,14 @@ mod tests {
 
     #[test]
     fn errors_follow_their_definitions() {
-        assert!((standard_error(&[1.0, 2.0, 3.0]) - 1.0 / 3.0_f64.sqrt()).abs() < 1e-12);
-        assert_eq!((standard_error(&[1.0]), bootstrap_error(&[1.0])), (0.0, 0.0));
+        assert!((standard_error(&[1.0, 2.0, 3.0]).unwrap() - 1.0 / 3.0_f64.sqrt()).abs() < 1e-12);
+        assert_eq!((standard_error(&[1.0]), bootstrap_error(&[vec![1.0, 2.0]])), (None, None));
         // The median of a large normal sample has a standard error of 1.253 σ / √n.
-        let values: Vec<f64> = (0..100).map(|index| f64::from(index % 10)).collect();
-        let error = bootstrap_error(&values);
+        let values: Vec<Vec<f64>> = (0..100).map(|index| vec![f64::from(index % 10)]).collect();
+        let error = bootstrap_error(&values).unwrap();
         assert!(error > 0.1 && error < 1.0, "{error}");
+        // Four equal values of each building are no more than one.
+        let repeated: Vec<Vec<f64>> = values.iter().map(|values| values.repeat(4)).collect();
+        assert_eq!(bootstrap_error(&repeated), Some(error));
     }
 }

@@ -2,6 +2,7 @@
 
 use b2b_benchmark::Row;
 use b2b_benchmark::report::{Chart, StepDeviations, color, step_deviations};
+use b2b_env::{Resource, Task};
 use serde_json::{Value, json};
 
 use super::{Content, SCORES};
@@ -27,10 +28,14 @@ type Curve<'a> = (&'a str, Vec<Point>);
 
 pub(super) fn content(experiment: &Experiment, results: &Results) -> Content {
     let (mut rows, mut charts) = (Vec::new(), Vec::new());
-    let mut setpoints: Vec<&str> = experiment.tasks.iter().map(|task| setpoints(task)).collect();
-    setpoints.dedup();
+    let mut all_setpoints: Vec<&str> = Vec::new();
+    for setpoints in experiment.tasks.iter().map(|task| setpoints(task)) {
+        if !all_setpoints.contains(&setpoints) {
+            all_setpoints.push(setpoints);
+        }
+    }
     for building_type in &experiment.types {
-        for setpoints in &setpoints {
+        for setpoints in &all_setpoints {
             let mut curves = Vec::new();
             for name in controllers(experiment) {
                 let points = points(experiment, results, name, building_type.name(), setpoints);
@@ -143,9 +148,10 @@ fn controllers(experiment: &Experiment) -> impl Iterator<Item = &str> {
     reactive.into_iter().chain(experiment.agents.iter().map(|agent| agent.name.as_str()))
 }
 
-/// Returns the weight of energy in a task.
+/// Returns the weight of energy in a task; `None` if it penalizes another resource.
 fn weight(task: &str) -> Option<f64> {
-    task.split_once("+energy").map_or(Some(0.0), |(_, weight)| weight.parse().ok())
+    let task: Task = task.parse().ok()?;
+    (task.resource == Resource::Energy).then_some(task.energy_weight)
 }
 
 fn setpoints(task: &str) -> &str {

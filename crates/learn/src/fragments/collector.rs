@@ -168,17 +168,22 @@ impl FragmentCollector {
     /// Carries out the actions of all episodes in progress, some at a time.
     fn replay(&mut self, actor: &Actor) -> Result<()> {
         let width = self.widths.action;
-        let rows: Vec<usize> = self.progress.iter().map(|progress| progress.actions.len() / width).collect();
+        let mut rows: Vec<usize> =
+            self.progress.iter().map(|progress| progress.actions.len() / width).collect();
         self.share(actor, REPLAYED)?;
         for first in (0..rows.iter().copied().max().unwrap_or(0)).step_by(REPLAYED) {
             self.begin_rollout();
-            let steps: Vec<usize> =
+            let mut steps: Vec<usize> =
                 rows.iter().map(|rows| rows.saturating_sub(first).min(REPLAYED)).collect();
             for (index, steps) in steps.iter().enumerate().filter(|(_, steps)| **steps > 0) {
                 let actions = &self.progress[index].actions[first * width..][..steps * width];
                 self.memory.write(self.block(index).action(0), actions);
             }
-            self.run(actor, Purpose::Replay, &steps)?;
+            let before = steps.clone();
+            self.run(actor, Purpose::Replay, &mut steps)?;
+            for index in (0..rows.len()).filter(|index| steps[*index] < before[*index]) {
+                rows[index] = 0;
+            }
         }
         Ok(())
     }
@@ -236,16 +241,21 @@ impl FragmentCollector {
         Block::new(place + environment * Block::numbers(steps, self.widths), steps, self.widths)
     }
 
-    /// Runs fragments until every environment has made its steps.
-    fn run(&mut self, actor: &Actor, purpose: Purpose, steps: &[usize]) -> Result<()> {
+    /// Runs fragments until every environment has made its steps. An environment whose episode is lost in a replay has none left: the next
+    /// episode has nothing to replay.
+    fn run(&mut self, actor: &Actor, purpose: Purpose, steps: &mut [usize]) -> Result<()> {
         for (environment, steps) in steps.iter().enumerate() {
             self.send(environment, actor, purpose, *steps)?;
         }
         let mut ready = Vec::with_capacity(self.progress.len());
-        while self.progress.iter().zip(steps).any(|(progress, steps)| progress.done < *steps) {
+        while self.progress.iter().zip(&*steps).any(|(progress, steps)| progress.done < *steps) {
             self.environments.recv(1, &mut ready)?;
             for environment in ready.drain(..) {
+                let lost = self.lost;
                 self.settle(environment, purpose)?;
+                if purpose == Purpose::Replay && self.lost > lost {
+                    steps[environment] = 0;
+                }
                 self.send(environment, actor, purpose, steps[environment])?;
             }
         }
@@ -352,19 +362,11 @@ impl FragmentCollector {
         Ok(())
     }
 
-    /// Drops the fragment that was lost and begins another episode. What the rollout has of the lost one ends before its last
-    /// step, whose observation is known.
+    /// Drops the fragment that was lost and begins another episode. What the rollout has of earlier fragments has ended: a fragment has all
+    /// steps that a rollout lacks, or ends with its episode.
     fn lose(&mut self, environment: usize, why: String) -> Result<()> {
         self.lost += 1;
-        let block = self.block(environment);
-        let progress = &mut self.progress[environment];
-        count_lost(&mut progress.lost_in_a_row, why)?;
-        let ended = progress.ends.last().map_or(0, |end| end.step + 1);
-        if progress.done > ended {
-            let mut observation = vec![0.0; self.widths.observation];
-            self.memory.read(block.observation(progress.done - 1), &mut observation);
-            progress.ends.push(End { environment, step: progress.done - 1, observation });
-        }
+        count_lost(&mut self.progress[environment].lost_in_a_row, why)?;
         self.restart(environment)
     }
 
@@ -405,7 +407,7 @@ impl Collector for FragmentCollector {
         self.rollouts += 1;
         self.share(actor, steps)?;
         self.begin_rollout();
-        self.run(actor, Purpose::Explore, &vec![steps; self.progress.len()])?;
+        self.run(actor, Purpose::Explore, &mut vec![steps; self.progress.len()])?;
         self.write(steps, rollout);
         Ok(())
     }

@@ -19,7 +19,7 @@ pub enum Purpose {
 /// Returns the number of the random stream of exploration of a fragment: steps of one environment and episode in a rollout,
 /// counted from 0 in each rollout. No two fragments of a run have the same, apart from those with mirrored noise.
 pub(crate) fn stream(rollout: u64, environment: usize, fragment: u64) -> u64 {
-    rollout << 24 | (environment as u64) << 8 | fragment
+    (fragment >> 8) << 56 | rollout << 24 | (environment as u64) << 8 | fragment & 0xff
 }
 
 /// A fragment that a worker runs.

@@ -114,8 +114,12 @@ pub fn clone_policy(
 }
 
 fn training(dataset: &Dataset, config: &CloneConfig) -> TrainingInfo {
-    let mut buildings: Vec<&str> = dataset.episodes.iter().map(|episode| episode.building.as_str()).collect();
-    buildings.dedup();
+    let mut buildings: Vec<&str> = Vec::new();
+    for episode in &dataset.episodes {
+        if !buildings.contains(&episode.building.as_str()) {
+            buildings.push(&episode.building);
+        }
+    }
     let Versions { package, generator, engine, .. } = Versions::current();
     TrainingInfo {
         algorithm: "behavior cloning".into(),

@@ -128,11 +128,18 @@ impl NewDataset {
         let parent = parent.unwrap_or(Path::new("."));
         std::fs::create_dir_all(parent).map_err(at(parent))?;
         let staging = b2b_energyplus::folder_in(parent, ".b2b-unfinished-").map_err(at(parent))?;
-        Ok(Self { destination: destination.to_owned(), staging })
+        let new = Self { destination: destination.to_owned(), staging };
+        std::fs::create_dir(new.whole()).map_err(at(parent))?;
+        Ok(new)
+    }
+
+    /// Returns the folder that is moved to the destination. It has the permissions of a new folder; that around it is private.
+    fn whole(&self) -> PathBuf {
+        self.staging.path().join("dataset")
     }
 
     fn data(&self) -> PathBuf {
-        self.staging.path().join("data")
+        self.whole().join("data")
     }
 
     /// Writes an episode.
@@ -172,8 +179,7 @@ impl NewDataset {
             "b2b": contents,
         });
         write_json(&self.data().join(METADATA), &metadata)?;
-        let staging = self.staging.keep();
-        std::fs::rename(&staging, &self.destination).map_err(at(&self.destination))
+        std::fs::rename(self.whole(), &self.destination).map_err(at(&self.destination))
     }
 }
 

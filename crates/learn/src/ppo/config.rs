@@ -1,9 +1,12 @@
 //! Configurations of PPO.
 
-use b2b_agent::network::Activation;
+use b2b_agent::network::{Activation, LOG_STD};
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
+use crate::limits::{
+    check_counts, check_finite, check_not_negative, check_positive, check_shares, check_widths,
+};
 use crate::nn::Schedule;
 
 /// The parametrization of the standard deviation of actions.
@@ -118,29 +121,36 @@ impl PpoConfig {
     /// # Errors
     /// When a value is outside its range.
     pub fn check(&self) -> Result<()> {
-        let positive = [
+        check_positive([
             ("learning_rate", self.learning_rate),
             ("adam_epsilon", f64::from(self.adam_epsilon)),
             ("clip_range", f64::from(self.clip_range)),
-            ("max_grad_norm", f64::from(self.max_grad_norm)),
             ("target_kl", self.target_kl.map_or(1.0, f64::from)),
             ("desired_kl", self.desired_kl.map_or(1.0, f64::from)),
-        ];
-        if let Some((name, value)) = positive.into_iter().find(|(_, value)| value.is_nan() || *value <= 0.0) {
-            return Err(Error::config(name, value, "it must be above 0"));
-        }
-        let shares = [
+        ])?;
+        check_not_negative([
+            ("entropy_coefficient", f64::from(self.entropy_coefficient)),
+            ("value_coefficient", f64::from(self.value_coefficient)),
+            ("actor_gain", f64::from(self.actor_gain)),
+        ])?;
+        check_finite([
+            ("initial_log_std", f64::from(self.initial_log_std)),
+            ("minimum_log_std", f64::from(self.minimum_log_std)),
+        ])?;
+        check_shares([
             ("gamma", f64::from(self.gamma)),
             ("gae_lambda", f64::from(self.gae_lambda)),
             ("value_rate", self.value_rate),
             ("average_rate", f64::from(self.average_rate)),
-        ];
-        if let Some((name, value)) = shares.into_iter().find(|(_, value)| !(0.0..=1.0).contains(value)) {
-            return Err(Error::config(name, value, "it must be from 0 to 1"));
+        ])?;
+        check_counts([("n_steps", self.n_steps), ("batch_size", self.batch_size), ("epochs", self.epochs)])?;
+        check_widths([("actor_hidden", &self.actor_hidden), ("critic_hidden", &self.critic_hidden)])?;
+        // Infinite: gradients are not clipped.
+        if self.max_grad_norm.is_nan() || self.max_grad_norm <= 0.0 {
+            return Err(Error::config("max_grad_norm", self.max_grad_norm, "it must be above 0"));
         }
-        let counts = [("n_steps", self.n_steps), ("batch_size", self.batch_size), ("epochs", self.epochs)];
-        if let Some((name, value)) = counts.into_iter().find(|(_, value)| *value == 0) {
-            return Err(Error::config(name, value, "it must be at least 1"));
+        if self.minimum_log_std > *LOG_STD.end() {
+            return Err(Error::config("minimum_log_std", self.minimum_log_std, "it must be at most 2"));
         }
         Ok(())
     }
@@ -163,7 +173,14 @@ mod tests {
     fn values_outside_their_range_are_errors() {
         let config = PpoConfig { gamma: 1.5, ..PpoConfig::default() };
         assert_eq!(config.check().unwrap_err().to_string(), "`gamma` is 1.5; it must be from 0 to 1");
-        assert!(PpoConfig { learning_rate: f64::NAN, ..PpoConfig::default() }.check().is_err());
+        let error = |config: PpoConfig| config.check().unwrap_err().to_string();
+        let valid = PpoConfig::default;
+        assert!(error(PpoConfig { learning_rate: f64::NAN, ..valid() }).contains("`learning_rate` is NaN"));
+        assert!(error(PpoConfig { minimum_log_std: 3.0, ..valid() }).contains("at most 2"));
+        assert!(error(PpoConfig { minimum_log_std: f32::NAN, ..valid() }).contains("finite"));
+        assert!(error(PpoConfig { critic_hidden: vec![64, 0], ..valid() }).contains("`critic_hidden` is 0"));
+        assert!(error(PpoConfig { value_coefficient: f32::NAN, ..valid() }).contains("value_coefficient"));
+        assert!(PpoConfig { max_grad_norm: f32::INFINITY, ..valid() }.check().is_ok());
         assert!(PpoConfig::default().check().is_ok());
     }
 }

@@ -44,7 +44,7 @@ impl ValueScale {
     }
 
     /// Adds the returns of an update, rows × parts, to the running statistics, and changes the outputs of the critic that have
-    /// values of each kind so that these stay as they are. Returns that are not finite are left out.
+    /// values of each kind so that these stay as they are. If a return is not finite, nothing changes.
     pub fn update(
         &mut self,
         rows: Rows<'_>,

@@ -3,7 +3,10 @@
 use b2b_agent::network::Activation;
 use serde::{Deserialize, Serialize};
 
-use crate::error::{Error, Result};
+use crate::error::Result;
+use crate::limits::{
+    check_counts, check_finite, check_not_negative, check_positive, check_shares, check_widths,
+};
 use crate::nn::Schedule;
 
 /// The configuration of SAC. Defaults of the algorithm are those of Stable-Baselines3; minibatches are larger and fewer.
@@ -82,29 +85,22 @@ impl SacConfig {
     /// # Errors
     /// When a value is outside its range.
     pub fn check(&self) -> Result<()> {
-        let positive = [
+        check_positive([
             ("learning_rate", self.learning_rate),
             ("adam_epsilon", f64::from(self.adam_epsilon)),
             ("updates_per_step", self.updates_per_step),
             ("initial_temperature", f64::from(self.initial_temperature)),
             ("max_grad_norm", self.max_grad_norm.map_or(1.0, f64::from)),
-        ];
-        if let Some((name, value)) = positive.into_iter().find(|(_, value)| value.is_nan() || *value <= 0.0) {
-            return Err(Error::config(name, value, "it must be above 0"));
-        }
-        let shares = [("gamma", self.gamma), ("tau", self.tau)];
-        if let Some((name, value)) = shares.into_iter().find(|(_, value)| !(0.0..=1.0).contains(value)) {
-            return Err(Error::config(name, value, "it must be from 0 to 1"));
-        }
-        let counts = [
+        ])?;
+        check_not_negative([("actor_gain", f64::from(self.actor_gain))])?;
+        check_finite([("target_entropy_factor", f64::from(self.target_entropy_factor))])?;
+        check_shares([("gamma", f64::from(self.gamma)), ("tau", f64::from(self.tau))])?;
+        check_counts([
             ("n_steps", self.n_steps),
             ("batch_size", self.batch_size),
             ("capacity", self.capacity),
             ("return_steps", self.return_steps),
-        ];
-        if let Some((name, value)) = counts.into_iter().find(|(_, value)| *value == 0) {
-            return Err(Error::config(name, value, "it must be at least 1"));
-        }
-        Ok(())
+        ])?;
+        check_widths([("actor_hidden", &self.actor_hidden), ("critic_hidden", &self.critic_hidden)])
     }
 }

@@ -6,6 +6,7 @@ use b2b_dataset::Placement;
 use super::config::{Algorithm, TrainConfig};
 use super::policy::Policy;
 use crate::error::{Error, Result};
+use crate::ppo::LogStd;
 
 impl TrainConfig {
     /// Checks that the values go together.
@@ -18,7 +19,7 @@ impl TrainConfig {
         let days = self.run_period()?.days();
         self.named()?;
         let is_placed = self.placement()? != Placement::default();
-        let tasks = self.tasks()?.len();
+        let tasks = self.task.as_slice().len();
         self.check_problem()?;
         let wrong = match () {
             () if self.environments == 0 => "`environments` is 0; expected at least 1".to_owned(),
@@ -47,6 +48,12 @@ impl TrainConfig {
             () if !(self.final_noise > 0.0 && self.final_noise <= 1.0) => {
                 format!("`final_noise` is {}; expected more than 0, at most 1", self.final_noise)
             }
+            () if self.final_noise != 1.0 && self.algorithm == Algorithm::Sac => {
+                "`final_noise` is for ppo; with sac it must be 1".to_owned()
+            }
+            () if self.ppo.log_std == LogStd::OfState && (self.noise_cost != 0.0 || self.final_noise != 1.0) => {
+                "with `ppo.log_std` = of_state, the agent sets the noise: `noise_cost` must be 0 and `final_noise` 1".to_owned()
+            }
             () if self.noise_cost != 0.0 && self.algorithm == Algorithm::Sac => {
                 "`noise_cost` is for ppo; with sac it must be 0".to_owned()
             }
@@ -71,6 +78,13 @@ impl TrainConfig {
                 "several building types are for graph networks; choose the preset graph, or one type"
                     .to_owned()
             }
+            () if self.building_type.len() > self.distinct_environments() => format!(
+                "`environments` is {}; expected at least {} for {} building types{}",
+                self.environments,
+                self.building_type.len() * self.environments.div_ceil(self.distinct_environments()),
+                self.building_type.len(),
+                if self.mirrored_noise { " with mirrored noise" } else { "" }
+            ),
             () if self.fault_of_graph().is_some() => self.fault_of_graph().unwrap_or_default(),
             () => match self.acting {
                 Acting::Residual { authority } if !(authority > 0.0 && authority <= 1.0) => {
@@ -118,7 +132,6 @@ mod tests {
         assert!(error(TrainConfig { environments: 0, ..valid.clone() }).contains("environments"));
         assert!(error(TrainConfig { window_days: 100, ..valid.clone() }).contains("window_days"));
         assert!(error(TrainConfig { buildings: Vec::new(), ..valid.clone() }).contains("building_type"));
-        assert!(error(TrainConfig { task: "warm".into(), ..valid.clone() }).contains("warm"));
         assert!(error(TrainConfig { travel_cost: -1.0, ..valid.clone() }).contains("travel_cost"));
         let shrinking = TrainConfig { travel_cost_growth: 0.5, ..valid.clone() };
         assert!(error(shrinking).contains("`travel_cost_growth` is 0.5"));

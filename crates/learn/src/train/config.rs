@@ -7,13 +7,14 @@ use b2b_agent::{Acting, Interface, ObservationForm, ObservationOptions};
 use b2b_building::{BuildingType, RunPeriod};
 use b2b_climate::Place;
 use b2b_dataset::{BuildingId, BuildingName, Placement, Row, Split};
-use b2b_env::Task;
 use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
 
 use super::one_or_many;
 use super::policy::Policy;
+use super::run::CONFIG;
 use super::suggestion::with_suggestion;
+use super::tasks::Tasks;
 use crate::error::{Error, Result, at};
 use crate::ppo::PpoConfig;
 use crate::sac::SacConfig;
@@ -82,8 +83,8 @@ pub struct TrainConfig {
     /// Benchmark problem, by name or JSON file, that the agent is for. It sets buildings, tasks, run period, steps per hour,
     /// steps and attributes, and none of them may go beyond its training side. Empty: none.
     pub problem: String,
-    /// Task, such as `occupancy+energy0.5`, or several, separated by commas: every episode has another one.
-    pub task: String,
+    /// Task, such as `occupancy+energy0.5`, or several: every episode has another one. See [`Tasks`].
+    pub task: Tasks,
     /// Run period: `winter`, `summer`, `full_year` or `MM-DD..MM-DD`.
     pub period: String,
     /// Zone time steps per hour, each one step.
@@ -169,7 +170,7 @@ impl Default for TrainConfig {
             excluded_climate_zones: Vec::new(),
             building_episodes: 1,
             problem: String::new(),
-            task: "constant".into(),
+            task: Tasks::default(),
             period: "winter".into(),
             steps_per_hour: 12,
             algorithm: Algorithm::Ppo,
@@ -229,7 +230,8 @@ impl TrainConfig {
         match algorithm {
             Algorithm::Ppo => Self { algorithm, ..self },
             Algorithm::Sac => {
-                Self { algorithm, credit_by_zone: false, noise_cost: 0.0, mirrored_noise: false, ..self }
+                let (credit_by_zone, mirrored_noise) = (false, false);
+                Self { algorithm, credit_by_zone, mirrored_noise, noise_cost: 0.0, final_noise: 1.0, ..self }
             }
         }
     }
@@ -261,7 +263,16 @@ impl TrainConfig {
             None => (self.clone(), String::new()),
         };
         let problem = changes.get("problem").and_then(Value::as_str).unwrap_or(&problem);
-        let base = if problem.is_empty() { base } else { base.with_problem(problem).map_err(said)? };
+        let base = match problem.is_empty() {
+            true => base,
+            // Whether a problem has an agent of this kind depends on its network.
+            false => match changes.get("policy").cloned().map(Value::try_into) {
+                Some(policy) => Self { policy: policy.map_err(|error| error.message().to_owned())?, ..base },
+                None => base,
+            }
+            .with_problem(problem)
+            .map_err(said)?,
+        };
         let algorithm = changes.get("algorithm").and_then(|name| name.as_str()?.parse().ok());
         let base = match algorithm {
             Some(algorithm) => base.with_algorithm(algorithm),
@@ -281,17 +292,21 @@ impl TrainConfig {
         self.with_changes(&text).map_err(|why| Error::ConfigFile { path: path.to_owned(), why })
     }
 
+    /// Returns the configuration of a run, from its folder.
+    ///
+    /// # Errors
+    /// [`Error::Io`]; [`Error::ConfigFile`] with what is wrong.
+    pub fn of_run(folder: &Path) -> Result<Self> {
+        let path = folder.join(CONFIG);
+        let text = std::fs::read_to_string(&path).map_err(at(&path))?;
+        // It has every option, also those that its problem set.
+        let why = |error: toml::de::Error| with_suggestion(error.message());
+        toml::from_str(&text).map_err(|error| Error::ConfigFile { path, why: why(error) })
+    }
+
     /// Returns the configuration as a TOML text with every option.
     pub fn to_toml(&self) -> String {
         toml::to_string(self).expect("plain data always serializes")
-    }
-
-    /// Returns the tasks, of which there is at least one.
-    ///
-    /// # Errors
-    /// [`Error::Env`].
-    pub fn tasks(&self) -> Result<Vec<Task>> {
-        Ok(self.task.split(',').map(|task| task.trim().parse()).collect::<b2b_env::Result<_>>()?)
     }
 
     /// Returns the run period.
@@ -308,6 +323,11 @@ impl TrainConfig {
     /// [`Error::Building`].
     pub fn named(&self) -> Result<Vec<BuildingName>> {
         Ok(self.buildings.iter().map(|name| name.parse()).collect::<b2b_dataset::Result<_>>()?)
+    }
+
+    /// Returns the number of environments that have episodes of their own: with mirrored noise, pairs share theirs.
+    pub(super) fn distinct_environments(&self) -> usize {
+        if self.mirrored_noise { self.environments.div_ceil(2) } else { self.environments }
     }
 
     /// Returns the building types whose buildings are drawn; none for named buildings.

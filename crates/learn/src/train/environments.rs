@@ -8,7 +8,7 @@ use b2b_building::{BuildingType, RunPeriod};
 use b2b_dataset::{BuildingName, Catalog, Placement};
 use b2b_energyplus::install::Quiet;
 use b2b_env::vector::{
-    Autoreset, Buildings, Fixed, Kept, Launcher, Population, RoundRobin, Sampler, Setting, Source, VecEnv,
+    Autoreset, Buildings, Kept, Launcher, Population, Rotating, RoundRobin, Sampler, Setting, Source, VecEnv,
     VecEnvOptions, Weighted, Windows, WithTask, WorkerOptions,
 };
 use b2b_env::{EpisodeConfig, Spaces, Task};
@@ -88,7 +88,7 @@ impl<'a> Environments<'a> {
             population: Population::Ids(self.config.drawn(building_type).collect()),
             period,
             steps_per_hour: self.config.steps_per_hour,
-            task: self.config.tasks()?.remove(0),
+            task: self.config.task.as_slice()[0].clone(),
         })
     }
 
@@ -118,13 +118,10 @@ impl<'a> Environments<'a> {
 
     /// Returns the sampler of training episodes.
     fn sampler(&self) -> Result<Box<dyn Sampler>> {
-        let TrainConfig { environments, mirrored_noise, seed, .. } = *self.config;
-        Ok(match mirrored_noise {
-            true => {
-                let one = || self.sampler_for(environments.div_ceil(2));
-                Box::new(Paired::new([one()?, one()?], seed))
-            }
-            false => self.sampler_for(environments)?,
+        let one = || self.sampler_for(self.config.distinct_environments());
+        Ok(match self.config.mirrored_noise {
+            true => Box::new(Paired::new([one()?, one()?], self.config.seed)),
+            false => one()?,
         })
     }
 
@@ -135,7 +132,7 @@ impl<'a> Environments<'a> {
         let mut samplers = Vec::new();
         for part in parts {
             let starts = (self.config.window_starts * part.days()).div_ceil(all);
-            samplers.push((f64::from(starts), self.part(part, starts, &settings)?));
+            samplers.push((f64::from(starts), self.part(part, starts, &settings, environments)?));
         }
         let all: Box<dyn Sampler> = match samplers.len() {
             1 => samplers.remove(0).1,
@@ -149,12 +146,17 @@ impl<'a> Environments<'a> {
     }
 
     /// Returns the sampler of windows that begin on a number of days of a part of the run period.
-    fn part(&self, part: RunPeriod, starts: u32, settings: &[Setting]) -> Result<Box<dyn Sampler>> {
-        let tasks = self.config.tasks()?;
-        let buildings = self.buildings(part, settings)?;
-        let buildings = match tasks.len() {
-            1 => buildings,
-            _ => Box::new(WithTask { of: buildings, tasks }),
+    fn part(
+        &self,
+        part: RunPeriod,
+        starts: u32,
+        settings: &[Setting],
+        environments: usize,
+    ) -> Result<Box<dyn Sampler>> {
+        let buildings = self.buildings(part, settings, environments)?;
+        let buildings = match self.config.task.as_slice() {
+            [_] => buildings,
+            tasks => Box::new(WithTask { of: buildings, tasks: tasks.to_vec() }),
         };
         let days = self.config.window_days;
         if days == 0 {
@@ -164,7 +166,12 @@ impl<'a> Environments<'a> {
     }
 
     /// Returns the sampler of the buildings over all days of a part of the run period.
-    fn buildings(&self, period: RunPeriod, settings: &[Setting]) -> Result<Box<dyn Sampler>> {
+    fn buildings(
+        &self,
+        period: RunPeriod,
+        settings: &[Setting],
+        environments: usize,
+    ) -> Result<Box<dyn Sampler>> {
         let types = self.config.building_types()?;
         if !types.is_empty() {
             let of_type = |building_type: &BuildingType| -> Result<Box<dyn Sampler>> {
@@ -175,13 +182,13 @@ impl<'a> Environments<'a> {
         }
         let mut settings = settings.to_vec();
         settings.iter_mut().for_each(|setting| setting.episode.period = period);
-        Ok(Box::new(Fixed(settings)))
+        Ok(Box::new(Rotating::new(settings, environments)))
     }
 
     /// Returns the settings of the buildings that are named, over the whole run period.
     fn settings(&self) -> Result<Vec<Setting>> {
         let (period, steps_per_hour) = (self.config.run_period()?, self.config.steps_per_hour);
-        let (task, placement) = (self.config.tasks()?.remove(0), self.config.placement()?);
+        let (task, placement) = (&self.config.task.as_slice()[0], self.config.placement()?);
         let setting = |name: &BuildingName| {
             let found = self.catalog.find(name, &placement, &mut Quiet)?;
             let weather = found.weather.clone();
@@ -199,13 +206,13 @@ impl<'a> Environments<'a> {
         };
         let count = self.config.evaluation.buildings.clamp(1, all.len());
         let spread = (0..count).map(|index| all[index * all.len() / count].clone()).collect();
-        self.with_every_task(spread)
+        Ok(self.with_every_task(spread))
     }
 
-    fn with_every_task(&self, names: Vec<BuildingName>) -> Result<Vec<(BuildingName, Task)>> {
-        let tasks = self.config.tasks()?;
+    fn with_every_task(&self, names: Vec<BuildingName>) -> Vec<(BuildingName, Task)> {
+        let tasks = self.config.task.as_slice();
         let with = |name: BuildingName| tasks.iter().map(move |task| (name.clone(), task.clone()));
-        Ok(names.into_iter().flat_map(with).collect())
+        names.into_iter().flat_map(with).collect()
     }
 
     /// Returns the factors of rewards: 1 over the mean penalty per step of the reactive controllers in the building under the
@@ -227,7 +234,7 @@ impl<'a> Environments<'a> {
             return Ok(Box::new(move |spaces: &Spaces| scale.of(spaces)));
         }
         let known = match self.config.building_type.is_empty() {
-            true => self.with_every_task(self.config.named()?)?,
+            true => self.with_every_task(self.config.named()?),
             false => self.evaluated()?,
         };
         let period = self.config.run_period()?;
@@ -294,6 +301,7 @@ impl DrawnScale {
     }
 }
 
+/// Returns the median scale, of an even number the upper one of the two in the middle.
 fn median(scales: &HashMap<String, f64>) -> f64 {
     let mut sorted: Vec<f64> = scales.values().copied().collect();
     sorted.sort_by(f64::total_cmp);
@@ -306,6 +314,25 @@ mod tests {
 
     use super::*;
     use crate::ppo::PpoConfig;
+
+    #[test]
+    fn named_buildings_beyond_the_number_of_environments_are_trained_on_too() {
+        let catalog = Arc::new(Catalog::open(&mut Quiet).unwrap());
+        let names: Vec<String> = (1..=5).map(|number| format!("SingleFamilyHouse-{number:04}")).collect();
+        for (environments, mirrored_noise) in [(2, false), (4, true)] {
+            let buildings = names.clone();
+            let config = TrainConfig { buildings, environments, mirrored_noise, ..TrainConfig::default() };
+            let mut sampler = Environments::new(&config, Arc::clone(&catalog)).sampler().unwrap();
+            let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(0);
+            let mut drawn = |environment: usize| {
+                let source = sampler.draw(environment, &mut random).unwrap().setting.source;
+                names.iter().position(|name| source.name() == *name).unwrap()
+            };
+            let of_first: Vec<usize> = (0..4).map(|_| drawn(0)).collect();
+            let of_last: Vec<usize> = (0..4).map(|_| drawn(environments - 1)).collect();
+            assert_eq!((of_first, of_last), (vec![0, 2, 4, 0], vec![1, 3, 0, 1]));
+        }
+    }
 
     #[test]
     fn no_training_episode_has_a_day_of_the_evaluations() {

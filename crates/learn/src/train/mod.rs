@@ -24,6 +24,7 @@ mod progress;
 mod run;
 mod staggered;
 mod suggestion;
+mod tasks;
 mod tensorboard;
 
 pub use checkpoint::CHECKPOINT;
@@ -34,3 +35,4 @@ pub use measure::{Design, TrainingLoop, UpdateTimes};
 pub use policy::{GraphPolicy, Policy};
 pub use progress::{Row, TABLE, read_column};
 pub use run::{CONFIG, LAST, Monitor, Place, SUMMARY, Summary, train};
+pub use tasks::Tasks;

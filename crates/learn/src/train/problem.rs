@@ -40,7 +40,6 @@ impl TrainConfig {
                 }
             }
         }
-        let tasks: Vec<String> = side.tasks.iter().map(ToString::to_string).collect();
         Ok(Self {
             building_type: match buildings.is_empty() {
                 true => types.iter().map(ToString::to_string).collect(),
@@ -48,7 +47,7 @@ impl TrainConfig {
             },
             buildings,
             problem: name.to_owned(),
-            task: tasks.join(","),
+            task: side.tasks.iter().cloned().collect(),
             period: protocol.training_period.to_string(),
             steps_per_hour: protocol.steps_per_hour,
             steps: protocol.training_steps,
@@ -75,9 +74,9 @@ impl TrainConfig {
         if let Some(building_type) = types.iter().find(|each| !side.buildings.types().contains(each)) {
             return Err(beyond(&problem, "building type", building_type, &side.buildings));
         }
-        let tasks: Vec<String> = side.tasks.iter().map(ToString::to_string).collect();
-        if let Some(task) = self.tasks()?.iter().find(|task| !side.tasks.contains(task)) {
-            return Err(beyond(&problem, "task", task, &tasks.join(", ")));
+        if let Some(task) = self.task.as_slice().iter().find(|task| !side.tasks.contains(task)) {
+            let expected: Vec<String> = side.tasks.iter().map(ToString::to_string).collect();
+            return Err(beyond(&problem, "task", task, &expected.join(", ")));
         }
         if self.run_period()? != protocol.training_period {
             return Err(beyond(&problem, "run period", &self.period, &protocol.training_period));
@@ -152,11 +151,11 @@ mod tests {
             (&houses.building_type[..], houses.buildings.len()),
             (&["SingleFamilyHouse".to_owned()][..], 0)
         );
-        assert_eq!((houses.task.as_str(), houses.steps), ("constant", 4_000_000));
+        assert_eq!((houses.task.to_string().as_str(), houses.steps), ("constant", 4_000_000));
         houses.check().unwrap();
         let goals = of("goal-setpoint-mode").unwrap();
         assert_eq!(goals.buildings, ["OfficeSmall-0005"]);
-        assert_eq!(goals.tasks().unwrap().len(), 4);
+        assert_eq!(goals.task.as_slice().len(), 4);
         goals.check().unwrap();
         let paper = TrainConfig::preset("paper").unwrap().with_problem("dynamics-house").unwrap();
         assert_eq!(paper.observation.form, ObservationForm::Roles);
@@ -186,7 +185,10 @@ mod tests {
         assert!(wrong(listed("OfficeSmall")).contains("building of a run for dynamics-office-small"));
         let said = wrong(TrainConfig { steps: 5_000_000, ..valid.clone() });
         assert!(said.contains("5000000") && said.contains("at most 4000000"), "{said}");
-        assert!(wrong(TrainConfig { task: "constant,random".into(), ..valid.clone() }).contains("random"));
+        assert!(
+            wrong(TrainConfig { task: "constant,random".parse().unwrap(), ..valid.clone() })
+                .contains("random")
+        );
         assert!(wrong(TrainConfig { period: "summer".into(), ..valid.clone() }).contains("winter"));
         let mut attributes = valid;
         attributes.observation.attributes = true;
@@ -200,6 +202,15 @@ mod tests {
             assert!(said.contains(problem) && said.contains(why), "{said}");
         }
         let graph = TrainConfig::preset("graph").unwrap().with_problem("four-types").unwrap();
+        // A run reads it from its folder, and users may write it without a preset.
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("config.toml"), graph.to_toml()).unwrap();
+        assert_eq!(TrainConfig::of_run(folder.path()).unwrap(), graph);
+        let own = "problem = 'four-types'\npolicy = { kind = 'graph' }";
+        assert!(TrainConfig::preset("residual").unwrap().with_changes(own).unwrap().check().is_ok());
+        let flat =
+            TrainConfig::preset("residual").unwrap().with_changes("problem = 'four-types'").unwrap_err();
+        assert!(flat.contains("preset graph"), "{flat}");
         assert_eq!(graph.building_type.len(), 4);
         graph.check().unwrap();
         assert!(of("dynamics-hose").unwrap_err().to_string().contains("dynamics-house"));

@@ -134,7 +134,7 @@ fn begin_folder(config: &TrainConfig, out: &Path) -> Result<()> {
     std::fs::create_dir_all(out).map_err(at(out))?;
     let path = out.join(CONFIG);
     if path.exists() {
-        let before = TrainConfig::default().with_file(&path)?;
+        let before = TrainConfig::of_run(out)?;
         // More steps continue a run.
         if (TrainConfig { steps: config.steps, ..before.clone() }) != *config {
             let why = format!("its {CONFIG} differs from this run's; choose another folder");
@@ -382,7 +382,7 @@ impl<'a> Run<'a> {
             steps_per_s: self.steps as f64 / self.seconds.max(f64::MIN_POSITIVE),
             seed: self.config.seed,
             buildings: self.config.buildings_text(),
-            task: self.config.task.clone(),
+            task: self.config.task.to_string(),
             period: self.config.period.clone(),
             lost_episodes: self.collector.lost(),
             out: self.out.to_owned(),
@@ -438,7 +438,7 @@ fn training_info(config: &TrainConfig) -> TrainingInfo {
     TrainingInfo {
         algorithm: Learner::name(config.algorithm).into(),
         buildings: config.buildings_text(),
-        tasks: config.task.clone(),
+        tasks: config.task.to_string(),
         problem: config.problem.clone(),
         period: config.period.clone(),
         steps_per_hour: config.steps_per_hour,
