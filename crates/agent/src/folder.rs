@@ -3,11 +3,11 @@
 use std::path::Path;
 
 use b2b_building::morphology::NodeType;
+use b2b_energyplus::aside;
 use b2b_energyplus::digest::sha256;
 use safetensors::tensor::{Dtype, TensorView};
 use safetensors::{SafeTensors, serialize};
 
-use crate::aside;
 use crate::error::at;
 use crate::info::{AgentInfo, FORMAT};
 use crate::network::graph::NodeWidths;
@@ -64,10 +64,10 @@ pub(crate) fn write(path: &Path, mut info: AgentInfo, actor: &Actor) -> Result<(
     let text = serde_json::to_vec_pretty(&info).expect("plain data always serializes");
     // With weights of another hash the agent before would count as damaged: both are aside before either is replaced.
     let (weights, description) = (path.join(WEIGHTS), path.join(INFO));
-    let (new_weights, new_description) =
-        (aside::write(&weights, &bytes)?, aside::write(&description, &text)?);
-    aside::put(new_weights, &weights)?;
-    aside::put(new_description, &description)
+    let new_weights = aside::write(&weights, &bytes).map_err(at(&weights))?;
+    let new_description = aside::write(&description, &text).map_err(at(&description))?;
+    aside::put(new_weights, &weights).map_err(at(&weights))?;
+    aside::put(new_description, &description).map_err(at(&description))
 }
 
 /// Returns the weights of an actor as a file: among others a matrix inputs × outputs and a vector for each layer.

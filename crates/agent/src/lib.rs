@@ -6,7 +6,6 @@
 
 mod acting;
 mod agent;
-mod aside;
 mod description;
 mod error;
 mod folder;
@@ -21,7 +20,6 @@ pub mod protobuf;
 
 pub use acting::Acting;
 pub use agent::{Agent, AgentController};
-pub use aside::write_whole;
 pub use description::ControllerDescription;
 pub use error::{Error, Result};
 pub use folder::{FILES, INFO};

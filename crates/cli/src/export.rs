@@ -3,9 +3,10 @@
 use std::path::PathBuf;
 
 use anyhow::{Context, Result};
-use b2b_agent::{Agent, write_whole};
+use b2b_agent::Agent;
 use b2b_building::RunPeriod;
 use b2b_dataset::BuildingName;
+use b2b_energyplus::aside::write_whole;
 
 use crate::arguments::location::Location;
 use crate::prepare::Prepared;
@@ -42,7 +43,8 @@ pub fn export(arguments: &Arguments) -> Result<()> {
     let prepared = Prepared::new(&building, &Location::default(), false)?;
     let task = agent.info().task.clone();
     let spaces = prepared.spaces(RunPeriod::WINTER, training.steps_per_hour, task)?;
-    write_whole(&arguments.out, &agent.to_onnx(&spaces.into())?)?;
+    let written = write_whole(&arguments.out, &agent.to_onnx(&spaces.into())?);
+    written.with_context(|| format!("cannot write {}", arguments.out.display()))?;
     println!("{}", arguments.out.display());
     Ok(())
 }

@@ -30,6 +30,7 @@
 #[cfg(unix)]
 mod abort_line;
 mod api;
+pub mod aside;
 mod confinement;
 mod convert;
 mod coroutine;

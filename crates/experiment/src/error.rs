@@ -69,7 +69,7 @@ pub enum Error {
     /// The user asked to stop.
     #[error("interrupted")]
     Interrupted,
-    /// An error of a file that is written aside.
+    /// An error of an agent.
     #[error(transparent)]
     Agent(#[from] b2b_agent::Error),
     /// An error of the benchmark.

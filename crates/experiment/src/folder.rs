@@ -5,7 +5,7 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use b2b_agent::write_whole;
+use b2b_energyplus::aside::write_whole;
 use serde::{Deserialize, Serialize};
 
 use crate::definition::{BudgetName, Experiment, ReportKind};
@@ -169,7 +169,8 @@ impl Folder {
         let line = |result: &JobResult| serde_json::to_string(result).expect("plain data always serializes");
         let lines: Vec<String> = results.iter().chain(others).map(line).collect();
         let text = format!("[\n{}\n]\n", lines.join(",\n"));
-        Ok(write_whole(&self.path.join(KEPT), text.as_bytes())?)
+        let path = self.path.join(KEPT);
+        write_whole(&path, text.as_bytes()).map_err(at(&path))
     }
 
     /// Takes over the results of jobs that are done in the folder of another experiment, and returns their number. A job there is
@@ -221,5 +222,5 @@ fn read_kept(folder: &Path) -> Result<HashMap<String, JobResult>> {
 /// Writes a JSON file, which appears complete or not at all.
 pub(crate) fn write_json(path: &Path, value: &impl Serialize) -> Result<()> {
     let text = serde_json::to_string_pretty(value).expect("plain data always serializes") + "\n";
-    Ok(write_whole(path, text.as_bytes())?)
+    write_whole(path, text.as_bytes()).map_err(at(path))
 }

@@ -8,7 +8,7 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
-use b2b_agent::write_whole;
+use b2b_energyplus::aside::write_whole;
 use rustix::process::{Pid, Signal, kill_process};
 
 use crate::definition::REACTIVE;
@@ -107,7 +107,8 @@ impl Runner<'_> {
                     return Ok(None);
                 }
                 let text = toml::to_string(config).expect("a table of plain values always serializes");
-                write_whole(&path.join(CONFIG), text.as_bytes())?;
+                let file = path.join(CONFIG);
+                write_whole(&file, text.as_bytes()).map_err(at(&file))?;
                 words(&["train", "--config", CONFIG, "--out", agent, "--jobs", "1", "--json"])
             }
             Action::Enter(entry) => enter(entry, job.agent()),
@@ -145,7 +146,7 @@ impl Runner<'_> {
         let mut text = Vec::new();
         printed.read_to_end(&mut text).map_err(at(log))?;
         match result.filter(|_| error.is_none()) {
-            Some(result) => write_whole(result, &text)?,
+            Some(result) => write_whole(result, &text).map_err(at(result))?,
             None => file.write_all(&text).map_err(at(log))?,
         }
         Ok(error)

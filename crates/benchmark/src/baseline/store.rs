@@ -1,10 +1,10 @@
 //! Known baselines, and the computation of unknown ones.
 
 use std::collections::{HashMap, HashSet};
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
+use b2b_energyplus::aside::write_whole;
 use b2b_energyplus::install::{cache_dir, seal, unseal};
 use serde::{Deserialize, Serialize};
 
@@ -84,11 +84,8 @@ impl Baselines {
         let text = serde_json::to_vec_pretty(&Cached { key: key.clone(), terms })
             .expect("plain data always serializes");
         // Another process may write the same file.
-        let aside = tempfile::NamedTempFile::new_in(&self.folder).map_err(at(&self.folder))?;
-        aside.as_file().write_all(&seal(&text)).map_err(at(aside.path()))?;
         let path = self.folder.join(key.file_name());
-        aside.persist(&path).map_err(|error| at(&path)(error.error))?;
-        Ok(())
+        write_whole(&path, &seal(&text)).map_err(at(&path))
     }
 
     /// Computes baselines and caches them. Returns the lost episodes by their keys.

@@ -2,8 +2,10 @@
 
 use std::path::Path;
 
+use b2b_energyplus::aside::write_whole;
+
 use super::judge::Rating;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, at};
 use crate::state::State;
 
 /// Name of the file.
@@ -37,7 +39,8 @@ impl Checkpoint {
         all.put_f32("travel_cost", &[self.travel_cost]);
         all.put_all("learner", &self.learner);
         all.put_all("collector", &self.collector);
-        Ok(b2b_agent::write_whole(&folder.join(CHECKPOINT), &all.to_bytes())?)
+        let path = folder.join(CHECKPOINT);
+        write_whole(&path, &all.to_bytes()).map_err(at(&path))
     }
 
     /// Reads the checkpoint of a run's folder; `None` if there is none.

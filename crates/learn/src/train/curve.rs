@@ -3,12 +3,13 @@
 use std::path::Path;
 
 use b2b_benchmark::report::fill;
+use b2b_energyplus::aside::write_whole;
 use serde_json::{Value, json};
 
 use super::config::TrainConfig;
 use super::days;
 use super::progress::read_column;
-use crate::error::Result;
+use crate::error::{Result, at};
 
 /// Name of the page.
 pub const PAGE: &str = "curve.html";
@@ -52,5 +53,6 @@ pub(super) fn write(folder: &Path, config: &TrainConfig) -> Result<()> {
         "note": note(config)?,
         "panels": panels.collect::<Vec<Value>>(),
     });
-    Ok(b2b_agent::write_whole(&folder.join(PAGE), fill(TEMPLATE, &data).as_bytes())?)
+    let path = folder.join(PAGE);
+    write_whole(&path, fill(TEMPLATE, &data).as_bytes()).map_err(at(&path))
 }

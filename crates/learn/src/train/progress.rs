@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use b2b_energyplus::aside::write_whole;
+
 use super::journal::Journal;
 use super::tensorboard::EventFile;
 use crate::error::{Error, Result, at};
@@ -42,7 +44,7 @@ impl Progress {
     pub(super) fn open(folder: &Path, steps: u64) -> Result<(Self, Option<String>)> {
         let path = folder.join(TABLE);
         let kept = kept_lines(&path, steps)?;
-        b2b_agent::write_whole(&path, kept.as_bytes())?;
+        write_whole(&path, kept.as_bytes()).map_err(at(&path))?;
         let table = Journal::open(&path)?;
         let (events, warning) = match EventFile::create(&folder.join(EVENTS)) {
             Ok(events) => (Some(events), None),

@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
-use b2b_agent::{Agent, AgentInfo, FORMAT, NodeSpaces, Pilot, TrainingInfo, write_whole};
+use b2b_agent::{Agent, AgentInfo, FORMAT, NodeSpaces, Pilot, TrainingInfo};
 use b2b_benchmark::{Baselines, Evaluation, Versions};
 use b2b_dataset::Catalog;
+use b2b_energyplus::aside::write_whole;
 use b2b_env::vector::{Launcher, WorkerOptions};
 use serde::Serialize;
 
@@ -141,7 +142,7 @@ fn begin_folder(config: &TrainConfig, out: &Path) -> Result<()> {
             return Err(Error::Resume { path: out.to_owned(), why });
         }
     }
-    Ok(write_whole(&path, config.to_toml().as_bytes())?)
+    write_whole(&path, config.to_toml().as_bytes()).map_err(at(&path))
 }
 
 /// A run under way.
@@ -388,7 +389,8 @@ impl<'a> Run<'a> {
             out: self.out.to_owned(),
         };
         let text = serde_json::to_vec_pretty(&summary).expect("plain data always serializes");
-        write_whole(&self.out.join(SUMMARY), &text)?;
+        let path = self.out.join(SUMMARY);
+        write_whole(&path, &text).map_err(at(&path))?;
         curve::write(self.out, self.config)?;
         Ok(summary)
     }
