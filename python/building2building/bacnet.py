@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from .buildings import find_building
 from .env import BuildingEnv
-from .errors import SettingError, need
+from .errors import Error, SettingError, need
 from .registration import make_env
 from .rollouts import ReactiveController
 
@@ -184,14 +184,18 @@ def _requests(plant: Plant) -> tuple[Any, Any]:
     return _value(1, "steps to run", "write a number of steps to run them", StepsToRun), new_episode
 
 
+def _check_speed(speed: float | None) -> None:
+    if speed is not None and not 0 < speed < math.inf:
+        raise SettingError(f"speed is {speed}; expected a positive number, or None")
+
+
 async def serve(env: BuildingEnv, address: str = "0.0.0.0/24:47808", *, speed: float | None = 1.0) -> None:
     """Serves an environment as a BACnet device: see :class:`Plant`.
 
     ``speed`` is the number of simulated seconds per second; the call returns at the end of the episode. With ``None``
     time stands still until a client writes *steps to run*, and the call never returns.
     """
-    if speed is not None and not 0 < speed < math.inf:
-        raise SettingError(f"speed is {speed}; expected a positive number, or None")
+    _check_speed(speed)
     plant = Plant(env, address)
     try:
         if speed is None:
@@ -212,6 +216,8 @@ def main() -> None:
     """Serves a building from the command line."""
     parser = argparse.ArgumentParser(prog="python -m building2building.bacnet", description=main.__doc__)
     parser.add_argument("building", help="building type, id (OfficeSmall-0042) or model file")
+    parser.add_argument("--place", help="place, such as Miami [default: that of the building]")
+    parser.add_argument("--weather", help="weather file (EPW); needed for a model file")
     parser.add_argument("--task", default="constant", help="task [default: constant]")
     parser.add_argument("--period", default="winter", help="run period, such as 01-08..01-14 [default: winter]")
     parser.add_argument("--address", default="0.0.0.0/24:47808", help="ip/bits:port [default: 0.0.0.0/24:47808]")
@@ -222,10 +228,16 @@ def main() -> None:
         help="simulated seconds per second; 0: on request of clients [default: 1]",
     )
     arguments = parser.parse_args()
-    env = make_env(building=find_building(arguments.building), task=arguments.task, run_period=arguments.period)
+    speed = arguments.speed or None
+    try:
+        _check_speed(speed)
+        building = find_building(arguments.building, arguments.place, arguments.weather)
+        env = make_env(building=building, task=arguments.task, run_period=arguments.period)
+    except Error as error:
+        parser.error(str(error))
     print(f"{env.building.name} on {arguments.address}, {env.episode_steps} steps; Ctrl-C ends it", flush=True)
     try:
-        asyncio.run(serve(env, arguments.address, speed=arguments.speed or None))
+        asyncio.run(serve(env, arguments.address, speed=speed))
     except KeyboardInterrupt:
         pass
     finally:

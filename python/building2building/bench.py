@@ -299,6 +299,27 @@ def resetting(building_type: str, turns: int = 20) -> tuple[float, float]:
     return float(np.median(times)) * 1e3, private / 1e3
 
 
+def _print_steps(arguments: argparse.Namespace) -> None:
+    print(f"import building2building: {importing():.2f} s\n")
+    print("type                Rust, µs  + Python, µs  main, µs  worker, µs  wall, µs  reset, ms  private memory, MB")
+    for each in arguments.types:
+        times = single(each, arguments.days, arguments.turns)
+        reset, memory = resetting(each)
+        print(
+            f"{each:<18}  {times['rust']:8.1f}  {times['python']:12.1f}  {times['main']:8.1f}  "
+            f"{times['worker']:10.1f}  {times['wall']:8.1f}  {reset:9.2f}  {memory:18.1f}"
+        )
+    print(
+        "\nRust: CPU time of Env::step in this process, called from Rust. + Python: what a step from Python adds.\n"
+        "main, worker: CPU time of a step of an environment in its own process: of this process, with its context\n"
+        "switches, and of that of the environment."
+    )
+    print(f"\n{arguments.count} environments   make_vec, steps/s  Rust VecEnv, steps/s  ratio")
+    for each in arguments.types:
+        python, rust = vector(each, arguments.count, arguments.days, arguments.turns)
+        print(f"{each:<18}  {python:15.0f}  {rust:20.0f}  {python / rust:5.2f}")
+
+
 def main() -> None:
     """Measures the cost of steps, resets and imports."""
     parser = argparse.ArgumentParser(prog="python -m building2building.bench", description=main.__doc__)
@@ -318,28 +339,18 @@ def main() -> None:
     parser.add_argument("--steps", type=int, default=56_448, help="steps of all environments that --train measures")
     parser.add_argument("--json", action="store_true", help="print the result of --train as JSON")
     arguments = parser.parse_args()
-    if arguments.train:
-        return _print_training(arguments)
-    if arguments.resample:
-        return _print_resampling(arguments)
-    print(f"import building2building: {importing():.2f} s\n")
-    print("type                Rust, µs  + Python, µs  main, µs  worker, µs  wall, µs  reset, ms  private memory, MB")
-    for each in arguments.types:
-        times = single(each, arguments.days, arguments.turns)
-        reset, memory = resetting(each)
-        print(
-            f"{each:<18}  {times['rust']:8.1f}  {times['python']:12.1f}  {times['main']:8.1f}  "
-            f"{times['worker']:10.1f}  {times['wall']:8.1f}  {reset:9.2f}  {memory:18.1f}"
-        )
-    print(
-        "\nRust: CPU time of Env::step in this process, called from Rust. + Python: what a step from Python adds.\n"
-        "main, worker: CPU time of a step of an environment in its own process: of this process, with its context\n"
-        "switches, and of that of the environment."
-    )
-    print(f"\n{arguments.count} environments   make_vec, steps/s  Rust VecEnv, steps/s  ratio")
-    for each in arguments.types:
-        python, rust = vector(each, arguments.count, arguments.days, arguments.turns)
-        print(f"{each:<18}  {python:15.0f}  {rust:20.0f}  {python / rust:5.2f}")
+    longest = 365 if arguments.resample else 31
+    if not 1 <= arguments.days <= longest:
+        parser.error(f"--days is {arguments.days}; expected 1 to {longest}")
+    try:
+        if arguments.train:
+            _print_training(arguments)
+        elif arguments.resample:
+            _print_resampling(arguments)
+        else:
+            _print_steps(arguments)
+    except b2b.Error as error:
+        parser.error(str(error))
 
 
 if __name__ == "__main__":

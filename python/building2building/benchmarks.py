@@ -27,7 +27,7 @@ from .env import BuildingEnv, unwrap
 from .errors import SettingError
 from .evaluation import ControllerMaker, ProgressLine, name_of
 from .learning import Agent
-from .rollouts import ReactiveController, Trajectory, rollout
+from .rollouts import BuiltInController, ReactiveController, Trajectory, rollout
 from .vector import BuildingVectorEnv
 from .wrappers import AugmentObservationWithBuildingParams, PadObservation, RoleObservation, action_of_shape
 
@@ -92,7 +92,7 @@ class Result:
 
     #: Name of the problem.
     problem: str
-    #: One dictionary per test environment: building, task, return, baseline_return, score, resolved_score,
+    #: One dictionary per test environment: building, task, period, return, baseline_return, score, resolved_score,
     #: relative_energy, and the episode's metrics.
     episodes: list[dict[str, Any]] = field(repr=False)
     #: Measures of the scores and, under ``resolved``, of the resolved scores: interquartile mean, median, mean and
@@ -120,14 +120,21 @@ class Result:
         return sum(each["relative_energy"] for each in self.episodes) / len(self.episodes)
 
     @property
-    def scores(self) -> dict[tuple[str, str], float]:
-        """Score by building and task."""
-        return {(each["building"], each["task"]): each["score"] for each in self.episodes}
+    def scores(self) -> dict[tuple[str, ...], float]:
+        """Score by building and task, and by run period if there are several."""
+        return self._by_environment("score")
 
     @property
-    def resolved_scores(self) -> dict[tuple[str, str], float]:
-        """Resolved score by building and task."""
-        return {(each["building"], each["task"]): each["resolved_score"] for each in self.episodes}
+    def resolved_scores(self) -> dict[tuple[str, ...], float]:
+        """Resolved score by building and task, and by run period if there are several."""
+        return self._by_environment("resolved_score")
+
+    def _by_environment(self, name: str) -> dict[tuple[str, ...], float]:
+        """Returns a column by test environment."""
+        keys = ["building", "task"]
+        if len({each["period"] for each in self.episodes}) > 1:
+            keys.append("period")
+        return {tuple(each[key] for key in keys): each[name] for each in self.episodes}
 
 
 class Problem:
@@ -248,7 +255,9 @@ class Problem:
     def _tests(self) -> list[tuple[str, str, str]]:
         """Returns building, task and run period of the test environments."""
         tasks, periods = self.definition["test"]["tasks"], self.definition["protocol"]["windows"]
-        return [(building, task, period) for building in self.test_building_ids() for task in tasks for period in periods]
+        return [
+            (building, task, period) for building in self.test_building_ids() for task in tasks for period in periods
+        ]
 
     def evaluate(
         self,
@@ -323,6 +332,8 @@ class Problem:
         for each in (policy, train_policy):
             if each is not None and not callable(each):
                 raise SettingError(f"{each!r} is not a policy; expected a function or a controller class")
+            if isinstance(each, BuiltInController):
+                raise SettingError(f"this {type(each).__name__} belongs to an environment; pass the class")
         whole = isinstance(policy, type)
         if train_policy is not None and isinstance(train_policy, type) != whole:
             raise SettingError("policy and train_policy must both be functions, or both controller classes")

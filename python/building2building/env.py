@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import threading
 from collections.abc import Callable, Sequence
@@ -70,7 +71,6 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
         keep_engine_output: PathLike | None = None,
     ):
         self._core: _core.Env | _core.LocalEnv | None = None
-        self._penalties = math.nan, math.nan
         self._renderer: Renderer | None = None
         self._arguments = {name: value for name, value in locals().items() if name not in ("self", "__class__")}
         if render_mode is not None and render_mode not in self.metadata["render_modes"]:
@@ -118,6 +118,7 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
         #: The observation in f64.
         self.observation = np.zeros(len(self.layout.observation_low))
         self._steps = 0
+        self._penalties = math.nan, math.nan
         self._truncated = False
 
     def _open_core(self) -> _core.Env | _core.LocalEnv:
@@ -155,6 +156,7 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
         core = self._open_core()
         single, self.observation = core.reset() if isinstance(core, _core.LocalEnv) else core.reset(steps)
         self._steps, self._started, self._truncated = 0, True, False
+        self._penalties = math.nan, math.nan
         building = self.building
         info = Info(
             lambda: {"building": building.name, "weather": str(setting.weather), "first_day": setting.first_day}
@@ -214,7 +216,8 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
 
     @property
     def penalties(self) -> tuple[float, float]:
-        """Temperature and energy penalty of the last step; the task's reward is minus their sum. NaN before the first step."""
+        """Temperature and energy penalty of the last step; the task's reward is minus their sum. NaN before the first
+        step of an episode."""
         return self._penalties
 
     def applied_action(self) -> NDArray[np.float64]:
@@ -269,7 +272,15 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
             raise ProcessError("snapshots are not available with in_process=True")
         if not self._started:
             raise EpisodeError("no episode is in progress; call reset first")
-        position = Position(self.building, self.layout, self.setting, self.observation, self._steps, self._truncated)
+        position = Position(
+            self.building,
+            self.layout,
+            self.setting,
+            self.observation,
+            self._steps,
+            self._penalties,
+            self._truncated,
+        )
         return Snapshot(self, core.snapshot(), position, core.release)
 
     def restore(self, snapshot: Snapshot) -> tuple[NDArray[np.float32], dict[str, Any]]:
@@ -282,8 +293,8 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
             raise EpisodeError(f"the snapshot is of {taken}, but the building of the environment is now {now}")
         core.restore(snapshot.number)
         position = snapshot.position
-        self.layout, self.setting, self._steps = position.layout, position.setting, position.steps
-        self.observation, self._truncated = position.observation, position.truncated
+        self.layout, self.setting, self.observation = position.layout, position.setting, position.observation
+        self._steps, self._penalties, self._truncated = position.steps, position.penalties, position.truncated
         return self.observation.astype(np.float32), Info(lambda: {"building": self.building.name})
 
     def branch(self, count: int) -> list[BuildingEnv]:

@@ -110,13 +110,14 @@ def train(
 
     >>> agent = b2b.train("OfficeSmall-0509", task="occupancy", out="runs/x")  # doctest: +SKIP
     """
+    tasks = [task] if isinstance(task, (str, dict)) else task
     named = {
         "buildings": [buildings] if isinstance(buildings, str) else buildings and list(buildings),
         "place": place,
         "weather": None if weather is None else os.path.abspath(weather),
         "building_type": [building_type] if isinstance(building_type, str) else building_type and list(building_type),
         "problem": problem,
-        "task": None if task is None else [task_text(each) for each in ([task] if isinstance(task, (str, dict)) else task)],
+        "task": None if tasks is None else [task_text(each) for each in tasks],
         "period": run_period,
         "steps": steps,
         "seed": seed,
@@ -128,7 +129,7 @@ def train(
     if not resume:
         given["preset"] = preset
     text = json.dumps(given, default=_plain)
-    _core.train(text, os.fspath(out), jobs or os.cpu_count() or 1, resume, callback)
+    _core.train(text, os.fspath(out), jobs or len(os.sched_getaffinity(0)), resume, callback)
     return Agent.load(out)
 
 

@@ -20,6 +20,9 @@ Stepped = tuple[Array, Any, bool, bool, dict[str, Any]]
 class ObservationWrapper(gymnasium.Wrapper[Any, Any, Any, Any], gymnasium.utils.RecordConstructorArgs):
     """A wrapper that records its arguments for the environment's spec and keeps the names of slots up to date."""
 
+    #: Whether the wrapper only appends zeros to the observation.
+    appends_zeros = False
+
     def __init__(self, env: Env, **arguments: Any):
         gymnasium.utils.RecordConstructorArgs.__init__(self, **arguments)
         gymnasium.Wrapper.__init__(self, env)
@@ -56,5 +59,10 @@ def box_of(env: Env) -> Box:
 
 
 def is_own(env: Env) -> bool:
-    """Returns whether no wrapper has changed the slots of the observation."""
+    """Returns whether no wrapper has changed the slots of the observation. Zeros may follow them."""
+    while isinstance(env, gymnasium.Wrapper):
+        appends_zeros = isinstance(env, ObservationWrapper) and env.appends_zeros
+        if not appends_zeros and env.metadata is not env.env.metadata:
+            break
+        env = env.env
     return bool(env.metadata["observation_names"] == unwrap(env).metadata["observation_names"])

@@ -9,6 +9,7 @@ Every node needs this package, and downloads EnergyPlus on first use. Requires `
 
 from __future__ import annotations
 
+import copy
 import json
 import os
 import shutil
@@ -23,7 +24,7 @@ from typing import Any
 import ray
 
 from . import _core, command
-from .buildings import Building, PathLike
+from .buildings import Building, PathLike, list_building_types
 from .errors import EvaluationError, SettingError
 from .evaluation import Evaluation, Policy, Request
 from .learning import Agent
@@ -31,6 +32,8 @@ from .learning import train as train_here
 
 #: Files by their path in a folder.
 Files = dict[str, bytes]
+#: The files that make a folder that of an agent.
+_AGENT = ("agent.json", "weights.safetensors")
 
 
 @dataclass(frozen=True)
@@ -59,18 +62,24 @@ def evaluate(
     """Evaluates a policy on a cluster, with the arguments and the result of :func:`building2building.evaluate`.
 
     A task runs ``chunk`` episodes, and their baselines where these are unknown. The files in ``folder``, and the bytes
-    of ``episodes.parquet``, are those of an evaluation on one machine.
+    of ``episodes.parquet``, are those of an evaluation on one machine. A policy in an ONNX file or in the folder of an
+    agent is sent to the nodes; models and weather files of your own must have the same absolute path on all of them.
     """
     if chunk < 1:
         raise SettingError(f"chunk={chunk}; expected at least 1")
     request = Request(policy, buildings, tasks, folder=folder, **arguments)
+    policy_files: Files = {}
+    if isinstance(request.policy, str) and _is_path(request.policy):
+        # Nodes name the policy by the last part of its path, as this machine then does.
+        request.policy = os.path.abspath(request.policy)
+        policy_files = _policy_files(Path(request.policy))
     place = Path(folder)
     # Checks that the folder is that of this evaluation, or makes it.
     request.run_part(place, [], _core.baselines_folder())
     missing = [number for number in range(len(request.episodes)) if not _episode_file(place, number).exists()]
     chunks = [missing[start : start + chunk] for start in range(0, len(missing), chunk)]
     done = 0
-    for number, files, lost in _map(_evaluate_part, chunks, resources, request):
+    for number, files, lost in _map(_evaluate_part, chunks, resources, request, policy_files):
         _write_all(place / "episodes", files["episodes"])
         _write_all(_core.baselines_folder(), files["baselines"])
         done += len(chunks[number])
@@ -145,14 +154,19 @@ def tune(
 
     >>> b2b.ray.tune([("OfficeSmall", zone) for zone in range(1, 9)], folder="tuning")  # doctest: +SKIP
     """
-    selected = [["--type", name, *([] if zone is None else ["--zone", str(zone)])] for name, zone in classes]
+    if not classes:
+        raise SettingError("classes is empty; pass at least one building type with its climate zone")
+    types = [name.lower() for name in list_building_types()]
+    ordered = sorted(
+        {(name, zone) for name, zone in classes},
+        key=lambda each: (_position(each[0].lower(), types), each[1] or 0),
+    )
+    selected = [["--type", name, *([] if zone is None else ["--zone", str(zone)])] for name, zone in ordered]
     commands = [["tune", *words, *options, "--jobs", "1"] for words in selected]
-    # Each writes the list of its own results as well, which the command below writes for all.
-    _commands(commands, Path(folder), "evaluations", resources)
-    types = sorted({name for name, _ in classes})
-    zones = sorted({str(zone) for _, zone in classes if zone is not None})
-    zoned = ["--zone", *zones] if zones else []
-    command.run(["tune", "--type", *types, *zoned, *options, "--out", os.fspath(folder)], EvaluationError)
+    results = _commands(commands, Path(folder), "evaluations", resources)
+    # One command for all would also tune types in zones that only other types were asked for.
+    names = ("tuned.json", "energy_scale.json")
+    _write_all(Path(folder), {name: _joined([files[name] for files in results]) for name in names})
 
 
 def experiment(
@@ -161,9 +175,9 @@ def experiment(
     """Runs an experiment, as ``b2b experiment run`` does, in ``shards`` tasks, and returns the path of its page.
 
     A job that fails does not stop the others; the error is raised when all have ended. ``name`` may also be the path of
-    an experiment's file, which every node must have.
+    an experiment's file (``.toml``), which every node must have.
     """
-    source = os.path.abspath(name) if os.path.exists(name) else name
+    source = os.path.abspath(name) if name.endswith(".toml") else name
     base = ["experiment", "run", source, "--budget", budget]
     commands = [[*base, "--shard", f"{number}/{shards}", "--jobs", "1"] for number in range(shards)]
     _commands(commands, Path(folder), "jobs", resources)
@@ -171,9 +185,28 @@ def experiment(
     return Path(folder, "report.html")
 
 
-def _evaluate_part(numbers: list[int], request: Request) -> tuple[dict[str, Files], dict[int, str]]:
+def _is_path(policy: str) -> bool:
+    """Returns whether the name of a policy is the path of an ONNX file or of an agent's folder."""
+    return Path(policy).suffix.lower() == ".onnx" or Path(policy, _AGENT[0]).exists()
+
+
+def _policy_files(policy: Path) -> Files:
+    """Returns the files of a policy by their paths next to it."""
+    files = [policy / name for name in _AGENT] if policy.is_dir() else [policy]
+    return {file.relative_to(policy.parent).as_posix(): file.read_bytes() for file in files}
+
+
+def _evaluate_part(
+    numbers: list[int], request: Request, policy_files: Files
+) -> tuple[dict[str, Files], dict[int, str]]:
     with tempfile.TemporaryDirectory(prefix="b2b-ray-") as temporary:
         place, baselines = Path(temporary, "evaluation"), Path(temporary, "baselines")
+        if policy_files and isinstance(request.policy, str):
+            policies = Path(temporary, "policy")
+            _write_all(policies, policy_files)
+            name = os.path.basename(request.policy)
+            request = copy.copy(request)
+            request.policy = os.fspath(policies / name)
         lost = request.run_part(place, numbers, baselines)
         return {"episodes": _read_all(place / "episodes"), "baselines": _read_all(baselines)}, lost
 
@@ -225,16 +258,31 @@ def _command(words: list[str], before: Files) -> tuple[Files, str]:
         return _read_all(place), error
 
 
-def _commands(commands: list[list[str]], folder: Path, kept: str, resources: Resources) -> None:
-    """Runs commands, each of which resumes from what a subfolder contains and adds to it."""
+def _commands(commands: list[list[str]], folder: Path, kept: str, resources: Resources) -> list[Files]:
+    """Runs commands, each of which resumes from what a subfolder contains and adds to it; returns the files that each
+    leaves."""
     before = {f"{kept}/{name}": content for name, content in _read_all(folder / kept).items()}
+    results: list[Files] = [{} for _ in commands]
     errors = []
-    for _, files, error in _map(_command, commands, resources, before):
+    for number, files, error in _map(_command, commands, resources, before):
+        results[number] = files
         new = {name: content for name, content in files.items() if before.get(name) != content}
         _write_all(folder, {name: content for name, content in new.items() if name.startswith(f"{kept}/")})
         errors += [error] if error else []
     if errors:
         raise EvaluationError("\n".join(errors))
+    return results
+
+
+def _joined(lists: Sequence[bytes]) -> bytes:
+    """Joins JSON lists of one item or more as texts, which keeps the digits of their numbers."""
+    items = [each.strip().removeprefix(b"[").removesuffix(b"]").strip(b"\n") for each in lists]
+    return b"[\n" + b",\n".join(items) + b"\n]\n"
+
+
+def _position(name: str, names: Sequence[str]) -> int:
+    """Returns the position of a name; that of an unknown one, which its command reports, is the last."""
+    return names.index(name) if name in names else len(names)
 
 
 def _map(function: Callable[..., Any], items: Sequence[Any], resources: Resources, *shared: Any) -> Iterator[Any]:

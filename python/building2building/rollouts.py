@@ -57,7 +57,8 @@ class BuiltInController:
         self._layout: Layout = core.layout
         self._rescale: bool = core.rescale_action
         seed = getattr(core, "seed", 0) if seed is None else seed
-        self._core = _core.Controller(self.kind, self._layout.spaces, seed, parameters)
+        changes = None if parameters is None else dict(parameters)
+        self._core = _core.Controller(self.kind, self._layout.spaces, seed, changes)
 
     def reset(self) -> None:
         """Resets the state for a new episode."""
@@ -68,6 +69,9 @@ class BuiltInController:
         other = object.__new__(type(self))
         other._layout, other._rescale, other._core = self._layout, self._rescale, self._core.copy()
         return other
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> BuiltInController:
+        return self.copy()
 
     def physical(self, observation: ArrayLike) -> NDArray[np.float64]:
         """Returns the action for an observation in f64 and physical units."""
@@ -249,7 +253,7 @@ def rollout(
         penalties.append(core.penalties)
     return Trajectory(
         np.array(observations),
-        np.array(actions).reshape(len(rewards), -1),
+        np.array(actions).reshape(len(rewards), len(core.layout.action)),
         np.array(rewards),
         np.array(penalties).reshape(len(rewards), 2),
         truncated,

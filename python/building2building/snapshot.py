@@ -23,6 +23,7 @@ class Position:
     setting: _core.Setting
     observation: NDArray[np.float64]
     steps: int
+    penalties: tuple[float, float]
     truncated: bool
 
 

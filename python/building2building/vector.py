@@ -50,7 +50,7 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
     - Infos: those of :class:`BuildingEnv` as arrays with a row per environment, computed when they are read. Columns of
       zones that a building does not have are NaN. ``step`` is 0 where an episode has just begun.
     - Autoreset: ``metadata["autoreset_mode"]``. With ``SAME_STEP``, ``infos["final_obs"]`` and ``infos["final_info"]``
-      describe the end of an episode, as in Gymnasium.
+      describe the end of an episode, as in Gymnasium; ``infos["_final_info"]`` marks the rows that have ended.
     - An environment whose process dies is truncated; ``infos["lost"]`` has the reason, and the next episode begins as
       after any other.
     """
@@ -183,11 +183,15 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
     ) -> tuple[Array, dict[str, Any]]:
         """Begins an episode in every environment, or with ``options={"reset_mask": mask}`` in some.
 
-        ``seed`` determines the buildings with ``resample`` and the days with ``window_days``.
+        ``seed`` determines the buildings with ``resample`` and the days with ``window_days``. Of a list with a number
+        per environment, all numbers together are the seed.
         """
         core = self._open_core()
+        number = self._seed_number(seed)
         mask = (options or {}).get("reset_mask")
         if mask is not None:
+            if number is not None:
+                raise SettingError("a seed is that of all environments; omit seed or reset_mask")
             mask = np.asarray(mask)
             if mask.shape != (self.num_envs,) or mask.dtype != np.bool_ or not mask.any():
                 raise SettingError(
@@ -196,7 +200,7 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
             observations = core.reset_some([int(i) for i in np.flatnonzero(mask)])
             self._done[mask], self._steps = False, np.where(mask, 0, self._steps)
         else:
-            observations = core.reset(self._episode_seed(seed))
+            observations = core.reset(self._episode_seed(number))
             self._done[:], self._steps = False, np.zeros_like(self._steps)
         self._observations = observations
         self._read_rows(np.ones(self.num_envs, dtype=bool) if mask is None else mask)
@@ -214,14 +218,25 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
     def _seen(self, observations: Array) -> Array:
         return self.scale(observations) if self.normalize else observations
 
-    def _episode_seed(self, seed: int | Sequence[int | None] | None) -> int:
-        if isinstance(seed, (int, np.integer)):
-            self._np_random, self._np_random_seed = gymnasium.utils.seeding.np_random(int(seed))
-            return int(seed) % 2**64
+    def _seed_number(self, seed: int | Sequence[int | None] | None) -> int | None:
+        """Returns the seed as one number; ``None`` without."""
         if seed is None:
-            return int(self.np_random.integers(2**64, dtype=np.uint64))
+            return None
+        if isinstance(seed, (int, np.integer)):
+            return int(seed)
+        if len(seed) != self.num_envs:
+            raise SettingError(f"seed has {len(seed)} numbers; expected one, or {self.num_envs}")
+        if all(each is None for each in seed):
+            return None
         given = [0 if each is None else int(each) for each in seed]
         return int(np.random.SeedSequence(given).generate_state(1, np.uint64)[0])
+
+    def _episode_seed(self, seed: int | None) -> int:
+        """Returns the seed of the episodes that begin; without a number, draws it."""
+        if seed is None:
+            return int(self.np_random.integers(2**64, dtype=np.uint64))
+        self._np_random, self._np_random_seed = gymnasium.utils.seeding.np_random(seed)
+        return seed % 2**64
 
     def _open_core(self) -> _core.VecEnv:
         if self._core is None:
@@ -267,7 +282,7 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
 
     def _add_final_info(self, info: Info, truncated: Array) -> None:
         """Adds the ends of episodes in the layout of Gymnasium's vector environments."""
-        core = self._open_core()
+        core, step = self._open_core(), info.copy()
         metrics = np.full(self.num_envs, None, dtype=object)
         final_obs = np.full(self.num_envs, None, dtype=object)
         lost = np.full(self.num_envs, None, dtype=object)
@@ -281,7 +296,8 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
             info["lost"], info["_lost"] = lost, np.array([reason is not None for reason in lost])
         if self.autoreset_mode == AutoresetMode.SAME_STEP:
             info["final_obs"], info["_final_obs"] = final_obs, truncated.copy()
-            info["final_info"] = {"metrics": metrics, "_metrics": truncated.copy()}
+            final_info = {**step, "metrics": metrics}
+            info["final_info"] = final_info | {f"_{name}": truncated.copy() for name in final_info}
             info["_final_info"] = truncated.copy()
         else:
             info["metrics"], info["_metrics"] = metrics, truncated.copy()

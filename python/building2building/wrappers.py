@@ -16,7 +16,7 @@ from .errors import ActionError, SettingError
 from .hours_ahead import PriceSignal, WeatherForecast
 from .layout import index_of
 from .observation_wrapper import Env, ObservationWrapper, Stepped, box_of, is_own
-from .rollouts import ReactiveController
+from .rollouts import BuiltInController, ReactiveController
 from .scaling import Scale
 
 __all__ = [
@@ -42,6 +42,9 @@ class PadObservation(ObservationWrapper):
     model order, is slot i; weather, calendar and energy follow after those of ``zones`` zones, and then, where targets
     vary, occupancy and target of each zone at its own place. Either way, zones stay in model order: for houses,
     :class:`RoleObservation` has a slot for each role.
+
+    Buildings of one width have one observation space: with ``width``, all slots have the widest bounds of any of them;
+    with ``zones``, slots of the same quantity have the same bounds, which include 0.
     """
 
     def __init__(self, env: Env, width: int | None = None, *, zones: int | None = None):
@@ -50,9 +53,12 @@ class PadObservation(ObservationWrapper):
             raise SettingError("pass either width or zones")
         self._width, self._zones = width, zones
         self._read()
-        box, metadata = box_of(env), env.metadata
+        padded = env if zones is None else self._core
+        box, metadata = box_of(padded), padded.metadata
         low, high = np.zeros(self._slots, box.dtype), np.zeros(self._slots, box.dtype)
         low[self._places], high[self._places] = box.low, box.high
+        for alike in self._alike:
+            low[alike], high[alike] = low[alike].min(initial=0), high[alike].max(initial=0)
         self.observation_space = Box(low, high, dtype=box.dtype)
         names, units = ["padding"] * self._slots, ["1"] * self._slots
         for place, name, unit in zip(self._places, metadata["observation_names"], metadata["observation_units"]):
@@ -67,6 +73,8 @@ class PadObservation(ObservationWrapper):
             if slots > self._width:
                 raise SettingError(f"width is {self._width}, but the observation has {slots} slots")
             self._places, self._slots = np.arange(slots), self._width
+            # A slot may hold another quantity in another building.
+            self._alike: list[slice] = [slice(None)]
             return
         room = self._zones or 0
         layout = self._core.layout
@@ -82,12 +90,14 @@ class PadObservation(ObservationWrapper):
             if zone.occupancy_slot is not None and zone.target_slot is not None:
                 self._places[[zone.occupancy_slot, zone.target_slot]] = room + others + 2 * index + np.arange(2)
         self._slots = room + others + (2 * room if varying else 0)
+        # Temperatures, occupancies, targets.
+        self._alike = [slice(room), slice(room + others, None, 2), slice(room + others + 1, None, 2)]
 
     def observation(self, observation: Array) -> Array:
         if self._core.building is not self._building:
             self._read()
         padded = np.zeros(self._slots, observation.dtype)
-        padded[self._places] = observation
+        padded[self._places] = observation[: len(self._places)]
         return padded
 
 
@@ -183,9 +193,14 @@ class ResampleBuildingOnResetWrapper(ObservationWrapper):
 
     Buildings are drawn by the seed of ``reset`` from a list of ids or :class:`Building`, or from a split of the
     environment's type; ``reset(options={"building": ...})`` selects one. Make the environment with
-    ``rescale_action=True``, so that all buildings share one action space. Houses have two to four zones: ``width``
-    pads the observation.
+    ``rescale_action=True``, so that all buildings share one action space.
+
+    Houses have two to four zones: ``width`` pads the observation. As a slot may then hold another quantity in every
+    episode, slots are named ``slot 0``, ``slot 1``... and have the same bounds. To give slots a meaning, wrap a
+    :class:`RoleObservation`, without ``width``.
     """
+
+    appends_zeros = True
 
     def __init__(
         self,
@@ -202,12 +217,17 @@ class ResampleBuildingOnResetWrapper(ObservationWrapper):
                 raise SettingError(f"width is {width}, but the observation has {box.shape[0]} slots")
             low, high = min(float(box.low.min()), 0.0), max(float(box.high.max()), 0.0)
             self.observation_space = Box(low, high, (width,), dtype=box.dtype)
+            self._name_slots()
         if buildings is None:
             building_type = self._core.building.building_type
             if building_type is None:
                 raise SettingError("an imported building has no type to draw from; pass buildings")
             buildings = list_buildings(building_type, split)
         self._buildings = list(buildings)
+
+    def _name_slots(self) -> None:
+        """Names the slots by their numbers alone, and updates the rest of the metadata."""
+        self._rename([f"slot {number}" for number in range(self._width)], ["1"] * self._width)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Array, dict[str, Any]]:
         core = self._core
@@ -224,12 +244,14 @@ class ResampleBuildingOnResetWrapper(ObservationWrapper):
                 f"{core.building.name} has another action space than the previous building; make the environment with "
                 "rescale_action=True"
             )
-        self._check_width()
-        observation, info = self.env.reset(seed=seed, options=options or None)
+        if self._pads:
+            self._name_slots()
+        # Without the seed, which would begin the numbers that have drawn the building anew.
+        observation, info = self.env.reset(seed=None, options=options or None)
+        self._check_width(len(observation))
         return self.observation(observation), info
 
-    def _check_width(self) -> None:
-        slots = box_of(self._core).shape[0]
+    def _check_width(self, slots: int) -> None:
         if slots > self._width or (slots != self._width and not self._pads):
             raise SettingError(
                 f"{self._core.building.name} has {slots} observation slots instead of {self._width}; pass the width of "
@@ -257,7 +279,9 @@ class SubsetObservation(ObservationWrapper):
 
 class SubsetAction(ObservationWrapper):
     """Restricts the action to the named actuators, in the given order. ``rest``, a controller of all actuators, sets
-    the others; :class:`ReactiveController` by default."""
+    the others, in the action space of the wrapped environment; :class:`ReactiveController` by default, whose actions
+    are those of :class:`BuildingEnv`: apply wrappers that change the action space, such as ``RescaleAction``, after
+    this one."""
 
     def __init__(self, env: Env, names: Sequence[str], rest: Callable[[Array], ArrayLike] | None = None):
         super().__init__(env, names=names, rest=rest)
@@ -267,6 +291,11 @@ class SubsetAction(ObservationWrapper):
         box = env.action_space
         if not isinstance(box, Box):
             raise SettingError(f"expected actions in a Box; got {box}")
+        if isinstance(self._rest, BuiltInController) and box != self._core.action_space:
+            raise SettingError(
+                f"the action space was changed by another wrapper, but {type(self._rest).__name__} acts in that of the "
+                "building; apply SubsetAction first"
+            )
         low, high = box.low[self._actuators], box.high[self._actuators]
         self.action_space = Box(low, high, dtype=box.dtype)
         units = env.metadata["action_units"]

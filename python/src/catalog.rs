@@ -84,7 +84,8 @@ impl Inner {
     ) -> Self {
         let parameters = first_row(manifest::of_buildings([(name.as_str(), building)]));
         let (class, place, origin) = (building.class(), building.place().to_owned(), building.origin());
-        let inner = Self::new(Source::generated(name, class, model), Some(class), place, weather, origin);
+        let source = Source::generated(name, class, model, weather.clone());
+        let inner = Self::new(source, Some(class), place, weather, origin);
         Self { parameters, ..inner }
     }
 

@@ -181,8 +181,10 @@ pub fn run_policy<T: Send>(
     py.detach(|| {
         let catalog = catalog::catalog()?;
         let run = || run(&Evaluation { catalog: &catalog, launcher, jobs, interrupted: stopped }, &counter);
-        wait_for(run, || counter.report(progress))
-            .map_err(|error| locked(raised).take().unwrap_or_else(|| of_benchmark(error)))
+        let outcome = wait_for(run, || counter.report(progress));
+        // Also of a run that has ended: the policy may have raised in its last episode.
+        let exception = locked(raised).take();
+        exception.map_or_else(|| outcome.map_err(of_benchmark), Err)
     })
 }
 
@@ -203,6 +205,7 @@ pub fn running() -> PyResult<MutexGuard<'static, ()>> {
 }
 
 /// Calls `run` on another thread while this one handles signals and calls `report`, which returns whether to continue.
+/// The last call of `report` is after the end of `run`.
 pub fn wait_for<T: Send>(run: impl FnOnce() -> T + Send, mut report: impl FnMut() -> bool) -> T {
     std::thread::scope(|scope| {
         let waiting = std::thread::current();
@@ -217,6 +220,7 @@ pub fn wait_for<T: Send>(run: impl FnOnce() -> T + Send, mut report: impl FnMut(
                 STOP.store(true, Ordering::Relaxed);
             }
         }
+        report();
         running.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
     })
 }

@@ -40,7 +40,9 @@ pub fn train(
             || b2b_learn::train::train(&config, place),
             || report(std::mem::take(&mut *locked(&updates.0)), callback.as_ref(), &raised),
         );
-        trained.map_err(|error| locked(&raised).take().unwrap_or_else(|| of_training(error)))
+        // Also of a run that has ended: the callback may have raised at its last update.
+        let exception = locked(&raised).take();
+        exception.map_or_else(|| trained.map_err(of_training), Err)
     });
     Ok(serde_json::to_string(&outcome?).expect("a summary is plain data"))
 }

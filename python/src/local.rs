@@ -33,7 +33,7 @@ impl LocalEnv {
         let library = Library::load(&path).map_err(|error| of_env(error.into()))?;
         let episode = setting.setting.episode.clone();
         let source = Source::clone(&setting.setting.source);
-        let building = source.prepare(&episode.weather, &library).map_err(of_building)?;
+        let building = source.prepare(&library).map_err(of_building)?;
         let building = Arc::new(building);
         let spaces = EnvSpaces::new(Arc::clone(&building), episode.clone());
         let mut env = b2b_env::Env::new(library, building, episode).map_err(of_env)?;

@@ -75,6 +75,25 @@ def test_a_client_reads_points_runs_steps_and_commands_actuators(plant):
     assert as_client(session)
 
 
+@pytest.mark.parametrize(
+    "arguments, words",
+    [
+        (["OficeSmall"], "OfficeSmall"),
+        (["OfficeSmall", "--task", "cosy"], "cosy"),
+        (["OfficeSmall", "--speed", "-1"], "speed is -1"),
+        (["OfficeSmall", "--place", "Dever"], "Denver"),
+        (["OfficeSmall", "--weather", "nowhere.epw"], "nowhere.epw"),
+    ],
+)
+def test_an_invalid_argument_of_the_command_is_a_message(arguments, words, monkeypatch, capsys):
+    from building2building import bacnet
+
+    monkeypatch.setattr(sys, "argv", ["bacnet", *arguments])
+    with pytest.raises(SystemExit) as ended:
+        bacnet.main()
+    assert ended.value.code == 2 and words in capsys.readouterr().err
+
+
 def test_a_speed_that_is_not_positive_is_refused():
     from building2building.bacnet import serve
 

@@ -11,6 +11,7 @@ from building2building.benchmarks import (
     DynamicsAdaptation,
     GoalAdaptation,
     Problem,
+    Result,
     list_problems,
 )
 
@@ -97,6 +98,20 @@ def test_the_reactive_controllers_score_one_and_others_do_not():
     assert 1 < random.resolved_interquartile_mean < random.interquartile_mean
     assert random.rms_deviation > reactive.rms_deviation
     assert list(reactive.scores) == [(each, "constant") for each in houses["test"]]
+
+
+def test_scores_name_the_run_period_if_there_are_several():
+    def result(*periods):
+        rows = [
+            {"building": "x", "task": "constant", "period": each, "score": number, "resolved_score": -number}
+            for number, each in enumerate(periods)
+        ]
+        return Result("p", rows, {})
+
+    assert result("winter").scores == {("x", "constant"): 0}
+    several = result("winter", "summer")
+    assert several.scores == {("x", "constant", "winter"): 0, ("x", "constant", "summer"): 1}
+    assert several.resolved_scores == {("x", "constant", "winter"): 0, ("x", "constant", "summer"): -1}
 
 
 def test_training_environments_have_one_shape(closing):

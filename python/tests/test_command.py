@@ -36,6 +36,21 @@ def test_wrong_usage_exits_with_2_and_a_failure_with_1(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+def test_an_invalid_argument_of_the_measurements_is_a_message(monkeypatch, capsys):
+    from building2building import bench
+
+    monkeypatch.setattr(bench, "importing", lambda: 0.0)
+    for arguments, words in [
+        (["OfficeSmall", "--days", "40"], "--days is 40; expected 1 to 31"),
+        (["--resample", "dynamics-house", "--days", "400"], "expected 1 to 365"),
+        (["OficeSmall", "--days", "1"], "OfficeSmall"),
+    ]:
+        monkeypatch.setattr(sys, "argv", ["bench", *arguments])
+        with pytest.raises(SystemExit) as ended:
+            bench.main()
+        assert ended.value.code == 2 and words in capsys.readouterr().err
+
+
 def test_a_run_of_the_command_is_the_rollout_of_the_package(tmp_path):
     ran = command("run", "OfficeSmall", "--period", "01-01..01-01", "--out", "run", "--json", folder=tmp_path)
     assert ran.returncode == 0, ran.stderr

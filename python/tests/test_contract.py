@@ -138,6 +138,31 @@ def test_a_seed_draws_the_days_and_the_targets(make):
     assert first[1].shape == other[1].shape and (first[1] != other[1]).any()
 
 
+def test_penalties_are_those_of_the_last_step_of_the_episode(make):
+    env = make(timesteps_per_hour=1)
+    assert np.isnan(env.penalties).all()
+    env.reset()
+    assert np.isnan(env.penalties).all()
+    _, reward, *_ = env.step(env.action_space.low)
+    kept, penalties = env.snapshot(), env.penalties
+    assert -sum(penalties) == reward
+    for _ in range(3):
+        env.step(env.action_space.high)
+    assert env.penalties != penalties
+    env.restore(kept)
+    assert env.penalties == penalties
+    env.reset()
+    assert np.isnan(env.penalties).all()
+
+
+def test_a_rollout_without_steps_has_the_observation_of_the_reset(make):
+    env = make(timesteps_per_hour=1)
+    trajectory = b2b.rollout(env, b2b.ReactiveController(env), steps=0)
+    assert len(trajectory) == 0 and trajectory.observations.shape == (1, 13)
+    assert trajectory.actions.shape == (0, 10) and trajectory.penalties.shape == (0, 2)
+    assert trajectory.episode_return == 0 and not trajectory.truncated and trajectory.metrics is None
+
+
 def test_a_custom_reward_replaces_that_of_the_task(make):
     env = make(reward=lambda info: -float(np.abs(info["zone_deviation"]).max()))
     env.reset()

@@ -77,3 +77,8 @@ def test_an_exception_of_the_policy_ends_the_run(tmp_path):
         ActionSpaceTransfer("unitary", "more", **DAY).run(broken, tmp_path / "entry")
     with pytest.raises(b2b.Error, match="expected a function or a controller class"):
         ActionSpaceTransfer("unitary", "more", **DAY).run("reactive", tmp_path / "entry")  # type: ignore[arg-type]
+
+
+def test_a_controller_of_an_environment_is_refused(office, tmp_path):
+    with pytest.raises(b2b.errors.SettingError, match="ReactiveController belongs to an environment; pass the class"):
+        ActionSpaceTransfer("unitary", "more", **DAY).run(b2b.ReactiveController(office), tmp_path / "entry")

@@ -79,11 +79,20 @@ def test_the_exception_of_a_callback_ends_the_run(tmp_path):
         b2b.train(HOUSE, out=tmp_path / "run", steps=100_000, callback=callback, **SMALL)
 
 
+def test_the_exception_of_a_callback_at_the_last_update_is_raised(tmp_path):
+    def callback(_):
+        raise RuntimeError("at the end")
+
+    with pytest.raises(RuntimeError, match="at the end"):
+        b2b.train(HOUSE, out=tmp_path / "run", steps=192, callback=callback, **SMALL)
+
+
 def test_invalid_options_are_errors(tmp_path):
     for options, message in [
         ({"enviroments": 3}, "did you mean `environments`"),
         ({"preset": "papper"}, "unknown preset"),
         ({"acting": {"kind": "residual", "authority": 2}}, "authority"),
+        ({"task": {"comfort_bend": 1.0}}, "comfort_bend"),
         ({"steps": object()}, "not a valid configuration value"),
         ({"resume": True, "seed": 3}, "remove seed"),
     ]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 import threading
@@ -75,6 +76,71 @@ def test_agents_are_trained_as_on_one_machine(cluster: Any, tmp_path: Path) -> N
     weights = [Path(agent.path, "weights.safetensors").read_bytes() for agent in (agents["seed-1"], here)]
     assert weights[0] == weights[1]
     assert train(runs, folder=tmp_path / "runs").keys() == agents.keys()
+
+
+def test_a_policy_is_sent_to_the_nodes_as_files(tmp_path: Path) -> None:
+    from building2building import ray as cluster
+
+    onnx, agent = tmp_path / "Policy.ONNX", tmp_path / "agent"
+    onnx.write_bytes(b"model")
+    agent.mkdir()
+    for name in ("agent.json", "weights.safetensors", "checkpoint"):
+        (agent / name).write_text(name)
+    sent = [cluster._policy_files(policy) for policy in (onnx, agent)]
+    assert sent[0] == {"Policy.ONNX": b"model"}
+    assert list(sent[1]) == ["agent/agent.json", "agent/weights.safetensors"]
+    assert cluster._is_path(str(onnx)) and cluster._is_path(str(agent)) and not cluster._is_path("reactive")
+
+    class Request:
+        policy: Any = str(agent)
+
+        def run_part(self, folder: Path, numbers: list[int], baselines: Path) -> dict[int, str]:
+            place = Path(self.policy)
+            assert place != agent and place.name == "agent"
+            assert (place / "weights.safetensors").read_text() == "weights.safetensors"
+            return {7: "seen"}
+
+    request: Any = Request()
+    assert cluster._evaluate_part([7], request, sent[1]) == ({"episodes": {}, "baselines": {}}, {7: "seen"})
+    assert request.policy == str(agent)
+
+
+def test_only_the_classes_asked_for_are_tuned(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from building2building import ray as cluster
+
+    asked: list[list[str]] = []
+
+    def run(commands: list[list[str]], *_: Any) -> list[dict[str, bytes]]:
+        asked.extend(commands)
+        texts = [f'[\n  {{\n    "command": "{" ".join(each[1:5])}"\n  }}\n]\n'.encode() for each in commands]
+        return [{"tuned.json": text, "energy_scale.json": text} for text in texts]
+
+    monkeypatch.setattr(cluster, "_commands", run)
+    monkeypatch.setattr(cluster.command, "run", lambda *_: pytest.fail("no further command is needed"))
+    classes = [("Warehouse", 5), ("OfficeSmall", 7), ("OfficeSmall", 1)]
+    cluster.tune([*classes, classes[0]], folder=tmp_path)
+    order = {name: number for number, name in enumerate(b2b.list_building_types())}
+    ordered = sorted(classes, key=lambda each: (order[each[0]], each[1]))
+    expected = [{"command": f"--type {name} --zone {zone}"} for name, zone in ordered]
+    assert len(asked) == 3
+    for name in ("tuned.json", "energy_scale.json"):
+        text = (tmp_path / name).read_text()
+        assert json.loads(text) == expected and text == json.dumps(expected, indent=2) + "\n"
+
+
+def test_a_folder_with_the_name_of_an_experiment_is_not_its_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from building2building import ray as cluster
+
+    ran: list[str] = []
+    monkeypatch.setattr(cluster, "_commands", lambda commands, *_: ran.extend(each[2] for each in commands))
+    monkeypatch.setattr(cluster.command, "run", lambda words, _: ran.append(words[2]))
+    monkeypatch.chdir(tmp_path)
+    Path("ppo").mkdir()
+    cluster.experiment("ppo", folder="ppo", shards=1)
+    cluster.experiment("own.toml", folder="own", shards=1)
+    assert ran == ["ppo", "ppo", str(tmp_path / "own.toml"), str(tmp_path / "own.toml")]
 
 
 def test_an_experiment_in_shards_gives_the_results_of_one_machine(cluster: Any, tmp_path: Path) -> None:

@@ -77,7 +77,15 @@ def test_it_equals_gymnasium_s_sync_vector_environment(mode, make_vec):
             assert ia["_final_obs"].tolist() == ib["_final_obs"].tolist()
             for one, other in zip(ia["final_obs"], ib["final_obs"]):
                 np.testing.assert_array_equal(one, other)
-            assert ia["final_info"]["metrics"][0]["return"] == ib["final_info"]["metrics"]["return"][0]
+            ours_final, theirs_final = ia["final_info"], ib["final_info"]
+            assert ours_final["metrics"][0]["return"] == theirs_final["metrics"]["return"][0]
+            assert ia["_final_info"].tolist() == ib["_final_info"].tolist()
+            for name in ("step", "hour", "cost"):
+                np.testing.assert_allclose(ours_final[name], theirs_final[name], rtol=1e-6)
+                assert ours_final[f"_{name}"].tolist() == theirs_final[f"_{name}"].tolist()
+            for term, values in theirs_final["reward_terms"].items():
+                if not term.startswith("_"):
+                    np.testing.assert_allclose(ours_final["reward_terms"][term], values, rtol=1e-6)
     theirs.close()
 
 
@@ -151,6 +159,23 @@ def test_a_reset_without_a_seed_continues_the_random_numbers_of_the_last_seed(ma
 
     first = drawn()
     assert drawn() == first and first[1] != first[2]
+
+
+def test_a_list_of_seeds_is_one_seed_and_a_list_without_numbers_is_none(make_vec):
+    envs = make_vec("SingleFamilyHouse", 2, split="train", resample=True, rescale_action=True)
+
+    def drawn(*seeds):
+        return [list(envs.reset(seed=seed)[1]["building"]) for seed in seeds]
+
+    first = drawn([5, 6], None, [None, None])
+    assert drawn([5, 6], [None, None], None) == first and drawn([6, 5])[0] != first[0]
+    assert first[1] != first[2]
+    with pytest.raises(errors.SettingError, match="seed has 3 numbers; expected one, or 2"):
+        envs.reset(seed=[1, 2, 3])
+    some = {"reset_mask": np.array([True, False])}
+    with pytest.raises(errors.SettingError, match="omit seed or reset_mask"):
+        envs.reset(seed=1, options=some)
+    envs.reset(seed=[None, None], options=some)
 
 
 def test_invalid_actions_raise_before_any_environment_steps(make_vec):

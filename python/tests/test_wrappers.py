@@ -1,5 +1,8 @@
 """Wrappers."""
 
+import copy
+from types import MappingProxyType
+
 import building2building as b2b
 import gymnasium
 import numpy as np
@@ -20,6 +23,22 @@ def test_padding_is_zeros(make):
     assert observation.shape == (20,) and not observation[13:].any()
     with pytest.raises(errors.SettingError, match="13"):
         wrappers.PadObservation(make(), 5)
+
+
+def test_houses_of_one_padded_width_have_one_space():
+    day = {"run_period": "01-01..01-01", "timesteps_per_hour": 1, "rescale_action": True, "task": "occupancy"}
+
+    def padded(house, **options):
+        return lambda: wrappers.PadObservation(b2b.make_env(house, **day), **options)
+
+    for options in ({"width": 20}, {"zones": 4}):
+        envs = gymnasium.vector.SyncVectorEnv(
+            [padded(house, **options) for house in ("SingleFamilyHouse-0064", "SingleFamilyHouse-0318")]
+        )
+        assert len({len(env.unwrapped.layout.zones) for env in envs.envs}) == 2, "the houses differ"
+        observations, _ = envs.reset(seed=0)
+        assert envs.observation_space.contains(observations)
+        envs.close()
 
 
 def test_normalized_observations_map_bounds_to_minus_one_and_one(make):
@@ -85,6 +104,46 @@ def test_buildings_are_resampled_on_reset(make):
     observation, *_ = env.step(env.action_space.sample())
     assert env.observation_space.contains(observation)
     assert env.reset(options={"building": "SingleFamilyHouse-0001"})[1]["building"] == "SingleFamilyHouse-0001"
+
+
+def resampled(make, **options):
+    houses = ["SingleFamilyHouse", "SingleFamilyHouse-0001"]
+    env = make("SingleFamilyHouse", rescale_action=True, timesteps_per_hour=1)
+    return wrappers.ResampleBuildingOnResetWrapper(env, houses, **options)
+
+
+def test_the_building_of_the_next_episode_does_not_repeat_the_draw_of_the_seed(make):
+    env = resampled(make, width=16)
+    for seed in range(3):
+        random, _ = gymnasium.utils.seeding.np_random(seed)
+        expected = [env._buildings[int(random.integers(2))] for _ in range(4)]
+        drawn = [env.reset(seed=seed if episode == 0 else None)[1]["building"] for episode in range(4)]
+        assert drawn == expected and env.unwrapped.np_random_seed == seed
+
+
+def test_padded_slots_of_drawn_buildings_have_neutral_names(make):
+    env = resampled(make, width=16)
+    normalized = wrappers.NormalizeObservation(env)
+    for building in env._buildings:
+        observation, _ = normalized.reset(options={"building": building})
+        assert normalized.observation_space.contains(observation)
+        assert env.metadata["observation_names"] == [f"slot {number}" for number in range(16)]
+        assert env.metadata["observation_units"] == ["1"] * 16 and env.metadata["building"] == building
+    low, high = env.observation_space.low[0], env.observation_space.high[0]
+    np.testing.assert_allclose(observation[-1], -2 * low / (high - low) - 1, rtol=1e-6)
+
+
+def test_roles_are_observed_inside_and_outside_of_drawn_buildings(make):
+    inside = wrappers.ResampleBuildingOnResetWrapper(
+        wrappers.RoleObservation(make("SingleFamilyHouse", rescale_action=True, timesteps_per_hour=1)),
+        ["SingleFamilyHouse", "SingleFamilyHouse-0001"],
+    )
+    outside = wrappers.RoleObservation(resampled(make, width=16))
+    for seed in range(3):
+        one, other = inside.reset(seed=seed), outside.reset(seed=seed)
+        assert one[1]["building"] == other[1]["building"]
+        np.testing.assert_array_equal(one[0], other[0])
+    assert inside.metadata["observation_names"] == outside.metadata["observation_names"]
 
 
 def test_the_forecast_is_the_future_weather(make):
@@ -200,6 +259,31 @@ def test_slots_and_actuators_are_selected_by_name(make):
     assert applied[1] > 10
     with pytest.raises(errors.SettingError, match="Core_ZN"):
         wrappers.SubsetAction(make(), ["no such"])
+
+
+def test_a_controller_sets_the_other_actuators_in_the_action_space_of_the_building(make):
+    name = "Core_ZN supply air flow"
+    env = make(timesteps_per_hour=1)
+    rescaled = gymnasium.wrappers.RescaleAction(env, np.float32(-1), np.float32(1))
+    for rest in (None, b2b.ReactiveController(env)):
+        with pytest.raises(errors.SettingError, match="apply SubsetAction first"):
+            wrappers.SubsetAction(rescaled, [name], rest)
+    subset = wrappers.SubsetAction(env, [name], b2b.ReactiveController(env, parameters=MappingProxyType({})))
+    applied = []
+    for each in (subset, gymnasium.wrappers.RescaleAction(subset, np.float32(-1), np.float32(1))):
+        each.reset(seed=0)
+        each.step(each.action_space.low)
+        applied.append(env.unwrapped.applied_action())
+    np.testing.assert_allclose(applied[0], applied[1], rtol=1e-6, atol=1e-6)
+
+
+def test_a_copied_controller_has_a_state_of_its_own(make):
+    env = make(timesteps_per_hour=1)
+    env.reset()
+    controller = b2b.RandomController(env, seed=3)
+    copied = copy.deepcopy(controller)
+    first = controller.physical(env.unwrapped.observation)
+    np.testing.assert_array_equal(copied.physical(env.unwrapped.observation), first)
 
 
 def test_a_spec_makes_the_same_wrapped_environment(make):

@@ -120,6 +120,14 @@ pub enum Error {
         /// The modification.
         what: String,
     },
+    /// A policy whose file changed while its episodes ran.
+    #[error(
+        "{path} changed while its episodes ran, so the result would not be that of the file; run it again"
+    )]
+    ChangedPolicy {
+        /// The file or folder.
+        path: PathBuf,
+    },
     /// A folder of a different evaluation.
     #[error(
         "{folder} contains a different evaluation: {differences}; choose another folder or remove this one"

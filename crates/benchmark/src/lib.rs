@@ -9,6 +9,7 @@
 //! 5. [`problem`] defines the benchmark's problems, and [`entry`] runs a policy on one and verifies the result.
 #![cfg(target_os = "linux")]
 
+mod any_number;
 mod baseline;
 pub mod entry;
 mod error;

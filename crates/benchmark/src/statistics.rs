@@ -10,6 +10,8 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
+use crate::any_number;
+
 /// Bootstrap resamples.
 pub const DRAWS: usize = 5000;
 /// Confidence level of the intervals.
@@ -19,10 +21,13 @@ pub const CONFIDENCE: f64 = 0.95;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Interval {
     /// Value over the scores themselves.
+    #[serde(with = "any_number")]
     pub value: f64,
     /// Lower end.
+    #[serde(with = "any_number")]
     pub low: f64,
     /// Upper end.
+    #[serde(with = "any_number")]
     pub high: f64,
 }
 
@@ -38,8 +43,10 @@ pub struct Aggregate {
     /// Interquartile mean: mean without the lowest and the highest quarter.
     pub interquartile_mean: Interval,
     /// Lowest score.
+    #[serde(with = "any_number")]
     pub min: f64,
     /// Highest score.
+    #[serde(with = "any_number")]
     pub max: f64,
     /// Share of scores below 1.
     pub beats_baseline: Interval,

@@ -82,8 +82,8 @@ impl Subject {
     /// Returns the site of a building that was found.
     pub(crate) fn site(&self, found: &Found) -> Result<SiteInfo> {
         let listed = match &self.name {
-            BuildingName::Id(id) => b2b_dataset::row(*id).building.location().ashrae_zone(),
             _ if self.placement.weather.is_some() => None,
+            BuildingName::Id(id) => b2b_dataset::row(*id).building.location().ashrae_zone(),
             _ => Place::find(&found.place).ok().map(|place| place.ashrae_zone),
         };
         let climate_zone = match listed {

@@ -68,7 +68,8 @@ pub fn zones(model: &Model) -> Result<Vec<Zone>> {
     let surfaces = surfaces(model)?;
     let zones = model.objects("Zone").into_iter().map(|(name, fields)| Zone {
         name: name.to_owned(),
-        floor_area: number(fields, "floor_area").unwrap_or_else(|| floor_area(&surfaces, name)),
+        floor_area: number(fields, "floor_area")
+            .unwrap_or_else(|| floor_area(&surfaces, name) + other_floor_area(model, name)),
         multiplier: number(fields, "multiplier").unwrap_or(1.0),
     });
     Ok(zones.collect())
@@ -135,6 +136,19 @@ fn floor_area(surfaces: &[Surface], zone: &str) -> f64 {
         .fold(0.0, |sum, area| sum + area)
 }
 
+/// Returns the area of a zone's floors that are not `BuildingSurface:Detailed`, m².
+fn other_floor_area(model: &Model, zone: &str) -> f64 {
+    const FLOORS: [&str; 4] = ["Floor:Detailed", "Floor:GroundContact", "Floor:Adiabatic", "Floor:Interzone"];
+    let floors = FLOORS.iter().flat_map(|class| model.objects(class));
+    let own = floors
+        .filter(|(_, fields)| text(fields, "zone_name").is_some_and(|name| name.eq_ignore_ascii_case(zone)));
+    let area = |fields: &Fields| match fields.get("vertices").and_then(Value::as_array) {
+        Some(vertices) => Some(polygon_area(&vertices.iter().map(corner).collect::<Option<Vec<_>>>()?)),
+        None => Some(number(fields, "length")? * number(fields, "width")?),
+    };
+    own.filter_map(|(_, fields)| area(fields)).fold(0.0, |sum, area| sum + area)
+}
+
 /// Returns the area of a plane polygon in space, m².
 pub fn polygon_area(corners: &[[f64; 3]]) -> f64 {
     area_vector(corners).iter().map(|n| n * n).sum::<f64>().sqrt()
@@ -154,7 +168,21 @@ pub fn area_vector(corners: &[[f64; 3]]) -> [f64; 3] {
 
 #[cfg(test)]
 mod tests {
+    use serde_json::json;
+
     use super::*;
+
+    #[test]
+    fn floors_of_every_class_count() {
+        let mut model = Model::default();
+        model.insert("Zone", "A", json!({}));
+        model.insert("Floor:GroundContact", "1", json!({"zone_name": "a", "length": 5.0, "width": 4.0}));
+        let corner = |x: f64, y: f64| json!({"vertex_x_coordinate": x, "vertex_y_coordinate": y, "vertex_z_coordinate": 0.0});
+        let corners = [corner(0.0, 0.0), corner(0.0, 3.0), corner(2.0, 3.0), corner(2.0, 0.0)];
+        model.insert("Floor:Detailed", "2", json!({"zone_name": "A", "vertices": corners}));
+        model.insert("Floor:Adiabatic", "3", json!({"zone_name": "B", "length": 1.0, "width": 1.0}));
+        assert_eq!(zones(&model).unwrap()[0].floor_area, 26.0);
+    }
 
     #[test]
     fn the_area_of_a_tilted_rectangle_is_length_times_width() {

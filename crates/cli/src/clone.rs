@@ -16,7 +16,7 @@ use b2b_learn::offline::{CloneConfig, Cloned, Contents, Dataset, EpisodeMetadata
 use serde_json::json;
 
 use crate::progress::{Download, counter};
-use crate::stdout;
+use crate::{interrupt, stdout};
 
 /// Train an agent to imitate the policies of a dataset (behavior cloning)
 ///
@@ -86,6 +86,7 @@ pub fn clone(arguments: &Arguments) -> Result<()> {
     let bar = counter(config.updates, "updates", arguments.json);
     let cloned = clone_policy(&dataset, &config, &mut |episode| buildings.spaces(episode), &mut |updates| {
         bar.set_position(updates as u64);
+        !interrupt::requested()
     })?;
     bar.finish_and_clear();
     std::fs::create_dir_all(&arguments.out)?;

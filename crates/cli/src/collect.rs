@@ -79,12 +79,14 @@ pub fn collect(arguments: &Arguments) -> Result<()> {
 fn check_name(name: &str) -> Result<()> {
     let is_part = |part: &str| {
         let mut letters = part.chars();
-        !part.is_empty() && letters.all(|letter| letter.is_ascii_alphanumeric() || "-_.".contains(letter))
+        !part.is_empty()
+            && !part.starts_with('.')
+            && letters.all(|letter| letter.is_ascii_alphanumeric() || "-_.".contains(letter))
     };
     let version = name.rsplit_once("-v").map(|(_, version)| version);
     let has_version =
         version.is_some_and(|text| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit()));
-    if name.split('/').all(is_part) && !name.starts_with('.') && has_version {
+    if name.split('/').all(is_part) && has_version {
         return Ok(());
     }
     bail!(

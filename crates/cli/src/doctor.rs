@@ -54,7 +54,7 @@ pub fn doctor(arguments: &Arguments) -> Result<ExitCode> {
     let mut findings = report(&cache, installed.as_deref(), &PACKAGES);
     findings.extend(derived::findings(&cache));
     findings.push(confinement());
-    findings.extend(arguments.building_type.map(|each| building(each, arguments.json)));
+    findings.extend(arguments.building_type.map(|each| building(each, &arguments.location, arguments.json)));
     print(&findings, arguments.json)?;
     let bad = findings.iter().any(|finding| finding.health == Health::Bad);
     Ok(if bad { ExitCode::Failure } else { ExitCode::Success })
@@ -76,16 +76,16 @@ fn authority(building: &BuildingName, location: &Location, json: bool) -> Result
 }
 
 /// Simulates one day of a building.
-fn building(building_type: BuildingType, quiet: bool) -> Finding {
-    let (health, detail) = match one_day(building_type, quiet) {
+fn building(building_type: BuildingType, location: &Location, quiet: bool) -> Finding {
+    let (health, detail) = match one_day(building_type, location, quiet) {
         Ok(detail) => (Health::Good, detail),
         Err(error) => (Health::Bad, format!("{error:#}")),
     };
     Finding { about: building_type.to_string(), health, detail }
 }
 
-fn one_day(building_type: BuildingType, quiet: bool) -> Result<String> {
-    let prepared = Prepared::new(&BuildingName::Type(building_type), &Location::default(), quiet)?;
+fn one_day(building_type: BuildingType, location: &Location, quiet: bool) -> Result<String> {
+    let prepared = Prepared::new(&BuildingName::Type(building_type), location, quiet)?;
     let mut env = prepared.env("01-01..01-01".parse::<RunPeriod>()?, 12, Task::default())?;
     let mut controller = Constant::middle(env.action_space());
     let mut action = vec![0.0; env.action_space().len()];

@@ -10,6 +10,7 @@ use b2b_energyplus::aside::write_whole;
 
 use crate::arguments::location::Location;
 use crate::prepare::Prepared;
+use crate::stdout;
 
 /// Write an agent as an ONNX file
 ///
@@ -25,6 +26,8 @@ pub struct Arguments {
     /// A building that the agent controls [default: the one it was trained on]
     #[arg(long, value_name = "BUILDING")]
     building: Option<BuildingName>,
+    #[command(flatten)]
+    location: Location,
     /// Output file
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
@@ -40,11 +43,10 @@ pub fn export(arguments: &Arguments) -> Result<()> {
             format!("the agent was trained on {}; name one building with --building", training.buildings)
         })?,
     };
-    let prepared = Prepared::new(&building, &Location::default(), false)?;
+    let prepared = Prepared::new(&building, &arguments.location, false)?;
     let task = agent.info().task.clone();
     let spaces = prepared.spaces(RunPeriod::WINTER, training.steps_per_hour, task)?;
     let written = write_whole(&arguments.out, &agent.to_onnx(&spaces.into())?);
     written.with_context(|| format!("cannot write {}", arguments.out.display()))?;
-    println!("{}", arguments.out.display());
-    Ok(())
+    stdout::print(&arguments.out.display().to_string())
 }

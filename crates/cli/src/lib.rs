@@ -130,6 +130,7 @@ impl Command {
                 | Self::Import(_)
                 | Self::Edit(_)
                 | Self::Calibrate(_)
+                | Self::Export(_)
         )
     }
 }

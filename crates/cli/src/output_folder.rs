@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use tempfile::TempDir;
 
-/// A folder of output files. The files are staged next to the destination and moved there by [`OutputFolder::keep`];
-/// dropping the folder before that removes them.
+/// A folder of output files. The files are staged in the destination, or next to it while it does not exist, and moved to their places by
+/// [`OutputFolder::keep`]; dropping the folder before that removes them.
 pub struct OutputFolder {
     staging: Option<TempDir>,
     destination: PathBuf,
@@ -17,7 +17,7 @@ pub struct OutputFolder {
 }
 
 impl OutputFolder {
-    /// Creates the staging folder. Errors if the destination cannot be written; changes nothing in it yet.
+    /// Creates the staging folder. Errors if the destination cannot be written; changes none of its files yet.
     pub fn stage(destination: &Path) -> Result<Self> {
         let cannot = || format!("cannot write the folder {}", destination.display());
         if destination.to_str().is_none() {
@@ -30,7 +30,10 @@ impl OutputFolder {
         if destination.exists() && !destination.is_dir() {
             bail!("--out expects a folder, but {} is a file", destination.display());
         }
-        let parent = destination_path.parent().unwrap_or(&destination_path);
+        let parent = match destination.is_dir() {
+            true => &destination_path,
+            false => destination_path.parent().unwrap_or(&destination_path),
+        };
         let created = parent.ancestors().take_while(|folder| !folder.exists()).map(Path::to_owned).collect();
         let mut folder = Self { staging: None, destination: destination.to_owned(), created };
         std::fs::create_dir_all(parent).with_context(cannot)?;
@@ -110,6 +113,22 @@ mod tests {
         folder.write("x.txt", |file| Ok(file.write_all(b"x")?)).unwrap();
         drop(folder);
         assert_eq!(names(root.path()), [""; 0]);
+    }
+
+    #[test]
+    fn the_parent_of_an_existing_folder_need_not_be_writable() {
+        use std::os::unix::fs::PermissionsExt as _;
+        let root = tempfile::tempdir().unwrap();
+        let path = root.path().join("own");
+        std::fs::create_dir(&path).unwrap();
+        let staged = OutputFolder::stage(&path).unwrap();
+        assert_eq!(names(root.path()), ["own"], "nothing is written next to it");
+        assert!(staged.staging().starts_with(&path));
+        drop(staged);
+        std::fs::set_permissions(root.path(), std::fs::Permissions::from_mode(0o500)).unwrap();
+        OutputFolder::write_file(&path.join("x.txt"), |file| Ok(file.write_all(b"x")?)).unwrap();
+        std::fs::set_permissions(root.path(), std::fs::Permissions::from_mode(0o700)).unwrap();
+        assert_eq!(names(&path), ["x.txt"]);
     }
 
     #[test]

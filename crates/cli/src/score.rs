@@ -7,6 +7,7 @@ use b2b_benchmark::{Baselines, Episode, SiteInfo, Subject, Versions};
 use b2b_building::RunPeriod;
 use b2b_climate::Place;
 use b2b_dataset::{BuildingName, Catalog};
+use b2b_energyplus::digest::sha256;
 use b2b_env::Task;
 use serde::Serialize;
 
@@ -47,6 +48,7 @@ pub struct Arguments {
 struct Trajectory {
     subject: Subject,
     place: String,
+    weather_sha256: Option<String>,
     period: RunPeriod,
     task: Task,
     controller: String,
@@ -77,7 +79,7 @@ pub fn score(arguments: &Arguments) -> Result<()> {
     let steps_per_hour = trajectory.steps_per_hour(&arguments.trajectory)?;
     let catalog = Catalog::open(&mut Download::new(arguments.json))?;
     let Trajectory { subject, period, .. } = &trajectory;
-    let site = find_site(&catalog, subject, arguments.json)?;
+    let site = find_site(&catalog, &trajectory, arguments.json)?;
     let task = trajectory.task.clone();
     let episode =
         Episode { subject: subject.clone(), task: task.clone(), period: *period, seed: 0, steps_per_hour };
@@ -102,9 +104,22 @@ pub fn score(arguments: &Arguments) -> Result<()> {
     stdout::print_result(arguments.json, &score, || score.text())
 }
 
-fn find_site(catalog: &Catalog, subject: &Subject, quiet: bool) -> Result<SiteInfo> {
-    let located = subject.locate(catalog, &mut Download::new(quiet));
-    located.with_context(|| format!("cannot prepare {}", subject.name))
+/// Finds the site of the building, whose weather must be that of the trajectory.
+fn find_site(catalog: &Catalog, trajectory: &Trajectory, quiet: bool) -> Result<SiteInfo> {
+    let Trajectory { subject, weather_sha256, .. } = trajectory;
+    let cannot = || format!("cannot prepare {}", subject.name);
+    let progress = &mut Download::new(quiet);
+    let found = catalog.find(&subject.name, &subject.placement, progress).with_context(cannot)?;
+    let here = sha256(std::fs::read(&found.weather).with_context(cannot)?);
+    if weather_sha256.as_ref().is_some_and(|there| *there != here) {
+        bail!(
+            "the weather of the trajectory, {}, is not that of {} in {}; specify it with --weather",
+            trajectory.place,
+            subject.name,
+            found.place
+        );
+    }
+    subject.locate(catalog, progress).with_context(cannot)
 }
 
 /// Errors if the trajectory is from another version of the buildings or of the engine: its score would be meaningless.
@@ -160,7 +175,19 @@ impl Trajectory {
         let [temperature_penalty, energy_penalty] =
             [0, 1].map(|term| penalties.iter().map(|penalty| penalty[term]).sum());
         let steps = penalties.len();
-        Ok(Self { subject, place, period, task, controller, steps, temperature_penalty, energy_penalty })
+        // Absent in files of older versions.
+        let weather_sha256 = stored.word("weather_sha256").ok().map(str::to_owned);
+        Ok(Self {
+            subject,
+            place,
+            weather_sha256,
+            period,
+            task,
+            controller,
+            steps,
+            temperature_penalty,
+            energy_penalty,
+        })
     }
 
     /// Returns the steps per hour. Errors if the episode is not complete.

@@ -42,7 +42,7 @@ pub struct Tuned {
 }
 
 /// Measurements of tuned and default parameters on training buildings. A cell is a building under a setpoint mode: the
-/// buildings of the search under `occupancy`, those of the validation under `constant` and `occupancy`. Losses are those of
+/// buildings of the search under `occupancy`, with air loops also under `constant`, those of the validation under `constant` and `occupancy`. Losses are those of
 /// the objective.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -146,7 +146,12 @@ fn house(
     for number in &NUMBERS {
         if let Some(setting) = setting::of(settings, number.name()) {
             let share = point[number.coordinate];
-            number.field.set(house, setting.number(share, number.decimals, number.field.parameter)?);
+            let bound = number.field.parameter;
+            let value = match number.decimals {
+                0 => f64::from(setting.whole(share, bound)?),
+                decimals => setting.number(share, decimals, bound)?,
+            };
+            number.field.set(house, value);
         }
     }
     Ok(Building::House(sample))

@@ -1,7 +1,8 @@
 //! The loaded shared library of EnergyPlus.
 
-use std::cell::Cell;
+use std::cell::RefCell;
 use std::ffi::CStr;
+use std::marker::PhantomData;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -47,16 +48,25 @@ impl Library {
     }
 }
 
-/// Keeps other threads of the process out of EnergyPlus while it lives; see [`exclusive`].
+/// Keeps other threads of the process out of EnergyPlus while it lives; see [`exclusive`]. A thread gives the lock back when the
+/// last of its own is dropped, in any order.
 #[must_use]
 #[derive(Debug)]
 pub struct Exclusive {
-    /// `None` if the thread had the lock before.
+    /// It stays in its thread, like the guard of the lock.
+    _of_thread: PhantomData<MutexGuard<'static, ()>>,
+}
+
+/// The lock of a thread.
+struct Held {
+    /// Number of [`Exclusive`] of the thread.
+    depth: usize,
+    /// The lock, while there are any.
     lock: Option<MutexGuard<'static, ()>>,
 }
 
 thread_local! {
-    static IS_HELD: Cell<bool> = const { Cell::new(false) };
+    static HELD: RefCell<Held> = const { RefCell::new(Held { depth: 0, lock: None }) };
 }
 
 /// Locks EnergyPlus for the current thread, which may have the lock already. The library has global state: two threads in it
@@ -65,16 +75,25 @@ thread_local! {
 /// do so, hold the lock from the start of a run to the end of its warm-up.
 pub fn exclusive() -> Exclusive {
     static LOCK: Mutex<()> = Mutex::new(());
-    let lock = (!IS_HELD.get()).then(|| LOCK.lock().unwrap_or_else(PoisonError::into_inner));
-    IS_HELD.set(true);
-    Exclusive { lock }
+    HELD.with_borrow_mut(|held| {
+        if held.depth == 0 {
+            held.lock = Some(LOCK.lock().unwrap_or_else(PoisonError::into_inner));
+        }
+        held.depth += 1;
+    });
+    Exclusive { _of_thread: PhantomData }
 }
 
 impl Drop for Exclusive {
     fn drop(&mut self) {
-        if self.lock.is_some() {
-            IS_HELD.set(false);
-        }
+        // A thread that ends may have given its lock back already.
+        let _ = HELD.try_with(|held| {
+            let mut held = held.borrow_mut();
+            held.depth -= 1;
+            if held.depth == 0 {
+                held.lock = None;
+            }
+        });
     }
 }
 
@@ -87,14 +106,25 @@ mod tests {
 
     #[test]
     fn a_thread_that_has_the_lock_enters_again_and_keeps_others_out() {
-        let (sender, receiver) = mpsc::channel();
-        let outer = exclusive();
-        drop(exclusive());
-        std::thread::scope(|scope| {
-            scope.spawn(|| sender.send(exclusive().lock.is_some()));
-            assert!(receiver.recv_timeout(Duration::from_millis(50)).is_err(), "another thread has entered");
-            drop(outer);
-            assert!(receiver.recv().unwrap());
-        });
+        // Whichever is dropped first.
+        for is_outer_first in [false, true] {
+            let (sender, receiver) = mpsc::channel();
+            let mut both = [exclusive(), exclusive()];
+            if is_outer_first {
+                both.reverse();
+            }
+            let [last, first] = both;
+            drop(first);
+            std::thread::scope(|scope| {
+                scope.spawn(|| {
+                    let _exclusive = exclusive();
+                    sender.send(())
+                });
+                let early = receiver.recv_timeout(Duration::from_millis(50));
+                assert!(early.is_err(), "another thread has entered");
+                drop(last);
+                receiver.recv().unwrap();
+            });
+        }
     }
 }

@@ -1,12 +1,15 @@
 //! Temporary folders, which end with their owner: on drop, or when the next one is made after the owner was killed.
 //!
-//! The name has the owner, `b2b-pool-4242.891-x7Pq2a`: process 4242, which started at clock tick 891.
+//! The name has the owner, `b2b-pool-4242.891.5f0c9a1e-x7Pq2a`: process 4242, which started at clock tick 891 where processes are
+//! numbered as `5f0c9a1e` says. Containers that share a folder number their processes each for itself, and leave the folders of
+//! the others alone.
 
 use std::path::Path;
 use std::time::{Duration, SystemTime};
 
 use tempfile::TempDir;
 
+use crate::digest::sha256;
 use crate::{Error, Result};
 
 /// Free space that a run needs in the temporary folder, bytes: its model, its table of sizes and its messages. A medium office
@@ -38,8 +41,9 @@ pub fn temporary_folder(prefix: &str) -> Result<TempDir> {
 pub fn folder_in(parent: &Path, prefix: &str) -> std::io::Result<TempDir> {
     sweep(parent, prefix);
     let mut builder = tempfile::Builder::new();
-    let prefix = match started(std::process::id()) {
-        Some(start) => format!("{prefix}{}.{start}-", std::process::id()),
+    let process = std::process::id();
+    let prefix = match started(process).zip(numbering()) {
+        Some((start, numbering)) => format!("{prefix}{process}.{start}.{numbering}-"),
         None => prefix.to_owned(),
     };
     builder.prefix(&prefix);
@@ -51,23 +55,35 @@ pub fn folder_in(parent: &Path, prefix: &str) -> std::io::Result<TempDir> {
     builder.tempdir_in(parent)
 }
 
-/// Removes the folders with a prefix whose owner is gone. One that cannot be removed stays: it may be of another user.
+/// Removes the folders with a prefix whose owner is gone. One that cannot be removed stays: it may be of another user. So does
+/// one of another container or of before the last boot, whose owner cannot be found here.
 fn sweep(parent: &Path, prefix: &str) {
-    let Ok(entries) = std::fs::read_dir(parent) else { return };
+    let (Some(here), Ok(entries)) = (numbering(), std::fs::read_dir(parent)) else { return };
     for entry in entries.flatten() {
         let name = entry.file_name();
-        let owner = name.to_str().and_then(|name| owner(name.strip_prefix(prefix)?));
+        let owner = name.to_str().and_then(|name| owner(name.strip_prefix(prefix)?, &here));
         if owner.is_some_and(|(process, start)| started(process) != Some(start)) && is_old(&entry) {
             let _ = std::fs::remove_dir_all(entry.path());
         }
     }
 }
 
-/// Reads process and start from a name without its prefix.
-fn owner(name: &str) -> Option<(u32, u64)> {
+/// Reads process and start from a name without its prefix. `None` if its processes are not numbered as `here`.
+fn owner(name: &str, here: &str) -> Option<(u32, u64)> {
     let (owner, _) = name.split_once('-')?;
-    let (process, start) = owner.split_once('.')?;
-    Some((process.parse().ok()?, start.parse().ok()?))
+    let (process, rest) = owner.split_once('.')?;
+    let (start, numbering) = rest.split_once('.')?;
+    (numbering == here).then_some((process.parse().ok()?, start.parse().ok()?))
+}
+
+/// Returns what identifies the numbers of processes: a digest of the boot of the machine and of the PID namespace. `None` without
+/// `/proc`.
+fn numbering() -> Option<String> {
+    let boot = std::fs::read_to_string("/proc/sys/kernel/random/boot_id").ok()?;
+    let namespace = std::fs::read_link("/proc/self/ns/pid").ok()?;
+    let mut digest = sha256(format!("{boot}{}", namespace.display()));
+    digest.truncate(8);
+    Some(digest)
 }
 
 fn is_old(entry: &std::fs::DirEntry) -> bool {
@@ -112,7 +128,7 @@ mod tests {
     fn folders_of_dead_owners_are_removed_after_an_hour_and_no_others() {
         let root = tempfile::tempdir().unwrap();
         let here = std::process::id();
-        let start = started(here).unwrap();
+        let (start, number) = (started(here).unwrap(), numbering().unwrap());
         let old = SystemTime::now() - 2 * GRACE;
         let make = |name: &str, modified: SystemTime| {
             let path = root.path().join(name);
@@ -120,11 +136,16 @@ mod tests {
             std::fs::write(path.join("eplusout.err"), "").unwrap();
             std::fs::File::open(&path).unwrap().set_modified(modified).unwrap();
         };
-        make(&format!("b2b-{here}.{start}-mine"), old);
-        make(&format!("b2b-{here}.{}-reused", start + 1), old);
-        make("b2b-4194305.7-gone", old);
-        make("b2b-4194305.7-fresh", SystemTime::now());
-        make("b2b-pool-4194305.7-other", old);
+        let mine = format!("b2b-{here}.{start}.{number}-mine");
+        let fresh = format!("b2b-4194305.7.{number}-fresh");
+        let other = format!("b2b-pool-4194305.7.{number}-other");
+        make(&mine, old);
+        make(&format!("b2b-{here}.{}.{number}-reused", start + 1), old);
+        make(&format!("b2b-4194305.7.{number}-gone"), old);
+        make(&fresh, SystemTime::now());
+        make(&other, old);
+        make("b2b-4194305.7.00000000-container", old);
+        make("b2b-4194305.7-earlier", old);
         make("b2b-notes", old);
         let made = folder_in(root.path(), "b2b-").unwrap();
         let mut left: Vec<_> = std::fs::read_dir(root.path())
@@ -133,8 +154,8 @@ mod tests {
             .collect();
         left.retain(|name| name.as_str() != made.path().file_name().unwrap());
         left.sort();
-        let mine = format!("b2b-{here}.{start}-mine");
-        let mut expected = ["b2b-4194305.7-fresh", &mine, "b2b-notes", "b2b-pool-4194305.7-other"];
+        let container = "b2b-4194305.7.00000000-container";
+        let mut expected = [&fresh, &mine, &other, container, "b2b-4194305.7-earlier", "b2b-notes"];
         expected.sort_unstable();
         assert_eq!(left, expected);
     }

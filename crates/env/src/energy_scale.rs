@@ -9,7 +9,7 @@ use serde::Deserialize;
 const STEPS_PER_HOUR: u32 = 12;
 
 /// The energy scale of a class, as measured by `b2b tune`: mean HVAC energy of its tuned reactive controllers on training
-/// buildings over a winter and a summer week.
+/// buildings with targets by occupancy, over three days each of winter and summer (`01-08..01-10` and `07-09..07-11`).
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct EnergyScale {

@@ -18,6 +18,7 @@ use crate::results::JobResult;
 #[derive(Clone, Debug)]
 pub struct Folder {
     path: PathBuf,
+    identity: Identity,
     /// The content of `jobs.json`, by key.
     kept: Arc<HashMap<String, JobResult>>,
 }
@@ -49,14 +50,14 @@ const SECONDS: &str = "seconds.json";
 const KEPT: &str = "jobs.json";
 
 impl Folder {
-    /// Opens the folder of an experiment with a budget, and creates it if there is none.
+    /// Returns the folder of an experiment with a budget, which need not exist.
     ///
     /// # Errors
     /// [`Error::OtherExperiment`] if it has results of another one; [`Error::Io`].
-    pub fn create(path: &Path, experiment: &Experiment, source: &str, budget: BudgetName) -> Result<Self> {
+    pub fn of(path: &Path, experiment: &Experiment, source: &str, budget: BudgetName) -> Result<Self> {
         let identity = Identity { experiment: source.to_owned(), budget };
-        let folder = Self { path: path.to_owned(), kept: Arc::new(read_kept(path)?) };
-        if let Some(other) = folder.identity()?
+        let kept = Arc::new(read_kept(path)?);
+        if let Some(other) = read_identity(path)?
             && other != identity
         {
             let name =
@@ -67,11 +68,21 @@ impl Folder {
                 experiment: format!("{} with budget {budget}", experiment.name),
             });
         }
-        std::fs::create_dir_all(path).map_err(at(path))?;
-        if folder.identity()?.is_none() {
-            write_json(&path.join(IDENTITY), &identity)?;
+        Ok(Self { path: path.to_owned(), identity, kept })
+    }
+
+    /// Creates the folder if there is none, and writes the results that were taken over.
+    ///
+    /// # Errors
+    /// [`Error::Io`].
+    pub fn create(&self) -> Result<()> {
+        std::fs::create_dir_all(&self.path).map_err(at(&self.path))?;
+        if read_identity(&self.path)?.is_none() {
+            write_json(&self.path.join(IDENTITY), &self.identity)?;
         }
-        Ok(folder)
+        let mut kept: Vec<JobResult> = self.kept.values().cloned().collect();
+        kept.sort_by(|a, b| a.key.cmp(&b.key));
+        if kept.is_empty() { Ok(()) } else { self.keep(&kept) }
     }
 
     /// Opens a folder with results, and returns it with its experiment and budget.
@@ -79,23 +90,14 @@ impl Folder {
     /// # Errors
     /// [`Error::NoResults`]; those of [`Experiment::named`].
     pub fn open(path: &Path) -> Result<(Self, Experiment, BudgetName)> {
-        let folder = Self { path: path.to_owned(), kept: Arc::new(read_kept(path)?) };
-        let identity = folder.identity()?.ok_or_else(|| Error::NoResults { path: path.to_owned() })?;
-        Ok((folder, Experiment::named(&identity.experiment)?, identity.budget))
+        let identity = read_identity(path)?.ok_or_else(|| Error::NoResults { path: path.to_owned() })?;
+        let (experiment, budget) = (Experiment::named(&identity.experiment)?, identity.budget);
+        Ok((Self { path: path.to_owned(), identity, kept: Arc::new(read_kept(path)?) }, experiment, budget))
     }
 
     /// Returns the path of the folder.
     pub fn path(&self) -> &Path {
         &self.path
-    }
-
-    fn identity(&self) -> Result<Option<Identity>> {
-        let path = self.path.join(IDENTITY);
-        if !path.exists() {
-            return Ok(None);
-        }
-        let text = std::fs::read_to_string(&path).map_err(at(&path))?;
-        Ok(Some(serde_json::from_str(&text).map_err(|error| at(&path)(error.into()))?))
     }
 
     /// Returns the folder of a job.
@@ -173,7 +175,8 @@ impl Folder {
         write_whole(&path, text.as_bytes()).map_err(at(&path))
     }
 
-    /// Takes over the results of jobs that are done in the folder of another experiment, and returns their number. A job there is
+    /// Takes over the results of jobs that are done in the folder of another experiment, and returns their number; [`Folder::create`]
+    /// writes them. A job there is
     /// the same if it has the same key, options and episodes, and if its result has what this experiment's report shows.
     ///
     /// # Errors
@@ -192,9 +195,6 @@ impl Folder {
                 count += 1;
             }
         }
-        let mut kept: Vec<JobResult> = self.kept.values().cloned().collect();
-        kept.sort_by(|a, b| a.key.cmp(&b.key));
-        self.keep(&kept)?;
         Ok(count)
     }
 
@@ -207,6 +207,15 @@ impl Folder {
     pub(crate) fn set_state(&self, job: &Job, state: &State) -> Result<()> {
         write_json(&self.job(job).join(STATE), state)
     }
+}
+
+fn read_identity(folder: &Path) -> Result<Option<Identity>> {
+    let path = folder.join(IDENTITY);
+    if !path.exists() {
+        return Ok(None);
+    }
+    let text = std::fs::read_to_string(&path).map_err(at(&path))?;
+    Ok(Some(serde_json::from_str(&text).map_err(|error| at(&path)(error.into()))?))
 }
 
 fn read_kept(folder: &Path) -> Result<HashMap<String, JobResult>> {

@@ -222,6 +222,24 @@ impl EntryPolicy {
         episodes.iter().map(name).find(|name| !files.contains_key(name))
     }
 
+    /// Checks that the files have not changed since they were read.
+    ///
+    /// # Errors
+    /// [`Error::ChangedPolicy`]; those of reading them.
+    pub(super) fn check_files(&self) -> Result<()> {
+        let Self::Files(Files { format, files, .. }) = self else { return Ok(()) };
+        for file in files.values() {
+            let sha256 = match format {
+                Format::Onnx(_) => hash_of(&file.path)?,
+                Format::Agents => Agent::read(&file.path)?.sha256().to_owned(),
+            };
+            if sha256 != file.sha256 {
+                return Err(Error::ChangedPolicy { path: file.path.clone() });
+            }
+        }
+        Ok(())
+    }
+
     /// Returns the path of each file, and its name in a result.
     pub fn files(&self) -> Vec<(PathBuf, String)> {
         match self {

@@ -100,6 +100,7 @@ impl RunResult {
 
     /// Writes the folder, `result.json` last, so that a folder with it is complete.
     pub(super) fn write(&self, entry: &Entry, stages: &[(Stage, Vec<Row>)], folder: &Path) -> Result<()> {
+        entry.stages().into_iter().try_for_each(|stage| entry.policy_of(stage).check_files())?;
         let files: Vec<_> =
             entry.stages().into_iter().flat_map(|stage| entry.policy_of(stage).files()).collect();
         if !files.is_empty() {

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::any_number;
 use crate::evaluation::{Row, relative_energy};
 use crate::statistics::{Aggregate, Cluster, aggregate_clusters};
 
@@ -18,8 +19,10 @@ pub struct Score {
     /// The run period.
     pub period: String,
     /// Score as in the paper, mean over seeds.
+    #[serde(with = "any_number")]
     pub score: f64,
     /// Resolved score, mean over seeds.
+    #[serde(with = "any_number")]
     pub resolved_score: f64,
     /// RMS deviation from target, mean over seeds, K.
     pub rms_deviation_k: f64,
@@ -88,14 +91,14 @@ impl SeedScores {
         self.building == other.building && self.task == other.task && self.period == other.period
     }
 
-    /// Returns by how much the mean of `other` is lower, as the scores of the same building.
+    /// Returns by how much each score of `other` is lower than the mean, as the scores of the same building.
     pub(super) fn improvement(&self, other: &Self) -> Self {
         Self {
             building: other.building.clone(),
             building_type: other.building_type.clone(),
             task: other.task.clone(),
             period: other.period.clone(),
-            seeds: vec![self.mean() - other.mean()],
+            seeds: other.seeds.iter().map(|score| self.mean() - score).collect(),
         }
     }
 

@@ -42,8 +42,9 @@ impl RankBy {
 pub fn write(file: &mut impl Write, results: &[Entry], rank_by: RankBy) -> std::io::Result<()> {
     let mut boards: Vec<Vec<&Entry>> = Vec::new();
     for entry in results {
-        let hash = &entry.0.problem_hash;
-        match boards.iter_mut().find(|board| board[0].0.problem_hash == *hash) {
+        // Not the hash that the result claims.
+        let hash = entry.0.problem.hash();
+        match boards.iter_mut().find(|board| board[0].0.problem.hash() == hash) {
             Some(board) => board.push(entry),
             None => boards.push(vec![entry]),
         }
@@ -90,7 +91,7 @@ fn section(board: &[&Entry]) -> Value {
     json!({
         "title": format!("{}, version {}{changed}", problem.name, problem.version),
         "note": format!("{}. {} Test buildings: {}. Run periods: {}. Attributes {}. Problem hash {}.", capital(&problem.family.to_string()), problem.question,
-            problem.test.buildings, windows.join(", "), problem.protocol.attributes, &result.problem_hash[..12]),
+            problem.test.buildings, windows.join(", "), problem.protocol.attributes, &problem.hash()[..12]),
         "tables": tables, "drawings": leaderboard_charts::all(board),
     })
 }

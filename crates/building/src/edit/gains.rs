@@ -1,7 +1,6 @@
 //! Internal gains: people, lights and equipment.
 
-use serde_json::json;
-
+use super::geometry::multiply;
 use crate::Model;
 use crate::description::leakage;
 use crate::model::{Fields, number, text};
@@ -75,13 +74,6 @@ pub fn scale(model: &mut Model, gains: &Gains, multiplier: f64) -> usize {
     count
 }
 
-/// Multiplies a number; other equipment may have a negative one.
-fn multiply(fields: &mut Fields, field: &str, factor: f64) {
-    if let Some(value) = number(fields, field) {
-        fields.insert(field.to_owned(), json!(value * factor));
-    }
-}
-
 /// Returns the design level of gains per floor area of all zones, W/m² or people/m²; `None` if it cannot be computed.
 pub(super) fn intensity(model: &Model, gains: &Gains) -> Option<f64> {
     let (mut total, mut floor) = (0.0, 0.0);
@@ -131,6 +123,8 @@ impl Class {
 
 #[cfg(test)]
 mod tests {
+    use serde_json::json;
+
     use super::*;
 
     #[test]

@@ -133,10 +133,12 @@ fn stretch_fields(fields: &mut Fields, name: &str, x: f64, y: f64) {
     multiply(fields, &name.replace('#', "y"), y);
 }
 
-/// Multiplies a field that is a positive or zero number; the engine's -9999 and `Autocalculate` stay.
+/// The engine's number for a value that it is to calculate.
+const CALCULATED: f64 = -9999.0;
+
+/// Multiplies a field that is a number; other equipment may have a negative one. The engine's -9999 and `Autocalculate` stay.
 pub(super) fn multiply(fields: &mut Fields, field: &str, factor: f64) {
-    let is_length = field.starts_with("vertex") || field.contains("origin") || field.contains("coordinate");
-    if let Some(value) = number(fields, field).filter(|value| is_length || *value >= 0.0) {
+    if let Some(value) = number(fields, field).filter(|value| *value != CALCULATED) {
         fields.insert(field.to_owned(), json!(value * factor));
     }
 }

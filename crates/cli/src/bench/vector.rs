@@ -50,7 +50,7 @@ pub struct Arguments {
     #[arg(long, default_value_t = 14, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     environments: u32,
     /// Simulated days, from 1 January
-    #[arg(long, default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..=365))]
+    #[arg(long, default_value_t = 30, value_parser = clap::value_parser!(u32).range(2..=182))]
     days: u32,
     /// Number of resets to measure
     #[arg(long, default_value_t = 200, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]

@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use anyhow::{Result, bail};
 use b2b_experiment::{BudgetName, Error, Experiment, Folder, Job, Runner, Shard, State};
 
+use serde_json::json;
+
 use super::{report, show};
 use crate::arguments::jobs::Jobs;
 use crate::exit_code::ExitCode;
@@ -48,7 +50,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     let budget = arguments.budget;
     let default = || PathBuf::from("b2b-out").join(format!("experiment-{}-{budget}", experiment.name));
     let out = arguments.out.clone().unwrap_or_else(default);
-    let mut folder = Folder::create(&out, &experiment, &source(&arguments.experiment)?, budget)?;
+    let mut folder = Folder::of(&out, &experiment, &source(&arguments.experiment)?, budget)?;
     let shard = arguments.shard.unwrap_or(Shard::WHOLE);
     let numbered = experiment.jobs(budget).into_iter().enumerate();
     let jobs: Vec<Job> = numbered.filter(|(number, _)| shard.contains(*number)).map(|(_, job)| job).collect();
@@ -57,6 +59,9 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         if !arguments.json {
             stdout::print(&format!("jobs taken over from {}: {count}", other.display()))?;
         }
+    }
+    if !arguments.dry_run {
+        folder.create()?;
     }
     let parallel = arguments.jobs.count()?;
     let left: Vec<&Job> = jobs.iter().filter(|job| !folder.is_done(job)).collect();
@@ -70,8 +75,10 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         ))?;
     }
     if arguments.dry_run {
-        let keys: Vec<String> = left.iter().map(|job| format!("  {}", job.key)).collect();
-        return stdout::print(&keys.join("\n")).map(|()| ExitCode::Success);
+        let keys: Vec<&str> = left.iter().map(|job| job.key.as_str()).collect();
+        let text = || keys.iter().map(|key| format!("  {key}")).collect::<Vec<_>>().join("\n");
+        let summary = json!({"jobs": jobs.len(), "left": keys, "hours": hours});
+        return stdout::print_result(arguments.json, &summary, text).map(|()| ExitCode::Success);
     }
     let bar = counter(jobs.len(), "jobs", arguments.json);
     bar.set_position((jobs.len() - left.len()) as u64);

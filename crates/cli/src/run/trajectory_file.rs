@@ -185,6 +185,7 @@ impl Columns {
             ("task_hash", summary.task_hash.clone()),
             ("versions", serde_json::to_string(&summary.versions)?),
             ("task_definition", serde_json::to_string(&summary.task_definition)?),
+            ("weather_sha256", summary.inputs.weather_sha256.clone()),
             ("trajectory_hash", summary.trajectory_hash.clone()),
             ("observations", observations.to_string()),
         ];

@@ -145,11 +145,16 @@ impl Arguments {
             Some(problem) => base.with_problem(problem)?,
             None => base,
         };
-        let mut config = match &self.config {
-            Some(path) => base.with_file(path)?,
-            None => base,
+        let config = match (&self.config, &self.preset) {
+            (Some(path), None) => base.with_file(path)?,
+            // Arguments take precedence over the file.
+            (Some(path), Some(_)) => base.with_options_of_file(path)?,
+            (None, _) => base,
         };
-        set(&mut config.algorithm, &self.algorithm);
+        let mut config = match self.algorithm {
+            Some(algorithm) => config.with_algorithm(algorithm),
+            None => config,
+        };
         self.change(&mut config);
         Ok(config)
     }

@@ -4,6 +4,7 @@ use std::process::Stdio;
 use std::time::{Duration, Instant};
 
 use crate::program::{assert_rejected, b2b, command, json};
+use b2b_energyplus::install::{Engine, Quiet};
 use serde_json::Value;
 
 const HOUSES: &str = "SingleFamilyHouse-0014 SingleFamilyHouse-0042";
@@ -109,4 +110,18 @@ fn a_trajectory_is_scored_and_the_reactive_controllers_score_one() {
     let ratio = random["return"].as_f64().unwrap() / reactive["return"].as_f64().unwrap();
     assert!(close(&scored["score"], ratio) && ratio > 1.0, "{scored}");
     assert!(close(&scored["return"], random["return"].as_f64().unwrap()));
+
+    // With a weather file, the baseline is that of the same weather.
+    let models = Engine::ensure(&mut Quiet).unwrap().models.unwrap();
+    let weather = models.parent().unwrap().join("weather/USA_IL_Chicago-OHare.Intl.AP.725300_TMY3.epw");
+    let weather = format!("--weather {}", weather.display());
+    let day = "run SingleFamilyHouse-0014 --period 01-10..01-10 --task occupancy+energy0.5";
+    json(folder.path(), &format!("{day} {weather} --controller reactive --out chicago"));
+    assert_rejected(
+        folder.path(),
+        "score chicago/trajectory.parquet",
+        &["the weather of the trajectory", "--weather"],
+    );
+    let score = json(folder.path(), &format!("score chicago/trajectory.parquet {weather}"));
+    assert!(close(&score["score"], 1.0), "{score}");
 }

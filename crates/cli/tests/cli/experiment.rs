@@ -138,6 +138,12 @@ fn an_invalid_request_is_an_error_that_names_the_fault() {
     assert_rejected(path, "experiment report nowhere", &["nowhere has no results"]);
     let output = b2b(path, "experiment run small.toml --out out --dry-run");
     assert!(stderr(&output).is_empty() && both_outputs(&output).contains("3 of 3 jobs left"));
+    let dry = json(path, "experiment run small.toml --out out --dry-run");
+    assert_eq!((dry["jobs"].as_u64(), dry["left"].as_array().map(Vec::len)), (Some(3), Some(3)));
+    assert!(!path.join("out").exists(), "a dry run writes nothing");
+    std::fs::create_dir(path.join("out")).unwrap();
+    let identity = serde_json::json!({"experiment": path.join("small.toml"), "budget": "quick"});
+    std::fs::write(path.join("out/experiment.json"), identity.to_string()).unwrap();
     assert_rejected(
         path,
         "experiment run small.toml --budget full --out out",

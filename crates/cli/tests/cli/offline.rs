@@ -59,6 +59,7 @@ fn several_buildings_have_rescaled_actions_and_one_type() {
             &["collect one dataset for each building"],
         ),
         ("noversion Warehouse-0001", &["`noversion` is not the name of a dataset", "-v0"]),
+        ("b2b/../../x-v0 Warehouse-0001", &["is not the name of a dataset"]),
     ] {
         assert_rejected(path, &format!("collect {arguments} {day}"), words);
     }

@@ -159,6 +159,14 @@ fn a_tampered_result_fails_verification() {
     let said = judged.wrong(&copy, 0);
     assert!(said.contains(missing), "{said}");
     edit("/policies/test", honest);
+    let untrained = |name: &str| {
+        let mut result: Value = serde_json::from_slice(&bytes(&copy, "result.json")).unwrap();
+        result["policies"]["untrained"] = json!({"kind": "built_in", "name": name});
+        std::fs::write(copy.join("result.json"), result.to_string()).unwrap();
+        judged.wrong(&copy, 0)
+    };
+    assert!(untrained("constant").contains("untrained: the policy is not that of random actions"));
+    assert!(!untrained("random").contains("untrained"));
 
     edit("/versions/generator", json!("v0"));
     assert!(judged.wrong(&copy, 0).contains("dataset v0 (v1 in this program)"));

@@ -12,7 +12,7 @@ pub struct TrimRespond {
     /// Largest number of requests responded to, beyond those ignored; with `respond` it gives the maximum response (SPres-max);
     /// 1 to 100.
     pub max_requests: f64,
-    /// Trim rate (SPtrim), K/h, applied when there are no requests; 0 to 100.
+    /// Trim rate (SPtrim), K/h, applied when there are no more requests than those ignored; 0 to 100.
     pub trim: f64,
     /// Loop output above which a zone sends requests; 0 to 1.
     pub threshold: f64,
@@ -22,7 +22,8 @@ pub struct TrimRespond {
     pub ignored_requests: f64,
 }
 
-/// Deviations from target at which a zone sends two and three requests, K (Guideline 36, 5.6.8.1).
+/// Deviations from target at which a zone above the threshold sends two and three requests, K. In Guideline 36 (5.6.8.1), a zone sends these
+/// whatever its loop output is, and after a delay.
 const URGENT: [f64; 2] = [2.0, 3.0];
 
 /// Request generator of a zone: whether it is sending requests.

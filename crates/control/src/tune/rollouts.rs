@@ -40,7 +40,8 @@ impl Rollouts {
         for id in buildings {
             let building = &b2b_dataset::row(*id).building;
             let (model, weather) = catalog.generate(building, progress)?;
-            let source = Arc::new(Source::generated(id.to_string(), building.class(), model));
+            let source = Source::generated(id.to_string(), building.class(), model, weather.clone());
+            let source = Arc::new(source);
             let setting = |task: &Task, period: RunPeriod| {
                 let (weather, task) = (weather.clone(), task.clone());
                 let episode = EpisodeConfig { weather, period, steps_per_hour: STEPS_PER_HOUR, task };

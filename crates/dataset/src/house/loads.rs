@@ -54,7 +54,7 @@ pub(super) fn heat_loss(house: &House, site: &Site) -> f64 {
     loss.max(0.0)
 }
 
-/// Sensible heat gain on the hot design day, W; the ground is left out.
+/// Heat gain on the hot design day, W; the ground is left out. The latent heat of people and appliances is counted like sensible heat.
 pub(super) fn heat_gain(house: &House, site: &Site) -> f64 {
     let geometry = Geometry::new(house);
     let difference = site.cooling.dry_bulb - INDOOR[1];

@@ -47,7 +47,7 @@ impl Bench<'_> {
             }
         }
         for ((i, _), reading) in hold.tested.iter().zip(&mut readings) {
-            reading.limit = reading.coil_limit().or(self.flow_limit(*i, &reading.row));
+            reading.limit = reading.coil_limit().or(self.flow_limit(*i, reading));
         }
         self.readings.append(&mut readings);
         Ok(())
@@ -59,20 +59,19 @@ impl Bench<'_> {
     }
 
     /// Returns the limit that the air loop of an actuator has reached, if any.
-    fn flow_limit(&self, i: usize, row: &Row) -> Option<Limit> {
+    fn flow_limit(&self, i: usize, reading: &Reading) -> Option<Limit> {
         let (system, layout) =
             self.building.laid_out_systems().find(|(_, layout)| layout.actions.contains(&i))?;
         let System::AirLoop(air_loop) = system else { return None };
         let effect = |offset: usize| self.env.effect(layout.actions.start + offset).unwrap_or(f64::NAN);
         let supplied: f64 = (0..layout.zones.len()).map(|terminal| effect(AirLoop::damper(terminal))).sum();
-        let reaches = |flow: f64, limit: f64, tolerance: f64| (flow / limit - 1.0).abs() <= tolerance;
-        match row.quantity {
-            Quantity::DamperOpening => reaches(supplied, air_loop.fan_flow, 0.01).then_some(Limit::Fan),
+        let command = reading.row.command;
+        match reading.row.quantity {
+            Quantity::DamperOpening => {
+                damper_limit(command, reading.last, supplied, air_loop.fan_flow).then_some(Limit::Fan)
+            }
             Quantity::OutdoorAirFlow => {
-                let outdoor = effect(AirLoop::OUTDOOR_AIR);
-                let makes_up = outdoor > row.command && outdoor <= 1.02 * air_loop.exhaust_flow;
-                let all = reaches(outdoor, supplied, 0.02).then_some(Limit::SupplyFlow);
-                all.or(makes_up.then_some(Limit::Exhaust))
+                outdoor_limit(command, effect(AirLoop::OUTDOOR_AIR), supplied, air_loop.exhaust_flow)
             }
             _ => None,
         }
@@ -109,5 +108,38 @@ impl Bench<'_> {
         Ok((0..zones.len())
             .flat_map(|zone| judge_heat([0, 1, 2, 3, 4].map(|hold| &rows[hold][zone])))
             .collect())
+    }
+}
+
+fn reaches(flow: f64, limit: f64, tolerance: f64) -> bool {
+    (flow / limit - 1.0).abs() <= tolerance
+}
+
+/// Returns whether a damper gets less than its command because the supply air of the loop is the fan's design flow.
+fn damper_limit(command: f64, flow: f64, supplied: f64, fan_flow: f64) -> bool {
+    flow < command && reaches(supplied, fan_flow, 0.01)
+}
+
+/// Returns the limit that keeps the outdoor air of a loop from its command: all supply air if more was commanded, exhaust fans
+/// if less was.
+fn outdoor_limit(command: f64, outdoor: f64, supplied: f64, exhaust_flow: f64) -> Option<Limit> {
+    let is_all = outdoor < command && reaches(outdoor, supplied, 0.02);
+    let makes_up = outdoor > command && outdoor <= 1.02 * exhaust_flow;
+    is_all.then_some(Limit::SupplyFlow).or(makes_up.then_some(Limit::Exhaust))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_limit_of_the_flow_excuses_only_a_command_beyond_it() {
+        assert!(damper_limit(0.5, 0.4, 1.0, 1.0));
+        assert!(!damper_limit(0.3, 0.4, 1.0, 1.0), "less was commanded");
+        assert!(!damper_limit(0.5, 0.4, 0.8, 1.0), "the fan has flow left");
+        assert_eq!(outdoor_limit(0.9, 0.7, 0.7, 0.0), Some(Limit::SupplyFlow));
+        assert_eq!(outdoor_limit(0.5, 0.7, 0.7, 0.0), None, "less was commanded");
+        assert_eq!(outdoor_limit(0.5, 0.7, 0.7, 0.7), Some(Limit::Exhaust));
+        assert_eq!(outdoor_limit(0.9, 0.7, 1.0, 0.7), None, "more was commanded");
     }
 }

@@ -24,8 +24,15 @@ pub(super) fn request(model: &mut Model, meters: &[HvacMeter]) {
 }
 
 /// Reads the meters of a finished run, Wh/m²: electricity and fuels.
+///
+/// # Errors
+/// [`Error::Io`] if the file cannot be read or is not complete.
 pub(super) fn read(path: &Path, meters: &[HvacMeter], floor_area: f64) -> Result<[f64; 2]> {
-    let text = std::fs::read_to_string(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
+    let io = |source| Error::Io { path: path.to_owned(), source };
+    let text = std::fs::read_to_string(path).map_err(io)?;
+    if !is_complete(&text) {
+        return Err(io(std::io::Error::other("the engine writes its meters at the end of the run period")));
+    }
     let values =
         meters.iter().map(|meter| (meter.carrier, run_period_value(&text, &meter.name).unwrap_or(0.0)));
     Ok(electricity_and_fuels(&by_carrier(values, floor_area)))
@@ -43,6 +50,11 @@ pub(super) fn by_carrier(readings: impl Iterator<Item = (Carrier, f64)>, floor_a
 /// Electricity, and the sum of everything else.
 pub(super) fn electricity_and_fuels(energy: &CarrierEnergy) -> [f64; 2] {
     [energy[0], energy[1..].iter().sum()]
+}
+
+/// Returns whether a meter file has its last lines.
+fn is_complete(text: &str) -> bool {
+    text.lines().any(|line| line.trim_end() == "End of Data")
 }
 
 /// A run-period value from the text of a meter file: `12,1,Electricity:HVAC [J] !RunPeriod …` gives the number
@@ -65,5 +77,19 @@ mod tests {
                     End of Data Dictionary\n5,1.0\n12,7200.0,1.0\nEnd of Data\n";
         assert_eq!(run_period_value(text, "Electricity:HVAC"), Some(7200.0));
         assert_eq!(run_period_value(text, "NaturalGas:HVAC"), None);
+    }
+
+    #[test]
+    fn the_meters_of_an_unfinished_run_are_an_error() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(METER_FILE);
+        let meter = HvacMeter { name: "Electricity:HVAC".into(), carrier: Carrier::Electricity };
+        let begun = "12,1,Electricity:HVAC [J] !RunPeriod [Value]\nEnd of Data Dictionary\n";
+        std::fs::write(&path, begun).unwrap();
+        let error = read(&path, std::slice::from_ref(&meter), 1.0).unwrap_err().to_string();
+        assert!(error.contains("end of the run period"), "{error}");
+        std::fs::write(&path, format!("{begun}12,7200.0\nEnd of Data\n Number of Records Written=1\n"))
+            .unwrap();
+        assert_eq!(read(&path, &[meter], 1.0).unwrap(), [2.0, 0.0]);
     }
 }

@@ -24,7 +24,7 @@ use crate::faults::Impairment;
 use crate::metrics::Metrics;
 use crate::observation::ObservationSpace;
 use crate::oscillation::Oscillation;
-use crate::reward::{Expenses, RewardFunction, ZoneStep};
+use crate::reward::{Expenses, Reward, RewardFunction, ZoneStep};
 use crate::setpoints::Targets;
 use crate::spaces::{EpisodeConfig, Spaces};
 use crate::task::Task;
@@ -154,6 +154,7 @@ impl Env {
         // Other threads may start and end episodes of their own.
         let _exclusive = exclusive();
         self.engine = None;
+        self.messages = Messages::default();
         self.truncated = false;
         self.metrics = new_metrics(&self.zones, &self.spaces);
         self.oscillations.fill(Oscillation::default());
@@ -192,7 +193,27 @@ impl Env {
         if let Some(history) = &mut self.history {
             history.extend_from_slice(action);
         }
-        self.metrics.ventilation_overrides += usize::from(self.ventilate(&mut engine));
+        let reward = match self.advance(&mut engine) {
+            Ok(reward) => reward,
+            Err(error) => {
+                self.messages = engine.simulation.messages();
+                return Err(error);
+            }
+        };
+        let truncated = self.metrics.steps == self.steps;
+        if truncated && self.finish_run && self.steps == self.spaces.episode_steps() {
+            self.finish(engine)?;
+        } else {
+            self.engine = Some(engine);
+        }
+        self.truncated = truncated;
+        let expenses = self.expenses;
+        Ok(Step { observation: &self.observation, action: &self.action, reward, expenses, truncated })
+    }
+
+    /// Advances the engine by a step under the action, and returns the reward of the step.
+    fn advance(&mut self, engine: &mut Engine) -> Result<Reward> {
+        self.metrics.ventilation_overrides += usize::from(self.ventilate(engine));
         if let Some(impairment) = &self.impairment {
             impairment.limit(&mut self.action);
         }
@@ -207,18 +228,10 @@ impl Env {
         self.metrics.add_outdoor_air(engine.outdoor_air());
         self.keep_targets();
         self.metrics.steps += 1;
-        self.observe(&engine, energy)?;
+        self.observe(engine, energy)?;
         let reward = self.judge(energy, began);
         self.disturb();
-        let truncated = self.metrics.steps == self.steps;
-        if truncated && self.finish_run && self.steps == self.spaces.episode_steps() {
-            self.finish(engine)?;
-        } else {
-            self.engine = Some(engine);
-        }
-        self.truncated = truncated;
-        let expenses = self.expenses;
-        Ok(Step { observation: &self.observation, action: &self.action, reward, expenses, truncated })
+        Ok(reward)
     }
 
     /// The building with its observation and action spaces.
@@ -288,7 +301,7 @@ impl Env {
         }
     }
 
-    /// The engine's messages in this episode.
+    /// The engine's messages in this episode, also if a step failed.
     pub fn messages(&self) -> Messages {
         match &self.engine {
             Some(engine) => engine.simulation.messages(),
@@ -362,9 +375,9 @@ impl Env {
 
     /// Lets the engine end its run: it must agree that the run period is over.
     fn finish(&mut self, mut engine: Engine) -> Result<()> {
-        let end = engine.simulation.advance()?;
+        let end = engine.simulation.advance();
         self.messages = engine.simulation.messages();
-        if end.is_some() {
+        if end?.is_some() {
             return Err(self.wrong_length());
         }
         Ok(())

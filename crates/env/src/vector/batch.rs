@@ -25,13 +25,25 @@ pub fn recv(episodes: &mut [Episode], count: usize, ready: &mut Vec<usize>) -> R
 /// Makes one step of every episode. `actions` has the actions of all episodes, one after another.
 ///
 /// # Errors
-/// [`Error::ActionLength`] and those of [`Episode::send`]; [`Error::Lost`] when one is lost; [`Error::Interrupted`].
+/// [`Error::ActionLength`] and those of [`Episode::send`] before any is sent; [`Error::Lost`] when one is lost;
+/// [`Error::Interrupted`].
 pub fn step_all(episodes: &mut [Episode], actions: &[f64]) -> Result<()> {
+    let width = |episode: &Episode| episode.known_spaces().action.len();
+    let expected = episodes.iter().map(width).sum();
+    if actions.len() != expected {
+        return Err(Error::ActionLength { given: actions.len(), expected });
+    }
+    let mut rest = actions;
+    for episode in episodes.iter() {
+        let (action, others) = rest.split_at(width(episode));
+        episode.check(action)?;
+        rest = others;
+    }
     let mut rest = actions;
     for episode in episodes.iter_mut() {
-        let width = episode.known_spaces().action.len();
-        let action = rest.split_off(..width);
-        episode.send(action.ok_or(Error::ActionLength { given: rest.len(), expected: width })?)?;
+        let (action, others) = rest.split_at(width(episode));
+        episode.send(action)?;
+        rest = others;
     }
     wait(episodes, episodes.len())?;
     episodes.iter().try_for_each(|episode| episode.last_step().map(|_| ()))

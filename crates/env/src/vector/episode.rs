@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::episode_options::EpisodeOptions;
 use super::episode_report::EpisodeReport;
+use super::metrics_report;
 use super::pool::Place;
 use super::region::{Command, LONG_ORDER, Region, Status};
 use super::setting::Setting;
@@ -129,12 +130,21 @@ impl Episode {
     /// [`Error::ActionLength`] and [`Error::ActionNotFinite`] before anything is sent; [`Error::NotReset`];
     /// [`Error::Busy`]; [`Error::Lost`].
     pub fn send(&mut self, action: &[f64]) -> Result<()> {
-        let slot = self.slot()?;
-        self.spaces.action.check(action)?;
+        let slot = self.check(action)?;
         self.workers.region().write_action(slot, action);
         self.workers.region().command(slot, Command::Step);
         self.phase = Phase::Stepping(TimeLimit::new(self.workers.step_time_limit()));
         Ok(())
+    }
+
+    /// Checks that [`Episode::send`] accepts an action now. Returns the slot.
+    ///
+    /// # Errors
+    /// As [`Episode::send`].
+    pub(super) fn check(&self, action: &[f64]) -> Result<u32> {
+        let slot = self.slot()?;
+        self.spaces.action.check(action)?;
+        Ok(slot)
     }
 
     /// Requests a fragment of about `steps` steps from the worker's [`Runner`](super::Runner), without waiting for it. An
@@ -350,16 +360,17 @@ impl Episode {
     }
 
     fn take_metrics(&mut self, slot: u32) {
-        self.metrics = serde_json::from_slice(&self.workers.region().report(slot)).ok();
+        let folder = self.workers.lock().folder().to_owned();
+        let metrics = metrics_report::read(self.workers.region(), slot, &folder);
         if self.options.finish_run {
             let file = self.workers.lock().file(slot, "json");
             let text = std::fs::read(file).ok();
             self.report = text.and_then(|text| serde_json::from_slice(&text).ok());
         }
-        self.phase = match self.metrics {
-            Some(_) => Phase::Truncated,
-            None => Phase::Lost("its worker left no metrics".into()),
-        };
+        match metrics {
+            Ok(metrics) => (self.metrics, self.phase) = (Some(metrics), Phase::Truncated),
+            Err(error) => self.phase = Phase::Lost(format!("its worker left no metrics: {error}")),
+        }
     }
 
     /// Checks whether the worker of a busy episode has ended or exceeded its time limit.

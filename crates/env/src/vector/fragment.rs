@@ -21,9 +21,15 @@ pub trait Runner {
     /// # Errors
     /// Any error ends the episode, which is lost.
     fn run(&mut self, env: &mut Env, order: &[u8], memory: &SharedMemory) -> Result<usize, RunnerError>;
+
+    /// Returns whether this runner can carry out an order. For one that it cannot, such as that of another controller, the worker
+    /// makes another runner.
+    fn serves(&self, _order: &[u8]) -> bool {
+        true
+    }
 }
 
-/// Makes the runner of an episode from its first request.
+/// Makes the runner of an episode from its first request, and from one that the runner before does not serve.
 pub type MakeRunner = fn(&Env, &[u8]) -> Result<Box<dyn Runner>, RunnerError>;
 
 /// Memory that a set of [`Workers`](super::Workers) and its worker processes share: f32 numbers, 0 at first.

@@ -13,6 +13,7 @@ mod episode_report;
 mod form;
 mod fragment;
 mod launcher;
+mod metrics_report;
 mod pool;
 mod population;
 mod region;

@@ -81,7 +81,7 @@ impl Buildings {
     /// The errors of [`Catalog::generate`].
     pub fn setting(&self, name: String, building: &Building) -> Result<Setting> {
         let (model, weather) = self.catalog.generate(building, &mut Quiet)?;
-        let source = Source::generated(name, building.class(), model);
+        let source = Source::generated(name, building.class(), model, weather.clone());
         let task = self.task.clone();
         let episode =
             EpisodeConfig { weather, period: self.period, steps_per_hour: self.steps_per_hour, task };

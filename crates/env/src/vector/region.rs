@@ -37,6 +37,8 @@ pub(super) const WIDTH: usize = 1024;
 const REPORT: usize = 48 * 1024;
 /// Extension of the file of an order that is longer.
 pub(super) const LONG_ORDER: &str = "fragment";
+/// Extension of the file of a report that is longer.
+pub(super) const LONG_REPORT: &str = "report";
 /// Maximum number of copies that one command makes.
 pub(super) const COPIES: usize = 128;
 
@@ -318,9 +320,9 @@ impl Region {
         observation.copy_from_slice(unsafe { self.numbers(slot, WIDTH, observation.len()) });
     }
 
-    /// Whether an order of this length has room in a slot.
-    pub(super) const fn has_room_for(order: &[u8]) -> bool {
-        order.len() <= REPORT
+    /// Whether an order or a report of this length has room in a slot.
+    pub(super) const fn has_room_for(text: &[u8]) -> bool {
+        text.len() <= REPORT
     }
 
     /// Writes a text, cut to the room there is.

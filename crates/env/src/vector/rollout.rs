@@ -5,9 +5,9 @@
 
 use std::sync::Arc;
 
-use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use serde_json::value::RawValue;
 
 use super::batch::wait;
 use super::episode::Episode;
@@ -19,7 +19,7 @@ use crate::reward::{StepNumbers, from_numbers};
 use crate::spaces::Spaces;
 use crate::{Controller, Env, Error, Observer, Result};
 
-/// A request for a part of a rollout. The worker's program makes a [`ControllerRunner`] from the first one.
+/// A request for a part of a rollout. The worker's program makes a [`ControllerRunner`] from the first one of a controller.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct RolloutOrder<C = Value> {
     /// Description of the controller, in a form that the program defines.
@@ -33,6 +33,8 @@ pub struct RolloutOrder<C = Value> {
 /// Runs rollouts under a controller, inside a worker.
 pub struct ControllerRunner {
     controller: Box<dyn Controller>,
+    /// Its description as it was requested. `None` before the first request.
+    description: Option<Box<RawValue>>,
     action: Vec<f64>,
     /// Record of a step.
     row: Vec<f64>,
@@ -42,7 +44,12 @@ impl ControllerRunner {
     /// A runner in an episode.
     pub fn new(mut controller: Box<dyn Controller>, env: &Env) -> Self {
         controller.reset();
-        Self { controller, action: vec![0.0; env.spaces().action.len()], row: vec![0.0; width(env.spaces())] }
+        Self {
+            controller,
+            description: None,
+            action: vec![0.0; env.spaces().action.len()],
+            row: vec![0.0; width(env.spaces())],
+        }
     }
 }
 
@@ -53,7 +60,8 @@ impl Runner for ControllerRunner {
         order: &[u8],
         memory: &SharedMemory,
     ) -> std::result::Result<usize, RunnerError> {
-        let RolloutOrder::<IgnoredAny> { steps, record, .. } = serde_json::from_slice(order)?;
+        let RolloutOrder::<&RawValue> { controller, steps, record } = serde_json::from_slice(order)?;
+        self.description.get_or_insert_with(|| controller.to_owned());
         let mut done = 0;
         while done < steps && !env.is_truncated() {
             self.controller.act(env.observation(), &mut self.action);
@@ -65,6 +73,13 @@ impl Runner for ControllerRunner {
             done += 1;
         }
         Ok(done)
+    }
+
+    /// Another description is another controller.
+    fn serves(&self, order: &[u8]) -> bool {
+        let Some(own) = &self.description else { return true };
+        let order = serde_json::from_slice::<RolloutOrder<&RawValue>>(order);
+        order.is_ok_and(|order| order.controller.get() == own.get())
     }
 }
 
@@ -163,4 +178,35 @@ fn step_of_record<'a>(record: &'a [f64], spaces: &Spaces, truncated: bool) -> St
     let (action, numbers) = rest.split_at(spaces.action.len());
     let (reward, expenses) = from_numbers(numbers.try_into().expect("the record has this width"));
     Step { observation, action, reward, expenses, truncated }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    struct Idle;
+
+    impl Controller for Idle {
+        fn reset(&mut self) {}
+
+        fn act(&mut self, _: &[f64], _: &mut [f64]) {}
+    }
+
+    #[test]
+    fn a_runner_serves_orders_of_its_own_controller_alone() {
+        let description = |order: &[u8]| {
+            let order: RolloutOrder<&RawValue> = serde_json::from_slice(order).unwrap();
+            Some(order.controller.to_owned())
+        };
+        let first = order(&json!({"kind": "a", "gain": 0.5}), 3, None);
+        let mut runner =
+            ControllerRunner { controller: Box::new(Idle), description: None, action: vec![], row: vec![] };
+        assert!(runner.serves(&first), "it was made from it");
+        runner.description = description(&first);
+        assert!(runner.serves(&order(&json!({"kind": "a", "gain": 0.5}), 288, Some(7))));
+        assert!(!runner.serves(&order(&json!({"kind": "a", "gain": 0.25}), 3, None)));
+        assert!(!runner.serves(br#"{"steps": 3}"#));
+    }
 }

@@ -24,7 +24,8 @@ pub trait Sampler: Send {
     /// The next episode of an environment.
     ///
     /// # Errors
-    /// If the episode cannot be created. The environment is then lost, and draws again at its next reset.
+    /// [`Error::NoBuilding`] without anything to draw from; others if the episode cannot be created. The environment is then
+    /// lost, and draws again at its next reset.
     fn draw(&mut self, environment: usize, random: &mut ChaCha8Rng) -> Result<Draw>;
 
     /// Discards earlier draws and restarts the random streams.
@@ -54,7 +55,8 @@ pub struct Fixed(pub Vec<Setting>);
 
 impl Sampler for Fixed {
     fn draw(&mut self, environment: usize, _: &mut ChaCha8Rng) -> Result<Draw> {
-        Ok(Draw { setting: self.0[environment % self.0.len()].clone(), steps: None })
+        let index = environment.checked_rem(self.0.len()).ok_or(Error::NoBuilding)?;
+        Ok(Draw { setting: self.0[index].clone(), steps: None })
     }
 }
 
@@ -77,6 +79,9 @@ impl Rotating {
 
 impl Sampler for Rotating {
     fn draw(&mut self, environment: usize, _: &mut ChaCha8Rng) -> Result<Draw> {
+        if self.settings.is_empty() {
+            return Err(Error::NoBuilding);
+        }
         let rounds = self.settings.len().div_ceil(self.environments);
         let round = self.episodes[environment] % rounds;
         self.episodes[environment] += 1;
@@ -95,6 +100,9 @@ pub struct AnyOf(pub Vec<Setting>);
 
 impl Sampler for AnyOf {
     fn draw(&mut self, _: usize, random: &mut ChaCha8Rng) -> Result<Draw> {
+        if self.0.is_empty() {
+            return Err(Error::NoBuilding);
+        }
         let index = random.random_range(0..self.0.len());
         Ok(Draw { setting: self.0[index].clone(), steps: None })
     }
@@ -105,7 +113,7 @@ pub struct RoundRobin(pub Vec<Box<dyn Sampler>>);
 
 impl Sampler for RoundRobin {
     fn draw(&mut self, environment: usize, random: &mut ChaCha8Rng) -> Result<Draw> {
-        let own = environment % self.0.len();
+        let own = environment.checked_rem(self.0.len()).ok_or(Error::NoBuilding)?;
         self.0[own].draw(environment, random)
     }
 
@@ -266,5 +274,26 @@ impl<S: Sampler> Sampler for Windows<S> {
 
     fn restart(&mut self) {
         self.of.restart();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::SeedableRng;
+
+    use super::*;
+
+    #[test]
+    fn a_sampler_of_nothing_is_an_error() {
+        let mut random = ChaCha8Rng::seed_from_u64(0);
+        let samplers: [Box<dyn Sampler>; 4] = [
+            Box::new(Fixed(vec![])),
+            Box::new(AnyOf(vec![])),
+            Box::new(RoundRobin(vec![])),
+            Box::new(Rotating::new(vec![], 2)),
+        ];
+        for mut sampler in samplers {
+            assert!(matches!(sampler.draw(0, &mut random), Err(Error::NoBuilding)));
+        }
     }
 }

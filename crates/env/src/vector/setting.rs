@@ -1,6 +1,6 @@
 //! The setting of an episode: a building and the configuration of the episode.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use b2b_building::{Class, Model, PreparedBuilding};
@@ -29,40 +29,44 @@ pub enum Source {
         own: bool,
         /// The model as it was generated or read.
         model: Box<Model>,
+        /// The weather file that it is sized for, whatever the weather of an episode.
+        weather: PathBuf,
     },
 }
 
 impl From<Found> for Source {
     fn from(found: Found) -> Self {
+        let weather = found.weather.clone();
         let Preparation { name, class, prototype, own, model } = found.into();
-        Self::Model { name, class, prototype, own, model: Box::new(model) }
+        Self::Model { name, class, prototype, own, model: Box::new(model), weather }
     }
 }
 
 impl Source {
-    /// A generated building, whose class is known.
-    pub fn generated(name: String, class: Class, model: Model) -> Self {
-        Self::Model { name, class: Some(class), prototype: false, own: false, model: Box::new(model) }
+    /// A generated building, whose class is known, with its weather file.
+    pub fn generated(name: String, class: Class, model: Model, weather: PathBuf) -> Self {
+        let (class, model) = (Some(class), Box::new(model));
+        Self::Model { name, class, prototype: false, own: false, model, weather }
     }
 
-    /// Returns the prepared building: sized for a weather file and made controllable, unless it already is.
+    /// Returns the prepared building: sized for its weather file and made controllable, unless it already is.
     ///
     /// # Errors
     /// The errors of [`Preparation::run`].
-    pub fn prepare(self, weather: &Path, library: &Library) -> b2b_dataset::Result<PreparedBuilding> {
+    pub fn prepare(self, library: &Library) -> b2b_dataset::Result<PreparedBuilding> {
         match self {
             Self::Prepared(building) => Ok(*building),
-            Self::Model { name, class, prototype, own, model } => {
-                Preparation { name, class, prototype, own, model: *model }.run(weather, library)
+            Self::Model { name, class, prototype, own, model, weather } => {
+                Preparation { name, class, prototype, own, model: *model }.run(&weather, library)
             }
         }
     }
 
     /// The prepared building, if this is one or an earlier preparation is in the cache on disk.
-    pub fn cached(&self, weather: &Path, library: &Library) -> Option<PreparedBuilding> {
+    pub fn cached(&self, library: &Library) -> Option<PreparedBuilding> {
         match self {
             Self::Prepared(building) => Some(PreparedBuilding::clone(building)),
-            Self::Model { name, class, prototype, own, model } => {
+            Self::Model { name, class, prototype, own, model, weather } => {
                 let (name, model) = (name.clone(), Model::clone(model));
                 let preparation =
                     Preparation { name, class: *class, prototype: *prototype, own: *own, model };
@@ -97,15 +101,12 @@ impl Setting {
 
     /// Returns whether both are of the same building and episode.
     pub(super) fn is(&self, other: &Self) -> bool {
-        self.episode == other.episode && self.has_building_of(other)
+        self.episode == other.episode && self.shares_preparation_with(other)
     }
 
-    /// Returns whether what was prepared for one serves the other.
+    /// Returns whether what was prepared for one serves the other: both are of the same building, sized for the same
+    /// weather. The weather of their episodes may differ.
     pub(super) fn shares_preparation_with(&self, other: &Self) -> bool {
-        self.episode.weather == other.episode.weather && self.has_building_of(other)
-    }
-
-    fn has_building_of(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.source, &other.source)
             || self.source.name() == other.source.name() && self.source == other.source
     }
@@ -124,7 +125,7 @@ impl Order {
     /// The environment, before its first reset.
     pub(super) fn env(self) -> Result<Env, Box<dyn std::error::Error>> {
         let library = Library::load(&self.library)?;
-        let building = self.source.prepare(&self.episode.weather, &library)?;
+        let building = self.source.prepare(&library)?;
         Ok(Env::new(library, building.into(), self.episode)?)
     }
 }

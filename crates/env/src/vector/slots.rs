@@ -10,10 +10,11 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use rustix::event::{PollFd, PollFlags, Timespec};
+use rustix::io::Errno;
 use rustix::process::{Pid, PidfdFlags, Signal};
 
 use super::episode_options::EpisodeOptions;
-use super::region::{LONG_ORDER, Region, SLOTS, Ticket};
+use super::region::{LONG_ORDER, LONG_REPORT, Region, SLOTS, Ticket};
 
 /// How long the parent of a process that ended may take to say how.
 const REAPING: Duration = Duration::from_millis(100);
@@ -25,7 +26,7 @@ const LAST_WORDS: usize = 2000;
 /// The process of a slot.
 #[derive(Debug)]
 enum Process {
-    /// Not attached yet.
+    /// Not attached yet, or its handle could not be opened yet.
     Expected,
     /// Attached, by its handle.
     Attached(OwnedFd),
@@ -87,7 +88,7 @@ impl Slots {
     fn free(&mut self, ticket: Ticket) {
         self.processes[ticket.slot as usize] = None;
         self.free.push(ticket.slot);
-        for extension in ["log", "json", "mtr", LONG_ORDER] {
+        for extension in ["log", "json", "mtr", LONG_ORDER, LONG_REPORT] {
             // Most were never written.
             let _ = std::fs::remove_file(self.folder.join(ticket.file(extension)));
         }
@@ -109,16 +110,16 @@ impl Slots {
         }
     }
 
-    /// Opens a handle of the process in a slot, once it has attached.
+    /// Opens a handle of the process in a slot, once it has attached. If the system has none to give, such as too many open
+    /// files, the process stays expected, and the next call tries again.
     pub(super) fn adopt(&mut self, slot: u32) {
-        let process = self.region.process(slot) as i32;
-        if let (1.., Some(entry @ Process::Expected)) = (process, &mut self.processes[slot as usize]) {
-            *entry = match Pid::from_raw(process)
-                .map(|pid| rustix::process::pidfd_open(pid, PidfdFlags::empty()))
-            {
-                Some(Ok(handle)) => Process::Attached(handle),
-                _ => Process::Ended,
-            };
+        let Some(process) = Pid::from_raw(self.region.process(slot) as i32) else { return };
+        if let Some(entry @ Process::Expected) = &mut self.processes[slot as usize] {
+            match rustix::process::pidfd_open(process, PidfdFlags::empty()) {
+                Ok(handle) => *entry = Process::Attached(handle),
+                Err(Errno::SRCH) => *entry = Process::Ended,
+                Err(_) => {}
+            }
         }
     }
 
@@ -131,7 +132,7 @@ impl Slots {
         Ok(())
     }
 
-    /// Returns whether the process in a slot has ended. One that has not attached has not.
+    /// Returns whether the process in a slot has ended. One without a handle has not, as far as is known.
     pub(super) fn has_ended(&mut self, slot: u32) -> bool {
         self.adopt(slot);
         match &self.processes[slot as usize] {

@@ -24,11 +24,14 @@ use rustix::thread::CpuSet;
 use rustix::time::{ClockId, clock_gettime};
 
 use super::episode_report::EpisodeReport;
+use super::form::check_width;
 use super::fragment::{MakeRunner, Runner, SharedMemory};
-use super::region::{Command, LONG_ORDER, Region, Status, Ticket};
+use super::metrics_report;
+use super::region::{Command, LONG_ORDER, Region, Status, Ticket, WIDTH};
 use super::setting::Order;
 use crate::env::Env;
 use crate::reward::StepNumbers;
+use crate::spaces::Spaces;
 
 /// How often a process that waits looks for its owner.
 const LOOK_FOR_OWNER: Duration = Duration::from_millis(500);
@@ -124,6 +127,7 @@ impl Worker {
         confine();
         let watch = Watch::start(self.owner.process.try_clone()?, self.folder.clone())?;
         let mut env = serde_json::from_slice::<Order>(&std::fs::read(order)?)?.env()?;
+        check_widths(env.spaces())?;
         let before = cpu_time();
         env.reset()?;
         self.warm_up_cpu.set(cpu_time().saturating_sub(before));
@@ -202,6 +206,9 @@ impl Worker {
         order: &[u8],
     ) -> Result<bool, Failure> {
         let (region, slot) = (&self.region, self.slot());
+        if runner.as_ref().is_some_and(|runner| !runner.serves(order)) {
+            *runner = None;
+        }
         let runner = match runner {
             Some(runner) => runner,
             None => runner.insert((self.make_runner)(env, order)?),
@@ -230,7 +237,7 @@ impl Worker {
 
     fn write_reports(&self, env: &Env) -> Result<(), Failure> {
         let ticket = self.ticket.get();
-        self.region.write_report(ticket.slot, &serde_json::to_vec(env.metrics())?);
+        metrics_report::write(&self.region, ticket, &self.folder, env.metrics())?;
         if self.region.options(ticket.slot).finish_run {
             let cpu = self.warm_up_cpu.get() + cpu_time();
             let report = EpisodeReport { engine: env.engine_report(), cpu };
@@ -318,6 +325,15 @@ impl Worker {
         let _ = std::fs::remove_dir_all(&self.folder);
         Ok(())
     }
+}
+
+/// Checks that a slot has room for the action and the observation.
+///
+/// # Errors
+/// [`TooWide`](crate::Error::TooWide).
+fn check_widths(spaces: &Spaces) -> crate::Result<()> {
+    check_width(spaces, "actuators", spaces.action.len(), WIDTH)?;
+    check_width(spaces, "observation slots", spaces.observation.len(), WIDTH)
 }
 
 /// CPU time of this process.

@@ -119,7 +119,7 @@ impl Workers {
         let mut cached = Vec::with_capacity(settings.len());
         for Setting { source, episode } in settings {
             episode.check()?;
-            let building = source.cached(&episode.weather, &library);
+            let building = source.cached(&library);
             cached.push(building.map(|building| Arc::new(Spaces::new(Arc::new(building), episode.clone()))));
         }
         for (setting, _) in settings.iter().zip(&cached).filter(|(_, cached)| cached.is_none()) {

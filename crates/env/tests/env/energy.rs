@@ -7,6 +7,10 @@ fn energy_is_the_engine_s_own(building_type: BuildingType) {
     let case = Case::at_home(building_type);
     for period in ["01-08..01-14", "07-08..07-14"] {
         let mut env = case.env(period);
+        let low = env.action_space().low().to_vec();
+        env.reset().unwrap();
+        env.step(&low).unwrap();
+        assert!(env.engine_meters().is_err(), "the engine has not written them yet");
         let trajectory = random_episode(&mut env, 2);
         let space = env.observation_space();
         let sum = |slot: usize| -> f64 {

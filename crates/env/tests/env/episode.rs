@@ -1,7 +1,8 @@
 //! What holds for every episode: its clock, its length, its reproducibility, and what it refuses.
 
 use crate::case::{Case, Dice, random_episode};
-use b2b_building::BuildingType;
+use b2b_building::{BuildingType, PreparedBuilding};
+use b2b_energyplus::Level;
 use b2b_env::{Env, Error, Trajectory};
 
 fn house() -> Case {
@@ -118,6 +119,25 @@ fn a_step_outside_an_episode_is_refused() {
     assert!(matches!(env.step(&[0.1, 20.0]), Err(Error::NotReset)), "after the end");
     assert!(env.engine_clock().is_none());
     random_episode(&mut env, 9);
+}
+
+#[test]
+fn the_messages_of_a_failed_step_are_those_of_its_episode() {
+    let mut case = Case::at_home(BuildingType::OfficeMedium);
+    // A heating setpoint above the cooling setpoint ends the engine's run.
+    let text = serde_json::to_string(&*case.building).unwrap().replace("\"high\":30.0", "\"high\":95.0");
+    case.building = serde_json::from_str::<PreparedBuilding>(&text).unwrap().into();
+    let mut env = case.env("01-20..01-20");
+    let highest = env.action_space().high().to_vec();
+    let names_the_cause = |env: &Env| {
+        let messages = env.messages();
+        messages.at_least(Level::Severe).any(|message| message.text.contains("DualSetPointWithDeadBand"))
+    };
+    env.reset().unwrap();
+    assert!((0..2).any(|_| env.step(&highest).is_err()));
+    assert!(names_the_cause(&env), "{:?}", env.messages());
+    env.reset().unwrap();
+    assert!(!names_the_cause(&env));
 }
 
 #[test]

@@ -1,12 +1,12 @@
 //! Batches of environments.
 
 use b2b_building::BuildingType;
-use b2b_env::Error;
-use b2b_env::vector::{AnyOf, Autoreset, VecEnv, VecEnvOptions, Windows};
+use b2b_env::vector::{AnyOf, Autoreset, Episode, VecEnv, VecEnvOptions, Windows, Workers, step_all};
+use b2b_env::{Environment, Error};
 use rustix::process::Signal;
 
 use crate::case::{Case, Dice};
-use crate::workers::{DAY, dice, options, setting, signal, vec_env, whole};
+use crate::workers::{DAY, dice, options, setting, signal, started, vec_env, whole};
 
 /// The rows of actions of a batch, from a stream of dice for each environment.
 fn roll(vec: &VecEnv, dice: &mut [Dice]) -> Vec<f64> {
@@ -140,4 +140,30 @@ fn an_action_that_is_no_number_is_refused_before_any_environment_moves() {
     assert!(matches!(vec.step(&actions[1..]), Err(Error::ActionLength { .. })));
     actions[width] = 0.0;
     vec.step(&actions).unwrap();
+}
+
+#[test]
+fn a_step_before_the_first_reset_is_refused() {
+    let case = Case::at_home(BuildingType::SingleFamilyHouse);
+    let mut vec = vec_env(&case, vec![setting(&case, DAY); 2], Autoreset::NextStep);
+    assert!(matches!(vec.step(&[]), Err(Error::NotReset)));
+    assert!(matches!(vec.step(&[0.1, 20.0]), Err(Error::NotReset)));
+}
+
+#[test]
+fn all_actions_are_checked_before_any_episode_moves() {
+    let case = Case::at_home(BuildingType::SingleFamilyHouse);
+    let workers = Workers::new(options(&case)).unwrap();
+    let mut episodes: Vec<Episode> = (0..2).map(|_| started(&workers, &setting(&case, DAY))).collect();
+    let low = episodes[0].spaces().action.low().to_vec();
+    let actions = [low.clone(), low].concat();
+    let mut wrong = actions.clone();
+    *wrong.last_mut().unwrap() = f64::NAN;
+    assert!(matches!(step_all(&mut episodes, &wrong), Err(Error::ActionNotFinite { .. })));
+    let surplus = [&actions[..], &[0.0]].concat();
+    for wrong in [&surplus[..], &actions[1..]] {
+        assert!(matches!(step_all(&mut episodes, wrong), Err(Error::ActionLength { .. })));
+    }
+    assert!(episodes.iter().all(|episode| !episode.is_busy()));
+    step_all(&mut episodes, &actions).unwrap();
 }

@@ -1,14 +1,19 @@
 //! Workers that die, hang or fail.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
 use b2b_building::{BuildingType, PreparedBuilding};
-use b2b_env::vector::{Autoreset, Fixed, Setting, Source, VecEnv, VecEnvOptions, WorkerOptions, Workers};
+use b2b_env::vector::{
+    Autoreset, Draw, Fixed, Setting, Source, VecEnv, VecEnvOptions, WorkerOptions, Workers,
+};
 use b2b_env::{Environment, Error};
+use rand_chacha::ChaCha8Rng;
 use rustix::process::Signal;
 
 use crate::case::Case;
-use crate::workers::{DAY, kill, options, setting, signal, started};
+use crate::workers::{DAY, kill, options, setting, shed, signal, started};
 
 /// Stops the first of two during a step; the other is not affected, and the first begins anew.
 fn a_lost_episode_is_reported(what: impl Fn(u32), limit: Duration, why: &str) {
@@ -28,9 +33,10 @@ fn a_lost_episode_is_reported(what: impl Fn(u32), limit: Duration, why: &str) {
     assert_eq!(vec.truncated(), [true, false]);
     assert!(vec.lost(0).unwrap().contains(why), "{:?}", vec.lost(0));
     assert_eq!((vec.lost(1), vec.final_metrics(0)), (None, None));
+    let width = vec.widths().1;
+    assert_eq!(vec.final_observation(0), &before[..width], "where it was last seen");
     vec.step(&[action.clone(), action].concat()).unwrap();
     assert_eq!((vec.lost(0), vec.truncated()), (None, &[false, false][..]));
-    let width = vec.widths().1;
     assert_eq!(vec.observations()[..width], before[..width], "it does not begin anew");
 }
 
@@ -46,6 +52,48 @@ fn a_worker_killed_in_mid_step_costs_its_episode_alone() {
 #[test]
 fn a_worker_that_hangs_costs_its_episode_alone() {
     a_lost_episode_is_reported(|_| {}, Duration::from_millis(300), "took longer than 300ms");
+}
+
+#[test]
+fn the_next_draw_outlives_a_lost_episode() {
+    let case = Case::at_home(BuildingType::SingleFamilyHouse);
+    let (setting, draws) = (setting(&case, DAY), Arc::new(AtomicUsize::new(0)));
+    let counted = Arc::clone(&draws);
+    let sampler = move |_: usize, _: &mut ChaCha8Rng| {
+        counted.fetch_add(1, Ordering::Relaxed);
+        Ok(Draw { setting: setting.clone(), steps: None })
+    };
+    let options = VecEnvOptions { workers: options(&case), autoreset: Autoreset::NextStep, widths: None };
+    let mut vec = VecEnv::new(1, Box::new(sampler), options).unwrap();
+    vec.reset(0).unwrap();
+    assert_eq!(draws.load(Ordering::Relaxed), 2, "this episode and the next");
+    let action = vec.spaces(0).unwrap().action.low().to_vec();
+    kill(vec.process(0).unwrap());
+    vec.step(&action).unwrap();
+    assert!(vec.lost(0).is_some());
+    vec.step(&action).unwrap();
+    assert_eq!((vec.lost(0), draws.load(Ordering::Relaxed)), (None, 3));
+}
+
+#[test]
+fn an_episode_keeps_its_end_if_the_next_is_lost_within_the_same_step() {
+    let case = Case::at_home(BuildingType::SingleFamilyHouse);
+    let shed = Setting::new(shed(&case), setting(&case, DAY).episode);
+    let mut settings = vec![setting(&case, DAY)].into_iter();
+    let sampler = move |_: usize, _: &mut ChaCha8Rng| {
+        Ok(Draw { setting: settings.next().unwrap_or_else(|| shed.clone()), steps: None })
+    };
+    let options = VecEnvOptions { workers: options(&case), autoreset: Autoreset::SameStep, widths: None };
+    let mut vec = VecEnv::new(1, Box::new(sampler), options).unwrap();
+    vec.reset(0).unwrap();
+    let action = vec.spaces(0).unwrap().action.low().to_vec();
+    (0..288).for_each(|_| vec.step(&action).unwrap());
+    assert!(vec.lost(0).unwrap().contains("no controllable system"), "{:?}", vec.lost(0));
+    assert_eq!(vec.final_metrics(0).unwrap().steps, 288);
+    assert_eq!((vec.truncated(), vec.final_observation(0)), (&[true][..], vec.observations()));
+    // The one after that is lost without an end of its own.
+    vec.step(&action).unwrap();
+    assert!(vec.lost(0).is_some() && vec.final_metrics(0).is_none());
 }
 
 #[test]

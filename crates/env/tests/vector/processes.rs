@@ -9,10 +9,10 @@ use b2b_building::BuildingType;
 use b2b_energyplus::Confinement;
 use b2b_env::Environment;
 use b2b_env::vector::{AnyOf, Autoreset, VecEnv, VecEnvOptions, Windows, WorkerOptions, Workers};
-use rustix::process::Signal;
+use rustix::process::{Pid, Resource, Rlimit, Signal};
 
 use crate::case::Case;
-use crate::workers::{DAY, dice, is_alive, options, setting, signal, steps, vec_env};
+use crate::workers::{DAY, dice, is_alive, options, setting, signal, started, steps, vec_env};
 
 /// Has the kernel refuse a system call with an error to this thread and to what it starts from now on.
 fn refuse(call: libc::c_long, when_first_argument_lacks: u32, error: libc::c_int) {
@@ -50,6 +50,73 @@ fn a_refused_fork_is_reported() {
     })
     .join()
     .unwrap();
+}
+
+#[test]
+fn a_refused_copy_of_an_episode_is_reported_and_the_episode_continues() {
+    let case = Case::at_home(BuildingType::SingleFamilyHouse);
+    let workers = Workers::new(options(&case)).unwrap();
+    let mut episode = started(&workers, &setting(&case, DAY));
+    let process = Pid::from_raw(episode.process().unwrap() as i32);
+    // It cannot open another file, which every copy has to.
+    let none = Rlimit { current: Some(0), maximum: Some(0) };
+    rustix::process::prlimit(process, Resource::Nofile, none).unwrap();
+    for error in [episode.branch(2).map(drop), episode.snapshot().map(drop)] {
+        let why = error.unwrap_err().to_string();
+        assert!(why.contains("cannot copy") && why.contains("open files"), "{why}");
+    }
+    let action = episode.spaces().action.low().to_vec();
+    episode.step(&action).unwrap();
+}
+
+#[test]
+fn a_worker_without_a_handle_is_not_dead() {
+    let case = Case::at_home(BuildingType::SingleFamilyHouse);
+    let workers = Workers::new(options(&case)).unwrap();
+    let mut episode = workers.episode(&setting(&case, DAY)).unwrap();
+    let episode = std::thread::spawn(move || {
+        refuse(libc::SYS_pidfd_open, 0, libc::EMFILE);
+        episode.reset().unwrap();
+        let process = episode.process().unwrap();
+        signal(process, Signal::STOP);
+        // It is looked after while it is busy.
+        let waker = std::thread::spawn(move || {
+            std::thread::sleep(Duration::from_millis(300));
+            signal(process, Signal::CONT);
+        });
+        let action = episode.spaces().action.low().to_vec();
+        episode.step(&action).unwrap();
+        waker.join().unwrap();
+        episode
+    });
+    let episode = episode.join().unwrap();
+    let process = episode.process().unwrap();
+    drop((episode, workers));
+    assert!(!is_alive(process), "its handle was opened in the end");
+}
+
+#[test]
+fn a_preparation_that_is_refused_gives_its_slot_back_once() {
+    let case = Case::at_home(BuildingType::SingleFamilyHouse);
+    let workers = Workers::new(options(&case)).unwrap();
+    let (refused, its_setting) = (workers.clone(), setting(&case, DAY));
+    std::thread::spawn(move || {
+        refuse(libc::SYS_pidfd_open, 0, libc::EMFILE);
+        let error = refused.prepare(&its_setting).unwrap_err().to_string();
+        assert!(error.contains("a handle of a process"), "{error}");
+    })
+    .join()
+    .unwrap();
+    let mut episodes = [(); 3].map(|()| started(&workers, &setting(&case, DAY)));
+    let mut processes = workers.template_processes();
+    processes.extend(episodes.iter().map(|episode| episode.process().unwrap()));
+    processes.sort_unstable();
+    processes.dedup();
+    assert_eq!(processes.len(), 4);
+    let action = episodes[0].spaces().action.low().to_vec();
+    for episode in &mut episodes {
+        episode.step(&action).unwrap();
+    }
 }
 
 #[test]

@@ -1,15 +1,16 @@
 //! Templates that die, hang or cannot be made, in every phase.
 
-use std::path::Path;
 use std::time::{Duration, Instant};
 
-use b2b_building::{BuildingType, Model};
+use b2b_building::BuildingType;
+use b2b_dataset::{BuildingName, Catalog, Placement};
+use b2b_energyplus::install::{Engine, Quiet};
 use b2b_env::vector::{Autoreset, Episode, Launcher, Setting, Source, VecEnv, WorkerOptions, Workers, recv};
-use b2b_env::{Environment, Error};
+use b2b_env::{Environment, EpisodeConfig, Error, Task};
 use rustix::process::Signal;
 
 use crate::case::Case;
-use crate::workers::{DAY, dice, kill, options, setting, signal, started, steps, vec_env};
+use crate::workers::{DAY, dice, kill, options, setting, shed, signal, started, steps, vec_env};
 
 /// Sends a signal to the template while it prepares, `times` times, and waits for the preparation.
 fn prepare_under_fire(workers: &Workers, setting: &Setting, sent: Signal, times: usize) -> Result<(), Error> {
@@ -116,10 +117,7 @@ fn episodes_that_wait_for_a_killed_template_begin_from_the_next() {
 #[test]
 fn a_building_that_cannot_be_prepared_says_why() {
     let case = Case::at_home(BuildingType::SingleFamilyHouse);
-    let model = Model::from_epjson(r#"{"Zone": {"Z": {}}}"#, Path::new("empty.epJSON")).unwrap();
-    let source =
-        Source::Model { name: "Shed".into(), class: None, prototype: false, own: false, model: model.into() };
-    let setting = Setting::new(source, setting(&case, DAY).episode);
+    let setting = Setting::new(shed(&case), setting(&case, DAY).episode);
     let workers = Workers::new(options(&case)).unwrap();
     let error = workers.episode(&setting).unwrap_err().to_string();
     assert!(error.contains("Shed") && error.contains("no controllable system"), "{error}");
@@ -158,4 +156,28 @@ fn a_task_has_a_template_of_its_own() {
         workers.prepare(setting).unwrap();
         assert_eq!(workers.template_processes().len(), templates);
     }
+}
+
+#[test]
+fn a_building_keeps_the_sizes_for_its_own_weather_in_another() {
+    let catalog = Catalog::open(&mut Quiet).unwrap();
+    let name = BuildingName::Type(BuildingType::SingleFamilyHouse);
+    let found = catalog.find(&name, &Placement::default(), &mut Quiet).unwrap();
+    let (weather, period) = (found.weather.clone(), DAY.parse().unwrap());
+    let episode = EpisodeConfig { weather, period, steps_per_hour: 12, task: Task::default() };
+    let own = Setting::new(Source::from(found), episode);
+    let models = Engine::ensure(&mut Quiet).unwrap().models.unwrap();
+    let mut other = own.clone();
+    other.episode.weather =
+        models.parent().unwrap().join("weather/USA_IL_Chicago-OHare.Intl.AP.725300_TMY3.epw");
+    let launcher = Launcher::new(env!("CARGO_BIN_EXE_b2b-worker"));
+    let options = WorkerOptions::new(launcher, catalog.library().path());
+    // Each in processes of its own, so that neither is prepared from the other.
+    let [own, other] = [own, other].map(|setting| {
+        let mut episode = started(&Workers::new(options.clone()).unwrap(), &setting);
+        let building = std::sync::Arc::clone(&episode.spaces().building);
+        (building, episode.reset().unwrap().to_vec())
+    });
+    assert!(own.0 == other.0, "it has other sizes");
+    assert_ne!(own.1, other.1, "the weather is another");
 }

@@ -1,5 +1,8 @@
 //! Settings and workers of the tests.
 
+use std::path::Path;
+
+use b2b_building::Model;
 use b2b_env::vector::{
     Autoreset, Episode, Fixed, Launcher, Setting, Source, VecEnv, VecEnvOptions, WorkerOptions, Workers,
 };
@@ -17,6 +20,13 @@ pub fn options(case: &Case) -> WorkerOptions {
 pub fn setting(case: &Case, period: &str) -> Setting {
     let source = Source::Prepared(Box::new((*case.building).clone()));
     Setting::new(source, case.env(period).episode().clone())
+}
+
+/// A model without a controllable system, which cannot be prepared.
+pub fn shed(case: &Case) -> Source {
+    let model = Model::from_epjson(r#"{"Zone": {"Z": {}}}"#, Path::new("empty.epJSON")).unwrap();
+    let (name, weather) = ("Shed".into(), case.weather.clone());
+    Source::Model { name, class: None, prototype: false, own: false, model: model.into(), weather }
 }
 
 pub fn vec_env(case: &Case, settings: Vec<Setting>, autoreset: Autoreset) -> VecEnv {

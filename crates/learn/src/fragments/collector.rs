@@ -366,7 +366,12 @@ impl FragmentCollector {
     /// steps that a rollout lacks, or ends with its episode.
     fn lose(&mut self, environment: usize, why: String) -> Result<()> {
         self.lost += 1;
-        count_lost(&mut self.progress[environment].lost_in_a_row, why)?;
+        let progress = &mut self.progress[environment];
+        count_lost(&mut progress.lost_in_a_row, why)?;
+        if progress.phase == Phase::Starting {
+            // It has been drawn, although it did not begin.
+            progress.episodes += 1;
+        }
         self.restart(environment)
     }
 

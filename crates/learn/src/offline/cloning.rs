@@ -57,16 +57,17 @@ pub struct Cloned {
 }
 
 /// Learns the actions of a dataset. `spaces` finds the spaces of an episode, of a building with its model; `progress` is told the
-/// number of updates made.
+/// number of updates made, and returns `false` to stop.
 ///
 /// # Errors
+/// [`Error::Interrupted`] if `progress` returns `false`;
 /// [`Error::Invalid`] for buildings whose observations or actuators differ, and for a dataset without steps; those of
 /// [`Dataset::read`], [`Pilot::new`] and `spaces`.
 pub fn clone_policy(
     dataset: &Dataset,
     config: &CloneConfig,
     spaces: &mut dyn FnMut(&EpisodeMetadata) -> Result<Arc<Spaces>>,
-    progress: &mut dyn FnMut(usize),
+    progress: &mut dyn FnMut(usize) -> bool,
 ) -> Result<Cloned> {
     let options = ObservationOptions { form: config.observation, attributes: false, forecast: 0 };
     let interface = Interface { observation: options, acting: Acting::Direct, nodes: None };
@@ -94,7 +95,7 @@ pub fn clone_policy(
     let pilot = Pilot::new(interface, &spaces)?;
     let (inputs, outputs) = pilot.widths();
     let shape = Mlp::new(inputs, &config.hidden, outputs, Activation::Tanh);
-    let parameters = fit(&shape, &learned, config, progress);
+    let parameters = fit(&shape, &learned, config, progress)?;
     let errors = [&learned, &held_out].map(|samples| samples.error(&shape, &parameters));
     let distribution = Distribution::Gaussian { log_std: vec![LOG_STD; outputs] };
     let actor = Actor { shape: Shape::Mlp(shape), parameters, distribution };
@@ -207,7 +208,12 @@ impl Samples {
 }
 
 /// Minimizes the mean square of the errors and returns the parameters.
-fn fit(shape: &Mlp, samples: &Samples, config: &CloneConfig, progress: &mut dyn FnMut(usize)) -> Vec<f32> {
+fn fit(
+    shape: &Mlp,
+    samples: &Samples,
+    config: &CloneConfig,
+    progress: &mut dyn FnMut(usize) -> bool,
+) -> Result<Vec<f32>> {
     let mut random = Random::new(config.seed, 0);
     let mut parameters = orthogonal(shape, GAINS, &mut random);
     let (inputs, outputs) = samples.widths;
@@ -230,9 +236,11 @@ fn fit(shape: &Mlp, samples: &Samples, config: &CloneConfig, progress: &mut dyn 
         pass.backward(&parameters, &observations, &of_outputs, Some(&mut gradients), None);
         let left = 1.0 - update as f64 / config.updates as f64;
         adam.step(&mut parameters, &gradients, config.learning_rate * left);
-        progress(update + 1);
+        if !progress(update + 1) {
+            return Err(Error::Interrupted);
+        }
     }
-    parameters
+    Ok(parameters)
 }
 
 #[cfg(test)]
@@ -258,9 +266,14 @@ mod tests {
         };
         let shape = Mlp::new(3, &config.hidden, 2, Activation::Tanh);
         let mut updates = 0;
-        let parameters = fit(&shape, &samples, &config, &mut |update| updates = update);
+        let mut count = |update| {
+            updates = update;
+            true
+        };
+        let parameters = fit(&shape, &samples, &config, &mut count).unwrap();
         let error = samples.error(&shape, &parameters);
         assert!(updates == 2000 && error < 0.01, "{error}");
-        assert_eq!(parameters, fit(&shape, &samples, &config, &mut |_| {}));
+        assert_eq!(parameters, fit(&shape, &samples, &config, &mut |_| true).unwrap());
+        assert!(matches!(fit(&shape, &samples, &config, &mut |_| false), Err(Error::Interrupted)));
     }
 }

@@ -292,6 +292,20 @@ impl TrainConfig {
         self.with_changes(&text).map_err(|why| Error::ConfigFile { path: path.to_owned(), why })
     }
 
+    /// As [`TrainConfig::with_file`], without the preset that the file names.
+    ///
+    /// # Errors
+    /// [`Error::Io`]; [`Error::ConfigFile`] with what is wrong.
+    pub fn with_options_of_file(&self, path: &Path) -> Result<Self> {
+        let text = std::fs::read_to_string(path).map_err(at(path))?;
+        let table = toml::from_str(&text).map_err(|error| error.to_string());
+        let changed = table.and_then(|mut changes: Table| {
+            changes.remove("preset");
+            self.with_table(changes)
+        });
+        changed.map_err(|why| Error::ConfigFile { path: path.to_owned(), why })
+    }
+
     /// Returns the configuration of a run, from its folder.
     ///
     /// # Errors
@@ -428,6 +442,17 @@ mod tests {
         }
         let said = TrainConfig::preset("papper").unwrap_err().to_string();
         assert!(said.contains("unknown preset `papper`; expected graph or paper or residual"), "{said}");
+    }
+
+    #[test]
+    fn a_preset_of_the_command_line_precedes_that_of_a_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("mine.toml");
+        std::fs::write(&path, "preset = 'residual'\nseed = 7").unwrap();
+        let paper = TrainConfig::preset("paper").unwrap();
+        assert_eq!(paper.with_options_of_file(&path).unwrap(), TrainConfig { seed: 7, ..paper.clone() });
+        let residual = TrainConfig::preset("residual").unwrap();
+        assert_eq!(paper.with_file(&path).unwrap(), TrainConfig { seed: 7, ..residual });
     }
 
     #[test]

@@ -159,7 +159,8 @@ mod tests {
         std::fs::write(&path, r#"{"comfort_band": 0.5, "energy_scale": null}"#).unwrap();
         let own = Task { comfort_band: 0.5, ..Task::default() };
         let file = format!("task = '{}'", path.display());
-        for text in [file.as_str(), "task = { comfort_band = 0.5 }", "[[task]]\ncomfort_band = 0.5"] {
+        let object = r#"task = '{"comfort_band": 0.5, "energy_scale": null}'"#;
+        for text in [file.as_str(), object, "task = { comfort_band = 0.5 }", "[[task]]\ncomfort_band = 0.5"] {
             assert_eq!(configured(text).unwrap().as_slice(), [own.clone()], "{text}");
         }
         let several = configured("task = ['constant', { comfort_band = 0.5 }, 'occupancy,random']").unwrap();

@@ -3,7 +3,8 @@
 //! Every packaged unit is rewritten as one kind that follows both commands exactly: a
 //! blow-through `AirLoopHVAC:UnitarySystem` under setpoint control with a variable-volume fan and a two-speed
 //! cooling coil, feeding a terminal whose minimum flow is the command. The heating coils of a heat pump are downstream of it.
-//! Capacities, efficiencies, pressures and curves are those of the original unit.
+//! Capacities, efficiencies, pressures and curves are those of the original unit; of a coil with several speeds, curves are those of the
+//! highest one, and condensers are cooled by air.
 
 mod assemble;
 mod commands;

@@ -22,7 +22,7 @@ use tempfile::TempDir;
 pub(super) use self::template::TemplateId;
 use self::template::{Phase, Request, Template};
 use super::episode_options::EpisodeOptions;
-use super::region::{COPIES, Command, LOOK, Region};
+use super::region::{COPIES, Command, LOOK, Region, Status};
 use super::setting::Setting;
 use super::slots::Slots;
 use super::time_limit::TimeLimit;
@@ -196,7 +196,23 @@ impl Pool {
         places.iter().try_for_each(|place| self.wait_until_ready(place.slot))
     }
 
+    /// Checks that a worker that has reported did not report a failure.
+    fn check_status(&self, slot: u32) -> Result<()> {
+        match self.region.status(slot) {
+            Status::Running | Status::Truncated => Ok(()),
+            Status::Failed => Err(lost("a copy of an episode", self.report(slot))),
+        }
+    }
+
+    /// The report of a worker, as text.
+    fn report(&self, slot: u32) -> String {
+        String::from_utf8_lossy(&self.region.report(slot)).into_owned()
+    }
+
     /// Waits for a worker that copies itself, or that is such a copy: milliseconds, so that it is not interrupted.
+    ///
+    /// # Errors
+    /// [`Error::Lost`] when it ended, took too long, or reported a failure.
     fn wait_until_ready(&mut self, slot: u32) -> Result<()> {
         let mut limit = TimeLimit::new(self.options.step_time_limit);
         loop {
@@ -204,7 +220,7 @@ impl Pool {
             let ended = self.slots.has_ended(slot);
             if self.region.is_ready(slot) {
                 self.slots.adopt(slot);
-                return Ok(());
+                return self.check_status(slot);
             }
             if ended {
                 return Err(lost("an episode to copy", self.slots.describe_end(slot, None)));

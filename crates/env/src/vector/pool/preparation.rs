@@ -9,7 +9,7 @@ use super::template::{Phase, Request, Template, TemplateId, TemplateProcess};
 use super::{FAILURES, Pool, lost, unavailable};
 use crate::spaces::Spaces;
 use crate::vector::episode_options::EpisodeOptions;
-use crate::vector::region::{Status, WIDTH};
+use crate::vector::region::Status;
 use crate::vector::setting::{Order, Setting, Source};
 use crate::vector::time_limit::TimeLimit;
 use crate::{Error, Result};
@@ -126,15 +126,13 @@ impl Pool {
         let (slot, child, name) = (process.slot, process.child.id(), setting.source.name().to_owned());
         let (path, setting) = (process.order.with_extension("ready"), setting.clone());
         if self.region.status(slot) == Status::Failed {
-            let why = String::from_utf8_lossy(&self.region.report(slot)).into_owned();
-            return Err(Error::Template { name, why });
+            return Err(Error::Template { name, why: self.report(slot) });
         }
         let io = |source| Error::Io { path: path.clone(), source };
         let text = std::fs::read(&path).map_err(io)?;
         let building: PreparedBuilding = serde_json::from_slice(&text).map_err(|error| io(error.into()))?;
         let building = Arc::new(building);
         let spaces = Arc::new(Spaces::new(Arc::clone(&building), setting.episode.clone()));
-        check_widths(&spaces)?;
         let template = self.template_mut(id)?;
         template.process.iter().for_each(TemplateProcess::remove_files);
         template.memory = resident_memory(child).unwrap_or(0);
@@ -216,6 +214,7 @@ impl Pool {
         started
     }
 
+    /// Starts a process for a slot, which stays with the caller if that fails.
     fn start_process_in(&mut self, slot: u32, order: &Order) -> Result<TemplateProcess> {
         let (path, log) = (self.slots.file(slot, "order"), self.slots.file(slot, "log"));
         let text = serde_json::to_vec(order).expect("an order is plain data");
@@ -226,9 +225,9 @@ impl Pool {
         let child = launcher.start(memory, ticket, &path, self.folder.path(), log).map_err(|source| {
             Error::Pool { what: format!("a process of {}", launcher.program().display()), source }
         })?;
-        let process = TemplateProcess { slot, child, order: path };
+        let mut process = TemplateProcess { slot, child, order: path };
         if let Err(error) = self.slots.adopt_child(slot, process.child.id()) {
-            self.end_process(process);
+            process.end();
             return Err(unavailable("a handle of a process")(error));
         }
         Ok(process)
@@ -254,32 +253,26 @@ impl Pool {
     }
 
     fn end_process(&mut self, mut process: TemplateProcess) {
-        // It may have ended already.
-        let _ = process.child.kill();
-        let _ = process.child.wait();
-        process.remove_files();
+        process.end();
         self.slots.release(process.slot);
     }
 }
 
 impl TemplateProcess {
+    /// Ends the process and removes its files. Its slot remains.
+    fn end(&mut self) {
+        // It may have ended already.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+        self.remove_files();
+    }
+
     /// Removes what it was started with and what it replied, as far as they are there.
     fn remove_files(&self) {
         for path in [&self.order, &self.order.with_extension("ready"), &self.order.with_extension("aside")] {
             let _ = std::fs::remove_file(path);
         }
     }
-}
-
-/// A worker must have room for the action and the observation.
-fn check_widths(spaces: &Spaces) -> Result<()> {
-    for (what, width) in [("actuators", spaces.action.len()), ("slots", spaces.observation.len())] {
-        if width > WIDTH {
-            let name = spaces.building.name.clone();
-            return Err(Error::TooWide { name, what, width, maximum: WIDTH });
-        }
-    }
-    Ok(())
 }
 
 /// Resident memory of a process, bytes.

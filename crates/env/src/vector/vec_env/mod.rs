@@ -199,6 +199,7 @@ impl VecEnv {
             one.waiting = None;
             one.form = None;
             one.lost = None;
+            self.truncated[index] = false;
         }
         for index in 0..self.len() {
             for _ in 0..skipped.get(index).copied().unwrap_or(0) {
@@ -221,9 +222,14 @@ impl VecEnv {
     /// each, of the width of [`VecEnv::widths`].
     ///
     /// # Errors
-    /// [`Error::ActionLength`] and [`Error::ActionNotFinite`] before any is sent; [`Error::Interrupted`].
+    /// [`Error::ActionLength`] and [`Error::ActionNotFinite`] before any is sent; [`Error::NotReset`];
+    /// [`Error::Interrupted`].
     pub fn step(&mut self, actions: &[f64]) -> Result<()> {
         let width = self.widths.0;
+        // The first reset determines it.
+        if width == 0 {
+            return Err(Error::NotReset);
+        }
         if actions.len() != width * self.len() {
             return Err(Error::ActionLength { given: actions.len(), expected: width * self.len() });
         }
@@ -289,6 +295,7 @@ impl VecEnv {
     pub fn reset_one(&mut self, environment: usize) -> Result<()> {
         self.abandon(environment);
         self.environments[environment].lost = None;
+        self.truncated[environment] = false;
         self.draw(environment)?;
         self.begin(environment);
         Ok(())
@@ -355,12 +362,14 @@ impl VecEnv {
         self.environments[environment].lost.as_deref()
     }
 
-    /// The last observation of the last episode that ended, as a row. Empty before.
+    /// The last observation of the last episode that ended, as a row; of one that was lost in a step, the observation before
+    /// that. Empty before.
     pub fn final_observation(&self, environment: usize) -> &[f64] {
         &self.environments[environment].final_observation
     }
 
-    /// The metrics of the last episode that ended. `None` before, and when it was lost.
+    /// The metrics of the last episode that ended. `None` before, and when it was lost. With [`Autoreset::SameStep`], an
+    /// episode that ended has its metrics also if the next was lost before it began.
     pub fn final_metrics(&self, environment: usize) -> Option<&Metrics> {
         self.environments[environment].final_metrics.as_ref()
     }

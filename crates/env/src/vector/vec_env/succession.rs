@@ -156,13 +156,27 @@ impl VecEnv {
     /// Reports an episode as lost: truncated where it was last seen. The next begins as after any other, but never
     /// within the same step, lest one that fails at once fail for ever.
     fn lose(&mut self, index: usize, why: String) {
+        let state = self.environments[index].state;
         self.abandon(index);
+        // With SameStep the one before may have ended within this step, and its end is reported too.
+        let has_ended = self.autoreset == Autoreset::SameStep && self.truncated[index];
+        let row = &self.observations[index * self.widths.1..][..self.widths.1];
         let one = &mut self.environments[index];
         one.lost = Some(why);
-        one.final_metrics = None;
-        one.fragment_steps = 0;
-        one.next = None;
         one.waiting = None;
+        match state {
+            State::Stepping => {
+                one.final_observation.clear();
+                one.final_observation.extend_from_slice(row);
+            }
+            // It is the draw that was lost.
+            State::Preparing => one.next = None,
+            State::Starting | State::Ready | State::Over => {}
+        }
+        if state == State::Stepping || !has_ended {
+            one.final_metrics = None;
+            one.fragment_steps = 0;
+        }
         self.truncated[index] = true;
     }
 
