@@ -149,7 +149,8 @@ fn a_damaged_trajectory_is_never_scored() {
             }
         }
     }
-    assert!(refused > 30, "{refused}");
+    // The others are not part of what is read.
+    assert!(refused > 25, "{refused}");
 }
 
 #[test]
