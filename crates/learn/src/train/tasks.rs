@@ -161,7 +161,7 @@ mod tests {
         let file = format!("task = '{}'", path.display());
         let object = r#"task = '{"comfort_band": 0.5, "energy_scale": null}'"#;
         for text in [file.as_str(), object, "task = { comfort_band = 0.5 }", "[[task]]\ncomfort_band = 0.5"] {
-            assert_eq!(configured(text).unwrap().as_slice(), [own.clone()], "{text}");
+            assert_eq!(configured(text).unwrap().as_slice(), std::slice::from_ref(&own), "{text}");
         }
         let several = configured("task = ['constant', { comfort_band = 0.5 }, 'occupancy,random']").unwrap();
         let random: Task = "random".parse().unwrap();
