@@ -80,7 +80,10 @@ impl Subject {
     }
 
     /// Returns the site of a building that was found.
-    pub(crate) fn site(&self, found: &Found) -> Result<SiteInfo> {
+    ///
+    /// # Errors
+    /// [`Error::Io`](crate::Error::Io) for a weather file that cannot be read.
+    pub fn site(&self, found: &Found) -> Result<SiteInfo> {
         let listed = match &self.name {
             _ if self.placement.weather.is_some() => None,
             BuildingName::Id(id) => b2b_dataset::row(*id).building.location().ashrae_zone(),

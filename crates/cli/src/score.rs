@@ -108,8 +108,8 @@ pub fn score(arguments: &Arguments) -> Result<()> {
 fn find_site(catalog: &Catalog, trajectory: &Trajectory, quiet: bool) -> Result<SiteInfo> {
     let Trajectory { subject, weather_sha256, .. } = trajectory;
     let cannot = || format!("cannot prepare {}", subject.name);
-    let progress = &mut Download::new(quiet);
-    let found = catalog.find(&subject.name, &subject.placement, progress).with_context(cannot)?;
+    let found = catalog.find(&subject.name, &subject.placement, &mut Download::new(quiet));
+    let found = found.with_context(cannot)?;
     let here = sha256(std::fs::read(&found.weather).with_context(cannot)?);
     if weather_sha256.as_ref().is_some_and(|there| *there != here) {
         bail!(
@@ -119,7 +119,7 @@ fn find_site(catalog: &Catalog, trajectory: &Trajectory, quiet: bool) -> Result<
             found.place
         );
     }
-    subject.locate(catalog, progress).with_context(cannot)
+    subject.site(&found).with_context(cannot)
 }
 
 /// Errors if the trajectory is from another version of the buildings or of the engine: its score would be meaningless.

@@ -71,7 +71,7 @@ impl Folder {
         Ok(Self { path: path.to_owned(), identity, kept })
     }
 
-    /// Creates the folder if there is none, and writes the results that were taken over.
+    /// Creates the folder if there is none.
     ///
     /// # Errors
     /// [`Error::Io`].
@@ -80,9 +80,17 @@ impl Folder {
         if read_identity(&self.path)?.is_none() {
             write_json(&self.path.join(IDENTITY), &self.identity)?;
         }
+        Ok(())
+    }
+
+    /// Writes the results that were taken over to the folder.
+    ///
+    /// # Errors
+    /// [`Error::Io`].
+    pub fn save(&self) -> Result<()> {
         let mut kept: Vec<JobResult> = self.kept.values().cloned().collect();
         kept.sort_by(|a, b| a.key.cmp(&b.key));
-        if kept.is_empty() { Ok(()) } else { self.keep(&kept) }
+        self.keep(&kept)
     }
 
     /// Opens a folder with results, and returns it with its experiment and budget.
@@ -113,8 +121,8 @@ impl Folder {
     /// Returns how a job ended; `None` if it has not.
     pub fn state(&self, job: &Job) -> Option<State> {
         self.own_state(job).or_else(|| {
-            let JobResult { seconds, actions_sha256, .. } = self.kept(job)?.clone();
-            Some(State { error: None, seconds, actions_sha256 })
+            let JobResult { seconds, actions_sha256, .. } = self.kept(job)?;
+            Some(State { error: None, seconds: *seconds, actions_sha256: actions_sha256.clone() })
         })
     }
 
@@ -175,7 +183,7 @@ impl Folder {
         write_whole(&path, text.as_bytes()).map_err(at(&path))
     }
 
-    /// Takes over the results of jobs that are done in the folder of another experiment, and returns their number; [`Folder::create`]
+    /// Takes over the results of jobs that are done in the folder of another experiment, and returns their number; [`Folder::save`]
     /// writes them. A job there is
     /// the same if it has the same key, options and episodes, and if its result has what this experiment's report shows.
     ///

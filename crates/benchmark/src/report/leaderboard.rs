@@ -40,15 +40,16 @@ impl RankBy {
 /// # Errors
 /// The errors of the file.
 pub fn write(file: &mut impl Write, results: &[Entry], rank_by: RankBy) -> std::io::Result<()> {
-    let mut boards: Vec<Vec<&Entry>> = Vec::new();
+    let mut by_hash: Vec<(String, Vec<&Entry>)> = Vec::new();
     for entry in results {
         // Not the hash that the result claims.
         let hash = entry.0.problem.hash();
-        match boards.iter_mut().find(|board| board[0].0.problem.hash() == hash) {
-            Some(board) => board.push(entry),
-            None => boards.push(vec![entry]),
+        match by_hash.iter_mut().find(|(other, _)| *other == hash) {
+            Some((_, board)) => board.push(entry),
+            None => by_hash.push((hash, vec![entry])),
         }
     }
+    let mut boards: Vec<Vec<&Entry>> = by_hash.into_iter().map(|(_, board)| board).collect();
     let key = |board: &[&Entry]| {
         let result = &board[0].0;
         (

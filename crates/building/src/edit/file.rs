@@ -2,8 +2,7 @@
 
 use std::path::Path;
 
-use b2b_energyplus::Library;
-use b2b_energyplus::aside::write_whole;
+use b2b_energyplus::{Library, folder_in};
 
 use super::{Edits, Report, apply};
 use crate::import::external;
@@ -44,7 +43,12 @@ pub fn check_output(path: &Path) -> Result<()> {
 /// # Errors
 /// [`Error::Io`] naming the file.
 pub fn write_aside(model: &Model, path: &Path) -> Result<()> {
-    let written = write_whole(path, model.to_epjson().as_bytes());
+    let folder = folder_of(path);
+    let written = folder_in(folder, ".b2b-unfinished-").and_then(|aside| {
+        let file = aside.path().join("model.epJSON");
+        std::fs::write(&file, model.to_epjson())?;
+        std::fs::rename(&file, path)
+    });
     written.map_err(|source| Error::Io { path: path.to_owned(), source })
 }
 

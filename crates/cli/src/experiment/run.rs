@@ -62,6 +62,9 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     }
     if !arguments.dry_run {
         folder.create()?;
+        if !arguments.reuse.is_empty() {
+            folder.save()?;
+        }
     }
     let parallel = arguments.jobs.count()?;
     let left: Vec<&Job> = jobs.iter().filter(|job| !folder.is_done(job)).collect();

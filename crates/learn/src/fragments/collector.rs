@@ -168,22 +168,19 @@ impl FragmentCollector {
     /// Carries out the actions of all episodes in progress, some at a time.
     fn replay(&mut self, actor: &Actor) -> Result<()> {
         let width = self.widths.action;
-        let mut rows: Vec<usize> =
-            self.progress.iter().map(|progress| progress.actions.len() / width).collect();
+        let rows = |progress: &Progress| progress.actions.len() / width;
+        let longest = self.progress.iter().map(rows).max().unwrap_or(0);
         self.share(actor, REPLAYED)?;
-        for first in (0..rows.iter().copied().max().unwrap_or(0)).step_by(REPLAYED) {
+        for first in (0..longest).step_by(REPLAYED) {
             self.begin_rollout();
-            let mut steps: Vec<usize> =
-                rows.iter().map(|rows| rows.saturating_sub(first).min(REPLAYED)).collect();
+            // None of an environment whose episode was lost.
+            let left = |progress: &Progress| rows(progress).saturating_sub(first).min(REPLAYED);
+            let mut steps: Vec<usize> = self.progress.iter().map(left).collect();
             for (index, steps) in steps.iter().enumerate().filter(|(_, steps)| **steps > 0) {
                 let actions = &self.progress[index].actions[first * width..][..steps * width];
                 self.memory.write(self.block(index).action(0), actions);
             }
-            let before = steps.clone();
             self.run(actor, Purpose::Replay, &mut steps)?;
-            for index in (0..rows.len()).filter(|index| steps[*index] < before[*index]) {
-                rows[index] = 0;
-            }
         }
         Ok(())
     }
@@ -372,6 +369,7 @@ impl FragmentCollector {
             // It has been drawn, although it did not begin.
             progress.episodes += 1;
         }
+        progress.actions.clear();
         self.restart(environment)
     }
 

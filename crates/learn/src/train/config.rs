@@ -263,15 +263,13 @@ impl TrainConfig {
             None => (self.clone(), String::new()),
         };
         let problem = changes.get("problem").and_then(Value::as_str).unwrap_or(&problem);
-        let base = match problem.is_empty() {
-            true => base,
+        let base = if problem.is_empty() {
+            base
+        } else {
             // Whether a problem has an agent of this kind depends on its network.
-            false => match changes.get("policy").cloned().map(Value::try_into) {
-                Some(policy) => Self { policy: policy.map_err(|error| error.message().to_owned())?, ..base },
-                None => base,
-            }
-            .with_problem(problem)
-            .map_err(said)?,
+            let policy = changes.get("policy").cloned().map_or(Ok(base.policy.clone()), Value::try_into);
+            let policy = policy.map_err(|error: toml::de::Error| with_suggestion(error.message()))?;
+            Self { policy, ..base }.with_problem(problem).map_err(said)?
         };
         let algorithm = changes.get("algorithm").and_then(|name| name.as_str()?.parse().ok());
         let base = match algorithm {
@@ -288,8 +286,7 @@ impl TrainConfig {
     /// # Errors
     /// [`Error::Io`]; [`Error::ConfigFile`] with what is wrong.
     pub fn with_file(&self, path: &Path) -> Result<Self> {
-        let text = std::fs::read_to_string(path).map_err(at(path))?;
-        self.with_changes(&text).map_err(|why| Error::ConfigFile { path: path.to_owned(), why })
+        self.with_changes_of_file(path, |_| {})
     }
 
     /// As [`TrainConfig::with_file`], without the preset that the file names.
@@ -297,10 +294,14 @@ impl TrainConfig {
     /// # Errors
     /// [`Error::Io`]; [`Error::ConfigFile`] with what is wrong.
     pub fn with_options_of_file(&self, path: &Path) -> Result<Self> {
+        self.with_changes_of_file(path, |changes| drop(changes.remove("preset")))
+    }
+
+    fn with_changes_of_file(&self, path: &Path, edit: impl FnOnce(&mut Table)) -> Result<Self> {
         let text = std::fs::read_to_string(path).map_err(at(path))?;
-        let table = toml::from_str(&text).map_err(|error| error.to_string());
-        let changed = table.and_then(|mut changes: Table| {
-            changes.remove("preset");
+        let changes = toml::from_str(&text).map_err(|error| error.to_string());
+        let changed = changes.and_then(|mut changes: Table| {
+            edit(&mut changes);
             self.with_table(changes)
         });
         changed.map_err(|why| Error::ConfigFile { path: path.to_owned(), why })
