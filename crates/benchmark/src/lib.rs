@@ -14,7 +14,6 @@ mod baseline;
 pub mod entry;
 mod error;
 mod evaluation;
-mod inputs;
 mod output;
 mod policy;
 pub mod problem;
@@ -26,7 +25,6 @@ pub mod statistics;
 mod subject;
 mod summary;
 mod tuned;
-mod versions;
 
 pub use baseline::table as baseline_table;
 pub use baseline::{Baselines, Key};
@@ -36,7 +34,6 @@ pub use evaluation::{
     Progress, Record, Recorded, Row, Scored, StepRewards, episode_table, read_episodes, read_kept,
     read_stages, write_episodes, write_stages,
 };
-pub use inputs::Inputs;
 pub use policy::{ActionScale, BuiltIn, EpisodeContext, HouseForm, Interface, OnnxPolicy, Policy};
 pub use problem::Problem;
 pub use results::{Results, run_part};
@@ -45,4 +42,3 @@ pub use scores::{Baseline, RESOLUTION, normalized_score, resolved_score};
 pub use subject::{SiteInfo, Subject};
 pub use summary::{Group, LostEpisode, Summary, Window};
 pub use tuned::{controller_parameters, task_for};
-pub use versions::Versions;

@@ -60,7 +60,7 @@ impl Subject {
     /// [`Error::Io`](crate::Error::Io) for a file that cannot be read.
     pub fn identity(&self) -> Result<String> {
         let what = match &self.name {
-            BuildingName::Model(path) => hash_of(path)?,
+            BuildingName::Model(path) => hash_of_model(path)?,
             BuildingName::Type(_) | BuildingName::Id(_) => self.name.to_string(),
         };
         Ok(match (&self.placement.weather, self.placement.place, &self.name) {
@@ -101,6 +101,17 @@ impl Subject {
     }
 }
 
+/// Returns the SHA-256 of a model; with files that it names, a digest of all.
+fn hash_of_model(path: &Path) -> Result<String> {
+    let model = hash_of(path)?;
+    let named = b2b_building::import::external::named_in_text(path).map_err(at(path))?;
+    if named.is_empty() {
+        return Ok(model);
+    }
+    let hashes = named.iter().map(|file| hash_of(file)).collect::<Result<Vec<_>>>()?;
+    Ok(sha256(model + &hashes.concat()))
+}
+
 /// Returns the SHA-256 of a file.
 pub(crate) fn hash_of(path: &Path) -> Result<String> {
     std::fs::read(path).map(sha256).map_err(at(path))
@@ -119,5 +130,20 @@ mod tests {
         let id = Subject::at_home("OfficeSmall-42".parse().unwrap());
         assert_eq!(id.identity().unwrap(), "OfficeSmall-0042");
         assert!(["train", "test"].contains(&id.split().as_str()));
+    }
+
+    #[test]
+    fn the_identity_of_a_model_changes_with_the_files_that_it_names() {
+        let folder = tempfile::tempdir().unwrap();
+        let [model, file] = ["model.epJSON", "people.csv"].map(|name| folder.path().join(name));
+        std::fs::write(&model, r#"{"Schedule:File": {"S": {"file_name": "people.csv"}}}"#).unwrap();
+        let identity = || Subject::at_home(BuildingName::Model(model.clone())).identity().unwrap();
+        assert_eq!(identity(), hash_of(&model).unwrap());
+        std::fs::write(&file, "1").unwrap();
+        let first = identity();
+        std::fs::write(&file, "2").unwrap();
+        assert!(![&first, &hash_of(&model).unwrap()].contains(&&identity()));
+        std::fs::write(&file, "1").unwrap();
+        assert_eq!(identity(), first);
     }
 }

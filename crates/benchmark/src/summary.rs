@@ -7,7 +7,7 @@ use crate::evaluation::{Row, relative_energy};
 use crate::policy::Policy;
 use crate::results::Results;
 use crate::statistics::{Aggregate, aggregate};
-use crate::versions::Versions;
+use b2b_control::Versions;
 
 /// Seed of the bootstrap.
 const SEED: u64 = 0;

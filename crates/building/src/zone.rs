@@ -2,8 +2,10 @@
 
 use serde_json::Value;
 
-use crate::model::{Fields, Model, number, text};
+use crate::model::{Fields, Model, items, number, text};
 use crate::{Error, Result};
+
+const DETAILED: &str = "BuildingSurface:Detailed";
 
 /// A zone of the model.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,8 +14,17 @@ pub struct Zone {
     pub name: String,
     /// Floor area, m²: given in the model, or the sum of its floor surfaces.
     pub floor_area: f64,
-    /// Zone multiplier.
+    /// Number of identical zones: the multiplier of the zone times that of its group.
     pub multiplier: f64,
+}
+
+/// A space: a part of a zone.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Space {
+    /// Name.
+    pub name: String,
+    /// Floor area, m²: given in the model, or the sum of its floor surfaces.
+    pub floor_area: f64,
 }
 
 /// Kinds of surfaces.
@@ -70,9 +81,52 @@ pub fn zones(model: &Model) -> Result<Vec<Zone>> {
         name: name.to_owned(),
         floor_area: number(fields, "floor_area")
             .unwrap_or_else(|| floor_area(&surfaces, name) + other_floor_area(model, name)),
-        multiplier: number(fields, "multiplier").unwrap_or(1.0),
+        multiplier: number(fields, "multiplier").unwrap_or(1.0) * group_multiplier(model, name),
     });
     Ok(zones.collect())
+}
+
+/// Returns the spaces of a zone; none if the zone is not divided.
+pub fn spaces(model: &Model, zone: &str) -> Vec<Space> {
+    let is = |fields: &Fields, field: &str, name: &str| {
+        text(fields, field).is_some_and(|value| value.eq_ignore_ascii_case(name))
+    };
+    let own = model.objects("Space").into_iter().filter(|(_, fields)| is(fields, "zone_name", zone));
+    own.map(|(name, fields)| {
+        let surfaces = model.objects(DETAILED).into_iter().map(|(_, fields)| fields);
+        let floors =
+            surfaces.filter(|fields| is(fields, "space_name", name) && is(fields, "surface_type", "floor"));
+        Space {
+            name: name.to_owned(),
+            floor_area: number(fields, "floor_area").unwrap_or_else(|| floors.filter_map(drawn_area).sum()),
+        }
+    })
+    .collect()
+}
+
+/// Returns whether a name is that of a zone, or of a list that has it.
+pub fn covers_zone(model: &Model, zone_or_list: &str, zone: &str) -> bool {
+    zone_or_list.eq_ignore_ascii_case(zone)
+        || lists(model, "ZoneList", zone_or_list, ["zones", "zone_name"], zone)
+}
+
+/// Returns whether a name is that of a space, or of a list that has it.
+pub fn covers_space(model: &Model, space_or_list: &str, space: &str) -> bool {
+    space_or_list.eq_ignore_ascii_case(space)
+        || lists(model, "SpaceList", space_or_list, ["spaces", "space_name"], space)
+}
+
+fn lists(model: &Model, class: &str, list: &str, [entries, field]: [&str; 2], name: &str) -> bool {
+    let named = |item: &Fields| text(item, field).is_some_and(|listed| listed.eq_ignore_ascii_case(name));
+    model.get(class, list).is_some_and(|list| items(list, entries).any(named))
+}
+
+/// Returns the multiplier of the `ZoneGroup` of a zone.
+fn group_multiplier(model: &Model, zone: &str) -> f64 {
+    let groups = model.objects("ZoneGroup").into_iter().map(|(_, fields)| fields);
+    let mut of_zone = groups
+        .filter(|fields| text(fields, "zone_list_name").is_some_and(|list| covers_zone(model, list, zone)));
+    of_zone.next().and_then(|fields| number(fields, "zone_list_multiplier")).unwrap_or(1.0)
 }
 
 /// Returns whether a zone has air conditioning equipment.
@@ -87,13 +141,12 @@ pub fn has_equipment(model: &Model, zone: &str) -> bool {
 /// # Errors
 /// [`Error::Unsupported`] when a surface has no type or fewer than three corners.
 pub fn surfaces(model: &Model) -> Result<Vec<Surface>> {
-    const CLASS: &str = "BuildingSurface:Detailed";
     model
-        .objects(CLASS)
+        .objects(DETAILED)
         .into_iter()
         .map(|(name, fields)| {
             surface(name, fields).ok_or_else(|| Error::Unsupported {
-                class: CLASS.into(),
+                class: DETAILED.into(),
                 name: name.into(),
                 why: "it needs a surface type and at least three corners".into(),
             })
@@ -142,11 +195,15 @@ fn other_floor_area(model: &Model, zone: &str) -> f64 {
     let floors = FLOORS.iter().flat_map(|class| model.objects(class));
     let own = floors
         .filter(|(_, fields)| text(fields, "zone_name").is_some_and(|name| name.eq_ignore_ascii_case(zone)));
-    let area = |fields: &Fields| match fields.get("vertices").and_then(Value::as_array) {
+    own.filter_map(|(_, fields)| drawn_area(fields)).fold(0.0, |sum, area| sum + area)
+}
+
+/// Returns the area of a surface from its corners, or from length and width, m².
+fn drawn_area(fields: &Fields) -> Option<f64> {
+    match fields.get("vertices").and_then(Value::as_array) {
         Some(vertices) => Some(polygon_area(&vertices.iter().map(corner).collect::<Option<Vec<_>>>()?)),
         None => Some(number(fields, "length")? * number(fields, "width")?),
-    };
-    own.filter_map(|(_, fields)| area(fields)).fold(0.0, |sum, area| sum + area)
+    }
 }
 
 /// Returns the area of a plane polygon in space, m².
@@ -182,6 +239,33 @@ mod tests {
         model.insert("Floor:Detailed", "2", json!({"zone_name": "A", "vertices": corners}));
         model.insert("Floor:Adiabatic", "3", json!({"zone_name": "B", "length": 1.0, "width": 1.0}));
         assert_eq!(zones(&model).unwrap()[0].floor_area, 26.0);
+    }
+
+    #[test]
+    fn the_multiplier_of_a_group_counts() {
+        let mut model = Model::default();
+        model.insert("Zone", "A", json!({"floor_area": 10.0, "multiplier": 3}));
+        model.insert("Zone", "B", json!({"floor_area": 10.0}));
+        model.insert("ZoneList", "Floors", json!({"zones": [{"zone_name": "a"}]}));
+        model.insert("ZoneGroup", "Tower", json!({"zone_list_name": "floors", "zone_list_multiplier": 4}));
+        let multipliers: Vec<f64> = zones(&model).unwrap().iter().map(|zone| zone.multiplier).collect();
+        assert_eq!(multipliers, [12.0, 1.0]);
+    }
+
+    #[test]
+    fn spaces_have_the_area_of_their_floors() {
+        let mut model = Model::default();
+        let corner = |x: f64, y: f64| json!({"vertex_x_coordinate": x, "vertex_y_coordinate": y, "vertex_z_coordinate": 0.0});
+        let corners = [corner(0.0, 0.0), corner(0.0, 3.0), corner(2.0, 3.0), corner(2.0, 0.0)];
+        let floor =
+            json!({"surface_type": "Floor", "zone_name": "A", "space_name": "west", "vertices": corners});
+        model.insert(DETAILED, "1", floor);
+        model.insert("Space", "West", json!({"zone_name": "a"}));
+        model.insert("Space", "East", json!({"zone_name": "A", "floor_area": 5.0}));
+        model.insert("Space", "Other", json!({"zone_name": "B"}));
+        let areas: Vec<(String, f64)> =
+            spaces(&model, "A").into_iter().map(|space| (space.name, space.floor_area)).collect();
+        assert_eq!(areas, [("East".into(), 5.0), ("West".into(), 6.0)]);
     }
 
     #[test]

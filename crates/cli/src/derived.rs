@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use anyhow::{Context, Result};
-use b2b_benchmark::Baselines;
 use b2b_climate::region::{remove_morphed, verify_morphed};
 use b2b_dataset::prepared_folder;
 use b2b_energyplus::install::doctor::{Finding, Health};
@@ -56,6 +55,10 @@ pub fn remove_damaged(cache: &Cache) -> Result<Vec<String>> {
 
 /// Returns the folders of sealed files, which start with their SHA-256.
 fn sealed(cache: &Cache) -> impl Iterator<Item = (&'static str, PathBuf)> {
-    [("prepared buildings", prepared_folder(&cache.root)), ("baselines", Baselines::folder_in(&cache.root))]
-        .into_iter()
+    [
+        ("prepared buildings", prepared_folder(&cache.root)),
+        #[cfg(target_os = "linux")]
+        ("baselines", b2b_benchmark::Baselines::folder_in(&cache.root)),
+    ]
+    .into_iter()
 }

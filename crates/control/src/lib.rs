@@ -12,6 +12,7 @@ mod replay;
 #[cfg(target_os = "linux")]
 pub mod tune;
 mod tuned;
+mod versions;
 
 pub use b2b_env::Controller;
 pub use constant::Constant;
@@ -23,3 +24,4 @@ pub use random::Random;
 pub use reactive::{AirLoopParameters, Gains, Reactive, ReactiveParameters, TrimRespond, UnitaryParameters};
 pub use replay::Replay;
 pub use tuned::{Measured, Tuned};
+pub use versions::{Versions, parameters_hash};

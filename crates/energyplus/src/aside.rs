@@ -1,9 +1,16 @@
 //! Atomic writing of files: a file appears complete or not at all.
 
+use std::collections::HashSet;
 use std::io::{Result, Write as _};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 use tempfile::NamedTempFile;
+
+use crate::scratch::{owned, sweep};
+
+/// Prefix of the names of files before they are moved.
+const PREFIX: &str = ".aside-";
 
 /// Writes a file next to its place, to be moved there by [`put`].
 ///
@@ -11,8 +18,10 @@ use tempfile::NamedTempFile;
 /// Those of the operating system.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<NamedTempFile> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    sweep_once(folder);
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".aside-");
+    let prefix = owned(PREFIX);
+    builder.prefix(&prefix);
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt as _;
@@ -23,6 +32,15 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<NamedTempFile> {
     file.write_all(bytes)?;
     file.as_file().sync_all()?;
     Ok(file)
+}
+
+/// Removes what killed processes left in a folder, once per process, because a folder may have thousands of files.
+fn sweep_once(folder: &Path) {
+    static SWEPT: Mutex<Option<HashSet<PathBuf>>> = Mutex::new(None);
+    let mut swept = SWEPT.lock().unwrap_or_else(PoisonError::into_inner);
+    if swept.get_or_insert_default().insert(folder.to_owned()) {
+        sweep(folder, PREFIX);
+    }
 }
 
 /// Moves a file to its place, replacing an existing one.

@@ -1,4 +1,4 @@
-//! Temporary folders, which end with their owner: on drop, or when the next one is made after the owner was killed.
+//! Temporary folders and files, which end with their owner: on drop, or when the next one is made after the owner was killed.
 //!
 //! The name has the owner, `b2b-pool-4242.891.5f0c9a1e-x7Pq2a`: process 4242, which started at clock tick 891 where processes are
 //! numbered as `5f0c9a1e` says. Containers that share a folder number their processes each for itself, and leave the folders of
@@ -41,11 +41,7 @@ pub fn temporary_folder(prefix: &str) -> Result<TempDir> {
 pub fn folder_in(parent: &Path, prefix: &str) -> std::io::Result<TempDir> {
     sweep(parent, prefix);
     let mut builder = tempfile::Builder::new();
-    let process = std::process::id();
-    let prefix = match started(process).zip(numbering()) {
-        Some((start, numbering)) => format!("{prefix}{process}.{start}.{numbering}-"),
-        None => prefix.to_owned(),
-    };
+    let prefix = owned(prefix);
     builder.prefix(&prefix);
     #[cfg(unix)]
     {
@@ -55,15 +51,25 @@ pub fn folder_in(parent: &Path, prefix: &str) -> std::io::Result<TempDir> {
     builder.tempdir_in(parent)
 }
 
-/// Removes the folders with a prefix whose owner is gone. One that cannot be removed stays: it may be of another user. So does
+/// Returns a prefix followed by this process, as the owner of what has the name.
+pub(crate) fn owned(prefix: &str) -> String {
+    let process = std::process::id();
+    match started(process).zip(numbering()) {
+        Some((start, numbering)) => format!("{prefix}{process}.{start}.{numbering}-"),
+        None => prefix.to_owned(),
+    }
+}
+
+/// Removes the folders and files with a prefix whose owner is gone. One that cannot be removed stays: it may be of another user. So does
 /// one of another container or of before the last boot, whose owner cannot be found here.
-fn sweep(parent: &Path, prefix: &str) {
+pub(crate) fn sweep(parent: &Path, prefix: &str) {
     let (Some(here), Ok(entries)) = (numbering(), std::fs::read_dir(parent)) else { return };
     for entry in entries.flatten() {
         let name = entry.file_name();
         let owner = name.to_str().and_then(|name| owner(name.strip_prefix(prefix)?, &here));
         if owner.is_some_and(|(process, start)| started(process) != Some(start)) && is_old(&entry) {
-            let _ = std::fs::remove_dir_all(entry.path());
+            let path = entry.path();
+            let _ = if path.is_dir() { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) };
         }
     }
 }
@@ -147,6 +153,9 @@ mod tests {
         make("b2b-4194305.7.00000000-container", old);
         make("b2b-4194305.7-earlier", old);
         make("b2b-notes", old);
+        let file = root.path().join(format!("b2b-4194305.7.{number}-file"));
+        std::fs::write(&file, "").unwrap();
+        std::fs::File::open(&file).unwrap().set_modified(old).unwrap();
         let made = folder_in(root.path(), "b2b-").unwrap();
         let mut left: Vec<_> = std::fs::read_dir(root.path())
             .unwrap()

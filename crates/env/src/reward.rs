@@ -36,6 +36,7 @@ pub fn to_numbers(reward: Reward, expenses: Expenses) -> StepNumbers {
 }
 
 /// Returns reward and expenses of [`to_numbers`].
+#[cfg(target_os = "linux")]
 pub fn from_numbers(
     [temperature_penalty, energy_penalty, cost, emissions]: StepNumbers,
 ) -> (Reward, Expenses) {

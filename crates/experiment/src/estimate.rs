@@ -47,6 +47,16 @@ pub fn estimate(folder: Option<&Folder>, jobs: &[Job], parallel: usize) -> Durat
     Duration::from_secs_f64(correction * longest.max(left / parallel.max(1) as f64))
 }
 
+/// Returns a duration as text in its largest unit, such as `48 s`, `13 min` or `2.4 h`.
+pub fn duration_text(duration: Duration) -> String {
+    match duration.as_secs_f64() {
+        seconds @ ..60.0 => format!("{seconds:.0} s"),
+        seconds @ ..3570.0 => format!("{:.0} min", seconds / 60.0),
+        seconds @ ..36_000.0 => format!("{:.1} h", seconds / 3600.0),
+        seconds => format!("{:.0} h", seconds / 3600.0),
+    }
+}
+
 /// Returns the time of a job on one core, s.
 fn seconds(job: &Job) -> f64 {
     let Some(episodes) = job.episodes() else { return 300.0 };

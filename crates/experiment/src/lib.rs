@@ -23,7 +23,7 @@ mod shard;
 pub use check::{Checked, check};
 pub use definition::{Agent, Budget, BudgetName, Experiment, ReportKind, Training};
 pub use error::{Error, Result};
-pub use estimate::estimate;
+pub use estimate::{duration_text, estimate};
 pub use folder::{Folder, State};
 pub use job::{Action, Entry, Episodes, Job};
 pub use results::{JobResult, Results};

@@ -2,6 +2,7 @@
 
 use std::fs::File;
 use std::path::Path;
+use std::time::Duration;
 
 use b2b_agent::Agent;
 use b2b_benchmark::entry::{RunResult, Stages, read_result};
@@ -117,9 +118,9 @@ impl Results {
         self.done.iter().map(|done| done.steps).sum()
     }
 
-    /// Returns the sum of the wall-clock times of the jobs, hours.
-    pub fn hours(&self) -> f64 {
-        self.done.iter().map(|done| done.seconds).sum::<f64>() / 3600.0
+    /// Returns the sum of the wall-clock times of the jobs.
+    pub fn time(&self) -> Duration {
+        Duration::from_secs_f64(self.done.iter().map(|done| done.seconds).sum())
     }
 
     /// Returns the episodes of an agent with their jobs.

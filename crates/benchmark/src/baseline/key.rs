@@ -1,6 +1,6 @@
 //! The key of a baseline: everything that it depends on.
 
-use b2b_control::Objective;
+use b2b_control::{Objective, parameters_hash};
 use b2b_dataset::GENERATOR_VERSION;
 use b2b_energyplus::digest::sha256;
 use b2b_energyplus::install::ENGINE_VERSION;
@@ -8,7 +8,7 @@ use b2b_env::Task;
 use serde::{Deserialize, Serialize};
 
 use crate::evaluation::Episode;
-use crate::tuned::{controller_parameters, parameters_hash};
+use crate::tuned::controller_parameters;
 use crate::{Result, SiteInfo};
 
 /// Raised when a change to preparation, environments or controllers changes the reactive controllers' returns, so that

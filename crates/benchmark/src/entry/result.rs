@@ -15,8 +15,8 @@ use super::measures::Measures;
 use crate::error::at;
 use crate::evaluation::{Row, is_temporary, read_stages, write, write_stages};
 use crate::problem::{Problem, Stage, differences};
-use crate::versions::Versions;
 use crate::{Error, Result};
+use b2b_control::Versions;
 
 /// The result file.
 const RESULT: &str = "result.json";

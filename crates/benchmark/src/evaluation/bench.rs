@@ -12,8 +12,8 @@ use b2b_env::vector::{RolloutMemory, Setting, Source, WorkerOptions, Workers};
 use super::episode::Episode;
 use super::parallel::Evaluation;
 use crate::Result;
-use crate::inputs::Inputs;
 use crate::subject::{SiteInfo, Subject};
+use b2b_env::Inputs;
 
 /// The episodes of one building that wait to be run.
 pub(super) struct Group<'a> {

@@ -9,8 +9,8 @@ use super::hours::Hours;
 use super::info::EpisodeInfo;
 use super::recording::{Recording, controlled_zones};
 use super::step_rewards::StepRewards;
-use crate::inputs::Inputs;
 use crate::return_terms::ReturnTerms;
+use b2b_env::Inputs;
 
 /// A finished episode, or why it was lost.
 pub type Outcome = std::result::Result<Finished, Lost>;

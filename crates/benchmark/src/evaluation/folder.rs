@@ -13,8 +13,8 @@ use super::episode::Episode;
 use super::finished::Finished;
 use crate::error::at;
 use crate::policy::Policy;
-use crate::versions::Versions;
 use crate::{Error, Result};
+use b2b_control::Versions;
 
 /// The folder of an evaluation, locked by this process.
 #[derive(Debug)]

@@ -10,9 +10,9 @@ use super::finished::Finished;
 use super::info::EpisodeInfo;
 use super::parallel::Work;
 use super::recording::{Recorded, Recording};
-use crate::inputs::Inputs;
 use crate::policy::{self, EpisodeContext, Interface};
 use crate::{Error, Result};
+use b2b_env::Inputs;
 
 /// Runs an episode.
 pub(super) fn run(

@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 use super::finished::{Lost, Record};
 use super::info::EpisodeInfo;
 use super::step_rewards::StepRewards;
-use crate::inputs::Inputs;
 use crate::scores::Baseline;
+use b2b_env::Inputs;
 
 /// An episode in a results table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

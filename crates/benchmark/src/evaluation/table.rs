@@ -19,8 +19,8 @@ use super::finished::Lost;
 use super::info::EpisodeInfo;
 use super::row::{Row, Scored};
 use super::step_rewards::StepRewards;
-use crate::inputs::Inputs;
-use crate::versions::Versions;
+use b2b_control::Versions;
+use b2b_env::Inputs;
 
 /// The metric that is stored as an integer; all others are stored as floating-point numbers.
 const INTEGER: &str = "steps";

@@ -5,7 +5,6 @@ use std::io::Write;
 use serde_json::{Value, json};
 
 use super::chart::{Chart, color, energy_vs_comfort, hover_name};
-use super::page::write_page;
 use super::reward_chart::step_rewards;
 use super::series::{Series, rms_deviations};
 use crate::evaluation::{EpisodeInfo, Row, Scored, relative_energy};
@@ -46,7 +45,7 @@ pub fn write(file: &mut impl Write, all: &[Compared]) -> Result<()> {
         "footer": "Means over episodes. Score: the return divided by that of the reactive controllers for the same building, \
                    task and days; lower is better. Resolved score: the same after adding 0.2 K of RMS deviation to both.",
     });
-    write_page(file, &data).map_err(|source| Error::Io { path: "comparison".into(), source })
+    b2b_page::write_page(file, &data).map_err(|source| Error::Io { path: "comparison".into(), source })
 }
 
 fn check_same(all: &[Compared]) -> Result<()> {

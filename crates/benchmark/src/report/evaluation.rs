@@ -7,7 +7,6 @@ use serde_json::{Value, json};
 use super::deviation_chart::StepDeviations;
 use super::evaluation_charts;
 use super::hourly_chart;
-use super::page::write_page;
 use crate::evaluation::{Finished, Row};
 use crate::results::Results;
 use crate::scores::RESOLUTION;
@@ -41,7 +40,7 @@ pub fn write(
         "drawings": charts,
         "footer": footer(summary),
     });
-    write_page(file, &data)
+    b2b_page::write_page(file, &data)
 }
 
 /// Returns the episodes with the highest scores; without scores, those with the largest deviations.

@@ -5,7 +5,6 @@ use std::io::Write;
 use serde_json::{Value, json};
 
 use super::leaderboard_charts;
-use super::page::write_page;
 use crate::BuiltIn;
 use crate::entry::{Measures, Performance, PolicyDescription, RunResult, Stages, mean_from_random};
 use crate::evaluation::Row;
@@ -69,7 +68,7 @@ pub fn write(file: &mut impl Write, results: &[Entry], rank_by: RankBy) -> std::
         "sections": boards.iter().map(|board| section(board)).collect::<Vec<_>>(),
         "footer": footer(results, rank_by),
     });
-    write_page(file, &data)
+    b2b_page::write_page(file, &data)
 }
 
 fn tile(what: &str, count: usize) -> Value {

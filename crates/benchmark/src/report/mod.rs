@@ -1,7 +1,4 @@
-//! `report.html` and the leaderboard: self-contained pages that need no network.
-//!
-//! Charts are plotly figures, written here as plotly's own JSON; the `plotly` crate provides the script that is embedded in
-//! the page.
+//! `report.html` and the leaderboard: pages of [`b2b_page`], whose charts are plotly figures, written here as plotly's own JSON.
 
 mod chart;
 mod comparison;
@@ -12,7 +9,6 @@ mod histogram;
 mod hourly_chart;
 pub mod leaderboard;
 mod leaderboard_charts;
-mod page;
 mod reward_chart;
 mod series;
 
@@ -21,6 +17,5 @@ pub use comparison::{Compared, write as write_comparison};
 pub use deviation_chart::{StepDeviations, step_deviations};
 pub use evaluation::write;
 pub use leaderboard::RankBy;
-pub use page::{fill, write_page};
 pub use reward_chart::step_rewards;
 pub use series::{Series, labels, rms_deviations};

@@ -6,6 +6,7 @@
 
 use crate::Model;
 use crate::model::{Fields, number, text};
+use crate::zone::{covers_space, covers_zone, spaces};
 
 /// Reference temperature difference between zone and outdoors, K.
 pub const TEMPERATURE_DIFFERENCE: f64 = 20.0;
@@ -86,13 +87,8 @@ pub(crate) fn is_in(model: &Model, fields: &Fields, zone: &str) -> bool {
     let names = ["zone_or_zonelist_or_space_or_spacelist_name", "zone_or_space_name", "zone_name"]
         .map(|f| text(fields, f));
     names.into_iter().flatten().any(|name| {
-        let listed =
-            model.get("ZoneList", name).and_then(|list| list.get("zones")?.as_array()).into_iter().flatten();
-        let mut listed = listed.filter_map(|item| item.get("zone_name")?.as_str());
-        let space = model.get("Space", name).and_then(|space| text(space, "zone_name"));
-        name.eq_ignore_ascii_case(zone)
-            || listed.any(|listed| listed.eq_ignore_ascii_case(zone))
-            || space.is_some_and(|of| of.eq_ignore_ascii_case(zone))
+        covers_zone(model, name, zone)
+            || spaces(model, zone).iter().any(|space| covers_space(model, name, &space.name))
     })
 }
 

@@ -3,19 +3,21 @@
 //! The design minimum of a system is the larger of the minimum flow of its `Controller:OutdoorAir` and, under a
 //! `Controller:MechanicalVentilation`, the sum of its zones' requirements at design occupancy
 //! (`DesignSpecification:OutdoorAir`; ASHRAE 62.1, equation 6-1, with a zone air distribution effectiveness of 1 and
-//! without the correction for multiple zones).
+//! without the correction for multiple zones). Specifications may be given by space.
 
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 use super::actuator::EngineVariable;
 use super::schedules::constant_schedule;
+use crate::Result;
 use crate::model::{Fields, Model, items, number, text};
-use crate::{Result, zone};
+use crate::zone::{self, Space, Zone, covers_space, covers_zone};
 
 const CONTROLLER: &str = "Controller:OutdoorAir";
 const MECHANICAL: &str = "Controller:MechanicalVentilation";
 const SPECIFICATION: &str = "DesignSpecification:OutdoorAir";
+const SPECIFICATIONS_OF_SPACES: &str = "DesignSpecification:OutdoorAir:SpaceList";
 const MINIMUM_SCHEDULE: &str = "minimum_outdoor_air_schedule_name";
 
 /// Outdoor air per person where a specification has none, m³/s: the engine's default.
@@ -97,40 +99,51 @@ fn zone_requirements(model: &Model, controller: &str) -> Result<f64> {
     let mut sum = 0.0;
     for item in items(model.require(MECHANICAL, controller)?, "zone_specifications") {
         let listed = text(item, "zone_or_zonelist_name").unwrap_or_default();
-        for zone in zones.iter().filter(|zone| covers(model, listed, &zone.name)) {
+        for zone in zones.iter().filter(|zone| covers_zone(model, listed, &zone.name)) {
             let specified = text(item, "design_specification_outdoor_air_object_name");
             if let Some(name) = specified.or_else(|| sizing_specification(model, &zone.name)) {
-                sum += requirement(model, model.require(SPECIFICATION, name)?, zone) * zone.multiplier;
+                sum += zone_requirement(model, name, zone)? * zone.multiplier;
             }
         }
     }
     Ok(sum)
 }
 
-/// Returns whether a zone or list of zones is, or has, a zone.
-fn covers(model: &Model, zone_or_list: &str, zone: &str) -> bool {
-    let lists = |list: &Fields| {
-        items(list, "zones")
-            .filter_map(|item| text(item, "zone_name"))
-            .any(|name| name.eq_ignore_ascii_case(zone))
+/// Returns the outdoor air that a specification, or one for each space, requires for a zone at design occupancy, m³/s.
+fn zone_requirement(model: &Model, specification: &str, zone: &Zone) -> Result<f64> {
+    let spaces = zone::spaces(model, &zone.name);
+    let Some(by_space) = model.get(SPECIFICATIONS_OF_SPACES, specification) else {
+        let people = people(model, zone, &spaces).zone;
+        return Ok(requirement(model.require(SPECIFICATION, specification)?, zone.floor_area, people));
     };
-    zone_or_list.eq_ignore_ascii_case(zone) || model.get("ZoneList", zone_or_list).is_some_and(lists)
+    let people = people(model, zone, &spaces);
+    let mut sum = 0.0;
+    for item in items(by_space, "space_specs") {
+        let named = text(item, "space_name").unwrap_or_default();
+        let Some(at) = spaces.iter().position(|space| space.name.eq_ignore_ascii_case(named)) else {
+            continue;
+        };
+        let name = text(item, "space_design_specification_outdoor_air_object_name").unwrap_or_default();
+        sum += requirement(model.require(SPECIFICATION, name)?, spaces[at].floor_area, people.spaces[at]);
+    }
+    Ok(sum)
 }
 
 /// Returns the specification that the sizing of a zone names.
 fn sizing_specification<'a>(model: &'a Model, zone: &str) -> Option<&'a str> {
     let sizing = model.objects("Sizing:Zone").into_iter();
-    let of_zone =
-        |fields: &&Fields| covers(model, text(fields, "zone_or_zonelist_name").unwrap_or_default(), zone);
+    let of_zone = |fields: &&Fields| {
+        covers_zone(model, text(fields, "zone_or_zonelist_name").unwrap_or_default(), zone)
+    };
     let mut of_zone = sizing.map(|(_, fields)| fields).filter(of_zone);
     text(of_zone.next()?, "design_specification_outdoor_air_object_name")
 }
 
-/// Returns the outdoor air that a specification requires for a zone at design occupancy, m³/s.
-fn requirement(model: &Model, specification: &Fields, zone: &zone::Zone) -> f64 {
+/// Returns the outdoor air that a specification requires for a floor area and a number of people, m³/s.
+fn requirement(specification: &Fields, floor_area: f64, people: f64) -> f64 {
     let value = |field: &str, default: f64| number(specification, field).unwrap_or(default);
-    let per_person = || value("outdoor_air_flow_per_person", PER_PERSON) * people(model, zone);
-    let per_area = || value("outdoor_air_flow_per_zone_floor_area", 0.0) * zone.floor_area;
+    let per_person = || value("outdoor_air_flow_per_person", PER_PERSON) * people;
+    let per_area = || value("outdoor_air_flow_per_zone_floor_area", 0.0) * floor_area;
     let per_zone = || value("outdoor_air_flow_per_zone", 0.0);
     match text(specification, "outdoor_air_method").unwrap_or("Flow/Person").to_lowercase().as_str() {
         "flow/area" => per_area(),
@@ -142,23 +155,45 @@ fn requirement(model: &Model, specification: &Fields, zone: &zone::Zone) -> f64 
     }
 }
 
-/// Returns the number of people in a zone at design occupancy.
-fn people(model: &Model, zone: &zone::Zone) -> f64 {
-    let in_zone = |fields: &&Fields| {
-        covers(
-            model,
-            text(fields, "zone_or_zonelist_or_space_or_spacelist_name").unwrap_or_default(),
-            &zone.name,
-        )
-    };
-    let count = |fields: &Fields| {
-        let value = |field: &str| number(fields, field);
-        value("number_of_people")
-            .or_else(|| Some(value("people_per_floor_area")? * zone.floor_area))
-            .or_else(|| Some(zone.floor_area / value("floor_area_per_person")?))
-            .unwrap_or(0.0)
-    };
-    model.objects("People").into_iter().map(|(_, fields)| fields).filter(in_zone).map(count).sum()
+/// People at design occupancy.
+struct People {
+    /// In the zone.
+    zone: f64,
+    /// In each of its spaces.
+    spaces: Vec<f64>,
+}
+
+/// Returns the people of a zone and of its spaces. Those of the zone as a whole are spread over its spaces by floor area.
+fn people(model: &Model, zone: &Zone, spaces: &[Space]) -> People {
+    let mut people = People { zone: 0.0, spaces: vec![0.0; spaces.len()] };
+    for (_, fields) in model.objects("People") {
+        let place = text(fields, "zone_or_zonelist_or_space_or_spacelist_name").unwrap_or_default();
+        if covers_zone(model, place, &zone.name) {
+            let count = count(fields, zone.floor_area);
+            people.zone += count;
+            for (own, space) in people.spaces.iter_mut().zip(spaces) {
+                *own += count * space.floor_area / zone.floor_area;
+            }
+            continue;
+        }
+        for (own, space) in people.spaces.iter_mut().zip(spaces) {
+            if covers_space(model, place, &space.name) {
+                let count = count(fields, space.floor_area);
+                people.zone += count;
+                *own += count;
+            }
+        }
+    }
+    people
+}
+
+/// Returns the number of people that a `People` object puts on a floor area.
+fn count(fields: &Fields, floor_area: f64) -> f64 {
+    let value = |field: &str| number(fields, field);
+    value("number_of_people")
+        .or_else(|| Some(value("people_per_floor_area")? * floor_area))
+        .or_else(|| Some(floor_area / value("floor_area_per_person")?))
+        .unwrap_or(0.0)
 }
 
 #[cfg(test)]
@@ -200,6 +235,33 @@ mod tests {
         assert!((minimum(person) - (10.0 + 2.0 * 4.0) * 0.01).abs() < 1e-12);
         let little = json!({"outdoor_air_method": "Flow/Zone", "outdoor_air_flow_per_zone": 0.001});
         assert_eq!(minimum(little), 0.05, "the controller's own minimum is larger");
+    }
+
+    #[test]
+    fn people_and_specifications_of_spaces_count() {
+        let mut model = model(json!({"outdoor_air_method": "Sum", "outdoor_air_flow_per_person": 0.01}));
+        model.insert("Space", "Aisles", json!({"zone_name": "Shop", "floor_area": 30.0}));
+        model.insert("Space", "Store", json!({"zone_name": "Shop", "floor_area": 20.0}));
+        model.insert("SpaceList", "Sales", json!({"spaces": [{"space_name": "aisles"}]}));
+        let place = "zone_or_zonelist_or_space_or_spacelist_name";
+        model.insert("People", "Customers", json!({place: "Sales", "people_per_floor_area": 0.2}));
+        let minimum = |model: &Model| Ventilation::of(model, "OA", 1.2).unwrap().min_outdoor_air / 1.2;
+        // 10 in the hall; 4 of the staff and 6 customers in each of two shops.
+        assert!((minimum(&model) - (10.0 + 2.0 * (4.0 + 6.0)) * 0.01).abs() < 1e-12);
+        let per_area =
+            json!({"outdoor_air_method": "Flow/Area", "outdoor_air_flow_per_zone_floor_area": 0.002});
+        model.insert(SPECIFICATION, "By Area", per_area);
+        let spec = |space: &str, name: &str| json!({"space_name": space, "space_design_specification_outdoor_air_object_name": name});
+        let specs = json!({"space_specs": [spec("Aisles", "Fresh"), spec("Store", "By Area")]});
+        model.insert(SPECIFICATIONS_OF_SPACES, "Shop Specs", specs);
+        let list = json!([
+            {"zone_or_zonelist_name": "Hall", "design_specification_outdoor_air_object_name": "Fresh"},
+            {"zone_or_zonelist_name": "Shop", "design_specification_outdoor_air_object_name": "Shop Specs"},
+        ]);
+        model.require_mut(MECHANICAL, "DCV").unwrap().insert("zone_specifications".into(), list);
+        // In the aisles, 6 customers and 30 / 50 of the staff; in the store, 20 m² x 0.002.
+        let shop = (6.0 + 2.4) * 0.01 + 20.0 * 0.002;
+        assert!((minimum(&model) - (10.0 * 0.01 + 2.0 * shop)).abs() < 1e-12);
     }
 
     #[test]

@@ -2,6 +2,7 @@
 //!
 //! The classes and fields are those of the schema in the engine, against which `tests/external.rs` compares them.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
@@ -59,6 +60,25 @@ pub fn files(model: &Model) -> Vec<PathBuf> {
     classes.map(PathBuf::from).collect()
 }
 
+/// Returns the files that the text of a model (IDF or epJSON) names and that exist, without reading the model: values that look
+/// like file names, relative to the folder of the model, and the file that a `Construction:WindowDataFile` opens by default.
+///
+/// # Errors
+/// Those of reading the model.
+pub fn named_in_text(path: &Path) -> std::io::Result<Vec<PathBuf>> {
+    let text = String::from_utf8_lossy(&std::fs::read(path)?).replace('\\', "/");
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let defaults = FILES.iter().filter_map(|(_, _, default)| *default);
+    let named: BTreeSet<&str> = text.split(['"', ',', ';', '\n']).map(str::trim).chain(defaults).collect();
+    let is_file_name = |name: &&str| Path::new(name).extension().is_some() && name.parse::<f64>().is_err();
+    Ok(named
+        .into_iter()
+        .filter(is_file_name)
+        .map(|name| folder.join(name))
+        .filter(|file| file.is_file())
+        .collect())
+}
+
 fn code(model: &Model) -> Vec<String> {
     let refused = |class: &str| CODE.iter().find(|(root, _)| is_below(class, root)).map(|(_, what)| *what);
     let classes = model.classes().filter_map(|class| Some((class, refused(class)?)));
@@ -113,6 +133,26 @@ mod tests {
     use serde_json::json;
 
     use super::*;
+
+    #[test]
+    fn files_are_found_in_the_text_of_either_format() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        std::fs::create_dir(path("data")).unwrap();
+        for name in ["people.csv", "other.csv", "Window5DataFile.dat"] {
+            std::fs::write(path(name), "1").unwrap();
+        }
+        let idf = "Schedule:File,\n  People,  !- Name\n  Any,\n  people.csv,  !- File Name\n  1, 1;\n  Version, 26.1;\n";
+        let epjson = json!({"Schedule:File": {"S": {"file_name": "data\\people.csv"}, "T": {"file_name": "people.csv"}}});
+        std::fs::write(path("a.idf"), idf).unwrap();
+        std::fs::write(path("a.epJSON"), epjson.to_string()).unwrap();
+        let expected = [path("Window5DataFile.dat"), path("people.csv")];
+        assert_eq!(named_in_text(&path("a.idf")).unwrap(), expected);
+        assert_eq!(named_in_text(&path("a.epJSON")).unwrap(), expected);
+        std::fs::rename(path("people.csv"), path("data/people.csv")).unwrap();
+        assert_eq!(named_in_text(&path("a.epJSON")).unwrap()[1], path("data/people.csv"));
+        assert!(named_in_text(&path("none.idf")).is_err());
+    }
 
     fn resolved(model: Value, folder: &Path, allow: bool) -> Result<Model, String> {
         let mut model = Model::from_epjson(&model.to_string(), Path::new("test.epJSON")).unwrap();

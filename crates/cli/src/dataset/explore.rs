@@ -75,7 +75,7 @@ pub fn file(out: &Path) -> PathBuf {
 /// Returns the page.
 pub fn page(manifest: &Manifest) -> String {
     let template = PAGE.replace("{{SCRIPT}}", SCRIPT);
-    b2b_benchmark::report::fill(&template, &data(manifest))
+    b2b_page::fill(&template, &data(manifest))
 }
 
 fn data(manifest: &Manifest) -> Value {

@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use b2b_experiment::{Folder, Results};
+use b2b_experiment::{Folder, Results, duration_text};
 use serde_json::json;
 
 use crate::output_folder::OutputFolder;
@@ -49,12 +49,12 @@ pub fn write(path: &Path, json: bool) -> Result<()> {
     let (done, failed, missing) = (results.done.len(), results.failed.len(), results.missing.len());
     let summary = json!({
         "experiment": experiment.name, "budget": budget, "done": done, "failed": failed, "missing": missing,
-        "training_steps": results.steps(), "hours": results.hours(), "files": files,
+        "training_steps": results.steps(), "hours": results.time().as_secs_f64() / 3600.0, "files": files,
     });
     stdout::print_result(json, &summary, || {
         let mut text = format!(
-            "{done} jobs done, {failed} failed, {missing} not run; {:.1} hours of jobs\n\n",
-            results.hours()
+            "{done} jobs done, {failed} failed, {missing} not run; {} of jobs\n\n",
+            duration_text(results.time())
         );
         for (job, error) in &results.failed {
             text += &format!("failed: {job}: {error}\n");

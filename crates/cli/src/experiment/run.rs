@@ -3,11 +3,13 @@
 use std::path::PathBuf;
 
 use anyhow::{Result, bail};
-use b2b_experiment::{BudgetName, Error, Experiment, Folder, Job, Runner, Shard, State};
+use b2b_experiment::{
+    BudgetName, Error, Experiment, Folder, Job, Runner, Shard, State, duration_text, estimate,
+};
 
 use serde_json::json;
 
-use super::{report, show};
+use super::report;
 use crate::arguments::jobs::Jobs;
 use crate::exit_code::ExitCode;
 use crate::progress::counter;
@@ -68,19 +70,20 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     }
     let parallel = arguments.jobs.count()?;
     let left: Vec<&Job> = jobs.iter().filter(|job| !folder.is_done(job)).collect();
-    let hours = show::hours(Some(&folder), &jobs, parallel);
+    let time = estimate(Some(&folder), &jobs, parallel);
     if !arguments.json {
         stdout::print(&format!(
-            "{}: {} of {} jobs left, about {hours} hours",
+            "{}: {} of {} jobs left, about {}",
             experiment.title,
             left.len(),
-            jobs.len()
+            jobs.len(),
+            duration_text(time)
         ))?;
     }
     if arguments.dry_run {
         let keys: Vec<&str> = left.iter().map(|job| job.key.as_str()).collect();
         let text = || keys.iter().map(|key| format!("  {key}")).collect::<Vec<_>>().join("\n");
-        let summary = json!({"jobs": jobs.len(), "left": keys, "hours": hours});
+        let summary = json!({"jobs": jobs.len(), "left": keys, "hours": time.as_secs_f64() / 3600.0});
         return stdout::print_result(arguments.json, &summary, text).map(|()| ExitCode::Success);
     }
     let bar = counter(jobs.len(), "jobs", arguments.json);

@@ -1,9 +1,7 @@
 //! `b2b experiment list` and `b2b experiment show`.
 
-use std::time::Duration;
-
 use anyhow::Result;
-use b2b_experiment::{BudgetName, Experiment, Folder, Job, estimate};
+use b2b_experiment::{BudgetName, Experiment, Job, duration_text, estimate};
 use serde_json::json;
 
 use crate::stdout;
@@ -57,11 +55,11 @@ pub fn show(arguments: &ShowArguments) -> Result<()> {
         }));
     }
     let agents: Vec<String> = experiment.agents.iter().map(|agent| agent.name.clone()).collect();
-    let mut table = Table::new(["budget", "jobs", "training steps", "hours on 2 cores", "on 64 cores"]);
+    let mut table = Table::new(["budget", "jobs", "training steps", "time on 2 cores", "on 64 cores"]);
     for budget in BUDGETS {
         let jobs = experiment.jobs(budget);
         let steps: u64 = jobs.iter().map(Job::steps).sum();
-        let [two, many] = [2, 64].map(|cores| hours(None, &jobs, cores));
+        let [two, many] = [2, 64].map(|cores| duration_text(estimate(None, &jobs, cores)));
         table.row([budget.to_string(), jobs.len().to_string(), steps.to_string(), two, many]);
     }
     stdout::print(&format!(
@@ -72,11 +70,4 @@ pub fn show(arguments: &ShowArguments) -> Result<()> {
         if agents.is_empty() { "none".to_owned() } else { agents.join(", ") },
         table.text(),
     ))
-}
-
-/// Returns the estimated duration of the remaining jobs, in hours.
-pub fn hours(folder: Option<&Folder>, jobs: &[Job], parallel: usize) -> String {
-    let time: Duration = estimate(folder, jobs, parallel);
-    let hours = time.as_secs_f64() / 3600.0;
-    if hours < 10.0 { format!("{hours:.1}") } else { format!("{hours:.0}") }
 }

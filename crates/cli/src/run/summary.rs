@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
-use b2b_benchmark::{Inputs, Versions};
 use b2b_building::Carrier;
-use b2b_env::{EpisodeMetrics, Metrics, Setpoints, Spaces, Task, ZoneMetrics};
+use b2b_control::Versions;
+use b2b_env::{EpisodeMetrics, Inputs, Metrics, Setpoints, Spaces, Task, ZoneMetrics};
 use serde::Serialize;
 
 use crate::rollout::Rollout;

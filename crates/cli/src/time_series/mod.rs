@@ -4,7 +4,6 @@
 //! Values are quantized to 16 bits between the minimum and maximum of the whole series. That keeps a year of the largest
 //! building below 2 MB.
 
-use b2b_benchmark::report;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use serde::Serialize;
@@ -95,7 +94,7 @@ impl TimeAxis {
 
 /// Returns a template with its data and with the script and style for time series.
 pub fn fill(template: &str, data: &Value) -> String {
-    report::fill(&template.replace("{{TIME_SERIES}}", SCRIPT).replace("{{TIME_SERIES_STYLE}}", STYLE), data)
+    b2b_page::fill(&template.replace("{{TIME_SERIES}}", SCRIPT).replace("{{TIME_SERIES_STYLE}}", STYLE), data)
 }
 
 fn minimum(values: &[f64]) -> f64 {

@@ -12,7 +12,6 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use b2b_benchmark::report;
 use b2b_building::RunPeriod;
 use b2b_dataset::BuildingName;
 use b2b_env::Task;
@@ -77,7 +76,7 @@ fn page(prepared: &Prepared, facts: &Facts) -> Result<String> {
         "graph": plot_json(&graph)?,
         "graph_levels": graph::level_count(&facts.description),
     });
-    Ok(report::fill(PAGE, &data))
+    Ok(b2b_page::fill(PAGE, &data))
 }
 
 fn plot_json(plot: &Plot) -> Result<Value> {

@@ -6,9 +6,9 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use crate::onnx_file::linear_policy;
 use b2b_benchmark::{
     ActionScale, Baselines, BuiltIn, Episode, EpisodeContext, Evaluation, Folder, OnnxPolicy, Policy,
-    Progress, Results, Row, Scored, Subject, Versions, write_episodes,
+    Progress, Results, Row, Scored, Subject, write_episodes,
 };
-use b2b_control::{Controller, Reactive, ReactiveParameters};
+use b2b_control::{Controller, Reactive, ReactiveParameters, Versions};
 use b2b_dataset::Catalog;
 use b2b_energyplus::install::Quiet;
 use b2b_env::vector::Launcher;

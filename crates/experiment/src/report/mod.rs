@@ -10,10 +10,11 @@ mod weights;
 
 use std::io::Write;
 
-use b2b_benchmark::report::{Chart, RankBy, Series, leaderboard, step_rewards, write_page};
+use b2b_benchmark::report::{Chart, RankBy, Series, leaderboard, step_rewards};
 use serde_json::{Value, json};
 
 use crate::definition::{Experiment, ReportKind};
+use crate::estimate::duration_text;
 use crate::results::Results;
 
 /// Tables and charts of a page.
@@ -56,7 +57,7 @@ pub fn write(file: &mut impl Write, experiment: &Experiment, results: &Results) 
     if results.steps() > 0 {
         tiles.push(("training steps".to_owned(), thousands(results.steps())));
     }
-    tiles.push(("hours of all jobs".to_owned(), format!("{:.1}", results.hours())));
+    tiles.push(("time of all jobs".to_owned(), duration_text(results.time())));
     tiles.extend(content.tiles);
     let failed = results.failed.iter().map(|(job, error)| format!("{job}: {error}"));
     let data = json!({
@@ -68,7 +69,7 @@ pub fn write(file: &mut impl Write, experiment: &Experiment, results: &Results) 
         "drawings": content.charts.into_iter().map(Chart::json).collect::<Vec<_>>(),
         "footer": format!("In the paper: {}. {}", experiment.paper, content.notes),
     });
-    write_page(file, &data)
+    b2b_page::write_page(file, &data)
 }
 
 /// Explains scores under a page.

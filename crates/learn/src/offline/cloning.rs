@@ -6,7 +6,7 @@ use b2b_agent::network::{Activation, Actor, Distribution, Mlp, Shape};
 use b2b_agent::{
     Acting, AgentInfo, FORMAT, Interface, ObservationForm, ObservationOptions, Pilot, TrainingInfo,
 };
-use b2b_benchmark::Versions;
+use b2b_control::Versions;
 use b2b_env::{ActionSpace, Spaces, unscale};
 
 use super::dataset::{Dataset, EpisodeMetadata};

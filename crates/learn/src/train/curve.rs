@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use b2b_benchmark::report::fill;
 use b2b_energyplus::aside::write_whole;
+use b2b_page::fill;
 use serde_json::{Value, json};
 
 use super::config::TrainConfig;

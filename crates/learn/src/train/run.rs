@@ -5,7 +5,8 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use b2b_agent::{Agent, AgentInfo, FORMAT, NodeSpaces, Pilot, TrainingInfo};
-use b2b_benchmark::{Baselines, Evaluation, Versions};
+use b2b_benchmark::{Baselines, Evaluation};
+use b2b_control::Versions;
 use b2b_dataset::Catalog;
 use b2b_energyplus::aside::write_whole;
 use b2b_env::vector::{Launcher, WorkerOptions};

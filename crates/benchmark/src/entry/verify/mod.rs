@@ -18,8 +18,8 @@ use super::measures::Measures;
 use super::result::{POLICY, RunResult, Stages, read_result};
 use crate::evaluation::{Episode, Evaluation, Outcome, Progress, Row};
 use crate::problem::{Problem, Stage, WrappedPolicy};
-use crate::versions::Versions;
 use crate::{Baselines, BuiltIn, Error, Result, SiteInfo};
+use b2b_control::Versions;
 
 /// Relative tolerance for sums in another order.
 const ROUNDING: f64 = 1e-9;

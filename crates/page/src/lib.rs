@@ -1,4 +1,4 @@
-//! The page that reports are embedded in.
+//! Self-contained pages that need no network: templates with their data, one style and, for charts, plotly.
 
 use std::io::Write;
 use std::sync::LazyLock;

@@ -1,10 +1,12 @@
 //! The versions that a result depends on.
 
+use b2b_building::Class;
 use b2b_dataset::GENERATOR_VERSION;
+use b2b_energyplus::digest::sha256;
 use b2b_energyplus::install::ENGINE_VERSION;
 use serde::{Deserialize, Serialize};
 
-use crate::tuned::controllers_hash;
+use crate::{Objective, ReactiveParameters};
 
 /// The versions that a result depends on, in addition to the policy.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -54,4 +56,23 @@ impl std::fmt::Display for Versions {
             "building2building {package}, dataset {generator}, EnergyPlus {engine}, reactive controllers {controllers}"
         )
     }
+}
+
+/// Returns one hash of the parameters of all reactive controllers.
+fn controllers_hash() -> String {
+    let classes = Class::all().map(Some).chain([None]);
+    let sets = classes
+        .flat_map(|class| Objective::ALL.map(|objective| ReactiveParameters::tuned(class, false, objective)));
+    let all: String = sets.map(|set| parameters_hash(&set)).collect();
+    short(sha256(all))
+}
+
+/// Returns the hash of the parameters of one reactive controller.
+pub fn parameters_hash(parameters: &ReactiveParameters) -> String {
+    short(sha256(parameters.fingerprint()))
+}
+
+fn short(mut hash: String) -> String {
+    hash.truncate(16);
+    hash
 }

@@ -1,11 +1,9 @@
 //! The inputs of an episode, by their digests.
 
 use b2b_energyplus::digest::sha256;
-use b2b_env::Spaces;
 use serde::{Deserialize, Serialize};
 
-use crate::Result;
-use crate::error::at;
+use crate::{Error, Result, Spaces};
 
 /// Digests of the model and the weather of an episode: equal digests mean equal inputs.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -20,12 +18,13 @@ impl Inputs {
     /// Computes the digests of an episode's inputs.
     ///
     /// # Errors
-    /// [`Error::Io`](crate::Error::Io) if the weather file cannot be read.
+    /// [`Error::Io`] if the weather file cannot be read.
     pub fn of(spaces: &Spaces) -> Result<Self> {
         let weather = &spaces.episode.weather;
+        let unreadable = |source| Error::Io { path: weather.clone(), source };
         Ok(Self {
             model_sha256: spaces.building.model_sha256.clone(),
-            weather_sha256: sha256(std::fs::read(weather).map_err(at(weather))?),
+            weather_sha256: sha256(std::fs::read(weather).map_err(unreadable)?),
         })
     }
 }
