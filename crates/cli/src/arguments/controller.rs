@@ -90,7 +90,10 @@ impl ControllerArguments {
     }
 
     /// Returns a controller for the environment of a prepared building. The planner plans the whole episode first.
-    #[cfg_attr(not(target_os = "linux"), expect(unused_variables, reason = "agents and the planner need Linux"))]
+    #[cfg_attr(
+        not(target_os = "linux"),
+        expect(unused_variables, reason = "agents and the planner need Linux")
+    )]
     pub fn build(
         &self,
         prepared: &Prepared,

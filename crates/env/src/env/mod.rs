@@ -411,7 +411,10 @@ impl Environment for Env {
 impl Env {
     /// Copies this process at the current point of the episode: see [`Simulation::fork`](b2b_energyplus::Simulation::fork).
     /// The copy's engine writes its meters to a file of its own, if that is given, and nothing else.
-    pub(crate) fn fork(&mut self, meter_file: Option<&std::path::Path>) -> Result<b2b_energyplus::snapshot::Fork> {
+    pub(crate) fn fork(
+        &mut self,
+        meter_file: Option<&std::path::Path>,
+    ) -> Result<b2b_energyplus::snapshot::Fork> {
         use b2b_energyplus::snapshot::{Fork, KeptFile};
         let engine = self.engine.as_mut().ok_or(Error::NotReset)?;
         let kept = meter_file.map(|copy| KeptFile { name: meters::METER_FILE, copy });

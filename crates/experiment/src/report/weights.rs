@@ -12,6 +12,8 @@ use crate::results::Results;
 /// Sizes of points with the weight of the slider, and of all others, px.
 const MARKED: u32 = 16;
 const UNMARKED: u32 = 7;
+/// RMS deviation beyond which a controller would shrink all others to a point, K.
+const FAR: f64 = 1.0;
 
 /// Means over buildings under one task.
 struct Point {
@@ -20,7 +22,6 @@ struct Point {
     /// kWh/m².
     energy: f64,
     relative_energy: f64,
-    episodes: usize,
 }
 
 /// The points of a controller, by weight.
@@ -36,42 +37,54 @@ pub(super) fn content(experiment: &Experiment, results: &Results) -> Content {
     }
     for building_type in &experiment.types {
         for setpoints in &all_setpoints {
-            let mut curves = Vec::new();
-            for name in controllers(experiment) {
-                let points = points(experiment, results, name, building_type.name(), setpoints);
-                for Point { weight, deviation, energy, relative_energy, episodes } in &points {
-                    rows.push(vec![
-                        building_type.to_string(),
-                        (*setpoints).to_owned(),
-                        name.to_owned(),
-                        weight.to_string(),
-                        episodes.to_string(),
-                        format!("{deviation:.2}"),
-                        format!("{energy:.2}"),
-                        format!("{relative_energy:.2}"),
-                    ]);
-                }
-                curves.push((name, points));
+            let of = |name| (name, points(experiment, results, name, building_type.name(), setpoints));
+            let curves: Vec<Curve<'_>> = controllers(experiment).map(of).collect();
+            for weight in weights(&curves) {
+                let cells = curves.iter().map(|(_, points)| cell(points, weight));
+                let place = [building_type.to_string(), (*setpoints).to_owned(), weight.to_string()];
+                rows.push(place.into_iter().chain(cells).collect::<Vec<_>>());
             }
-            charts.push(front(format!("{building_type}: {setpoints} targets"), &curves));
+            charts.push(front(format!("{building_type}: {setpoints} targets"), curves));
             charts.extend(distributions(experiment, results, building_type.name(), setpoints));
         }
     }
+    let place = ["type", "targets", "weight of energy"];
     let table = json!({
-        "name": "Comfort and energy", "title": "means over buildings",
-        "header": ["type", "targets", "agent", "weight of energy", "episodes", "RMS deviation (K)",
-                   "energy (kWh/m²)", "energy / baseline"],
+        "name": "Comfort and energy",
+        "title": "RMS deviation (K) · HVAC energy (kWh/m²) · energy / baseline; means over buildings and seeds",
+        "header": place.into_iter().chain(controllers(experiment)).collect::<Vec<_>>(),
         "rows": rows,
     });
     Content { tables: vec![table], charts, notes: SCORES.to_owned(), ..Content::default() }
 }
 
-/// Draws comfort against energy, with a slider that marks the points of a weight.
-fn front(title: String, curves: &[Curve<'_>]) -> Chart {
+/// Returns the weights of some curves in increasing order.
+fn weights(curves: &[Curve<'_>]) -> Vec<f64> {
     let mut weights: Vec<f64> =
         curves.iter().flat_map(|(_, points)| points).map(|point| point.weight).collect();
     weights.sort_by(f64::total_cmp);
     weights.dedup();
+    weights
+}
+
+/// Returns the cell of a table for the point of a weight.
+fn cell(points: &[Point], weight: f64) -> String {
+    points.iter().find(|point| point.weight == weight).map_or_else(String::new, |point| {
+        let Point { deviation, energy, relative_energy, .. } = point;
+        // Without line breaks.
+        format!("{deviation:.2}\u{a0}·\u{a0}{energy:.2}\u{a0}·\u{a0}{relative_energy:.2}")
+    })
+}
+
+/// Draws comfort against energy, with a slider that marks the points of a weight. Controllers far from all targets are left out.
+fn front(title: String, curves: Vec<Curve<'_>>) -> Chart {
+    let is_far = |(_, points): &Curve<'_>| points.iter().all(|point| point.deviation > FAR);
+    let (far, curves): (Vec<_>, Vec<_>) =
+        curves.into_iter().enumerate().partition(|(_, curve)| is_far(curve));
+    let left_out: Vec<&str> =
+        far.iter().filter(|(_, (_, points))| !points.is_empty()).map(|(_, (name, _))| *name).collect();
+    let (numbers, curves): (Vec<usize>, Vec<Curve<'_>>) = curves.into_iter().unzip();
+    let weights = weights(&curves);
     let sizes = |weight: f64| {
         let size = |point: &Point| if point.weight == weight { MARKED } else { UNMARKED };
         let of_curve = |(_, points): &Curve<'_>| points.iter().map(size).collect::<Vec<_>>();
@@ -93,7 +106,7 @@ fn front(title: String, curves: &[Curve<'_>]) -> Chart {
     let steps: Vec<Value> = weights.iter().map(step).collect();
     let first = weights.first().copied().unwrap_or_default();
     let mut data = Vec::new();
-    for (number, ((name, points), sizes)) in curves.iter().zip(sizes(first)).enumerate() {
+    for ((number, (name, points)), sizes) in numbers.into_iter().zip(&curves).zip(sizes(first)) {
         data.push(json!({
             "type": "scatter", "mode": "lines+markers+text", "name": name, "cliponaxis": false,
             "x": points.iter().map(|point| point.energy).collect::<Vec<_>>(),
@@ -103,11 +116,15 @@ fn front(title: String, curves: &[Curve<'_>]) -> Chart {
             "hovertemplate": "weight %{text}: %{x:.2f} kWh/m², %{y:.2f} K<extra></extra>",
         }));
     }
+    let mut note = "means over buildings; the number is the weight of energy. The reactive controllers have one set of parameters \
+                    for weight 0 and one for all others"
+        .to_owned();
+    if !left_out.is_empty() {
+        note += &format!(". Not drawn, because it is more than {FAR} K off target: {}", left_out.join(", "));
+    }
     Chart {
         title,
-        note: "means over buildings; the number is the weight of energy. The reactive controllers have one set of parameters for weight 0 \
-               and one for all others"
-            .into(),
+        note,
         height: 430,
         wide: false,
         data: data.into(),
@@ -185,7 +202,6 @@ fn points(
             deviation: mean(0),
             energy: mean(1),
             relative_energy: mean(2),
-            episodes: values.len(),
         })
     };
     tasks.filter_map(point).collect()
