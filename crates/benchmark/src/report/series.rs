@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::chart::{Chart, color, distribution, hover_name, mean_diamond};
+use super::chart::{Chart, color, distribution, hover_name, make_logarithmic, mean_diamond, range};
 use crate::evaluation::{EpisodeInfo, Scored};
 
 /// A policy with its episodes.
@@ -32,10 +32,13 @@ pub fn rms_deviations(series: &[Series<'_>]) -> Chart {
         data.push(distribution(name, &values, &labels(episodes), color(number)));
         data.push(mean_diamond(name, &values, color(number)));
     }
-    let layout = json!({
+    let mut layout = json!({
         "xaxis": {"type": "category"},
         "yaxis": {"title": {"text": "RMS deviation (K)"}, "rangemode": "tozero", "zeroline": false},
     });
+    let all =
+        series.iter().flat_map(|series| &series.episodes).map(|(_, scored)| scored.metrics.rms_deviation);
+    make_logarithmic(&mut layout["yaxis"], range(&all.collect::<Vec<_>>()));
     Chart {
         title: "RMS deviation from target".into(),
         note: "one point per episode; diamond: mean".into(),

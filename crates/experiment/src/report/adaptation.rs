@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use b2b_benchmark::report::{Chart, Series, color, horizontal_line, make_logarithmic, range, rms_deviations};
-use b2b_benchmark::statistics::{mean, median};
+use b2b_benchmark::statistics::{mean, median, score_text};
 use b2b_benchmark::{EpisodeInfo, Scored};
 use serde_json::json;
 
@@ -39,7 +39,7 @@ pub(super) fn content(experiment: &Experiment, results: &Results) -> Content {
             agent.name.clone(),
             of_jobs.len().to_string(),
             group.count().to_string(),
-            format!("{value:.2}{}", error.map_or(String::new(), |error| format!(" ± {error:.2}"))),
+            score_text(value) + &error.map_or(String::new(), |error| format!(" ± {}", score_text(error))),
             resolved,
             range,
             beats,

@@ -1,7 +1,7 @@
 //! Scores of a group of episodes.
 
 use b2b_benchmark::Row;
-use b2b_benchmark::statistics::{beats_baseline, median};
+use b2b_benchmark::statistics::{beats_baseline, median, score_text};
 
 /// Scores of a group of episodes, of which none was lost.
 pub(super) struct Group {
@@ -48,9 +48,9 @@ impl Group {
     /// Returns median, resolved median, lowest and highest score, and the number that beats the baseline, as cells.
     pub(super) fn cells(&self) -> [String; 4] {
         [
-            format!("{:.2}", self.median()),
-            format!("{:.2}", self.resolved_median()),
-            format!("{:.2} to {:.2}", self.min(), self.max()),
+            score_text(self.median()),
+            score_text(self.resolved_median()),
+            format!("{} to {}", score_text(self.min()), score_text(self.max())),
             format!("{}/{}", self.beats(), self.count()),
         ]
     }

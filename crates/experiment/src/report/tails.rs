@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use b2b_benchmark::statistics::mean;
+use b2b_benchmark::statistics::{mean, score_text};
 use b2b_building::BuildingType;
 use b2b_dataset::manifest::{Kind, Manifest};
 use b2b_dataset::{BuildingId, manifest, row};
@@ -66,8 +66,8 @@ fn cells(results: &Results, agent: &str, building_type: BuildingType) -> Option<
         agent.to_owned(),
         building_type.to_string(),
         all.len().to_string(),
-        format!("{:.2}", mean(&all)),
-        format!("{:.2}", mean(&all[..worst])),
+        score_text(mean(&all)),
+        score_text(mean(&all[..worst])),
         if common.is_empty() { "nothing stands out".into() } else { common.join("; ") },
     ])
 }
