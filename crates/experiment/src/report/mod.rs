@@ -67,9 +67,17 @@ pub fn write(file: &mut impl Write, experiment: &Experiment, results: &Results) 
         "tables": content.tables,
         "lost": failed.collect::<Vec<_>>(),
         "drawings": content.charts.into_iter().map(Chart::json).collect::<Vec<_>>(),
-        "footer": format!("In the paper: {}. {}", experiment.paper, content.notes),
+        "footer": format!("{} {}", in_the_paper(&experiment.paper), content.notes),
     });
     b2b_page::write_page(file, &data)
+}
+
+/// Returns the sentence that names the result in the paper, if it has one.
+fn in_the_paper(result: &str) -> String {
+    match result.strip_prefix("not in the paper") {
+        Some(rest) => format!("Not in the paper{rest}."),
+        None => format!("In the paper: {result}."),
+    }
 }
 
 /// Explains scores under a page.
@@ -108,6 +116,12 @@ fn thousands(number: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_page_says_whether_the_paper_has_its_result() {
+        assert_eq!(in_the_paper("Table 1"), "In the paper: Table 1.");
+        assert_eq!(in_the_paper("not in the paper, which has houses"), "Not in the paper, which has houses.");
+    }
 
     #[test]
     fn thousands_are_separated() {
