@@ -15,6 +15,8 @@ pub mod entry;
 mod error;
 mod evaluation;
 mod output;
+mod panics;
+mod parquet_file;
 mod policy;
 pub mod problem;
 pub mod report;
@@ -28,12 +30,14 @@ mod tuned;
 
 pub use baseline::table as baseline_table;
 pub use baseline::{Baselines, Key};
-pub use error::{Error, Result, panic_message};
+pub use error::{Error, Result};
 pub use evaluation::{
     Deviations, Episode, EpisodeInfo, Evaluation, Finished, Folder, Hours, KeepRecorded, Lost, Outcome,
     Progress, Record, Recorded, Row, Scored, StepRewards, episode_table, read_episodes, read_kept,
     read_stages, write_episodes, write_stages,
 };
+pub use panics::{catch_panic, panic_message};
+pub use parquet_file::read_parquet;
 pub use policy::{ActionScale, BuiltIn, EpisodeContext, HouseForm, Interface, OnnxPolicy, Policy};
 pub use problem::Problem;
 pub use results::{Results, run_part};

@@ -1,5 +1,6 @@
 //! The summary of an evaluation.
 
+use b2b_control::Versions;
 use b2b_env::EpisodeMetrics;
 use serde::Serialize;
 
@@ -7,7 +8,6 @@ use crate::evaluation::{Row, relative_energy};
 use crate::policy::Policy;
 use crate::results::Results;
 use crate::statistics::{Aggregate, aggregate};
-use b2b_control::Versions;
 
 /// Seed of the bootstrap.
 const SEED: u64 = 0;

@@ -88,20 +88,26 @@ pub fn zones(model: &Model) -> Result<Vec<Zone>> {
 
 /// Returns the spaces of a zone; none if the zone is not divided.
 pub fn spaces(model: &Model, zone: &str) -> Vec<Space> {
-    let is = |fields: &Fields, field: &str, name: &str| {
-        text(fields, field).is_some_and(|value| value.eq_ignore_ascii_case(name))
-    };
-    let own = model.objects("Space").into_iter().filter(|(_, fields)| is(fields, "zone_name", zone));
-    own.map(|(name, fields)| {
+    let area = |name: &str| {
         let surfaces = model.objects(DETAILED).into_iter().map(|(_, fields)| fields);
-        let floors =
-            surfaces.filter(|fields| is(fields, "space_name", name) && is(fields, "surface_type", "floor"));
-        Space {
-            name: name.to_owned(),
-            floor_area: number(fields, "floor_area").unwrap_or_else(|| floors.filter_map(drawn_area).sum()),
-        }
-    })
-    .collect()
+        let floors = surfaces
+            .filter(|fields| names(fields, "space_name", name) && names(fields, "surface_type", "floor"));
+        total(floors.filter_map(drawn_area))
+    };
+    let space = |(name, fields): (&str, &Fields)| Space {
+        name: name.to_owned(),
+        floor_area: number(fields, "floor_area").unwrap_or_else(|| area(name)),
+    };
+    spaces_of(model, zone).map(space).collect()
+}
+
+/// Returns whether a name is that of a space in a zone, or of a list that has one.
+pub fn covers_part(model: &Model, space_or_list: &str, zone: &str) -> bool {
+    spaces_of(model, zone).any(|(space, _)| covers_space(model, space_or_list, space))
+}
+
+fn spaces_of<'a>(model: &'a Model, zone: &'a str) -> impl Iterator<Item = (&'a str, &'a Fields)> {
+    model.objects("Space").into_iter().filter(move |(_, fields)| names(fields, "zone_name", zone))
 }
 
 /// Returns whether a name is that of a zone, or of a list that has it.
@@ -117,8 +123,12 @@ pub fn covers_space(model: &Model, space_or_list: &str, space: &str) -> bool {
 }
 
 fn lists(model: &Model, class: &str, list: &str, [entries, field]: [&str; 2], name: &str) -> bool {
-    let named = |item: &Fields| text(item, field).is_some_and(|listed| listed.eq_ignore_ascii_case(name));
-    model.get(class, list).is_some_and(|list| items(list, entries).any(named))
+    model.get(class, list).is_some_and(|list| items(list, entries).any(|item| names(item, field, name)))
+}
+
+/// Returns whether a field has a name. The engine ignores case.
+fn names(fields: &Fields, field: &str, name: &str) -> bool {
+    text(fields, field).is_some_and(|value| value.eq_ignore_ascii_case(name))
 }
 
 /// Returns the multiplier of the `ZoneGroup` of a zone.
@@ -181,21 +191,21 @@ fn corner(vertex: &Value) -> Option<[f64; 3]> {
 }
 
 fn floor_area(surfaces: &[Surface], zone: &str) -> f64 {
-    surfaces
-        .iter()
-        .filter(|s| s.kind == SurfaceKind::Floor && s.zone.eq_ignore_ascii_case(zone))
-        .map(Surface::area)
-        // Not `sum`, which is -0 of nothing.
-        .fold(0.0, |sum, area| sum + area)
+    let own = surfaces.iter().filter(|s| s.kind == SurfaceKind::Floor && s.zone.eq_ignore_ascii_case(zone));
+    total(own.map(Surface::area))
+}
+
+/// Returns a sum of areas. Not `sum`, which is -0 of nothing.
+fn total(areas: impl Iterator<Item = f64>) -> f64 {
+    areas.fold(0.0, |sum, area| sum + area)
 }
 
 /// Returns the area of a zone's floors that are not `BuildingSurface:Detailed`, m².
 fn other_floor_area(model: &Model, zone: &str) -> f64 {
     const FLOORS: [&str; 4] = ["Floor:Detailed", "Floor:GroundContact", "Floor:Adiabatic", "Floor:Interzone"];
     let floors = FLOORS.iter().flat_map(|class| model.objects(class));
-    let own = floors
-        .filter(|(_, fields)| text(fields, "zone_name").is_some_and(|name| name.eq_ignore_ascii_case(zone)));
-    own.filter_map(|(_, fields)| drawn_area(fields)).fold(0.0, |sum, area| sum + area)
+    let own = floors.filter(|(_, fields)| names(fields, "zone_name", zone));
+    total(own.filter_map(|(_, fields)| drawn_area(fields)))
 }
 
 /// Returns the area of a surface from its corners, or from length and width, m².

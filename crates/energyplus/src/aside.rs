@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 use std::io::{Result, Write as _};
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{LazyLock, Mutex, PoisonError};
 
 use tempfile::NamedTempFile;
 
@@ -36,9 +36,9 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<NamedTempFile> {
 
 /// Removes what killed processes left in a folder, once per process, because a folder may have thousands of files.
 fn sweep_once(folder: &Path) {
-    static SWEPT: Mutex<Option<HashSet<PathBuf>>> = Mutex::new(None);
+    static SWEPT: LazyLock<Mutex<HashSet<PathBuf>>> = LazyLock::new(Mutex::default);
     let mut swept = SWEPT.lock().unwrap_or_else(PoisonError::into_inner);
-    if swept.get_or_insert_default().insert(folder.to_owned()) {
+    if swept.insert(folder.to_owned()) {
         sweep(folder, PREFIX);
     }
 }

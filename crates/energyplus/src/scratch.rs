@@ -60,8 +60,8 @@ pub(crate) fn owned(prefix: &str) -> String {
     }
 }
 
-/// Removes the folders and files with a prefix whose owner is gone. One that cannot be removed stays: it may be of another user. So does
-/// one of another container or of before the last boot, whose owner cannot be found here.
+/// Removes the folders and files with a prefix whose owner is gone. One that cannot be removed stays: it may be of another user.
+/// So does one of another container or of before the last boot, whose owner cannot be found here.
 pub(crate) fn sweep(parent: &Path, prefix: &str) {
     let (Some(here), Ok(entries)) = (numbering(), std::fs::read_dir(parent)) else { return };
     for entry in entries.flatten() {

@@ -5,6 +5,7 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
+use b2b_control::Versions;
 use b2b_energyplus::digest::sha256;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -16,7 +17,6 @@ use crate::error::at;
 use crate::evaluation::{Row, is_temporary, read_stages, write, write_stages};
 use crate::problem::{Problem, Stage, differences};
 use crate::{Error, Result};
-use b2b_control::Versions;
 
 /// The result file.
 const RESULT: &str = "result.json";

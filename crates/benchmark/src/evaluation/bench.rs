@@ -7,13 +7,13 @@ use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use b2b_building::PreparedBuilding;
 use b2b_dataset::Catalog;
 use b2b_energyplus::install::Quiet;
+use b2b_env::Inputs;
 use b2b_env::vector::{RolloutMemory, Setting, Source, WorkerOptions, Workers};
 
 use super::episode::Episode;
 use super::parallel::Evaluation;
 use crate::Result;
 use crate::subject::{SiteInfo, Subject};
-use b2b_env::Inputs;
 
 /// The episodes of one building that wait to be run.
 pub(super) struct Group<'a> {

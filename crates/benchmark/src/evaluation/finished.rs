@@ -1,7 +1,6 @@
 //! The record of an episode.
 
-use b2b_env::Spaces;
-use b2b_env::{EpisodeMetrics, Metrics};
+use b2b_env::{EpisodeMetrics, Inputs, Metrics, Spaces};
 use serde::{Deserialize, Serialize};
 
 use super::deviations::Deviations;
@@ -10,7 +9,6 @@ use super::info::EpisodeInfo;
 use super::recording::{Recording, controlled_zones};
 use super::step_rewards::StepRewards;
 use crate::return_terms::ReturnTerms;
-use b2b_env::Inputs;
 
 /// A finished episode, or why it was lost.
 pub type Outcome = std::result::Result<Finished, Lost>;

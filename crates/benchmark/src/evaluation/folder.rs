@@ -5,6 +5,7 @@ use std::fs::File;
 use std::io::{BufReader, Write};
 use std::path::{Path, PathBuf};
 
+use b2b_control::Versions;
 use b2b_energyplus::install::{seal, unseal};
 use serde::Serialize;
 use serde_json::Value;
@@ -14,7 +15,6 @@ use super::finished::Finished;
 use crate::error::at;
 use crate::policy::Policy;
 use crate::{Error, Result};
-use b2b_control::Versions;
 
 /// The folder of an evaluation, locked by this process.
 #[derive(Debug)]

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use b2b_env::{Environment, Observer, Spaces, Step, Trajectory, rollout};
+use b2b_env::{Environment, Inputs, Observer, Spaces, Step, Trajectory, rollout};
 
 use super::bench::Bench;
 use super::episode::Episode;
@@ -12,7 +12,6 @@ use super::parallel::Work;
 use super::recording::{Recorded, Recording};
 use crate::policy::{self, EpisodeContext, Interface};
 use crate::{Error, Result};
-use b2b_env::Inputs;
 
 /// Runs an episode.
 pub(super) fn run(

@@ -1,13 +1,12 @@
 //! A row of a results table.
 
-use b2b_env::EpisodeMetrics;
+use b2b_env::{EpisodeMetrics, Inputs};
 use serde::{Deserialize, Serialize};
 
 use super::finished::{Lost, Record};
 use super::info::EpisodeInfo;
 use super::step_rewards::StepRewards;
 use crate::scores::Baseline;
-use b2b_env::Inputs;
 
 /// An episode in a results table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

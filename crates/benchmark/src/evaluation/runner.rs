@@ -10,7 +10,7 @@ use super::parallel::{Evaluation, Work};
 use super::progress::Progress;
 use super::recording::Recorded;
 use super::rollout;
-use crate::error::panic_message;
+use crate::panics::panic_message;
 use crate::policy::Policy;
 use crate::{Error, Result};
 

@@ -8,9 +8,9 @@ use std::sync::Arc;
 use arrow_array::types::{Float64Type, UInt32Type, UInt64Type};
 use arrow_array::{Array, ArrayRef, ArrowPrimitiveType, ListArray, PrimitiveArray, RecordBatch, StringArray};
 use arrow_schema::{DataType, Field, Schema};
-use b2b_env::{EpisodeMetrics, MetricColumn};
+use b2b_control::Versions;
+use b2b_env::{EpisodeMetrics, Inputs, MetricColumn};
 use parquet::arrow::ArrowWriter;
-use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use parquet::basic::Compression;
 use parquet::errors::{ParquetError, Result};
 use parquet::file::properties::WriterProperties;
@@ -19,8 +19,7 @@ use super::finished::Lost;
 use super::info::EpisodeInfo;
 use super::row::{Row, Scored};
 use super::step_rewards::StepRewards;
-use b2b_control::Versions;
-use b2b_env::Inputs;
+use crate::parquet_file::read_parquet;
 
 /// The metric that is stored as an integer; all others are stored as floating-point numbers.
 const INTEGER: &str = "steps";
@@ -89,8 +88,8 @@ pub fn read_episodes(file: File) -> Result<Vec<Row>> {
 /// Reads a value from every row.
 fn read<T>(file: File, value: impl Fn(&Cells, usize) -> Result<T>) -> Result<Vec<T>> {
     let mut values = Vec::new();
-    for batch in ParquetRecordBatchReaderBuilder::try_new(file)?.build()? {
-        let cells = Cells(batch.map_err(|error| ParquetError::General(error.to_string()))?);
+    for batch in read_parquet(file)?.1 {
+        let cells = Cells(batch);
         for row in 0..cells.0.num_rows() {
             values.push(value(&cells, row)?);
         }

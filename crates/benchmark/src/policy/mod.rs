@@ -7,6 +7,7 @@ mod form;
 mod interface;
 mod named;
 mod onnx;
+mod onnx_format;
 
 pub use action_scale::ActionScale;
 pub use built_in::BuiltIn;

@@ -1,6 +1,5 @@
 //! Policies in ONNX files, as learning libraries export them.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -14,7 +13,9 @@ use rten_tensor::prelude::*;
 
 use super::action_scale::ActionScale;
 use super::interface::{EpisodeContext, Interface, Policy};
-use crate::error::{at, panic_message};
+use super::onnx_format;
+use crate::error::at;
+use crate::panics::catch_panic;
 use crate::{Error, Result};
 
 /// A policy in an ONNX file. Takes one float32 array [1, observation], the environment's observation without scaling,
@@ -37,6 +38,7 @@ impl OnnxPolicy {
         let bytes = std::fs::read(path).map_err(at(path))?;
         let identity = format!("onnx {}, actions {scale:?}", sha256(&bytes)).to_lowercase();
         let invalid = |why: String| Error::InvalidOnnx { path: path.to_owned(), why };
+        onnx_format::check(&bytes).map_err(invalid)?;
         let model = guarded(|| Model::load(bytes)).map_err(invalid)?;
         let (inputs, outputs) = (model.input_ids().len(), model.output_ids().len());
         if inputs != 1 || outputs == 0 {
@@ -163,10 +165,8 @@ impl Inference {
 fn guarded<T, E: std::error::Error>(
     run: impl FnOnce() -> std::result::Result<T, E>,
 ) -> std::result::Result<T, String> {
-    match catch_unwind(AssertUnwindSafe(run)) {
-        Ok(result) => result.map_err(|error| error.to_string().replace('\n', " ")),
-        Err(panic) => Err(format!("it cannot be run: {}", panic_message(&*panic))),
-    }
+    let result = catch_panic(run).map_err(|panic| format!("it cannot be run: {panic}"))?;
+    result.map_err(|error| error.to_string().replace('\n', " "))
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@
 
 use crate::Model;
 use crate::model::{Fields, number, text};
-use crate::zone::{covers_space, covers_zone, spaces};
+use crate::zone::{covers_part, covers_zone};
 
 /// Reference temperature difference between zone and outdoors, K.
 pub const TEMPERATURE_DIFFERENCE: f64 = 20.0;
@@ -86,10 +86,7 @@ fn flow_coefficient(fields: &Fields, _: &Measures) -> f64 {
 pub(crate) fn is_in(model: &Model, fields: &Fields, zone: &str) -> bool {
     let names = ["zone_or_zonelist_or_space_or_spacelist_name", "zone_or_space_name", "zone_name"]
         .map(|f| text(fields, f));
-    names.into_iter().flatten().any(|name| {
-        covers_zone(model, name, zone)
-            || spaces(model, zone).iter().any(|space| covers_space(model, name, &space.name))
-    })
+    names.into_iter().flatten().any(|name| covers_zone(model, name, zone) || covers_part(model, name, zone))
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use serde_json::{Value, json};
 
 use super::schedules::constant_schedule;
 use crate::model::{Fields, items, text};
+use crate::zone::covers_zone;
 use crate::{Error, Model, Result};
 
 /// Schedule of the control type of a thermostat with a heating and a cooling setpoint.
@@ -102,15 +103,8 @@ pub(super) fn thermostat(model: &Model, zone: &str) -> Option<(String, Option<St
         if zones.eq_ignore_ascii_case(zone) {
             return Some((name.to_owned(), None));
         }
-        let list = model.get("ZoneList", zones).filter(|list| lists(list, zone));
-        list.map(|_| (name.to_owned(), Some(zones.to_owned())))
+        covers_zone(model, zones, zone).then(|| (name.to_owned(), Some(zones.to_owned())))
     })
-}
-
-fn lists(zone_list: &Fields, zone: &str) -> bool {
-    items(zone_list, "zones")
-        .filter_map(|item| text(item, "zone_name"))
-        .any(|name| name.eq_ignore_ascii_case(zone))
 }
 
 #[cfg(test)]

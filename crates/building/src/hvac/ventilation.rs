@@ -112,11 +112,10 @@ fn zone_requirements(model: &Model, controller: &str) -> Result<f64> {
 /// Returns the outdoor air that a specification, or one for each space, requires for a zone at design occupancy, m³/s.
 fn zone_requirement(model: &Model, specification: &str, zone: &Zone) -> Result<f64> {
     let spaces = zone::spaces(model, &zone.name);
-    let Some(by_space) = model.get(SPECIFICATIONS_OF_SPACES, specification) else {
-        let people = people(model, zone, &spaces).zone;
-        return Ok(requirement(model.require(SPECIFICATION, specification)?, zone.floor_area, people));
-    };
     let people = people(model, zone, &spaces);
+    let Some(by_space) = model.get(SPECIFICATIONS_OF_SPACES, specification) else {
+        return Ok(requirement(model.require(SPECIFICATION, specification)?, zone.floor_area, people.zone));
+    };
     let mut sum = 0.0;
     for item in items(by_space, "space_specs") {
         let named = text(item, "space_name").unwrap_or_default();

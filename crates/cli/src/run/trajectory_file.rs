@@ -6,17 +6,16 @@ use std::io::Write;
 use std::path::Path;
 use std::sync::Arc;
 
-use anyhow::Result;
-use anyhow::{Context, anyhow, bail};
+use anyhow::{Context, Result, bail};
 use arrow_array::Array;
 use arrow_array::types::{Float64Type, UInt8Type, UInt32Type};
 use arrow_array::{ArrayRef, ArrowPrimitiveType, PrimitiveArray, RecordBatch};
 use arrow_schema::{Field, Schema};
+use b2b_benchmark::read_parquet;
 use b2b_building::Date;
 use b2b_energyplus::digest::sha256;
 use b2b_env::{Spaces, Trajectory};
 use parquet::arrow::ArrowWriter;
-use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use parquet::basic::Compression;
 use parquet::file::properties::WriterProperties;
 
@@ -67,12 +66,7 @@ impl Stored {
     pub fn read(path: &Path) -> Result<Self> {
         let file = File::open(path).with_context(|| format!("cannot read {}", path.display()))?;
         let not_ours = || format!("{} is not a trajectory written by b2b run", path.display());
-        // The reader panics on some damaged files.
-        let hook = std::panic::take_hook();
-        std::panic::set_hook(Box::new(|_| {}));
-        let read = std::panic::catch_unwind(|| Self::of(file));
-        std::panic::set_hook(hook);
-        let stored = read.map_err(|_| anyhow!("its tables are damaged")).flatten().with_context(not_ours)?;
+        let stored = Self::of(file).with_context(not_ours)?;
         if stored.metadata.get(DIGEST) != Some(&digest(&stored.metadata)) {
             bail!(
                 "{} was changed: its metadata do not match their SHA-256; run the episode again",
@@ -91,16 +85,14 @@ impl Stored {
     }
 
     fn of(file: File) -> Result<Self> {
-        let reader = ParquetRecordBatchReaderBuilder::try_new(file)?;
-        let metadata = reader.schema().metadata().clone();
-        let fields = reader.schema().fields();
-        let names: Vec<String> = fields.iter().map(|field| field.name().clone()).collect();
+        let (schema, batches) = read_parquet(file)?;
+        let metadata = schema.metadata().clone();
+        let names: Vec<String> = schema.fields().iter().map(|field| field.name().clone()).collect();
         let width = names.len();
         let observed: usize = metadata.get("observations").context("no number of observations")?.parse()?;
         let acted = width.checked_sub(CALENDAR + PENALTIES.len() + observed).context("too few columns")?;
         let mut trajectory = Trajectory::default();
-        for batch in reader.build()? {
-            let batch = batch?;
+        for batch in batches {
             let columns: Vec<&[f64]> =
                 batch.columns()[CALENDAR..].iter().map(values).collect::<Result<_>>()?;
             for row in 0..batch.num_rows() {

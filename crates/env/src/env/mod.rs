@@ -7,6 +7,8 @@ mod observe;
 mod snapshot;
 mod warm_up;
 
+#[cfg(target_os = "linux")]
+use std::path::Path;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -411,10 +413,7 @@ impl Environment for Env {
 impl Env {
     /// Copies this process at the current point of the episode: see [`Simulation::fork`](b2b_energyplus::Simulation::fork).
     /// The copy's engine writes its meters to a file of its own, if that is given, and nothing else.
-    pub(crate) fn fork(
-        &mut self,
-        meter_file: Option<&std::path::Path>,
-    ) -> Result<b2b_energyplus::snapshot::Fork> {
+    pub(crate) fn fork(&mut self, meter_file: Option<&Path>) -> Result<b2b_energyplus::snapshot::Fork> {
         use b2b_energyplus::snapshot::{Fork, KeptFile};
         let engine = self.engine.as_mut().ok_or(Error::NotReset)?;
         let kept = meter_file.map(|copy| KeptFile { name: meters::METER_FILE, copy });
@@ -444,7 +443,7 @@ impl Env {
     }
 
     /// The folder of the model and of the engine's own files.
-    pub(crate) fn folder(&self) -> &std::path::Path {
+    pub(crate) fn folder(&self) -> &Path {
         &self.folder
     }
 }

@@ -25,7 +25,11 @@ struct Point {
 }
 
 /// The points of a controller, by weight.
-type Curve<'a> = (&'a str, Vec<Point>);
+struct Curve<'a> {
+    name: &'a str,
+    color: &'static str,
+    points: Vec<Point>,
+}
 
 pub(super) fn content(experiment: &Experiment, results: &Results) -> Content {
     let (mut rows, mut charts) = (Vec::new(), Vec::new());
@@ -37,10 +41,14 @@ pub(super) fn content(experiment: &Experiment, results: &Results) -> Content {
     }
     for building_type in &experiment.types {
         for setpoints in &all_setpoints {
-            let of = |name| (name, points(experiment, results, name, building_type.name(), setpoints));
-            let curves: Vec<Curve<'_>> = controllers(experiment).map(of).collect();
+            let curve = |(number, name)| Curve {
+                name,
+                color: color(number),
+                points: points(experiment, results, name, building_type.name(), setpoints),
+            };
+            let curves: Vec<Curve<'_>> = controllers(experiment).enumerate().map(curve).collect();
             for weight in weights(&curves) {
-                let cells = curves.iter().map(|(_, points)| cell(points, weight));
+                let cells = curves.iter().map(|curve| cell(&curve.points, weight));
                 let place = [building_type.to_string(), (*setpoints).to_owned(), weight.to_string()];
                 rows.push(place.into_iter().chain(cells).collect::<Vec<_>>());
             }
@@ -61,7 +69,7 @@ pub(super) fn content(experiment: &Experiment, results: &Results) -> Content {
 /// Returns the weights of some curves in increasing order.
 fn weights(curves: &[Curve<'_>]) -> Vec<f64> {
     let mut weights: Vec<f64> =
-        curves.iter().flat_map(|(_, points)| points).map(|point| point.weight).collect();
+        curves.iter().flat_map(|curve| &curve.points).map(|point| point.weight).collect();
     weights.sort_by(f64::total_cmp);
     weights.dedup();
     weights
@@ -78,20 +86,17 @@ fn cell(points: &[Point], weight: f64) -> String {
 
 /// Draws comfort against energy, with a slider that marks the points of a weight. Controllers far from all targets are left out.
 fn front(title: String, curves: Vec<Curve<'_>>) -> Chart {
-    let is_far = |(_, points): &Curve<'_>| points.iter().all(|point| point.deviation > FAR);
+    let drawn = curves.into_iter().filter(|curve| !curve.points.is_empty());
     let (far, curves): (Vec<_>, Vec<_>) =
-        curves.into_iter().enumerate().partition(|(_, curve)| is_far(curve));
-    let left_out: Vec<&str> =
-        far.iter().filter(|(_, (_, points))| !points.is_empty()).map(|(_, (name, _))| *name).collect();
-    let (numbers, curves): (Vec<usize>, Vec<Curve<'_>>) = curves.into_iter().unzip();
+        drawn.partition(|curve| curve.points.iter().all(|point| point.deviation > FAR));
     let weights = weights(&curves);
     let sizes = |weight: f64| {
         let size = |point: &Point| if point.weight == weight { MARKED } else { UNMARKED };
-        let of_curve = |(_, points): &Curve<'_>| points.iter().map(size).collect::<Vec<_>>();
+        let of_curve = |curve: &Curve<'_>| curve.points.iter().map(size).collect::<Vec<_>>();
         curves.iter().map(of_curve).collect::<Vec<_>>()
     };
     let caption = |weight: f64| {
-        let line = |(name, points): &Curve<'_>| {
+        let line = |Curve { name, points, .. }: &Curve<'_>| {
             let point = points.iter().find(|point| point.weight == weight)?;
             Some(format!("{name}: {:.2} kWh/m², {:.2} K", point.energy, point.deviation))
         };
@@ -106,21 +111,22 @@ fn front(title: String, curves: Vec<Curve<'_>>) -> Chart {
     let steps: Vec<Value> = weights.iter().map(step).collect();
     let first = weights.first().copied().unwrap_or_default();
     let mut data = Vec::new();
-    for ((number, (name, points)), sizes) in numbers.into_iter().zip(&curves).zip(sizes(first)) {
+    for (Curve { name, color, points }, sizes) in curves.iter().zip(sizes(first)) {
         data.push(json!({
             "type": "scatter", "mode": "lines+markers+text", "name": name, "cliponaxis": false,
             "x": points.iter().map(|point| point.energy).collect::<Vec<_>>(),
             "y": points.iter().map(|point| point.deviation).collect::<Vec<_>>(),
             "text": points.iter().map(|point| point.weight.to_string()).collect::<Vec<_>>(),
-            "textposition": "top center", "line": {"color": color(number), "width": 1.2}, "marker": {"size": sizes},
+            "textposition": "top center", "line": {"color": color, "width": 1.2}, "marker": {"size": sizes},
             "hovertemplate": "weight %{text}: %{x:.2f} kWh/m², %{y:.2f} K<extra></extra>",
         }));
     }
     let mut note = "means over buildings; the number is the weight of energy. The reactive controllers have one set of parameters \
                     for weight 0 and one for all others"
         .to_owned();
-    if !left_out.is_empty() {
-        note += &format!(". Not drawn, because it is more than {FAR} K off target: {}", left_out.join(", "));
+    if !far.is_empty() {
+        let names: Vec<&str> = far.iter().map(|curve| curve.name).collect();
+        note += &format!(". Not drawn, because it is more than {FAR} K off target: {}", names.join(", "));
     }
     Chart {
         title,

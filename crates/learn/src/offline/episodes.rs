@@ -8,8 +8,8 @@ use arrow_array::cast::AsArray;
 use arrow_array::types::{Float32Type, Float64Type};
 use arrow_array::{ArrayRef, BooleanArray, FixedSizeListArray, Float32Array, Float64Array, RecordBatch};
 use arrow_schema::{DataType, Field};
+use b2b_benchmark::read_parquet;
 use parquet::arrow::ArrowWriter;
-use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use parquet::basic::Compression;
 use parquet::file::properties::WriterProperties;
 
@@ -76,10 +76,9 @@ pub(super) fn read(path: &Path, observation: usize, action: usize) -> Result<Epi
     let damaged =
         |why: String| Error::Invalid(format!("{}: {why}; collect the dataset again", path.display()));
     let file = File::open(path).map_err(at(path))?;
-    let reader = ParquetRecordBatchReaderBuilder::try_new(file).and_then(|builder| builder.build());
+    let (_, tables) = read_parquet(file).map_err(|error| damaged(error.to_string()))?;
     let mut episode = EpisodeFile::default();
-    for table in reader.map_err(|error| damaged(error.to_string()))? {
-        let table = table.map_err(|error| damaged(error.to_string()))?;
+    for table in tables {
         let column =
             |name: &str| table.column_by_name(name).ok_or_else(|| damaged(format!("no column {name}")));
         for (name, width, numbers) in [

@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
+use b2b_control::Versions;
 use b2b_energyplus::machine;
 use b2b_env::EpisodeMetrics;
 
@@ -19,7 +20,6 @@ use super::result::{POLICY, RunResult, Stages, read_result};
 use crate::evaluation::{Episode, Evaluation, Outcome, Progress, Row};
 use crate::problem::{Problem, Stage, WrappedPolicy};
 use crate::{Baselines, BuiltIn, Error, Result, SiteInfo};
-use b2b_control::Versions;
 
 /// Relative tolerance for sums in another order.
 const ROUNDING: f64 = 1e-9;
