@@ -85,8 +85,11 @@ fn weights(actor: &Actor) -> Vec<u8> {
 /// Returns the actor whose weights a file has.
 fn actor(info: &AgentInfo, bytes: &[u8]) -> std::result::Result<Actor, String> {
     let tensors = SafeTensors::deserialize(bytes).map_err(|error| format!("{WEIGHTS}: {error}"))?;
-    check_shape(info).map_err(|why| format!("{INFO}: {why}"))?;
     let shape = info.network.clone();
+    if !fits(&shape, &tensors, bytes.len() / size_of::<f32>()) {
+        return Err(format!("{INFO}: its network is larger than {WEIGHTS}"));
+    }
+    check_shape(info).map_err(|why| format!("{INFO}: {why}"))?;
     let mut parameters = vec![0.0; shape.parameters()];
     for expected in shape.tensors() {
         let name = name(&expected);
@@ -105,6 +108,22 @@ fn actor(info: &AgentInfo, bytes: &[u8]) -> std::result::Result<Actor, String> {
         Some(_) => Err(format!("{WEIGHTS} has a value that is not finite")),
         None => Ok(actor),
     }
+}
+
+/// Returns whether a network has no more parameters than a file has values. Sizes are compared before anything is computed or allocated
+/// by them.
+fn fits(shape: &Shape, tensors: &SafeTensors<'_>, values: usize) -> bool {
+    let fit = |sizes: &[usize]| sizes.iter().all(|&size| size <= values);
+    let sizes_fit = match shape {
+        Shape::Mlp(mlp) => fit(&mlp.widths),
+        Shape::Graph(network) => {
+            let of_nodes = |node: &NodeWidths| fit(&[node.features, node.outputs]);
+            fit(&[network.embedding, network.heads, network.feed_forward])
+                && network.types.iter().all(of_nodes)
+                && network.layers <= tensors.len()
+        }
+    };
+    sizes_fit && shape.parameters() <= values
 }
 
 /// Checks that the network has the widths of observation and actuators.

@@ -142,6 +142,21 @@ fn an_agent_reads_back_as_it_was_written_and_acts_alike() {
 }
 
 #[test]
+fn a_network_larger_than_its_weights_is_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), env("SingleFamilyHouse-0014", "constant").spaces(), RESIDUAL, 0.4);
+    let path = folder.path().join("agent.json");
+    let whole: serde_json::Value = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
+    for width in [1 << 20, 9_007_199_254_740_993_u64, 1 << 62] {
+        let mut damaged = whole.clone();
+        damaged["network"]["widths"][1] = width.into();
+        std::fs::write(&path, damaged.to_string()).unwrap();
+        let message = Agent::read(folder.path()).unwrap_err().to_string();
+        assert!(message.contains("its network is larger than weights.safetensors"), "{message}");
+    }
+}
+
+#[test]
 fn features_are_of_the_order_of_one_and_have_the_same_names_in_all_houses() {
     let mut names: Option<Vec<String>> = None;
     for house in ["SingleFamilyHouse-0014", "SingleFamilyHouse-0018", "SingleFamilyHouse-0387"] {

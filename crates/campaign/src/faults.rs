@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use anyhow::Result;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
-use rustix::process::{Signal, kill_process};
+use rustix::process::{Pid, Signal, kill_process};
 
 use crate::Campaign;
 use crate::mutation::pick;
@@ -109,8 +109,8 @@ pub fn attack(Campaign { program, material, deadline, mut random, ledger }: Camp
         let kind = format!("{}: {}", job.name, fault.name());
         let folder = tempfile::tempdir()?;
         let moment = time.mul_f64(random.random_range(0.0..1.1));
-        let ended = struck(program, job, fault, moment, folder.path(), &mut random)?;
-        let broken = match ended.broken(fault.kills()) {
+        let (ended, may_be_killed) = struck(program, job, fault, moment, folder.path(), &mut random)?;
+        let broken = match ended.broken(may_be_killed) {
             Some(why) => Some(why),
             None => not_completed(program, job, folder.path(), expected)?,
         };
@@ -120,7 +120,7 @@ pub fn attack(Campaign { program, material, deadline, mut random, ledger }: Camp
     Ok(())
 }
 
-/// Runs a job with a fault after some time.
+/// Runs a job with a fault after some time. Also returns whether the fault may have killed the command.
 fn struck(
     program: &Program,
     job: &Job,
@@ -128,7 +128,7 @@ fn struck(
     moment: Duration,
     folder: &Path,
     random: &mut ChaCha8Rng,
-) -> Result<Ended> {
+) -> Result<(Ended, bool)> {
     let mut run = program.start(folder, fault.limits(), &words(job.arguments))?;
     std::thread::sleep(moment);
     let processes = if run.has_ended()? { Vec::new() } else { run.processes() };
@@ -136,9 +136,13 @@ fn struck(
     let send = |process, signal| {
         let _ = kill_process(process, signal);
     };
+    let mut may_be_killed = fault.kills();
     match (fault, &processes[..]) {
         (_, []) | (Fault::Limit(_), _) => {}
-        (Fault::Signal(signal), [command, ..]) => send(*command, signal),
+        (Fault::Signal(signal), [command, ..]) => {
+            may_be_killed |= !catches(*command, signal);
+            send(*command, signal);
+        }
         (Fault::Member(signal), all) => send(*pick(all, random), signal),
         (Fault::Pause, all) => {
             all.iter().for_each(|process| send(*process, Signal::STOP));
@@ -146,7 +150,16 @@ fn struck(
             all.iter().for_each(|process| send(*process, Signal::CONT));
         }
     }
-    run.end(LIMIT + moment)
+    Ok((run.end(LIMIT + moment)?, may_be_killed))
+}
+
+/// Returns whether a process handles a signal. One that has just started does not yet.
+fn catches(process: Pid, signal: Signal) -> bool {
+    let status =
+        std::fs::read_to_string(format!("/proc/{}/status", process.as_raw_nonzero())).unwrap_or_default();
+    let mask =
+        status.lines().find_map(|line| u64::from_str_radix(line.strip_prefix("SigCgt:")?.trim(), 16).ok());
+    mask.is_some_and(|mask| mask >> (signal.as_raw() - 1) & 1 == 1)
 }
 
 /// Runs a job again. Returns an error message unless it completes with the expected result.
