@@ -1,4 +1,4 @@
-"""RLlib's PPO (new API) on a house, with a native vector environment in every runner: `python rllib_ppo.py ITERATIONS RUNNERS`."""
+"""RLlib's PPO (new API) on a house, with native vector environments: `python rllib_ppo.py ITERATIONS RUNNERS`."""
 
 import sys
 import time
@@ -14,7 +14,7 @@ ENVS = 2
 
 
 def house(config):
-    """Makes an environment with observations and actions in [-1, 1]: of a runner, which passes `num_envs`, or a single one."""
+    """Makes an environment with observations and actions in [-1, 1]; a vector environment for a runner."""
     if "num_envs" in config:
         return b2b.make_vec("SingleFamilyHouse", rescale_action=True, normalize=True, **config)
     return b2b.wrap_env_for_rl(b2b.make_env("SingleFamilyHouse", rescale_action=True, **config))
