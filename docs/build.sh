@@ -15,7 +15,7 @@ folder=${CARGO_TARGET_DIR:-target}/docs
 python=${PYTHON:-python3}
 rm -rf "$folder/source"
 mkdir -p "$folder/source"
-cp -r docs/*.md docs/*.png docs/*.txt docs/concepts docs/tutorials docs/figures docs/site/* "$folder/source"
+cp -r docs/*.md docs/*.png docs/*.svg docs/*.txt docs/concepts docs/tutorials docs/figures docs/site/* "$folder/source"
 # The pages are written for their places in the repository.
 sed 's|](docs/|](|g' README.md > "$folder/source/README.md"
 cp CHANGELOG.md "$folder/source/changelog.md"
