@@ -110,8 +110,8 @@ fn actor(info: &AgentInfo, bytes: &[u8]) -> std::result::Result<Actor, String> {
     }
 }
 
-/// Returns whether a network has no more parameters than a file has values. Sizes are compared before anything is computed or allocated
-/// by them.
+/// Returns whether a network has no more parameters than a file has values. Compares the sizes first, because a product of
+/// absurd sizes overflows.
 fn fits(shape: &Shape, tensors: &SafeTensors<'_>, values: usize) -> bool {
     let fit = |sizes: &[usize]| sizes.iter().all(|&size| size <= values);
     let sizes_fit = match shape {

@@ -36,7 +36,7 @@ pub use evaluation::{
     Progress, Record, Recorded, Row, Scored, StepRewards, episode_table, read_episodes, read_kept,
     read_stages, write_episodes, write_stages,
 };
-pub use panics::{catch_panic, panic_message};
+pub use panics::panic_message;
 pub use parquet_file::read_parquet;
 pub use policy::{ActionScale, BuiltIn, EpisodeContext, HouseForm, Interface, OnnxPolicy, Policy};
 pub use problem::Problem;

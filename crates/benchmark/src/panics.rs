@@ -15,7 +15,7 @@ pub fn panic_message(panic: &(dyn Any + Send)) -> &str {
 ///
 /// # Errors
 /// The message of the panic.
-pub fn catch_panic<T>(run: impl FnOnce() -> T) -> Result<T, String> {
+pub(crate) fn catch_panic<T>(run: impl FnOnce() -> T) -> Result<T, String> {
     thread_local!(static QUIET: Cell<bool> = const { Cell::new(false) });
     static HOOK: Once = Once::new();
     HOOK.call_once(|| {
