@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use b2b_building::description::Description;
-use b2b_building::description::shape::Face;
 use b2b_building::morphology::Owner as Part;
+use b2b_building::shape::Face;
 use b2b_building::zone::SurfaceKind;
 use b2b_building::{Conditioning, Morphology as Graph};
 use b2b_env::{Decomposition, RoleObservation, RoleValue, Target};

@@ -101,6 +101,19 @@ pub fn spaces(model: &Model, zone: &str) -> Vec<Space> {
     spaces_of(model, zone).map(space).collect()
 }
 
+/// Returns the floor area of the surfaces of a zone that belong to none of its spaces, of which the engine makes another, m²;
+/// `None` if there is no such surface.
+pub fn undivided_floor_area(model: &Model, zone: &str) -> Option<f64> {
+    let surfaces = model.objects(DETAILED).into_iter().map(|(_, fields)| fields);
+    let own =
+        surfaces.filter(|fields| names(fields, "zone_name", zone) && text(fields, "space_name").is_none());
+    let area = |fields: &Fields| match names(fields, "surface_type", "floor") {
+        true => drawn_area(fields),
+        false => Some(0.0),
+    };
+    own.filter_map(area).reduce(|sum, area| sum + area)
+}
+
 /// Returns whether a name is that of a space in a zone, or of a list that has one.
 pub fn covers_part(model: &Model, space_or_list: &str, zone: &str) -> bool {
     spaces_of(model, zone).any(|(space, _)| covers_space(model, space_or_list, space))

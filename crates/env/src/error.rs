@@ -139,8 +139,8 @@ pub enum Error {
     /// Text that does not name a task.
     #[error(
         "unknown task `{text}`{renamed}; expected constant, occupancy or random, optionally followed by +deadband or +pmv and by \
-         +energyW, +costW, +carbonW or +peakW with a weight W, for example occupancy+energy0.5, and by faults such as \
-         +noise0.2; or the path of a JSON file"
+         +energyW, +costW, +carbonW or +peakW with a weight W, for example occupancy+energy0.5, by +presence2, and by \
+         faults such as +noise0.2; or the path of a JSON file"
     )]
     UnknownTask {
         /// The text.

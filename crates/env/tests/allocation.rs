@@ -40,7 +40,13 @@ fn messages(env: &Env) -> usize {
 #[test]
 fn a_step_allocates_nothing() {
     let case = Case::at_home(BuildingType::OfficeSmall);
-    for task in ["constant", "occupancy+energy0.5", "random+pmv+cost1", "occupancy+deadband+peak1"] {
+    for task in [
+        "constant",
+        "occupancy+energy0.5",
+        "random+pmv+cost1",
+        "occupancy+deadband+peak1",
+        "occupancy+presence2",
+    ] {
         let mut env = case.env_for("01-03..01-05", task);
         let mut dice = Dice::new(env.action_space(), 1);
         env.reset().unwrap();

@@ -8,3 +8,11 @@ const make = (name, parent, text, kind) => {
   parent.append(element);
   return element;
 };
+/* Spreads the tiles evenly over the rows that they need. */
+const spreadTiles = () => {
+  const tiles = document.querySelector(".tiles");
+  tiles.style.gridTemplateColumns = "";
+  const count = tiles.children.length, fit = getComputedStyle(tiles).gridTemplateColumns.split(" ").length;
+  if (count > fit) tiles.style.gridTemplateColumns = `repeat(${Math.ceil(count / Math.ceil(count / fit))}, minmax(0, 1fr))`;
+};
+addEventListener("resize", spreadTiles);

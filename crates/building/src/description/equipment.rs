@@ -121,7 +121,7 @@ fn describe_system(model: &Model, system: &System, zones: &[String]) -> Result<S
     Ok(SystemDescription {
         name,
         kind,
-        zones: system.zones().into_iter().filter_map(|zone| super::shape::position(zones, zone)).collect(),
+        zones: system.zones().into_iter().filter_map(|zone| crate::shape::position(zones, zone)).collect(),
         design_flow,
         heating_capacity: central.heating,
         cooling_capacity: central.cooling,

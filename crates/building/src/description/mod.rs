@@ -1,12 +1,11 @@
 //! Description of a building: quantities computed from its model.
 //!
-//! [`Description::of`] a prepared building has its geometry ([`shape`]), its envelope, its leakage ([`leakage`]) and its
+//! [`Description::of`] a prepared building has its geometry ([`crate::shape`]), its envelope, its leakage ([`leakage`]) and its
 //! systems ([`equipment`]). A model that is not sized has no capacities; a construction that is not given by its layers
 //! has no U-factor.
 
 pub mod equipment;
 pub mod leakage;
-pub mod shape;
 
 use std::path::Path;
 
@@ -15,10 +14,10 @@ use serde::Serialize;
 
 pub use equipment::{Equipment, SystemDescription, SystemKind};
 use leakage::Measures;
-use shape::{Bound, OutsideBoundary, Point, Shape};
 
 use crate::construction::{ROOF_FILMS, WALL_FILMS, assembly_resistance, glazing};
 use crate::hvac::System;
+use crate::shape::{Bound, Face, OutsideBoundary, Point, Shape};
 use crate::zone::SurfaceKind;
 use crate::{Conditioning, Model, PreparedBuilding, Result};
 
@@ -278,10 +277,7 @@ fn describe_zone(
         outer.map(|face| face.face.glass_area()).fold(0.0, |sum, area| sum + area)
     };
     let windows = glass(SurfaceKind::Wall);
-    let fields = model.get("Zone", &zone.name);
-    let given =
-        fields.and_then(|fields| crate::model::number(fields, "volume")).filter(|volume| *volume > 0.0);
-    let volume = given.unwrap_or_else(|| shape.volume(number));
+    let volume = shape.volume(number);
     let measures = Measures { floor: zone.floor_area, exterior: area(&is_outer), exterior_walls, volume };
     let [low, high] = shape.extent();
     let [zone_low, zone_high] = shape.zone_extent(number);
@@ -358,7 +354,7 @@ fn envelope(model: &Model, shape: &Shape, is_conditioned: impl Fn(usize) -> bool
 fn better_of_roof_and_ceilings(
     model: &Model,
     shape: &Shape,
-    roof: &shape::Face,
+    roof: &Face,
     is_conditioned: impl Fn(usize) -> bool,
 ) -> (Option<f64>, f64) {
     let below = shape.bounds(roof.zone).into_iter().filter(|bound| {
@@ -379,7 +375,7 @@ fn u(model: &Model, construction: &str, films: f64) -> Option<f64> {
     Some(1.0 / (assembly_resistance(model, construction)? + films))
 }
 
-fn openings(face: &shape::Face) -> f64 {
+fn openings(face: &Face) -> f64 {
     face.openings.iter().map(crate::opening::Opening::area).sum()
 }
 

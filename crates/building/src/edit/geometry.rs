@@ -4,8 +4,8 @@ use std::collections::HashMap;
 
 use serde_json::{Value, json};
 
-use crate::description::shape::is_relative;
 use crate::model::{Fields, number, text};
+use crate::shape::is_relative;
 use crate::zone::{self, Surface};
 use crate::{Error, Model, Result};
 

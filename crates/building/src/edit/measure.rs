@@ -2,9 +2,9 @@
 
 use super::Change;
 use super::gains::{self, intensity};
-use crate::description::shape::Shape;
 use crate::description::{Description, Envelope, Location, Origin};
 use crate::model::number;
+use crate::shape::Shape;
 use crate::zone::has_equipment;
 use crate::{Conditioning, Model};
 

@@ -12,7 +12,9 @@ use super::actuator::EngineVariable;
 use super::schedules::constant_schedule;
 use crate::Result;
 use crate::model::{Fields, Model, items, number, text};
-use crate::zone::{self, Space, Zone, covers_space, covers_zone};
+use crate::people::{self, PeopleGroup};
+use crate::shape::Shape;
+use crate::zone::{self, Zone, covers_zone};
 
 const CONTROLLER: &str = "Controller:OutdoorAir";
 const MECHANICAL: &str = "Controller:MechanicalVentilation";
@@ -96,13 +98,18 @@ fn find_schedule(model: &Model, name: &str) -> Option<(String, Fields)> {
 /// Returns the sum of the design requirements of the zones under a mechanical ventilation controller, m³/s.
 fn zone_requirements(model: &Model, controller: &str) -> Result<f64> {
     let zones = zone::zones(model)?;
+    let shape = Shape::of(model)?;
+    let people = people::groups(model)?;
     let mut sum = 0.0;
     for item in items(model.require(MECHANICAL, controller)?, "zone_specifications") {
         let listed = text(item, "zone_or_zonelist_name").unwrap_or_default();
-        for zone in zones.iter().filter(|zone| covers_zone(model, listed, &zone.name)) {
+        for (number, zone) in zones.iter().enumerate() {
+            if !covers_zone(model, listed, &zone.name) {
+                continue;
+            }
             let specified = text(item, "design_specification_outdoor_air_object_name");
             if let Some(name) = specified.or_else(|| sizing_specification(model, &zone.name)) {
-                sum += zone_requirement(model, name, zone)? * zone.multiplier;
+                sum += zone_requirement(model, name, zone, shape.volume(number), &people)? * zone.multiplier;
             }
         }
     }
@@ -110,20 +117,36 @@ fn zone_requirements(model: &Model, controller: &str) -> Result<f64> {
 }
 
 /// Returns the outdoor air that a specification, or one for each space, requires for a zone at design occupancy, m³/s.
-fn zone_requirement(model: &Model, specification: &str, zone: &Zone) -> Result<f64> {
-    let spaces = zone::spaces(model, &zone.name);
-    let people = people(model, zone, &spaces);
-    let Some(by_space) = model.get(SPECIFICATIONS_OF_SPACES, specification) else {
-        return Ok(requirement(model.require(SPECIFICATION, specification)?, zone.floor_area, people.zone));
+fn zone_requirement(
+    model: &Model,
+    specification: &str,
+    zone: &Zone,
+    volume: f64,
+    people: &[PeopleGroup],
+) -> Result<f64> {
+    let people = |space: Option<&str>| -> f64 {
+        let of_space = |group: &&PeopleGroup| space.is_none() || group.space.as_deref() == space;
+        let groups = people.iter().filter(|group| group.zone == zone.name).filter(of_space);
+        groups.map(|group| group.people).sum()
     };
+    let Some(by_space) = model.get(SPECIFICATIONS_OF_SPACES, specification) else {
+        let whole = Room { floor_area: zone.floor_area, volume, people: people(None) };
+        return Ok(requirement(model.require(SPECIFICATION, specification)?, whole));
+    };
+    let spaces = zone::spaces(model, &zone.name);
     let mut sum = 0.0;
     for item in items(by_space, "space_specs") {
         let named = text(item, "space_name").unwrap_or_default();
-        let Some(at) = spaces.iter().position(|space| space.name.eq_ignore_ascii_case(named)) else {
+        let Some(space) = spaces.iter().find(|space| space.name.eq_ignore_ascii_case(named)) else {
             continue;
         };
         let name = text(item, "space_design_specification_outdoor_air_object_name").unwrap_or_default();
-        sum += requirement(model.require(SPECIFICATION, name)?, spaces[at].floor_area, people.spaces[at]);
+        let room = Room {
+            floor_area: space.floor_area,
+            volume: volume * space.floor_area / zone.floor_area,
+            people: people(Some(&space.name)),
+        };
+        sum += requirement(model.require(SPECIFICATION, name)?, room);
     }
     Ok(sum)
 }
@@ -138,61 +161,32 @@ fn sizing_specification<'a>(model: &'a Model, zone: &str) -> Option<&'a str> {
     text(of_zone.next()?, "design_specification_outdoor_air_object_name")
 }
 
-/// Returns the outdoor air that a specification requires for a floor area and a number of people, m³/s.
-fn requirement(specification: &Fields, floor_area: f64, people: f64) -> f64 {
+/// A zone or a space.
+struct Room {
+    /// Floor area, m².
+    floor_area: f64,
+    /// Volume, m³; that of a space is its share of the zone by floor area, as in the engine.
+    volume: f64,
+    /// People at design occupancy.
+    people: f64,
+}
+
+/// Returns the outdoor air that a specification requires for a room, m³/s.
+fn requirement(specification: &Fields, room: Room) -> f64 {
     let value = |field: &str, default: f64| number(specification, field).unwrap_or(default);
-    let per_person = || value("outdoor_air_flow_per_person", PER_PERSON) * people;
-    let per_area = || value("outdoor_air_flow_per_zone_floor_area", 0.0) * floor_area;
+    let per_person = || value("outdoor_air_flow_per_person", PER_PERSON) * room.people;
+    let per_area = || value("outdoor_air_flow_per_zone_floor_area", 0.0) * room.floor_area;
     let per_zone = || value("outdoor_air_flow_per_zone", 0.0);
+    let air_changes = || value("outdoor_air_flow_air_changes_per_hour", 0.0) * room.volume / 3600.0;
     match text(specification, "outdoor_air_method").unwrap_or("Flow/Person").to_lowercase().as_str() {
         "flow/area" => per_area(),
         "flow/zone" => per_zone(),
-        "sum" => per_person() + per_area() + per_zone(),
-        "maximum" => per_person().max(per_area()).max(per_zone()),
+        "airchanges/hour" => air_changes(),
+        "sum" => per_person() + per_area() + per_zone() + air_changes(),
+        "maximum" => per_person().max(per_area()).max(per_zone()).max(air_changes()),
         // Other methods depend on contaminants or schedules; per person is the engine's default.
         _ => per_person(),
     }
-}
-
-/// People at design occupancy.
-struct People {
-    /// In the zone.
-    zone: f64,
-    /// In each of its spaces.
-    spaces: Vec<f64>,
-}
-
-/// Returns the people of a zone and of its spaces. Those of the zone as a whole are spread over its spaces by floor area.
-fn people(model: &Model, zone: &Zone, spaces: &[Space]) -> People {
-    let mut people = People { zone: 0.0, spaces: vec![0.0; spaces.len()] };
-    for (_, fields) in model.objects("People") {
-        let place = text(fields, "zone_or_zonelist_or_space_or_spacelist_name").unwrap_or_default();
-        if covers_zone(model, place, &zone.name) {
-            let count = count(fields, zone.floor_area);
-            people.zone += count;
-            for (own, space) in people.spaces.iter_mut().zip(spaces) {
-                *own += count * space.floor_area / zone.floor_area;
-            }
-            continue;
-        }
-        for (own, space) in people.spaces.iter_mut().zip(spaces) {
-            if covers_space(model, place, &space.name) {
-                let count = count(fields, space.floor_area);
-                people.zone += count;
-                *own += count;
-            }
-        }
-    }
-    people
-}
-
-/// Returns the number of people that a `People` object puts on a floor area.
-fn count(fields: &Fields, floor_area: f64) -> f64 {
-    let value = |field: &str| number(fields, field);
-    value("number_of_people")
-        .or_else(|| Some(value("people_per_floor_area")? * floor_area))
-        .or_else(|| Some(floor_area / value("floor_area_per_person")?))
-        .unwrap_or(0.0)
 }
 
 #[cfg(test)]
@@ -234,6 +228,24 @@ mod tests {
         assert!((minimum(person) - (10.0 + 2.0 * 4.0) * 0.01).abs() < 1e-12);
         let little = json!({"outdoor_air_method": "Flow/Zone", "outdoor_air_flow_per_zone": 0.001});
         assert_eq!(minimum(little), 0.05, "the controller's own minimum is larger");
+    }
+
+    #[test]
+    fn air_changes_are_those_of_the_volume() {
+        let minimum = |method: &str| {
+            let specification = json!({"outdoor_air_method": method, "outdoor_air_flow_per_person": 0.01,
+                "outdoor_air_flow_air_changes_per_hour": 3.0});
+            let mut model = model(specification);
+            for (zone, volume) in [("Hall", 300.0), ("Shop", 120.0)] {
+                model.require_mut("Zone", zone).unwrap().insert("volume".into(), json!(volume));
+            }
+            Ventilation::of(&model, "OA", 1.2).unwrap().min_outdoor_air / 1.2
+        };
+        let people = [10.0 * 0.01, 2.0 * 4.0 * 0.01];
+        let changes = [3.0 * 300.0 / 3600.0, 2.0 * 3.0 * 120.0 / 3600.0];
+        assert!((minimum("AirChanges/Hour") - (changes[0] + changes[1])).abs() < 1e-12);
+        assert!((minimum("Sum") - (changes[0] + changes[1] + people[0] + people[1])).abs() < 1e-12);
+        assert!((minimum("Maximum") - (changes[0] + changes[1])).abs() < 1e-12);
     }
 
     #[test]

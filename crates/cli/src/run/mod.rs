@@ -69,7 +69,7 @@ Examples:
   b2b run RetailStandalone --weather my.epw --json > result.json
   b2b run my.idf --weather my.epw                 your own building; see `b2b import --help`
 
-Tasks are written SETPOINTS[+COMFORT][+RESOURCE][+VENTILATION][+FAULT...]. The six tasks of the paper are constant,
+Tasks are written SETPOINTS[+COMFORT][+RESOURCE][+VENTILATION][+PRESENCE][+FAULT...]. The six tasks of the paper are constant,
 occupancy and random, each with and without +energy0.5.
   SETPOINTS    constant (21 °C), constant:C, occupancy (21 °C while occupied; unoccupied 18 °C from December
                to February and 26 °C from June to August), random, random:SEED
@@ -78,6 +78,8 @@ occupancy and random, each with and without +energy0.5.
   RESOURCE     +energyW, +costW, +carbonW, +peakW: W times the energy (relative to the mean use of the reactive
                controllers), cost, emissions or increase in peak demand of each step
   VENTILATION  an interlock supplies outdoor air while people are present (default); +free-ventilation: no minimum
+  PRESENCE     the number of people is that of the model's schedules (default); +presenceH: each person comes and
+               goes at random, with a correlation time of H hours
   FAULT        +noiseK, +biasK: errors of the temperature sensors; +stuckP: actuators are stuck with
                probability P; +foulingS: coils lose a share S of their range
 

@@ -2,8 +2,8 @@
 
 use anyhow::Result;
 use b2b_building::description::Description;
-use b2b_building::description::shape::{Face, OutsideBoundary, Point, Shape};
 use b2b_building::opening::Opening;
+use b2b_building::shape::{Face, OutsideBoundary, Point, Shape};
 use b2b_building::zone::area_vector;
 use b2b_building::{Conditioning, PreparedBuilding};
 use plotly::color::{Color, NamedColor, Rgb, Rgba};

@@ -1,6 +1,6 @@
 //! Triangulation of planar polygons in space.
 
-use b2b_building::description::shape::Point;
+use b2b_building::shape::Point;
 use b2b_building::zone::area_vector;
 
 /// Triangulates a planar polygon without holes by ear clipping, and returns the indices of the triangles' corners. The

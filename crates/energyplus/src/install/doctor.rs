@@ -7,6 +7,7 @@ use std::path::Path;
 use super::cache::Cache;
 use super::client::Client;
 use super::engine::{ENGINE, ENGINE_VERSION, Engine, Source};
+use super::error::Error;
 use super::package::State;
 use super::pinned::Package;
 
@@ -59,6 +60,8 @@ fn cache_folder(cache: &Cache) -> Finding {
 fn engine(cache: &Cache, installed: Option<&Path>) -> Finding {
     let about = "EnergyPlus";
     match Engine::find_in(cache, installed) {
+        // Neither is cured by a download.
+        Err(error @ Error::NoWheel { .. }) => finding(about, Health::Bad, error.to_string()),
         Err(error) if installed.is_some() => finding(about, Health::Bad, error.to_string()),
         Err(error) => finding(about, Health::Absent, error.to_string()),
         Ok(engine) => {

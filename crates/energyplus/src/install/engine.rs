@@ -96,7 +96,8 @@ impl Engine {
     /// the cache. Never downloads.
     ///
     /// # Errors
-    /// [`Error::NoLibrary`] if there is none at the variable, [`Error::NotInstalled`] if there is none in the cache.
+    /// [`Error::NoLibrary`] if there is none at the variable, [`Error::NotInstalled`] if there is none in the cache,
+    /// [`Error::NoWheel`] if the cache cannot have one for this platform.
     pub fn find() -> Result<Self> {
         Self::find_in(&Cache::from_env()?, Self::installed_by_user().as_deref())
     }
@@ -104,7 +105,7 @@ impl Engine {
     /// Like [`Engine::find`], but downloads the package if needed.
     ///
     /// # Errors
-    /// [`Error::NoLibrary`], and those of [`Package::ensure`].
+    /// [`Error::NoLibrary`], [`Error::NoWheel`], and those of [`Package::ensure`].
     pub fn ensure(progress: &mut dyn Progress) -> Result<Self> {
         Self::ensure_in(&Cache::from_env()?, Self::installed_by_user().as_deref(), progress)
     }
@@ -117,6 +118,7 @@ impl Engine {
         if let Some(path) = installed {
             return Self::installed(path);
         }
+        ENGINE.require_native()?;
         let found = ENGINE.find(cache).ok_or_else(|| Error::NotInstalled { cache: cache.root.clone() })?;
         Ok(Self::cached(found))
     }
@@ -128,7 +130,10 @@ impl Engine {
     pub fn ensure_in(cache: &Cache, installed: Option<&Path>, progress: &mut dyn Progress) -> Result<Self> {
         match installed {
             Some(path) => Self::installed(path),
-            None => Ok(Self::cached(ENGINE.ensure(cache, progress)?)),
+            None => {
+                ENGINE.require_native()?;
+                Ok(Self::cached(ENGINE.ensure(cache, progress)?))
+            }
         }
     }
 

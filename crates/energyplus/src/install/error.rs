@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use super::engine::ENGINE_VERSION;
+
 /// An error of the installation.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
@@ -22,7 +24,8 @@ pub enum Error {
     /// A platform without a wheel.
     #[error(
         "{package} has no wheel for {platform}; expected Linux x86_64, macOS arm64 or Windows x86_64. Elsewhere, \
-         install EnergyPlus and set B2B_ENERGYPLUS to its folder"
+         install EnergyPlus {version} and set B2B_ENERGYPLUS to its folder",
+        version = ENGINE_VERSION
     )]
     NoWheel {
         /// The package, as `name==version`.

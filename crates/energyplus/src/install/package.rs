@@ -60,7 +60,7 @@ impl Package {
     /// Returns the package from the folder of the package client or from the cache, if all files have the right content.
     /// Files are read only if they changed since they were last verified.
     pub fn find(&self, cache: &Cache) -> Option<Installed> {
-        let wheel = self.wheel().ok()?;
+        let wheel = self.wheel();
         let by_client = cache.packages.as_deref().and_then(|folder| self.find_among(folder));
         let whole = |found: &Installed| self.is_whole(found, wheel, cache);
         if let Some(found) = by_client.filter(whole) {
@@ -99,16 +99,14 @@ impl Package {
             .filter_map(UnpackedFile::of_record)
             .filter(|file| self.wants(&file.path))
             .collect();
-        let manifest = Manifest::new(self, self.wheel().ok()?, files);
+        let manifest = Manifest::new(self, self.wheel(), files);
         self.corrections.is_empty().then(|| Installed { root: folder.to_owned(), manifest })
     }
 
     /// Verifies the package in the cache, with the SHA-256 of every file.
     pub fn verify(&self, cache: &Cache) -> State {
         let root = self.folder(cache);
-        let Ok(wheel) = self.wheel() else {
-            return State::Absent;
-        };
+        let wheel = self.wheel();
         let Some(manifest) = Manifest::read(&root).filter(|found| found.is_of(self, wheel)) else {
             return State::Absent;
         };
@@ -128,9 +126,8 @@ impl Package {
     /// Processes and threads may call this concurrently: one downloads, the others wait.
     ///
     /// # Errors
-    /// [`Error::Offline`], [`Error::NoClient`], [`Error::NoWheel`], [`Error::Download`],
-    /// [`Error::Checksum`], [`Error::BadWheel`], [`Error::Cancelled`] or [`Error::Io`]. The cache is then
-    /// unchanged.
+    /// [`Error::Offline`], [`Error::NoClient`], [`Error::Download`], [`Error::Checksum`], [`Error::BadWheel`],
+    /// [`Error::Cancelled`] or [`Error::Io`]. The cache is then unchanged.
     pub fn ensure(&self, cache: &Cache, progress: &mut dyn Progress) -> Result<Installed> {
         self.ensure_that(Self::find, cache, progress)
     }
@@ -156,7 +153,7 @@ impl Package {
         if let Some(found) = find(self, cache) {
             return Ok(found);
         }
-        let wheel = self.wheel()?;
+        let wheel = self.wheel();
         if cache.offline {
             return Err(Error::Offline { package: self.to_string(), cache: cache.root.clone() });
         }

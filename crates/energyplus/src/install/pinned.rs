@@ -92,12 +92,21 @@ impl Package {
         self.corrections.iter().fold(path.to_owned(), |path, (wrong, right)| path.replace(wrong, right))
     }
 
-    /// Returns the wheel for this machine.
-    pub(super) fn wheel(&self) -> Result<&'static Wheel> {
-        self.wheels.iter().find(|wheel| wheel.platform.is_here()).ok_or_else(|| Error::NoWheel {
+    /// Returns the wheel for this machine. A platform without one gets the first, whose data it can use.
+    pub(super) fn wheel(&self) -> &'static Wheel {
+        self.native_wheel().unwrap_or(&self.wheels[0])
+    }
+
+    /// Returns an error if no wheel is for this machine, so that its libraries cannot be loaded.
+    pub(super) fn require_native(&self) -> Result<()> {
+        self.native_wheel().map(|_| ()).ok_or_else(|| Error::NoWheel {
             package: self.to_string(),
             platform: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
         })
+    }
+
+    fn native_wheel(&self) -> Option<&'static Wheel> {
+        self.wheels.iter().find(|wheel| wheel.platform.is_here())
     }
 
     /// Name of the package's folder in a cache.

@@ -3,11 +3,13 @@
 use std::path::Path;
 
 use b2b_building::hvac::{EngineVariable, System};
+use b2b_building::people::PeopleGroup;
 use b2b_building::{Carrier, CarrierEnergy, HvacMeter, PreparedBuilding};
 use b2b_energyplus::{Actuator, Library, Meter, Run, Simulation, Variable};
 
 use super::meters::by_carrier;
 use crate::Result;
+use crate::presence::Attendance;
 use crate::zones::ControlledZone;
 
 pub(super) const ZONE_TEMPERATURE: &str = "Zone Mean Air Temperature";
@@ -15,6 +17,8 @@ pub(super) const OUTDOOR: [&str; 2] =
     ["Site Outdoor Air Drybulb Temperature", "Site Outdoor Air Relative Humidity"];
 const SITE: &str = "Environment";
 const PEOPLE: &str = "Zone People Occupant Count";
+const SCHEDULE: &str = "Schedule Value";
+const PEOPLE_ACTUATOR: [&str; 2] = ["People", "Number of People"];
 
 /// Density of standard air, kg/m³ (ASHRAE Fundamentals), for volume flows that people compare.
 const STANDARD_AIR: f64 = 1.204;
@@ -41,6 +45,8 @@ pub(super) struct Engine {
     /// Those of the building's meters that the engine has.
     meters: Vec<(Carrier, Meter)>,
     actuators: Vec<(Actuator, f64)>,
+    /// Of each group of people whose presence is random, its schedule and its number.
+    groups: Vec<(Variable, Actuator)>,
     /// For each system its outdoor air, if it has any.
     ventilated: Vec<Option<Ventilated>>,
     /// What the actuators drive, if it is observed.
@@ -56,6 +62,7 @@ impl Engine {
         zones: &[ControlledZone],
         model: &Path,
         weather: &Path,
+        attendance: Option<&Attendance>,
         observe_effects: bool,
     ) -> Result<Self> {
         let folder = model.parent().unwrap_or(Path::new("."));
@@ -70,6 +77,10 @@ impl Engine {
         for name in controlled() {
             run = run.request(PEOPLE, name);
         }
+        let groups: Vec<_> = attendance.into_iter().flat_map(Attendance::groups).collect();
+        for group in &groups {
+            run = run.request(SCHEDULE, &group.schedule);
+        }
         for air in building.systems.iter().filter_map(System::ventilation) {
             run = run.request(&air.outdoor_air.name, &air.outdoor_air.key);
         }
@@ -82,6 +93,11 @@ impl Engine {
             Ok((simulation.actuator(&a.component, &a.control, &a.key)?, a.scale))
         };
         let variable = |v: &EngineVariable| Ok(simulation.variable(&v.name, &v.key)?);
+        let [component, control] = PEOPLE_ACTUATOR;
+        let handles = |group: &&PeopleGroup| {
+            let schedule = simulation.variable(SCHEDULE, &group.schedule)?;
+            Ok((schedule, simulation.actuator(component, control, &group.name)?))
+        };
         let meter = |m: &HvacMeter| Some((m.carrier, simulation.meter(&m.name).ok()?));
         let mut ventilated = Vec::new();
         for (system, layout) in building.laid_out_systems() {
@@ -108,6 +124,7 @@ impl Engine {
             people: controlled().map(|name| simulation.variable(PEOPLE, name).ok()).collect(),
             meters: building.meters.iter().filter_map(meter).collect(),
             actuators: building.actuators().map(actuator).collect::<Result<_>>()?,
+            groups: groups.iter().map(handles).collect::<Result<_>>()?,
             effects: observed.iter().map(|a| variable(&a.effect)).collect::<Result<_>>()?,
             heats: observed
                 .iter()
@@ -120,6 +137,14 @@ impl Engine {
     pub(super) fn act(&mut self, action: &[f64]) {
         for ((actuator, scale), value) in self.actuators.iter().zip(action) {
             self.simulation.set(*actuator, value * scale);
+        }
+    }
+
+    /// Sets the number of people of every group for the next step.
+    pub(super) fn admit(&mut self, attendance: &mut Attendance) {
+        for (number, (schedule, people)) in self.groups.iter().enumerate() {
+            let scheduled = self.simulation.read(*schedule);
+            self.simulation.set(*people, attendance.draw(number, scheduled));
         }
     }
 

@@ -26,6 +26,7 @@ use crate::faults::Impairment;
 use crate::metrics::Metrics;
 use crate::observation::ObservationSpace;
 use crate::oscillation::Oscillation;
+use crate::presence::Attendance;
 use crate::reward::{Expenses, Reward, RewardFunction, ZoneStep};
 use crate::setpoints::Targets;
 use crate::spaces::{EpisodeConfig, Spaces};
@@ -58,6 +59,7 @@ pub struct Env {
     reward: Box<dyn RewardFunction>,
     interlock: Interlock,
     impairment: Option<Impairment>,
+    attendance: Option<Attendance>,
     /// Of each controlled zone, whether it is occupied, and its target for the step to come, °C.
     asked: Vec<(bool, f64)>,
     /// The controlled zones in the last step.
@@ -115,6 +117,11 @@ impl Env {
             reward: Box::new(reward),
             interlock: Interlock::new(&spaces.building),
             impairment: Impairment::new(&task.faults, &spaces.building),
+            attendance: Attendance::new(
+                task.presence,
+                spaces.building.model(),
+                spaces.episode.steps_per_hour,
+            )?,
             asked: vec![(false, f64::NAN); zones.len()],
             zone_steps: Vec::with_capacity(zones.len()),
             engine: None,
@@ -167,10 +174,15 @@ impl Env {
         let (model, spaces) = (self.folder.join(MODEL_FILE), &self.spaces);
         let weather = &spaces.episode.weather;
         let (library, effects) = (&self.library, self.observe_effects);
-        let mut engine = Engine::start(library, &spaces.building, &self.zones, &model, weather, effects)?;
+        let attendance = self.attendance.as_ref();
+        let mut engine =
+            Engine::start(library, &spaces.building, &self.zones, &model, weather, attendance, effects)?;
         let zones = self.zones.iter().zip(&engine.people).filter(|(_, people)| people.is_none());
         self.never_occupied = zones.map(|(zone, _)| spaces.building.zones[zone.slot].name.clone()).collect();
         self.warm_up(&mut engine)?;
+        if let Some(attendance) = &mut self.attendance {
+            attendance.restart(self.spaces.episode.period.first().day_of_year());
+        }
         self.observe(&engine, [0.0; 2])?;
         self.expenses = Expenses::default();
         self.disturb();
@@ -220,6 +232,9 @@ impl Env {
             impairment.limit(&mut self.action);
         }
         engine.act(&self.action);
+        if let Some(attendance) = &mut self.attendance {
+            engine.admit(attendance);
+        }
         if engine.simulation.advance()? != Some(Event::Step) {
             return Err(self.wrong_length());
         }

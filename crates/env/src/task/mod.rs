@@ -14,6 +14,7 @@ use crate::comfort::Comfort;
 use crate::energy_scale::EnergyScale;
 use crate::faults::Faults;
 use crate::limits::within;
+use crate::presence::Presence;
 use crate::setpoints::Setpoints;
 use crate::ventilation::Ventilation;
 use crate::{Error, Result};
@@ -22,8 +23,8 @@ pub use fuels::{Fuels, Hourly};
 
 /// A comfort-energy task: target temperatures, comfort penalty and the weight of energy.
 ///
-/// Its short text form is `SETPOINTS[+COMFORT][+RESOURCE WEIGHT][+free-ventilation][+FAULT…]`, such as `constant`,
-/// `occupancy+energy0.5` or `random:7+pmv+cost2`:
+/// Its short text form is `SETPOINTS[+COMFORT][+RESOURCE WEIGHT][+free-ventilation][+presenceH][+FAULT…]`, such as
+/// `constant`, `occupancy+energy0.5` or `random:7+pmv+cost2`:
 ///
 /// | part | values |
 /// |---|---|
@@ -31,6 +32,7 @@ pub use fuels::{Fuels, Hourly};
 /// | comfort | none (squared deviation, as in the paper), `deadband`, `deadband0.5` (K), `pmv` |
 /// | resource and its weight | none, `energy0.5`, `cost1`, `carbon1`, `peak1` |
 /// | ventilation | none (outdoor air for the people present), `free-ventilation` (as in the paper) |
+/// | presence of people | none (by the schedules of the model), `presence2` (random, h): see [`Presence`] |
 /// | faults | none, `noise0.2` (K), `bias0.5` (K), `stuck0.1` (probability), `fouling0.3` (share): see [`Faults`] |
 ///
 /// All other options require JSON: see [`Task::read`]. Omitted fields keep their defaults.
@@ -58,6 +60,9 @@ pub struct Task {
     pub prices: Fuels,
     /// Emission factors, kg CO₂/kWh.
     pub emissions: Fuels,
+    /// Presence of people.
+    #[serde(skip_serializing_if = "Presence::is_scheduled")]
+    pub presence: Presence,
     /// Faults of sensors and equipment.
     #[serde(skip_serializing_if = "Faults::is_none")]
     pub faults: Faults,
@@ -103,6 +108,7 @@ impl Default for Task {
             comfort_band: 1.0,
             prices: PRICES,
             emissions: EMISSIONS,
+            presence: Presence::default(),
             faults: Faults::default(),
         }
     }
@@ -157,6 +163,7 @@ impl Task {
                 within(name, value, low, LARGEST)?;
             }
         }
+        self.presence.check()?;
         self.faults.check()?;
         self.setpoints.check()?;
         self.comfort.check()

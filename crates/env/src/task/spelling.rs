@@ -13,6 +13,12 @@ use crate::{Error, Result};
 const FREE_VENTILATION: &str = "free-ventilation";
 
 impl Task {
+    /// The numbers of random presence and of faults, by their words.
+    fn disturbances(&mut self) -> [(&'static str, &mut f64); 5] {
+        let [noise, bias, stuck, fouling] = self.faults.parts();
+        [("presence", &mut self.presence.hours), noise, bias, stuck, fouling]
+    }
+
     /// The text of the nearest task that has one.
     fn spelling(&self) -> String {
         let setpoints = match &self.setpoints {
@@ -40,10 +46,10 @@ impl Task {
             Ventilation::Code => String::new(),
             Ventilation::Free => format!("+{FREE_VENTILATION}"),
         };
-        let mut faults = self.faults;
-        let faults = faults.parts().into_iter().filter(|(_, value)| **value != 0.0);
-        let faults: String = faults.map(|(word, value)| format!("+{word}{value}")).collect();
-        format!("{setpoints}{comfort}{resource}{ventilation}{faults}")
+        let mut task = self.clone();
+        let disturbances = task.disturbances().into_iter().filter(|(_, value)| **value != 0.0);
+        let disturbances: String = disturbances.map(|(word, value)| format!("+{word}{value}")).collect();
+        format!("{setpoints}{comfort}{resource}{ventilation}{disturbances}")
     }
 }
 
@@ -80,8 +86,8 @@ impl FromStr for Task {
                 continue;
             }
             let (word, number) = word_and_number(part).ok_or_else(unknown)?;
-            if let Some((_, fault)) = task.faults.parts().into_iter().find(|(fault, _)| *fault == word) {
-                if std::mem::replace(fault, number.ok_or_else(unknown)?) != 0.0 {
+            if let Some((_, value)) = task.disturbances().into_iter().find(|(known, _)| *known == word) {
+                if std::mem::replace(value, number.ok_or_else(unknown)?) != 0.0 {
                     return Err(unknown());
                 }
                 continue;
@@ -168,6 +174,7 @@ mod tests {
             "constant+peak1",
             "constant+free-ventilation",
             "occupancy+energy0.5+noise0.2+bias0.5",
+            "occupancy+presence2+noise0.2",
             "constant+stuck0.1+fouling0.25",
             "random:3+deadband+energy0.5+free-ventilation",
         ]) {

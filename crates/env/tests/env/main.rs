@@ -7,6 +7,7 @@ mod episode;
 mod faults;
 mod imported;
 mod morphology;
+mod presence;
 mod random_actions;
 mod role_observation;
 mod tasks;

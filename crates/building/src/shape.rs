@@ -28,6 +28,8 @@ pub struct Shape {
     pub faces: Vec<Face>,
     /// Angle from true north to the y axis, clockwise, degrees.
     pub north_axis: f64,
+    /// Volumes of the zones that the model gives, m³.
+    given_volumes: Vec<Option<f64>>,
 }
 
 /// A surface in building coordinates.
@@ -131,7 +133,8 @@ impl Shape {
                 openings,
             });
         }
-        Ok(Self { zones, faces, north_axis: north_axis(model) })
+        let given_volumes = zones.iter().map(|zone| given_volume(model, zone)).collect();
+        Ok(Self { zones, faces, north_axis: north_axis(model), given_volumes })
     }
 
     /// Returns the lowest and the highest corner of the bounding box of the building.
@@ -169,8 +172,12 @@ impl Shape {
         extent(self.bounds(zone).iter().flat_map(|bound| &bound.face.corners))
     }
 
-    /// Returns the volume of a zone, m³: from its faces, or from its floor and height if they do not enclose it.
+    /// Returns the volume of a zone, m³: given in the model, or from its faces, or from its floor and height if they do not
+    /// enclose it.
     pub fn volume(&self, zone: usize) -> f64 {
+        if let Some(given) = self.given_volumes[zone] {
+            return given;
+        }
         let mut bounds = self.bounds(zone);
         let area: f64 = bounds.iter().map(Bound::area).sum();
         turn_out(&mut bounds);
@@ -249,6 +256,10 @@ pub(crate) fn is_relative(model: &Model) -> bool {
     system.is_none_or(|system| system.eq_ignore_ascii_case("Relative"))
 }
 
+fn given_volume(model: &Model, zone: &str) -> Option<f64> {
+    number(model.get("Zone", zone)?, "volume").filter(|volume| *volume > 0.0)
+}
+
 fn north_axis(model: &Model) -> f64 {
     let buildings = model.objects("Building");
     let angle = buildings.first().and_then(|(_, fields)| number(fields, "north_axis"));
@@ -279,7 +290,7 @@ fn outside_boundary(
     }
 }
 
-pub(super) fn position(zones: &[String], name: &str) -> Option<usize> {
+pub(crate) fn position(zones: &[String], name: &str) -> Option<usize> {
     zones.iter().position(|zone| zone.eq_ignore_ascii_case(name))
 }
 
@@ -386,6 +397,13 @@ mod tests {
     #[test]
     fn a_wall_with_reversed_corners_does_not_change_the_volume() {
         assert!((Shape::of(&room()).unwrap().volume(0) - 60.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_given_volume_counts() {
+        let mut model = room();
+        model.require_mut("Zone", "A").unwrap().insert("volume".into(), json!(55.0));
+        assert_eq!(Shape::of(&model).unwrap().volume(0), 55.0);
     }
 
     #[test]

@@ -1,0 +1,204 @@
+//! People who come and go at random.
+//!
+//! Each person is a chain of two states, present and absent, whose probability of presence is the share of people present by
+//! the schedule of the model (Page et al., *A generalised stochastic model for the simulation of occupant presence*, Energy
+//! and Buildings 40(2), 2008). Where they give a constant ratio of changes to stays, the correlation in time is given here.
+
+use b2b_building::Model;
+use b2b_building::people::{self, PeopleGroup};
+use b2b_dataset::random::uniform;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
+
+use crate::Result;
+use crate::limits::within;
+
+/// The first random stream; those before are of setpoints and faults.
+const STREAMS: u64 = 1 << 40;
+
+/// Random presence of people. Off by default: the share of people that the schedules of the model give is present.
+///
+/// On average, as many people are present as by the schedules, with which a random number changes in every zone. Lights and
+/// equipment keep their schedules.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Presence {
+    /// Random seed.
+    pub seed: u64,
+    /// Correlation time of the presence of a person, h; 0 for presence by schedule.
+    pub hours: f64,
+}
+
+impl Presence {
+    /// Returns whether people are present by schedule.
+    pub fn is_scheduled(&self) -> bool {
+        self.hours == 0.0
+    }
+
+    pub(crate) fn check(&self) -> Result<()> {
+        within("presence", self.hours, 0.0, 1000.0)
+    }
+}
+
+/// The people of a building in an episode.
+#[derive(Debug)]
+pub(crate) struct Attendance {
+    seed: u64,
+    /// Correlation of the presence of a person from step to step.
+    correlation: f64,
+    groups: Vec<Group>,
+}
+
+/// A group of people, and who of them is present.
+#[derive(Debug)]
+struct Group {
+    group: PeopleGroup,
+    random: ChaCha8Rng,
+    /// Persons, and how many people of the model each stands for: the model may have 8.3 of them.
+    persons: u32,
+    weight: f64,
+    present: u32,
+    /// Probability of presence in the last step; none before the first.
+    probability: Option<f64>,
+}
+
+impl Attendance {
+    /// The people of a model; `None` if they are present by schedule.
+    pub(crate) fn new(presence: Presence, model: &Model, steps_per_hour: u32) -> Result<Option<Self>> {
+        if presence.is_scheduled() {
+            return Ok(None);
+        }
+        let groups = people::groups(model)?.into_iter().filter(|group| group.people > 0.0);
+        let groups = groups.map(Group::new).collect();
+        let steps = presence.hours * f64::from(steps_per_hour);
+        Ok(Some(Self { seed: presence.seed, correlation: libm::exp(-1.0 / steps), groups }))
+    }
+
+    /// The groups that draws are for, in order.
+    pub(crate) fn groups(&self) -> impl Iterator<Item = &PeopleGroup> {
+        self.groups.iter().map(|group| &group.group)
+    }
+
+    /// Starts an episode on a day of the year.
+    pub(crate) fn restart(&mut self, day_of_year: u32) {
+        for (number, group) in self.groups.iter_mut().enumerate() {
+            group.random = ChaCha8Rng::seed_from_u64(self.seed);
+            group.random.set_stream(STREAMS + number as u64 * 1000 + u64::from(day_of_year));
+            group.probability = None;
+        }
+    }
+
+    /// Draws who of a group is present in the next step, and returns the number of people. `scheduled` is the value of their
+    /// schedule.
+    pub(crate) fn draw(&mut self, group: usize, scheduled: f64) -> f64 {
+        self.groups[group].draw(scheduled, self.correlation)
+    }
+}
+
+impl Group {
+    fn new(group: PeopleGroup) -> Self {
+        let persons = group.people.round().max(1.0);
+        Self {
+            random: ChaCha8Rng::seed_from_u64(0),
+            persons: persons as u32,
+            weight: group.people / persons,
+            present: 0,
+            probability: None,
+            group,
+        }
+    }
+
+    fn draw(&mut self, scheduled: f64, correlation: f64) -> f64 {
+        let next = scheduled.clamp(0.0, 1.0);
+        let last = self.probability.replace(next);
+        // Of those present and of those absent, the probability to be present next. Their difference is the correlation,
+        // which is lower where the schedule changes faster than it allows.
+        let [stays, comes] = match last {
+            None => [next; 2],
+            Some(last) => {
+                let ratio = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { f64::INFINITY };
+                let limit = ratio(next, last).min(ratio(1.0 - next, 1.0 - last));
+                let correlation = correlation.min(limit);
+                [next + correlation * (1.0 - last), next - correlation * last]
+            }
+        };
+        let mut count = |persons: u32, probability: f64| {
+            (0..persons).filter(|_| uniform(&mut self.random) < probability).count() as u32
+        };
+        self.present = count(self.present, stays) + count(self.persons - self.present, comes);
+        // A schedule beyond 1 has more people than the design.
+        f64::from(self.present) * self.weight * scheduled.max(1.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use serde_json::json;
+
+    use super::*;
+
+    fn attendance(people: f64, hours: f64) -> Attendance {
+        let place = "zone_or_zonelist_or_space_or_spacelist_name";
+        let text = json!({
+            "Zone": {"Hall": {"floor_area": 100.0}},
+            "People": {"Staff": {place: "Hall", "number_of_people": people}},
+        });
+        let model = Model::from_epjson(&text.to_string(), Path::new("hall.epJSON")).unwrap();
+        let mut attendance = Attendance::new(Presence { seed: 1, hours }, &model, 12).unwrap().unwrap();
+        attendance.restart(1);
+        attendance
+    }
+
+    /// 400 people over 2,000 steps: the mean is that of the schedule, and the correlation over an hour e^(-1/2).
+    #[test]
+    fn the_mean_is_that_of_the_schedule_and_the_correlation_falls_with_time() {
+        let mut attendance = attendance(400.4, 2.0);
+        let steps: Vec<f64> = (0..20_000).map(|_| attendance.draw(0, 0.3) / 400.4).collect();
+        let mean = steps.iter().sum::<f64>() / steps.len() as f64;
+        let covariance = |lag: usize| {
+            let pairs = steps.iter().zip(&steps[lag..]);
+            pairs.map(|(a, b)| (a - mean) * (b - mean)).sum::<f64>() / (steps.len() - lag) as f64
+        };
+        assert!((mean - 0.3).abs() < 0.003, "{mean}");
+        assert!((covariance(0) / (0.3 * 0.7 / 400.0) - 1.0).abs() < 0.15, "{}", covariance(0));
+        assert!((covariance(12) / covariance(0) - (-0.5f64).exp()).abs() < 0.1);
+    }
+
+    #[test]
+    fn everyone_is_there_or_gone_when_the_schedule_says_so() {
+        let mut attendance = attendance(8.3, 24.0);
+        for scheduled in [0.0, 1.0, 1.0, 0.0, 0.5, 0.0, 1.5] {
+            let people = attendance.draw(0, scheduled);
+            if scheduled != 0.5 {
+                assert!((people - 8.3 * scheduled).abs() < 1e-12, "{scheduled}: {people}");
+            }
+        }
+    }
+
+    /// Over many first hours, in which the schedule rises.
+    #[test]
+    fn the_mean_follows_a_schedule_that_changes() {
+        let mut attendance = attendance(1000.0, 4.0);
+        for scheduled in [0.05, 0.1, 0.5, 0.95, 0.9, 0.4, 0.5, 0.05] {
+            let people = attendance.draw(0, scheduled);
+            // Four standard deviations.
+            let spread = 4.0 * (1000.0 * scheduled * (1.0 - scheduled)).sqrt();
+            assert!((people - 1000.0 * scheduled).abs() < spread, "{scheduled}: {people}");
+        }
+    }
+
+    #[test]
+    fn the_draws_of_a_seed_and_day_repeat() {
+        let mut attendance = attendance(20.0, 1.0);
+        let day = |attendance: &mut Attendance, day_of_year: u32| -> Vec<f64> {
+            attendance.restart(day_of_year);
+            (0..100).map(|_| attendance.draw(0, 0.5)).collect()
+        };
+        let first = day(&mut attendance, 1);
+        assert_ne!(first, day(&mut attendance, 2));
+        assert_eq!(first, day(&mut attendance, 1));
+    }
+}
