@@ -25,7 +25,7 @@ from numpy.typing import ArrayLike
 from . import _core
 from .env import BuildingEnv, unwrap
 from .errors import SettingError
-from .evaluation import ControllerMaker, ProgressLine, name_of
+from .evaluation import ControllerMaker, ProgressLine, is_built_in, name_of
 from .learning import Agent
 from .rollouts import BuiltInController, ReactiveController, Trajectory, rollout
 from .vector import BuildingVectorEnv
@@ -334,6 +334,8 @@ class Problem:
                 raise SettingError(f"{each!r} is not a policy; expected a function or a controller class")
             if isinstance(each, BuiltInController):
                 raise SettingError(f"this {type(each).__name__} belongs to an environment; pass the class")
+            if rescale_action and is_built_in(each):
+                raise SettingError(f"actions of {each.__name__} are in physical units; omit rescale_action")
         whole = isinstance(policy, type)
         if train_policy is not None and isinstance(train_policy, type) != whole:
             raise SettingError("policy and train_policy must both be functions, or both controller classes")

@@ -124,8 +124,7 @@ class Request:
         self.name = name or ("" if named is not None else name_of(policy))
         rescale = named is not None if rescale_action is None else rescale_action
         self.identity = f"python {self.name} {version}, rescale_action={rescale}, normalize={normalize}"
-        physical = isinstance(policy, type) and issubclass(policy, BuiltInController)
-        self.rescale = rescale and not physical
+        self.rescale = rescale and not is_built_in(policy)
         self.policy: str | _core._ControllerMaker = (
             ControllerMaker(policy, rescale, normalize) if named is None else named
         )
@@ -264,6 +263,11 @@ class ProgressLine:
 
 def _listed(given: Any) -> Iterable[Any]:
     return [given] if isinstance(given, (str, int, np.integer, dict, os.PathLike, Building)) else list(given)
+
+
+def is_built_in(policy: Any) -> bool:
+    """Returns whether a policy is a class of built-in controllers, whose actions are in physical units."""
+    return isinstance(policy, type) and issubclass(policy, BuiltInController)
 
 
 def name_of(policy: Any) -> str:

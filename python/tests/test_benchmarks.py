@@ -52,6 +52,12 @@ def test_training_on_a_test_building_raises():
             make(1, building_ids=[building])
 
 
+def test_built_in_controllers_are_not_rescaled(tmp_path):
+    with pytest.raises(b2b.Error, match="ReactiveController.*physical units"):
+        DynamicsAdaptation("house", **DAY).run(b2b.ReactiveController, tmp_path, rescale_action=True)
+    assert not list(tmp_path.iterdir())
+
+
 def test_unknown_names_raise():
     with pytest.raises(b2b.Error, match="office-small"):
         DynamicsAdaptation("hous")

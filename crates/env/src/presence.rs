@@ -19,8 +19,7 @@ const STREAMS: u64 = 1 << 40;
 
 /// Random presence of people. Off by default: the share of people that the schedules of the model give is present.
 ///
-/// On average, as many people are present as by the schedules, with which a random number changes in every zone. Lights and
-/// equipment keep their schedules.
+/// The mean number of people is that of the schedules, one step later. Lights and equipment keep their schedules.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Presence {
@@ -50,7 +49,7 @@ pub(crate) struct Attendance {
     groups: Vec<Group>,
 }
 
-/// A group of people, and who of them is present.
+/// A group of people, and how many of them are present.
 #[derive(Debug)]
 struct Group {
     group: PeopleGroup,
@@ -89,8 +88,7 @@ impl Attendance {
         }
     }
 
-    /// Draws who of a group is present in the next step, and returns the number of people. `scheduled` is the value of their
-    /// schedule.
+    /// Draws the number of people of a group in the next step. `scheduled` is the value of their schedule.
     pub(crate) fn draw(&mut self, group: usize, scheduled: f64) -> f64 {
         self.groups[group].draw(scheduled, self.correlation)
     }

@@ -8,11 +8,14 @@ const make = (name, parent, text, kind) => {
   parent.append(element);
   return element;
 };
-/* Spreads the tiles evenly over the rows that they need. */
+/* Spreads the tiles evenly over the rows that they need, now and when the width changes. */
 const spreadTiles = () => {
-  const tiles = document.querySelector(".tiles");
-  tiles.style.gridTemplateColumns = "";
-  const count = tiles.children.length, fit = getComputedStyle(tiles).gridTemplateColumns.split(" ").length;
-  if (count > fit) tiles.style.gridTemplateColumns = `repeat(${Math.ceil(count / Math.ceil(count / fit))}, minmax(0, 1fr))`;
+  const tiles = document.querySelector(".tiles"), count = tiles.children.length;
+  const spread = () => {
+    tiles.style.gridTemplateColumns = "";
+    const fit = getComputedStyle(tiles).gridTemplateColumns.split(" ").length;
+    if (count > fit) tiles.style.gridTemplateColumns = `repeat(${Math.ceil(count / Math.ceil(count / fit))}, minmax(0, 1fr))`;
+  };
+  spread();
+  addEventListener("resize", spread);
 };
-addEventListener("resize", spreadTiles);

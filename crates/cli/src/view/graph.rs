@@ -196,7 +196,7 @@ fn layout(positions: &[Place]) -> Layout {
     };
     let axis = |range| Axis::new().visible(false).range(range);
     page_layout(Layout::new())
-        .x_axis(axis(range(0, 0.2)))
+        .x_axis(axis(range(0, 0.3)))
         .y_axis(axis(range(1, 0.3)))
         .hover_mode(HoverMode::Closest)
         .hover_label(Label::new().align("left"))
