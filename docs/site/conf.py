@@ -10,7 +10,7 @@ from sphinx.util import logging
 
 _about = metadata("building2building")
 project = "building2building"
-author = _about["Author"]
+author = copyright = _about["Author"]
 release = version = _about["Version"]
 html_title = f"building2building {version}"
 
