@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import json
 import os
-import tempfile
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -13,6 +12,7 @@ from typing import Any
 from . import command
 from .buildings import PathLike
 from .errors import BuildingError
+from .temporary import temporary_folder
 
 
 def calibrate(
@@ -45,8 +45,8 @@ def calibrate(
         words += [option, os.fspath(value) if isinstance(value, os.PathLike) else str(value)] if value else []
     words += [word for name in parameters for word in ("--parameter", name)]
     words += ["--allow-external"] if allow_external else []
-    with tempfile.TemporaryDirectory(prefix="b2b-calibrate-") as folder:
-        table = energy if isinstance(energy, str | os.PathLike) else _write(energy, Path(folder, "metered.csv"))
+    with temporary_folder("calibrate") as folder:
+        table = energy if isinstance(energy, str | os.PathLike) else _write(energy, folder / "metered.csv")
         printed = command.run([*words, "--energy", os.fspath(table)], BuildingError)
     report: dict[str, Any] = json.loads(printed)
     return report

@@ -6,7 +6,6 @@ import copy
 import json
 import os
 import sys
-import tempfile
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,6 +23,7 @@ from .rollouts import BuiltInController, CallableController, Controller
 from .scaling import Scale
 from .signatures import with_arguments_of
 from .tasks import task_text
+from .temporary import temporary_folder
 
 Array = NDArray[Any]
 Policy = str | os.PathLike[str] | Callable[[Array], ArrayLike] | Controller | type[Any]
@@ -133,10 +133,10 @@ class Request:
     def run(self) -> Evaluation:
         """Runs the episodes that the folder does not contain, and scores all of them."""
         folder = self._folder
-        with tempfile.TemporaryDirectory(prefix="b2b-evaluation-") as temporary:
+        with temporary_folder("evaluation") as temporary:
             columns, summary = _core.evaluate(
                 self,
-                temporary if folder is None else os.fspath(folder),
+                os.fspath(temporary if folder is None else folder),
                 self._jobs or len(os.sched_getaffinity(0)),
                 ProgressLine() if self._progress else None,
             )

@@ -14,7 +14,6 @@ import json
 import os
 import shutil
 import sys
-import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite, nan
@@ -29,6 +28,7 @@ from .errors import EvaluationError, SettingError
 from .evaluation import Evaluation, Policy, Request
 from .learning import Agent
 from .learning import train as train_here
+from .temporary import temporary_folder
 
 #: Files by their path in a folder.
 Files = dict[str, bytes]
@@ -134,8 +134,8 @@ def trainable(**fixed: Any) -> Callable[[dict[str, Any]], None]:
     """
 
     def trial(config: dict[str, Any]) -> None:
-        with tempfile.TemporaryDirectory(prefix="b2b-ray-") as temporary:
-            _train_trial(_merged(fixed, config), Path(temporary, "run"))
+        with temporary_folder("ray") as temporary:
+            _train_trial(_merged(fixed, config), temporary / "run")
 
     return trial
 
@@ -199,10 +199,10 @@ def _policy_files(policy: Path) -> Files:
 def _evaluate_part(
     numbers: list[int], request: Request, policy_files: Files
 ) -> tuple[dict[str, Files], dict[int, str]]:
-    with tempfile.TemporaryDirectory(prefix="b2b-ray-") as temporary:
-        place, baselines = Path(temporary, "evaluation"), Path(temporary, "baselines")
+    with temporary_folder("ray") as temporary:
+        place, baselines = temporary / "evaluation", temporary / "baselines"
         if policy_files and isinstance(request.policy, str):
-            policies = Path(temporary, "policy")
+            policies = temporary / "policy"
             _write_all(policies, policy_files)
             name = os.path.basename(request.policy)
             request = copy.copy(request)
@@ -212,8 +212,8 @@ def _evaluate_part(
 
 
 def _train(arguments: dict[str, Any]) -> Files:
-    with tempfile.TemporaryDirectory(prefix="b2b-ray-") as temporary:
-        place = Path(temporary, "run")
+    with temporary_folder("ray") as temporary:
+        place = temporary / "run"
         train_here(**arguments, out=place, jobs=1)
         return _read_all(place)
 
@@ -248,8 +248,8 @@ def _merged(fixed: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, A
 
 def _command(words: list[str], before: Files) -> tuple[Files, str]:
     """Runs a command in a folder with some files; returns the files that it leaves, and its error."""
-    with tempfile.TemporaryDirectory(prefix="b2b-ray-") as temporary:
-        place, error = Path(temporary, "out"), ""
+    with temporary_folder("ray") as temporary:
+        place, error = temporary / "out", ""
         _write_all(place, before)
         try:
             command.run([*words, "--out", os.fspath(place)], EvaluationError)

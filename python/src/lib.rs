@@ -4,7 +4,7 @@
 //! [`table`] converts the dataset's rows; [`spaces`] and [`morphology`] describe observations and actions; [`env`] is an environment in its own process,
 //! [`local`] one in this process, and [`vector`] a batch over the buildings of [`population`]; [`control`] has the built-in
 //! controllers, [`evaluation`] evaluates a policy on many buildings, [`learning`] trains agents, [`benchmarks`] has the
-//! benchmark problems; [`command`] is the command `b2b`, [`signals`] handles Ctrl-C, and [`error`] defines the exceptions.
+//! benchmark problems; [`command`] is the command `b2b`, [`signals`] handles Ctrl-C, [`temporary`] makes temporary folders, and [`error`] defines the exceptions.
 
 mod arrays;
 mod benchmarks;
@@ -25,6 +25,7 @@ mod population;
 mod signals;
 mod spaces;
 mod table;
+mod temporary;
 mod vector;
 
 use pyo3::prelude::*;
@@ -62,6 +63,8 @@ mod _core {
     use super::owner::Owner;
     #[pymodule_export]
     use super::spaces::{Actuator, RoleSlot, Slot, Spaces, Zone};
+    #[pymodule_export]
+    use super::temporary::temporary_folder;
     #[pymodule_export]
     use super::vector::VecEnv;
 

@@ -287,3 +287,27 @@ def test_snapshots_branch_the_simulation(make):
     env.set_building("OfficeSmall-0042")
     with pytest.raises(errors.EpisodeError, match="the building of the environment is now OfficeSmall-0042"):
         env.restore(kept)
+
+
+def test_a_temporary_folder_goes_with_an_error_and_with_the_next_process_after_a_killed_one():
+    from building2building.temporary import temporary_folder
+
+    with pytest.raises(ZeroDivisionError), temporary_folder("test") as folder:
+        (folder / "file").write_text("content")
+        raise ZeroDivisionError
+    assert not folder.exists()
+
+    code = """
+        import os, signal
+        from building2building.temporary import temporary_folder
+        with temporary_folder("test") as folder:
+            print(folder, flush=True)
+            os.kill(os.getpid(), signal.SIGKILL)
+    """
+    killed = subprocess.run([sys.executable, "-c", textwrap.dedent(code)], capture_output=True, text=True)
+    left = killed.stdout.strip()
+    assert killed.returncode == -signal.SIGKILL and os.path.isdir(left)
+    two_hours_ago = time.time() - 7200
+    os.utime(left, (two_hours_ago, two_hours_ago))
+    with temporary_folder("test"):
+        assert not os.path.exists(left)

@@ -138,15 +138,15 @@ pub enum Error {
     },
     /// Text that does not name a task.
     #[error(
-        "unknown task `{text}`{renamed}; expected constant, occupancy or random, optionally followed by +deadband or +pmv and by \
-         +energyW, +costW, +carbonW or +peakW with a weight W, for example occupancy+energy0.5, by +presence2, and by \
-         faults such as +noise0.2; or the path of a JSON file"
+        "unknown task `{text}`{why}; expected constant, occupancy or random, optionally followed by +deadband or +pmv, by \
+         +energyW, +costW, +carbonW or +peakW with a weight W, for example occupancy+energy0.5, by +free-ventilation, by \
+         +presenceH with a time H in hours, and by faults such as +noise0.2; or the path of a JSON file"
     )]
     UnknownTask {
         /// The text.
         text: String,
-        /// For the name of a preset of the first version, what it is now.
-        renamed: String,
+        /// The part that is wrong or, for the name of a preset of the first version, what it is now.
+        why: String,
     },
     /// A file that does not hold a task.
     #[error("{path} is not a valid task: {why}")]

@@ -21,9 +21,10 @@ const STREAMS: u64 = 1 << 40;
 ///
 /// The mean number of people is that of the schedules, one step later. Lights and equipment keep their schedules.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "an object with `hours` and, optionally, `seed`")]
 pub struct Presence {
     /// Random seed.
+    #[serde(default)]
     pub seed: u64,
     /// Correlation time of the presence of a person, h; 0 for presence by schedule.
     pub hours: f64,
@@ -36,7 +37,7 @@ impl Presence {
     }
 
     pub(crate) fn check(&self) -> Result<()> {
-        within("presence", self.hours, 0.0, 1000.0)
+        within("presence.hours", self.hours, 0.0, 1000.0)
     }
 }
 

@@ -69,26 +69,31 @@ impl FromStr for Task {
     type Err = Error;
 
     fn from_str(text: &str) -> Result<Self> {
-        let unknown = || {
-            let renamed = of_preset(text).map(|task| format!(", which is now {task} (docs/coming_from.md)"));
-            Error::UnknownTask { text: text.to_owned(), renamed: renamed.unwrap_or_default() }
+        let error = |why: String| Error::UnknownTask { text: text.to_owned(), why };
+        let unknown = |part: &str| match of_preset(text) {
+            Some(task) => error(format!(", which is now {task} (docs/coming_from.md)")),
+            None if part == text => error(String::new()),
+            None => error(format!(": unknown part `{part}`")),
         };
+        let twice = |word: &str| error(format!(": `{word}` is given twice"));
+        let no_number = |word: &str| error(format!(": `{word}` needs a number, such as {word}0.5"));
         let mut parts = text.split('+');
         let setpoints = parts.next().unwrap_or_default();
-        let mut task = Self { setpoints: setpoints.parse().map_err(|()| unknown())?, ..Self::default() };
+        let mut task =
+            Self { setpoints: setpoints.parse().map_err(|()| unknown(setpoints))?, ..Self::default() };
         let (mut comfort, mut resource, mut ventilation) = (false, false, false);
         for part in parts {
             if part == FREE_VENTILATION {
                 task.ventilation = Ventilation::Free;
                 if std::mem::replace(&mut ventilation, true) {
-                    return Err(unknown());
+                    return Err(twice(part));
                 }
                 continue;
             }
-            let (word, number) = word_and_number(part).ok_or_else(unknown)?;
+            let (word, number) = word_and_number(part).ok_or_else(|| unknown(part))?;
             if let Some((_, value)) = task.disturbances().into_iter().find(|(known, _)| *known == word) {
-                if std::mem::replace(value, number.ok_or_else(unknown)?) != 0.0 {
-                    return Err(unknown());
+                if std::mem::replace(value, number.ok_or_else(|| no_number(word))?) != 0.0 {
+                    return Err(twice(word));
                 }
                 continue;
             }
@@ -96,12 +101,12 @@ impl FromStr for Task {
                 task.comfort = chosen;
                 &mut comfort
             } else {
-                task.resource = resource_of(word).ok_or_else(unknown)?;
-                task.energy_weight = number.ok_or_else(unknown)?;
+                task.resource = resource_of(word).ok_or_else(|| unknown(part))?;
+                task.energy_weight = number.ok_or_else(|| no_number(word))?;
                 &mut resource
             };
             if std::mem::replace(seen, true) {
-                return Err(unknown());
+                return Err(error(format!(": `{word}` is a second comfort or resource")));
             }
         }
         task.check()?;
@@ -192,6 +197,16 @@ mod tests {
             let said = text.parse::<Task>().unwrap_err().to_string();
             assert!(said.contains(&format!("unknown task `{text}`")), "{said}");
             assert!(said.contains("expected") && said.contains("occupancy+energy0.5"), "{said}");
+        }
+        for (text, why) in [
+            ("occupancy+presence", "`presence` needs a number, such as presence0.5"),
+            ("occupancy+presnce2", "unknown part `presnce2`"),
+            ("occupancy+presence2h", "unknown part `presence2h`"),
+            ("occupancy+noise1+noise2", "`noise` is given twice"),
+            ("occupancy+cost1+energy2", "`energy` is a second comfort or resource"),
+        ] {
+            let said = text.parse::<Task>().unwrap_err().to_string();
+            assert!(said.contains(why), "{said}");
         }
         for (text, words) in [
             ("constant:99", ["target", "99"]),

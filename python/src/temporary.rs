@@ -1,0 +1,14 @@
+//! Temporary folders.
+
+use std::path::PathBuf;
+
+use pyo3::prelude::*;
+
+use crate::error::Exception;
+
+/// Creates a temporary folder for the caller to remove. Of a killed process, it is removed when another is made later.
+#[pyfunction]
+pub fn temporary_folder(prefix: &str) -> PyResult<PathBuf> {
+    let folder = b2b_energyplus::temporary_folder(prefix);
+    Ok(folder.map_err(|error| Exception::Process.new_err(error.to_string()))?.keep())
+}
