@@ -15,9 +15,7 @@ pub fn findings(cache: &Cache) -> Vec<Finding> {
     let finding = |(about, state): (&str, State)| {
         let (health, detail) = match state {
             State::Absent => (Health::Absent, "computed when first needed".to_owned()),
-            State::Whole { files, bytes } => {
-                (Health::Good, format!("{files} files, {:.0} MB, all SHA-256 verified", bytes as f64 / 1e6))
-            }
+            State::Whole { files, bytes } => (Health::Good, State::verified(files, bytes)),
             State::Damaged(lines) => {
                 (Health::Bad, format!("not used; run `b2b setup` to remove: {}", lines.join("; ")))
             }

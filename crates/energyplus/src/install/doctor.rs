@@ -100,9 +100,7 @@ fn package(cache: &Cache, package: &Package) -> Finding {
         State::Absent => {
             (Health::Absent, "not in the cache; downloaded when needed, or by `b2b setup`".to_owned())
         }
-        State::Whole { files, bytes } => {
-            (Health::Good, format!("{files} files, {:.0} MB, all SHA-256 verified", bytes as f64 / 1e6))
-        }
+        State::Whole { files, bytes } => (Health::Good, State::verified(files, bytes)),
         State::Damaged(lines) => (Health::Bad, format!("run `b2b setup` to repair it: {}", lines.join("; "))),
     };
     finding(package.to_string(), health, detail)

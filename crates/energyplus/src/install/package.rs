@@ -41,6 +41,12 @@ pub enum State {
 }
 
 impl State {
+    /// Returns the text for intact files, such as `3 files, 2 MB, all SHA-256 verified`.
+    pub fn verified(files: usize, bytes: u64) -> String {
+        let noun = if files == 1 { "file" } else { "files" };
+        format!("{files} {noun}, {:.0} MB, all SHA-256 verified", bytes as f64 / 1e6)
+    }
+
     /// Returns the state of a folder with this number of intact files, and a line for every damaged one.
     pub fn of_files(files: usize, bytes: u64, damaged: Vec<String>) -> Self {
         match files {
