@@ -9,7 +9,7 @@ import sys
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -265,7 +265,7 @@ def _listed(given: Any) -> Iterable[Any]:
     return [given] if isinstance(given, (str, int, np.integer, dict, os.PathLike, Building)) else list(given)
 
 
-def is_built_in(policy: Any) -> bool:
+def is_built_in(policy: Any) -> TypeGuard[type[BuiltInController]]:
     """Returns whether a policy is a class of built-in controllers, whose actions are in physical units."""
     return isinstance(policy, type) and issubclass(policy, BuiltInController)
 
