@@ -67,7 +67,9 @@ fn parts(model: &Model, place: &str, zone: &Zone) -> Vec<Part> {
     }
     let mut rooms: Vec<_> =
         spaces.into_iter().map(|space| (space.floor_area, space.name.clone(), Some(space.name))).collect();
-    if let Some(floor_area) = zone::undivided_floor_area(model, &zone.name).filter(|_| !rooms.is_empty()) {
+    if !rooms.is_empty()
+        && let Some(floor_area) = zone::undivided_floor_area(model, &zone.name)
+    {
         rooms.push((floor_area, format!("{}-Remainder", zone.name), None));
     }
     if rooms.len() < 2 {

@@ -5,12 +5,11 @@
 use b2b_building::PreparedBuilding;
 use b2b_building::hvac::Quantity;
 use b2b_dataset::random::{standard_normal, uniform};
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
 use crate::Result;
 use crate::limits::within;
+use crate::random::stream;
 
 /// Temperature toward which fouling moves the bounds of supply temperatures, °C.
 const NEUTRAL: f64 = 20.0;
@@ -108,10 +107,4 @@ impl Impairment {
             }
         }
     }
-}
-
-fn stream(seed: u64, number: u64) -> ChaCha8Rng {
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    random.set_stream(number);
-    random
 }

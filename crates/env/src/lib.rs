@@ -28,6 +28,7 @@ mod morphology;
 mod observation;
 mod oscillation;
 mod presence;
+mod random;
 mod reward;
 mod role_observation;
 mod rollout;

@@ -7,14 +7,14 @@
 use b2b_building::Model;
 use b2b_building::people::{self, PeopleGroup};
 use b2b_dataset::random::uniform;
-use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
 use crate::Result;
 use crate::limits::within;
+use crate::random::stream;
 
-/// The first random stream; those before are of setpoints and faults.
+/// The first random stream.
 const STREAMS: u64 = 1 << 40;
 
 /// Random presence of people. Off by default: the share of people that the schedules of the model give is present.
@@ -83,8 +83,7 @@ impl Attendance {
     /// Starts an episode on a day of the year.
     pub(crate) fn restart(&mut self, day_of_year: u32) {
         for (number, group) in self.groups.iter_mut().enumerate() {
-            group.random = ChaCha8Rng::seed_from_u64(self.seed);
-            group.random.set_stream(STREAMS + number as u64 * 1000 + u64::from(day_of_year));
+            group.random = stream(self.seed, STREAMS + number as u64 * 1000 + u64::from(day_of_year));
             group.probability = None;
         }
     }
@@ -99,7 +98,7 @@ impl Group {
     fn new(group: PeopleGroup) -> Self {
         let persons = group.people.round().max(1.0);
         Self {
-            random: ChaCha8Rng::seed_from_u64(0),
+            random: stream(0, STREAMS),
             persons: persons as u32,
             weight: group.people / persons,
             present: 0,
@@ -151,7 +150,7 @@ mod tests {
         attendance
     }
 
-    /// 400 people over 2,000 steps: the mean is that of the schedule, and the correlation over an hour e^(-1/2).
+    /// 400 people over 20,000 steps: the mean is that of the schedule, and the correlation over an hour e^(-1/2).
     #[test]
     fn the_mean_is_that_of_the_schedule_and_the_correlation_falls_with_time() {
         let mut attendance = attendance(400.4, 2.0);
@@ -177,7 +176,6 @@ mod tests {
         }
     }
 
-    /// Over many first hours, in which the schedule rises.
     #[test]
     fn the_mean_follows_a_schedule_that_changes() {
         let mut attendance = attendance(1000.0, 4.0);

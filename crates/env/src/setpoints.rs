@@ -5,12 +5,12 @@ use std::str::FromStr;
 use b2b_building::{BuildingType, Class};
 use b2b_dataset::random::{standard_normal, uniform};
 use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
 use serde::{Deserialize, Serialize};
 
 use crate::Result;
 use crate::calendar::{Moment, Season};
 use crate::limits::within;
+use crate::random::stream;
 
 /// Target temperatures, °C (paper, section on tasks).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -248,8 +248,7 @@ impl Targets {
 impl RandomDay {
     /// Draws the plan of a zone and day from a random stream of its own.
     fn draw(&self, seed: u64, zone: usize, day_of_year: u32) -> Plan {
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
-        random.set_stream(zone as u64 * 1000 + u64::from(day_of_year));
+        let mut random = stream(seed, zone as u64 * 1000 + u64::from(day_of_year));
         let arrival = self.arrival.draw(&mut random);
         let departure = self.departure.draw(&mut random);
         let [low, high] = self.occupied;

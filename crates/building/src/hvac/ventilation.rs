@@ -103,10 +103,8 @@ fn zone_requirements(model: &Model, controller: &str) -> Result<f64> {
     let mut sum = 0.0;
     for item in items(model.require(MECHANICAL, controller)?, "zone_specifications") {
         let listed = text(item, "zone_or_zonelist_name").unwrap_or_default();
-        for (number, zone) in zones.iter().enumerate() {
-            if !covers_zone(model, listed, &zone.name) {
-                continue;
-            }
+        let covered = zones.iter().enumerate().filter(|(_, zone)| covers_zone(model, listed, &zone.name));
+        for (number, zone) in covered {
             let specified = text(item, "design_specification_outdoor_air_object_name");
             if let Some(name) = specified.or_else(|| sizing_specification(model, &zone.name)) {
                 sum += zone_requirement(model, name, zone, shape.volume(number), &people)? * zone.multiplier;

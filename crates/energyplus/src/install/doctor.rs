@@ -61,8 +61,9 @@ fn engine(cache: &Cache, installed: Option<&Path>) -> Finding {
     let about = "EnergyPlus";
     match Engine::find_in(cache, installed) {
         // Neither is cured by a download.
-        Err(error @ Error::NoWheel { .. }) => finding(about, Health::Bad, error.to_string()),
-        Err(error) if installed.is_some() => finding(about, Health::Bad, error.to_string()),
+        Err(error) if installed.is_some() || matches!(error, Error::NoWheel { .. }) => {
+            finding(about, Health::Bad, error.to_string())
+        }
         Err(error) => finding(about, Health::Absent, error.to_string()),
         Ok(engine) => {
             let version = match engine.source {
