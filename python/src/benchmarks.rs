@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 
-use b2b_benchmark::Baselines;
 use b2b_benchmark::entry::{Entry, EntryPolicy, External, RunOutcome, measure_scores};
 use b2b_benchmark::problem::{RestrictedAction, Stage};
 use b2b_building::BuildingType;
 use b2b_control::ReactiveParameters;
 use b2b_dataset::BuildingId;
+use b2b_evaluate::Baselines;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
@@ -141,7 +141,7 @@ impl Problem {
         let outcome = run_policy(py, jobs, &raised, progress.as_ref(), |evaluation, counter| {
             let outcome = entry.run(&folder, evaluation, &Baselines::open()?, counter)?;
             // The last episode may have ended in an exception.
-            if stopped() { Err(b2b_benchmark::Error::Interrupted) } else { Ok(outcome) }
+            if stopped() { Err(b2b_evaluate::Error::Interrupted) } else { Ok(outcome) }
         })?;
         match outcome {
             RunOutcome::Complete(result, _) => Ok(serde_json::to_string(&result).expect("it is plain data")),
@@ -221,13 +221,13 @@ impl Restriction {
 /// Returns the score of a return; `None` if the ratio is undefined.
 #[pyfunction]
 pub fn normalized_score(episode_return: f64, baseline_return: f64) -> Option<f64> {
-    b2b_benchmark::normalized_score(episode_return, baseline_return)
+    b2b_evaluate::normalized_score(episode_return, baseline_return)
 }
 
 /// Returns the resolved score of a return over a number of steps; `None` if the ratio is undefined.
 #[pyfunction]
 pub fn resolved_score(episode_return: f64, baseline_return: f64, steps: usize) -> Option<f64> {
-    b2b_benchmark::resolved_score(episode_return, baseline_return, steps)
+    b2b_evaluate::resolved_score(episode_return, baseline_return, steps)
 }
 
 /// Returns aggregate measures as JSON text; `strata` holds buildings, each with the scores of its seeds, and `resolved`

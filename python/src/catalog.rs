@@ -3,14 +3,14 @@
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use b2b_benchmark::{SiteInfo, Subject};
 use b2b_building::description::Origin;
 use b2b_building::{BuildingType, Class, Model};
 use b2b_climate::{Place, WeatherFile};
 use b2b_dataset::{BuildingName, Catalog, Placement, manifest};
 use b2b_energyplus::install::use_packages_in;
-use b2b_env::vector::{AnyOf, Draw, Sampler, Source, Windows};
-use b2b_env::{EpisodeConfig, Task, vector};
+use b2b_env::{EpisodeConfig, Task};
+use b2b_evaluate::{SiteInfo, Subject};
+use b2b_workers::{AnyOf, Draw, Sampler, Source, Windows};
 use pyo3::prelude::*;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -197,7 +197,7 @@ impl Building {
 #[derive(Clone)]
 pub struct Setting {
     /// The underlying setting.
-    pub setting: vector::Setting,
+    pub setting: b2b_workers::Setting,
     /// The building.
     pub building: Arc<Inner>,
 }
@@ -210,7 +210,7 @@ impl Setting {
         let period = run_period.parse().map_err(of_building)?;
         let weather = building.inner.weather.clone();
         let episode = EpisodeConfig { weather, period, steps_per_hour: timesteps_per_hour, task };
-        let setting = vector::Setting { source: building.inner.source(), episode };
+        let setting = b2b_workers::Setting { source: building.inner.source(), episode };
         Ok(Self { setting, building: Arc::clone(&building.inner) })
     }
 

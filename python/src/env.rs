@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
 
-use b2b_env::vector::{Episode, EpisodeOptions, Snapshot, Workers};
 use b2b_env::{Environment, StepNumbers};
+use b2b_workers::{Episode, EpisodeOptions, Snapshot, Workers};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 

@@ -186,7 +186,7 @@ pub fn of_training(error: b2b_learn::Error) -> PyErr {
         Error::Building(error) => of_building(*error),
         Error::Env(error) => of_env(error),
         Error::Agent(error) => of_agent(error),
-        Error::Evaluation(error) => of_benchmark(*error),
+        Error::Evaluation(error) => of_evaluation(*error),
         Error::Interrupted => interrupt(),
         error @ (Error::Config { .. }
         | Error::Invalid(_)
@@ -197,9 +197,9 @@ pub fn of_training(error: b2b_learn::Error) -> PyErr {
 }
 
 /// Converts an error of an evaluation to an exception.
-pub fn of_benchmark(error: b2b_benchmark::Error) -> PyErr {
-    use b2b_benchmark::Error;
-    match error {
+pub fn of_evaluation(error: impl Into<b2b_evaluate::Error>) -> PyErr {
+    use b2b_evaluate::Error;
+    match error.into() {
         Error::Building(error) => of_building(*error),
         Error::Env(error) => of_env(error),
         Error::Interrupted => interrupt(),

@@ -9,21 +9,21 @@ use std::time::Duration;
 use arrow_array::cast::AsArray;
 use arrow_array::types::{Float64Type, UInt32Type, UInt64Type};
 use arrow_array::{ArrayRef, RecordBatch};
-use b2b_benchmark::{
-    ActionScale, Baselines, Episode, EpisodeContext, Evaluation, Folder, Policy, Progress, Results, Subject,
-    episode_table, run_part,
-};
 use b2b_climate::Place;
 use b2b_control::Controller;
 use b2b_dataset::Placement;
 use b2b_energyplus::install::{Quiet, cache_dir};
 use b2b_env::ActionSpace;
+use b2b_evaluate::{
+    ActionScale, Baselines, Episode, EpisodeContext, Evaluation, Folder, Policy, Progress, Results, Subject,
+    episode_table, run_part,
+};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 
 use crate::arrays;
 use crate::catalog::{self, Building, Inner, locked};
-use crate::error::{Exception, of_benchmark, of_building};
+use crate::error::{Exception, of_building, of_evaluation};
 use crate::pools;
 use crate::signals::interrupted;
 use crate::spaces::Spaces;
@@ -66,7 +66,7 @@ impl Request<'_> {
         py: Python<'_>,
         jobs: usize,
         progress: Option<&Py<PyAny>>,
-        run: impl FnOnce(&Evaluation<'_>, &dyn Policy, &[Episode], &Counter) -> b2b_benchmark::Result<T> + Send,
+        run: impl FnOnce(&Evaluation<'_>, &dyn Policy, &[Episode], &Counter) -> b2b_evaluate::Result<T> + Send,
     ) -> PyResult<T> {
         let _running = running()?;
         let keys: Vec<EpisodeKey> = self.episodes.extract()?;
@@ -84,7 +84,7 @@ impl Request<'_> {
         let Self { policy, rescale, name, identity, .. } = self;
         if let Ok(name) = policy.extract::<String>() {
             let scale = if rescale { ActionScale::Rescaled } else { ActionScale::Physical };
-            return <dyn Policy>::named(&name, scale).map_err(of_benchmark);
+            return <dyn Policy>::named(&name, scale).map_err(of_evaluation);
         }
         let (make, raised) = (policy.unbind(), Arc::clone(raised));
         Ok(Box::new(InPython { name, identity, make, rescale, whole: true, raised }))
@@ -107,7 +107,7 @@ pub fn evaluate<'py>(
         let results = Results::of(evaluation, &folder, episodes, policy, &Baselines::open()?, counter)?;
         if stopped() {
             // The last episode may have ended in an exception.
-            return Err(b2b_benchmark::Error::Interrupted);
+            return Err(b2b_evaluate::Error::Interrupted);
         }
         let summary = results.summary(policy);
         results.write(&folder, &summary)?;
@@ -143,7 +143,7 @@ pub fn evaluate_part(
 /// Returns the folder of the baselines computed on this machine.
 #[pyfunction]
 pub fn baselines_folder() -> PyResult<PathBuf> {
-    let cache = cache_dir().map_err(|error| of_benchmark(error.into()))?;
+    let cache = cache_dir().map_err(|error| of_evaluation(error))?;
     Ok(Baselines::folder_in(&cache))
 }
 
@@ -162,7 +162,7 @@ pub fn baseline(py: Python<'_>, episode: EpisodeKey) -> PyResult<(f64, f64, u64)
             let site = episode.subject.locate(&catalog, &mut Quiet)?;
             Baselines::open()?.baseline(&evaluation, &episode, &site, &counter)
         };
-        let baseline = wait_for(run, || true).map_err(of_benchmark)?;
+        let baseline = wait_for(run, || true).map_err(of_evaluation)?;
         Ok((baseline.episode_return, baseline.energy, episode.steps()))
     })
 }
@@ -174,7 +174,7 @@ pub fn run_policy<T: Send>(
     jobs: usize,
     raised: &Mutex<Option<PyErr>>,
     progress: Option<&Py<PyAny>>,
-    run: impl FnOnce(&Evaluation<'_>, &Counter) -> b2b_benchmark::Result<T> + Send,
+    run: impl FnOnce(&Evaluation<'_>, &Counter) -> b2b_evaluate::Result<T> + Send,
 ) -> PyResult<T> {
     let launcher = pools::options(py)?.launcher;
     let counter = Counter::default();
@@ -184,7 +184,7 @@ pub fn run_policy<T: Send>(
         let outcome = wait_for(run, || counter.report(progress));
         // Also of a run that has ended: the policy may have raised in its last episode.
         let exception = locked(raised).take();
-        exception.map_or_else(|| outcome.map_err(of_benchmark), Err)
+        exception.map_or_else(|| outcome.map_err(of_evaluation), Err)
     })
 }
 
@@ -265,7 +265,7 @@ impl Policy for InPython {
         self.whole
     }
 
-    fn controller(&self, context: EpisodeContext<'_>) -> b2b_benchmark::Result<Box<dyn Controller>> {
+    fn controller(&self, context: EpisodeContext<'_>) -> b2b_evaluate::Result<Box<dyn Controller>> {
         let EpisodeContext { subject, site, spaces, interface, seed, .. } = context;
         let building = Arc::new(Inner::of_subject(subject, site, spaces));
         let made = Python::attach(|py| {
@@ -274,7 +274,7 @@ impl Policy for InPython {
         });
         let act = made.map_err(|error| {
             fail(&self.raised, error);
-            b2b_benchmark::Error::Interrupted
+            b2b_evaluate::Error::Interrupted
         })?;
         let space = if self.whole { &spaces.action } else { &interface.action };
         let (space, raised) = (space.clone(), Arc::clone(&self.raised));

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use b2b_building::BuildingType;
 use b2b_climate::WeatherFile;
 use b2b_dataset::Places;
-use b2b_env::vector::Population;
+use b2b_workers::Population;
 use pyo3::prelude::*;
 
 use crate::catalog::{Building, Inner, catalog};

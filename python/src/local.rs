@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use b2b_energyplus::Library;
 use b2b_env::Spaces as EnvSpaces;
-use b2b_env::vector::Source;
+use b2b_workers::Source;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 

@@ -2,7 +2,7 @@
 
 use std::sync::Mutex;
 
-use b2b_env::vector::{Launcher, WorkerOptions};
+use b2b_workers::{Launcher, WorkerOptions};
 use pyo3::prelude::*;
 
 use crate::catalog::{self, locked};

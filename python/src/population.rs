@@ -6,11 +6,11 @@ use std::sync::Arc;
 
 use b2b_building::RunPeriod;
 use b2b_dataset::BuildingId;
-use b2b_env::vector::{
+use b2b_env::{EpisodeConfig, Spaces, Task};
+use b2b_workers::{
     AnyOf, Buildings, Fixed, Kept, Population, Sampler, Setting, Source, Weighted, Windows, WithTask,
     WithWeather,
 };
-use b2b_env::{EpisodeConfig, Spaces, Task};
 use pyo3::prelude::*;
 
 use crate::catalog::{Building, Inner, catalog, read_task};

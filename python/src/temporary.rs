@@ -9,6 +9,6 @@ use crate::error::Exception;
 /// Creates a temporary folder for the caller to remove. Of a killed process, it is removed when another is made later.
 #[pyfunction]
 pub fn temporary_folder(prefix: &str) -> PyResult<PathBuf> {
-    let folder = b2b_energyplus::temporary_folder(prefix);
+    let folder = b2b_base::scratch::temporary_folder(prefix);
     Ok(folder.map_err(|error| Exception::Process.new_err(error.to_string()))?.keep())
 }

@@ -5,14 +5,14 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 
 use b2b_benchmark::problem::TrainingForm;
-use b2b_env::vector::{Arrangement, Autoreset, Form, Padded, RowSlot, VecEnv as Envs, VecEnvOptions};
 use b2b_env::{ActionSpace, StepNumbers, to_numbers};
+use b2b_workers::{Arrangement, Autoreset, Form, Padded, RowSlot, VecEnv as Envs, VecEnvOptions};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 
 use crate::benchmarks::Problem;
 use crate::catalog::{Inner, locked};
-use crate::error::{Exception, of_benchmark, of_env};
+use crate::error::{Exception, of_env, of_evaluation};
 use crate::pools::{self, Owner};
 use crate::population::{Candidate, Cut, Episodes};
 use crate::spaces::Spaces;
@@ -317,7 +317,7 @@ impl VecEnv {
     ) -> PyResult<Self> {
         let all: Vec<_> = spaces.iter().map(|(spaces, _)| Arc::clone(spaces)).collect();
         let mut form: Box<dyn Form> = match problem {
-            Some(problem) => Box::new(TrainingForm::new(problem, &all, arrangement).map_err(of_benchmark)?),
+            Some(problem) => Box::new(TrainingForm::new(problem, &all, arrangement).map_err(of_evaluation)?),
             None => Box::new(Padded::fitting(&all, arrangement)),
         };
         let episodes = all.iter().map(|spaces| form.episode(spaces).map_err(of_env));

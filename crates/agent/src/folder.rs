@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
+use b2b_base::aside;
+use b2b_base::digest::sha256;
 use b2b_building::morphology::NodeType;
-use b2b_energyplus::aside;
-use b2b_energyplus::digest::sha256;
 use safetensors::tensor::{Dtype, TensorView};
 use safetensors::{SafeTensors, serialize};
 

@@ -1,48 +1,16 @@
-//! Evaluation of policies: episodes in many buildings, scores against the reactive controllers, and reports.
+//! The benchmark: problems, entries, their verification and the leaderboard.
 //!
-//! 1. A [`Policy`] makes a controller for an episode: one of the [`BuiltIn`] controllers, an [`OnnxPolicy`], or any other
-//!    implementation.
-//! 2. [`Evaluation`] runs a list of [`Episode`]s under a policy, in parallel worker processes, and keeps each as it ends.
-//! 3. [`Baselines`] has the returns of the reactive controllers for the same episodes: shipped, cached, or computed.
-//!    [`normalized_score`] is the ratio of the two returns.
-//! 4. [`statistics`] and [`report`] aggregate the scores.
-//! 5. [`problem`] defines the benchmark's problems, and [`entry`] runs a policy on one and verifies the result.
+//! 1. [`problem`] defines the problems as data: what a policy is trained on, what it is tested on, and by which protocol.
+//! 2. [`entry`] runs a policy on a problem and verifies the result.
+//! 3. [`leaderboard`] ranks results.
 #![cfg(target_os = "linux")]
 
-mod any_number;
-mod baseline;
 pub mod entry;
 mod error;
-mod evaluation;
-mod output;
-mod panics;
-mod parquet_file;
-mod policy;
+pub mod leaderboard;
+mod leaderboard_charts;
 pub mod problem;
-pub mod report;
-mod results;
-mod return_terms;
-mod scores;
-pub mod statistics;
-mod subject;
-mod summary;
-mod tuned;
 
-pub use baseline::table as baseline_table;
-pub use baseline::{Baselines, Key};
 pub use error::{Error, Result};
-pub use evaluation::{
-    Deviations, Episode, EpisodeInfo, Evaluation, Finished, Folder, Hours, KeepRecorded, Lost, Outcome,
-    Progress, Record, Recorded, Row, Scored, StepRewards, episode_table, read_episodes, read_kept,
-    read_stages, write_episodes, write_stages,
-};
-pub use panics::panic_message;
-pub use parquet_file::read_parquet;
-pub use policy::{ActionScale, BuiltIn, EpisodeContext, HouseForm, Interface, OnnxPolicy, Policy};
+pub use leaderboard::RankBy;
 pub use problem::Problem;
-pub use results::{Results, run_part};
-pub use return_terms::ReturnTerms;
-pub use scores::{Baseline, RESOLUTION, normalized_score, resolved_score};
-pub use subject::{SiteInfo, Subject};
-pub use summary::{Group, LostEpisode, Summary, Window};
-pub use tuned::{controller_parameters, task_for};

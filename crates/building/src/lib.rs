@@ -24,6 +24,7 @@ pub mod shape;
 pub mod sizing;
 pub mod user_file;
 pub mod zone;
+mod zone_role;
 
 pub use building_type::BuildingType;
 pub use class::Class;
@@ -37,3 +38,4 @@ pub use parameter::Parameter;
 pub use prepare::{Conditioning, PreparedBuilding, Zone};
 pub use run_period::{Date, RunPeriod};
 pub use sizing::Sizes;
+pub use zone_role::ZoneRole;

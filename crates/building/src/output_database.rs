@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use b2b_energyplus::{Library, Run, temporary_folder};
+use b2b_base::scratch::temporary_folder;
+use b2b_energyplus::{Library, Run};
 use rusqlite::{Connection, OpenFlags};
 use serde_json::json;
 use tempfile::TempDir;
@@ -28,7 +29,7 @@ impl OutputDatabase {
     /// [`Error::Engine`] with the engine's messages when it rejects the model; [`Error::Io`] when temporary files cannot be
     /// written.
     pub(crate) fn of(model: &Model, weather: &Path, library: &Library, prefix: &str) -> Result<Self> {
-        let folder = temporary_folder(prefix)?;
+        let folder = temporary_folder(prefix).map_err(b2b_energyplus::Error::from)?;
         let input = folder.path().join("model.epJSON");
         std::fs::write(&input, model.to_epjson())
             .map_err(|source| Error::Io { path: input.clone(), source })?;

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
+use b2b_base::digest::sha256;
 use b2b_climate::Site;
 use b2b_energyplus::Library;
-use b2b_energyplus::digest::sha256;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 

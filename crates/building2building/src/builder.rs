@@ -7,11 +7,11 @@ use b2b_building::{PreparedBuilding, RunPeriod};
 use b2b_climate::Place;
 use b2b_dataset::{BuildingName, Catalog, Placement};
 use b2b_energyplus::install::Quiet;
+use b2b_env::{Env, EpisodeConfig, Task};
 #[cfg(target_os = "linux")]
-use b2b_env::vector::{
+use b2b_workers::{
     Autoreset, Episode, Fixed, Launcher, Setting, Source, VecEnv, VecEnvOptions, WorkerOptions, Workers,
 };
-use b2b_env::{Env, EpisodeConfig, Task};
 
 use crate::{Error, Result};
 

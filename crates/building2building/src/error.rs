@@ -24,7 +24,7 @@ pub enum Error {
     Control(Box<b2b_control::Error>),
     /// Evaluation and benchmark problems.
     #[cfg(target_os = "linux")]
-    Evaluation(Box<b2b_benchmark::Error>),
+    Evaluation(Box<b2b_evaluate::Error>),
     /// Trained agents.
     #[cfg(target_os = "linux")]
     Agent(Box<b2b_agent::Error>),
@@ -56,4 +56,4 @@ boxed!(
     Control: b2b_control::Error
 );
 #[cfg(target_os = "linux")]
-boxed!(Evaluation: b2b_benchmark::Error, Agent: b2b_agent::Error, Training: b2b_learn::Error);
+boxed!(Evaluation: b2b_evaluate::Error, Agent: b2b_agent::Error, Training: b2b_learn::Error);

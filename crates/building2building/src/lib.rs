@@ -26,7 +26,9 @@
 //! | [`control`] | reactive controllers, their tuning, and a planner |
 //! | [`agent`] | trained agents: what they observe, how they act, their folders |
 //! | [`learn`] | training of agents: PPO and SAC |
-//! | [`evaluation`] | evaluation of policies, benchmark problems, scores and reports |
+//! | [`workers`] | environments in worker processes |
+//! | [`evaluation`] | evaluation of policies, baselines, scores and reports |
+//! | [`benchmark`] | benchmark problems, entries, verification, leaderboard |
 //! | [`dataset`] | building types, generators, the 6,000 buildings of the dataset |
 //! | [`building`] | models, HVAC, sizing, preparation, import, description, morphology |
 //! | [`climate`] | places, weather files, sites |
@@ -40,7 +42,7 @@ mod training;
 #[cfg(target_os = "linux")]
 pub use b2b_agent as agent;
 #[cfg(target_os = "linux")]
-pub use b2b_benchmark as evaluation;
+pub use b2b_benchmark as benchmark;
 pub use b2b_building as building;
 pub use b2b_climate as climate;
 pub use b2b_control as control;
@@ -48,19 +50,23 @@ pub use b2b_dataset as dataset;
 pub use b2b_energyplus as energyplus;
 pub use b2b_env as env;
 #[cfg(target_os = "linux")]
+pub use b2b_evaluate as evaluation;
+#[cfg(target_os = "linux")]
 pub use b2b_learn as learn;
+#[cfg(target_os = "linux")]
+pub use b2b_workers as workers;
 
 pub use b2b_building::{BuildingType, RunPeriod};
 pub use b2b_control::{Constant, Random, Reactive};
 pub use b2b_dataset::{BuildingId, BuildingName};
-#[cfg(target_os = "linux")]
-pub use b2b_env::vector::{Episode, Snapshot, VecEnv};
 pub use b2b_env::{
     Controller, Env, Environment, Metrics, Observer, Reward, RewardFunction, Spaces, Step, StepView, Task,
     Trajectory, rollout,
 };
 #[cfg(target_os = "linux")]
 pub use b2b_learn::fragments::run_if_worker;
+#[cfg(target_os = "linux")]
+pub use b2b_workers::{Episode, Snapshot, VecEnv};
 pub use builder::{EnvBuilder, make};
 pub use error::{Error, Result};
 #[cfg(target_os = "linux")]

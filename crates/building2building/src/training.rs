@@ -3,8 +3,8 @@
 use std::path::Path;
 use std::thread::available_parallelism;
 
-use b2b_env::vector::Launcher;
 use b2b_learn::train::{Place, Summary, TrainConfig};
+use b2b_workers::Launcher;
 
 use crate::Result;
 use crate::builder::catalog;

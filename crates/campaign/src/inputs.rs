@@ -11,13 +11,14 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result};
 use b2b_agent::Agent;
-use b2b_benchmark::{ActionScale, OnnxPolicy, Problem, panic_message};
+use b2b_benchmark::Problem;
 use b2b_building::import;
 use b2b_climate::{DegreeDays, Site};
 use b2b_control::ReactiveParameters;
 use b2b_energyplus::Library;
 use b2b_energyplus::install::{Engine, Quiet};
 use b2b_env::Task;
+use b2b_evaluate::{ActionScale, OnnxPolicy, panic_message};
 use b2b_learn::offline::Dataset;
 use b2b_learn::train::TrainConfig;
 use rand::{RngExt, SeedableRng};
@@ -185,7 +186,7 @@ fn readers(material: &Material, work: &Path) -> Result<Vec<Reader>> {
     let dataset = |path: &Path| Dataset::open(path).is_ok_and(|dataset| dataset.read(0).is_ok());
     let episodes = |path: &Path| {
         let file = || File::open(path).map_err(drop);
-        file().is_ok_and(|file| b2b_benchmark::read_episodes(file).is_ok())
+        file().is_ok_and(|file| b2b_evaluate::read_episodes(file).is_ok())
     };
     Ok(vec![
         of_file(work, "model", "m.epJSON", model, move |path| import::read(path, &library, false).is_ok())?,

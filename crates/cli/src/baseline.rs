@@ -4,10 +4,10 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use anyhow::{Result, bail};
-use b2b_benchmark::{Baselines, Episode, Key, ReturnTerms, SiteInfo, Subject, baseline_table};
 use b2b_building::RunPeriod;
 use b2b_dataset::Catalog;
 use b2b_env::Task;
+use b2b_evaluate::{Baselines, Episode, Key, ReturnTerms, SiteInfo, Subject, baseline_table};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -33,7 +33,7 @@ use crate::{interrupt, shipped, stdout};
     verbatim_doc_comment,
     after_help = "\
 Examples:
-  b2b baseline --out crates/benchmark/data/baselines.csv     the shipped table
+  b2b baseline --out crates/evaluate/data/baselines.csv     the shipped table
   b2b baseline --check --fresh --sample 20 --seed 1          recompute 20 of the shipped rows
   b2b baseline --check --fresh SingleFamilyHouse-0018 --task constant --period winter"
 )]

@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
-use b2b_benchmark::{ActionScale, Policy};
 use b2b_dataset::Catalog;
 use b2b_env::Task;
+use b2b_evaluate::{ActionScale, Policy};
 use b2b_learn::offline::{Collection, Dataset, collect as collect_episodes};
 use serde_json::json;
 
@@ -55,7 +55,7 @@ Examples:
 pub fn collect(arguments: &Arguments) -> Result<()> {
     check_name(&arguments.name)?;
     let load = |text: &String| <dyn Policy>::named(text, ActionScale::Rescaled);
-    let policies = arguments.policies.iter().map(load).collect::<b2b_benchmark::Result<Vec<_>>>()?;
+    let policies = arguments.policies.iter().map(load).collect::<b2b_evaluate::Result<Vec<_>>>()?;
     let episodes = arguments.episodes.list(std::slice::from_ref(&arguments.task))?;
     let destination = arguments.root()?.join(&arguments.name);
     let catalog = Catalog::open(&mut Download::new(arguments.json))?;

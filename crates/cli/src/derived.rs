@@ -56,7 +56,7 @@ fn sealed(cache: &Cache) -> impl Iterator<Item = (&'static str, PathBuf)> {
     [
         ("prepared buildings", prepared_folder(&cache.root)),
         #[cfg(target_os = "linux")]
-        ("baselines", b2b_benchmark::Baselines::folder_in(&cache.root)),
+        ("baselines", b2b_evaluate::Baselines::folder_in(&cache.root)),
     ]
     .into_iter()
 }

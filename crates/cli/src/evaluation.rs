@@ -3,8 +3,8 @@
 use std::sync::Mutex;
 
 use anyhow::Result;
-use b2b_benchmark::{Episode, Evaluation, Progress};
 use b2b_dataset::{BuildingName, Catalog};
+use b2b_evaluate::{Episode, Evaluation, Progress};
 use indicatif::ProgressBar;
 
 use crate::progress::counter;

@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 use b2b_agent::Agent;
+use b2b_base::aside::write_whole;
 use b2b_building::RunPeriod;
 use b2b_dataset::BuildingName;
-use b2b_energyplus::aside::write_whole;
 
 use crate::arguments::location::Location;
 use crate::prepare::Prepared;

@@ -37,7 +37,7 @@ impl OutputFolder {
         let created = parent.ancestors().take_while(|folder| !folder.exists()).map(Path::to_owned).collect();
         let mut folder = Self { staging: None, destination: destination.to_owned(), created };
         std::fs::create_dir_all(parent).with_context(cannot)?;
-        let staging = b2b_energyplus::folder_in(parent, ".b2b-unfinished-");
+        let staging = b2b_base::scratch::folder_in(parent, ".b2b-unfinished-");
         folder.staging = Some(staging.with_context(cannot)?);
         Ok(folder)
     }

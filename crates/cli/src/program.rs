@@ -47,9 +47,7 @@ pub fn command() -> Command {
 
 /// Returns a launcher that starts this program as a worker.
 #[cfg(target_os = "linux")]
-pub fn launcher() -> b2b_env::vector::Launcher {
+pub fn launcher() -> b2b_workers::Launcher {
     let Program { executable, arguments } = Program::this();
-    arguments
-        .iter()
-        .fold(b2b_env::vector::Launcher::new(executable), |launcher, each| launcher.argument(each))
+    arguments.iter().fold(b2b_workers::Launcher::new(executable), |launcher, each| launcher.argument(each))
 }

@@ -36,7 +36,7 @@ impl Prepared {
     #[cfg(target_os = "linux")]
     pub fn roll_out(&self, spaces: &Spaces, controller: &mut dyn Controller, quiet: bool) -> Result<Rollout> {
         use anyhow::Context;
-        use b2b_env::vector::{EpisodeOptions, Workers};
+        use b2b_workers::{EpisodeOptions, Workers};
 
         let workers = Workers::new(self.worker_options())?;
         let options = EpisodeOptions { finish_run: true, ..EpisodeOptions::default() };
@@ -54,7 +54,7 @@ impl Prepared {
         let (period, task) = ("01-01..01-01".parse()?, Task::default());
         #[cfg(target_os = "linux")]
         {
-            let workers = b2b_env::vector::Workers::new(self.worker_options())?;
+            let workers = b2b_workers::Workers::new(self.worker_options())?;
             let spaces = self.spaces(period, STEPS_PER_HOUR, task)?;
             workers.episode(&self.setting(spaces.episode))?.reset()?;
         }

@@ -3,13 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
-use b2b_benchmark::{Baselines, Episode, SiteInfo, Subject};
+use b2b_base::digest::sha256;
 use b2b_building::RunPeriod;
 use b2b_climate::Place;
 use b2b_control::Versions;
 use b2b_dataset::{BuildingName, Catalog};
-use b2b_energyplus::digest::sha256;
 use b2b_env::Task;
+use b2b_evaluate::{Baselines, Episode, SiteInfo, Subject};
 use serde::Serialize;
 
 use crate::arguments::location::Location;

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use b2b_env::EpisodeConfig;
-use b2b_env::vector::{Autoreset, Setting, Source, VecEnvOptions, WorkerOptions};
+use b2b_workers::{Autoreset, Setting, Source, VecEnvOptions, WorkerOptions};
 
 use crate::prepare::Prepared;
 use crate::{interrupt, program};

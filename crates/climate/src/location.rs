@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use b2b_energyplus::digest::sha256;
+use b2b_base::digest::sha256;
 use b2b_energyplus::install::{Cache, Progress};
 
 use super::{ClimateYear, Place, Region, Site, epw};

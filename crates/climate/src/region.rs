@@ -4,7 +4,8 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
-use b2b_energyplus::digest::sha256;
+use b2b_base::aside::write_whole;
+use b2b_base::digest::sha256;
 use b2b_energyplus::install::{Cache, Progress, State};
 
 use super::station::{Station, rows};
@@ -136,10 +137,7 @@ fn read() -> Vec<Region> {
 fn write(folder: &Path, file: &Path, text: &str) -> Result<()> {
     let at = |source| Error::Io { path: file.to_owned(), source };
     std::fs::create_dir_all(folder).map_err(at)?;
-    let aside = tempfile::TempDir::new_in(folder).map_err(at)?;
-    let new = aside.path().join("new.epw");
-    std::fs::write(&new, text).map_err(at)?;
-    std::fs::rename(&new, file).map_err(at)
+    write_whole(file, text.as_bytes()).map_err(at)
 }
 
 #[cfg(test)]

@@ -9,8 +9,8 @@
 
 use std::sync::Arc;
 
-use b2b_env::vector::{Episode, step_all};
 use b2b_env::{ActionSpace, Environment, Result};
+use b2b_workers::{Episode, step_all};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 

@@ -1,8 +1,8 @@
 //! The versions that a result depends on.
 
+use b2b_base::digest::sha256;
 use b2b_building::Class;
 use b2b_dataset::GENERATOR_VERSION;
-use b2b_energyplus::digest::sha256;
 use b2b_energyplus::install::ENGINE_VERSION;
 use serde::{Deserialize, Serialize};
 

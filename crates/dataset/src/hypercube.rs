@@ -3,7 +3,7 @@
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::Rng;
 
-use crate::random::{stream, uniform};
+use b2b_base::random::{stream, uniform};
 
 /// Returns `count` points of the unit cube, one in each of `count` equal intervals along every axis.
 ///

@@ -24,7 +24,6 @@ mod id;
 pub mod manifest;
 mod preparation;
 mod preparation_cache;
-pub mod random;
 mod sample;
 mod setting;
 mod split;

@@ -56,7 +56,7 @@ impl Preparation {
 
     /// Returns the digest of everything that the result depends on; `None` if a file cannot be read.
     fn key(&self, weather: &Path, library: &Library) -> Option<String> {
-        use b2b_energyplus::digest::sha256;
+        use b2b_base::digest::sha256;
         let Self { name, class, prototype, own, model } = self;
         let files = external::files(model).into_iter().map(|path| std::fs::read(path).map(sha256));
         let files: std::io::Result<Vec<_>> = files.collect();

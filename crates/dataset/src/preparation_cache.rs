@@ -1,11 +1,10 @@
 //! The cache of prepared buildings on disk.
 
-use std::ffi::OsStr;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::{Duration, SystemTime};
+use std::time::SystemTime;
 
+use b2b_base::aside::{is_unfinished, write_whole};
 use b2b_building::PreparedBuilding;
 use b2b_energyplus::install::{cache_dir, seal, unseal};
 
@@ -13,8 +12,6 @@ use b2b_energyplus::install::{cache_dir, seal, unseal};
 const CAPACITY: &str = "B2B_PREPARED_MB";
 /// Capacity by default, MB.
 const DEFAULT_MB: u64 = 2000;
-/// Age at which the unfinished file of a process that was killed is removed.
-const ABANDONED: Duration = Duration::from_secs(600);
 
 /// Returns the folder of prepared buildings in a cache.
 pub fn prepared_folder(cache: &Path) -> PathBuf {
@@ -57,15 +54,9 @@ impl PreparationCache {
     }
 
     fn try_write(&self, key: &str, building: &PreparedBuilding) -> std::io::Result<()> {
-        static NUMBER: AtomicU64 = AtomicU64::new(0);
         let json = serde_json::to_vec(building)?;
         fs::create_dir_all(&self.folder)?;
-        let number = NUMBER.fetch_add(1, Ordering::Relaxed);
-        let aside = self.folder.join(format!("{key}.{}-{number}.partial", std::process::id()));
-        let written = fs::write(&aside, seal(&json)).and_then(|()| fs::rename(&aside, self.path(key)));
-        if written.is_err() {
-            let _ = fs::remove_file(&aside);
-        }
+        let written = write_whole(&self.path(key), &seal(&json));
         self.make_room();
         written
     }
@@ -75,10 +66,8 @@ impl PreparationCache {
         let mut files = self.files();
         files.sort();
         let mut size: u64 = files.iter().map(|(_, size, _)| size).sum();
-        for (used, bytes, path) in files {
-            let is_partial = path.extension() == Some(OsStr::new("partial"));
-            let abandoned = is_partial && used.elapsed().is_ok_and(|age| age > ABANDONED);
-            if abandoned || (size > self.capacity && !is_partial) {
+        for (_, bytes, path) in files {
+            if size > self.capacity && !is_unfinished(&path) {
                 size -= bytes;
                 // Another process may have removed it already.
                 let _ = fs::remove_file(path);
@@ -104,6 +93,7 @@ impl PreparationCache {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::time::Duration;
 
     /// A building that was never sized: what the cache does with it does not depend on that.
     fn building(name: &str) -> PreparedBuilding {

@@ -8,12 +8,12 @@ use b2b_climate::{Location, Place, Region, WeatherFile};
 use rand_chacha::rand_core::Rng;
 
 use super::hypercube::latin_hypercube;
-use super::random::stream;
 use super::setting::{self, FOUNDATIONS, rounded, rounded_within};
 use super::{Building, Setting};
 use crate::commercial::{self, CommercialParameters};
 use crate::house::{DIMENSIONS, FixedProperties, Heater, Heating, House, HouseSample, NUMBERS, Vintage};
 use crate::{Error, Result};
+use b2b_base::random::stream;
 
 /// Decimals of the commercial parameters, in their order. The window-to-wall ratio of a warehouse is less than 1 %.
 const DECIMALS: [i32; 9] = [4, 4, 4, 4, 5, 4, 4, 4, 1];

@@ -4,9 +4,9 @@ use std::path::Path;
 
 use crate::confinement::confined;
 use crate::coroutine::{EngineRun, Outcome, Stops};
-use crate::scratch::temporary_folder;
 use crate::simulation::path_text;
 use crate::{Error, Library, Result};
+use b2b_base::scratch::temporary_folder;
 
 impl Library {
     /// Converts an IDF file and returns its epJSON text. Runs in a thread that is confined as by [`confine`](crate::confine).

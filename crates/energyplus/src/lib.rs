@@ -30,18 +30,14 @@
 #[cfg(unix)]
 mod abort_line;
 mod api;
-pub mod aside;
 mod confinement;
 mod convert;
 mod coroutine;
-pub mod digest;
 mod error;
 mod event;
 pub mod install;
 mod library;
-pub mod machine;
 mod message;
-mod scratch;
 mod simulation;
 #[cfg(target_os = "linux")]
 pub mod snapshot;
@@ -51,5 +47,4 @@ pub use error::{Error, Result};
 pub use event::Event;
 pub use library::{Exclusive, Library, exclusive};
 pub use message::{Level, Message, Messages};
-pub use scratch::{folder_in, temporary_folder};
 pub use simulation::{Actuator, Clock, Meter, Run, Simulation, Variable};

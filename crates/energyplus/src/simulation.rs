@@ -8,8 +8,8 @@ use crate::confinement::confined;
 use crate::coroutine::{EngineRun, Outcome, Stops, c_string};
 use crate::event::Event;
 use crate::message::{Level, Messages};
-use crate::scratch::temporary_folder;
 use crate::{Error, Library, Result};
+use b2b_base::scratch::temporary_folder;
 
 /// A run to be started: model, weather file and the variables to read.
 #[derive(Clone, Debug)]

@@ -9,7 +9,7 @@ use crate::spaces::Spaces;
 
 /// An environment: a building whose HVAC is controlled step by step over a run period.
 ///
-/// [`Env`](crate::Env) runs the engine in this process; a [`vector::Episode`](crate::vector::Episode) runs it in a worker process
+/// [`Env`](crate::Env) runs the engine in this process; an `Episode` of `b2b-workers` runs it in a worker process
 /// of its own. Both give the same numbers, bit for bit. A wrapper implements the trait around another environment.
 pub trait Environment {
     /// The building with its observation and action spaces.

@@ -173,7 +173,7 @@ pub enum Error {
     Engine(#[from] b2b_energyplus::Error),
     /// A building that cannot be generated or prepared.
     #[error(transparent)]
-    Building(Box<b2b_dataset::Error>),
+    Building(Box<dyn std::error::Error + Send + Sync>),
     /// A file that cannot be read or written.
     #[error("{path}: {source}")]
     Io {
@@ -187,14 +187,15 @@ pub enum Error {
 /// A result of this crate.
 pub type Result<T> = std::result::Result<T, Error>;
 
-impl From<b2b_dataset::Error> for Error {
-    fn from(error: b2b_dataset::Error) -> Self {
+impl Error {
+    /// Returns the error of a building that cannot be generated or prepared.
+    pub fn building(error: impl std::error::Error + Send + Sync + 'static) -> Self {
         Self::Building(Box::new(error))
     }
 }
 
 impl From<b2b_building::Error> for Error {
     fn from(error: b2b_building::Error) -> Self {
-        b2b_dataset::Error::from(error).into()
+        Self::building(error)
     }
 }

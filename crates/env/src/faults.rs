@@ -2,9 +2,9 @@
 //!
 //! Faults depend on the seed, the step and the place alone, so that equal tasks have equal faults in every episode.
 
+use b2b_base::random::{standard_normal, uniform};
 use b2b_building::PreparedBuilding;
 use b2b_building::hvac::Quantity;
-use b2b_dataset::random::{standard_normal, uniform};
 use serde::{Deserialize, Serialize};
 
 use crate::Result;

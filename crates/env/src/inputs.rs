@@ -1,6 +1,6 @@
 //! The inputs of an episode, by their digests.
 
-use b2b_energyplus::digest::sha256;
+use b2b_base::digest::sha256;
 use serde::{Deserialize, Serialize};
 
 use crate::{Error, Result, Spaces};

@@ -4,8 +4,8 @@
 //! time step of EnergyPlus: the action is applied, the engine advances, the observation is the state at the end of the
 //! step, and energy is the meter reading of that step.
 //!
-//! [`Env`] runs EnergyPlus in this process, a [`vector::Episode`] in a worker process, and a [`vector::VecEnv`] is a batch
-//! of those. A [`Controller`] chooses the actions, and [`rollout`] runs a whole episode under it.
+//! [`Env`] runs EnergyPlus in this process. A [`Controller`] chooses the actions, and [`rollout`] runs a whole episode under
+//! it. The crate `b2b-workers` runs environments in worker processes.
 
 mod action;
 mod attributes;
@@ -36,8 +36,6 @@ mod setpoints;
 mod spaces;
 mod task;
 mod trajectory;
-#[cfg(target_os = "linux")]
-pub mod vector;
 mod ventilation;
 mod warmup;
 mod zones;
@@ -58,7 +56,9 @@ pub use metrics::{Metrics, ZoneMetrics};
 pub use morphology::Decomposition;
 pub use observation::{ObservationSpace, Slot, Target};
 pub use presence::Presence;
-pub use reward::{Expenses, Reward, RewardFunction, StepNumbers, StepView, ZoneStep, to_numbers};
+pub use reward::{
+    Expenses, Reward, RewardFunction, StepNumbers, StepView, ZoneStep, from_numbers, to_numbers,
+};
 pub use role_observation::{RoleObservation, RoleSlot, RoleValue};
 pub use rollout::{Observer, rollout};
 pub use setpoints::{RandomDay, RandomHour, Setpoints};
@@ -66,3 +66,4 @@ pub use spaces::{EpisodeConfig, Spaces};
 pub use task::{Fuels, HeatingOnlyZones, Hourly, Resource, Task};
 pub use trajectory::Trajectory;
 pub use ventilation::Ventilation;
+pub use zones::ControlledZone;

@@ -86,12 +86,8 @@ impl ZoneMetrics {
 }
 
 impl Metrics {
-    pub(crate) fn new(
-        zones: &[ControlledZone],
-        actuators: usize,
-        steps_per_hour: u32,
-        comfort_band: f64,
-    ) -> Self {
+    /// Returns the metrics of an episode that begins.
+    pub fn new(zones: &[ControlledZone], actuators: usize, steps_per_hour: u32, comfort_band: f64) -> Self {
         let zones = zones.iter().map(|zone| ZoneMetrics {
             slot: zone.slot,
             fully_conditioned: zone.fully_conditioned,

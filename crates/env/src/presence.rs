@@ -4,9 +4,9 @@
 //! the schedule of the model (Page et al., *A generalised stochastic model for the simulation of occupant presence*, Energy
 //! and Buildings 40(2), 2008). Where they give a constant ratio of changes to stays, the correlation in time is given here.
 
+use b2b_base::random::uniform;
 use b2b_building::Model;
 use b2b_building::people::{self, PeopleGroup};
-use b2b_dataset::random::uniform;
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 

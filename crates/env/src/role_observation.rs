@@ -14,7 +14,7 @@
 //! zones, so their own observations already agree.
 
 use b2b_building::BuildingType;
-use b2b_dataset::house::ZoneRole;
+use b2b_building::ZoneRole;
 
 use crate::observation::{Slot, Target};
 use crate::spaces::Spaces;

@@ -2,8 +2,8 @@
 
 use std::str::FromStr;
 
+use b2b_base::random::{standard_normal, uniform};
 use b2b_building::{BuildingType, Class};
-use b2b_dataset::random::{standard_normal, uniform};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 

@@ -1,6 +1,6 @@
 //! The record of an episode.
 
-use b2b_energyplus::digest::hex;
+use b2b_base::digest::hex;
 use sha2::{Digest, Sha256};
 
 use crate::environment::Step;

@@ -6,13 +6,13 @@ use crate::task::{HeatingOnlyZones, Task};
 
 /// A controlled zone and how a task judges it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct ControlledZone {
+pub struct ControlledZone {
     /// Index of the zone in the building, which is also the slot of its air temperature in the observation.
-    pub(crate) slot: usize,
+    pub slot: usize,
     /// Whether temperatures above target are penalized.
-    pub(crate) penalize_above_target: bool,
+    pub penalize_above_target: bool,
     /// Whether the zone has both heating and cooling.
-    pub(crate) fully_conditioned: bool,
+    pub fully_conditioned: bool,
 }
 
 /// Returns the controlled zones of a building under a task, in model order.

@@ -4,8 +4,8 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use b2b_agent::Agent;
-use b2b_benchmark::Row;
-use b2b_energyplus::machine;
+use b2b_base::machine;
+use b2b_evaluate::Row;
 
 use crate::definition::{BudgetName, Experiment};
 use crate::error::{Error, Result, at};

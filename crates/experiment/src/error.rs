@@ -75,6 +75,9 @@ pub enum Error {
     /// An error of the benchmark.
     #[error(transparent)]
     Benchmark(#[from] b2b_benchmark::Error),
+    /// An error of an evaluation.
+    #[error(transparent)]
+    Evaluation(#[from] b2b_evaluate::Error),
     /// A file that cannot be read or written.
     #[error("{path}: {source}")]
     Io {

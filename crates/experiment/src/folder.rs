@@ -5,7 +5,7 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use b2b_energyplus::aside::write_whole;
+use b2b_base::aside::write_whole;
 use serde::{Deserialize, Serialize};
 
 use crate::definition::{BudgetName, Experiment, ReportKind};

@@ -1,7 +1,7 @@
 //! A job of an experiment: commands in a folder.
 
+use b2b_base::digest::sha256;
 use b2b_dataset::BuildingId;
-use b2b_energyplus::digest::sha256;
 use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
 

@@ -7,7 +7,7 @@ use std::time::Duration;
 use b2b_agent::Agent;
 use b2b_benchmark::entry::{RunResult, Stages, read_result};
 use b2b_benchmark::problem::Stage;
-use b2b_benchmark::{Deviations, Row, read_episodes, read_kept};
+use b2b_evaluate::{Deviations, Row, read_episodes, read_kept};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -42,7 +42,7 @@ pub struct JobResult {
     /// SHA-256 of the trained agent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub agent_sha256: Option<String>,
-    /// Fingerprint of the machine of the evaluation ([`b2b_energyplus::machine`]): machines with the same one give the same
+    /// Fingerprint of the machine of the evaluation ([`b2b_base::machine`]): machines with the same one give the same
     /// bits. Empty without an evaluation.
     pub machine: String,
     /// Evaluated episodes.

@@ -8,7 +8,7 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
-use b2b_energyplus::aside::write_whole;
+use b2b_base::aside::write_whole;
 use rustix::process::{Pid, Signal, kill_process};
 
 use crate::definition::REACTIVE;

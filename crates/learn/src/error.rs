@@ -109,18 +109,24 @@ pub enum Error {
     Agent(#[from] b2b_agent::Error),
     /// An error of an evaluation.
     #[error(transparent)]
-    Evaluation(Box<b2b_benchmark::Error>),
+    Evaluation(Box<b2b_evaluate::Error>),
     /// A building that cannot be generated or found.
     #[error(transparent)]
     Building(Box<b2b_dataset::Error>),
 }
 
-impl From<b2b_benchmark::Error> for Error {
-    fn from(error: b2b_benchmark::Error) -> Self {
+impl From<b2b_evaluate::Error> for Error {
+    fn from(error: b2b_evaluate::Error) -> Self {
         match error {
-            b2b_benchmark::Error::Interrupted => Self::Interrupted,
+            b2b_evaluate::Error::Interrupted => Self::Interrupted,
             error => Self::Evaluation(Box::new(error)),
         }
+    }
+}
+
+impl From<b2b_benchmark::Error> for Error {
+    fn from(error: b2b_benchmark::Error) -> Self {
+        b2b_evaluate::Error::from(error).into()
     }
 }
 

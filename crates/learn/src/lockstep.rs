@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 
 use b2b_agent::network::{Actor, Scratch};
 use b2b_agent::{Interface, Pilot};
-use b2b_env::vector::VecEnv;
+use b2b_workers::VecEnv;
 
 use crate::collector::{Collector, count_lost};
 use crate::credit::Credit;
@@ -21,7 +21,7 @@ use crate::fragments::{RewardScale, spaces_of, stream};
 use crate::random::{Noise, Random};
 use crate::rollout::{End, Rollout, Scene, Widths};
 
-/// Collects rollouts step by step in a [`VecEnv`] with [`Autoreset::Disabled`](b2b_env::vector::Autoreset::Disabled). A reward
+/// Collects rollouts step by step in a [`VecEnv`] with [`Autoreset::Disabled`](b2b_workers::Autoreset::Disabled). A reward
 /// has one part.
 ///
 /// The rollouts are those of a [`FragmentCollector`](crate::fragments::FragmentCollector) of the same seed and actors, bit for

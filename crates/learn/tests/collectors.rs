@@ -8,7 +8,6 @@ use b2b_agent::{Acting, Interface, NodeForm, NodeSpaces, ObservationForm, Observ
 use b2b_building::BuildingType;
 use b2b_dataset::{BuildingName, Catalog, Placement};
 use b2b_energyplus::install::Quiet;
-use b2b_env::vector::{Autoreset, Fixed, Launcher, Setting, Source, VecEnv, VecEnvOptions, WorkerOptions};
 use b2b_env::{EpisodeConfig, Task};
 use b2b_learn::collector::Collector;
 use b2b_learn::fragments::FragmentCollector;
@@ -16,6 +15,7 @@ use b2b_learn::lockstep::LockstepCollector;
 use b2b_learn::ppo::{Ppo, PpoConfig};
 use b2b_learn::rollout::{Rollout, Widths};
 use b2b_learn::state::State;
+use b2b_workers::{Autoreset, Fixed, Launcher, Setting, Source, VecEnv, VecEnvOptions, WorkerOptions};
 use rustix::process::{Pid, Signal, kill_process};
 
 const ENVIRONMENTS: usize = 3;

@@ -12,8 +12,8 @@ use b2b_building::BuildingType;
 use b2b_control::{Controller, Reactive, ReactiveParameters};
 use b2b_dataset::{BuildingName, Catalog, Placement};
 use b2b_energyplus::install::Quiet;
-use b2b_env::vector::{Episode, Launcher, RolloutMemory, Setting, Source, WorkerOptions, Workers};
 use b2b_env::{Environment, EpisodeConfig, Error, Metrics, Spaces, Step, Trajectory, rollout};
+use b2b_workers::{Episode, Launcher, RolloutMemory, Setting, Source, WorkerOptions, Workers};
 use serde_json::{Value, json};
 
 fn episode(building_type: BuildingType) -> Episode {
@@ -60,7 +60,7 @@ fn reactive_control_in_the_worker_is_that_of_the_owner_bit_for_bit() {
         // Again, with nothing recorded.
         episode.reset().unwrap();
         episode.send_rollout(&description).unwrap();
-        b2b_env::vector::recv(std::slice::from_mut(&mut episode), 1, &mut Vec::new()).unwrap();
+        b2b_workers::recv(std::slice::from_mut(&mut episode), 1, &mut Vec::new()).unwrap();
         assert_eq!(episode.metrics(), Some(&metrics));
     }
 }
@@ -93,7 +93,7 @@ fn a_description_of_any_length_reaches_the_worker() {
     assert_eq!((&metrics_long, trajectory_long.hash()), (&metrics, trajectory.hash()));
     episode.reset().unwrap();
     episode.send_rollout(&long).unwrap();
-    b2b_env::vector::recv(std::slice::from_mut(&mut episode), 1, &mut Vec::new()).unwrap();
+    b2b_workers::recv(std::slice::from_mut(&mut episode), 1, &mut Vec::new()).unwrap();
     assert_eq!(episode.metrics(), Some(&metrics));
 }
 

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use b2b_env::Spaces;
-use b2b_env::vector::Arrangement;
+use b2b_workers::Arrangement;
 
 use super::feature::{Context, Feature, LinearFeature};
 use super::features::features;

@@ -1,7 +1,7 @@
 //! The features of an agent's observation.
 
+use b2b_building::ZoneRole;
 use b2b_building::{BuildingType, Conditioning};
-use b2b_dataset::house::ZoneRole;
 use b2b_env::{Spaces, Target};
 
 use super::feature::{Feature, HOURS_OF_WEEK, Source};

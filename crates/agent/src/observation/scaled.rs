@@ -1,7 +1,7 @@
 //! The environment's observation, scaled by its bounds.
 
 use b2b_env::RoleValue;
-use b2b_env::vector::{Arranged, RowSlot};
+use b2b_workers::{Arranged, RowSlot};
 
 use super::feature::{Feature, Source};
 

@@ -7,7 +7,7 @@ mod plain;
 use std::sync::Arc;
 
 use b2b_env::Spaces;
-use b2b_env::vector::Arrangement;
+use b2b_workers::Arrangement;
 
 use crate::acting::Acting;
 use crate::agent::Agent;

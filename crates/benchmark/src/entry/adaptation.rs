@@ -3,9 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::scores::{SeedScores, by_building, clusters};
-use crate::evaluation::Row;
 use crate::problem::Stage;
-use crate::statistics::{Aggregate, Interval, aggregate_clusters, median};
+use b2b_evaluate::Row;
+use b2b_evaluate::statistics::{Aggregate, Interval, aggregate_clusters, median};
 
 /// The effect of training on the test environments.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -3,9 +3,10 @@
 use std::collections::BTreeMap;
 
 use super::entry_policy::EntryPolicy;
-use crate::policy::BuiltIn;
 use crate::problem::{Problem, Stage};
-use crate::{Episode, Error, Result};
+use crate::{Error, Result};
+use b2b_evaluate::BuiltIn;
+use b2b_evaluate::Episode;
 
 /// A policy entered for a problem.
 #[derive(Debug)]

@@ -6,16 +6,17 @@ use std::collections::btree_map::Entry;
 use std::path::{Path, PathBuf};
 
 use b2b_agent::Agent;
+use b2b_base::digest::sha256;
 use b2b_control::Controller;
-use b2b_energyplus::digest::sha256;
 use b2b_env::Task;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::external::External;
-use crate::policy::{ActionScale, BuiltIn, EpisodeContext, OnnxPolicy, Policy, is_agent, is_onnx};
-use crate::subject::hash_of;
-use crate::{Episode, Error, Result};
+use crate::{Error, Result};
+use b2b_evaluate::Episode;
+use b2b_evaluate::hash_of;
+use b2b_evaluate::{ActionScale, BuiltIn, EpisodeContext, OnnxPolicy, Policy, is_agent, is_onnx};
 
 /// Placeholders in a file name.
 const PLACEHOLDERS: [&str; 3] = ["{seed}", "{building}", "{task}"];
@@ -137,7 +138,7 @@ impl EntryPolicy {
             Err(_) if is_agent(Path::new(text)) || PLACEHOLDERS.iter().any(|each| text.contains(each)) => {
                 Format::Agents
             }
-            Err(error) => return Err(error),
+            Err(error) => return Err(error.into()),
         };
         let (folder, pattern) = split(text);
         let path_of = |name: &str| folder.join(name);
@@ -354,7 +355,7 @@ impl Files {
         let name = fill(&self.pattern, *seed, &subject.name.to_string(), &task.to_string());
         match self.files.get(&name) {
             Some(file) => Ok(file.policy.policy()),
-            None => Err(Error::UnknownPolicy { text: name }),
+            None => Err(b2b_evaluate::Error::UnknownPolicy { text: name }.into()),
         }
     }
 }
@@ -390,11 +391,11 @@ impl Policy for Files {
         self.format == Format::Agents
     }
 
-    fn description(&self, context: &EpisodeContext<'_>) -> Result<Option<Value>> {
+    fn description(&self, context: &EpisodeContext<'_>) -> b2b_evaluate::Result<Option<Value>> {
         self.of_episode(context)?.description(context)
     }
 
-    fn controller(&self, context: EpisodeContext<'_>) -> Result<Box<dyn Controller>> {
+    fn controller(&self, context: EpisodeContext<'_>) -> b2b_evaluate::Result<Box<dyn Controller>> {
         self.of_episode(&context)?.controller(context)
     }
 }

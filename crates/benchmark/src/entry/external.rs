@@ -4,8 +4,8 @@ use std::fmt;
 
 use b2b_control::Controller;
 
-use crate::policy::{EpisodeContext, Policy};
-use crate::{Error, Result};
+use crate::Error;
+use b2b_evaluate::{EpisodeContext, Policy};
 
 /// A policy that is a program of its author. Read from a result, it is known by its name alone and cannot act.
 pub struct External {
@@ -38,10 +38,10 @@ impl Policy for External {
         self.policy.as_ref().is_some_and(|policy| policy.ignores_interface())
     }
 
-    fn controller(&self, context: EpisodeContext<'_>) -> Result<Box<dyn Controller>> {
+    fn controller(&self, context: EpisodeContext<'_>) -> b2b_evaluate::Result<Box<dyn Controller>> {
         match &self.policy {
             Some(policy) => policy.controller(context),
-            None => Err(Error::ExternalPolicy { name: self.name.clone() }),
+            None => Err(Error::ExternalPolicy { name: self.name.clone() }.into()),
         }
     }
 }

@@ -7,9 +7,9 @@ use super::adaptation::Adaptation;
 use super::scores::{
     Performance, Score, StratumKey, building_scores, by_building, clusters, from_random, is_in, strata,
 };
-use crate::evaluation::Row;
 use crate::problem::Stage;
-use crate::statistics::{Cluster, Interval, Share, aggregate_clusters, difference, profile};
+use b2b_evaluate::Row;
+use b2b_evaluate::statistics::{Cluster, Interval, Share, aggregate_clusters, difference, profile};
 
 /// Seed of the bootstrap.
 const SEED: u64 = 0;
@@ -117,8 +117,8 @@ pub fn measure_scores(strata: &[Vec<Cluster>], resolved: &[Vec<Cluster>]) -> Opt
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evaluation::{Episode, EpisodeInfo, Scored};
-    use crate::{BuiltIn, Subject};
+    use b2b_evaluate::{BuiltIn, Subject};
+    use b2b_evaluate::{Episode, EpisodeInfo, Scored};
 
     /// Rows of 11 small and 6 medium offices with two seeds each, whose scores are a function of building and seed.
     fn rows(score: impl Fn(usize, u64) -> f64) -> Vec<Row> {

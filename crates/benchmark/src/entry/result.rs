@@ -5,8 +5,9 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
+use b2b_base::aside::{is_unfinished, write_whole};
+use b2b_base::digest::sha256;
 use b2b_control::Versions;
-use b2b_energyplus::digest::sha256;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -14,9 +15,9 @@ use super::definition::Entry;
 use super::entry_policy::PolicyDescription;
 use super::measures::Measures;
 use crate::error::at;
-use crate::evaluation::{Row, is_temporary, read_stages, write, write_stages};
 use crate::problem::{Problem, Stage, differences};
 use crate::{Error, Result};
+use b2b_evaluate::{Row, read_stages, write_stages};
 
 /// The result file.
 const RESULT: &str = "result.json";
@@ -53,7 +54,7 @@ pub struct RunResult {
     pub seeds: BTreeMap<String, Vec<u64>>,
     /// Versions that the result depends on.
     pub versions: Versions,
-    /// [`b2b_energyplus::machine::fingerprint`]: machines with the same one give the same bits.
+    /// [`b2b_base::machine::fingerprint`]: machines with the same one give the same bits.
     pub machine: String,
     /// Number of rows in `episodes.parquet` by stage.
     pub episodes: BTreeMap<String, usize>,
@@ -93,7 +94,7 @@ impl RunResult {
             episodes: stages.iter().map(|(stage, rows)| (stage.to_string(), rows.len())).collect(),
             episodes_sha256: sha256(table(stages, &versions)?),
             versions,
-            machine: b2b_energyplus::machine::fingerprint(),
+            machine: b2b_base::machine::fingerprint(),
             measures,
         })
     }
@@ -111,15 +112,16 @@ impl RunResult {
                 let copy = policies.join(name);
                 let parent = copy.parent().unwrap_or(&policies);
                 std::fs::create_dir_all(parent).map_err(at(parent))?;
-                write(&copy, |file| std::io::Write::write_all(file, &bytes))?;
+                write_whole(&copy, &bytes).map_err(at(&copy))?;
             }
         }
         let table = table(stages, &self.versions)?;
-        write(&folder.join(EPISODES), |file| std::io::Write::write_all(file, &table))?;
-        write(&folder.join(RESULT), |file| {
-            serde_json::to_writer_pretty(&mut *file, self)?;
-            std::io::Write::write_all(file, b"\n")
-        })
+        let episodes = folder.join(EPISODES);
+        write_whole(&episodes, &table).map_err(at(&episodes))?;
+        let mut text = serde_json::to_vec_pretty(self).expect("plain data always serializes");
+        text.push(b'\n');
+        let result = folder.join(RESULT);
+        write_whole(&result, &text).map_err(at(&result))
     }
 
     /// Errors unless a folder's result is that of an entry.
@@ -132,7 +134,8 @@ impl RunResult {
         if paths.is_empty() {
             return Ok(());
         }
-        Err(Error::OtherEvaluation { folder: folder.to_owned(), differences: paths.join(", ") })
+        Err(b2b_evaluate::Error::OtherEvaluation { folder: folder.to_owned(), differences: paths.join(", ") }
+            .into())
     }
 }
 
@@ -141,7 +144,7 @@ fn table(stages: &[(Stage, Vec<Row>)], versions: &Versions) -> Result<Vec<u8>> {
     let named: Vec<_> = stages.iter().map(|(stage, rows)| (stage.to_string(), rows.clone())).collect();
     let mut bytes = Vec::new();
     write_stages(&mut bytes, &named, versions)
-        .map_err(|source| Error::Table { path: PathBuf::from(EPISODES), source })?;
+        .map_err(|source| b2b_evaluate::Error::Table { path: PathBuf::from(EPISODES), source })?;
     Ok(bytes)
 }
 
@@ -167,7 +170,8 @@ pub(super) fn find_result(folder: &Path) -> Result<Option<(RunResult, Stages)>> 
     if !path.exists() {
         return Ok(None);
     }
-    let damaged = |path: &Path, why: String| Error::Damaged { path: path.to_owned(), why };
+    let damaged =
+        |path: &Path, why: String| b2b_evaluate::Error::Damaged { path: path.to_owned(), why }.into();
     let file = BufReader::new(File::open(&path).map_err(at(&path))?);
     let value: Value = serde_json::from_reader(file).map_err(|error| damaged(&path, error.to_string()))?;
     if value["format"] != FORMAT {
@@ -199,7 +203,7 @@ pub(super) fn find_result(folder: &Path) -> Result<Option<(RunResult, Stages)>> 
 pub(super) fn check_new(folder: &Path) -> Result<()> {
     let Ok(entries) = std::fs::read_dir(folder) else {
         return if folder.exists() {
-            Err(Error::UnrelatedFiles { folder: folder.to_owned() })
+            Err(b2b_evaluate::Error::UnrelatedFiles { folder: folder.to_owned() }.into())
         } else {
             Ok(())
         };
@@ -207,8 +211,8 @@ pub(super) fn check_new(folder: &Path) -> Result<()> {
     for entry in entries {
         let name = entry.map_err(at(folder))?.file_name();
         let leftover = [UNFINISHED, POLICY, EPISODES].iter().any(|each| name == *each);
-        if !leftover && !is_temporary(name.as_ref()) {
-            return Err(Error::UnrelatedFiles { folder: folder.to_owned() });
+        if !leftover && !is_unfinished(name.as_ref()) {
+            return Err(b2b_evaluate::Error::UnrelatedFiles { folder: folder.to_owned() }.into());
         }
     }
     Ok(())

@@ -4,11 +4,12 @@ use std::path::Path;
 
 use super::definition::Entry;
 use super::result::{RunResult, Stages, UNFINISHED, check_new, find_result};
+use crate::Result;
 use crate::error::at;
-use crate::evaluation::{Evaluation, Folder, Progress, Row};
 use crate::problem::{Stage, WrappedPolicy};
-use crate::results::Results;
-use crate::{Baselines, Result};
+use b2b_evaluate::Baselines;
+use b2b_evaluate::Results;
+use b2b_evaluate::{Evaluation, Folder, Progress, Row};
 
 /// The outcome of a run.
 #[derive(Debug)]

@@ -2,9 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::any_number;
-use crate::evaluation::{Row, relative_energy};
-use crate::statistics::{Aggregate, Cluster, aggregate_clusters};
+use b2b_evaluate::any_number;
+use b2b_evaluate::statistics::{Aggregate, Cluster, aggregate_clusters};
+use b2b_evaluate::{Row, relative_energy};
 
 /// Building type, task and run period.
 pub(super) type StratumKey = (String, String, String);

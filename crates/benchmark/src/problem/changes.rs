@@ -12,8 +12,8 @@ use super::definition::Problem;
 use super::protocol::Attributes;
 use super::restriction::Fallback;
 use super::side::Side;
-use crate::policy::HouseForm;
 use crate::{Error, Result};
+use b2b_evaluate::HouseForm;
 
 /// Changes to a problem; none by default.
 #[derive(Clone, Debug, Default, Deserialize)]

@@ -2,14 +2,15 @@
 
 use std::fmt;
 
+use b2b_base::digest::sha256;
 use b2b_dataset::{BuildingId, Split};
-use b2b_energyplus::digest::sha256;
 use serde::{Deserialize, Serialize};
 
 use super::protocol::Protocol;
 use super::side::Side;
 use super::stage::Stage;
-use crate::{Episode, Error, Result};
+use crate::{Error, Result};
+use b2b_evaluate::Episode;
 
 /// A benchmark problem: a question about generalization, and the protocol to answer it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -6,7 +6,7 @@ use std::str::FromStr;
 use b2b_building::RunPeriod;
 use serde::{Deserialize, Serialize};
 
-use crate::policy::HouseForm;
+use b2b_evaluate::HouseForm;
 
 /// The protocol of a problem.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::as_text;
 use super::buildings::Buildings;
 use super::restriction::Restriction;
-use crate::{Episode, Subject};
+use b2b_evaluate::{Episode, Subject};
 
 /// One side of a problem: what a policy is trained on, or tested on.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use b2b_building::morphology::COMMON;
 use b2b_control::ReactiveParameters;
 use b2b_dataset::{BuildingName, Placement};
-use b2b_env::vector::{Arranged, Arrangement, EpisodeForm, Form, Padded, RowSlot, check_width};
 use b2b_env::{ActionSpace, Spaces, attribute_name, attributes};
+use b2b_workers::{Arranged, Arrangement, EpisodeForm, Form, Padded, RowSlot, check_width};
 
 use super::definition::Problem;
 use super::protocol::Attributes;

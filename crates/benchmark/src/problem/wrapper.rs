@@ -1,8 +1,8 @@
 //! A wrapper that gives a policy the observation and action spaces of a problem's side.
 
+use b2b_base::digest::sha256;
 use b2b_building::morphology::COMMON;
 use b2b_control::Controller;
-use b2b_energyplus::digest::sha256;
 use b2b_env::{ActionSpace, RoleObservation, Spaces, attribute_name, attributes};
 use serde_json::Value;
 
@@ -10,9 +10,9 @@ use super::definition::Problem;
 use super::protocol::Attributes;
 use super::restriction::{Fallback, RestrictedAction};
 use super::side::Side;
-use crate::policy::{EpisodeContext, Form, Interface, Policy};
-use crate::tuned::controller_parameters;
 use crate::{Error, Result};
+use b2b_evaluate::controller_parameters;
+use b2b_evaluate::{EpisodeContext, Form, Interface, Policy};
 
 /// A policy behind the observation and action spaces of a problem's side: observations have the problem's form, or the
 /// other one if the policy expects its width, and are extended by the building's attributes; withheld actuators are
@@ -108,7 +108,7 @@ impl Policy for WrappedPolicy<'_> {
         self.policy.is_baseline() && !pinned
     }
 
-    fn description(&self, context: &EpisodeContext<'_>) -> Result<Option<Value>> {
+    fn description(&self, context: &EpisodeContext<'_>) -> b2b_evaluate::Result<Option<Value>> {
         if !self.policy.ignores_interface() || self.side.restriction.is_some() {
             return Ok(None);
         }
@@ -116,7 +116,7 @@ impl Policy for WrappedPolicy<'_> {
         self.policy.description(context)
     }
 
-    fn controller(&self, context: EpisodeContext<'_>) -> Result<Box<dyn Controller>> {
+    fn controller(&self, context: EpisodeContext<'_>) -> b2b_evaluate::Result<Box<dyn Controller>> {
         let EpisodeContext { subject, site, spaces, seed, .. } = context;
         let Access { restricted, attributes, form, action } = self.access(&context)?;
         let attribute_names = COMMON.iter().take(attributes.len()).map(|slot| attribute_name(slot.quantity));
@@ -133,7 +133,7 @@ impl Policy for WrappedPolicy<'_> {
                 "{} controls all actuators; it cannot run with some of them withheld",
                 self.policy.name()
             );
-            return Err(Error::Problem { name: self.problem.name.clone(), why });
+            return Err(Error::Problem { name: self.problem.name.clone(), why }.into());
         }
         let inner = self.policy.controller(EpisodeContext {
             subject,

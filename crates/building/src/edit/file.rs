@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use b2b_energyplus::{Library, folder_in};
+use b2b_base::aside::write_whole;
+use b2b_energyplus::Library;
 
 use super::{Edits, Report, apply};
 use crate::import::external;
@@ -43,13 +44,8 @@ pub fn check_output(path: &Path) -> Result<()> {
 /// # Errors
 /// [`Error::Io`] naming the file.
 pub fn write_aside(model: &Model, path: &Path) -> Result<()> {
-    let folder = folder_of(path);
-    let written = folder_in(folder, ".b2b-unfinished-").and_then(|aside| {
-        let file = aside.path().join("model.epJSON");
-        std::fs::write(&file, model.to_epjson())?;
-        std::fs::rename(&file, path)
-    });
-    written.map_err(|source| Error::Io { path: path.to_owned(), source })
+    write_whole(path, model.to_epjson().as_bytes())
+        .map_err(|source| Error::Io { path: path.to_owned(), source })
 }
 
 fn folder_of(path: &Path) -> &Path {

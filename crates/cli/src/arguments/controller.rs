@@ -115,7 +115,7 @@ impl ControllerArguments {
     #[cfg(target_os = "linux")]
     fn plan(&self, prepared: &Prepared, spaces: &Spaces, quiet: bool) -> Result<b2b_control::Replay> {
         use b2b_control::{Planner, PlannerParameters, Replay};
-        use b2b_env::vector::Workers;
+        use b2b_workers::Workers;
 
         let steps = spaces.episode_steps();
         let bar = crate::progress::counter(steps, "steps planned", quiet);

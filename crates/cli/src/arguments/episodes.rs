@@ -1,9 +1,9 @@
 //! Lists of episodes: every combination of building, run period, task and seed.
 
 use anyhow::Result;
-use b2b_benchmark::{Episode, Subject};
 use b2b_building::RunPeriod;
 use b2b_env::Task;
+use b2b_evaluate::{Episode, Subject};
 
 use super::buildings::Buildings;
 use super::location::Location;

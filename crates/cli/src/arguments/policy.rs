@@ -1,6 +1,6 @@
 //! The policy of an evaluation.
 
-use b2b_benchmark::{ActionScale, Policy};
+use b2b_evaluate::{ActionScale, Policy};
 
 /// A policy and the meaning of its actions.
 #[derive(clap::Args)]
@@ -37,7 +37,7 @@ impl PolicyArguments {
     }
 
     /// Returns the policy. Errors if it is unknown or cannot be read.
-    pub fn load(&self) -> b2b_benchmark::Result<Box<dyn Policy>> {
+    pub fn load(&self) -> b2b_evaluate::Result<Box<dyn Policy>> {
         <dyn Policy>::named(self.text(), self.scale())
     }
 }

@@ -7,8 +7,8 @@ use std::time::Instant;
 use anyhow::{Context, Result};
 use b2b_building::{BuildingType, Date, RunPeriod};
 use b2b_dataset::BuildingName;
-use b2b_env::vector::{Fixed, Setting, VecEnv, Workers};
 use b2b_env::{Env, Environment, Task};
+use b2b_workers::{Fixed, Setting, VecEnv, Workers};
 use cpu_time::ProcessTime;
 use serde::Serialize;
 

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::{Result, bail};
 use b2b_benchmark::entry::{RunResult, read_result};
-use b2b_benchmark::report::{RankBy, leaderboard};
+use b2b_benchmark::{RankBy, leaderboard};
 
 use crate::output_folder::OutputFolder;
 use crate::stdout;

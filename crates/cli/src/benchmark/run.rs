@@ -6,9 +6,9 @@ use std::path::PathBuf;
 use anyhow::{Context, Result, bail};
 use b2b_benchmark::entry::{Entry, EntryPolicy, Measures, Performance, RunOutcome, RunResult};
 use b2b_benchmark::problem::{Problem, Stage};
-use b2b_benchmark::statistics::{Aggregate, score_text};
-use b2b_benchmark::{Baselines, Row};
 use b2b_dataset::Catalog;
+use b2b_evaluate::statistics::{Aggregate, score_text};
+use b2b_evaluate::{Baselines, Row};
 
 use super::selection::Selection;
 use crate::arguments::jobs::Jobs;

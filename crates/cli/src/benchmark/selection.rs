@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use anyhow::{Result, bail};
-use b2b_benchmark::{HouseForm, Problem};
+use b2b_benchmark::Problem;
+use b2b_evaluate::HouseForm;
 
 use b2b_benchmark::problem::{Attributes, Changes, Fallback};
 use b2b_building::{BuildingType, RunPeriod};

@@ -5,10 +5,10 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, anyhow};
+use b2b_base::scratch::temporary_folder;
 use b2b_building::calibration::Metered;
 use b2b_building::edit::{self, Change};
 use b2b_building::{Model, MonthlyEnergy};
-use b2b_energyplus::temporary_folder;
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 use tempfile::TempDir;

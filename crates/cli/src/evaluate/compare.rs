@@ -4,9 +4,9 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
-use b2b_benchmark::Row;
-use b2b_benchmark::read_episodes;
-use b2b_benchmark::report::{Compared, write_comparison};
+use b2b_evaluate::Row;
+use b2b_evaluate::read_episodes;
+use b2b_evaluate::report::{Compared, write_comparison};
 
 use crate::exit_code::ExitCode;
 use crate::output_folder::OutputFolder;

@@ -5,10 +5,10 @@ mod compare;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result};
-use b2b_benchmark::statistics::{Aggregate, score_text};
-use b2b_benchmark::{Baselines, Folder, Group, Results, Summary, Window};
 use b2b_dataset::Catalog;
 use b2b_env::Task;
+use b2b_evaluate::statistics::{Aggregate, score_text};
+use b2b_evaluate::{Baselines, Folder, Group, Results, Summary, Window};
 
 use crate::arguments::episodes::Episodes;
 use crate::arguments::jobs::Jobs;

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
+use b2b_base::aside::write_whole;
 use b2b_dataset::manifest::Manifest;
-use tempfile::TempDir;
 
 /// Name of the manifest in the folder.
 pub const MANIFEST: &str = "manifest.csv";
@@ -14,7 +14,6 @@ pub const MANIFEST: &str = "manifest.csv";
 /// the manifest has changed is removed before the manifest is updated, so that an interrupted generation can resume.
 pub struct ModelFolder {
     root: PathBuf,
-    staging: TempDir,
 }
 
 impl ModelFolder {
@@ -22,8 +21,7 @@ impl ModelFolder {
     pub fn open(root: &Path, manifest: &Manifest) -> Result<Self> {
         let cannot = || format!("cannot write the folder {}", root.display());
         std::fs::create_dir_all(root).with_context(cannot)?;
-        let staging = b2b_energyplus::folder_in(root, ".b2b-unfinished-");
-        let folder = Self { root: root.to_owned(), staging: staging.with_context(cannot)? };
+        let folder = Self { root: root.to_owned() };
         let text = manifest.to_csv();
         let (header, wanted) = rows(&text);
         let mut described = folder.described(header)?;
@@ -74,9 +72,8 @@ impl ModelFolder {
     }
 
     fn write_file(&self, name: &str, content: &str) -> Result<()> {
-        let (aside, path) = (self.staging.path().join(name), self.root.join(name));
-        let written = std::fs::write(&aside, content).and_then(|()| std::fs::rename(&aside, &path));
-        written.with_context(|| format!("cannot write {}", path.display()))
+        let path = self.root.join(name);
+        write_whole(&path, content.as_bytes()).with_context(|| format!("cannot write {}", path.display()))
     }
 }
 

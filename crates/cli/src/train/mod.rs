@@ -7,9 +7,9 @@ use std::sync::Arc;
 
 use anyhow::{Context, Result, bail};
 use b2b_agent::{Acting, ObservationForm};
-use b2b_benchmark::statistics::beats_baseline;
 use b2b_building::{BuildingType, RunPeriod};
 use b2b_dataset::{BuildingName, Catalog, Placement};
+use b2b_evaluate::statistics::beats_baseline;
 use b2b_learn::train::{Algorithm, Measures, PAGE, Place, SUMMARY, Summary, Tasks, TrainConfig};
 
 use crate::arguments::jobs::Jobs;

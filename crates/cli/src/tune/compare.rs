@@ -1,11 +1,11 @@
 //! `b2b tune compare`: the reactive controllers under default and tuned parameters.
 
 use anyhow::{Context, Result};
-use b2b_benchmark::statistics;
 use b2b_building::{Class, RunPeriod};
 use b2b_control::{Objective, ReactiveParameters, Tuned};
 use b2b_dataset::{BuildingId, Catalog};
 use b2b_env::{EnergyScale, Metrics, Task};
+use b2b_evaluate::statistics;
 use serde::Serialize;
 
 use super::rollouts::rollouts;

@@ -9,9 +9,9 @@ use std::time::{Duration, Instant};
 use crate::browser::{self, Browser};
 use crate::onnx_file::linear_policy;
 use crate::program::{assert_rejected, b2b, both_outputs, command};
+use b2b_benchmark::Problem;
 use b2b_benchmark::entry::read_result;
 use b2b_benchmark::problem::Stage;
-use b2b_benchmark::{Problem, Row};
 use b2b_building::{Conditioning, PreparedBuilding};
 use b2b_control::ReactiveParameters;
 use b2b_dataset::BuildingId;
@@ -19,6 +19,7 @@ use b2b_dataset::{BuildingName, Catalog, Placement};
 use b2b_energyplus::install::Quiet;
 use b2b_env::Setpoints;
 use b2b_env::Spaces;
+use b2b_evaluate::Row;
 use serde_json::json;
 
 /// Two test houses and two to train on, of one to three zones, for one day.

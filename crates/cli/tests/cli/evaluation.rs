@@ -4,15 +4,15 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use crate::onnx_file::linear_policy;
-use b2b_benchmark::{
-    ActionScale, Baselines, BuiltIn, Episode, EpisodeContext, Evaluation, Folder, OnnxPolicy, Policy,
-    Progress, Results, Row, Scored, Subject, write_episodes,
-};
 use b2b_control::{Controller, Reactive, ReactiveParameters, Versions};
 use b2b_dataset::Catalog;
 use b2b_energyplus::install::Quiet;
-use b2b_env::vector::Launcher;
 use b2b_env::{Env, RoleObservation, Trajectory};
+use b2b_evaluate::{
+    ActionScale, Baselines, BuiltIn, Episode, EpisodeContext, Evaluation, Folder, OnnxPolicy, Policy,
+    Progress, Results, Row, Scored, Subject, write_episodes,
+};
+use b2b_workers::Launcher;
 use tempfile::TempDir;
 
 const HOUSES: [&str; 2] = ["SingleFamilyHouse-0014", "SingleFamilyHouse-0042"];
@@ -48,7 +48,7 @@ impl Case {
         episodes: &[Episode],
         progress: &dyn Progress,
         interrupted: fn() -> bool,
-    ) -> b2b_benchmark::Result<Results> {
+    ) -> b2b_evaluate::Result<Results> {
         let folder = Folder::open(&self.path(name), policy, episodes)?;
         let baselines = Baselines::without_shipped(&self.path("baselines"));
         Results::of(&self.evaluation(interrupted), &folder, episodes, policy, &baselines, progress)
@@ -198,7 +198,7 @@ impl Policy for Killer {
         "killer".into()
     }
 
-    fn controller(&self, context: EpisodeContext<'_>) -> b2b_benchmark::Result<Box<dyn Controller>> {
+    fn controller(&self, context: EpisodeContext<'_>) -> b2b_evaluate::Result<Box<dyn Controller>> {
         let process = context.subject.name.to_string().ends_with("0014");
         let process = process.then(|| context.episode.workers().template_processes()[0]);
         Ok(Box::new(Kills { process, inner: BuiltIn::Constant.controller(context)?, step: 0 }))

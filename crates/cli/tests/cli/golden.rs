@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use crate::program::{b2b, json, stderr};
-use b2b_energyplus::digest::sha256;
+use b2b_base::digest::sha256;
 use serde_json::Value;
 
 const TYPES: [&str; 6] = [

@@ -5,14 +5,14 @@ use std::path::{Path, PathBuf};
 
 use crate::onnx_file::linear_policy;
 use crate::program::{b2b, both_outputs, command};
+use b2b_base::digest::sha256;
 use b2b_benchmark::entry::{Check, Sample, check, read_result, verify};
 use b2b_benchmark::problem::Stage;
-use b2b_benchmark::{Evaluation, Row, Scored, write_stages};
 use b2b_control::Versions;
 use b2b_dataset::Catalog;
-use b2b_energyplus::digest::sha256;
 use b2b_energyplus::install::Quiet;
-use b2b_env::vector::Launcher;
+use b2b_evaluate::{Evaluation, Row, Scored, write_stages};
+use b2b_workers::Launcher;
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
@@ -99,8 +99,8 @@ fn a_tampered_result_fails_verification() {
         let (episode_return, steps) = (scored.metrics.episode_return, scored.metrics.steps);
         let baseline = scored.baseline_return.unwrap() * 2.0;
         scored.baseline_return = Some(baseline);
-        scored.score = b2b_benchmark::normalized_score(episode_return, baseline);
-        scored.resolved_score = b2b_benchmark::resolved_score(episode_return, baseline, steps);
+        scored.score = b2b_evaluate::normalized_score(episode_return, baseline);
+        scored.resolved_score = b2b_evaluate::resolved_score(episode_return, baseline, steps);
     };
     let said = judged.after(lower, 0);
     assert!(said.contains("baselines: test: SingleFamilyHouse-0018"), "{said}");
@@ -121,7 +121,7 @@ fn a_tampered_result_fails_verification() {
             scored.score = scored.baseline_return.map(|baseline| episode_return / baseline);
             scored.resolved_score = scored
                 .baseline_return
-                .and_then(|baseline| b2b_benchmark::resolved_score(episode_return, baseline, steps));
+                .and_then(|baseline| b2b_evaluate::resolved_score(episode_return, baseline, steps));
         }
     };
     let said = judged.after(halve, 0);
@@ -188,7 +188,7 @@ fn a_result_of_a_machine_that_rounds_differently_agrees_within_the_tolerance() {
     let output = command.env("GLIBC_TUNABLES", tunables).output().unwrap();
     assert!(output.status.success(), "{}", both_outputs(&output));
     let result: Value = serde_json::from_slice(&bytes(folder.path(), "result/result.json")).unwrap();
-    let same = result["machine"] == b2b_energyplus::machine::fingerprint();
+    let same = result["machine"] == b2b_base::machine::fingerprint();
     let output = b2b(folder.path(), "benchmark verify result");
     assert!(output.status.success(), "{}", both_outputs(&output));
     let words = if same { "agree bit for bit" } else { "agree within a relative 1e-6" };

@@ -70,7 +70,7 @@ impl Reactive {
         Self { systems: building.laid_out_systems().map(control).collect() }
     }
 
-    /// Returns the description from which a worker makes the controllers: see [`Episode::rollout`](b2b_env::vector::Episode::rollout).
+    /// Returns the description from which a worker makes the controllers: see [`Episode::rollout`](b2b_workers::Episode::rollout).
     pub fn description(parameters: &ReactiveParameters) -> Value {
         json!({ "reactive": parameters })
     }

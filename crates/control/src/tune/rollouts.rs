@@ -6,8 +6,8 @@ use std::sync::Arc;
 use b2b_building::RunPeriod;
 use b2b_dataset::{BuildingId, Catalog};
 use b2b_energyplus::install::Progress;
-use b2b_env::vector::{Episode, Setting, Source, WorkerOptions, Workers, recv};
 use b2b_env::{Environment, EpisodeConfig, Metrics, Task};
+use b2b_workers::{Episode, Setting, Source, WorkerOptions, Workers, recv};
 
 use crate::{Error, Reactive, ReactiveParameters, Result};
 

@@ -52,7 +52,7 @@ pub use geometry::Geometry;
 pub use household::Household;
 pub use parameters::{Foundation, Heater, Heating, House};
 pub use sample::{DIMENSIONS, FixedProperties, HouseSample, Vintage};
-pub use zones::{ATTIC, CRAWLSPACE, GARAGE, LIVING, ZoneRole};
+pub use zones::{ATTIC, CRAWLSPACE, GARAGE, LIVING};
 
 use b2b_building::Model;
 use b2b_climate::Site;

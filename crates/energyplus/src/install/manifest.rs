@@ -11,7 +11,7 @@ use sha2::{Digest, Sha256};
 
 use super::error::{Result, at};
 use super::pinned::{Package, Wheel};
-use crate::digest::hex;
+use b2b_base::digest::hex;
 
 /// File name of the manifest in the folder of the package.
 const FILE_NAME: &str = "manifest.json";
@@ -75,7 +75,7 @@ impl Manifest {
         let mut files: Vec<_> = self.files.iter().collect();
         files.sort_by(|a, b| a.path.cmp(&b.path));
         let line = |file: &&UnpackedFile| format!("{}  {}  {}\n", file.sha256, file.bytes, file.path);
-        crate::digest::sha256(files.iter().map(line).collect::<String>())
+        b2b_base::digest::sha256(files.iter().map(line).collect::<String>())
     }
 
     /// Describes what is wrong with the list of files or with their content, one line each.

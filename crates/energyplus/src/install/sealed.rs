@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use super::package::State;
-use crate::digest::sha256;
+use b2b_base::digest::sha256;
 
 /// Returns a sealed file with this content.
 pub fn seal(content: &[u8]) -> Vec<u8> {

@@ -9,7 +9,8 @@ use std::path::{Path, PathBuf};
 use super::cache::Cache;
 use super::manifest::Manifest;
 use super::pinned::Package;
-use crate::digest::sha256;
+use b2b_base::aside::write_whole;
+use b2b_base::digest::sha256;
 
 /// The stamp of the files of a package in a folder.
 pub(super) struct Stamp {
@@ -37,12 +38,7 @@ impl Stamp {
 
     /// Keeps the stamp. Without it, in a cache that cannot be written, the files are verified again.
     pub(super) fn keep(&self) {
-        let aside = self.path.with_added_extension(std::process::id().to_string());
-        let written = std::fs::write(&aside, &self.text).and_then(|()| std::fs::rename(&aside, &self.path));
-        if written.is_err() {
-            // It may not exist.
-            let _ = std::fs::remove_file(&aside);
-        }
+        let _ = write_whole(&self.path, self.text.as_bytes());
     }
 }
 

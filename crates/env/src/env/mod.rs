@@ -12,8 +12,9 @@ use std::path::Path;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use b2b_base::scratch::temporary_folder;
 use b2b_building::{Model, PreparedBuilding};
-use b2b_energyplus::{Clock, Event, Level, Library, Messages, exclusive, temporary_folder};
+use b2b_energyplus::{Clock, Event, Level, Library, Messages, exclusive};
 use tempfile::TempDir;
 
 use self::engine::Engine;
@@ -49,7 +50,7 @@ const SEVERES_KEPT: usize = 5;
 /// - End: truncated at the end of the run period; never terminated.
 ///
 /// A step allocates nothing and starts no thread. Only one engine runs at a time in a process; for several
-/// environments, or one that survives a crash of the engine, see [`vector`](crate::vector).
+/// environments, or one that survives a crash of the engine, see the crate `b2b-workers`.
 #[derive(Debug)]
 pub struct Env {
     library: Library,
@@ -97,7 +98,7 @@ impl Env {
     /// [`Error::StepsPerHour`]; [`Error::TaskValue`]; [`Error::Io`] when the model cannot be written to the temporary folder.
     pub fn new(library: Library, building: Arc<PreparedBuilding>, episode: EpisodeConfig) -> Result<Self> {
         episode.check()?;
-        let temporary = temporary_folder("b2b-env-")?;
+        let temporary = temporary_folder("b2b-env-").map_err(b2b_energyplus::Error::from)?;
         let folder = temporary.path().to_owned();
         let path = folder.join(MODEL_FILE);
         std::fs::write(&path, episode_model(&building, &episode).to_epjson())
@@ -428,7 +429,7 @@ impl Environment for Env {
 impl Env {
     /// Copies this process at the current point of the episode: see [`Simulation::fork`](b2b_energyplus::Simulation::fork).
     /// The copy's engine writes its meters to a file of its own, if that is given, and nothing else.
-    pub(crate) fn fork(&mut self, meter_file: Option<&Path>) -> Result<b2b_energyplus::snapshot::Fork> {
+    pub fn fork(&mut self, meter_file: Option<&Path>) -> Result<b2b_energyplus::snapshot::Fork> {
         use b2b_energyplus::snapshot::{Fork, KeptFile};
         let engine = self.engine.as_mut().ok_or(Error::NotReset)?;
         let kept = meter_file.map(|copy| KeptFile { name: meters::METER_FILE, copy });
@@ -440,17 +441,17 @@ impl Env {
     }
 
     /// Truncates the episode after `steps` steps, or at the end of the run period.
-    pub(crate) fn truncate_after(&mut self, steps: usize) {
+    pub fn truncate_after(&mut self, steps: usize) {
         self.steps = steps.min(self.episode_steps());
     }
 
     /// Sets whether the engine finishes its run after the last step, or stays suspended.
-    pub(crate) fn set_finish_run(&mut self, finish_run: bool) {
+    pub fn set_finish_run(&mut self, finish_run: bool) {
         self.finish_run = finish_run;
     }
 
     /// Drops the model, which only a new environment needs, if nothing else holds it.
-    pub(crate) fn drop_model(&mut self) {
+    pub fn drop_model(&mut self) {
         let spaces = Arc::get_mut(&mut self.spaces);
         if let Some(building) = spaces.and_then(|spaces| Arc::get_mut(&mut spaces.building)) {
             building.drop_model();
@@ -458,7 +459,7 @@ impl Env {
     }
 
     /// The folder of the model and of the engine's own files.
-    pub(crate) fn folder(&self) -> &Path {
+    pub fn folder(&self) -> &Path {
         &self.folder
     }
 }

@@ -32,7 +32,7 @@ impl Env {
 
     /// Returns to the point of a snapshot, bit for bit, by starting anew and replaying the actions. This also works on
     /// systems that cannot copy a process, and in another process. Where the system can, a
-    /// [`vector::Episode`](crate::vector::Episode) does it in milliseconds.
+    /// an `Episode` of `b2b-workers` does it in milliseconds.
     ///
     /// # Errors
     /// [`Error::OtherSnapshot`] when it was taken of another building or episode; those of [`Env::reset`].

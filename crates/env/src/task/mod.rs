@@ -6,8 +6,8 @@ mod spelling;
 
 use std::path::Path;
 
+use b2b_base::digest::sha256;
 use b2b_building::{Class, user_file};
-use b2b_energyplus::digest::sha256;
 use serde::{Deserialize, Serialize};
 
 use crate::comfort::Comfort;

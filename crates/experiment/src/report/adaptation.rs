@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use b2b_benchmark::report::{Chart, Series, color, horizontal_line, make_logarithmic, range, rms_deviations};
-use b2b_benchmark::statistics::{mean, median, score_text};
-use b2b_benchmark::{EpisodeInfo, Scored};
+use b2b_evaluate::report::{Chart, Series, color, horizontal_line, make_logarithmic, range, rms_deviations};
+use b2b_evaluate::statistics::{mean, median, score_text};
+use b2b_evaluate::{EpisodeInfo, Scored};
 use serde_json::json;
 
 use super::group::Group;

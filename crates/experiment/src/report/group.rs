@@ -1,7 +1,7 @@
 //! Scores of a group of episodes.
 
-use b2b_benchmark::Row;
-use b2b_benchmark::statistics::{beats_baseline, median, score_text};
+use b2b_evaluate::Row;
+use b2b_evaluate::statistics::{beats_baseline, median, score_text};
 
 /// Scores of a group of episodes, of which none was lost.
 pub(super) struct Group {

@@ -10,7 +10,8 @@ mod weights;
 
 use std::io::Write;
 
-use b2b_benchmark::report::{Chart, RankBy, Series, leaderboard, step_rewards};
+use b2b_benchmark::{RankBy, leaderboard};
+use b2b_evaluate::report::{Chart, Series, step_rewards};
 use serde_json::{Value, json};
 
 use crate::definition::{Experiment, ReportKind};

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use b2b_benchmark::report::{Chart, color, horizontal_line, make_logarithmic, range};
-use b2b_benchmark::statistics::{Cluster, aggregate_clusters, beats_baseline, median};
-use b2b_benchmark::{Row, Scored};
+use b2b_evaluate::report::{Chart, color, horizontal_line, make_logarithmic, range};
+use b2b_evaluate::statistics::{Cluster, aggregate_clusters, beats_baseline, median};
+use b2b_evaluate::{Row, Scored};
 use serde_json::{Value, json};
 
 use super::group::Group;

@@ -1,7 +1,7 @@
 //! Times of a step by type, beside the paper's table.
 
-use b2b_benchmark::report::{Chart, color};
 use b2b_building::BuildingType;
+use b2b_evaluate::report::{Chart, color};
 use serde_json::{Value, json};
 
 use super::Content;

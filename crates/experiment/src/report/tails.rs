@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use b2b_benchmark::statistics::{mean, score_text};
 use b2b_building::BuildingType;
 use b2b_dataset::manifest::{Kind, Manifest};
 use b2b_dataset::{BuildingId, manifest, row};
+use b2b_evaluate::statistics::{mean, score_text};
 use serde_json::{Value, json};
 
 use crate::definition::Experiment;

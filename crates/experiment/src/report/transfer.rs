@@ -1,6 +1,6 @@
 //! Distributions of scores by building type, as the paper's figure of cross-domain transfer.
 
-use b2b_benchmark::report::{Chart, color, horizontal_line, make_logarithmic, range};
+use b2b_evaluate::report::{Chart, color, horizontal_line, make_logarithmic, range};
 use serde_json::{Value, json};
 
 use super::group::Group;

@@ -1,8 +1,8 @@
 //! Comfort and energy by the weight of energy.
 
-use b2b_benchmark::Row;
-use b2b_benchmark::report::{Chart, StepDeviations, color, step_deviations};
 use b2b_env::{Resource, Task};
+use b2b_evaluate::Row;
+use b2b_evaluate::report::{Chart, StepDeviations, color, step_deviations};
 use serde_json::{Value, json};
 
 use super::{Content, SCORES};

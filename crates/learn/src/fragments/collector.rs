@@ -7,7 +7,7 @@ use b2b_agent::network::Actor;
 use b2b_agent::{Interface, Pilot, attributes};
 use b2b_building::morphology::NodeType;
 use b2b_env::Spaces;
-use b2b_env::vector::{SharedMemory, VecEnv};
+use b2b_workers::{SharedMemory, VecEnv};
 
 use super::blocks::Block;
 use super::building::GraphBuilding;
@@ -24,7 +24,7 @@ const REPLAYED: usize = 1024;
 /// The factor by which the rewards of a building are multiplied.
 pub type RewardScale = Box<dyn Fn(&Spaces) -> Result<f64> + Send>;
 
-/// Collects rollouts in the worker processes of a [`VecEnv`] with [`Autoreset::Disabled`](b2b_env::vector::Autoreset::Disabled).
+/// Collects rollouts in the worker processes of a [`VecEnv`] with [`Autoreset::Disabled`](b2b_workers::Autoreset::Disabled).
 ///
 /// The same seed and actors give the same bits, however fast each environment is.
 pub struct FragmentCollector {

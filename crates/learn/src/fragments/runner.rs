@@ -4,15 +4,15 @@ use std::time::{Duration, Instant};
 
 use b2b_agent::network::{Actor, Distribution, Scratch};
 use b2b_agent::{ControllerDescription, Pilot};
-use b2b_env::vector::{ControllerRunner, RolloutOrder, Runner, RunnerError, SharedMemory};
 use b2b_env::{Env, Reward};
+use b2b_workers::{ControllerRunner, RolloutOrder, Runner, RunnerError, SharedMemory};
 
 use super::order::{Order, Purpose};
 use crate::credit::part_places;
 use crate::random::{Noise, Random};
 use crate::travel::TravelCost;
 
-/// Makes the runner of an episode: see [`b2b_env::vector::run_if_worker_with`].
+/// Makes the runner of an episode: see [`b2b_workers::run_if_worker_with`].
 ///
 /// # Errors
 /// When the order cannot be read.

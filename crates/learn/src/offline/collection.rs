@@ -4,9 +4,9 @@ use std::path::Path;
 use std::sync::Mutex;
 use std::sync::PoisonError;
 
-use b2b_benchmark::{Episode, Evaluation, Policy, Progress, Recorded};
 use b2b_dataset::BuildingName;
 use b2b_env::{Spaces, unscale};
+use b2b_evaluate::{Episode, Evaluation, Policy, Progress, Recorded};
 use serde_json::{Value, json};
 
 use super::dataset::{Contents, Dataset, EpisodeMetadata, NewDataset};
@@ -76,7 +76,7 @@ pub fn collect(
                 };
                 outcome.map_err(|error| {
                     lock(&failure).get_or_insert(error);
-                    b2b_benchmark::Error::Interrupted
+                    b2b_evaluate::Error::Interrupted
                 })
             })
             .map_err(|error| lock(&failure).take().unwrap_or_else(|| error.into()))?;

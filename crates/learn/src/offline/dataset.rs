@@ -127,7 +127,7 @@ impl NewDataset {
         let parent = destination.parent().filter(|parent| !parent.as_os_str().is_empty());
         let parent = parent.unwrap_or(Path::new("."));
         std::fs::create_dir_all(parent).map_err(at(parent))?;
-        let staging = b2b_energyplus::folder_in(parent, ".b2b-unfinished-").map_err(at(parent))?;
+        let staging = b2b_base::scratch::folder_in(parent, ".b2b-unfinished-").map_err(at(parent))?;
         let new = Self { destination: destination.to_owned(), staging };
         std::fs::create_dir(new.whole()).map_err(at(parent))?;
         Ok(new)

@@ -3,15 +3,15 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use b2b_benchmark::{Baseline, Baselines, Episode, Evaluation, Subject};
 use b2b_building::{BuildingType, RunPeriod};
 use b2b_dataset::{BuildingName, Catalog, Placement};
 use b2b_energyplus::install::Quiet;
-use b2b_env::vector::{
+use b2b_env::{EpisodeConfig, Spaces, Task};
+use b2b_evaluate::{Baseline, Baselines, Episode, Evaluation, Subject};
+use b2b_workers::{
     Autoreset, Buildings, Kept, Launcher, Population, Rotating, RoundRobin, Sampler, Setting, Source, VecEnv,
     VecEnvOptions, Weighted, Windows, WithTask, WorkerOptions,
 };
-use b2b_env::{EpisodeConfig, Spaces, Task};
 
 use super::config::{Algorithm, TrainConfig};
 use super::days;

@@ -4,9 +4,9 @@ use std::cell::OnceCell;
 use std::sync::{Mutex, PoisonError};
 
 use b2b_agent::Agent;
-use b2b_benchmark::{Baseline, BuiltIn, Episode, Evaluation, Outcome, Policy};
 use b2b_control::tune::travel_limit;
 use b2b_env::EpisodeMetrics;
+use b2b_evaluate::{Baseline, BuiltIn, Episode, Evaluation, Outcome, Policy};
 use serde::Serialize;
 
 use crate::error::{Error, Result};
@@ -24,7 +24,7 @@ pub(super) struct Judge<'a> {
 pub struct Measures {
     /// Score against the reactive controllers: below 1 beats them.
     pub score: f64,
-    /// Resolved score: see [`b2b_benchmark::resolved_score`].
+    /// Resolved score: see [`b2b_evaluate::resolved_score`].
     pub resolved_score: f64,
     /// Root mean square deviation from target, K.
     pub rms_deviation_k: f64,

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use b2b_benchmark::{Baselines, Evaluation};
 use b2b_dataset::Catalog;
-use b2b_env::vector::{VecEnv, WorkerOptions};
+use b2b_evaluate::{Baselines, Evaluation};
+use b2b_workers::{VecEnv, WorkerOptions};
 
 use super::config::TrainConfig;
 use super::environments::Environments;

@@ -1,6 +1,6 @@
 //! Environments in pairs, with the same episodes.
 
-use b2b_env::vector::{Draw, Sampler};
+use b2b_workers::{Draw, Sampler};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 

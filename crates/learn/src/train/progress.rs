@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use b2b_energyplus::aside::write_whole;
+use b2b_base::aside::write_whole;
 
 use super::journal::Journal;
 use super::tensorboard::EventFile;

@@ -5,11 +5,11 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use b2b_agent::{Agent, AgentInfo, FORMAT, NodeSpaces, Pilot, TrainingInfo};
-use b2b_benchmark::{Baselines, Evaluation};
+use b2b_base::aside::write_whole;
 use b2b_control::Versions;
 use b2b_dataset::Catalog;
-use b2b_energyplus::aside::write_whole;
-use b2b_env::vector::{Launcher, WorkerOptions};
+use b2b_evaluate::{Baselines, Evaluation};
+use b2b_workers::{Launcher, WorkerOptions};
 use serde::Serialize;
 
 use super::checkpoint::Checkpoint;

@@ -1,6 +1,6 @@
 //! Environments out of step with each other.
 
-use b2b_env::vector::{Draw, Sampler};
+use b2b_workers::{Draw, Sampler};
 use rand_chacha::ChaCha8Rng;
 
 /// The draws of another sampler, of which the first window of each environment is cut short, so that environments are at different hours of the day

@@ -7,8 +7,8 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
+use b2b_base::machine;
 use b2b_control::Versions;
-use b2b_energyplus::machine;
 use b2b_env::EpisodeMetrics;
 
 pub use sample::Sample;
@@ -17,9 +17,10 @@ use super::entry_policy::EntryPolicy;
 use super::external::External;
 use super::measures::Measures;
 use super::result::{POLICY, RunResult, Stages, read_result};
-use crate::evaluation::{Episode, Evaluation, Outcome, Progress, Row};
+use crate::Result;
 use crate::problem::{Problem, Stage, WrappedPolicy};
-use crate::{Baselines, BuiltIn, Error, Result, SiteInfo};
+use b2b_evaluate::{Baselines, BuiltIn, SiteInfo};
+use b2b_evaluate::{Episode, Evaluation, Outcome, Progress, Row};
 
 /// Relative tolerance for sums in another order.
 const ROUNDING: f64 = 1e-9;
@@ -345,10 +346,13 @@ fn compare_baseline(
     progress: &dyn Progress,
 ) -> Result<CheckOutcome> {
     let Ok(there) = &row.outcome else { return Ok(Err("it was lost".into())) };
-    let cache = tempfile::tempdir().map_err(|source| Error::Io { path: std::env::temp_dir(), source })?;
+    let cache = tempfile::tempdir()
+        .map_err(|source| b2b_evaluate::Error::Io { path: std::env::temp_dir(), source })?;
     let baselines = Baselines::without_shipped(cache.path());
     let baseline = match baselines.baseline(evaluation, episode, site, progress) {
-        Err(Error::NoBaseline { why, .. }) => return Ok(Err(format!("its baseline was lost: {why}"))),
+        Err(b2b_evaluate::Error::NoBaseline { why, .. }) => {
+            return Ok(Err(format!("its baseline was lost: {why}")));
+        }
         baseline => baseline?,
     };
     let returns = (there.baseline_return.unwrap_or(f64::NAN), baseline.episode_return);

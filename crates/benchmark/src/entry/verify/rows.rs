@@ -7,11 +7,11 @@ use b2b_env::EpisodeMetrics;
 
 use super::{CheckOutcome, ROUNDING, TOLERANCE, expected, is_near, near};
 use crate::entry::result::RunResult;
-use crate::evaluation::{Episode, EpisodeInfo, Row};
 use crate::problem::Stage;
-use crate::scores::Baseline;
-use crate::tuned::task_for;
-use crate::{Baselines, Key};
+use b2b_evaluate::Baseline;
+use b2b_evaluate::task_for;
+use b2b_evaluate::{Baselines, Key};
+use b2b_evaluate::{Episode, EpisodeInfo, Row};
 
 /// Length of a trajectory hash: a SHA-256 in hexadecimal.
 const HASH_DIGITS: usize = 64;

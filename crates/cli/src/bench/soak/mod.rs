@@ -3,12 +3,12 @@
 mod chaos;
 
 use anyhow::{Context, Result};
+use b2b_base::digest::hex;
 use b2b_building::{BuildingType, RunPeriod};
 use b2b_control::{Controller, Random};
 use b2b_dataset::BuildingName;
-use b2b_energyplus::digest::hex;
 use b2b_env::Task;
-use b2b_env::vector::{AnyOf, VecEnv, VecEnvOptions, Windows};
+use b2b_workers::{AnyOf, VecEnv, VecEnvOptions, Windows};
 use serde_json::json;
 use sha2::{Digest, Sha256};
 

@@ -21,7 +21,7 @@ mod person;
 
 use rand_chacha::ChaCha8Rng;
 
-use crate::random::{stream, uniform};
+use b2b_base::random::{stream, uniform};
 use person::{Occupation, Person};
 
 /// Days of a week, Monday first.

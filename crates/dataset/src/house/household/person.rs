@@ -3,7 +3,7 @@
 use rand_chacha::ChaCha8Rng;
 
 use super::{Absence, is_weekend};
-use crate::random::{standard_normal, uniform};
+use b2b_base::random::{standard_normal, uniform};
 
 /// What a person does on weekdays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -91,7 +91,7 @@ fn list_of(wheel: &Path, keep: &'static [&'static str]) -> String {
             let mut content = Vec::new();
             entry.read_to_end(&mut content).unwrap();
             let (path, bytes) = (package.corrected(&name), content.len() as u64);
-            files.push(UnpackedFile { path, bytes, sha256: crate::digest::sha256(content) });
+            files.push(UnpackedFile { path, bytes, sha256: b2b_base::digest::sha256(content) });
         }
     }
     let (package, version, wheel_sha256) = (String::new(), String::new(), String::new());
@@ -192,7 +192,7 @@ fn what_the_client_installed_for_itself_is_used_where_it_is_while_it_is_whole() 
     let found = package.ensure(&cache, &mut Quiet).unwrap();
     let (path, file) = found.file("AK_Here.epw").unwrap();
     assert_eq!((path, found.manifest.files.len()), (there.join(EPW), 1));
-    assert_eq!(file.sha256, crate::digest::sha256("LOCATION,Here\n"));
+    assert_eq!(file.sha256, b2b_base::digest::sha256("LOCATION,Here\n"));
     assert!(!cache.root.exists());
     std::fs::write(there.join(EPW), "LOCATION,hERE\n").unwrap();
     assert!(package.find(&cache).is_none(), "with a changed byte");
@@ -282,7 +282,7 @@ fn a_manifest_with_another_list_of_files_is_damaged() {
     let Registry { cache, package, folder: _folder } = &Registry::new();
     let found = package.ensure(cache, &mut Quiet).unwrap();
     let mut changed = found.manifest.clone();
-    changed.files[0].sha256 = crate::digest::sha256("LOCATION,hERE\n");
+    changed.files[0].sha256 = b2b_base::digest::sha256("LOCATION,hERE\n");
     for manifest in [Manifest { files: Vec::new(), ..changed.clone() }, changed] {
         manifest.write(&found.root).unwrap();
         std::fs::write(found.root.join(EPW), "LOCATION,hERE\n").unwrap();

@@ -1,0 +1,121 @@
+//! Atomic writing of files: a file appears complete or not at all.
+
+use std::collections::HashSet;
+use std::fs::File;
+use std::io::{Result, Write as _};
+use std::path::{Path, PathBuf};
+use std::sync::{LazyLock, Mutex, PoisonError};
+
+use tempfile::NamedTempFile;
+
+use crate::scratch::{owned, sweep};
+
+/// Prefix of the names of files before they are moved.
+const PREFIX: &str = ".aside-";
+
+/// Writes a file next to its place under a random name, to be moved there by [`put`].
+///
+/// # Errors
+/// Errors of the operating system.
+pub fn write(path: &Path, bytes: &[u8]) -> Result<NamedTempFile> {
+    write_by(path, |file| file.write_all(bytes))
+}
+
+/// Writes a file as [`write()`] does, with a function for its content.
+fn write_by(path: &Path, content: impl FnOnce(&mut File) -> Result<()>) -> Result<NamedTempFile> {
+    let folder = folder_of(path);
+    sweep_once(folder);
+    let mut builder = tempfile::Builder::new();
+    let prefix = owned(PREFIX);
+    builder.prefix(&prefix);
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt as _;
+        // As of a new file; less the user's mask.
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    let mut file = builder.tempfile_in(folder)?;
+    content(file.as_file_mut())?;
+    file.as_file().sync_all()?;
+    Ok(file)
+}
+
+/// Removes what killed processes left in a folder, once per process, because a folder may have thousands of files.
+fn sweep_once(folder: &Path) {
+    static SWEPT: LazyLock<Mutex<HashSet<PathBuf>>> = LazyLock::new(Mutex::default);
+    let mut swept = SWEPT.lock().unwrap_or_else(PoisonError::into_inner);
+    if swept.insert(folder.to_owned()) {
+        sweep(folder, PREFIX);
+    }
+}
+
+/// Moves a file to its place, replacing an existing file or link.
+///
+/// # Errors
+/// Errors of the operating system.
+pub fn put(file: NamedTempFile, path: &Path) -> Result<()> {
+    file.persist(path).map_err(|error| error.error)?;
+    // The new name is on disk once the folder is, which not every file system can do.
+    #[cfg(unix)]
+    if let Ok(folder) = File::open(folder_of(path)) {
+        let _ = folder.sync_all();
+    }
+    Ok(())
+}
+
+/// Writes a file aside and moves it to its place.
+///
+/// # Errors
+/// Errors of the operating system; an earlier file is then unchanged.
+pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
+    put(write(path, bytes)?, path)
+}
+
+/// Writes a file as [`write_whole`] does, with a function for its content.
+///
+/// # Errors
+/// Errors of the function and of the operating system; an earlier file is then unchanged.
+pub fn write_whole_by(path: &Path, content: impl FnOnce(&mut File) -> Result<()>) -> Result<()> {
+    put(write_by(path, content)?, path)
+}
+
+/// Returns whether a path is a file that is still being written, or was left by a killed process.
+pub fn is_unfinished(path: &Path) -> bool {
+    path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(PREFIX))
+}
+
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_in_the_way_is_replaced_and_not_followed() {
+        let root = tempfile::tempdir().unwrap();
+        let (theirs, link) = (root.path().join("theirs"), root.path().join("ours"));
+        std::fs::write(&theirs, "theirs").unwrap();
+        std::os::unix::fs::symlink(&theirs, &link).unwrap();
+        write_whole(&link, b"ours").unwrap();
+        assert_eq!(std::fs::read_to_string(&theirs).unwrap(), "theirs");
+        assert_eq!(std::fs::read_to_string(&link).unwrap(), "ours");
+        assert!(!link.is_symlink());
+    }
+
+    #[test]
+    fn a_failed_write_leaves_the_earlier_file_and_nothing_else() {
+        let root = tempfile::tempdir().unwrap();
+        let path = root.path().join("file");
+        write_whole(&path, b"earlier").unwrap();
+        let failed = write_whole_by(&path, |file| {
+            file.write_all(b"half")?;
+            Err(std::io::Error::other("full"))
+        });
+        assert_eq!(failed.unwrap_err().to_string(), "full");
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "earlier");
+        assert_eq!(std::fs::read_dir(root.path()).unwrap().count(), 1);
+    }
+}

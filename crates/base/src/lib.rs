@@ -1,0 +1,8 @@
+//! What all crates share: files written atomically, temporary folders that end with their owner, digests, random streams,
+//! and the fingerprint of the machine's arithmetic.
+
+pub mod aside;
+pub mod digest;
+pub mod machine;
+pub mod random;
+pub mod scratch;

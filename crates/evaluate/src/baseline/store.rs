@@ -1,0 +1,247 @@
+//! Known baselines, and the computation of unknown ones.
+
+use std::collections::{HashMap, HashSet};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+use b2b_base::aside::write_whole;
+use b2b_energyplus::install::{cache_dir, seal, unseal};
+use serde::{Deserialize, Serialize};
+
+use super::key::{Key, without_energy};
+use super::table;
+use crate::error::at;
+use crate::evaluation::{Episode, Evaluation, Lost, Progress};
+use crate::return_terms::ReturnTerms;
+use crate::scores::Baseline;
+use crate::tuned::task_for;
+use crate::{BuiltIn, Error, Result, SiteInfo};
+
+/// The shipped baselines: `b2b baseline` writes them.
+const SHIPPED: &str = include_str!("../../data/baselines.csv");
+
+/// A baseline on disk.
+#[derive(Serialize, Deserialize)]
+struct Cached {
+    key: Key,
+    terms: ReturnTerms,
+}
+
+/// The known baselines: shipped ones, and a folder of cached ones.
+#[derive(Debug)]
+pub struct Baselines {
+    shipped: HashMap<Key, ReturnTerms>,
+    folder: PathBuf,
+}
+
+impl Baselines {
+    /// Opens the shipped baselines and those in the user's cache folder.
+    ///
+    /// # Errors
+    /// [`Error::Install`] if the home folder is unknown.
+    pub fn open() -> Result<Self> {
+        Ok(Self::in_folder(&Self::folder_in(&cache_dir()?)))
+    }
+
+    /// Returns the folder of baselines in a cache; its number changes with the format of the files.
+    pub fn folder_in(cache: &Path) -> PathBuf {
+        cache.join("baselines-1")
+    }
+
+    /// Opens the shipped baselines and those in a folder.
+    pub fn in_folder(folder: &Path) -> Self {
+        let shipped = table::read(SHIPPED).expect("a test reads the shipped table");
+        Self { shipped: shipped.into_iter().collect(), folder: folder.to_owned() }
+    }
+
+    /// Opens the baselines in a folder without the shipped ones, to recompute these.
+    pub fn without_shipped(folder: &Path) -> Self {
+        Self { shipped: HashMap::new(), folder: folder.to_owned() }
+    }
+
+    /// Returns the shipped baselines.
+    pub fn shipped(&self) -> impl Iterator<Item = (&Key, &ReturnTerms)> {
+        self.shipped.iter()
+    }
+
+    /// Returns a baseline if it is known.
+    pub fn get(&self, key: &Key) -> Option<ReturnTerms> {
+        if let Some(terms) = self.shipped.get(key) {
+            return Some(*terms);
+        }
+        let file = std::fs::read(self.folder.join(key.file_name())).ok()?;
+        // A file that is unreadable or was changed is computed again.
+        let cached: Cached = serde_json::from_slice(unseal(&file)?).ok()?;
+        (cached.key == *key).then_some(cached.terms)
+    }
+
+    /// Writes a baseline to the cache.
+    ///
+    /// # Errors
+    /// [`Error::Io`].
+    pub fn keep(&self, key: &Key, terms: ReturnTerms) -> Result<()> {
+        std::fs::create_dir_all(&self.folder).map_err(at(&self.folder))?;
+        let text = serde_json::to_vec_pretty(&Cached { key: key.clone(), terms })
+            .expect("plain data always serializes");
+        // Another process may write the same file.
+        let path = self.folder.join(key.file_name());
+        write_whole(&path, &seal(&text)).map_err(at(&path))
+    }
+
+    /// Computes baselines and caches them. Returns the lost episodes by their keys.
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`]; [`Error::Io`].
+    pub fn compute(
+        &self,
+        evaluation: &Evaluation<'_>,
+        episodes: &[(Key, Episode)],
+        progress: &dyn Progress,
+    ) -> Result<HashMap<Key, Lost>> {
+        let days = episodes.iter().map(|(_, episode)| episode.days()).sum();
+        progress.begin("baselines", episodes.len(), days);
+        let lost = Mutex::new(HashMap::new());
+        let numbered: Vec<_> = episodes.iter().map(|(_, episode)| episode).enumerate().collect();
+        evaluation.run(&numbered, &BuiltIn::Reactive, progress, &|number, outcome| {
+            let key = &episodes[number].0;
+            match outcome {
+                Ok(finished) => self.keep(key, finished.terms),
+                Err(why) => {
+                    lost.lock().unwrap_or_else(PoisonError::into_inner).insert(key.clone(), why);
+                    Ok(())
+                }
+            }
+        })?;
+        Ok(lost.into_inner().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// Returns the episodes whose baselines are unknown, once each and with the energy term of their
+    /// objective, in their order.
+    pub fn missing(&self, episodes: impl IntoIterator<Item = (Key, Episode)>) -> Vec<(Key, Episode)> {
+        let mut seen = HashSet::new();
+        let unknown =
+            episodes.into_iter().filter(|(key, _)| seen.insert(key.clone()) && self.get(key).is_none());
+        unknown
+            .map(|(key, episode)| {
+                let task = without_energy(&episode.task);
+                let task = key.objective.task(&task);
+                (key, Episode { task, seed: 0, ..episode })
+            })
+            .collect()
+    }
+
+    /// Returns return and energy of the reactive controllers for an episode's building, task and days, computed if unknown.
+    ///
+    /// # Errors
+    /// [`Error::NoBaseline`] if their episode is lost; [`Error::Interrupted`]; [`Error::Io`].
+    pub fn baseline(
+        &self,
+        evaluation: &Evaluation<'_>,
+        episode: &Episode,
+        site: &SiteInfo,
+        progress: &dyn Progress,
+    ) -> Result<Baseline> {
+        let Episode { subject, task, period, steps_per_hour, .. } = episode;
+        let key = Key::of(episode, site)?;
+        let missing = self.missing([(key.clone(), episode.clone())]);
+        let mut lost = match &missing[..] {
+            [] => HashMap::new(),
+            missing => self.compute(evaluation, missing, progress)?,
+        };
+        let terms = self.get(&key).ok_or_else(|| Error::NoBaseline {
+            building: subject.name.to_string(),
+            task: task.to_string(),
+            period: period.to_string(),
+            why: lost.remove(&key).map_or_else(String::new, |lost| lost.reason),
+        })?;
+        Ok(terms.baseline(&task_for(subject, site, task, *steps_per_hour)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use b2b_building::RunPeriod;
+    use b2b_dataset::GENERATOR_VERSION;
+    use b2b_energyplus::install::ENGINE_VERSION;
+    use b2b_env::Task;
+
+    use super::super::key::REVISION;
+    use super::*;
+    use crate::Subject;
+
+    fn episode(task: &str) -> Episode {
+        Episode {
+            subject: Subject::at_home("OfficeSmall-42".parse().unwrap()),
+            task: task.parse().unwrap(),
+            period: RunPeriod::WINTER,
+            seed: 0,
+            steps_per_hour: 12,
+        }
+    }
+
+    fn key(task: &str) -> Key {
+        let site = SiteInfo { place: "Denver".into(), climate_zone: "5B".into() };
+        Key::of(&episode(task), &site).unwrap()
+    }
+
+    const TERMS: ReturnTerms = ReturnTerms {
+        temperature_penalty: 614.725_113_2,
+        energy: 11_620.1 + 0.2,
+        cost: 1.37,
+        emissions: 4120.0,
+        peak: 13.9,
+    };
+
+    #[test]
+    fn one_episode_gives_the_return_for_every_weight_of_every_resource() {
+        let of = |text: &str| TERMS.episode_return(&text.parse().unwrap());
+        assert_eq!(of("constant"), -TERMS.temperature_penalty);
+        assert_eq!(of("constant+energy0.5"), -TERMS.temperature_penalty - 0.5 * TERMS.energy);
+        assert_eq!(of("constant+cost2"), -TERMS.temperature_penalty - 2.0 * TERMS.cost);
+        let scaled = Task { energy_scale: Some(0.25), ..episode("constant+energy0.5").task };
+        assert_eq!(TERMS.episode_return(&scaled), -TERMS.temperature_penalty - 2.0 * TERMS.energy);
+        assert_eq!(key("occupancy+cost2"), key("occupancy+energy0.5"));
+        assert_ne!(key("occupancy"), key("occupancy+energy0.5"), "each objective has its own parameters");
+        assert_ne!(key("occupancy"), key("constant"));
+        assert_ne!(key("constant+deadband"), key("constant"), "comfort is judged otherwise");
+        assert_ne!(key("random:1"), key("random:2"));
+    }
+
+    #[test]
+    fn what_is_kept_is_found_again_by_its_whole_key() {
+        let folder = tempfile::tempdir().unwrap();
+        let baselines = Baselines::without_shipped(folder.path());
+        let missing = baselines.missing([
+            (key("constant+energy2"), episode("constant+energy2")),
+            (key("constant+energy0.5"), episode("constant+energy0.5")),
+        ]);
+        assert_eq!(missing.len(), 1, "both weights are one episode");
+        assert_eq!(missing[0].1.task.to_string(), "constant+energy0.5");
+        baselines.keep(&key("constant"), TERMS).unwrap();
+        assert_eq!(baselines.get(&key("constant")), Some(TERMS));
+        assert_eq!(baselines.get(&Key { revision: REVISION + 1, ..key("constant") }), None);
+        assert_eq!(baselines.missing([(key("constant"), episode("constant"))]), []);
+        // A file that was cut short or edited is no baseline.
+        let file = folder.path().join(key("constant").file_name());
+        let whole = std::fs::read_to_string(&file).unwrap();
+        let edited = whole.replace("614.725", "614725.");
+        assert_ne!(edited, whole);
+        for damaged in [&whole[..40], &edited] {
+            std::fs::write(&file, damaged).unwrap();
+            assert_eq!(baselines.get(&key("constant")), None);
+        }
+    }
+
+    #[test]
+    fn the_shipped_table_reads_back_as_it_is_and_is_of_these_controllers() {
+        let rows = table::read(SHIPPED).unwrap();
+        assert_eq!(table::text(&rows), SHIPPED);
+        for (key, terms) in &rows {
+            assert_eq!((key.generator.as_str(), key.engine.as_str()), (GENERATOR_VERSION, ENGINE_VERSION));
+            assert_eq!(key.revision, REVISION);
+            assert!(terms.temperature_penalty >= 0.0 && terms.energy > 0.0, "{key:?}");
+        }
+        let one = vec![(key("constant"), TERMS)];
+        assert_eq!(table::read(&table::text(&one)), Some(one));
+    }
+}

@@ -1,0 +1,136 @@
+//! The processes in which a thread runs the episodes of a building.
+
+use std::collections::VecDeque;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+
+use b2b_building::PreparedBuilding;
+use b2b_dataset::Catalog;
+use b2b_energyplus::install::Quiet;
+use b2b_env::Inputs;
+use b2b_workers::{RolloutMemory, Setting, Source, WorkerOptions, Workers};
+
+use super::episode::Episode;
+use super::parallel::Evaluation;
+use crate::Result;
+use crate::subject::{SiteInfo, Subject};
+
+/// The episodes of one building that wait to be run.
+pub(super) struct Group<'a> {
+    subject: &'a Subject,
+    waiting: Mutex<VecDeque<usize>>,
+    located: Mutex<Option<Arc<Located>>>,
+    /// Set once a thread has prepared it: the others need not.
+    prepared: OnceLock<Arc<PreparedBuilding>>,
+}
+
+/// A building with its place.
+#[derive(Debug)]
+pub(super) struct Located {
+    pub(super) subject: Subject,
+    pub(super) site: SiteInfo,
+    weather: PathBuf,
+    source: Arc<Source>,
+}
+
+/// A pool of processes with a building.
+pub(super) struct Bench {
+    pub(super) workers: Workers,
+    /// For the records of its episodes.
+    pub(super) memory: RolloutMemory,
+    pub(super) located: Arc<Located>,
+    /// Shared by its episodes, so that they share what is prepared.
+    source: Arc<Source>,
+    /// As it came out of the first episode.
+    pub(super) prepared: Option<Arc<PreparedBuilding>>,
+    /// Of its first episode, and so of all.
+    pub(super) inputs: Option<Inputs>,
+}
+
+impl<'a> Group<'a> {
+    /// Groups of episodes in the order of a list; those of one building that follow each other are one.
+    pub(super) fn of(episodes: &[(usize, &'a Episode)]) -> Vec<Self> {
+        let mut groups: Vec<Self> = Vec::new();
+        for (position, (_, episode)) in episodes.iter().enumerate() {
+            match groups.last_mut() {
+                Some(group) if *group.subject == episode.subject => lock(&group.waiting).push_back(position),
+                _ => groups.push(Self {
+                    subject: &episode.subject,
+                    waiting: Mutex::new(VecDeque::from([position])),
+                    located: Mutex::default(),
+                    prepared: OnceLock::new(),
+                }),
+            }
+        }
+        groups
+    }
+
+    /// The position of an episode that has not been started.
+    pub(super) fn take(&self) -> Option<usize> {
+        lock(&self.waiting).pop_front()
+    }
+
+    /// Tells others what was prepared.
+    pub(super) fn is_prepared(&self, bench: &Bench) {
+        if let Some(building) = &bench.prepared {
+            self.prepared.get_or_init(|| Arc::clone(building));
+        }
+    }
+
+    /// The building; found by the first who asks.
+    fn located(&self, catalog: &Catalog) -> Result<Arc<Located>> {
+        let mut located = lock(&self.located);
+        if let Some(located) = &*located {
+            return Ok(Arc::clone(located));
+        }
+        let subject = self.subject.clone();
+        let found = catalog.find(&subject.name, &subject.placement, &mut Quiet)?;
+        let site = subject.site(&found)?;
+        let weather = found.weather.clone();
+        let source = Source::from(found);
+        let made = Arc::new(Located { subject, site, weather, source: Arc::new(source) });
+        *located = Some(Arc::clone(&made));
+        Ok(made)
+    }
+}
+
+impl Bench {
+    /// A pool for what is left of a building's episodes.
+    pub(super) fn new(evaluation: &Evaluation<'_>, group: &Group<'_>) -> Result<Self> {
+        let located = group.located(evaluation.catalog)?;
+        let source = match group.prepared.get() {
+            Some(building) => Arc::new(Source::Prepared(Box::new(PreparedBuilding::clone(building)))),
+            None => Arc::clone(&located.source),
+        };
+        let options = WorkerOptions {
+            interrupted: evaluation.interrupted,
+            // A template serves its episodes one after another, and goes when the next is made.
+            template_memory: 0,
+            ..WorkerOptions::new(evaluation.launcher.clone(), evaluation.catalog.library().path())
+        };
+        let workers = Workers::new(options)?;
+        Ok(Self {
+            memory: RolloutMemory::new(&workers),
+            workers,
+            located,
+            source,
+            prepared: None,
+            inputs: None,
+        })
+    }
+
+    /// An episode of the building.
+    pub(super) fn setting(&self, episode: &Episode) -> Setting {
+        let episode = b2b_env::EpisodeConfig {
+            weather: self.located.weather.clone(),
+            period: episode.period,
+            steps_per_hour: episode.steps_per_hour,
+            task: episode.task.clone(),
+        };
+        Setting { source: Arc::clone(&self.source), episode }
+    }
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}

@@ -1,0 +1,276 @@
+//! The folder of an evaluation: its definition, and every episode as it ends. Files are written atomically, so that an
+//! interrupted evaluation resumes.
+
+use std::fs::File;
+use std::io::BufReader;
+use std::path::{Path, PathBuf};
+
+use b2b_base::aside::{is_unfinished, write_whole, write_whole_by};
+use b2b_control::Versions;
+use b2b_energyplus::install::{seal, unseal};
+use serde::Serialize;
+use serde_json::Value;
+
+use super::episode::Episode;
+use super::finished::Finished;
+use crate::error::at;
+use crate::policy::Policy;
+use crate::{Error, Result};
+
+/// The folder of an evaluation, locked by this process.
+#[derive(Debug)]
+pub struct Folder {
+    path: PathBuf,
+    _lock: File,
+}
+
+/// The definition of an evaluation: `evaluation.json`.
+#[derive(Serialize)]
+struct Definition {
+    versions: Versions,
+    /// Episodes of machines that round differently do not belong into one result.
+    machine: String,
+    policy: String,
+    policy_identity: String,
+    episodes: Vec<EpisodeDefinition>,
+}
+
+#[derive(Serialize)]
+struct EpisodeDefinition {
+    building: String,
+    task: String,
+    task_hash: String,
+    period: String,
+    seed: u64,
+    steps_per_hour: u32,
+}
+
+const DEFINITION: &str = "evaluation.json";
+const EPISODES: &str = "episodes";
+
+impl Folder {
+    /// Opens the folder of these episodes under this policy: a new one, or one with some episodes in it already.
+    ///
+    /// # Errors
+    /// [`Error::OtherEvaluation`] with the differences; [`Error::UnrelatedFiles`]; [`Error::Busy`]; [`Error::NoEpisode`];
+    /// [`Error::Io`].
+    pub fn open(path: &Path, policy: &dyn Policy, episodes: &[Episode]) -> Result<Self> {
+        if episodes.is_empty() {
+            return Err(Error::NoEpisode);
+        }
+        let definition =
+            serde_json::to_value(Definition::of(policy, episodes)?).expect("plain data always serializes");
+        let file = path.join(DEFINITION);
+        if !file.exists() {
+            check_empty(path)?;
+            let folder = path.join(EPISODES);
+            std::fs::create_dir_all(&folder).map_err(at(&folder))?;
+            write_whole_by(&file, |out| serde_json::to_writer_pretty(out, &definition).map_err(Into::into))
+                .map_err(at(&file))?;
+        }
+        let lock = File::open(&file).map_err(at(&file))?;
+        match lock.try_lock() {
+            Ok(()) => {}
+            Err(std::fs::TryLockError::WouldBlock) => return Err(Error::Busy { folder: path.to_owned() }),
+            Err(std::fs::TryLockError::Error(source)) => return Err(at(&file)(source)),
+        }
+        let damaged = |why: serde_json::Error| Error::Damaged { path: file.clone(), why: why.to_string() };
+        let there: Value = serde_json::from_reader(BufReader::new(&lock)).map_err(damaged)?;
+        if there != definition {
+            let differences = differences(&there, &definition);
+            return Err(Error::OtherEvaluation { folder: path.to_owned(), differences });
+        }
+        let folder = Self { path: path.to_owned(), _lock: lock };
+        folder.remove_temporary()?;
+        Ok(folder)
+    }
+
+    /// Returns an episode by its number; `None` if it has not ended, cannot be read or was changed.
+    pub fn read(&self, number: usize) -> Option<Finished> {
+        read_kept(&self.path, number)
+    }
+
+    /// Writes an episode to disk.
+    ///
+    /// # Errors
+    /// [`Error::Io`].
+    pub fn keep(&self, number: usize, finished: &Finished) -> Result<()> {
+        let json = serde_json::to_vec(finished).expect("plain data always serializes");
+        let path = episode_path(&self.path, number);
+        write_whole(&path, &seal(&json)).map_err(at(&path))
+    }
+
+    /// Writes a results file atomically.
+    ///
+    /// # Errors
+    /// [`Error::Io`], also for errors of `content`.
+    pub fn write(&self, name: &str, content: impl FnOnce(&mut File) -> std::io::Result<()>) -> Result<()> {
+        let path = self.path.join(name);
+        write_whole_by(&path, content).map_err(at(&path))
+    }
+
+    /// Returns the path of a results file.
+    pub fn path_of(&self, name: &str) -> PathBuf {
+        self.path.join(name)
+    }
+
+    /// Removes temporary files of a killed process.
+    fn remove_temporary(&self) -> Result<()> {
+        for folder in [self.path.clone(), self.path.join(EPISODES)] {
+            std::fs::create_dir_all(&folder).map_err(at(&folder))?;
+            for entry in std::fs::read_dir(&folder).map_err(at(&folder))? {
+                let path = entry.map_err(at(&folder))?.path();
+                if is_unfinished(&path) {
+                    std::fs::remove_file(&path).map_err(at(&path))?;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+fn episode_path(folder: &Path, number: usize) -> PathBuf {
+    folder.join(EPISODES).join(format!("{number:06}.json"))
+}
+
+/// Returns an episode that is kept in the folder of an evaluation, by its number; `None` if it has not ended, cannot be read or
+/// was changed.
+pub fn read_kept(folder: &Path, number: usize) -> Option<Finished> {
+    let file = std::fs::read(episode_path(folder, number)).ok()?;
+    serde_json::from_slice(unseal(&file)?).ok()
+}
+
+impl Definition {
+    fn of(policy: &dyn Policy, episodes: &[Episode]) -> Result<Self> {
+        let definition = |episode: &Episode| {
+            Ok(EpisodeDefinition {
+                building: episode.subject.identity()?,
+                task: episode.task.to_string(),
+                task_hash: episode.task.hash(),
+                period: episode.period.to_string(),
+                seed: episode.seed,
+                steps_per_hour: episode.steps_per_hour,
+            })
+        };
+        Ok(Self {
+            versions: Versions::current(),
+            machine: b2b_base::machine::fingerprint(),
+            policy: policy.name(),
+            policy_identity: policy.identity(),
+            episodes: episodes.iter().map(definition).collect::<Result<_>>()?,
+        })
+    }
+}
+
+/// Errors if the folder of a new evaluation contains anything but leftovers of an interrupted start.
+fn check_empty(path: &Path) -> Result<()> {
+    let Ok(entries) = std::fs::read_dir(path) else {
+        return if path.exists() { Err(Error::UnrelatedFiles { folder: path.to_owned() }) } else { Ok(()) };
+    };
+    for entry in entries {
+        let name = entry.map_err(at(path))?.file_name();
+        if name != EPISODES && !is_unfinished(name.as_ref()) {
+            return Err(Error::UnrelatedFiles { folder: path.to_owned() });
+        }
+    }
+    Ok(())
+}
+
+/// Describes how two evaluations differ.
+fn differences(there: &Value, here: &Value) -> String {
+    const NONE: &Value = &Value::Null;
+    let mut found = Vec::new();
+    for name in ["machine", "policy", "policy_identity"] {
+        compare(name, &there[name], &here[name], &mut found);
+    }
+    for name in ["package", "generator", "engine", "controllers"] {
+        compare(name, &there["versions"][name], &here["versions"][name], &mut found);
+    }
+    let list = |value: &Value| value["episodes"].as_array().cloned().unwrap_or_default();
+    let (theirs, ours) = (list(there), list(here));
+    if theirs.len() != ours.len() {
+        found.push(format!("{} episodes in the folder and {} in this command", theirs.len(), ours.len()));
+    }
+    let pairs = theirs.iter().zip(&ours).enumerate();
+    if let Some((number, (there, here))) = pairs.into_iter().find(|(_, (there, here))| there != here) {
+        for name in ["building", "task", "task_hash", "period", "seed", "steps_per_hour"] {
+            let what = format!("{name} of episode {number}");
+            compare(&what, there.get(name).unwrap_or(NONE), here.get(name).unwrap_or(NONE), &mut found);
+        }
+    }
+    if found.is_empty() { "its format".to_owned() } else { found.join("; ") }
+}
+
+fn compare(what: &str, there: &Value, here: &Value, found: &mut Vec<String>) {
+    if there != here {
+        found.push(format!("{what} is {there} in the folder and {here} in this command"));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{BuiltIn, Subject};
+
+    fn episodes(buildings: &[&str]) -> Vec<Episode> {
+        let episode = |name: &&str| Episode {
+            subject: Subject::at_home(name.parse().unwrap()),
+            task: "constant".parse().unwrap(),
+            period: "01-01..01-02".parse().unwrap(),
+            seed: 0,
+            steps_per_hour: 12,
+        };
+        buildings.iter().map(episode).collect()
+    }
+
+    #[test]
+    fn a_folder_of_a_different_evaluation_is_an_error_that_names_the_differences() {
+        let root = tempfile::tempdir().unwrap();
+        let path = root.path().join("results");
+        let houses = episodes(&["SingleFamilyHouse-1", "SingleFamilyHouse-2"]);
+        drop(Folder::open(&path, &BuiltIn::Random, &houses).unwrap());
+        drop(Folder::open(&path, &BuiltIn::Random, &houses).unwrap());
+        let refused = |policy: BuiltIn, episodes: &[Episode]| {
+            Folder::open(&path, &policy, episodes).unwrap_err().to_string()
+        };
+        let said = refused(BuiltIn::Constant, &houses);
+        assert!(
+            said.contains("\"random\" in the folder") && said.contains("\"constant\" in this command"),
+            "{said}"
+        );
+        let said = refused(BuiltIn::Random, &episodes(&["SingleFamilyHouse-1", "SingleFamilyHouse-3"]));
+        assert!(said.contains("building of episode 1") && said.contains("SingleFamilyHouse-0003"), "{said}");
+        let said = refused(BuiltIn::Random, &houses[..1]);
+        assert!(said.contains("2 episodes in the folder and 1 in this command"), "{said}");
+    }
+
+    #[test]
+    fn a_folder_in_use_or_with_unrelated_files_is_an_error() {
+        let root = tempfile::tempdir().unwrap();
+        let path = root.path().join("results");
+        let houses = episodes(&["SingleFamilyHouse-1"]);
+        let folder = Folder::open(&path, &BuiltIn::Random, &houses).unwrap();
+        let busy = Folder::open(&path, &BuiltIn::Random, &houses).unwrap_err();
+        assert!(matches!(busy, Error::Busy { .. }), "{busy}");
+        drop(folder);
+        std::fs::write(root.path().join("thesis.tex"), "").unwrap();
+        let foreign = Folder::open(root.path(), &BuiltIn::Random, &houses).unwrap_err();
+        assert!(matches!(foreign, Error::UnrelatedFiles { .. }), "{foreign}");
+        let none = Folder::open(&root.path().join("other"), &BuiltIn::Random, &[]).unwrap_err();
+        assert!(matches!(none, Error::NoEpisode), "{none}");
+    }
+
+    #[test]
+    fn an_interrupted_write_is_removed_and_a_damaged_episode_counts_as_missing() {
+        let root = tempfile::tempdir().unwrap();
+        let houses = episodes(&["SingleFamilyHouse-1"]);
+        let path = root.path().join("results");
+        drop(Folder::open(&path, &BuiltIn::Random, &houses).unwrap());
+        let half = path.join(EPISODES).join(".aside-x1y2z3");
+        std::fs::write(&half, "{\"record\": {").unwrap();
+        std::fs::write(path.join(EPISODES).join("000000.json"), "{\"record\": {").unwrap();
+        let folder = Folder::open(&path, &BuiltIn::Random, &houses).unwrap();
+        assert!(!half.exists());
+        assert_eq!(folder.read(0), None);
+    }
+}

@@ -1,0 +1,47 @@
+//! The configuration of an evaluation, and the state its threads share.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use b2b_dataset::Catalog;
+use b2b_workers::Launcher;
+
+use super::episode::Episode;
+use super::finished::Outcome;
+use super::progress::Progress;
+use super::recording::Recorded;
+use crate::policy::Policy;
+use crate::{Error, Result};
+
+/// How episodes are run, in parallel.
+#[derive(Debug)]
+pub struct Evaluation<'a> {
+    /// Source of buildings.
+    pub catalog: &'a Catalog,
+    /// Starts worker processes.
+    pub launcher: Launcher,
+    /// Episodes that run at a time.
+    pub jobs: usize,
+    /// Polled at least once per simulated day; if true, the evaluation ends with [`Error::Interrupted`].
+    pub interrupted: fn() -> bool,
+}
+
+/// What the threads of an evaluation share.
+pub(super) struct Work<'a> {
+    pub(super) episodes: &'a [(usize, &'a Episode)],
+    pub(super) policy: &'a dyn Policy,
+    pub(super) progress: &'a dyn Progress,
+    pub(super) keep: &'a (dyn Fn(usize, Outcome) -> Result<()> + Sync),
+    /// Told of every episode that was recorded, before it is kept.
+    pub(super) recorded: &'a (dyn Fn(usize, &Recorded<'_>) -> Result<()> + Sync),
+    /// Set when a thread fails, to stop the others.
+    pub(super) failed: AtomicBool,
+    pub(super) interrupted: fn() -> bool,
+}
+
+impl Work<'_> {
+    /// Errors if the evaluation is to stop.
+    pub(super) fn check(&self) -> Result<()> {
+        let halt = (self.interrupted)() || self.failed.load(Ordering::Relaxed);
+        if halt { Err(Error::Interrupted) } else { Ok(()) }
+    }
+}

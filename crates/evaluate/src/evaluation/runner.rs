@@ -1,0 +1,136 @@
+//! Runs the episodes of an evaluation in parallel.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+use super::bench::{Bench, Group};
+use super::episode::Episode;
+use super::finished::{Finished, Lost, Outcome};
+use super::parallel::{Evaluation, Work};
+use super::progress::Progress;
+use super::recording::Recorded;
+use super::rollout;
+use crate::panics::panic_message;
+use crate::policy::Policy;
+use crate::{Error, Result};
+
+/// Takes the steps of an episode by its number, or why it was lost.
+pub type KeepRecorded<'a> = dyn Fn(usize, std::result::Result<&Recorded<'_>, Lost>) -> Result<()> + Sync + 'a;
+
+impl Evaluation<'_> {
+    /// Runs episodes and passes each with its number to `keep` as it ends. An episode that cannot be run or whose process
+    /// dies is [`Lost`]. Episodes of one building should be adjacent in the list.
+    ///
+    /// # Errors
+    /// [`Error::ObservationShape`], [`Error::ActionShape`] and [`Error::InvalidPolicy`] for an incompatible policy;
+    /// [`Error::Interrupted`]; errors of `keep`.
+    pub fn run(
+        &self,
+        episodes: &[(usize, &Episode)],
+        policy: &dyn Policy,
+        progress: &dyn Progress,
+        keep: &(dyn Fn(usize, Outcome) -> Result<()> + Sync),
+    ) -> Result<()> {
+        let (failed, interrupted) = (AtomicBool::new(false), self.interrupted);
+        let recorded = &|_: usize, _: &Recorded<'_>| Ok(());
+        self.run_all(&Work { episodes, policy, progress, keep, recorded, failed, interrupted })
+    }
+
+    /// Runs episodes as [`Evaluation::run`] does and passes the steps of each with its number to `keep`, or why it was lost.
+    ///
+    /// # Errors
+    /// As [`Evaluation::run`].
+    pub fn record(
+        &self,
+        episodes: &[(usize, &Episode)],
+        policy: &dyn Policy,
+        progress: &dyn Progress,
+        keep: &KeepRecorded<'_>,
+    ) -> Result<()> {
+        let (failed, interrupted) = (AtomicBool::new(false), self.interrupted);
+        let recorded = &|number: usize, recorded: &Recorded<'_>| keep(number, Ok(recorded));
+        let lost = &|number: usize, outcome: Outcome| match outcome {
+            Ok(_) => Ok(()),
+            Err(lost) => keep(number, Err(lost)),
+        };
+        self.run_all(&Work { episodes, policy, progress, keep: lost, recorded, failed, interrupted })
+    }
+
+    fn run_all(&self, work: &Work<'_>) -> Result<()> {
+        let groups = Group::of(work.episodes);
+        let next = AtomicUsize::new(0);
+        let thread = || {
+            // First buildings that no thread has taken; then the remaining episodes of the others'.
+            let own = std::iter::from_fn(|| groups.get(next.fetch_add(1, Ordering::Relaxed)));
+            let outcome = own.chain(&groups).try_for_each(|group| self.work_on(group, work));
+            if outcome.is_err() {
+                work.failed.store(true, Ordering::Relaxed);
+            }
+            outcome
+        };
+        std::thread::scope(|scope| {
+            let threads: Vec<_> = (0..self.jobs.max(1)).map(|_| scope.spawn(thread)).collect();
+            let outcomes: Vec<_> = threads
+                .into_iter()
+                .map(|thread| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+                .collect();
+            // A thread stopped because of another reports an interruption: the other's error takes precedence.
+            let interrupted = |outcome: &Result<()>| matches!(outcome, Err(Error::Interrupted));
+            let (halted, others): (Vec<_>, Vec<_>) = outcomes.into_iter().partition(interrupted);
+            others.into_iter().chain(halted).collect()
+        })
+    }
+
+    /// Runs the remaining episodes of a building.
+    fn work_on(&self, group: &Group<'_>, work: &Work<'_>) -> Result<()> {
+        let mut bench = None;
+        while let Some(position) = group.take() {
+            let (number, episode) = work.episodes[position];
+            // A panic, as of a library on a damaged network, loses one episode and its processes.
+            let finish = AssertUnwindSafe(|| self.finish(group, &mut bench, (number, episode), work));
+            let outcome = match catch_unwind(finish) {
+                Ok(Ok(finished)) => Ok(finished),
+                Ok(Err(error)) if ends_evaluation(&error) => return Err(error),
+                Ok(Err(error)) => Err(Lost { reason: error.to_string() }),
+                Err(panic) => {
+                    bench = None;
+                    Err(Lost { reason: format!("it panicked: {}", panic_message(&*panic)) })
+                }
+            };
+            (work.keep)(number, outcome)?;
+            work.progress.episode();
+        }
+        Ok(())
+    }
+
+    fn finish(
+        &self,
+        group: &Group<'_>,
+        bench: &mut Option<Bench>,
+        episode: (usize, &Episode),
+        work: &Work<'_>,
+    ) -> Result<Finished> {
+        work.check()?;
+        let bench = match bench {
+            Some(bench) => bench,
+            None => bench.insert(Bench::new(self, group)?),
+        };
+        let finished = rollout::run(bench, episode, work)?;
+        group.is_prepared(bench);
+        Ok(finished)
+    }
+}
+
+/// Returns whether an error concerns more than one episode.
+fn ends_evaluation(error: &Error) -> bool {
+    matches!(
+        error,
+        Error::Interrupted
+            | Error::Env(b2b_env::Error::Interrupted)
+            | Error::Agent(_)
+            | Error::ObservationShape { .. }
+            | Error::ActionShape { .. }
+            | Error::InvalidPolicy { .. }
+            | Error::Policy(_)
+    )
+}

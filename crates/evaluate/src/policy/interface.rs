@@ -1,0 +1,85 @@
+//! The interface of a policy to an episode.
+
+use std::sync::Arc;
+
+use b2b_control::Controller;
+use b2b_env::ActionSpace;
+use b2b_env::Spaces;
+use b2b_workers::Episode;
+use serde_json::Value;
+
+use crate::{Result, SiteInfo, Subject};
+
+/// A policy: makes a controller for an episode of any building, or of buildings of a certain shape.
+pub trait Policy: Sync {
+    /// Returns the name in results.
+    fn name(&self) -> String;
+
+    /// Returns in one line everything the policy's actions depend on besides its observations: two policies with the
+    /// same identity act alike.
+    fn identity(&self) -> String;
+
+    /// Returns whether the policy is the reactive controllers, which scores are relative to.
+    fn is_baseline(&self) -> bool {
+        false
+    }
+
+    /// Returns whether the policy observes and controls the whole building, whatever [`Interface`] it is given.
+    fn ignores_interface(&self) -> bool {
+        false
+    }
+
+    /// Returns the width of the observations that the policy expects, if it is known.
+    fn observation_width(&self) -> Option<usize> {
+        None
+    }
+
+    /// Returns the description from which a worker makes the same controller of a whole building, if it can: the episode
+    /// then runs without a hand-over of every step.
+    ///
+    /// # Errors
+    /// As [`Policy::controller`].
+    fn description(&self, _context: &EpisodeContext<'_>) -> Result<Option<Value>> {
+        Ok(None)
+    }
+
+    /// Makes a controller for one episode. The controller keeps the state it needs.
+    ///
+    /// # Errors
+    /// [`Error::ObservationShape`](crate::Error::ObservationShape) and
+    /// [`Error::ActionShape`](crate::Error::ActionShape) end the evaluation; any other error loses the episode.
+    fn controller(&self, context: EpisodeContext<'_>) -> Result<Box<dyn Controller>>;
+}
+
+/// The episode that a policy makes a controller for.
+pub struct EpisodeContext<'a> {
+    /// The building.
+    pub subject: &'a Subject,
+    /// Its site.
+    pub site: &'a SiteInfo,
+    /// Spaces of the environment.
+    pub spaces: &'a Arc<Spaces>,
+    /// The part of the spaces that the policy observes and controls.
+    pub interface: &'a Interface,
+    /// Seed of the episode.
+    pub seed: u64,
+    /// The episode before its reset: a planner resets it and tries actions on copies of it.
+    pub episode: &'a mut Episode,
+}
+
+/// The observation and action of a policy: all of an environment's spaces, or a problem's selection of them.
+#[derive(Clone, Debug)]
+pub struct Interface {
+    /// Names of the values in an observation.
+    pub observation: Vec<String>,
+    /// Space of the actions.
+    pub action: ActionSpace,
+}
+
+impl Interface {
+    /// Returns the interface to all of an environment's spaces.
+    pub fn of(spaces: &Spaces) -> Self {
+        let observation = spaces.observation.slots().iter().map(|slot| slot.name.clone()).collect();
+        Self { observation, action: spaces.action.clone() }
+    }
+}

@@ -1,0 +1,18 @@
+//! Policies: built-in controllers, trained agents and networks in ONNX files.
+
+mod action_scale;
+mod agent;
+mod built_in;
+mod form;
+mod interface;
+mod named;
+mod onnx;
+mod onnx_format;
+
+pub use action_scale::ActionScale;
+pub use built_in::BuiltIn;
+pub(crate) use form::controller;
+pub use form::{Form, HouseForm};
+pub use interface::{EpisodeContext, Interface, Policy};
+pub use named::{is_agent, is_onnx};
+pub use onnx::OnnxPolicy;

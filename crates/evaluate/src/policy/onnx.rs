@@ -1,0 +1,188 @@
+//! Policies in ONNX files, as learning libraries export them.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use b2b_base::digest::sha256;
+use b2b_control::Controller;
+use b2b_env::ActionSpace;
+use b2b_env::Spaces;
+use rten::{Dimension, Model, RunError, RunOptions, ThreadPool, ValueOrView};
+use rten_tensor::NdTensorView;
+use rten_tensor::prelude::*;
+
+use super::action_scale::ActionScale;
+use super::interface::{EpisodeContext, Interface, Policy};
+use super::onnx_format;
+use crate::error::at;
+use crate::panics::catch_panic;
+use crate::{Error, Result};
+
+/// A policy in an ONNX file. Takes one float32 array [1, observation], the environment's observation without scaling,
+/// and returns one float32 array [1, action]; of several outputs the first is used.
+#[derive(Debug)]
+pub struct OnnxPolicy {
+    path: PathBuf,
+    name: String,
+    identity: String,
+    scale: ActionScale,
+    model: Arc<Model>,
+}
+
+impl OnnxPolicy {
+    /// Reads an ONNX file.
+    ///
+    /// # Errors
+    /// [`Error::Io`]; [`Error::InvalidOnnx`]; [`Error::InvalidPolicy`] unless there is one input and at least one output.
+    pub fn read(path: &Path, scale: ActionScale) -> Result<Self> {
+        let bytes = std::fs::read(path).map_err(at(path))?;
+        let identity = format!("onnx {}, actions {scale:?}", sha256(&bytes)).to_lowercase();
+        let invalid = |why: String| Error::InvalidOnnx { path: path.to_owned(), why };
+        onnx_format::check(&bytes).map_err(invalid)?;
+        let model = guarded(|| Model::load(bytes)).map_err(invalid)?;
+        let (inputs, outputs) = (model.input_ids().len(), model.output_ids().len());
+        if inputs != 1 || outputs == 0 {
+            let why = format!("it has {inputs} inputs and {outputs} outputs");
+            return Err(Error::InvalidPolicy { path: path.to_owned(), why });
+        }
+        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        Ok(Self { path: path.to_owned(), name, identity, scale, model: Arc::new(model) })
+    }
+
+    /// Returns the width of the input, if the model declares it.
+    fn input_width(&self) -> Option<usize> {
+        match self.model.input_shape(0)?.pop()? {
+            Dimension::Fixed(width) => Some(width),
+            Dimension::Symbolic(_) => None,
+        }
+    }
+
+    fn check_observation(&self, spaces: &Spaces, interface: &Interface) -> Result<()> {
+        let slots = &interface.observation;
+        match self.input_width() {
+            Some(given) if given != slots.len() => Err(Error::ObservationShape {
+                policy: self.path.display().to_string(),
+                given,
+                building: spaces.building.name.clone(),
+                task: spaces.episode.task.to_string(),
+                slots: slots.clone(),
+            }),
+            _ => Ok(()),
+        }
+    }
+
+    /// Runs the model once and checks the width of its output.
+    fn check_action(&self, inference: &Inference, spaces: &Spaces, interface: &Interface) -> Result<()> {
+        let output = guarded(|| inference.run(&vec![0.0; interface.observation.len()]));
+        let given = output.map_err(|why| Error::InvalidPolicy { path: self.path.clone(), why })?.len();
+        if given == interface.action.len() {
+            return Ok(());
+        }
+        Err(Error::ActionShape {
+            policy: self.path.display().to_string(),
+            given,
+            building: spaces.building.name.clone(),
+            slots: interface.action.names().to_vec(),
+        })
+    }
+}
+
+impl Policy for OnnxPolicy {
+    fn name(&self) -> String {
+        self.name.clone()
+    }
+
+    fn identity(&self) -> String {
+        self.identity.clone()
+    }
+
+    fn observation_width(&self) -> Option<usize> {
+        self.input_width()
+    }
+
+    fn controller(&self, context: EpisodeContext<'_>) -> Result<Box<dyn Controller>> {
+        let EpisodeContext { spaces, interface, .. } = context;
+        self.check_observation(spaces, interface)?;
+        let inference = Inference::new(&self.model);
+        self.check_action(&inference, spaces, interface)?;
+        Ok(Box::new(OnnxController {
+            inference,
+            scale: self.scale,
+            space: interface.action.clone(),
+            observation: vec![0.0; interface.observation.len()],
+        }))
+    }
+}
+
+/// The controller of an ONNX policy in an episode.
+struct OnnxController {
+    inference: Inference,
+    scale: ActionScale,
+    space: ActionSpace,
+    observation: Vec<f32>,
+}
+
+impl Controller for OnnxController {
+    fn reset(&mut self) {}
+
+    fn act(&mut self, observation: &[f64], action: &mut [f64]) {
+        for (single, value) in self.observation.iter_mut().zip(observation) {
+            *single = *value as f32;
+        }
+        // The model ran on these shapes before; if it fails now, the environment names the action that is not a number.
+        let inferred = self.inference.run(&self.observation).unwrap_or_default();
+        action.fill(f64::NAN);
+        for (value, inferred) in action.iter_mut().zip(inferred) {
+            *value = f64::from(inferred);
+        }
+        self.scale.to_physical(&self.space, action);
+    }
+}
+
+/// Runs a model on a thread of its own: sums then run in one order, whatever the number of cores.
+struct Inference {
+    model: Arc<Model>,
+    options: RunOptions,
+}
+
+impl Inference {
+    fn new(model: &Arc<Model>) -> Self {
+        let thread = Arc::new(ThreadPool::with_num_threads(1));
+        Self { model: Arc::clone(model), options: RunOptions::default().with_thread_pool(Some(thread)) }
+    }
+
+    /// Returns the first output for an observation.
+    fn run(&self, observation: &[f32]) -> std::result::Result<Vec<f32>, RunError> {
+        let input = NdTensorView::from_data([1, observation.len()], observation);
+        let inputs = vec![(self.model.input_ids()[0], ValueOrView::from(input))];
+        let outputs = &self.model.output_ids()[..1];
+        let mut values = self.model.run(inputs, outputs, Some(self.options.clone()))?;
+        Ok(values.swap_remove(0).into_tensor::<f32>().map(|tensor| tensor.to_vec()).unwrap_or_default())
+    }
+}
+
+/// Runs a function of the ONNX library, whose panics on a model that it cannot run become errors. Errors are in one line.
+fn guarded<T, E: std::error::Error>(
+    run: impl FnOnce() -> std::result::Result<T, E>,
+) -> std::result::Result<T, String> {
+    let result = catch_panic(run).map_err(|panic| format!("it cannot be run: {panic}"))?;
+    result.map_err(|error| error.to_string().replace('\n', " "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_without_a_model_is_an_error_that_names_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("policy.onnx");
+        for bytes in [&b"this is no model"[..], b"", b"{\"a\": 1}"] {
+            std::fs::write(&path, bytes).unwrap();
+            let said = OnnxPolicy::read(&path, ActionScale::Rescaled).unwrap_err().to_string();
+            assert!(said.contains("policy.onnx is not a valid ONNX model"), "{said}");
+        }
+        let said = OnnxPolicy::read(&folder.path().join("none.onnx"), ActionScale::Rescaled).unwrap_err();
+        assert!(said.to_string().contains("none.onnx"), "{said}");
+    }
+}

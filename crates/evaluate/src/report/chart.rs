@@ -1,0 +1,146 @@
+//! Parts of charts that all reports share.
+
+use serde_json::{Value, json};
+
+use crate::evaluation::EpisodeInfo;
+
+/// Colors of series.
+const PALETTE: [&str; 8] =
+    ["#2563eb", "#e4572e", "#0f9d76", "#9333ea", "#d39b00", "#0891b2", "#db2777", "#65800f"];
+/// Ratio of the largest to the smallest value above which an axis is logarithmic.
+const WIDE: f64 = 20.0;
+/// The ratio above which a logarithmic axis is labeled at powers of ten only.
+const DECADES: f64 = 100.0;
+
+/// Number of values below which they are drawn without a violin.
+const FEW: usize = 10;
+
+/// A chart in a report.
+#[derive(Clone, Debug)]
+pub struct Chart {
+    /// Title.
+    pub title: String,
+    /// How to read it.
+    pub note: String,
+    /// Height, pixels.
+    pub height: u32,
+    /// Whether it takes the whole width of the page.
+    pub wide: bool,
+    /// Plotly's traces.
+    pub data: Value,
+    /// Plotly's layout.
+    pub layout: Value,
+}
+
+impl Chart {
+    /// Returns the chart as the page reads it.
+    pub fn json(mut self) -> Value {
+        self.layout["height"] = self.height.into();
+        let Self { title, note, wide, data, layout, .. } = self;
+        json!({"title": title, "note": note, "wide": wide, "data": data, "layout": layout})
+    }
+}
+
+/// Returns the color of a series by its number.
+pub fn color(series: usize) -> &'static str {
+    PALETTE[series % PALETTE.len()]
+}
+
+/// Returns a dashed horizontal line across the chart.
+pub fn horizontal_line(value: f64) -> Value {
+    json!({"type": "line", "xref": "paper", "x0": 0, "x1": 1, "y0": value, "y1": value,
+           "line": {"dash": "dash", "width": 1.3, "color": "#b45309"}})
+}
+
+/// Returns whether some episodes have another task than others.
+pub fn has_several_tasks<'a>(mut episodes: impl Iterator<Item = &'a EpisodeInfo>) -> bool {
+    let first = episodes.next();
+    first.is_some_and(|first| episodes.any(|other| other.task != first.task))
+}
+
+/// Returns the range of values.
+pub fn range(values: &[f64]) -> (f64, f64) {
+    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+    (low, values.iter().copied().fold(f64::NEG_INFINITY, f64::max))
+}
+
+/// Makes an axis logarithmic if the range of its values is wide; returns whether it is.
+pub fn make_logarithmic(axis: &mut Value, (low, high): (f64, f64)) -> bool {
+    let wide = low > 0.0 && high / low > WIDE;
+    if wide {
+        axis["type"] = "log".into();
+        // Labels at powers of ten, and at 2 and 5 times these where there is room.
+        axis["dtick"] = if high / low > DECADES { 1.into() } else { "D2".into() };
+    }
+    wide
+}
+
+/// Returns a violin with a point per value, or the points alone if they are too few for a distribution.
+pub(super) fn distribution(name: &str, values: &[f64], texts: &[String], color: &str) -> Value {
+    let mut trace = json!({
+        "y": values, "x0": name, "name": name, "jitter": 0.4, "pointpos": 0, "text": texts, "hoveron": "points",
+        "hovertemplate": "%{text}<extra></extra>", "marker": {"size": 5, "opacity": 0.75, "color": color},
+        "line": {"color": color, "width": 1.2}, "width": 0.85, "showlegend": false,
+    });
+    if values.len() < FEW {
+        trace["type"] = "box".into();
+        trace["boxpoints"] = "all".into();
+        trace["line"]["width"] = 0.into();
+        trace["fillcolor"] = "rgba(0,0,0,0)".into();
+    } else {
+        trace["type"] = "violin".into();
+        trace["points"] = "all".into();
+        trace["spanmode"] = "hard".into();
+    }
+    trace
+}
+
+/// Returns a diamond at a mean, over the violin of its values.
+pub fn mean_diamond(name: &str, values: &[f64], color: &str) -> Value {
+    let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+    json!({
+        "type": "scatter", "mode": "markers", "x": [name], "y": [mean], "showlegend": false,
+        "hovertemplate": "mean %{y:.2f} K<extra></extra>",
+        "marker": {"symbol": "diamond", "size": 11, "color": color, "line": {"width": 1.5, "color": "#fff"}},
+    })
+}
+
+/// Returns the chart of HVAC energy and RMS deviation, with these traces.
+pub(super) fn energy_vs_comfort(data: Value, height: u32, wide: bool) -> Chart {
+    let layout = json!({
+        "xaxis": {"title": {"text": "HVAC energy (kWh/m²)"}, "rangemode": "tozero", "zeroline": false},
+        "yaxis": {"title": {"text": "RMS deviation (K)"}, "rangemode": "tozero", "zeroline": false},
+    });
+    let note = "one point per episode; lower left is better";
+    Chart { title: "Energy vs. comfort".into(), note: note.into(), height, wide, data, layout }
+}
+
+/// Names an episode in two lines, for hover labels.
+pub(super) fn hover_name(info: &EpisodeInfo) -> String {
+    let EpisodeInfo { building, place, climate_zone, task, period, seed, .. } = info;
+    format!("{building} in {place} ({climate_zone})<br>{task}, {period}, seed {seed}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn few_values_are_drawn_without_a_violin() {
+        let kind = |count: usize| {
+            distribution("a", &vec![1.0; count], &vec![String::new(); count], "#000")["type"].clone()
+        };
+        assert_eq!([kind(3), kind(FEW)], ["box", "violin"]);
+    }
+
+    #[test]
+    fn a_wide_axis_is_logarithmic() {
+        for (range, dtick) in
+            [((1.0, 10.0), Value::Null), ((1.0, 50.0), "D2".into()), ((1.0, 1000.0), 1.into())]
+        {
+            let mut axis = json!({});
+            assert_eq!(make_logarithmic(&mut axis, range), !dtick.is_null());
+            assert_eq!(axis["dtick"], dtick);
+        }
+    }
+}

@@ -1,0 +1,18 @@
+//! `report.html` and the leaderboard: pages of [`b2b_page`], whose charts are plotly figures, written here as plotly's own JSON.
+
+mod chart;
+mod comparison;
+mod deviation_chart;
+mod evaluation;
+mod evaluation_charts;
+mod histogram;
+mod hourly_chart;
+mod reward_chart;
+mod series;
+
+pub use chart::{Chart, color, has_several_tasks, horizontal_line, make_logarithmic, mean_diamond, range};
+pub use comparison::{Compared, write as write_comparison};
+pub use deviation_chart::{StepDeviations, step_deviations};
+pub use evaluation::write;
+pub use reward_chart::step_rewards;
+pub use series::{Series, labels, rms_deviations};

@@ -1,0 +1,162 @@
+//! The summary of an evaluation.
+
+use b2b_control::Versions;
+use b2b_env::EpisodeMetrics;
+use serde::Serialize;
+
+use crate::evaluation::{Row, relative_energy};
+use crate::policy::Policy;
+use crate::results::Results;
+use crate::statistics::{Aggregate, aggregate};
+
+/// Seed of the bootstrap.
+const SEED: u64 = 0;
+
+/// The summary of an evaluation: the object that `b2b evaluate --json` prints.
+#[derive(Clone, Debug, Serialize)]
+pub struct Summary {
+    /// Versions that the results depend on.
+    pub versions: Versions,
+    /// Name of the policy.
+    pub policy: String,
+    /// Number of episodes.
+    pub episodes: usize,
+    /// Lost episodes.
+    pub lost: Vec<LostEpisode>,
+    /// Groups of episodes, one per task and run period.
+    pub windows: Vec<Window>,
+}
+
+/// A lost episode.
+#[derive(Clone, Debug, Serialize)]
+pub struct LostEpisode {
+    /// The building.
+    pub building: String,
+    /// The task.
+    pub task: String,
+    /// The run period.
+    pub period: String,
+    /// Seed of the policy.
+    pub seed: u64,
+    /// The reason.
+    #[serde(rename = "why")]
+    pub reason: String,
+}
+
+/// The episodes with the same task and run period.
+#[derive(Clone, Debug, Serialize)]
+pub struct Window {
+    /// The task.
+    pub task: String,
+    /// The run period.
+    pub period: String,
+    /// Episodes by building type, in the order of the list.
+    pub types: Vec<Group>,
+    /// All episodes; each type is a stratum.
+    pub all: Group,
+}
+
+/// Aggregates over a group of episodes.
+#[derive(Clone, Debug, Serialize)]
+pub struct Group {
+    /// Name of the group.
+    pub name: String,
+    /// Aggregated scores, as in the paper; `None` if no episode has a score.
+    pub scores: Option<Aggregate>,
+    /// Aggregated resolved scores; `None` if no episode has one.
+    pub resolved_scores: Option<Aggregate>,
+    /// Root mean square deviation from target, mean over episodes, K.
+    pub rms_deviation_k: f64,
+    /// HVAC energy, mean over episodes, Wh/m².
+    pub energy_wh_m2: f64,
+    /// HVAC energy over that of the baseline; `None` if the latter is unknown.
+    pub relative_energy: Option<f64>,
+    /// Actuator travel, mean over episodes, full strokes/day.
+    pub daily_travel: f64,
+}
+
+impl Results {
+    /// Summarizes the results.
+    pub fn summary(&self, policy: &dyn Policy) -> Summary {
+        let lost = self.rows.iter().filter_map(|row| {
+            let reason = row.outcome.as_ref().err()?.reason.clone();
+            let (building, task) = (row.info.building.clone(), row.info.task.clone());
+            Some(LostEpisode { building, task, period: row.info.period.clone(), seed: row.info.seed, reason })
+        });
+        let ran: Vec<&Row> = self.rows.iter().filter(|row| row.outcome.is_ok()).collect();
+        let windows = grouped(&ran, |row| (row.info.task.clone(), row.info.period.clone()));
+        Summary {
+            versions: Versions::current(),
+            policy: policy.name(),
+            episodes: self.rows.len(),
+            lost: lost.collect(),
+            windows: windows
+                .into_iter()
+                .map(|((task, period), rows)| Window::of(task, period, &rows))
+                .collect(),
+        }
+    }
+}
+
+impl std::fmt::Display for LostEpisode {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { building, task, period, seed, reason } = self;
+        write!(f, "{building}, {task}, {period}, seed {seed}: {reason}")
+    }
+}
+
+impl Window {
+    fn of(task: String, period: String, rows: &[&Row]) -> Self {
+        let types = grouped(rows, |row| type_label(&row.info.building_type).to_owned());
+        let strata: Vec<&[&Row]> = types.iter().map(|(_, rows)| rows.as_slice()).collect();
+        let all = Group::of("all".to_owned(), &strata);
+        let types = types.iter().map(|(name, rows)| Group::of(name.clone(), &[rows])).collect();
+        Self { task, period, types, all }
+    }
+}
+
+impl Group {
+    fn of(name: String, strata: &[&[&Row]]) -> Self {
+        let aggregated = |score: fn(&Row) -> Option<f64>| {
+            let of_stratum = |rows: &&[&Row]| rows.iter().filter_map(|row| score(row)).collect();
+            aggregate(&strata.iter().map(of_stratum).collect::<Vec<Vec<f64>>>(), SEED)
+        };
+        let mean = |value: fn(&EpisodeMetrics) -> f64| {
+            let metrics = strata.iter().copied().flatten().filter_map(|row| row.metrics());
+            let values: Vec<f64> = metrics.map(value).collect();
+            values.iter().sum::<f64>() / values.len().max(1) as f64
+        };
+        Self {
+            name,
+            scores: aggregated(Row::score),
+            resolved_scores: aggregated(Row::resolved_score),
+            rms_deviation_k: mean(|metrics| metrics.rms_deviation),
+            energy_wh_m2: mean(EpisodeMetrics::energy),
+            relative_energy: relative_energy(strata.iter().copied().flatten().copied()),
+            daily_travel: mean(|metrics| metrics.daily_travel),
+        }
+    }
+
+    /// Returns the number of scored episodes.
+    pub fn episodes(&self) -> usize {
+        self.scores.as_ref().map_or(0, |scores| scores.episodes)
+    }
+}
+
+/// Returns the name of a building type in results; users' models have none of their own.
+pub fn type_label(building_type: &str) -> &str {
+    if building_type.is_empty() { "own models" } else { building_type }
+}
+
+/// Groups rows by a key, in order of first appearance.
+fn grouped<'a, K: PartialEq>(rows: &[&'a Row], key: impl Fn(&Row) -> K) -> Vec<(K, Vec<&'a Row>)> {
+    let mut groups: Vec<(K, Vec<&Row>)> = Vec::new();
+    for row in rows {
+        let key = key(row);
+        match groups.iter_mut().find(|(known, _)| *known == key) {
+            Some((_, rows)) => rows.push(row),
+            None => groups.push((key, vec![row])),
+        }
+    }
+    groups
+}

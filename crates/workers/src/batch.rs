@@ -1,0 +1,94 @@
+//! Stepping of several episodes at once.
+
+use super::episode::Episode;
+use super::region::LOOK;
+use super::workers::Workers;
+use b2b_env::{Error, Result};
+
+/// Waits until at least `count` of the busy episodes have finished, and lists their indices in `ready`. All must belong
+/// to one set of [`Workers`]. [`Episode::last_step`] has the outcome of each.
+///
+/// Together with [`Episode::send`], this steps several episodes asynchronously: the others continue while those that
+/// are ready receive their next actions.
+///
+/// # Errors
+/// [`Error::Interrupted`]; the episodes continue.
+pub fn recv(episodes: &mut [Episode], count: usize, ready: &mut Vec<usize>) -> Result<()> {
+    ready.clear();
+    ready.extend((0..episodes.len()).filter(|index| episodes[*index].is_busy()));
+    let idle = episodes.len() - ready.len();
+    wait(episodes, idle + count.min(ready.len()))?;
+    ready.retain(|index| !episodes[*index].is_busy());
+    Ok(())
+}
+
+/// Makes one step of every episode. `actions` has the actions of all episodes, one after another.
+///
+/// # Errors
+/// [`Error::ActionLength`] and those of [`Episode::send`] before any is sent; [`Error::Lost`] when one is lost;
+/// [`Error::Interrupted`].
+pub fn step_all(episodes: &mut [Episode], actions: &[f64]) -> Result<()> {
+    let width = |episode: &Episode| episode.known_spaces().action.len();
+    let expected = episodes.iter().map(width).sum();
+    if actions.len() != expected {
+        return Err(Error::ActionLength { given: actions.len(), expected });
+    }
+    let mut rest = actions;
+    for episode in episodes.iter() {
+        let (action, others) = rest.split_at(width(episode));
+        episode.check(action)?;
+        rest = others;
+    }
+    let mut rest = actions;
+    for episode in episodes.iter_mut() {
+        let (action, others) = rest.split_at(width(episode));
+        episode.send(action)?;
+        rest = others;
+    }
+    wait(episodes, episodes.len())?;
+    episodes.iter().try_for_each(|episode| episode.last_step().map(|_| ()))
+}
+
+/// Waits until at least `count` of these episodes are not busy.
+pub(super) fn wait(episodes: &mut [Episode], count: usize) -> Result<()> {
+    let Some(workers) = episodes.first().map(|episode| episode.workers().clone()) else { return Ok(()) };
+    let count = count.min(episodes.len());
+    loop {
+        let done = workers.region().done();
+        if rest(&workers, episodes, |episode| Some(episode), count, done)? >= count {
+            return Ok(());
+        }
+    }
+}
+
+/// Sleeps until `count` of these are not busy, or something else has happened since `done`, which is to be read before
+/// looking at any. How many are not busy; an item without an episode is not.
+pub(super) fn rest<T>(
+    workers: &Workers,
+    items: &mut [T],
+    episode: fn(&mut T) -> Option<&mut Episode>,
+    count: usize,
+    done: u32,
+) -> Result<usize> {
+    let settle = |items: &mut [T]| {
+        let settled = items.iter_mut().map(|item| episode(item).is_none_or(Episode::settle));
+        settled.map(usize::from).sum::<usize>()
+    };
+    let ready = settle(items);
+    if ready >= count {
+        return Ok(ready);
+    }
+    let starting = items.iter_mut().filter_map(episode).any(|episode| episode.is_starting());
+    if starting {
+        workers.lock().advance_all();
+    }
+    // A template that is ready, or done with copies, is an event of its own; steps are waited for together.
+    workers.region().sleep(done, if starting { 1 } else { (count - ready) as u32 }, LOOK);
+    let look = workers.lock().check_is_due();
+    if look {
+        workers.check_interrupt()?;
+        workers.lock().advance_all();
+        items.iter_mut().filter_map(episode).for_each(Episode::check_worker);
+    }
+    Ok(settle(items))
+}

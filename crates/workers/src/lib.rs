@@ -1,0 +1,49 @@
+//! Environments in worker processes: one, or many at once, and copies in the middle of an episode.
+//!
+//! Only one engine runs at a time in a process, and a crash takes the process along; so every episode has a worker
+//! process. A set of [`Workers`] has a template for every building, which waits at the end of warm-up; an [`Episode`]
+//! is a copy of the template by `fork`, within milliseconds, and a [`Snapshot`] is a copy of an episode. [`VecEnv`] is
+//! a batch of N environments, and [`recv`] waits for several episodes at once.
+#![cfg(target_os = "linux")]
+
+mod batch;
+mod environment;
+mod episode;
+mod episode_options;
+mod episode_report;
+mod form;
+mod fragment;
+mod launcher;
+mod metrics_report;
+mod pool;
+mod population;
+mod region;
+mod rollout;
+mod sampler;
+mod setting;
+mod slots;
+mod statistics;
+mod time_limit;
+mod vec_env;
+mod worker;
+mod worker_options;
+mod workers;
+
+pub use batch::{recv, step_all};
+pub use episode::{Episode, Snapshot};
+pub use episode_options::EpisodeOptions;
+pub use episode_report::EpisodeReport;
+pub use form::{Arranged, Arrangement, EpisodeForm, Form, Padded, RowSlot, check_width};
+pub use fragment::{MakeRunner, Runner, RunnerError, SharedMemory};
+pub use launcher::Launcher;
+pub use population::{Buildings, Population};
+pub use rollout::{ControllerRunner, RolloutMemory, RolloutOrder};
+pub use sampler::{
+    AnyOf, Draw, Fixed, Kept, Rotating, RoundRobin, Sampler, Weighted, Windows, WithTask, WithWeather,
+};
+pub use setting::{Setting, Source};
+pub use statistics::Statistics;
+pub use vec_env::{Autoreset, VecEnv, VecEnvOptions};
+pub use worker::{run_if_worker, run_if_worker_with};
+pub use worker_options::WorkerOptions;
+pub use workers::Workers;

@@ -1,0 +1,369 @@
+//! The owner's side: templates, the workers copied from them, and how each ends.
+//!
+//! A [`Pool`] owns processes of one thread each. A template waits at the end of a building's warm-up; an episode is its
+//! copy, and a snapshot is the copy of an episode. Actions and observations pass through shared memory, and waiting
+//! uses no CPU time. If a worker dies, hangs or is killed, only its episode is lost, with a reason; a template is
+//! replaced.
+
+mod preparation;
+mod template;
+
+use std::collections::{BTreeMap, VecDeque};
+use std::io;
+use std::ops::Bound;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use b2b_base::scratch::temporary_folder;
+use b2b_building::PreparedBuilding;
+use tempfile::TempDir;
+
+pub(super) use self::template::TemplateId;
+use self::template::{Phase, Request, Template};
+use super::episode_options::EpisodeOptions;
+use super::region::{COPIES, Command, LOOK, Region, Status};
+use super::setting::Setting;
+use super::slots::Slots;
+use super::time_limit::TimeLimit;
+use super::worker_options::WorkerOptions;
+use b2b_env::{Error, Result};
+
+/// Templates that may die or hang under an episode that waits to begin, before it is lost.
+const FAILURES: u32 = 3;
+/// How often preparations in the background are looked after.
+const BACKGROUND: Duration = Duration::from_millis(5);
+
+/// A pool of worker processes.
+pub(super) struct Pool {
+    pub(super) options: WorkerOptions,
+    region: Arc<Region>,
+    slots: Slots,
+    templates: BTreeMap<TemplateId, Template>,
+    next_template: u64,
+    /// Episodes under way.
+    episodes: u32,
+    /// Buildings that were prepared, so that no other template has to.
+    prepared: VecDeque<(Setting, Arc<PreparedBuilding>)>,
+    clock: u64,
+    /// When to look after the busy workers next.
+    look: Instant,
+    /// When to look after the preparations in the background next.
+    background: Instant,
+    /// Of everything that its processes write. Removed with the pool.
+    folder: TempDir,
+}
+
+/// An episode's place in a pool.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place {
+    pub(super) slot: u32,
+    pub(super) template: TemplateId,
+}
+
+impl Pool {
+    /// A pool without processes.
+    ///
+    /// # Errors
+    /// [`Error::Io`] when there is no temporary folder.
+    pub(super) fn new(options: WorkerOptions, region: Arc<Region>) -> Result<Self> {
+        let folder = temporary_folder("b2b-pool-").map_err(b2b_energyplus::Error::from)?;
+        Ok(Self {
+            slots: Slots::new(Arc::clone(&region), folder.path()),
+            region,
+            options,
+            templates: BTreeMap::new(),
+            next_template: 0,
+            episodes: 0,
+            prepared: VecDeque::new(),
+            clock: 0,
+            look: Instant::now() + LOOK,
+            background: Instant::now(),
+            folder,
+        })
+    }
+
+    /// Requests that an episode begin at the end of its template's warm-up, and returns without waiting. The slot is
+    /// ready once the episode has begun.
+    pub(super) fn start(&mut self, setting: &Setting, options: EpisodeOptions) -> Result<Place> {
+        let mut template = self.template_of(setting)?;
+        if self.template_mut(template)?.phase == Phase::Failed {
+            self.drop_template(template);
+            template = self.template_of(setting)?;
+        }
+        let slot = self.take_episode_slot(options)?;
+        let entry = self.template_mut(template)?;
+        entry.users += 1;
+        entry.waiting.push_back(Request { slot, failures: 0 });
+        Ok(Place { slot, template })
+    }
+
+    /// Advances everything that waits for a template, and the preparations.
+    pub(super) fn advance_all(&mut self) {
+        let mut next = self.underway(Bound::Unbounded);
+        while let Some(id) = next {
+            self.advance(id);
+            next = self.underway(Bound::Excluded(id));
+        }
+        self.start_queued();
+    }
+
+    /// Advances the preparations in the background, at intervals.
+    pub(super) fn advance_all_when_due(&mut self) {
+        let now = Instant::now();
+        if now >= self.background {
+            self.background = now + BACKGROUND;
+            if self.templates.values().any(Template::is_unprepared) {
+                self.advance_all();
+            }
+        }
+    }
+
+    /// The next template whose process has something to report.
+    fn underway(&self, after: Bound<TemplateId>) -> Option<TemplateId> {
+        let mut templates = self.templates.range((after, Bound::Unbounded));
+        templates.find(|(_, template)| template.is_underway()).map(|(id, _)| *id)
+    }
+
+    /// Moves a template on: takes its reply, has it copied, replaces it when it is gone.
+    fn advance(&mut self, id: TemplateId) {
+        let Some(template) = self.templates.get_mut(&id) else { return };
+        let Some(slot) = template.process.as_ref().map(|process| process.slot) else { return };
+        let (ended, ready) = (self.slots.has_ended(slot), self.region.is_ready(slot));
+        let is_late = match &mut template.phase {
+            Phase::Preparing(limit) | Phase::Copying(limit) => limit.is_exceeded(),
+            Phase::Queued | Phase::Idle | Phase::Failed => false,
+        };
+        match template.phase {
+            Phase::Preparing(_) => return self.advance_preparation(id, ready, ended, is_late),
+            Phase::Copying(_) if ready => {
+                template.copying.clear();
+                template.phase = Phase::Idle;
+            }
+            Phase::Copying(_) if !ended && !is_late => return,
+            Phase::Copying(_) => return self.replace(id),
+            Phase::Queued | Phase::Idle | Phase::Failed => {}
+        }
+        match template.waiting.is_empty() {
+            true => {}
+            false if ended => self.replace(id),
+            false => self.copy_for_those_waiting(id),
+        }
+    }
+
+    /// Requests copies of an idle template for the waiting slots.
+    fn copy_for_those_waiting(&mut self, id: TemplateId) {
+        let limit = TimeLimit::new(self.options.step_time_limit);
+        let Some(template) = self.templates.get_mut(&id) else { return };
+        let Some(source) = template.process.as_ref().map(|process| process.slot) else { return };
+        let count = template.waiting.len().min(COPIES);
+        template.copying = template.waiting.drain(..count).collect();
+        template.phase = Phase::Copying(limit);
+        let slots: Vec<u32> = template.copying.iter().map(|request| request.slot).collect();
+        self.region.list_copies(source, &slots);
+        self.region.command(source, Command::Copy);
+    }
+
+    /// Copies of the worker in a slot, which must be ready.
+    pub(super) fn branch(&mut self, of: Place, count: usize) -> Result<Vec<Place>> {
+        let mut places = Vec::with_capacity(count);
+        let outcome = self.try_branch(of, count, &mut places);
+        match outcome {
+            Ok(()) => Ok(places),
+            Err(error) => {
+                places.into_iter().for_each(|place| self.release(place));
+                Err(error)
+            }
+        }
+    }
+
+    fn try_branch(&mut self, of: Place, count: usize, places: &mut Vec<Place>) -> Result<()> {
+        while places.len() < count {
+            let first = places.len();
+            for _ in first..count.min(first + COPIES) {
+                let slot = self.take_episode_slot(EpisodeOptions::default())?;
+                // The template may be gone: a copy of an episode does not need it.
+                if let Some(template) = self.templates.get_mut(&of.template) {
+                    template.users += 1;
+                }
+                places.push(Place { slot, template: of.template });
+            }
+            let slots: Vec<u32> = places[first..].iter().map(|place| place.slot).collect();
+            self.region.list_copies(of.slot, &slots);
+            self.region.command(of.slot, Command::Copy);
+            self.wait_until_ready(of.slot)?;
+        }
+        places.iter().try_for_each(|place| self.wait_until_ready(place.slot))
+    }
+
+    /// Checks that a worker that has reported did not report a failure.
+    fn check_status(&self, slot: u32) -> Result<()> {
+        match self.region.status(slot) {
+            Status::Running | Status::Truncated => Ok(()),
+            Status::Failed => Err(lost("a copy of an episode", self.report(slot))),
+        }
+    }
+
+    /// The report of a worker, as text.
+    fn report(&self, slot: u32) -> String {
+        String::from_utf8_lossy(&self.region.report(slot)).into_owned()
+    }
+
+    /// Waits for a worker that copies itself, or that is such a copy: milliseconds, so that it is not interrupted.
+    ///
+    /// # Errors
+    /// [`Error::Lost`] when it ended, took too long, or reported a failure.
+    fn wait_until_ready(&mut self, slot: u32) -> Result<()> {
+        let mut limit = TimeLimit::new(self.options.step_time_limit);
+        loop {
+            let done = self.region.done();
+            let ended = self.slots.has_ended(slot);
+            if self.region.is_ready(slot) {
+                self.slots.adopt(slot);
+                return self.check_status(slot);
+            }
+            if ended {
+                return Err(lost("an episode to copy", self.slots.describe_end(slot, None)));
+            }
+            if limit.is_exceeded() {
+                return Err(lost("an episode to copy", self.time_out(slot)));
+            }
+            self.region.sleep(done, 1, LOOK);
+        }
+    }
+
+    /// Returns whether an episode waits for its template, and not for a copy that was made.
+    pub(super) fn waits_for_template(&self, place: Place) -> bool {
+        let template = self.templates.get(&place.template);
+        let mut requests =
+            template.iter().flat_map(|template| template.waiting.iter().chain(&template.copying));
+        requests.any(|request| request.slot == place.slot)
+    }
+
+    /// Returns why the worker of a slot will not report anymore, if it has ended or is too late.
+    pub(super) fn failure(&mut self, slot: u32, is_late: bool) -> Option<String> {
+        let ended = self.slots.has_ended(slot);
+        // It may have reported before it died.
+        if self.region.is_ready(slot) {
+            return None;
+        }
+        if ended {
+            return Some(self.slots.describe_end(slot, None));
+        }
+        is_late.then(|| self.time_out(slot))
+    }
+
+    /// Kills the worker of a slot for taking too long.
+    fn time_out(&mut self, slot: u32) -> String {
+        self.slots.kill(slot);
+        let (process, limit) = (self.region.process(slot), self.options.step_time_limit);
+        format!("worker process {process} took longer than {limit:?} and was killed")
+    }
+
+    /// Returns whether it is time to check the busy workers.
+    pub(super) fn check_is_due(&mut self) -> bool {
+        let due = Instant::now() >= self.look;
+        if due {
+            self.look = Instant::now() + LOOK;
+        }
+        due
+    }
+
+    /// Opens a handle of a worker that has reported for the first time.
+    pub(super) fn adopt(&mut self, slot: u32) {
+        self.slots.adopt(slot);
+    }
+
+    /// A file of the worker in a slot.
+    pub(super) fn file(&self, slot: u32, extension: &str) -> PathBuf {
+        self.slots.file(slot, extension)
+    }
+
+    /// Keeps the template of a setting for an episode to come; one is queued if there is none.
+    ///
+    /// # Errors
+    /// As [`Pool::template_of`].
+    pub(super) fn reserve(&mut self, setting: &Setting) -> Result<TemplateId> {
+        let id = self.template_of(setting)?;
+        self.template_mut(id)?.users += 1;
+        Ok(id)
+    }
+
+    /// Gives a reservation back. A preparation that has not started and has no other user is dropped.
+    pub(super) fn cancel(&mut self, id: TemplateId) {
+        let Some(template) = self.templates.get_mut(&id) else { return };
+        template.users = template.users.saturating_sub(1);
+        if template.users == 0 && template.phase == Phase::Queued {
+            self.drop_template(id);
+        }
+    }
+
+    /// Returns whether a template is ready, so that an episode of it begins within milliseconds.
+    pub(super) fn is_prepared(&self, id: TemplateId) -> bool {
+        self.templates.get(&id).is_some_and(|template| !template.is_unprepared())
+    }
+
+    /// Ends a worker, or a wait for one.
+    pub(super) fn release(&mut self, place: Place) {
+        if let Some(template) = self.templates.get_mut(&place.template) {
+            template.users = template.users.saturating_sub(1);
+            template.waiting.retain(|request| request.slot != place.slot);
+            template.copying.retain(|request| request.slot != place.slot);
+        }
+        self.slots.release(place.slot);
+        self.episodes = self.episodes.saturating_sub(1);
+        self.region.set_episodes(self.episodes);
+    }
+
+    /// The processes of the templates.
+    pub(super) fn template_processes(&self) -> Vec<u32> {
+        self.templates.values().filter_map(Template::process_id).collect()
+    }
+
+    /// The processes of the templates that are not ready yet.
+    pub(super) fn preparing_processes(&self) -> Vec<u32> {
+        let preparing =
+            self.templates.values().filter(|template| matches!(template.phase, Phase::Preparing(_)));
+        preparing.filter_map(Template::process_id).collect()
+    }
+
+    /// The temporary folder of everything that its processes write.
+    pub(super) fn folder(&self) -> &Path {
+        self.folder.path()
+    }
+
+    fn take_episode_slot(&mut self, options: EpisodeOptions) -> Result<u32> {
+        let slot = self.take_slot(options)?;
+        self.episodes += 1;
+        self.region.set_episodes(self.episodes);
+        Ok(slot)
+    }
+
+    fn take_slot(&mut self, options: EpisodeOptions) -> Result<u32> {
+        self.slots.take(options).map_err(unavailable("a worker slot"))
+    }
+
+    fn template_mut(&mut self, id: TemplateId) -> Result<&mut Template> {
+        self.templates.get_mut(&id).ok_or_else(|| lost("a template", "it was dropped".into()))
+    }
+}
+
+impl Drop for Pool {
+    /// Ends every process: copies first, so that their templates reap them.
+    fn drop(&mut self) {
+        let processes = self.templates.values().filter_map(|template| template.process.as_ref());
+        let templates: Vec<u32> = processes.map(|process| process.slot).collect();
+        self.slots.end_all_but(&templates);
+        for id in self.templates.keys().copied().collect::<Vec<_>>() {
+            self.drop_template(id);
+        }
+    }
+}
+
+fn unavailable(what: &str) -> impl Fn(io::Error) -> Error {
+    move |source| Error::Pool { what: what.to_owned(), source }
+}
+
+fn lost(what: &str, why: String) -> Error {
+    Error::Lost { what: what.to_owned(), why }
+}

@@ -1,0 +1,110 @@
+//! Templates: processes that wait at the end of a building's warm-up to be copied.
+
+use std::collections::VecDeque;
+use std::path::PathBuf;
+use std::process::Child;
+use std::sync::Arc;
+
+use crate::setting::Setting;
+use crate::time_limit::TimeLimit;
+use b2b_env::Error;
+use b2b_env::Spaces;
+
+/// A template of a pool. Never used again for another, so that one that was dropped is not found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct TemplateId(pub(super) u64);
+
+/// A building at the end of its warm-up, or on the way there.
+pub(super) struct Template {
+    pub(super) setting: Setting,
+    /// `None` until its preparation starts, and once it has failed.
+    pub(super) process: Option<TemplateProcess>,
+    pub(super) phase: Phase,
+    /// The reason why it cannot be prepared, until it is read.
+    pub(super) failure: Option<Error>,
+    pub(super) spaces: Option<Arc<Spaces>>,
+    /// Preparations tried in a row.
+    pub(super) attempts: u32,
+    /// Resident memory, bytes.
+    pub(super) memory: u64,
+    /// Copies of it, episodes that wait for one, and reservations.
+    pub(super) users: usize,
+    /// Whether its preparation is waited for, and not ahead of its use.
+    pub(super) is_urgent: bool,
+    /// When it was last asked for.
+    pub(super) used: u64,
+    /// Slots that wait for a copy.
+    pub(super) waiting: VecDeque<Request>,
+    /// Slots that the copies in progress are for.
+    pub(super) copying: Vec<Request>,
+}
+
+/// The process of a template.
+pub(super) struct TemplateProcess {
+    pub(super) slot: u32,
+    pub(super) child: Child,
+    pub(super) order: PathBuf,
+}
+
+/// The phase of a template's process.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Phase {
+    /// Waits for its turn to be prepared.
+    Queued,
+    /// Sizing and warm-up, within a limit.
+    Preparing(TimeLimit),
+    /// Waits to be copied.
+    Idle,
+    /// Copies itself, within a limit.
+    Copying(TimeLimit),
+    /// Cannot be made.
+    Failed,
+}
+
+/// A slot that waits for a copy.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Request {
+    pub(super) slot: u32,
+    /// Templates that died or hung while it waited.
+    pub(super) failures: u32,
+}
+
+impl Template {
+    /// A template that waits for its turn.
+    pub(super) fn new(setting: Setting, used: u64) -> Self {
+        Self {
+            setting,
+            process: None,
+            phase: Phase::Queued,
+            failure: None,
+            spaces: None,
+            attempts: 0,
+            memory: 0,
+            users: 0,
+            is_urgent: false,
+            used,
+            waiting: VecDeque::new(),
+            copying: Vec::new(),
+        }
+    }
+
+    /// Returns whether it may be ended to make room.
+    pub(super) fn is_idle(&self) -> bool {
+        matches!(self.phase, Phase::Idle | Phase::Failed) && self.users == 0
+    }
+
+    /// Returns whether it waits for its turn or is being prepared.
+    pub(super) fn is_unprepared(&self) -> bool {
+        matches!(self.phase, Phase::Queued | Phase::Preparing(_))
+    }
+
+    /// Returns whether there is something to do once its process reports or ends.
+    pub(super) fn is_underway(&self) -> bool {
+        matches!(self.phase, Phase::Preparing(_)) || !self.waiting.is_empty() || !self.copying.is_empty()
+    }
+
+    /// Its process and the worker slot of that.
+    pub(super) fn process_id(&self) -> Option<u32> {
+        self.process.as_ref().map(|process| process.child.id())
+    }
+}

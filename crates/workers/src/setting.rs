@@ -1,0 +1,131 @@
+//! The setting of an episode: a building and the configuration of the episode.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use b2b_building::{Class, Model, PreparedBuilding};
+use b2b_dataset::{Found, Preparation};
+use b2b_energyplus::Library;
+use serde::{Deserialize, Serialize};
+
+use b2b_env::Env;
+use b2b_env::{EpisodeConfig, Error};
+
+/// The building of an environment, prepared or not.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Source {
+    /// A prepared building.
+    Prepared(Box<PreparedBuilding>),
+    /// A model that has to be sized and made controllable first.
+    Model {
+        /// Its name.
+        name: String,
+        /// Building type and climate zone, if known.
+        class: Option<Class>,
+        /// Whether it is a prototype that comes with the engine.
+        prototype: bool,
+        /// Whether it is a user's own model, which is made controllable as far as possible.
+        own: bool,
+        /// The model as it was generated or read.
+        model: Box<Model>,
+        /// The weather file that it is sized for, whatever the weather of an episode.
+        weather: PathBuf,
+    },
+}
+
+impl From<Found> for Source {
+    fn from(found: Found) -> Self {
+        let weather = found.weather.clone();
+        let Preparation { name, class, prototype, own, model } = found.into();
+        Self::Model { name, class, prototype, own, model: Box::new(model), weather }
+    }
+}
+
+impl Source {
+    /// A generated building, whose class is known, with its weather file.
+    pub fn generated(name: String, class: Class, model: Model, weather: PathBuf) -> Self {
+        let (class, model) = (Some(class), Box::new(model));
+        Self::Model { name, class, prototype: false, own: false, model, weather }
+    }
+
+    /// Returns the prepared building: sized for its weather file and made controllable, unless it already is.
+    ///
+    /// # Errors
+    /// The errors of [`Preparation::run`].
+    pub fn prepare(self, library: &Library) -> b2b_dataset::Result<PreparedBuilding> {
+        match self {
+            Self::Prepared(building) => Ok(*building),
+            Self::Model { name, class, prototype, own, model, weather } => {
+                Preparation { name, class, prototype, own, model: *model }.run(&weather, library)
+            }
+        }
+    }
+
+    /// The prepared building, if this is one or an earlier preparation is in the cache on disk.
+    pub fn cached(&self, library: &Library) -> Option<PreparedBuilding> {
+        match self {
+            Self::Prepared(building) => Some(PreparedBuilding::clone(building)),
+            Self::Model { name, class, prototype, own, model, weather } => {
+                let (name, model) = (name.clone(), Model::clone(model));
+                let preparation =
+                    Preparation { name, class: *class, prototype: *prototype, own: *own, model };
+                preparation.cached(weather, library)
+            }
+        }
+    }
+
+    /// Its name.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Prepared(building) => &building.name,
+            Self::Model { name, .. } => name,
+        }
+    }
+}
+
+/// The setting of an episode: a building, its weather, its days and its task.
+#[derive(Clone, Debug)]
+pub struct Setting {
+    /// The building. Settings that share one share its preparation.
+    pub source: Arc<Source>,
+    /// Weather, period, time step and task.
+    pub episode: EpisodeConfig,
+}
+
+impl Setting {
+    /// A setting of its own building.
+    pub fn new(source: impl Into<Arc<Source>>, episode: EpisodeConfig) -> Self {
+        Self { source: source.into(), episode }
+    }
+
+    /// Returns whether both are of the same building and episode.
+    pub(super) fn is(&self, other: &Self) -> bool {
+        self.episode == other.episode && self.shares_preparation_with(other)
+    }
+
+    /// Returns whether what was prepared for one serves the other: both are of the same building, sized for the same
+    /// weather. The weather of their episodes may differ.
+    pub(super) fn shares_preparation_with(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.source, &other.source)
+            || self.source.name() == other.source.name() && self.source == other.source
+    }
+}
+
+/// The input of a template process.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Order {
+    /// The engine's library.
+    pub(super) library: PathBuf,
+    pub(super) source: Source,
+    pub(super) episode: EpisodeConfig,
+}
+
+impl Order {
+    /// The environment, before its first reset.
+    pub(super) fn env(self) -> Result<Env, Box<dyn std::error::Error>> {
+        let library = Library::load(&self.library)?;
+        let building = self.source.prepare(&library).map_err(Error::building)?;
+        Ok(Env::new(library, building.into(), self.episode)?)
+    }
+}

@@ -1,0 +1,400 @@
+//! The worker's side: an environment that carries out the commands in its slot.
+//!
+//! There is one kind of process. Started as a program, it prepares a building, warms it up and waits at the end of
+//! warm-up: a template. Every other is a copy of one that waits: of a template, an episode; of an episode, a
+//! snapshot. A copy attaches to a slot of its own and takes commands there like its original. What a worker writes to
+//! its standard error goes to a log in the pool's folder, for its last words.
+
+use std::cell::Cell;
+use std::error::Error;
+use std::ffi::OsString;
+use std::fs::File;
+use std::os::fd::{AsFd, OwnedFd};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use b2b_energyplus::snapshot::{Fork, become_ancestor, collapse_pages, give_back_memory, leave};
+use b2b_energyplus::{Level, confine};
+use rustix::event::{EventfdFlags, PollFd, PollFlags, Timespec};
+use rustix::process::{Pid, PidfdFlags, WaitOptions};
+use rustix::thread::CpuSet;
+use rustix::time::{ClockId, clock_gettime};
+
+use super::episode_report::EpisodeReport;
+use super::form::check_width;
+use super::fragment::{MakeRunner, Runner, SharedMemory};
+use super::metrics_report;
+use super::region::{Command, LONG_ORDER, Region, Status, Ticket, WIDTH};
+use super::setting::Order;
+use b2b_env::Env;
+use b2b_env::Spaces;
+use b2b_env::StepNumbers;
+
+/// How often a process that waits looks for its owner.
+const LOOK_FOR_OWNER: Duration = Duration::from_millis(500);
+
+/// Steps after which a copy moves its memory to large pages: short episodes end before that pays.
+const COLLAPSE_AFTER: usize = 288;
+
+/// The argument that makes a program a worker: see [`run_if_worker`].
+pub(super) const FLAG: &str = "--b2b-worker";
+
+/// Runs this process as a worker if it was started as one, and then never returns. A program that uses
+/// [`Launcher::this_program`](super::Launcher::this_program) calls it first in `main`, before it starts a thread.
+pub fn run_if_worker() {
+    run_if_worker_with(|_, _| Err("this program has no runner of fragments".into()));
+}
+
+/// As [`run_if_worker`], for a program whose workers can also run fragments: see [`Runner`].
+pub fn run_if_worker_with(make_runner: MakeRunner) {
+    let arguments: Vec<OsString> = std::env::args_os().collect();
+    if let Some(flag) = arguments.iter().position(|argument| argument == FLAG) {
+        run(&arguments[flag + 1..], make_runner);
+    }
+}
+
+/// The owner's arguments: its process, the slot and its generation, the order's file.
+fn parse(arguments: &[OsString]) -> Option<(i32, Ticket, PathBuf)> {
+    let number = |index: usize| arguments.get(index)?.to_str();
+    let ticket = Ticket { slot: number(1)?.parse().ok()?, generation: number(2)?.parse().ok()? };
+    Some((number(0)?.parse().ok()?, ticket, arguments.get(3)?.into()))
+}
+
+fn run(arguments: &[OsString], make_runner: MakeRunner) -> ! {
+    let Some((owner, ticket, order)) = parse(arguments) else {
+        eprintln!("{FLAG} is for worker processes, which are started automatically");
+        leave(2)
+    };
+    // The owner passes its memory as the standard input.
+    let region = std::io::stdin().as_fd().try_clone_to_owned().and_then(Region::open);
+    let (Ok(region), Some(owner)) = (region, Owner::find(owner)) else { leave(1) };
+    if !region.attach(ticket) {
+        leave(1);
+    }
+    let folder = order.parent().unwrap_or(Path::new("")).to_owned();
+    let worker = Worker {
+        region: Arc::new(region),
+        make_runner,
+        owner,
+        folder,
+        ticket: Cell::new(ticket),
+        warm_up_cpu: Cell::default(),
+        severes: Cell::default(),
+        collapse_at: Cell::new(usize::MAX),
+    };
+    let outcome = catch_unwind(AssertUnwindSafe(|| {
+        let env = worker.prepare(&order)?;
+        worker.serve(env)
+    }));
+    match outcome {
+        Ok(Ok(())) => leave(0),
+        Ok(Err(error)) => worker.fail(&error.to_string()),
+        Err(panic) => {
+            let text = panic.downcast_ref::<String>().map(String::as_str);
+            let text = text.or(panic.downcast_ref::<&str>().copied()).unwrap_or_default();
+            worker.fail(&format!("the worker panicked: {text}"))
+        }
+    }
+}
+
+/// Why a worker cannot continue.
+type Failure = Box<dyn Error>;
+
+struct Worker {
+    region: Arc<Region>,
+    make_runner: MakeRunner,
+    owner: Owner,
+    /// The pool's folder.
+    folder: PathBuf,
+    /// The slot that this process is attached to; a copy has another.
+    ticket: Cell<Ticket>,
+    /// CPU time of the template's reset.
+    warm_up_cpu: Cell<Duration>,
+    /// Severe messages that are in the log.
+    severes: Cell<usize>,
+    /// Number of steps of the episode after which the memory moves to large pages.
+    collapse_at: Cell<usize>,
+}
+
+impl Worker {
+    /// Prepares the building of an order up to the end of warm-up, and writes the prepared building for the owner.
+    fn prepare(&self, order: &Path) -> Result<Env, Failure> {
+        become_ancestor()?;
+        // The model may be anybody's.
+        confine();
+        let watch = Watch::start(self.owner.process.try_clone()?, self.folder.clone())?;
+        let mut env = serde_json::from_slice::<Order>(&std::fs::read(order)?)?.env()?;
+        check_widths(env.spaces())?;
+        let before = cpu_time();
+        env.reset()?;
+        self.warm_up_cpu.set(cpu_time().saturating_sub(before));
+        env.set_finish_run(false);
+        // The engine keeps open what it still needs.
+        std::fs::remove_dir_all(env.folder())?;
+        let ready = order.with_extension("ready");
+        let aside = order.with_extension("aside");
+        std::fs::write(&aside, serde_json::to_vec(env.building())?)?;
+        watch.stop()?;
+        env.drop_model();
+        give_back_memory();
+        std::fs::rename(&aside, ready)?;
+        Ok(env)
+    }
+
+    fn slot(&self) -> u32 {
+        self.ticket.get().slot
+    }
+
+    /// Carries out the commands in the slot, until the episode is over or the owner gone.
+    fn serve(&self, mut env: Env) -> Result<(), Failure> {
+        let mut action = vec![0.0; env.action_space().len()];
+        let mut runner = None;
+        self.report_ready(&env);
+        loop {
+            match self.region.next_command(self.slot(), LOOK_FOR_OWNER) {
+                None if self.owner.is_gone() => return self.tidy(),
+                None => self.reap(),
+                Some(Command::Step) if self.step(&mut env, &mut action)? => return Ok(()),
+                Some(Command::Step) => {}
+                Some(command @ (Command::Fragment | Command::LongFragment)) => {
+                    let order = self.order(command)?;
+                    if self.fragment(&mut env, &mut runner, &order)? {
+                        return Ok(());
+                    }
+                }
+                Some(Command::Copy) => self.copy(&mut env)?,
+            }
+        }
+    }
+
+    /// Hands the slot back with the current observation.
+    fn report_ready(&self, env: &Env) {
+        let slot = self.slot();
+        self.region.write_observation(slot, env.observation());
+        self.region.set_status(slot, Status::Running);
+        self.region.complete(slot);
+    }
+
+    /// One step; whether it was the last.
+    fn step(&self, env: &mut Env, action: &mut [f64]) -> Result<bool, Failure> {
+        let (region, slot) = (&self.region, self.slot());
+        region.read_action(slot, action);
+        let step = env.step(action)?;
+        region.write_observation(slot, step.observation);
+        region.write_action(slot, step.action);
+        region.set_step_numbers(slot, step.numbers());
+        self.end_step(env)
+    }
+
+    /// The order of a fragment.
+    fn order(&self, command: Command) -> Result<Vec<u8>, Failure> {
+        let ticket = self.ticket.get();
+        match command {
+            Command::LongFragment => Ok(std::fs::read(self.folder.join(ticket.file(LONG_ORDER)))?),
+            _ => Ok(self.region.report(ticket.slot)),
+        }
+    }
+
+    /// A fragment; whether the episode is over.
+    fn fragment(
+        &self,
+        env: &mut Env,
+        runner: &mut Option<Box<dyn Runner>>,
+        order: &[u8],
+    ) -> Result<bool, Failure> {
+        let (region, slot) = (&self.region, self.slot());
+        if runner.as_ref().is_some_and(|runner| !runner.serves(order)) {
+            *runner = None;
+        }
+        let runner = match runner {
+            Some(runner) => runner,
+            None => runner.insert((self.make_runner)(env, order)?),
+        };
+        let steps = runner.run(env, order, &SharedMemory::new(Arc::clone(region)))?;
+        region.set_fragment_steps(slot, steps);
+        region.write_observation(slot, env.observation());
+        region.set_step_numbers(slot, StepNumbers::default());
+        self.end_step(env)
+    }
+
+    /// Hands the slot back; whether the episode is over.
+    fn end_step(&self, env: &Env) -> Result<bool, Failure> {
+        let truncated = env.is_truncated();
+        if truncated {
+            self.write_reports(env)?;
+            self.region.set_status(self.slot(), Status::Truncated);
+        } else if env.metrics().steps >= self.collapse_at.get() {
+            self.collapse_at.set(usize::MAX);
+            collapse_pages()?;
+        }
+        self.log_severe_messages(env);
+        self.region.complete(self.slot());
+        Ok(truncated)
+    }
+
+    fn write_reports(&self, env: &Env) -> Result<(), Failure> {
+        let ticket = self.ticket.get();
+        metrics_report::write(&self.region, ticket, &self.folder, env.metrics())?;
+        if self.region.options(ticket.slot).finish_run {
+            let cpu = self.warm_up_cpu.get() + cpu_time();
+            let report = EpisodeReport { engine: env.engine_report(), cpu };
+            std::fs::write(self.folder.join(ticket.file("json")), serde_json::to_vec(&report)?)?;
+        }
+        Ok(())
+    }
+
+    /// Keeps in the log what the engine complains of, should it crash.
+    fn log_severe_messages(&self, env: &Env) {
+        let severes = env.message_count(Level::Severe);
+        if severes > self.severes.get() {
+            let messages = env.messages();
+            let new = messages.at_least(Level::Severe).skip(self.severes.get());
+            new.for_each(|message| eprintln!("{}: {}", message.level, message.text));
+            self.severes.set(severes);
+        }
+    }
+
+    /// Copies this process for each slot listed. The copies return from here too, in their slots.
+    fn copy(&self, env: &mut Env) -> Result<(), Failure> {
+        self.reap();
+        let own = self.ticket.get();
+        for ticket in self.region.copies(own.slot) {
+            let finish_run = self.region.options(ticket.slot).finish_run;
+            let meter_file = finish_run.then(|| self.folder.join(ticket.file("mtr")));
+            match env.fork(meter_file.as_deref()) {
+                Ok(Fork::Original) => {}
+                Ok(Fork::Copy(opened)) => return self.become_copy(env, ticket, opened.map_err(Into::into)),
+                Err(error) => {
+                    self.ticket.set(ticket);
+                    self.report(&error.to_string());
+                    self.ticket.set(own);
+                }
+            }
+        }
+        self.region.complete(own.slot);
+        Ok(())
+    }
+
+    /// The first acts of a copy.
+    fn become_copy(&self, env: &mut Env, ticket: Ticket, opened: Result<(), Failure>) -> Result<(), Failure> {
+        if !self.region.attach(ticket) {
+            leave(0);
+        }
+        self.ticket.set(ticket);
+        opened?;
+        rustix::stdio::dup2_stderr(File::create(self.folder.join(ticket.file("log")))?)?;
+        let options = self.region.options(ticket.slot);
+        pin(options.processor);
+        self.collapse_at.set(env.metrics().steps + COLLAPSE_AFTER);
+        if let Some(steps) = options.max_steps {
+            env.truncate_after(steps);
+        }
+        if options.finish_run {
+            // The engine writes its last files by name.
+            std::fs::create_dir_all(env.folder())?;
+            env.set_finish_run(true);
+        }
+        self.report_ready(env);
+        Ok(())
+    }
+
+    /// Asks for the exit status of copies that have ended, for the owner.
+    fn reap(&self) {
+        while let Ok(Some((process, status))) = rustix::process::wait(WaitOptions::NOHANG) {
+            self.region.record_exit(process.as_raw_pid() as u32, status.as_raw());
+        }
+    }
+
+    fn report(&self, why: &str) {
+        let slot = self.slot();
+        self.region.write_report(slot, why.as_bytes());
+        self.region.set_status(slot, Status::Failed);
+        self.region.complete(slot);
+    }
+
+    fn fail(&self, why: &str) -> ! {
+        self.report(why);
+        leave(1)
+    }
+
+    /// Removes what the owner can no longer remove.
+    fn tidy(&self) -> Result<(), Failure> {
+        let _ = std::fs::remove_dir_all(&self.folder);
+        Ok(())
+    }
+}
+
+/// Checks that a slot has room for the action and the observation.
+///
+/// # Errors
+/// [`TooWide`](b2b_env::Error::TooWide).
+fn check_widths(spaces: &Spaces) -> b2b_env::Result<()> {
+    check_width(spaces, "actuators", spaces.action.len(), WIDTH)?;
+    check_width(spaces, "observation slots", spaces.observation.len(), WIDTH)
+}
+
+/// CPU time of this process.
+fn cpu_time() -> Duration {
+    let time = clock_gettime(ClockId::ProcessCPUTime);
+    Duration::new(time.tv_sec as u64, time.tv_nsec as u32)
+}
+
+/// Pins this process to one of the processors it may use, so that it finds its caches warm.
+fn pin(processor: Option<u32>) {
+    let Some(processor) = processor else { return };
+    let Ok(may) = rustix::thread::sched_getaffinity(None) else { return };
+    let may: Vec<usize> = (0..CpuSet::MAX_CPU).filter(|cpu| may.is_set(*cpu)).collect();
+    let mut one = CpuSet::new();
+    one.set(may[processor as usize % may.len()]);
+    // A refusal costs speed alone.
+    let _ = rustix::thread::sched_setaffinity(None, &one);
+}
+
+/// The process that the pool belongs to.
+struct Owner {
+    process: OwnedFd,
+}
+
+impl Owner {
+    /// `None` when it is gone already.
+    fn find(owner: i32) -> Option<Self> {
+        let process = rustix::process::pidfd_open(Pid::from_raw(owner)?, PidfdFlags::empty()).ok()?;
+        let is_parent = rustix::process::getppid().is_some_and(|pid| pid.as_raw_pid() == owner);
+        is_parent.then_some(Self { process })
+    }
+
+    fn is_gone(&self) -> bool {
+        let mut ends = [PollFd::new(&self.process, PollFlags::IN)];
+        rustix::event::poll(&mut ends, Some(&Timespec::default())).is_ok_and(|ready| ready > 0)
+    }
+}
+
+/// A thread that ends this process with its owner, while it is too busy to look.
+struct Watch {
+    thread: JoinHandle<()>,
+    bell: OwnedFd,
+}
+
+impl Watch {
+    fn start(owner: OwnedFd, folder: PathBuf) -> std::io::Result<Self> {
+        let bell = rustix::event::eventfd(0, EventfdFlags::CLOEXEC)?;
+        let rung = bell.try_clone()?;
+        let thread = std::thread::Builder::new().spawn(move || {
+            let mut ends = [PollFd::new(&owner, PollFlags::IN), PollFd::new(&rung, PollFlags::IN)];
+            let _ = rustix::event::poll(&mut ends, None);
+            if !ends[1].revents().contains(PollFlags::IN) {
+                let _ = std::fs::remove_dir_all(folder);
+                leave(1);
+            }
+        })?;
+        Ok(Self { thread, bell })
+    }
+
+    fn stop(self) -> std::io::Result<()> {
+        rustix::io::write(&self.bell, &1u64.to_ne_bytes())?;
+        self.thread.join().map_err(|_| std::io::Error::other("the watch panicked"))
+    }
+}

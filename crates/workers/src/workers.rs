@@ -1,0 +1,233 @@
+//! A shared set of worker processes.
+
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use b2b_energyplus::Library;
+
+use super::fragment::SharedMemory;
+use super::pool::{Pool, TemplateId};
+use super::region::{LOOK, Region};
+use super::setting::Setting;
+use super::worker_options::WorkerOptions;
+use b2b_env::Spaces;
+use b2b_env::{Error, Result};
+
+/// A shared set of worker processes, in which episodes run.
+///
+/// 1. [`Workers::prepare`] sizes and warms up a building in a process of its own, the *template* of a setting.
+/// 2. [`Workers::episode`] gives an episode of it; every reset is a copy of the template, within milliseconds.
+/// 3. All processes end when the last handle and the last episode are dropped, and when this process dies.
+///
+/// Clones share the processes. Handles and episodes may move between threads, but are fastest when a single thread uses
+/// all of a set; threads that run episodes concurrently should each have their own set. A set belongs to the process
+/// that created it: dropping it in a fork does nothing.
+#[derive(Clone)]
+pub struct Workers {
+    shared: Arc<Shared>,
+}
+
+struct Shared {
+    /// `None` only while it is dropped.
+    pool: Option<Mutex<Pool>>,
+    region: Arc<Region>,
+    /// Numbers of shared memory that are reserved.
+    reserved: AtomicUsize,
+    step_time_limit: Duration,
+    interrupted: fn() -> bool,
+    /// The process that it belongs to.
+    owner: u32,
+}
+
+impl std::fmt::Debug for Workers {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "Workers({} templates)", self.template_processes().len())
+    }
+}
+
+impl Workers {
+    /// A set without processes.
+    ///
+    /// # Errors
+    /// [`Error::Pool`] when there is no memory to share; [`Error::Io`] when there is no temporary folder.
+    pub fn new(options: WorkerOptions) -> Result<Self> {
+        let region = Region::new()
+            .map_err(|source| Error::Pool { what: "memory to share with workers".into(), source })?;
+        let region = Arc::new(region);
+        let (step_time_limit, interrupted) = (options.step_time_limit, options.interrupted);
+        let pool = Some(Mutex::new(Pool::new(options, Arc::clone(&region))?));
+        let reserved = AtomicUsize::new(0);
+        let owner = std::process::id();
+        let shared = Shared { pool, region, reserved, step_time_limit, interrupted, owner };
+        Ok(Self { shared: Arc::new(shared) })
+    }
+
+    /// Prepares a setting, unless it is prepared, and returns its spaces.
+    ///
+    /// # Errors
+    /// [`Error::Template`] with the reason when the building cannot be made an environment; [`Error::Lost`] when its
+    /// preparation died or hung twice; [`Error::Pool`]; [`Error::Interrupted`].
+    pub fn prepare(&self, setting: &Setting) -> Result<Arc<Spaces>> {
+        loop {
+            let done = self.region().done();
+            if let Some(spaces) = self.try_prepare(setting)? {
+                return Ok(spaces);
+            }
+            self.region().sleep(done, 1, LOOK);
+            self.check_interrupt()?;
+        }
+    }
+
+    /// Prepares several settings at the same time.
+    ///
+    /// # Errors
+    /// As [`Workers::prepare`].
+    pub fn prepare_all(&self, settings: &[Setting]) -> Result<Vec<Arc<Spaces>>> {
+        for setting in settings {
+            self.start_preparing(setting)?;
+        }
+        settings.iter().map(|setting| self.prepare(setting)).collect()
+    }
+
+    /// Starts to prepare a setting, unless it is prepared. Does not wait.
+    pub(super) fn start_preparing(&self, setting: &Setting) -> Result<()> {
+        self.lock().template_of(setting).map(|_| ())
+    }
+
+    /// The spaces of a setting if it is prepared; starts to prepare it otherwise. Does not wait.
+    pub(super) fn try_prepare(&self, setting: &Setting) -> Result<Option<Arc<Spaces>>> {
+        let mut pool = self.lock();
+        let template = pool.template_of(setting)?;
+        pool.spaces_of(template)
+    }
+
+    /// Has a setting prepared and keeps its template for an episode to come. Does not wait.
+    pub(super) fn reserve(&self, setting: &Setting) -> Result<Reservation> {
+        let template = self.lock().reserve(setting)?;
+        Ok(Reservation { workers: self.clone(), template })
+    }
+
+    /// Returns the spaces of settings, from the cache of prepared buildings where possible; prepares the others.
+    ///
+    /// # Errors
+    /// As [`Workers::prepare`].
+    pub fn spaces(&self, settings: &[Setting]) -> Result<Vec<Arc<Spaces>>> {
+        let library = self.lock().options.library.clone();
+        let library = Library::load(&library)?;
+        let mut cached = Vec::with_capacity(settings.len());
+        for Setting { source, episode } in settings {
+            episode.check()?;
+            let building = source.cached(&library);
+            cached.push(building.map(|building| Arc::new(Spaces::new(Arc::new(building), episode.clone()))));
+        }
+        for (setting, _) in settings.iter().zip(&cached).filter(|(_, cached)| cached.is_none()) {
+            self.start_preparing(setting)?;
+        }
+        settings
+            .iter()
+            .zip(cached)
+            .map(|(setting, cached)| cached.map_or_else(|| self.prepare(setting), Ok))
+            .collect()
+    }
+
+    /// Reserves memory for `count` numbers that the processes share, for as long as the set lives, and returns their place.
+    ///
+    /// # Errors
+    /// [`Error::Pool`] when there is not so much memory.
+    pub fn reserve_memory(&self, count: usize) -> Result<usize> {
+        let place = self.shared.reserved.fetch_add(count, Ordering::Relaxed);
+        let reserved = self.region().reserve_shared(place, count);
+        reserved
+            .map_err(|source| Error::Pool { what: format!("{count} numbers of shared memory"), source })?;
+        Ok(place)
+    }
+
+    /// The memory that the processes share.
+    pub fn memory(&self) -> SharedMemory {
+        SharedMemory::new(Arc::clone(&self.shared.region))
+    }
+
+    /// The processes of the templates.
+    pub fn template_processes(&self) -> Vec<u32> {
+        self.lock().template_processes()
+    }
+
+    /// The processes of the templates that are not ready yet.
+    pub fn preparing_processes(&self) -> Vec<u32> {
+        self.lock().preparing_processes()
+    }
+
+    /// The temporary folder of everything that the processes write. Removed with the set.
+    pub fn folder(&self) -> PathBuf {
+        self.lock().folder().to_owned()
+    }
+
+    pub(super) fn lock(&self) -> MutexGuard<'_, Pool> {
+        let pool = self.shared.pool.as_ref().expect("the pool is there until it is dropped");
+        pool.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    pub(super) fn region(&self) -> &Region {
+        &self.shared.region
+    }
+
+    pub(super) fn step_time_limit(&self) -> Duration {
+        self.shared.step_time_limit
+    }
+
+    pub(super) fn check_interrupt(&self) -> Result<()> {
+        if (self.shared.interrupted)() { Err(Error::Interrupted) } else { Ok(()) }
+    }
+
+    /// Returns whether both are the same set.
+    pub(super) fn are(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.shared, &other.shared)
+    }
+
+    /// Returns whether this is the process that it belongs to, and no fork of it.
+    pub(super) fn belong_to_this_process(&self) -> bool {
+        self.shared.owner == std::process::id()
+    }
+}
+
+/// A template that is kept for an episode to come, until it is dropped.
+pub(super) struct Reservation {
+    workers: Workers,
+    template: TemplateId,
+}
+
+impl Reservation {
+    /// Returns whether its preparation is over, with or without success.
+    pub(super) fn is_prepared(&self) -> bool {
+        self.workers.lock().is_prepared(self.template)
+    }
+
+    /// The spaces of the setting if it is prepared. Does not wait.
+    pub(super) fn spaces(&self) -> Result<Option<Arc<Spaces>>> {
+        self.workers.lock().spaces_of(self.template)
+    }
+
+    /// Returns whether both are of one template.
+    pub(super) fn is(&self, other: &Self) -> bool {
+        self.template == other.template
+    }
+}
+
+impl Drop for Reservation {
+    fn drop(&mut self) {
+        if self.workers.belong_to_this_process() {
+            self.workers.lock().cancel(self.template);
+        }
+    }
+}
+
+impl Drop for Shared {
+    /// A fork of the process that it belongs to leaves the workers and their files alone.
+    fn drop(&mut self) {
+        if self.owner != std::process::id() {
+            std::mem::forget(self.pool.take());
+        }
+    }
+}

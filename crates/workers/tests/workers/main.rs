@@ -1,0 +1,15 @@
+//! Environments in worker processes, on the real engine.
+#![cfg(target_os = "linux")]
+
+mod batch;
+#[path = "../../../env/tests/env/case.rs"]
+mod case;
+mod copies;
+mod losses;
+mod operations;
+mod processes;
+mod report;
+mod sampler;
+mod succession;
+mod templates;
+mod workers;
