@@ -158,7 +158,7 @@ pub enum Error {
         /// The folder.
         folder: PathBuf,
     },
-    /// A file that cannot be read as what it was written as.
+    /// A file that cannot be parsed.
     #[error("{path} is damaged: {why}; remove it to recompute it")]
     Damaged {
         /// The file.

@@ -205,7 +205,7 @@ fn compare(what: &str, there: &Value, here: &Value, found: &mut Vec<String>) {
     }
 }
 
-/// Returns whether a path is that of a file that is being written.
+/// Returns whether a path belongs to a file that is being written.
 pub(crate) fn is_temporary(path: &Path) -> bool {
     path.to_string_lossy().ends_with(TEMPORARY)
 }
