@@ -69,7 +69,7 @@ pub struct Group {
     pub rms_deviation_k: f64,
     /// HVAC energy, mean over episodes, Wh/m².
     pub energy_wh_m2: f64,
-    /// HVAC energy over that of the baseline; `None` if the latter is unknown.
+    /// HVAC energy relative to the baseline; `None` if the latter is unknown.
     pub relative_energy: Option<f64>,
     /// Actuator travel, mean over episodes, full strokes/day.
     pub daily_travel: f64,
@@ -143,7 +143,7 @@ impl Group {
     }
 }
 
-/// Returns the name of a building type in results; users' models have none of their own.
+/// Returns the name of a building type in results; users' models have no type.
 pub fn type_label(building_type: &str) -> &str {
     if building_type.is_empty() { "own models" } else { building_type }
 }

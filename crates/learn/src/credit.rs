@@ -48,7 +48,7 @@ impl Credit {
         }
     }
 
-    /// Returns the credit of a matrix, actions × parts; without one, that of a single group.
+    /// Returns the credit of a matrix, actions × parts; without one, the credit of a single group.
     ///
     /// # Errors
     /// When the matrix has another shape.
@@ -120,7 +120,7 @@ impl Credit {
         group * self.size..((group + 1) * self.size).min(count)
     }
 
-    /// Writes the advantages of the groups of a step from those of the parts.
+    /// Writes the advantages of the groups of a step from the advantages of the parts.
     pub fn assign(&self, of_parts: &[f32], of_groups: &mut [f32]) {
         for (advantage, weights) in of_groups.iter_mut().zip(self.weights.chunks_exact(self.parts.len())) {
             *advantage = weights.iter().zip(of_parts).map(|(weight, part)| weight * part).sum();

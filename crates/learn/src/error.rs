@@ -79,7 +79,7 @@ pub enum Error {
         /// Reason.
         why: String,
     },
-    /// A configuration whose values do not go together.
+    /// A configuration with incompatible values.
     #[error("{0}")]
     Invalid(String),
     /// A run's folder that cannot be resumed, or that is another run's.

@@ -24,7 +24,7 @@ use crate::rollout::{End, Rollout, Scene, Widths};
 /// Collects rollouts step by step in a [`VecEnv`] with [`Autoreset::Disabled`](b2b_workers::Autoreset::Disabled). A reward
 /// has one part.
 ///
-/// The rollouts are those of a [`FragmentCollector`](crate::fragments::FragmentCollector) of the same seed and actors, bit for
+/// The rollouts equal a [`FragmentCollector`](crate::fragments::FragmentCollector)'s with the same seed and actors, bit for
 /// bit, as long as no episode is lost.
 pub struct LockstepCollector {
     environments: VecEnv,
@@ -53,7 +53,7 @@ struct EnvProgress {
     scale: f32,
     /// Steps of the rollout.
     done: usize,
-    /// Fragments that the rollout has of this environment: one more than episodes that ended.
+    /// This environment's fragments in the rollout: one more than the episodes that ended.
     fragments: u64,
     ends: Vec<End>,
     /// Buildings of the rollout, each from a step on, for a graph network.
@@ -64,7 +64,7 @@ struct EnvProgress {
 }
 
 impl LockstepCollector {
-    /// Begins the first episodes. `correlation` is that of the exploration noise between consecutive steps.
+    /// Begins the first episodes. `correlation` is the correlation of the exploration noise between consecutive steps.
     ///
     /// # Errors
     /// [`Error::Env`](crate::Error::Env) when an environment cannot begin.
@@ -130,7 +130,7 @@ impl LockstepCollector {
         self.times.map(|time| time.as_secs_f64())
     }
 
-    /// Observes the beginning of an episode, whose building must have the observation and the actuators of the first.
+    /// Observes the first state of an episode. Its building must have the observation and actuators of the first building.
     fn check_and_observe(&mut self, environment: usize) -> Result<()> {
         let pilot = &self.progress[environment].pilot;
         let name = &spaces_of(&self.environments, environment)?.building.name;
@@ -138,7 +138,7 @@ impl LockstepCollector {
         self.observe(environment)
     }
 
-    /// Has the pilot take the environment's observation.
+    /// Passes the environment's observation to the pilot.
     fn observe(&mut self, environment: usize) -> Result<()> {
         let slots = spaces_of(&self.environments, environment)?.observation.len();
         let first = environment * self.environments.widths().1;
@@ -184,7 +184,7 @@ impl LockstepCollector {
         Ok(())
     }
 
-    /// Waits for all busy environments and deals with each. Returns how many there were.
+    /// Waits for all busy environments and handles each result. Returns how many there were.
     fn receive(&mut self, mut take: impl FnMut(&mut Self, usize) -> Result<()>) -> Result<usize> {
         let mut ready = std::mem::take(&mut self.ready);
         self.environments.recv(self.progress.len(), &mut ready)?;
@@ -296,7 +296,7 @@ impl Collector for LockstepCollector {
     }
 }
 
-/// Returns the widths of the building of a pilot, whose reward is in one part.
+/// Returns the widths of a pilot's building, with a reward of one part.
 fn widths_of(pilot: &Pilot) -> Widths {
     let (observation, action) = pilot.widths();
     Widths { observation, action, parts: 1 }

@@ -11,7 +11,7 @@ impl Random {
     /// Number of words of [`Random::words`].
     pub const WORDS: usize = 7;
 
-    /// Returns the stream of this number of a seed.
+    /// Returns the stream of a seed with this number.
     pub fn new(seed: u64, stream: u64) -> Self {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         random.set_stream(stream);
@@ -39,7 +39,7 @@ impl Random {
         values.iter_mut().for_each(|value| *value = self.normal() as f32);
     }
 
-    /// Brings values into random order, by a Fisher-Yates shuffle.
+    /// Shuffles values (Fisher-Yates).
     pub fn shuffle<T>(&mut self, values: &mut [T]) {
         for last in (1..values.len()).rev() {
             values.swap(last, self.below(last + 1));
@@ -73,7 +73,7 @@ impl Random {
 /// Standard normal noise of the actions of one environment, correlated from step to step.
 ///
 /// Each number is ρ × the previous one + √(1 - ρ²) × a new one: an autoregressive process of first order with variance 1. A ρ of
-/// 0 is independent noise. Densities of actions remain those of independent noise.
+/// 0 is independent noise. Action densities still assume independent noise.
 #[derive(Clone, Debug)]
 pub struct Noise {
     /// Correlation ρ between consecutive steps, from 0 to 1.

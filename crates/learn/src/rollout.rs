@@ -29,7 +29,7 @@ pub struct Rollout {
     pub steps: usize,
     /// Observation before each step: environments × steps × width.
     pub observations: Vec<f32>,
-    /// Action of each step, from -1 to 1 or, of a Gaussian policy, beyond: environments × steps × width.
+    /// Action of each step, from -1 to 1 (a Gaussian policy may exceed this): environments × steps × width.
     pub actions: Vec<f32>,
     /// Reward of each step, by its parts: environments × steps × parts. Their sum is the reward.
     pub rewards: Vec<f32>,
@@ -54,18 +54,18 @@ pub struct Scene {
     pub step: usize,
     /// The building.
     pub graph: Arc<Graph>,
-    /// What its actions are credited with.
+    /// Credit of its actions.
     pub credit: Arc<Credit>,
 }
 
-/// The end of an episode. It is a truncation: the return does not end there.
+/// The end of an episode, a truncation: its value is bootstrapped.
 #[derive(Clone, Debug, PartialEq)]
 pub struct End {
     /// Environment.
     pub environment: usize,
     /// Index of the last step of the episode.
     pub step: usize,
-    /// Observation after that step, of the episode that ended. The row of the next step is of the next episode.
+    /// Last observation of the episode. The next row belongs to the next episode.
     pub observation: Vec<f32>,
 }
 
@@ -115,7 +115,7 @@ impl Rollout {
         self.pairs.clear();
     }
 
-    /// Sets what is behind the last number of smaller buildings to 0.
+    /// Zeros the padding of smaller buildings.
     pub(crate) fn clear_padding(&mut self, widths: Widths) {
         let Self { steps, observations, actions, next, ends, scenes, .. } = self;
         for (number, scene) in scenes.iter().enumerate() {

@@ -95,7 +95,7 @@ impl State {
         }
     }
 
-    /// Returns whole numbers, as many as expected.
+    /// Returns the expected number of integers.
     ///
     /// # Errors
     /// When there is no such tensor of this type and length.

@@ -34,7 +34,7 @@ impl TravelCost {
         Self { shares, before: vec![0.0; actuators] }
     }
 
-    /// Takes the travel so far, before a step.
+    /// Records the travel before a step.
     pub(crate) fn before_step(&mut self, metrics: &Metrics) {
         self.before.copy_from_slice(&metrics.travel);
     }

@@ -18,7 +18,7 @@ pub enum ObservationForm {
     /// As `raw`, with a slot for every zone role in houses: see [`RoleObservation`](b2b_env::RoleObservation).
     Roles,
     /// Features of the state that control needs: errors at several scales, their change and recent mean, targets, calendar
-    /// as sines, and the previous and the base controller's action. See `docs/training.md`.
+    /// as sines, and the previous and the base controller's action. See `docs/training_reference.md`.
     #[default]
     Features,
 }

@@ -101,7 +101,7 @@ pub enum PolicyDescription {
         /// SHA-256 of each agent by name.
         files: BTreeMap<String, String>,
     },
-    /// A program of its author, whose episodes nobody else can run again.
+    /// An external program, whose episodes others cannot rerun.
     External {
         /// Its name.
         name: String,

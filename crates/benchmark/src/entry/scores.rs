@@ -26,7 +26,7 @@ pub struct Score {
     pub resolved_score: f64,
     /// RMS deviation from target, mean over seeds, K.
     pub rms_deviation_k: f64,
-    /// HVAC energy over that of the baseline; `None` if the latter is 0.
+    /// HVAC energy relative to the baseline; `None` if the latter is 0.
     pub relative_energy: Option<f64>,
 }
 
@@ -40,7 +40,7 @@ pub struct Performance {
     pub resolved: Aggregate,
     /// RMS deviation from target, mean over episodes, K.
     pub rms_deviation_k: f64,
-    /// HVAC energy over that of the baseline; `None` if the latter is 0.
+    /// HVAC energy relative to the baseline; `None` if the latter is 0.
     pub relative_energy: Option<f64>,
 }
 

@@ -12,7 +12,7 @@ use super::buildings::Buildings;
 use super::restriction::Restriction;
 use b2b_evaluate::{Episode, Subject};
 
-/// One side of a problem: what a policy is trained on, or tested on.
+/// One side of a problem: training or test.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Side {

@@ -51,7 +51,7 @@ impl TrainingForm {
         Ok(Self { restriction, attributes, arrangement, widths: (actions, observations) })
     }
 
-    /// Returns the attributes of a building, which are those of the dataset for an id.
+    /// Returns the attributes of a building: the dataset's for an id.
     fn attributes(&self, spaces: &Spaces) -> crate::Result<Vec<f64>> {
         if !self.attributes {
             return Ok(Vec::new());

@@ -23,7 +23,7 @@ pub struct WrappedPolicy<'a> {
     side: &'a Side,
 }
 
-/// What a problem's side leaves to a policy in an episode.
+/// The observation and actions of a policy on a problem's side.
 struct Access {
     restricted: Option<RestrictedAction>,
     /// Attributes that follow the observation.
@@ -47,7 +47,7 @@ impl<'a> WrappedPolicy<'a> {
         Ok(attributes(spaces, subject.placement.origin(&subject.name))?)
     }
 
-    /// Returns what the problem's side leaves to a policy in an episode.
+    /// Returns the observation and actions of a policy on the problem's side.
     fn access(&self, context: &EpisodeContext<'_>) -> Result<Access> {
         let EpisodeContext { subject, site, spaces, .. } = context;
         let parameters = controller_parameters(subject, site, &spaces.episode.task);

@@ -64,7 +64,7 @@ impl Key {
     }
 }
 
-/// Returns a task without what is not part of a baseline's key: energy term and comfort band.
+/// Returns a task without energy term and comfort band, which are not part of a baseline's key.
 pub(super) fn without_energy(task: &Task) -> Task {
     let Task { energy_weight, energy_scale, resource, comfort_band, .. } = Task::default();
     Task { energy_weight, energy_scale, resource, comfort_band, ..task.clone() }

@@ -39,7 +39,7 @@ pub(super) struct Bench {
     /// For the records of its episodes.
     pub(super) memory: RolloutMemory,
     pub(super) located: Arc<Located>,
-    /// Shared by its episodes, so that they share what is prepared.
+    /// Source of its episodes, which share its preparation.
     source: Arc<Source>,
     /// As it came out of the first episode.
     pub(super) prepared: Option<Arc<PreparedBuilding>>,
@@ -70,7 +70,7 @@ impl<'a> Group<'a> {
         lock(&self.waiting).pop_front()
     }
 
-    /// Tells others what was prepared.
+    /// Publishes the prepared building.
     pub(super) fn is_prepared(&self, bench: &Bench) {
         if let Some(building) = &bench.prepared {
             self.prepared.get_or_init(|| Arc::clone(building));
@@ -95,7 +95,7 @@ impl<'a> Group<'a> {
 }
 
 impl Bench {
-    /// A pool for what is left of a building's episodes.
+    /// A pool for the remaining episodes of a building.
     pub(super) fn new(evaluation: &Evaluation<'_>, group: &Group<'_>) -> Result<Self> {
         let located = group.located(evaluation.catalog)?;
         let source = match group.prepared.get() {

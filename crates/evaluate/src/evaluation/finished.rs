@@ -24,7 +24,7 @@ pub struct Lost {
 /// An episode that ran to its end, as it is kept on disk.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Finished {
-    /// What was run, and its metrics.
+    /// The episode and its metrics.
     pub record: Record,
     /// Sums from which the return follows for every weight.
     pub terms: ReturnTerms,
@@ -36,10 +36,10 @@ pub struct Finished {
     pub hours: Hours,
 }
 
-/// What was run, and its metrics.
+/// The episode and its metrics.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Record {
-    /// What was run.
+    /// The episode.
     #[serde(flatten)]
     pub info: EpisodeInfo,
     /// Its metrics.

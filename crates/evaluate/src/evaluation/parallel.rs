@@ -25,7 +25,7 @@ pub struct Evaluation<'a> {
     pub interrupted: fn() -> bool,
 }
 
-/// What the threads of an evaluation share.
+/// State shared by the threads of an evaluation.
 pub(super) struct Work<'a> {
     pub(super) episodes: &'a [(usize, &'a Episode)],
     pub(super) policy: &'a dyn Policy,

@@ -11,7 +11,7 @@ use crate::scores::Baseline;
 /// An episode in a results table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Row {
-    /// What was run.
+    /// The episode.
     pub info: EpisodeInfo,
     /// Its metrics and score, or why it was lost.
     pub outcome: Result<Scored, Lost>,
@@ -32,7 +32,7 @@ pub struct Scored {
     pub baseline_return: Option<f64>,
     /// HVAC energy of the reactive controllers in the same episode, Wh/m², if known.
     pub baseline_energy: Option<f64>,
-    /// Return over that of the reactive controllers, as in the paper: see [`normalized_score`](crate::normalized_score).
+    /// Return relative to the reactive controllers, as in the paper: see [`normalized_score`](crate::normalized_score).
     pub score: Option<f64>,
     /// See [`resolved_score`](crate::resolved_score).
     pub resolved_score: Option<f64>,
@@ -73,7 +73,7 @@ impl Row {
 }
 
 impl Scored {
-    /// Returns HVAC energy over that of the reactive controllers; `None` if theirs is unknown or 0.
+    /// Returns HVAC energy relative to the reactive controllers; `None` if theirs is unknown or 0.
     pub fn relative_energy(&self) -> Option<f64> {
         let baseline = self.baseline_energy.filter(|energy| *energy > 0.0)?;
         Some(self.metrics.energy() / baseline)

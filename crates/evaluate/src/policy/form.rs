@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::interface::{EpisodeContext, Interface, Policy};
 use crate::Result;
 
-/// How observations of houses, whose numbers of zones differ, get one width.
+/// How observations of houses with different numbers of zones get one width.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum HouseForm {
@@ -22,7 +22,7 @@ pub enum HouseForm {
 }
 
 impl HouseForm {
-    /// Returns whether it is that of roles.
+    /// Returns whether it is the form by roles.
     pub fn is_roles(&self) -> bool {
         *self == Self::Roles
     }

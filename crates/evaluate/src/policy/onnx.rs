@@ -139,7 +139,7 @@ impl Controller for OnnxController {
     }
 }
 
-/// Runs a model on a thread of its own: sums then run in one order, whatever the number of cores.
+/// Runs a model on one dedicated thread, so that sums have one order on any number of cores.
 struct Inference {
     model: Arc<Model>,
     options: RunOptions,

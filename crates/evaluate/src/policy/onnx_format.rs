@@ -43,7 +43,7 @@ impl Message {
 /// Checks that every field of a model ends inside its message.
 ///
 /// # Errors
-/// What is wrong, and at which byte.
+/// The problem and its byte offset.
 pub(super) fn check(model: &[u8]) -> Result<(), String> {
     let mut reader = Reader { bytes: model, position: 0 };
     reader.message(Message::Model, model.len(), 0)

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use super::chart::Chart;
 use crate::evaluation::{EpisodeInfo, Hours};
 
-/// 1 January 2017, in milliseconds of Unix time: the weekdays of every episode are those of 2017, but its year is not shown.
+/// 1 January 2017, in milliseconds of Unix time: episodes have the weekdays of 2017, but no year is shown.
 const YEAR_START_MS: i64 = 1_483_228_800_000;
 const HOUR_MS: i64 = 3_600_000;
 

@@ -13,11 +13,11 @@ use crate::rollout::Widths;
 /// A building as a graph network sees it.
 #[derive(Clone, Debug)]
 pub(crate) struct GraphBuilding {
-    /// What a worker needs to know of it.
+    /// The part that a worker needs.
     pub(super) plan: NodePlan,
     /// Its graph.
     pub(super) graph: Arc<Graph>,
-    /// What its actions are credited with.
+    /// Credit of its actions.
     pub(super) credit: Arc<Credit>,
 }
 

@@ -18,10 +18,10 @@ use crate::error::{Error, Result};
 use crate::rollout::{End, Rollout, Widths};
 use crate::state::State;
 
-/// Steps of an environment that are carried out again at a time.
+/// Steps of an environment per replay request.
 const REPLAYED: usize = 1024;
 
-/// The factor by which the rewards of a building are multiplied.
+/// The scale of a building's rewards.
 pub type RewardScale = Box<dyn Fn(&Spaces) -> Result<f64> + Send>;
 
 /// Collects rollouts in the worker processes of a [`VecEnv`] with [`Autoreset::Disabled`](b2b_workers::Autoreset::Disabled).
@@ -144,7 +144,7 @@ impl FragmentCollector {
         state
     }
 
-    /// Continues from a state: every environment begins the episode that it was in, and carries out its actions again.
+    /// Continues from a state: every environment begins its episode again and replays its actions.
     ///
     /// # Errors
     /// When the state is of another number of environments, and when an environment cannot begin its episode.
@@ -165,7 +165,7 @@ impl FragmentCollector {
         self.replay(actor)
     }
 
-    /// Carries out the actions of all episodes in progress, some at a time.
+    /// Replays the actions of all episodes in progress, in chunks.
     fn replay(&mut self, actor: &Actor) -> Result<()> {
         let width = self.widths.action;
         let rows = |progress: &Progress| progress.actions.len() / width;
@@ -327,7 +327,7 @@ impl FragmentCollector {
         progress.done += steps;
     }
 
-    /// Keeps the end of an episode, and has the next begin.
+    /// Records the end of an episode and begins the next.
     fn end_episode(&mut self, environment: usize) -> Result<()> {
         let mut observation = vec![0.0; self.widths.observation];
         self.memory.read(self.block(environment).next(), &mut observation);

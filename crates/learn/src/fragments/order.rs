@@ -25,7 +25,7 @@ pub(crate) fn stream(rollout: u64, environment: usize, fragment: u64) -> u64 {
 /// A fragment that a worker runs.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Order {
-    /// What the agent observes and how it acts.
+    /// Observation and acting of the agent.
     pub interface: Interface,
     /// The building, for a graph network.
     pub plan: Option<NodePlan>,

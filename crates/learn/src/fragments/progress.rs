@@ -11,7 +11,7 @@ pub(super) struct Progress {
     pub(super) phase: Phase,
     /// Steps of the rollout.
     pub(super) done: usize,
-    /// Fragments that the rollout has of this environment.
+    /// This environment's fragments in the rollout.
     pub(super) fragments: u64,
     /// Factor of the rewards of the episode in progress.
     pub(super) scale: f32,

@@ -105,7 +105,7 @@ impl FragmentRunner {
         }
     }
 
-    /// Determines the action of a step, and records it with the observation before.
+    /// Chooses the action of a step and records it with the observation.
     fn choose(&mut self, order: &Order, step: usize, noise: &mut Noise, memory: &SharedMemory) {
         let (observation, block) = (self.pilot.observed(), &order.block);
         match order.purpose {

@@ -20,7 +20,7 @@ pub struct Adam {
 }
 
 impl Adam {
-    /// Returns the optimizer of this number of parameters. `epsilon` is added to the root of the squares.
+    /// Returns an optimizer of this many parameters. `epsilon` is added to the root of the mean squared gradient.
     pub fn new(parameters: usize, epsilon: f32) -> Self {
         Self { epsilon, steps: 0, means: vec![0.0; parameters], squares: vec![0.0; parameters] }
     }
@@ -30,7 +30,7 @@ impl Adam {
         self.step_parts(parameters, gradients, [(0..parameters.len(), learning_rate)]);
     }
 
-    /// As [`Adam::step`], of parts of the parameters with learning rates of their own.
+    /// As [`Adam::step`], with one learning rate per part of the parameters.
     pub fn step_parts<const PARTS: usize>(
         &mut self,
         parameters: &mut [f32],
@@ -71,11 +71,11 @@ impl Adam {
     }
 }
 
-/// Number of sums that [`clip_norm`] adds values to in turn, so that it is vectorized.
+/// Number of partial sums of [`clip_norm`], so that it is vectorized.
 const LANES: usize = 16;
 
 /// Scales gradients to a norm of at most `limit` over all slices, as PyTorch's `clip_grad_norm_` does, and returns their norm
-/// before. A norm that is not finite leaves them as they are.
+/// before. A non-finite norm leaves them unchanged.
 pub fn clip_norm(gradients: &mut [&mut [f32]], limit: f32) -> f32 {
     let norm = gradients.iter().map(|slice| sum_of_squares(slice)).sum::<f64>().sqrt() as f32;
     let scale = limit / (norm + 1e-6);

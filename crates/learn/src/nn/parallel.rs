@@ -7,9 +7,9 @@ use std::ops::Range;
 
 /// Largest number of chunks of a minibatch.
 const CHUNKS: usize = 4;
-/// Rows that a chunk has at least, so that products of matrices are worth their overhead.
+/// Minimum number of rows of a chunk, so that matrix products are worth their overhead.
 const ROWS: usize = 64;
-/// Products of a parameter and a row below which starting a thread costs more than it saves.
+/// Number of parameters × rows below which starting a thread costs more than it saves.
 const WORK: usize = 1 << 20;
 
 /// Returns the number of chunks of rows: one per 64 rows, and at most four.

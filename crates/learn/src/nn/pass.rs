@@ -53,10 +53,10 @@ impl Pass {
     }
 
     /// Propagates the gradients of the outputs of the last forward pass, rows × outputs. Adds the gradients of the parameters to
-    /// `parameter_gradients`, and writes those of the inputs, rows × inputs, to `input_gradients`.
+    /// `parameter_gradients`, and writes the gradients of the inputs, rows × inputs, to `input_gradients`.
     ///
     /// # Panics
-    /// When a slice has another length than the shape, or the inputs are not those of the forward pass in number.
+    /// When a slice has another length than the shape, or the number of inputs differs from the forward pass.
     pub fn backward(
         &mut self,
         parameters: &[f32],

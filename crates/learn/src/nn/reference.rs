@@ -27,7 +27,7 @@ pub(crate) fn forward(shape: &Mlp, parameters: &[f64], input: &[f64]) -> Vec<f64
     values
 }
 
-/// Asserts that gradients are those of central finite differences of a loss.
+/// Asserts that gradients equal the central finite differences of a loss.
 pub(crate) fn assert_gradients(at: &[f64], gradients: &[f32], loss: impl Fn(&[f64]) -> f64) {
     const STEP: f64 = 1e-6;
     assert_eq!(at.len(), gradients.len());

@@ -1,4 +1,4 @@
-//! Behavior cloning (Pomerleau 1991): an agent whose actions are those of a dataset, by least squares.
+//! Behavior cloning (Pomerleau 1991): an agent that imitates the actions of a dataset, by least squares.
 
 use std::sync::Arc;
 
@@ -17,20 +17,20 @@ use crate::{Error, Result};
 
 /// Gains of the initial weights.
 const GAINS: Gains = Gains { hidden: std::f32::consts::SQRT_2, last: 0.01 };
-/// Term that keeps Adam from dividing by 0.
+/// ε of Adam.
 const EPSILON: f32 = 1e-8;
-/// Logarithm of the standard deviation with which training may continue.
+/// Log standard deviation for further training.
 const LOG_STD: f32 = -2.0;
-/// The last step of this many of an episode's is held out.
+/// The last 1/`HELD_OUT` of every episode is held out.
 const HELD_OUT: usize = 10;
 
 /// Steps whose errors are computed at a time.
 const CHUNK: usize = 4096;
 
-/// How a policy is cloned.
+/// Options of cloning.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CloneConfig {
-    /// What the agent observes.
+    /// Observation of the agent.
     pub observation: ObservationForm,
     /// Widths of the hidden layers.
     pub hidden: Vec<usize>,

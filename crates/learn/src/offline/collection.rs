@@ -13,7 +13,7 @@ use super::dataset::{Contents, Dataset, EpisodeMetadata, NewDataset};
 use super::episodes::EpisodeFile;
 use crate::{Error, Result};
 
-/// What is collected: every episode under every policy.
+/// A dataset to collect: every episode under every policy.
 pub struct Collection<'a> {
     /// Name of the dataset, such as `b2b/office-small-v0`.
     pub id: &'a str,
@@ -23,8 +23,8 @@ pub struct Collection<'a> {
     pub policies: &'a [Box<dyn Policy>],
 }
 
-/// Runs the episodes and writes the dataset to a folder. Of several buildings, actions are from -1 to 1, because their bounds
-/// differ; of one building, in physical units.
+/// Runs the episodes and writes the dataset to a folder. With several buildings, actions are from -1 to 1, because their bounds
+/// differ; with one building, in physical units.
 ///
 /// # Errors
 /// [`Error::Invalid`] for buildings of several types or with different observations, for a folder that exists, and when an
@@ -153,7 +153,7 @@ impl Shape {
         }
     }
 
-    /// Widens the bounds by those of another building.
+    /// Widens the bounds to include another building's.
     fn merge(&mut self, other: &Self, episode: &Episode) -> Result<()> {
         let names = |shape: &Self| [shape.observation_names.clone(), shape.action_names.clone()].concat();
         if names(self) != names(other) {

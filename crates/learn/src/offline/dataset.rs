@@ -13,11 +13,11 @@ use super::episodes::{self, EpisodeFile};
 use crate::error::at;
 use crate::{Error, Result};
 
-/// Version of Minari whose format it is.
+/// Version of Minari that defines the format.
 const MINARI: &str = "0.5.3";
 const METADATA: &str = "metadata.json";
 
-/// What a dataset contains, beside Minari's own description.
+/// Contents of a dataset, in addition to Minari's own metadata.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Contents {
     /// Building type.
@@ -36,7 +36,7 @@ pub struct Contents {
     pub action_names: Vec<String>,
 }
 
-/// What is known of an episode.
+/// Metadata of an episode.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EpisodeMetadata {
     /// Number.
@@ -47,7 +47,7 @@ pub struct EpisodeMetadata {
     pub seed: u64,
     /// Building.
     pub building: String,
-    /// Place of its weather; `None` for that of the building.
+    /// Place of its weather; `None` for the building's own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub place: Option<String>,
     /// Weather file, instead of a place.
@@ -63,7 +63,7 @@ pub struct EpisodeMetadata {
 #[derive(Clone, Debug)]
 pub struct Dataset {
     path: PathBuf,
-    /// What it contains.
+    /// Contents.
     pub contents: Contents,
     /// Its episodes, in order.
     pub episodes: Vec<EpisodeMetadata>,
@@ -80,7 +80,7 @@ impl Dataset {
     /// Reads the description of a dataset that [`collect`](super::collect) wrote.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for a folder that is no such dataset; [`Error::Io`].
+    /// [`Error::Invalid`] for a folder that is not such a dataset; [`Error::Io`].
     pub fn open(path: &Path) -> Result<Self> {
         let file = path.join("data").join(METADATA);
         let Metadata { total_episodes, data_format, b2b } = read_json(&file)?;
@@ -133,7 +133,7 @@ impl NewDataset {
         Ok(new)
     }
 
-    /// Returns the folder that is moved to the destination. It has the permissions of a new folder; that around it is private.
+    /// Returns the folder that is moved to the destination. It has the permissions of a new folder; its parent is private.
     fn whole(&self) -> PathBuf {
         self.staging.path().join("dataset")
     }

@@ -20,7 +20,7 @@ pub enum LogStd {
     OfState,
 }
 
-/// The configuration of PPO. Defaults are those of Stable-Baselines3, apart from `normalize_values`.
+/// The configuration of PPO. Defaults follow Stable-Baselines3, except `normalize_values`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PpoConfig {
@@ -42,13 +42,13 @@ pub struct PpoConfig {
     pub gae_lambda: f32,
     /// ε of the clipped ratio (Schulman et al. 2017, eq. 7). Default 0.2.
     pub clip_range: f32,
-    /// Coefficient of the entropy in the loss. Default 0.
+    /// Entropy coefficient of the loss. Default 0.
     pub entropy_coefficient: f32,
-    /// Coefficient of the squared error of values in the loss. Default 0.5.
+    /// Coefficient of the value loss. Default 0.5.
     pub value_coefficient: f32,
-    /// Limit of the norm of the gradient. Default 0.5.
+    /// Maximum norm of the gradient. Default 0.5.
     pub max_grad_norm: f32,
-    /// Divergence of the policy, in nats: an update stops before a minibatch where it is over 1.5 times this. Default none.
+    /// Target KL divergence in nats: an update stops before a minibatch where it exceeds 1.5 times this. Default none.
     pub target_kl: Option<f32>,
     /// Divergence of the policy in an update, in nats, that the learning rate of the actor is adapted to: it is divided by 1.5
     /// after an update with more than twice as much, and multiplied by 1.5 after one with less than half, as in rsl_rl (Rudin

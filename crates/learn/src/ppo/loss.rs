@@ -54,7 +54,7 @@ pub struct PolicyLoss<'a> {
     pub rows: usize,
 }
 
-/// A step of the rollout, and the distribution that the actor now has for it. A building may have fewer actions than a group.
+/// A step of the rollout and the actor's current distribution for it. A building may have fewer actions than a group.
 #[derive(Clone, Copy, Debug)]
 pub struct Step<'a> {
     /// Action, not clipped.
@@ -70,7 +70,7 @@ pub struct Step<'a> {
 }
 
 impl PolicyLoss<'_> {
-    /// Adds a step to the losses, and its gradients to those of means and of logarithms of standard deviations.
+    /// Adds a step to the losses, and its gradients to the gradients of means and log standard deviations.
     pub fn add(&self, step: &Step<'_>, means: &mut [f32], log_stds: &mut [f32], losses: &mut Losses) {
         let share = 1.0 / self.rows as f32;
         for group in 0..self.credit.groups() {

@@ -73,7 +73,7 @@ pub struct Ppo {
 }
 
 impl Ppo {
-    /// Returns a learner with initial parameters of this seed.
+    /// Returns a learner whose initial parameters are drawn with this seed.
     ///
     /// # Errors
     /// When a value of the configuration is outside its range, or its credit has another shape than actions × parts.
@@ -159,7 +159,7 @@ impl Ppo {
         }
     }
 
-    /// Returns the node types that rollouts had so far, as places among those of the graph network.
+    /// Returns the node types seen in rollouts so far, as indices into the graph network's types.
     pub fn seen_types(&self) -> Vec<usize> {
         self.features.seen()
     }

@@ -74,7 +74,7 @@ impl Networks {
         parameters
     }
 
-    /// Returns the biases of the last layers of the actor, and where those of logarithms of standard deviations begin.
+    /// Returns the biases of the actor's last layers, and the index where the log standard deviations begin.
     fn log_std_biases(&self) -> Vec<(Range<usize>, usize)> {
         let half = |layer: Layer| (layer.biases, layer.outputs / 2);
         match &self.actor {
@@ -186,7 +186,7 @@ impl Networks {
         log_std.iter_mut().for_each(|value| *value = value.clamp(self.minimum, *LOG_STD.end()));
     }
 
-    /// Adds the gradients of the logarithms of standard deviations of a row to those of the free parameters.
+    /// Adds the gradients of a row's log standard deviations to the gradients of the free parameters.
     pub fn add_log_std_gradients(&self, gradients: &[f32], graph: Option<&Graph>, sums: &mut [f32]) {
         match graph {
             None => sums.iter_mut().zip(gradients).for_each(|(sum, gradient)| *sum += gradient),
@@ -197,7 +197,7 @@ impl Networks {
         }
     }
 
-    /// Sets gradients to 0 where the logarithm of the standard deviation of these outputs is at a bound.
+    /// Zeros the gradients where the log standard deviation of these outputs is at a bound.
     pub fn clamp_gradients(&self, outputs: &[f32], gradients: &mut [f32]) {
         let range = self.minimum..=*LOG_STD.end();
         for (output, gradient) in outputs[self.widths.action..].iter().zip(gradients) {
@@ -207,7 +207,7 @@ impl Networks {
         }
     }
 
-    /// Brings free logarithms of standard deviations within their bounds.
+    /// Clamps the free log standard deviations to their bounds.
     pub fn project(&self, parameters: &mut [f32]) {
         let (minimum, maximum) = (self.minimum, *LOG_STD.end());
         parameters[self.log_stds()].iter_mut().for_each(|value| *value = value.clamp(minimum, maximum));

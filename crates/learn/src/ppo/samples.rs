@@ -1,4 +1,4 @@
-//! Steps as PPO learns from them: those of a rollout, and those of a minibatch.
+//! The samples of PPO: the steps of a rollout and of a minibatch.
 
 use std::sync::Arc;
 

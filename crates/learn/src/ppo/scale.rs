@@ -22,7 +22,7 @@ pub struct ValueScale {
 }
 
 impl ValueScale {
-    /// Returns the scale of this number of kinds. `rate` is the weight of the newest returns.
+    /// Returns a scale for this many kinds of parts. `rate` is the weight of the newest returns.
     pub fn new(kinds: usize, rate: f64) -> Self {
         Self { rate, updates: 0, means: vec![0.0; kinds], squares: vec![1.0; kinds] }
     }
@@ -99,7 +99,7 @@ impl ValueScale {
     }
 }
 
-/// What the parts in rows of values or returns are.
+/// The kinds of the parts in rows of values or returns.
 #[derive(Clone, Copy, Debug)]
 pub struct Rows<'a> {
     /// Credits of the buildings.

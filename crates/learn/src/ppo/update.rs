@@ -16,9 +16,9 @@ use crate::rollout::Rollout;
 
 /// Rows of a pass through the networks before the epochs.
 const BLOCK: usize = 256;
-/// Number of updates in a row with skipped steps that is an error.
+/// Number of consecutive updates with skipped steps that is an error.
 const FAILURES: u64 = 3;
-/// Stable-Baselines3 stops an update where the divergence is over this times its target.
+/// Multiple of the target divergence at which an update stops, as in Stable-Baselines3.
 const KL_FACTOR: f64 = 1.5;
 /// Factor of an adaptation of the learning rate, and its limits as shares of the rate of the configuration.
 const RATE_FACTOR: f64 = 1.5;
@@ -49,7 +49,7 @@ pub struct Update {
     pub epochs: usize,
     /// Steps of the optimizer.
     pub steps: usize,
-    /// Minibatches whose loss or gradient was not finite. They change nothing.
+    /// Minibatches with a non-finite loss or gradient, which were skipped.
     pub skipped: usize,
 }
 
@@ -83,7 +83,7 @@ impl Ppo {
         }
     }
 
-    /// Adds the parameters to their running average, apart from the statistics of features. The first updates count alike.
+    /// Adds the parameters, except feature statistics, to their running average. The first updates have equal weights.
     fn average_parameters(&mut self) {
         let rate = self.config.average_rate.max(1.0 / (self.updates + 1) as f32);
         for (average, newest) in self.average.iter_mut().zip(&self.parameters) {
@@ -139,7 +139,7 @@ impl Ppo {
         explained
     }
 
-    /// Computes the advantages of the groups of actions from those of the parts of the reward, rows × parts.
+    /// Computes the advantages of action groups from the advantages of reward parts, rows × parts.
     fn assign_credit(&mut self, of_parts: &[f32]) {
         let (parts, Samples { advantages, scenes, .. }) = (self.widths.parts, &mut self.samples);
         advantages.clear();
@@ -283,7 +283,7 @@ impl Update {
     }
 }
 
-/// Returns the explained variance of the sums of the parts of returns by those of values.
+/// Returns the explained variance of returns by values, each summed over parts.
 fn explained_variance(values: &[f32], returns: &[f32], parts: usize) -> f64 {
     let sums = |values: &[f32]| -> Vec<f64> {
         values.chunks_exact(parts).map(|row| row.iter().map(|value| f64::from(*value)).sum()).collect()

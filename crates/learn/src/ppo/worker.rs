@@ -60,7 +60,7 @@ impl<'a> Minibatch<'a> {
         &self.credits[self.samples.scenes[row]]
     }
 
-    /// Returns the building of a row, of a graph network.
+    /// Returns the building of a row, for graph networks.
     fn graph(&self, row: usize) -> Option<&'a Graph> {
         self.graphs.get(self.samples.scenes[row]).map(|graph| &**graph)
     }
@@ -81,7 +81,7 @@ impl NetworkPass {
         }
     }
 
-    /// Returns how many rows are passed at a time: all of a chunk, or as many buildings as the processor's cache holds.
+    /// Returns the number of rows per pass: the whole chunk, or as many buildings as fit in the processor's cache.
     fn rows(&self) -> usize {
         match self {
             Self::Flat(_) => usize::MAX,

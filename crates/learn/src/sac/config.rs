@@ -9,13 +9,13 @@ use crate::limits::{
 };
 use crate::nn::Schedule;
 
-/// The configuration of SAC. Defaults of the algorithm are those of Stable-Baselines3; minibatches are larger and fewer.
+/// The configuration of SAC. Defaults follow Stable-Baselines3, but minibatches are larger and fewer.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SacConfig {
     /// Learning rate of Adam, for actor, critics and temperature. Default 3e-4.
     pub learning_rate: f64,
-    /// Schedule of the learning rate. Its updates are those of rollouts. Default constant.
+    /// Schedule of the learning rate, by rollouts. Default constant.
     pub schedule: Schedule,
     /// ε of Adam. Default 1e-8.
     pub adam_epsilon: f32,

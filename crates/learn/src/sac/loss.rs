@@ -67,7 +67,7 @@ pub fn critic_loss(values: &[f32], targets: &[f32], rows: usize, gradients: &mut
 /// A sampled action of the actor, and the derivative of its value.
 #[derive(Clone, Copy, Debug)]
 pub struct Sampled {
-    /// Logarithm of the standard deviation, as the actor put it out.
+    /// Log standard deviation, as output by the actor.
     pub log_std: f32,
     /// Standard normal number of the sample.
     pub normal: f32,

@@ -5,7 +5,7 @@
 //!
 //! 1. Critics: returns of several steps, and the value of the target critics after them.
 //! 2. Actor: a squashed Gaussian, through the smaller value of the critics ([`loss`]).
-//! 3. Temperature, whose entropy has a target.
+//! 3. Temperature, toward a target entropy.
 //! 4. Target critics, which follow the critics.
 //!
 //! Rewards are the sums of their parts.

@@ -5,7 +5,7 @@ use crate::random::Random;
 use crate::rollout::{Rollout, Widths};
 use crate::state::State;
 
-/// The latest steps of every environment, in order. Each environment has a ring of its own.
+/// The latest steps of every environment, in order, in one ring buffer per environment.
 #[derive(Clone, Debug)]
 pub struct Replay {
     widths: Widths,
@@ -22,11 +22,11 @@ pub struct Replay {
     rewards: Vec<f32>,
     /// Observation after each step: environments × capacity × width.
     next: Vec<f32>,
-    /// 1 where the next step does not follow on this one, otherwise 0: environments × capacity.
+    /// 1 where the next step does not continue this one, otherwise 0: environments × capacity.
     ends: Vec<f32>,
 }
 
-/// The return of some steps, and where it continues.
+/// An n-step return, and where it is bootstrapped.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Return {
     /// Σ γⁱ rᵢ over the steps.
@@ -91,12 +91,12 @@ impl Replay {
         self.added == 0
     }
 
-    /// Returns whether the next steps go over the oldest ones.
+    /// Returns whether the next steps overwrite the oldest ones.
     pub fn is_full(&self) -> bool {
         self.added >= self.capacity
     }
 
-    /// Adds the steps of a rollout, over the oldest ones.
+    /// Adds the steps of a rollout, overwriting the oldest ones.
     ///
     /// # Panics
     /// When the rollout has another number of environments.
@@ -118,7 +118,7 @@ impl Replay {
         self.added += rollout.steps;
     }
 
-    /// Marks that the next steps do not follow on the newest ones.
+    /// Marks that the next steps do not continue the newest ones.
     pub fn cut(&mut self) {
         for environment in 0..if self.is_empty() { 0 } else { self.environments } {
             let place = self.place(environment, self.added - 1);

@@ -7,7 +7,7 @@ use crate::error::{Error, Result};
 use crate::nn::{chunk, chunk_count, clip_norm, for_each, threads_for};
 use crate::rollout::Rollout;
 
-/// Number of updates in a row with skipped steps that is an error.
+/// Number of consecutive updates with skipped steps that is an error.
 const FAILURES: u64 = 3;
 
 /// Results of an update. Losses, entropy, value and norms are means over its minibatches.
@@ -76,7 +76,7 @@ impl Sac {
         }
     }
 
-    /// Returns whether the replay buffer has the steps with which learning begins.
+    /// Returns whether the replay buffer has enough steps to begin learning.
     fn can_learn(&self) -> bool {
         !self.replay.is_empty() && (self.replay.len() >= self.config.learning_starts || self.replay.is_full())
     }

@@ -35,7 +35,7 @@ impl Sample {
         numbers
     }
 
-    /// Says what a sample of this size finds.
+    /// Describes what a sample of this size finds.
     pub(super) fn power(&self, size: usize, total: usize) -> String {
         let forged = forged(total);
         let percent = 100.0 * found(size, forged, total);

@@ -9,7 +9,7 @@ pub(super) struct Attended<'a> {
     pub projections: &'a [f32],
     /// Weights: heads × nodes × nodes.
     pub weights: &'a [f32],
-    /// Edges from the node of each row to that of each column.
+    /// Edges from the node of each row to the node of each column.
     pub relations: &'a [u8],
     pub heads: usize,
     pub nodes: usize,

@@ -16,7 +16,7 @@ pub(super) struct Gradients {
     pub outputs: Vec<Vec<f32>>,
     /// Gradients of the embeddings: tokens × embedding.
     stream: Vec<f32>,
-    /// Gradients of what a part of a layer adds to them, and of its inputs.
+    /// Gradients of a sublayer's output, which is added to the embeddings, and of its inputs.
     change: Vec<f32>,
     /// Gradients of the outputs of hidden layers.
     hidden: Vec<f32>,
@@ -26,7 +26,7 @@ pub(super) struct Gradients {
     columns: Vec<f32>,
 }
 
-/// A network with its parameters, and the sums that the gradients of these are added to.
+/// A network with its parameters and the sums of their gradients.
 pub(super) struct Target<'a> {
     pub network: &'a GraphNetwork,
     pub places: &'a Places,
@@ -145,7 +145,7 @@ impl Gradients {
     }
 }
 
-/// Adds the gradients of the parameters of a layer, and writes those of its inputs.
+/// Adds the gradients of a layer's parameters, and writes the gradients of its inputs.
 fn backward(
     layer: &Layer,
     target: &mut Target<'_>,
@@ -159,7 +159,7 @@ fn backward(
     multiply(Matrix::new(gradients, rows, layer.outputs), weights.transposed(), 0.0, of_inputs);
 }
 
-/// Adds the gradients of gain and bias of a layer normalization, and those of its inputs to `stream`.
+/// Adds the gradients of gain and bias of a layer normalization, and adds the gradients of its inputs to `stream`.
 fn add_norm(
     places: &NormPlaces,
     tape: &NormTape,

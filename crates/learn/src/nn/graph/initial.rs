@@ -7,7 +7,7 @@ use b2b_agent::network::graph::GraphNetwork;
 use crate::nn::orthogonal::write_weights;
 use crate::random::Random;
 
-/// Deviation of the biases of encoders, by which nodes without features differ between types.
+/// Standard deviation of encoder biases, which tell apart the types of nodes without features.
 const TYPE_DEVIATION: f32 = 0.5;
 
 /// Returns initial parameters: orthogonal matrices, of the decoders times `last`; layers that add to the embedding are smaller the
