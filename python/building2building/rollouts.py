@@ -42,7 +42,7 @@ class ControlledEnv(Protocol):
 
 
 class BuiltInController:
-    """A controller of the Rust core. It computes in f64 and physical units; see :func:`rollout`."""
+    """A controller of the Rust core by the name of its ``kind``. It computes in f64 and physical units; see :func:`rollout`."""
 
     kind = ""
 
@@ -51,6 +51,7 @@ class BuiltInController:
         env: gymnasium.Env[Any, Any] | ControlledEnv,
         seed: int | None = None,
         *,
+        kind: str | None = None,
         parameters: Mapping[str, float] | None = None,
     ):
         core: Any = env.unwrapped
@@ -58,7 +59,7 @@ class BuiltInController:
         self._rescale: bool = core.rescale_action
         seed = getattr(core, "seed", 0) if seed is None else seed
         changes = None if parameters is None else dict(parameters)
-        self._core = _core.Controller(self.kind, self._layout.spaces, seed, changes)
+        self._core = _core.Controller(kind or self.kind, self._layout.spaces, seed, changes)
 
     def reset(self) -> None:
         """Resets the state for a new episode."""

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf, absolute};
 use std::sync::Arc;
 
-use b2b_control::{Controller, Reactive, ReactiveParameters};
+use b2b_control::{Controller, KindDescription};
 use b2b_env::Spaces;
 use serde::{Deserialize, Serialize};
 
@@ -17,8 +17,8 @@ use crate::{Error, Result};
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ControllerDescription {
-    /// The reactive controllers: see [`Reactive::description`].
-    Reactive(Box<ReactiveParameters>),
+    /// A controller that needs no file: see [`b2b_control::Kind`].
+    BuiltIn(KindDescription),
     /// An agent in a folder.
     Agent {
         /// Its folder.
@@ -39,10 +39,7 @@ impl ControllerDescription {
     /// The errors of [`Agent::read`] and [`Pilot::without_model`]; [`Error::Damaged`] for an agent that has changed since.
     pub fn controller(&self, spaces: &Arc<Spaces>) -> Result<Box<dyn Controller>> {
         Ok(match self {
-            Self::Reactive(parameters) => {
-                let steps_per_hour = spaces.episode.steps_per_hour;
-                Box::new(Reactive::new(&spaces.building, &spaces.observation, steps_per_hour, parameters))
-            }
+            Self::BuiltIn(description) => description.controller(spaces)?,
             Self::Agent { folder, sha256, plan, attributes } => {
                 let agent = read_unchanged(folder, sha256)?;
                 let interface = agent.info().interface;

@@ -92,6 +92,9 @@ pub enum Error {
         /// Its hours.
         hours: usize,
     },
+    /// A controller that cannot be made.
+    #[error(transparent)]
+    Control(#[from] b2b_control::Error),
     /// A file that cannot be read or written.
     #[error("{path}: {source}")]
     Io {

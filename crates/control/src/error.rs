@@ -26,6 +26,34 @@ pub enum Error {
         /// Reason.
         why: String,
     },
+    /// A name that no controller has.
+    #[error("unknown controller `{name}`; expected one of {}", known.join(", "))]
+    UnknownKind {
+        /// The name.
+        name: String,
+        /// The known names.
+        known: Vec<&'static str>,
+    },
+    /// Parameters given to a controller that has none.
+    #[error("the controller `{name}` has no parameters")]
+    NoParameters {
+        /// The controller.
+        name: &'static str,
+    },
+    /// Values that are not those of a controller's parameters.
+    #[error("invalid parameters of a controller: {why}")]
+    Values {
+        /// Reason.
+        why: String,
+    },
+    /// A planner without an episode to try actions on.
+    #[error(
+        "the controller `{name}` plans on copies of an episode; it can run in `b2b run` and in evaluations"
+    )]
+    NeedsEpisode {
+        /// The controller.
+        name: &'static str,
+    },
     /// A file of evaluations of another tuning run, or one that was edited.
     #[error("{path} belongs to another tuning run: {why}; remove it or choose another folder")]
     OtherTuning {

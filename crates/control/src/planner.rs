@@ -7,14 +7,19 @@
 //! variation is carried out up to the next plan. The zero variation is among those tried, so that a plan is no worse
 //! than the reactive controller within its horizon.
 
+use std::collections::BTreeMap;
+use std::path::Path;
 use std::sync::Arc;
 
-use b2b_env::{ActionSpace, Environment, Result};
+use b2b_building::{Parameter, PreparedBuilding};
+use b2b_env::{ActionSpace, Environment, Result, Task};
 use b2b_workers::{Episode, step_all};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use serde_json::Value;
 
-use crate::{Controller, Reactive};
+use crate::kind::{self, AnyController, Case};
+use crate::{Controller, Error, Reactive, Replay, reactive};
 
 /// Parameters of a [`Planner`].
 #[derive(Clone, Debug, PartialEq)]
@@ -190,5 +195,66 @@ fn fit(elites: &[Tried], mean: &mut [f64], spread: &mut [f64]) {
         let values = || elites.iter().map(|tried| tried.variation[index]);
         *mean = values().sum::<f64>() / count;
         *spread = (values().map(|value| (value - *mean).powi(2)).sum::<f64>() / count).sqrt();
+    }
+}
+
+/// The kind `planner`, with the parameters of the reactive controllers that it varies.
+pub(crate) struct Kind;
+
+impl kind::Kind for Kind {
+    fn name(&self) -> &'static str {
+        "planner"
+    }
+
+    fn help(&self) -> &'static str {
+        "cross-entropy planning on copies of the simulation with perfect foresight; minutes per simulated day"
+    }
+
+    fn is_stochastic(&self) -> bool {
+        true
+    }
+
+    fn controls_whole_building(&self) -> bool {
+        true
+    }
+
+    fn plans(&self) -> bool {
+        true
+    }
+
+    fn parameters(&self) -> Vec<Parameter> {
+        reactive::Kind.parameters()
+    }
+
+    fn defaults(&self) -> Value {
+        reactive::Kind.defaults()
+    }
+
+    fn tuned(&self, building: &PreparedBuilding, task: &Task) -> Value {
+        reactive::Kind.tuned(building, task)
+    }
+
+    fn changed(&self, values: Value, changes: &BTreeMap<String, f64>) -> crate::Result<Value> {
+        reactive::Kind.changed(values, changes)
+    }
+
+    fn read(&self, path: &Path) -> crate::Result<Value> {
+        reactive::Kind.read(path)
+    }
+
+    fn make(&self, _: &Case<'_>) -> crate::Result<Box<dyn AnyController>> {
+        Err(Error::NeedsEpisode { name: self.name() })
+    }
+
+    fn plan(
+        &self,
+        case: &Case<'_>,
+        episode: &mut Episode,
+        step: &mut dyn FnMut(),
+    ) -> crate::Result<Option<Box<dyn AnyController>>> {
+        let spaces = case.spaces;
+        let mut planner = Planner::new(PlannerParameters::default(), Reactive::of_case(case)?, case.seed);
+        let actions = planner.plan_episode(episode, spaces.episode_steps(), step)?;
+        Ok(Some(Box::new(Replay::new(actions, spaces.action.len()))))
     }
 }

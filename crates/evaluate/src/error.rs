@@ -54,7 +54,8 @@ pub enum Error {
     },
     /// An unknown policy.
     #[error(
-        "unknown policy `{text}`; expected reactive, random, constant, planner, the folder of an agent or an ONNX file (.onnx)"
+        "unknown policy `{text}`; expected {}, the folder of an agent or an ONNX file (.onnx)",
+        b2b_control::KINDS.map(b2b_control::Kind::name).join(", ")
     )]
     UnknownPolicy {
         /// The name given.
@@ -130,6 +131,9 @@ pub enum Error {
     /// An environment failed.
     #[error(transparent)]
     Env(#[from] b2b_env::Error),
+    /// A controller that cannot be made.
+    #[error(transparent)]
+    Control(#[from] b2b_control::Error),
     /// An agent that cannot be read, or not act in a building.
     #[error(transparent)]
     Agent(#[from] b2b_agent::Error),

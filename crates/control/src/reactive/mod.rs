@@ -2,6 +2,7 @@
 //! temperature, and thermostats for heaters.
 
 mod air_loop;
+mod kind;
 mod parameters;
 mod pi;
 mod trim_respond;
@@ -13,9 +14,9 @@ use std::ops::Range;
 use b2b_building::PreparedBuilding;
 use b2b_building::hvac::{HeatingOnly, ServedZone, System, SystemLayout};
 use b2b_env::{Controller, Environment, ObservationSpace, Target};
-use serde_json::{Value, json};
 
 pub use air_loop::AirLoopParameters;
+pub(crate) use kind::Kind;
 pub use parameters::ReactiveParameters;
 pub use pi::Gains;
 pub use trim_respond::TrimRespond;
@@ -68,11 +69,6 @@ impl Reactive {
             (control, layout.actions.clone())
         };
         Self { systems: building.laid_out_systems().map(control).collect() }
-    }
-
-    /// Returns the description from which a worker makes the controllers: see [`Episode::rollout`](b2b_workers::Episode::rollout).
-    pub fn description(parameters: &ReactiveParameters) -> Value {
-        json!({ "reactive": parameters })
     }
 
     /// Takes the action that was used instead of the last one of [`act`](Controller::act), as by an agent that corrects it. Air loops

@@ -228,19 +228,19 @@ mod tests {
         let root = tempfile::tempdir().unwrap();
         let path = root.path().join("results");
         let houses = episodes(&["SingleFamilyHouse-1", "SingleFamilyHouse-2"]);
-        drop(Folder::open(&path, &BuiltIn::Random, &houses).unwrap());
-        drop(Folder::open(&path, &BuiltIn::Random, &houses).unwrap());
+        drop(Folder::open(&path, &BuiltIn::random(), &houses).unwrap());
+        drop(Folder::open(&path, &BuiltIn::random(), &houses).unwrap());
         let refused = |policy: BuiltIn, episodes: &[Episode]| {
             Folder::open(&path, &policy, episodes).unwrap_err().to_string()
         };
-        let said = refused(BuiltIn::Constant, &houses);
+        let said = refused(BuiltIn::constant(), &houses);
         assert!(
             said.contains("\"random\" in the folder") && said.contains("\"constant\" in this command"),
             "{said}"
         );
-        let said = refused(BuiltIn::Random, &episodes(&["SingleFamilyHouse-1", "SingleFamilyHouse-3"]));
+        let said = refused(BuiltIn::random(), &episodes(&["SingleFamilyHouse-1", "SingleFamilyHouse-3"]));
         assert!(said.contains("building of episode 1") && said.contains("SingleFamilyHouse-0003"), "{said}");
-        let said = refused(BuiltIn::Random, &houses[..1]);
+        let said = refused(BuiltIn::random(), &houses[..1]);
         assert!(said.contains("2 episodes in the folder and 1 in this command"), "{said}");
     }
 
@@ -249,14 +249,14 @@ mod tests {
         let root = tempfile::tempdir().unwrap();
         let path = root.path().join("results");
         let houses = episodes(&["SingleFamilyHouse-1"]);
-        let folder = Folder::open(&path, &BuiltIn::Random, &houses).unwrap();
-        let busy = Folder::open(&path, &BuiltIn::Random, &houses).unwrap_err();
+        let folder = Folder::open(&path, &BuiltIn::random(), &houses).unwrap();
+        let busy = Folder::open(&path, &BuiltIn::random(), &houses).unwrap_err();
         assert!(matches!(busy, Error::Busy { .. }), "{busy}");
         drop(folder);
         std::fs::write(root.path().join("thesis.tex"), "").unwrap();
-        let foreign = Folder::open(root.path(), &BuiltIn::Random, &houses).unwrap_err();
+        let foreign = Folder::open(root.path(), &BuiltIn::random(), &houses).unwrap_err();
         assert!(matches!(foreign, Error::UnrelatedFiles { .. }), "{foreign}");
-        let none = Folder::open(&root.path().join("other"), &BuiltIn::Random, &[]).unwrap_err();
+        let none = Folder::open(&root.path().join("other"), &BuiltIn::random(), &[]).unwrap_err();
         assert!(matches!(none, Error::NoEpisode), "{none}");
     }
 
@@ -265,11 +265,11 @@ mod tests {
         let root = tempfile::tempdir().unwrap();
         let houses = episodes(&["SingleFamilyHouse-1"]);
         let path = root.path().join("results");
-        drop(Folder::open(&path, &BuiltIn::Random, &houses).unwrap());
+        drop(Folder::open(&path, &BuiltIn::random(), &houses).unwrap());
         let half = path.join(EPISODES).join(".aside-x1y2z3");
         std::fs::write(&half, "{\"record\": {").unwrap();
         std::fs::write(path.join(EPISODES).join("000000.json"), "{\"record\": {").unwrap();
-        let folder = Folder::open(&path, &BuiltIn::Random, &houses).unwrap();
+        let folder = Folder::open(&path, &BuiltIn::random(), &houses).unwrap();
         assert!(!half.exists());
         assert_eq!(folder.read(0), None);
     }
