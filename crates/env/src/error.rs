@@ -145,7 +145,7 @@ pub enum Error {
     UnknownTask {
         /// The text.
         text: String,
-        /// The part that is wrong or, for the name of a preset of the first version, what it is now.
+        /// The part that is wrong or, for a preset of the original Python implementation, its name here.
         why: String,
     },
     /// A file that does not hold a task.

@@ -71,7 +71,7 @@ impl FromStr for Task {
     fn from_str(text: &str) -> Result<Self> {
         let error = |why: String| Error::UnknownTask { text: text.to_owned(), why };
         let unknown = |part: &str| match of_preset(text) {
-            Some(task) => error(format!(", which is now {task} (docs/coming_from.md)")),
+            Some(task) => error(format!(", which is called {task} here (docs/coming_from.md)")),
             None if part == text => error(String::new()),
             None => error(format!(": unknown part `{part}`")),
         };
@@ -114,7 +114,7 @@ impl FromStr for Task {
     }
 }
 
-/// Returns the text form of a preset of the first version of the project, such as `task_occ_e05`.
+/// Returns the text form of a preset of the original Python implementation, such as `task_occ_e05`.
 fn of_preset(text: &str) -> Option<String> {
     let (mode, energy) = text.strip_prefix("task_")?.split_once('_')?;
     let setpoints = match mode {
@@ -219,13 +219,13 @@ mod tests {
     }
 
     #[test]
-    fn a_preset_of_the_first_version_is_answered_with_a_task_that_reads() {
+    fn the_error_for_a_preset_of_the_original_implementation_names_a_valid_task() {
         for mode in ["const", "occ", "rand"] {
             for energy in ["e0", "e05", "emed", "ehigh"] {
                 let preset = format!("task_{mode}_{energy}");
                 let said = preset.parse::<Task>().unwrap_err().to_string();
                 let now = of_preset(&preset).unwrap();
-                assert!(said.contains(&format!("`{preset}`, which is now {now} ")), "{said}");
+                assert!(said.contains(&format!("`{preset}`, which is called {now} here ")), "{said}");
                 assert_eq!(task(&now).to_string(), now);
             }
         }
