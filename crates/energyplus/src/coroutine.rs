@@ -68,7 +68,7 @@ pub(crate) enum Outcome {
 }
 
 impl EngineRun {
-    /// Prepares a run with these command-line arguments. Nothing is computed before the first resume.
+    /// Prepares a run with these command-line arguments. Computation starts at the first resume.
     pub(crate) fn new(
         library: &Library,
         arguments: &[&str],

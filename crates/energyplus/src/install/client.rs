@@ -109,7 +109,7 @@ struct Running(Child);
 
 impl Drop for Running {
     fn drop(&mut self) {
-        // Once it has ended, its id may belong to another process.
+        // After its end, the id may belong to another process.
         if !matches!(self.0.try_wait(), Ok(None)) {
             return;
         }
