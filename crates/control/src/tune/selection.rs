@@ -5,7 +5,7 @@ use super::plan::Plan;
 use crate::Measured;
 
 /// The outcomes of a set of parameters: on the buildings of the search under `occupancy`, under `constant` if the plan
-/// requires it, and on those of the validation under each of [`Plan::VALIDATION_SETPOINTS`].
+/// requires it, and on the validation buildings under each of [`Plan::VALIDATION_SETPOINTS`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cells {
     /// Outcomes on the buildings of the search.
