@@ -8,8 +8,8 @@ use super::feature::{Feature, Source};
 use super::options::ObservationOptions;
 use crate::{Error, Result};
 
-/// Returns the attributes of a building that an agent observes, from -1 to 1: none unless its options request them.
-/// Requires the model of the building, which a worker process has dropped.
+/// Returns the attributes of a building that an agent observes, in [-1, 1]; empty unless its options request them.
+/// Requires the building's model, which worker processes drop.
 ///
 /// # Errors
 /// [`Error::Attributes`] if the building cannot be described.
