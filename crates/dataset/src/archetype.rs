@@ -8,7 +8,7 @@ use b2b_energyplus::install::Engine;
 use crate::house::{self, House};
 use crate::{Error, Result};
 
-/// Returns the base model of a type: for the house one generated for the site, for the others the [`prototype`].
+/// Returns the base model of a type: for houses generated for the site, otherwise the [`prototype`].
 ///
 /// # Errors
 /// The errors of [`prototype`].
