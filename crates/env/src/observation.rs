@@ -38,7 +38,7 @@ pub struct ObservationSpace {
     constant_target: Option<f64>,
 }
 
-/// Where the target of a zone is found.
+/// Source of the target of a zone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Target {
     /// In this slot of the observation.

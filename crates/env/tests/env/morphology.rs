@@ -1,4 +1,4 @@
-//! Every slot of every type has one place in the morphology.
+//! Every slot of every building type has one place in the morphology.
 
 use std::collections::HashSet;
 use std::sync::{Arc, OnceLock};
@@ -94,7 +94,7 @@ fn split_and_join_undo_each_other() {
 }
 
 #[test]
-fn a_zone_sees_its_own_temperature_occupancy_and_target() {
+fn a_zone_observes_its_own_temperature_occupancy_and_target() {
     let moving = BuildingType::ALL.map(|kind| case_of(kind, "occupancy".parse().unwrap()));
     for Case { env, morphology, decomposition } in cases().chain(moving) {
         let observation = numbers(env.observation_space().len());
@@ -123,7 +123,7 @@ fn a_zone_sees_its_own_temperature_occupancy_and_target() {
 }
 
 #[test]
-fn a_node_drives_what_bears_its_name() {
+fn a_node_drives_the_actuators_with_its_name() {
     for Case { env, morphology, decomposition } in cases() {
         for (name, cell) in env.action_space().names().iter().zip(decomposition.action_cells()) {
             let node = morphology.nodes.iter().enumerate().find(|(number, node)| {
