@@ -89,7 +89,7 @@ impl Agent {
     /// # Errors
     /// [`Error::OtherBuilding`] when the building's observation or actuators differ from training;
     /// [`Error::UnknownNodeType`] when a graph agent with direct actions does not know the type of a node that has
-    /// actuators; those of [`Pilot::new`].
+    /// actuators; the errors of [`Pilot::new`].
     pub fn controller(&self, spaces: &Arc<Spaces>) -> Result<AgentController> {
         Ok(AgentController::new(self.pilot(spaces)?, Arc::clone(&self.actor)))
     }

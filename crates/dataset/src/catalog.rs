@@ -90,8 +90,8 @@ impl Catalog {
     /// Finds a building. Its weather is downloaded or generated when it is not in the cache.
     ///
     /// # Errors
-    /// [`Error::HasPlace`] and [`Error::NoWeather`] when the placement does not fit the name; those of the weather file
-    /// and the model.
+    /// [`Error::HasPlace`] and [`Error::NoWeather`] when the placement does not fit the name; errors of the weather
+    /// file and the model.
     pub fn find(
         &self,
         name: &BuildingName,

@@ -18,7 +18,7 @@ use b2b_base::random::stream;
 /// Decimals of the commercial parameters, in their order. The window-to-wall ratio of a warehouse is less than 1 %.
 const DECIMALS: [i32; 9] = [4, 4, 4, 4, 5, 4, 4, 4, 1];
 
-/// The stream of the seeds of households, distinct from those of the hypercube.
+/// The stream of the seeds of households, distinct from the hypercube's streams.
 const HOUSEHOLDS: u64 = 2000;
 
 /// The places or regions from which a sample is drawn.

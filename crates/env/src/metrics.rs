@@ -1,4 +1,4 @@
-//! Running sums over an episode: key performance indicators modeled on those of BOPTEST.
+//! Running sums over an episode: key performance indicators modeled on BOPTEST's.
 
 use serde::{Deserialize, Serialize};
 

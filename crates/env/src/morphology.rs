@@ -80,7 +80,7 @@ impl Decomposition {
     #[must_use]
     pub fn padded(&self, observation: &Layout, action: &Layout) -> Self {
         let moved = |to: &Layout, from: &Layout, cell: &usize| {
-            to.cell_of(from, *cell).expect("the layout covers that of the building")
+            to.cell_of(from, *cell).expect("the layout covers the building's")
         };
         let observed = |cell: &usize| moved(observation, &self.observation, cell);
         Self {

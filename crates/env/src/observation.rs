@@ -30,7 +30,7 @@ pub struct Slot {
 /// temperature and humidity, time, and the HVAC energy of the step. With setpoints that vary, occupancy and target of every
 /// controlled zone follow, in model order.
 ///
-/// Occupancy and target are those of the next step, whose reward uses them.
+/// Occupancy and target are for the next step, whose reward uses them.
 #[derive(Clone, Debug)]
 pub struct ObservationSpace {
     slots: Vec<Slot>,

@@ -44,7 +44,7 @@ struct Extreme {
 
 impl Oscillation {
     /// Adds the temperature at the end of a step, °C, and the target of the step. Returns the number of steps newly
-    /// found to be in sustained oscillation: at the end of a swing its steps, or those of the first ten swings;
+    /// found to be in sustained oscillation: at the end of a swing its steps, or all steps of the first ten swings;
     /// otherwise 0.
     pub(crate) fn add(&mut self, temperature: f64, target: f64, hours_per_step: f64) -> usize {
         if self.age == 0 || target != self.target {

@@ -43,7 +43,7 @@ pub enum Setpoints {
         /// Random seed.
         #[serde(default)]
         seed: u64,
-        /// Distributions to draw from. Default: those of the building type, or of offices for a building without a type.
+        /// Distributions to draw from. Default: the distributions of the building type, or of offices without a type.
         #[serde(default)]
         day: Option<RandomDay>,
     },

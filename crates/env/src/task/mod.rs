@@ -126,7 +126,7 @@ impl Task {
     /// Reads a task from a JSON file.
     ///
     /// # Errors
-    /// [`Error::Io`]; [`Error::TaskFile`] with the reason; those of [`Task::check`].
+    /// [`Error::Io`]; [`Error::TaskFile`] with the reason; the errors of [`Task::check`].
     pub fn read(path: &Path) -> Result<Self> {
         let text = user_file::read(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
         let task: Self =
@@ -138,7 +138,8 @@ impl Task {
     /// Parses a task from a user's text: the short form, a JSON object, or the path of a JSON file.
     ///
     /// # Errors
-    /// [`Error::UnknownTask`] for an unknown short form; [`Error::InvalidTask`] for an invalid object; those of [`Task::read`].
+    /// [`Error::UnknownTask`] for an unknown short form; [`Error::InvalidTask`] for an invalid object; the errors of
+    /// [`Task::read`].
     pub fn from_text(text: &str) -> Result<Self> {
         if text.trim_start().starts_with('{') {
             let task: Self = user_file::parse_object(text).map_err(|why| Error::InvalidTask { why })?;
