@@ -12,8 +12,6 @@ use b2b_energyplus::install::{cache_dir, seal, unseal};
 const CAPACITY: &str = "B2B_PREPARED_MB";
 /// Capacity by default, MB.
 const DEFAULT_MB: u64 = 2000;
-/// Age at which unfinished files of killed processes are removed.
-const ABANDONED: Duration = Duration::from_secs(600);
 
 /// Returns the folder of prepared buildings in a cache.
 pub fn prepared_folder(cache: &Path) -> PathBuf {

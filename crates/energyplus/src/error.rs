@@ -83,15 +83,8 @@ pub enum Error {
         source: std::io::Error,
     },
     /// A temporary folder that cannot be used.
-    #[error(
-        "cannot use the temporary folder {path}: {why}. Free some space in it, or set TMPDIR to another folder"
-    )]
-    TemporaryFolder {
-        /// The folder.
-        path: PathBuf,
-        /// Reason.
-        why: String,
-    },
+    #[error(transparent)]
+    TemporaryFolder(#[from] b2b_base::scratch::TemporaryFolderError),
     /// A process with several threads, which cannot be copied: the copy would have one thread and every lock.
     #[error("cannot copy a simulation in a process with {threads} threads; expected 1")]
     Threads {

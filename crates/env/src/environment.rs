@@ -9,8 +9,8 @@ use crate::spaces::Spaces;
 
 /// An environment: a building whose HVAC is controlled step by step over a run period.
 ///
-/// [`Env`](crate::Env) runs the engine in this process; a [`vector::Episode`](crate::vector::Episode) runs it in its
-/// own worker process. Both give the same bits. A wrapper implements the trait around another environment.
+/// [`Env`](crate::Env) runs the engine in this process; an `Episode` of `b2b-workers` runs it in its own worker
+/// process. Both give the same bits. A wrapper implements the trait around another environment.
 pub trait Environment {
     /// The building with its observation and action spaces.
     fn spaces(&self) -> &Arc<Spaces>;

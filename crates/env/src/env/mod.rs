@@ -50,7 +50,7 @@ const SEVERES_KEPT: usize = 5;
 /// - End: truncated at the end of the run period; never terminated.
 ///
 /// A step allocates nothing and starts no thread. Only one engine runs at a time in a process; for several
-/// environments, or to survive a crash of the engine, see [`vector`](crate::vector).
+/// environments, or to survive a crash of the engine, see the crate `b2b-workers`.
 #[derive(Debug)]
 pub struct Env {
     library: Library,
@@ -430,7 +430,7 @@ impl Env {
     /// Copies this process at the current point of the episode: see
     /// [`Simulation::fork`](b2b_energyplus::Simulation::fork). The copy's engine writes its meters to its own file, if
     /// given, and nothing else.
-    pub(crate) fn fork(&mut self, meter_file: Option<&Path>) -> Result<b2b_energyplus::snapshot::Fork> {
+    pub fn fork(&mut self, meter_file: Option<&Path>) -> Result<b2b_energyplus::snapshot::Fork> {
         use b2b_energyplus::snapshot::{Fork, KeptFile};
         let engine = self.engine.as_mut().ok_or(Error::NotReset)?;
         let kept = meter_file.map(|copy| KeptFile { name: meters::METER_FILE, copy });
@@ -452,7 +452,7 @@ impl Env {
     }
 
     /// Drops the model, needed only by new environments, unless it is shared.
-    pub(crate) fn drop_model(&mut self) {
+    pub fn drop_model(&mut self) {
         let spaces = Arc::get_mut(&mut self.spaces);
         if let Some(building) = spaces.and_then(|spaces| Arc::get_mut(&mut spaces.building)) {
             building.drop_model();

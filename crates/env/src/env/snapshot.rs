@@ -31,7 +31,7 @@ impl Env {
     }
 
     /// Returns to a snapshot, bit for bit, by restarting and replaying the actions. This works on every system and in
-    /// other processes. On Linux, a [`vector::Episode`](crate::vector::Episode) does it in milliseconds.
+    /// other processes. On Linux, an `Episode` of `b2b-workers` does it in milliseconds.
     ///
     /// # Errors
     /// [`Error::OtherSnapshot`] for a snapshot of another building or episode; the errors of [`Env::reset`].
