@@ -107,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn a_failed_write_leaves_the_earlier_file_and_nothing_else() {
+    fn a_failed_write_leaves_only_the_earlier_file() {
         let root = tempfile::tempdir().unwrap();
         let path = root.path().join("file");
         write_whole(&path, b"earlier").unwrap();

@@ -15,7 +15,7 @@ use crate::Error;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Objective {
-    /// The temperature penalty alone.
+    /// Only the temperature penalty.
     Comfort,
     /// The temperature penalty, plus half of the energy relative to τ_E.
     Energy,

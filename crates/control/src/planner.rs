@@ -2,8 +2,8 @@
 //! occupants and physics.
 //!
 //! It varies the actions of the reactive controller. At regular intervals it draws variations for the next few steps,
-//! tries each on a copy of the simulation at its current point, followed by the reactive controller alone, and narrows
-//! the draw to the best: the cross-entropy method (Rubinstein 1999) within a rollout (Bertsekas 1999). The best
+//! tries each on a copy of the simulation at its current point, followed by the unvaried reactive controller, and
+//! narrows the draw to the best: the cross-entropy method (Rubinstein 1999) within a rollout (Bertsekas 1999). The best
 //! variation is carried out up to the next plan. The zero variation is always tried, so a plan is no worse than the
 //! reactive controller within its horizon.
 

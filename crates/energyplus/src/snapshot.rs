@@ -27,7 +27,7 @@ pub enum Fork {
     Copy(Result<()>),
 }
 
-/// An open output file that a copied process continues in a file of its own.
+/// An open output file that a copied process continues in its own file.
 #[derive(Clone, Copy, Debug)]
 pub struct KeptFile<'a> {
     /// File name, without a folder.

@@ -11,7 +11,7 @@ use tempfile::TempDir;
 const ZONE: &str = "Core_ZN";
 const TEMPERATURE: &str = "Zone Mean Air Temperature";
 
-/// A small office over two winter days, in a folder of its own.
+/// A small office over two winter days, in its own folder.
 struct Office {
     library: Library,
     folder: TempDir,
@@ -187,7 +187,7 @@ fn two_concurrent_threads_equal_a_single_run_bit_for_bit() {
     assert_eq!(traces, [alone.clone(), alone]);
 }
 
-/// Runs in a process of its own, so that an abort is visible and the temporary folder has no other files.
+/// Runs in a separate process, so that an abort is visible and the temporary folder has no other files.
 #[test]
 fn dropping_a_run_neither_aborts_nor_leaves_files() {
     let temporary = tempfile::tempdir().unwrap();

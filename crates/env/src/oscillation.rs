@@ -109,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cycle_of_half_an_hour_counts_from_its_first_turn_to_its_last_even_beside_the_target() {
+    fn a_half_hour_cycle_counts_from_first_to_last_turn_even_off_target() {
         for target in [21.0, 23.0] {
             let share = share(wave(0.5, 0.5), |_| target);
             assert!((0.95..=1.0).contains(&share), "{share}");

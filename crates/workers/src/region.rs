@@ -252,8 +252,8 @@ impl Region {
     }
 
     fn bell(&self) -> &Bell {
-        // SAFETY: the region begins with a page of its own for the bell, initially zero and only accessed as atomics,
-        // for which every bit pattern is valid.
+        // SAFETY: the region begins with a page for the bell, initially zero and only accessed as atomics, for which
+        // every bit pattern is valid.
         unsafe { &*self.map.as_ptr().cast() }
     }
 

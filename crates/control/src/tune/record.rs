@@ -24,8 +24,8 @@ pub(super) struct Evaluation {
 }
 
 impl Evaluation {
-    /// Returns the largest of actuator travel and loss relative to the limits of the search, given the evaluation of the
-    /// defaults. The loss is limited under constant targets alone.
+    /// Returns the largest of actuator travel and loss relative to the limits of the search, given the evaluation of
+    /// the defaults. The loss is limited only under constant targets.
     pub(super) fn worst_to_limit(&self, plan: &Plan, defaults: &Self) -> f64 {
         let limits = plan.search_limits();
         let travel = worst_travel(limits, &defaults.outcomes, &self.outcomes);

@@ -88,7 +88,7 @@ mod tests {
     fn the_least_median_is_selected_over_search_and_validation() {
         let sets = [
             cells([1.0, 2.0, 1.0, 2.0], 1.0),
-            // Best in the search alone.
+            // Best only in the search.
             cells([0.1, 0.2, 1.0, 2.1], 1.0),
             cells([0.4, 0.8, 0.4, 0.8], 1.0),
         ];

@@ -97,7 +97,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_number_has_a_field_of_its_own() {
+    fn every_number_has_its_own_field() {
         for (index, number) in NUMBERS.iter().enumerate() {
             let mut house = House::default();
             number.field.set(&mut house, f64::NAN);

@@ -145,7 +145,7 @@ impl Geometry {
         self.sill + STOREY_HEIGHT
     }
 
-    /// The garage as a block of its own; its west side is the house's east side.
+    /// The garage as a separate block; its west side is the house's east side.
     pub fn garage_block(&self) -> Block {
         Block { west: self.length, east: self.length + GARAGE_WIDTH, width: self.width }
     }

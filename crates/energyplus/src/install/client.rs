@@ -98,7 +98,7 @@ impl Client {
 fn start(words: &[&str]) -> Command {
     let mut command = Command::new(words[0]);
     command.args(&words[1..]).stdin(Stdio::null());
-    // A process group of its own, so that it can be ended with its children: `python3` and `uv` may be wrappers.
+    // A separate process group, so that it can be ended with its children: `python3` and `uv` may be wrappers.
     #[cfg(unix)]
     std::os::unix::process::CommandExt::process_group(&mut command, 0);
     command

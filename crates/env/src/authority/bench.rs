@@ -133,7 +133,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_limit_of_the_flow_excuses_only_a_command_beyond_it() {
+    fn a_flow_limit_excuses_only_commands_beyond_it() {
         assert!(damper_limit(0.5, 0.4, 1.0, 1.0));
         assert!(!damper_limit(0.3, 0.4, 1.0, 1.0), "less was commanded");
         assert!(!damper_limit(0.5, 0.4, 0.8, 1.0), "the fan has flow left");

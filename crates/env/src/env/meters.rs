@@ -72,7 +72,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_meter_is_read_by_the_number_that_the_dictionary_gives_it() {
+    fn a_meter_is_read_by_its_number_in_the_dictionary() {
         let text = "Program Version,EnergyPlus\n12,1,Electricity:HVAC [J] !RunPeriod [Value]\n\
                     End of Data Dictionary\n5,1.0\n12,7200.0,1.0\nEnd of Data\n";
         assert_eq!(run_period_value(text, "Electricity:HVAC"), Some(7200.0));

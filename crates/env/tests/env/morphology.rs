@@ -139,7 +139,7 @@ fn a_node_drives_the_actuators_with_its_name() {
 }
 
 #[test]
-fn a_building_s_slots_have_no_place_in_the_morphology_of_another() {
+fn slots_of_one_building_do_not_fit_the_morphology_of_another() {
     let office = case(BuildingType::OfficeSmall);
     let house = case(BuildingType::SingleFamilyHouse);
     let (observation, action) = (office.env.observation_space(), office.env.action_space());
@@ -149,7 +149,7 @@ fn a_building_s_slots_have_no_place_in_the_morphology_of_another() {
 }
 
 #[test]
-fn vectors_have_the_sizes_of_the_table_and_arrays_those_of_their_nodes() {
+fn vectors_have_the_documented_sizes_and_arrays_the_sizes_of_their_nodes() {
     let case = case(BuildingType::OfficeMedium);
     let shape = |node_type| {
         let block = case.decomposition.observation_layout().block(node_type);
@@ -161,7 +161,7 @@ fn vectors_have_the_sizes_of_the_table_and_arrays_those_of_their_nodes() {
 }
 
 #[test]
-fn different_buildings_stack_in_arrays_with_room_for_each() {
+fn different_buildings_stack_in_padded_arrays() {
     let cases: Vec<_> = cases().collect();
     let observation = Layout::covering(cases.iter().map(|case| case.decomposition.observation_layout()));
     let action = Layout::covering(cases.iter().map(|case| case.decomposition.action_layout()));

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 const AT_MOST: Duration = Duration::from_micros(400);
 /// Number of checks between two readings of the clock.
 const LOOKS: u32 = 32;
-/// Maximum number of consecutive waits without spinning after spins in vain, when the other side is slow or other
+/// Maximum number of consecutive waits without spinning after unsuccessful spins, when the other side is slow or other
 /// programs use the cores.
 const LONGEST_PAUSE: u32 = 256;
 
@@ -24,8 +24,8 @@ pub(super) struct Spin {
 }
 
 impl Spin {
-    /// Spins until a condition holds, and returns whether it does. After every spin in vain, pauses for twice as many
-    /// waits as before.
+    /// Spins until a condition holds, and returns whether it does. After every unsuccessful spin, pauses for twice as
+    /// many waits as before.
     pub(super) fn until(&self, is_over: impl Fn() -> bool) -> bool {
         let left = self.left.load(Ordering::Relaxed);
         if left > 0 {
@@ -56,7 +56,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn spins_in_vain_become_rare_until_one_succeeds() {
+    fn unsuccessful_spins_become_rare_until_one_succeeds() {
         let (spin, looks) = (Spin::default(), Cell::new(0u64));
         let never = || {
             looks.set(looks.get() + 1);

@@ -20,7 +20,7 @@ fn roll(vec: &VecEnv, dice: &mut [Dice]) -> Vec<f64> {
 }
 
 #[test]
-fn the_next_episode_begins_with_the_step_after_the_last_and_is_the_same_bit_for_bit() {
+fn the_next_episode_begins_with_the_step_after_the_last_and_is_bit_identical() {
     const DAYS: &str = "01-10..01-11";
     let cases = BuildingType::ALL.map(Case::at_home);
     let mut envs = cases.each_ref().map(|case| case.env(DAYS));

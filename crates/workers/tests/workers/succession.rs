@@ -82,7 +82,7 @@ fn the_buildings_of_an_environment_depend_on_the_seed_and_change_after_k_episode
 }
 
 #[test]
-fn no_more_buildings_are_prepared_at_a_time_than_allowed() {
+fn concurrent_preparations_are_limited() {
     let catalog = catalog();
     let workers = Workers::new(WorkerOptions { preparations: 2, ..options(&catalog) }).unwrap();
     let settings = settings(&catalog, 20..26);
@@ -123,7 +123,7 @@ fn a_template_without_users_is_ended() {
 }
 
 #[test]
-fn types_are_drawn_by_weight_and_tasks_alike() {
+fn types_are_drawn_by_weight_and_tasks_with_equal_probability() {
     let catalog = catalog();
     let of = |building_type| {
         let population = Population::of_split(building_type, Split::Train);

@@ -35,7 +35,7 @@ fn prepare_under_fire(workers: &Workers, setting: &Setting, sent: Signal, times:
 }
 
 #[test]
-fn a_template_killed_while_it_prepares_is_prepared_once_more() {
+fn a_template_killed_during_preparation_is_prepared_again() {
     let case = Case::at_home(BuildingType::SingleFamilyHouse);
     let workers = Workers::new(options(&case)).unwrap();
     let setting = setting(&case, DAY);
@@ -58,7 +58,7 @@ fn a_template_killed_twice_while_it_prepares_is_an_error_without_side_effects() 
 }
 
 #[test]
-fn a_template_that_hangs_while_it_prepares_is_prepared_once_more() {
+fn a_template_that_hangs_during_preparation_is_prepared_again() {
     let case = Case::at_home(BuildingType::SingleFamilyHouse);
     let limit = WorkerOptions { preparation_time_limit: Duration::from_secs(20), ..options(&case) };
     let workers = Workers::new(limit).unwrap();
@@ -70,7 +70,7 @@ fn a_template_that_hangs_while_it_prepares_is_prepared_once_more() {
 }
 
 #[test]
-fn a_killed_template_is_made_again_and_its_episodes_continue() {
+fn a_killed_template_is_replaced_and_its_episodes_continue() {
     let case = Case::at_home(BuildingType::SingleFamilyHouse);
     let workers = Workers::new(options(&case)).unwrap();
     let setting = setting(&case, DAY);
@@ -146,7 +146,7 @@ fn an_invalid_setting_is_rejected_before_a_process_starts() {
 }
 
 #[test]
-fn a_task_has_a_template_of_its_own() {
+fn every_task_has_its_own_template() {
     let case = Case::at_home(BuildingType::SingleFamilyHouse);
     let workers = Workers::new(options(&case)).unwrap();
     let first = setting(&case, DAY);
