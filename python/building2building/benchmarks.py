@@ -412,10 +412,10 @@ class DynamicsAdaptation(Problem):
         kinds = ("house", "office-small", "office-medium")
         names: dict[Any, str] = {number + 1: f"dynamics-{kind}" for number, kind in enumerate(kinds)}
         names |= {kind: f"dynamics-{kind}" for kind in kinds}
-        first_version = dict(zip(("easy", "medium", "hard"), kinds))
-        if difficulty in first_version:
-            now = first_version[difficulty]
-            raise SettingError(f"unknown difficulty `{difficulty}`, which is now {now} (docs/coming_from.md)")
+        original = dict(zip(("easy", "medium", "hard"), kinds))
+        if difficulty in original:
+            kind = original[difficulty]
+            raise SettingError(f"unknown difficulty `{difficulty}`, which is called {kind} here (docs/coming_from.md)")
         super().__init__(_choose("difficulty", difficulty, names), **changes)
 
 

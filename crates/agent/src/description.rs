@@ -13,7 +13,7 @@ use crate::pilot::Pilot;
 use crate::plan::NodePlan;
 use crate::{Error, Result};
 
-/// Everything that is needed to make a controller of a building whose model has been dropped.
+/// All data needed to create a controller for a building whose model has been dropped.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ControllerDescription {
@@ -36,7 +36,7 @@ impl ControllerDescription {
     /// Makes the controller.
     ///
     /// # Errors
-    /// The errors of [`Agent::read`] and [`Pilot::without_model`]; [`Error::Damaged`] for an agent that has changed since.
+    /// The errors of [`Agent::read`] and [`Pilot::without_model`]; [`Error::Damaged`] if the agent has changed since.
     pub fn controller(&self, spaces: &Arc<Spaces>) -> Result<Box<dyn Controller>> {
         Ok(match self {
             Self::BuiltIn(description) => description.controller(spaces)?,
@@ -51,8 +51,8 @@ impl ControllerDescription {
 }
 
 impl Agent {
-    /// Returns the description of its controller in a building, whose model it needs; `None` for an agent that is not
-    /// stored in a folder.
+    /// Returns the description of its controller for a building that still has its model; `None` for an agent without a
+    /// folder.
     ///
     /// # Errors
     /// As [`Agent::controller`]; [`Error::Io`] without a current folder.

@@ -29,7 +29,7 @@ pub enum Error {
         /// Reason.
         why: String,
     },
-    /// A building whose observation or actuators differ from those the agent was trained with.
+    /// A building whose observation or actuators differ from the agent's.
     #[error("the agent {agent} cannot control {building}: {why}; it was trained on {trained_on}")]
     OtherBuilding {
         /// Name of the agent.
@@ -41,7 +41,7 @@ pub enum Error {
         /// Its training buildings.
         trained_on: String,
     },
-    /// A building with actuators at a node of a type that a graph agent with direct actions was not trained with.
+    /// A building with actuators at a node type that is unknown to a graph agent with direct actions.
     #[error(
         "the agent {agent} was not trained with the node type `{node_type}` of `{node}` in {building}, only with {known}; train it \
          with a building that has one, or as corrections of the reactive controllers"

@@ -33,15 +33,15 @@ pub struct WeatherFile {
     pub site: Site,
     /// The climate of its hours.
     pub year: ClimateYear,
-    /// ASHRAE 169 climate zone: the one that was given, or [`ClimateYear::zone`].
+    /// ASHRAE 169 climate zone: as given by the user, or [`ClimateYear::zone`].
     pub ashrae_zone: String,
 }
 
 impl WeatherFile {
-    /// Reads a weather file. Its climate zone is computed from its hours unless `ashrae_zone` gives it.
+    /// Reads a weather file. Its climate zone is `ashrae_zone`, or computed from the hours.
     ///
     /// # Errors
-    /// [`Error::Io`] when it cannot be read, [`Error::Malformed`] naming what is wrong in it.
+    /// [`Error::Io`] when it cannot be read, [`Error::Malformed`] with the reason.
     pub fn read(path: &Path, ashrae_zone: Option<&str>) -> Result<Self> {
         let bytes = std::fs::read(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
         let text = String::from_utf8_lossy(&bytes);
@@ -61,7 +61,7 @@ impl WeatherFile {
     }
 }
 
-/// The name of a file without characters that would need quotes in a table.
+/// Name of a file, without characters that need quotes in a table.
 fn name(path: &Path) -> String {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     stem.replace([',', '"', '\n', '\r'], "_")

@@ -10,7 +10,7 @@ pub enum Error {
     /// A parameter of the reactive controllers outside its bounds.
     #[error(transparent)]
     Parameter(#[from] OutOfBounds),
-    /// A name that no parameter of the reactive controllers has.
+    /// An unknown parameter of the reactive controllers.
     #[error("unknown parameter `{name}` of the reactive controllers; expected one of {}", known.join(", "))]
     UnknownParameter {
         /// The name.
@@ -62,7 +62,7 @@ pub enum Error {
         /// The difference.
         why: String,
     },
-    /// More training buildings requested than there are.
+    /// A request for more training buildings than available.
     #[error("cannot draw {requested} training buildings: {class} has {available}; expected 1 to {available}")]
     TooFewBuildings {
         /// The class.
@@ -72,13 +72,13 @@ pub enum Error {
         /// Requested buildings.
         requested: usize,
     },
-    /// A text that names no objective.
+    /// An unknown objective.
     #[error("unknown objective `{text}`; expected comfort or energy")]
     UnknownObjective {
         /// The text.
         text: String,
     },
-    /// An episode that was lost.
+    /// A lost episode.
     #[error("an episode of {building} was lost: {why}")]
     Lost {
         /// Name of the building.

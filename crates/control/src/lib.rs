@@ -18,7 +18,7 @@ mod versions;
 pub use b2b_env::Controller;
 pub use constant::Constant;
 pub use error::{Error, Result};
-pub use kind::{AnyController, Case, KINDS, Kind, KindDescription, kind};
+pub use kind::{AnyController, Case, Kind, KindDescription, kind};
 pub use objective::Objective;
 #[cfg(target_os = "linux")]
 pub use planner::{Planner, PlannerParameters};

@@ -2,10 +2,10 @@
 //! occupants and physics.
 //!
 //! It varies the actions of the reactive controller. At regular intervals it draws variations for the next few steps,
-//! tries each on a copy of the simulation at its current point, followed by the reactive controller alone, and narrows
-//! the draw to the best: the cross-entropy method (Rubinstein 1999) within a rollout (Bertsekas 1999). The best
-//! variation is carried out up to the next plan. The zero variation is among those tried, so that a plan is no worse
-//! than the reactive controller within its horizon.
+//! tries each on a copy of the simulation at its current point, followed by the unvaried reactive controller, and
+//! narrows the draw to the best: the cross-entropy method (Rubinstein 1999) within a rollout (Bertsekas 1999). The best
+//! variation is carried out up to the next plan. The zero variation is always tried, so a plan is no worse than the
+//! reactive controller within its horizon.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -26,15 +26,15 @@ use crate::{Controller, Error, Reactive, Replay, reactive};
 pub struct PlannerParameters {
     /// Steps that a plan looks ahead.
     pub horizon: usize,
-    /// Steps of a plan that are carried out.
+    /// Steps of a plan that are executed before the next plan.
     pub carried_out: usize,
-    /// Stretches at the beginning of a plan that are varied, each by one number per actuator.
+    /// Number of stretches varied at the beginning of a plan, each by one value per actuator.
     pub stretches: usize,
     /// Steps of a stretch.
     pub stretch: usize,
     /// Variations tried per round.
     pub candidates: usize,
-    /// Number of best variations that the next round is drawn from.
+    /// Number of best variations from which the next round is drawn.
     pub elites: usize,
     /// Rounds per plan.
     pub rounds: usize,
@@ -57,7 +57,7 @@ impl Default for PlannerParameters {
     }
 }
 
-/// Plans the actions of an episode on copies of it.
+/// Plans the actions of an episode on copies of the simulation.
 #[derive(Clone, Debug)]
 pub struct Planner {
     parameters: PlannerParameters,
@@ -78,8 +78,8 @@ impl Planner {
         Self { parameters, reactive, random: ChaCha8Rng::seed_from_u64(seed) }
     }
 
-    /// Resets an episode and plans it step by step. Returns the actions, one row per step, up to `steps` steps. `step` is
-    /// called for each.
+    /// Resets an episode and plans it step by step. Returns the actions, one row per step, up to `steps` steps. `step`
+    /// is called after each step.
     ///
     /// # Errors
     /// The errors of [`Episode`] when a copy cannot be made or an episode is lost.

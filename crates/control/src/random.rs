@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use crate::kind::{self, AnyController, Case};
 use crate::{Controller, Result};
 
-/// Draws actions uniformly within the bounds, independently at every step. Equal seeds give equal actions on every
+/// Draws actions uniformly within the bounds, independently at every step. A seed gives the same actions on every
 /// machine.
 #[derive(Clone, Debug)]
 pub struct Random {

@@ -8,7 +8,7 @@ use b2b_energyplus::install::Engine;
 use crate::house::{self, House};
 use crate::{Error, Result};
 
-/// Returns the base model of a type: for the house one generated for the site, for the others the [`prototype`].
+/// Returns the base model of a type: for houses generated for the site, otherwise the [`prototype`].
 ///
 /// # Errors
 /// The errors of [`prototype`].
@@ -25,7 +25,7 @@ pub fn base_model(
 }
 
 /// Returns the model that buildings of a type are derived from: the ASHRAE 90.1-2019 prototype that ships with the
-/// engine; an empty model for the house, which is generated from its parameters alone.
+/// engine; an empty model for the house, which is generated only from its parameters.
 ///
 /// # Errors
 /// [`Error::NoStockModels`] when the engine was installed without its models; [`Error::Building`] when the engine cannot

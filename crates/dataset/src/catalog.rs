@@ -26,7 +26,7 @@ pub enum BuildingName {
     Model(PathBuf),
 }
 
-/// The location of a building, if it is not the default, and the permissions of a user's model.
+/// The location of a building, if not the default, and the permissions of a user's model.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Placement {
     /// A known place.
@@ -47,7 +47,7 @@ pub struct Catalog {
     sites: Mutex<HashMap<PathBuf, Arc<Site>>>,
 }
 
-/// A building that was found: its model before sizing, and its weather.
+/// A building of the catalog: its model before sizing, and its weather.
 #[derive(Clone, Debug)]
 pub struct Found {
     /// Its name.
@@ -90,8 +90,8 @@ impl Catalog {
     /// Finds a building. Its weather is downloaded or generated when it is not in the cache.
     ///
     /// # Errors
-    /// [`Error::HasPlace`] and [`Error::NoWeather`] when the placement does not fit the name; those of the weather file
-    /// and the model.
+    /// [`Error::HasPlace`] and [`Error::NoWeather`] when the placement does not fit the name; errors of the weather
+    /// file and the model.
     pub fn find(
         &self,
         name: &BuildingName,
@@ -143,7 +143,8 @@ impl Catalog {
         Ok((place.name.to_owned(), place.epw(progress)?))
     }
 
-    /// A base model is unmodified at its default place and adapted to the climate elsewhere.
+    /// Returns the model of a building. A base model is unmodified at its default place and adapted to the climate
+    /// elsewhere.
     fn model(&self, name: &BuildingName, placement: &Placement, site: &Site) -> Result<Model> {
         let building_type = match name {
             BuildingName::Type(building_type) => *building_type,
@@ -192,7 +193,7 @@ fn remembered<K: Clone + Eq + std::hash::Hash, V>(
 }
 
 impl Found {
-    /// Sizes it and makes it controllable: every system, or the supported ones of a user's model.
+    /// Sizes the building and makes it controllable: every system, or the supported ones of a user's model.
     ///
     /// # Errors
     /// The errors of [`Preparation::run`].

@@ -25,8 +25,7 @@ pub struct Preparation {
 }
 
 impl Preparation {
-    /// Sizes the model for a weather file and makes it controllable, or takes the result of an earlier preparation from
-    /// the cache.
+    /// Sizes the model for a weather file and makes it controllable, or returns a cached result.
     ///
     /// # Errors
     /// The errors of [`PreparedBuilding::new`].

@@ -68,7 +68,7 @@ pub(crate) enum Outcome {
 }
 
 impl EngineRun {
-    /// Prepares a run with these command-line arguments. Nothing is computed before the first resume.
+    /// Prepares a run with these command-line arguments. Computation starts at the first resume.
     pub(crate) fn new(
         library: &Library,
         arguments: &[&str],
@@ -84,7 +84,7 @@ impl EngineRun {
             .collect::<Result<Vec<_>>>()?;
         let stack = DefaultStack::new(STACK_BYTES).map_err(Error::Stack)?;
 
-        // SAFETY: a new state is used by this run alone and deleted in `drop`.
+        // SAFETY: a new state is used only by this run and deleted in `drop`.
         let state = unsafe { (api.stateNew)() };
         let context = Box::new(Context {
             api: Arc::clone(&api),

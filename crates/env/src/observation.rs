@@ -30,7 +30,7 @@ pub struct Slot {
 /// temperature and humidity, time, and the HVAC energy of the step. With setpoints that vary, occupancy and target of every
 /// controlled zone follow, in model order.
 ///
-/// Occupancy and target are those of the next step, whose reward uses them.
+/// Occupancy and target are for the next step, whose reward uses them.
 #[derive(Clone, Debug)]
 pub struct ObservationSpace {
     slots: Vec<Slot>,
@@ -38,7 +38,7 @@ pub struct ObservationSpace {
     constant_target: Option<f64>,
 }
 
-/// Where the target of a zone is found.
+/// Source of the target of a zone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Target {
     /// In this slot of the observation.

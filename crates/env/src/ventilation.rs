@@ -6,19 +6,20 @@ use serde::{Deserialize, Serialize};
 
 /// Outdoor air that a task requires.
 ///
-/// While a zone of a system is occupied, its *design minimum* of outdoor air is required: the minimum flow of the model's
-/// outdoor air controller as sized, or what its zones require under mechanical ventilation
-/// ([`b2b_building::hvac::Ventilation`]), which follow ASHRAE 62.1 in the prototypes. The zones are
-/// those in which the model had people at the end of the previous step, so that a system follows within one step
-/// (ASHRAE 62.1 averages over short-term conditions).
+/// While a zone of a system is occupied, its *design minimum* of outdoor air is required: the minimum flow of the
+/// model's outdoor air controller as sized, or the requirement of its zones under mechanical ventilation
+/// ([`b2b_building::hvac::Ventilation`]), which follows ASHRAE 62.1 in the prototypes. A zone is occupied if the model
+/// had people in it at the end of the previous step, so a system follows within one step (ASHRAE 62.1 averages over
+/// short-term conditions).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Ventilation {
-    /// An interlock raises commands to the design minimum of outdoor air while a zone of the system is occupied: the supply
-    /// flow of a unit, the dampers and the outdoor air of a central air loop. While none is, outdoor air may be zero.
+    /// An interlock raises commands to the design minimum of outdoor air while a zone of the system is occupied: the
+    /// supply flow of a unit, the dampers and the outdoor air of a central air loop. Otherwise, outdoor air may be
+    /// zero.
     #[default]
     Code,
-    /// Nothing is required (as in the paper): outdoor air follows the schedules of the model and the commands.
+    /// No requirement (as in the paper): outdoor air follows the schedules of the model and the commands.
     Free,
 }
 
@@ -31,7 +32,7 @@ pub(crate) struct Interlock {
 /// Lower limits of the actions of one system.
 #[derive(Debug)]
 struct Limits {
-    /// Its zones, among the controlled zones.
+    /// Its zones, as indices of controlled zones.
     zones: Vec<usize>,
     /// Indices of actions with their lower limits.
     lower: Vec<(usize, f64)>,
@@ -71,7 +72,7 @@ impl Limits {
     }
 }
 
-/// Returns the limits of an air loop: its outdoor air, and a common opening of all dampers that passes it.
+/// Returns the limits of an air loop: its outdoor air, and the common damper opening that lets it through.
 fn air_loop_limits(air_loop: &AirLoop, minimum: f64, first: usize) -> Vec<(usize, f64)> {
     let minimum = minimum.min(air_loop.fan_flow);
     let design: f64 = air_loop.terminals.iter().map(|terminal| terminal.design_flow).sum();

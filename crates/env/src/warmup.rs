@@ -8,8 +8,8 @@ use b2b_building::hvac::{AirLoop, HeatingOnly, System, SystemLayout, Unitary};
 
 use crate::reward::ZoneStep;
 
-/// Temperature deviation at full command of a unitary system, K. At half of it kitchens, whose supply is a large share of
-/// their air, oscillate in cold climates and warm-up does not converge.
+/// Temperature deviation at full command of a unitary system, K. At half of this, kitchens, whose supply is a large
+/// share of their air, oscillate in cold climates, and warm-up does not converge.
 const UNITARY_BAND: f64 = 4.0;
 /// Temperature deviation at full damper opening, K.
 const DAMPER_BAND: f64 = 2.0;

@@ -40,7 +40,7 @@ enum Loop {
 }
 
 impl Reactive {
-    /// Creates controllers that hold every controlled zone of a building at its target in the observation space.
+    /// Creates controllers that hold every controlled zone of a building at its target.
     pub fn new(
         building: &PreparedBuilding,
         space: &ObservationSpace,
@@ -71,9 +71,10 @@ impl Reactive {
         Self { systems: building.laid_out_systems().map(control).collect() }
     }
 
-    /// Takes the action that was used instead of the last one of [`act`](Controller::act), as by an agent that corrects it. Air loops
-    /// begin to cool a zone above the reheat setpoint that is in use; otherwise a zone whose setpoint was raised would be
-    /// reheated and cooled at once, and its requests would lower the supply air temperature of all zones.
+    /// Records the action that was used instead of the last one of [`act`](Controller::act), for example an agent's
+    /// correction. Air loops cool a zone only above the reheat setpoint in use. Otherwise, a zone with a raised
+    /// setpoint would be reheated and cooled at once, and its requests would lower the supply air temperature of all
+    /// zones.
     pub fn follow(&mut self, used: &[f64]) {
         for (system, range) in &mut self.systems {
             if let Loop::AirLoop(air_loop) = system {

@@ -27,7 +27,7 @@ pub struct UnitaryParameters {
     pub heating_lift: f64,
     /// Supply air temperature in cooling without reset, K below target; 0 to 15.
     pub cooling_drop: f64,
-    /// Reset of the supply air temperature away from there.
+    /// Trim-and-respond reset of these supply air temperatures.
     pub trim_respond: TrimRespond,
 }
 

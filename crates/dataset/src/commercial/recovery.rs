@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 /// Enthalpy recovery ratio that the code requires at design conditions (ASHRAE 90.1-2019, 6.5.6.1).
 const RATIO: f64 = 0.5;
-/// Outdoor temperature of frost control, °C: below it less air is exhausted through the wheel.
+/// Outdoor temperature of frost control, °C; below it, less air is exhausted through the wheel.
 const FROST: f64 = -23.3;
 
 const SYSTEM: &str = "AirLoopHVAC:OutdoorAirSystem";
@@ -32,11 +32,11 @@ fn is_required(building_type: BuildingType, ashrae_zone: &str, system: &str) -> 
 
 /// Adds an enthalpy wheel upstream of the mixer of every system for which the code requires it.
 ///
-/// In a central air loop it aims at the setpoint of the mixed air; in a unit, which has none there, it recovers what it can.
-/// Its motor and its pressure drop are neglected.
+/// In a central air loop, it controls to the setpoint of the mixed air; in a unit, which has no such setpoint, it
+/// recovers as much as possible. Its motor and its pressure drop are neglected.
 ///
 /// # Errors
-/// [`Error::MissingObject`] and [`Error::Unsupported`] when a system is not that of a prototype.
+/// [`Error::MissingObject`] and [`Error::Unsupported`] when a system is not a prototype's.
 pub(super) fn add(model: &mut Model, building_type: BuildingType, ashrae_zone: &str) -> Result<()> {
     let systems = model.names(SYSTEM);
     for system in systems.iter().filter(|system| is_required(building_type, ashrae_zone, system)) {
@@ -67,7 +67,7 @@ fn put_wheel(model: &mut Model, system: &str) -> Result<()> {
 
     let [wheel, recovered, exhaust] =
         ["Energy Recovery", "Recovered Air Node", "Exhaust Node"].map(|what| format!("{system} {what}"));
-    // Under control the mixed air of a central air loop has a setpoint, and that of a unit has none.
+    // Under control, the mixed air has a setpoint in a central air loop but not in a unit.
     let has_setpoint = !model.names("AirTerminal:SingleDuct:VAV:Reheat").is_empty();
     model.insert(
         WHEEL,

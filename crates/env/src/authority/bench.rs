@@ -12,7 +12,7 @@ use crate::env::Env;
 
 /// Steps of a hold; the first lets the system settle.
 const HOLD_STEPS: usize = 9;
-/// Steps that probing a miss at the end of a hold may add.
+/// Steps added to probe a miss at the end of a hold.
 const PROBE_STEPS: usize = 2;
 /// Steps of a heating setpoint hold.
 const HEAT_STEPS: usize = 24;
@@ -115,13 +115,13 @@ fn reaches(flow: f64, limit: f64, tolerance: f64) -> bool {
     (flow / limit - 1.0).abs() <= tolerance
 }
 
-/// Returns whether a damper gets less than its command because the supply air of the loop is the fan's design flow.
+/// Returns whether a damper gets less than its command because the fan is at its design flow.
 fn damper_limit(command: f64, flow: f64, supplied: f64, fan_flow: f64) -> bool {
     flow < command && reaches(supplied, fan_flow, 0.01)
 }
 
-/// Returns the limit that keeps the outdoor air of a loop from its command: all supply air if more was commanded, exhaust fans
-/// if less was.
+/// Returns the limit that prevents the outdoor air of a loop from following its command: the supply flow if more was
+/// commanded, exhaust fans if less.
 fn outdoor_limit(command: f64, outdoor: f64, supplied: f64, exhaust_flow: f64) -> Option<Limit> {
     let is_all = outdoor < command && reaches(outdoor, supplied, 0.02);
     let makes_up = outdoor > command && outdoor <= 1.02 * exhaust_flow;
@@ -133,7 +133,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_limit_of_the_flow_excuses_only_a_command_beyond_it() {
+    fn a_flow_limit_excuses_only_commands_beyond_it() {
         assert!(damper_limit(0.5, 0.4, 1.0, 1.0));
         assert!(!damper_limit(0.3, 0.4, 1.0, 1.0), "less was commanded");
         assert!(!damper_limit(0.5, 0.4, 0.8, 1.0), "the fan has flow left");

@@ -31,7 +31,7 @@ pub(super) fn heated_zones(building: &PreparedBuilding) -> Vec<(usize, usize)> {
     found
 }
 
-/// Evaluates the holds low, middle, low, high, low: every raise is compared with the holds before and after.
+/// Evaluates the holds low, middle, low, high, low. Every raise is compared with the holds before and after.
 pub(super) fn judge_heat(holds: [&Row; 5]) -> [Row; 3] {
     let [before, middle, between, high, after] = holds;
     let raised = |row: &Row, low: [&Row; 2]| Row { verdict: judge_raise(row, low), ..row.clone() };
@@ -39,8 +39,8 @@ pub(super) fn judge_heat(holds: [&Row; 5]) -> [Row; 3] {
     [low, raised(middle, [before, between]), raised(high, [between, after])]
 }
 
-/// A raised setpoint must increase heat and temperature, unless the zone is above it and gets no heat. A zone that never comes
-/// near its setpoint shows a heater at its capacity.
+/// A raised setpoint must increase heat and temperature, unless the zone is above it and gets no heat. In a zone that
+/// never comes near its setpoint, the heater is at capacity.
 fn judge_raise(row: &Row, low: [&Row; 2]) -> Verdict {
     let base = |value: fn(&Row) -> f64| 0.5 * (value(low[0]) + value(low[1]));
     let heat = |row: &Row| row.heat.unwrap_or(0.0);
@@ -55,7 +55,7 @@ fn judge_raise(row: &Row, low: [&Row; 2]) -> Verdict {
     }
 }
 
-/// A zone must get no heat above its setpoint, and some below.
+/// A zone must get heat below its setpoint and none above.
 fn judge_idle(row: &Row) -> Verdict {
     let gets_heat = row.heat.unwrap_or(0.0) > SOME_HEAT;
     match row.mean - row.command {
@@ -65,7 +65,7 @@ fn judge_idle(row: &Row) -> Verdict {
     }
 }
 
-/// The verdict on a zone that gets heat as it should.
+/// The verdict on a zone that responds correctly.
 fn heated(row: &Row) -> Verdict {
     if row.highest < row.command - AT_SETPOINT {
         return Verdict::AtCapacity(Limit::Heater);

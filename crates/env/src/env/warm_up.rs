@@ -12,10 +12,10 @@ use crate::reward::ZoneStep;
 use crate::warmup;
 
 impl Env {
-    /// Simulates the first day over and over, until the engine says that it has converged.
+    /// Repeats the first day until the engine reports convergence.
     ///
-    /// Nothing is set before the first step: a terminal takes the value of its flow schedule at the start of the run
-    /// for its minimum flow, and the prepared model has 0 there.
+    /// No actuator is set before the first step, because a terminal takes its minimum flow from its flow schedule at
+    /// the start of the run, which is 0 in the prepared model.
     pub(super) fn warm_up(&mut self, engine: &mut Engine) -> Result<()> {
         let spaces = Arc::clone(&self.spaces);
         let first_day = self.moment().day_of_year;

@@ -34,12 +34,12 @@ impl Case {
         Self { library, building: Arc::new(building), weather }
     }
 
-    /// A model that comes with the engine, taken as a user's own, under weather that comes with it too.
+    /// A model shipped with the engine, imported as a user's model, under weather shipped with the engine.
     pub fn imported(model: &str, weather: &str) -> Self {
         Self::imported_after(model, weather, |_| ())
     }
 
-    /// As [`Case::imported`], after a change to the model.
+    /// Like [`Case::imported`], after a change to the model.
     pub fn imported_after(model: &str, weather: &str, change: impl FnOnce(&mut Model)) -> Self {
         let engine = Engine::ensure(&mut Quiet).unwrap();
         let library = Library::load(&engine.library).unwrap();
@@ -56,7 +56,7 @@ impl Case {
         self.env_for(period, "constant")
     }
 
-    /// As [`Case::env`], for a task by its spelling.
+    /// Like [`Case::env`], for a task given as text.
     pub fn env_for(&self, period: &str, task: &str) -> Env {
         self.env_with(period, task.parse().unwrap())
     }

@@ -1,4 +1,4 @@
-//! One environment, on the real engine. One program, so that its tests fill all cores to the end.
+//! One environment, on the real engine.
 
 mod authority;
 mod case;

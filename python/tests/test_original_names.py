@@ -1,4 +1,4 @@
-"""What users of the first version look for: docs/coming_from.md."""
+"""What users of the original Python implementation look for: docs/coming_from.md."""
 
 import building2building as b2b
 import numpy as np
@@ -29,8 +29,8 @@ def test_the_engine_s_output_is_kept_after_close(make, tmp_path):
 
 
 @pytest.mark.parametrize("old, new", [("easy", "house"), ("medium", "office-small"), ("hard", "office-medium")])
-def test_an_old_difficulty_is_answered_with_the_new_one(old, new):
-    with pytest.raises(SettingError, match=f"`{old}`, which is now {new}"):
+def test_the_error_for_an_original_difficulty_names_the_new_one(old, new):
+    with pytest.raises(SettingError, match=f"`{old}`, which is called {new} here"):
         b2b.benchmarks.DynamicsAdaptation(difficulty=old)
 
 
