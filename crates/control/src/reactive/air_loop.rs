@@ -168,10 +168,12 @@ impl AirLoop {
     fn outdoor_air(&self, flow: f64, return_air: f64, observation: &[f64], supply: f64) -> f64 {
         let outdoor = observation[self.outdoor];
         let mixed = supply - self.parameters.fan_rise;
-        let share = match () {
-            () if outdoor >= return_air => 0.0,
-            () if outdoor >= mixed => 1.0,
-            () => (return_air - mixed) / (return_air - outdoor),
+        let share = if outdoor >= return_air {
+            0.0
+        } else if outdoor >= mixed {
+            1.0
+        } else {
+            (return_air - mixed) / (return_air - outdoor)
         };
         flow * share.clamp(self.parameters.min_outdoor_air, 1.0)
     }

@@ -69,29 +69,7 @@ fn put_wheel(model: &mut Model, system: &str) -> Result<()> {
         ["Energy Recovery", "Recovered Air Node", "Exhaust Node"].map(|what| format!("{system} {what}"));
     // Under control, the mixed air has a setpoint in a central air loop but not in a unit.
     let has_setpoint = !model.names("AirTerminal:SingleDuct:VAV:Reheat").is_empty();
-    model.insert(
-        WHEEL,
-        &wheel,
-        json!({
-            "nominal_supply_air_flow_rate": "Autosize",
-            "sensible_effectiveness_at_100_heating_air_flow": RATIO,
-            "latent_effectiveness_at_100_heating_air_flow": RATIO,
-            "sensible_effectiveness_at_100_cooling_air_flow": RATIO,
-            "latent_effectiveness_at_100_cooling_air_flow": RATIO,
-            "supply_air_inlet_node_name": outdoor,
-            "supply_air_outlet_node_name": recovered,
-            "exhaust_air_inlet_node_name": relief,
-            "exhaust_air_outlet_node_name": exhaust,
-            "nominal_electric_power": 0.0,
-            "supply_air_outlet_temperature_control": if has_setpoint { "Yes" } else { "No" },
-            "heat_exchanger_type": "Rotary",
-            "frost_control_type": "ExhaustOnly",
-            "threshold_temperature": FROST,
-            "initial_defrost_time_fraction": 0.167,
-            "rate_of_defrost_time_fraction_increase": 1.44,
-            "economizer_lockout": "Yes",
-        }),
-    );
+    model.insert(WHEEL, &wheel, wheel_fields([&outdoor, &recovered, &relief, &exhaust], has_setpoint));
     if has_setpoint {
         model.insert(
             "SetpointManager:OutdoorAirPretreat",
@@ -118,6 +96,29 @@ fn put_wheel(model: &mut Model, system: &str) -> Result<()> {
         }),
     );
     Ok(())
+}
+
+/// Returns the fields of a wheel between four nodes: supply inlet and outlet, exhaust inlet and outlet.
+fn wheel_fields([outdoor, recovered, relief, exhaust]: [&str; 4], has_setpoint: bool) -> Value {
+    json!({
+        "nominal_supply_air_flow_rate": "Autosize",
+        "sensible_effectiveness_at_100_heating_air_flow": RATIO,
+        "latent_effectiveness_at_100_heating_air_flow": RATIO,
+        "sensible_effectiveness_at_100_cooling_air_flow": RATIO,
+        "latent_effectiveness_at_100_cooling_air_flow": RATIO,
+        "supply_air_inlet_node_name": outdoor,
+        "supply_air_outlet_node_name": recovered,
+        "exhaust_air_inlet_node_name": relief,
+        "exhaust_air_outlet_node_name": exhaust,
+        "nominal_electric_power": 0.0,
+        "supply_air_outlet_temperature_control": if has_setpoint { "Yes" } else { "No" },
+        "heat_exchanger_type": "Rotary",
+        "frost_control_type": "ExhaustOnly",
+        "threshold_temperature": FROST,
+        "initial_defrost_time_fraction": 0.167,
+        "rate_of_defrost_time_fraction_increase": 1.44,
+        "economizer_lockout": "Yes",
+    })
 }
 
 #[cfg(test)]

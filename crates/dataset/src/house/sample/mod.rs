@@ -167,25 +167,10 @@ impl HouseSample {
     /// As [`HouseSample::from_unit`].
     pub fn from_unit_with(point: &[f64; DIMENSIONS], given: &FixedProperties) -> Result<Self> {
         check(point)?;
+        #[rustfmt::skip]
         let [
-            region,
-            vintage,
-            area,
-            storeys,
-            aspect,
-            ground,
-            garage,
-            insulation,
-            tightness,
-            glass,
-            window,
-            orientation,
-            people,
-            usage,
-            air,
-            system,
-            heat,
-            cool,
+            region, vintage, area, storeys, aspect, ground, garage, insulation, tightness, glass, window, orientation,
+            people, usage, air, system, heat, cool,
         ] = *point;
         let (drawn_vintage, within) = pick_vintage(vintage);
         let vintage = given.year.map_or(drawn_vintage, Vintage::of_year);
