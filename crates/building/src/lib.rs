@@ -26,7 +26,7 @@ pub mod user_file;
 pub mod zone;
 mod zone_role;
 
-pub use building_type::BuildingType;
+pub use building_type::{BuildingType, Day, Prototype, TypeData};
 pub use class::Class;
 pub use description::Description;
 pub use error::{Error, Result};

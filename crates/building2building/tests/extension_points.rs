@@ -47,3 +47,13 @@ fn a_controller_is_known_to_its_own_file_and_to_the_list() {
     let files = files_with(&["Planner", "planner::", "mod planner", "\"planner\""]);
     assert_eq!(files, ["src/lib.rs", "src/planner.rs"]);
 }
+
+#[test]
+fn a_building_type_is_known_to_its_own_file_and_to_the_list() {
+    // Examples in help texts and comparisons with the paper name types, too.
+    let mut files = files_with(&["RestaurantFastFood", "restaurant_fast_food"]);
+    files.retain(|file| {
+        !file.starts_with("run/") && !file.starts_with("src/paper") && !file.starts_with("src/estimate")
+    });
+    assert_eq!(files, ["building_type/mod.rs", "building_type/restaurant_fast_food.rs"]);
+}

@@ -18,9 +18,9 @@ pub fn base_model(
     library: &Library,
     site: &Site,
 ) -> Result<Model> {
-    match building_type {
-        BuildingType::SingleFamilyHouse => house::house(&House::default(), site),
-        _ => prototype(building_type, engine, library),
+    match building_type.is_house() {
+        true => house::house(&House::default(), site),
+        false => prototype(building_type, engine, library),
     }
 }
 
@@ -31,10 +31,8 @@ pub fn base_model(
 /// [`Error::NoStockModels`] when the engine was installed without its models; [`Error::Building`] when the engine cannot
 /// convert the file.
 pub fn prototype(building_type: BuildingType, engine: &Engine, library: &Library) -> Result<Model> {
-    if building_type == BuildingType::SingleFamilyHouse {
-        return Ok(Model::default());
-    }
-    let file = format!("ASHRAE901_{}_STD2019_Denver.idf", building_type.name());
-    let models = engine.models.as_ref().ok_or_else(|| Error::NoStockModels { file: file.clone() })?;
-    Ok(Model::read(&models.join(file), library)?)
+    let Some(prototype) = &building_type.data().prototype else { return Ok(Model::default()) };
+    let missing = || Error::NoStockModels { file: prototype.file.to_owned() };
+    let models = engine.models.as_ref().ok_or_else(missing)?;
+    Ok(Model::read(&models.join(prototype.file), library)?)
 }

@@ -13,7 +13,6 @@
 //! The width and the bounds are the same for every house and task. All buildings of a commercial type have the same
 //! zones, so their own observations already agree.
 
-use b2b_building::BuildingType;
 use b2b_building::ZoneRole;
 
 use crate::observation::{Slot, Target};
@@ -59,7 +58,7 @@ impl RoleObservation {
     /// Returns the role observation of a house; `None` for a building that is not a house of the generator.
     pub fn of(spaces: &Spaces) -> Option<Self> {
         let building = &spaces.building;
-        let is_house = |class: b2b_building::Class| class.building_type == BuildingType::SingleFamilyHouse;
+        let is_house = |class: b2b_building::Class| class.building_type.is_house();
         building.class.filter(|class| is_house(*class))?;
         let roles: Option<Vec<_>> = building.zones.iter().map(|zone| ZoneRole::of_zone(&zone.name)).collect();
         let roles = roles?;

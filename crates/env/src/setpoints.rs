@@ -3,7 +3,7 @@
 use std::str::FromStr;
 
 use b2b_base::random::{standard_normal, uniform};
-use b2b_building::{BuildingType, Class};
+use b2b_building::{BuildingType, Class, Day};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
@@ -93,28 +93,13 @@ fn summer() -> f64 {
     26.0
 }
 
-const fn hour(mean: f64, deviation: f64, earliest: f64, latest: f64) -> RandomHour {
-    RandomHour { mean, deviation, earliest, latest }
-}
-
 impl RandomDay {
     /// Returns the distributions of the paper's implementation for a building type.
     pub fn of(building_type: BuildingType) -> Self {
-        let shop = hour(9.0, 0.5, 7.0, 11.0);
-        let (arrival, departure, occupied, offset) = match building_type {
-            BuildingType::OfficeSmall | BuildingType::OfficeMedium => {
-                (hour(8.0, 0.5, 6.5, 10.0), hour(17.0, 0.5, 15.0, 20.0), [20.0, 23.0], 3.0)
-            }
-            BuildingType::RestaurantFastFood => (shop, hour(23.0, 0.5, 20.0, 24.0), [20.0, 23.0], 3.0),
-            BuildingType::RetailStandalone => (shop, hour(21.0, 0.5, 18.0, 23.0), [20.0, 23.0], 3.0),
-            BuildingType::Warehouse => {
-                (hour(6.5, 0.5, 5.0, 9.0), hour(18.0, 0.5, 15.0, 21.0), [18.0, 22.0], 4.0)
-            }
-            BuildingType::SingleFamilyHouse => {
-                (hour(7.0, 1.0, 5.0, 10.0), hour(22.0, 1.0, 19.0, 24.0), [20.0, 23.0], 3.0)
-            }
-        };
-        Self { arrival, departure, occupied, offset }
+        let Day { arrival, departure, occupied, offset } = building_type.data().day;
+        let hour =
+            |[mean, deviation, earliest, latest]: [f64; 4]| RandomHour { mean, deviation, earliest, latest };
+        Self { arrival: hour(arrival), departure: hour(departure), occupied, offset }
     }
 
     /// Returns the distributions for the type of a class; offices for `None`.

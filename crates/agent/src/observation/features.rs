@@ -1,7 +1,7 @@
 //! The features of an agent's observation.
 
+use b2b_building::Conditioning;
 use b2b_building::ZoneRole;
-use b2b_building::{BuildingType, Conditioning};
 use b2b_env::{Spaces, Target};
 
 use super::feature::{Feature, HOURS_OF_WEEK, Source};
@@ -137,5 +137,5 @@ pub(super) fn energy(electricity: usize, gas: usize, steps_per_hour: u32) -> [(&
 
 fn is_house(spaces: &Spaces) -> bool {
     let class = spaces.building.class;
-    class.is_some_and(|class| class.building_type == BuildingType::SingleFamilyHouse)
+    class.is_some_and(|class| class.building_type.is_house())
 }

@@ -1,7 +1,7 @@
 //! The search space of a class of buildings and an objective: some parameters of its controllers, each with a range.
 
+use b2b_building::Class;
 use b2b_building::parameter::Field;
-use b2b_building::{BuildingType, Class};
 
 use crate::{Objective, ReactiveParameters};
 
@@ -86,7 +86,7 @@ const AIR_LOOP_ENERGY: [Axis; 11] = [
 
 /// Returns whether a class has central air loops; the others have unitary systems.
 pub(super) fn has_air_loops(class: Class) -> bool {
-    class.building_type == BuildingType::OfficeMedium
+    class.building_type.data().has_air_loops
 }
 
 /// Returns the axes of a class and an objective. The ranges of the energy objective include the comfort objective's.

@@ -30,14 +30,6 @@ pub struct CommercialParameters {
     pub north_axis: f64,
 }
 
-/// Window-to-wall ratios of the stock prototypes.
-const WINDOW_TO_WALL: [(BuildingType, f64); 5] = [
-    (BuildingType::OfficeSmall, 0.2120),
-    (BuildingType::OfficeMedium, 0.3300),
-    (BuildingType::RetailStandalone, 0.0713),
-    (BuildingType::RestaurantFastFood, 0.1400),
-    (BuildingType::Warehouse, 0.00707),
-];
 /// Wall and roof U-factors relative to the maximum of the code in the climate zone. Values above 1 represent older
 /// stock; half the maximum is about the code's requirement for walls three zones further north.
 const OPAQUE_U: [f64; 2] = [0.5, 1.3];
@@ -74,8 +66,8 @@ const fn opaque(name: &'static str, code: f64) -> Parameter {
 }
 
 fn prototype_window_to_wall(building_type: BuildingType) -> Result<f64> {
-    let found = WINDOW_TO_WALL.into_iter().find(|(known, _)| *known == building_type);
-    found.map(|(_, ratio)| ratio).ok_or(Error::NotCommercial { building_type })
+    let prototype = building_type.data().prototype.as_ref();
+    prototype.map(|prototype| prototype.window_to_wall).ok_or(Error::NotCommercial { building_type })
 }
 
 impl CommercialParameters {

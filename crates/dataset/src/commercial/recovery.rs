@@ -14,20 +14,11 @@ const LIST: &str = "AirLoopHVAC:OutdoorAirSystem:EquipmentList";
 const WHEEL: &str = "HeatExchanger:AirToAir:SensibleAndLatent";
 const MIXER: &str = "OutdoorAir:Mixer";
 
-/// Returns whether the code requires recovery for a system of a type.
-///
-/// ASHRAE 90.1-2019, table 6.5.6.1.2-1 (less than 8,000 h a year), by the sizes of the prototypes: in zones 7 and 8 it asks
-/// from 2,120 L/s of supply air with 10 to 20 % of outdoor air on (each floor of the medium office: 4 m³/s and 19 %) and
-/// from 1,890 L/s with 20 to 30 % on (the core of the shop: 6 m³/s and 29 %). In the humid zones it asks from 12,270 and
-/// 7,550 L/s on, and in the dry ones from more or not at all, which no system here has. Kitchens and their make-up air are
-/// exempt, the other systems smaller.
+/// Returns whether the code requires recovery for a system of a type: see [`Prototype`](b2b_building::Prototype).
 fn is_required(building_type: BuildingType, ashrae_zone: &str, system: &str) -> bool {
-    let cold = ashrae_zone.starts_with(['7', '8']);
-    cold && match building_type {
-        BuildingType::OfficeMedium => true,
-        BuildingType::RetailStandalone => system.starts_with("PSZ-AC:2"),
-        _ => false,
-    }
+    let prototype = building_type.data().prototype.as_ref();
+    ashrae_zone.starts_with(['7', '8'])
+        && prototype.is_some_and(|prototype| (prototype.recovers_heat)(system))
 }
 
 /// Adds an enthalpy wheel upstream of the mixer of every system for which the code requires it.

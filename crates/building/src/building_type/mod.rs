@@ -1,11 +1,21 @@
 //! The six building types.
 
+mod data;
+mod office_medium;
+mod office_small;
+mod restaurant_fast_food;
+mod retail_standalone;
+mod single_family_house;
+mod warehouse;
+
 use std::fmt;
 use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
 use crate::{Error, Result};
+
+pub use data::{Day, Prototype, TypeData};
 
 /// A building type of the benchmark.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -35,36 +45,36 @@ impl BuildingType {
         Self::OfficeMedium,
     ];
 
+    /// Returns the facts of the type.
+    pub fn data(self) -> &'static TypeData {
+        match self {
+            Self::SingleFamilyHouse => &single_family_house::DATA,
+            Self::OfficeSmall => &office_small::DATA,
+            Self::OfficeMedium => &office_medium::DATA,
+            Self::RetailStandalone => &retail_standalone::DATA,
+            Self::RestaurantFastFood => &restaurant_fast_food::DATA,
+            Self::Warehouse => &warehouse::DATA,
+        }
+    }
+
     /// Name, as in building ids.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::SingleFamilyHouse => "SingleFamilyHouse",
-            Self::OfficeSmall => "OfficeSmall",
-            Self::OfficeMedium => "OfficeMedium",
-            Self::RetailStandalone => "RetailStandalone",
-            Self::RestaurantFastFood => "RestaurantFastFood",
-            Self::Warehouse => "Warehouse",
-        }
+        self.data().name
     }
 
     /// One-line description.
     pub fn description(self) -> &'static str {
-        match self {
-            Self::SingleFamilyHouse => "detached Québec house, ducted heat pump or furnace with cooling",
-            Self::OfficeSmall => "small office, a heat pump for each of five zones",
-            Self::OfficeMedium => "medium office, three central air loops over fifteen zones",
-            Self::RetailStandalone => "shop, four rooftop units and a heated entrance",
-            Self::RestaurantFastFood => "fast-food restaurant, rooftop units for dining room and kitchen",
-            Self::Warehouse => "warehouse, two rooftop units and a unit heater",
-        }
+        self.data().description
     }
 
     /// The place of its base model.
     pub fn home(self) -> &'static str {
-        match self {
-            Self::SingleFamilyHouse => "Montréal",
-            _ => "Denver",
-        }
+        self.data().home
+    }
+
+    /// Returns whether its buildings are houses, which are generated from parameters alone, all in Québec.
+    pub fn is_house(self) -> bool {
+        self.data().prototype.is_none()
     }
 }
 
