@@ -92,9 +92,12 @@ pub enum Error {
         /// Its hours.
         hours: usize,
     },
+    /// A weather file that cannot be read.
+    #[error(transparent)]
+    Weather(Box<b2b_climate::Error>),
     /// A controller that cannot be made.
     #[error(transparent)]
-    Control(#[from] b2b_control::Error),
+    Control(Box<b2b_control::Error>),
     /// A file that cannot be read or written.
     #[error("{path}: {source}")]
     Io {
@@ -108,6 +111,12 @@ pub enum Error {
 /// Adds the path to an error of the operating system.
 pub(crate) fn at(path: &Path) -> impl FnOnce(std::io::Error) -> Error {
     move |source| Error::Io { path: path.to_owned(), source }
+}
+
+impl From<b2b_control::Error> for Error {
+    fn from(error: b2b_control::Error) -> Self {
+        Self::Control(Box::new(error))
+    }
 }
 
 /// A result of this crate.

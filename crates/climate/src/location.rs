@@ -3,10 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use b2b_base::digest::sha256;
 use b2b_energyplus::install::{Cache, Progress};
 
-use super::{ClimateYear, Place, Region, Site, epw};
+use super::{ClimateYear, EpwFile, Place, Region, Site};
 use crate::{Error, Result};
 
 /// The location of a building: a known place, a region of Québec, or any other place by its weather file.
@@ -43,18 +42,17 @@ impl WeatherFile {
     /// # Errors
     /// [`Error::Io`] when it cannot be read, [`Error::Malformed`] with the reason.
     pub fn read(path: &Path, ashrae_zone: Option<&str>) -> Result<Self> {
-        let bytes = std::fs::read(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
-        let text = String::from_utf8_lossy(&bytes);
-        epw::check(&text, path)?;
-        let year = ClimateYear::from_epw(&text).ok_or_else(|| Error::Malformed {
+        let file = EpwFile::open(path)?;
+        file.check()?;
+        let year = file.year().ok_or_else(|| Error::Malformed {
             path: path.to_owned(),
             why: "a month has no hours".to_owned(),
         })?;
         Ok(Self {
             path: path.to_owned(),
             name: name(path),
-            sha256: sha256(&bytes),
-            site: Site::from_epw(&text, path)?,
+            sha256: file.sha256().to_owned(),
+            site: file.site()?,
             ashrae_zone: ashrae_zone.map_or_else(|| year.zone(), str::to_owned),
             year,
         })

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::clear_sky;
-use crate::{Error, Result};
+use crate::{EpwFile, Error, Result};
 
 /// Depth of the ground temperatures at a foundation, m: the middle set of an EPW header, about the depth of a basement
 /// floor.
@@ -57,13 +57,12 @@ pub struct DesignDay {
 }
 
 impl Site {
-    /// Reads the site from the header of an EPW file.
+    /// Returns the site in the header of an EPW file.
     ///
     /// # Errors
     /// [`Error::Io`] when the file cannot be read; the errors of [`Site::from_epw`].
     pub fn read(path: &Path) -> Result<Self> {
-        let bytes = std::fs::read(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
-        Self::from_epw(&String::from_utf8_lossy(&bytes), path)
+        EpwFile::open(path)?.site()
     }
 
     /// Parses the site from an EPW text; `path` is used in error messages.

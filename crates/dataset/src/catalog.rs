@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use b2b_building::description::Origin;
 use b2b_building::{BuildingType, Class, Model, PreparedBuilding, import};
-use b2b_climate::{ClimateYear, Place, Site, epw};
+use b2b_climate::{EpwFile, Place, Site};
 use b2b_energyplus::Library;
 use b2b_energyplus::install::{Cache, Engine, Progress};
 
@@ -239,11 +239,7 @@ impl Placement {
             BuildingName::Type(building_type) => *building_type,
         };
         let zone = match &self.weather {
-            Some(_) => {
-                let bytes = std::fs::read(weather)
-                    .map_err(|source| Error::Io { path: weather.to_owned(), source })?;
-                ClimateYear::from_epw(&String::from_utf8_lossy(&bytes)).map(|year| year.zone())
-            }
+            Some(_) => EpwFile::open(weather)?.year().map(|year| year.zone()),
             None => {
                 let home = || Place::find(building_type.home());
                 Some(self.place.map_or_else(home, Ok)?.ashrae_zone.to_owned())
@@ -302,8 +298,7 @@ impl FromStr for BuildingName {
 
 /// Checks a weather file before the engine reads it.
 fn check_weather(path: &Path) -> Result<()> {
-    let bytes = std::fs::read(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
-    epw::check(&String::from_utf8_lossy(&bytes), path)?;
+    EpwFile::open(path)?.check()?;
     Ok(())
 }
 

@@ -133,7 +133,7 @@ pub enum Error {
     Env(#[from] b2b_env::Error),
     /// A controller that cannot be made.
     #[error(transparent)]
-    Control(#[from] b2b_control::Error),
+    Control(Box<b2b_control::Error>),
     /// An agent that cannot be read, or not act in a building.
     #[error(transparent)]
     Agent(#[from] b2b_agent::Error),
@@ -156,6 +156,12 @@ pub enum Error {
 impl From<b2b_dataset::Error> for Error {
     fn from(error: b2b_dataset::Error) -> Self {
         Self::Building(Box::new(error))
+    }
+}
+
+impl From<b2b_control::Error> for Error {
+    fn from(error: b2b_control::Error) -> Self {
+        Self::Control(Box::new(error))
     }
 }
 

@@ -1,5 +1,6 @@
 //! Outdoor temperatures of the weather file and their scale.
 
+use b2b_climate::EpwFile;
 use b2b_env::Spaces;
 
 use crate::{Error, Result};
@@ -10,14 +11,13 @@ pub(super) const OUTDOOR: (f64, f64) = (10.0, 15.0);
 /// Returns the outdoor temperatures at the end of each hour of the year, °C; none without a forecast.
 ///
 /// # Errors
-/// [`Error::Io`] for a weather file that cannot be read; [`Error::Forecast`] for one without a whole year.
+/// [`Error::Weather`] for a weather file that cannot be read; [`Error::Forecast`] for one without a whole year.
 pub(super) fn temperatures(hours: u32, spaces: &Spaces) -> Result<Vec<f64>> {
     if hours == 0 {
         return Ok(Vec::new());
     }
     let path = &spaces.episode.weather;
-    let text = std::fs::read(path).map_err(crate::error::at(path))?;
-    let temperatures = b2b_climate::epw::dry_bulbs(&String::from_utf8_lossy(&text));
+    let temperatures = EpwFile::open(path).map_err(|error| Error::Weather(Box::new(error)))?.dry_bulbs();
     match temperatures.len() {
         8760 => Ok(temperatures),
         hours => Err(Error::Forecast { path: path.clone(), hours }),
