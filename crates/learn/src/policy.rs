@@ -4,6 +4,9 @@ use b2b_agent::network::{Activation, Edges, GraphNetwork};
 use b2b_agent::{Interface, NodeForm, NodeSpaces};
 use serde::{Deserialize, Serialize};
 
+use crate::error::Result;
+use crate::limits::{check_counts, require};
+
 /// The kind of network of a run.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
@@ -55,24 +58,26 @@ impl Default for GraphPolicy {
 
 impl Policy {
     /// Returns how a graph network observes a building.
-    pub(super) fn nodes(&self) -> Option<NodeForm> {
+    pub(crate) fn nodes(&self) -> Option<NodeForm> {
         match self {
             Self::Flat => None,
             Self::Graph(policy) => Some(NodeForm { attributes: policy.attributes }),
         }
     }
 
-    /// Returns what is wrong with the values, if something is.
-    pub(super) fn fault(&self) -> Option<String> {
-        let Self::Graph(policy) = self else { return None };
+    /// Checks the values.
+    pub(crate) fn check(&self) -> Result<()> {
+        let Self::Graph(policy) = self else { return Ok(()) };
         let GraphPolicy { embedding, heads, layers, feed_forward, .. } = *policy;
-        let counts =
-            [("embedding", embedding), ("heads", heads), ("layers", layers), ("feed_forward", feed_forward)];
-        if let Some((name, _)) = counts.into_iter().find(|(_, count)| *count == 0) {
-            return Some(format!("`policy.{name}` is 0; expected at least 1"));
-        }
-        (!embedding.is_multiple_of(heads))
-            .then(|| format!("`policy.heads` is {heads}; expected a divisor of the embedding, {embedding}"))
+        check_counts([
+            ("policy.embedding", embedding),
+            ("policy.heads", heads),
+            ("policy.layers", layers),
+            ("policy.feed_forward", feed_forward),
+        ])?;
+        require(embedding.is_multiple_of(heads), || {
+            format!("`policy.heads` is {heads}; expected a divisor of the embedding, {embedding}")
+        })
     }
 }
 

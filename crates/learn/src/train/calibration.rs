@@ -1,10 +1,10 @@
 //! The exploration noise that training begins with.
 
 use super::config::TrainConfig;
-use super::learner::Learner;
 use crate::collector::Collector as _;
 use crate::error::Result;
 use crate::fragments::FragmentCollector;
+use crate::learner::Learner;
 use crate::rollout::Rollout;
 
 /// Logarithms of the standard deviations to choose from, in descending order, and one of hardly any noise.
@@ -21,13 +21,13 @@ struct Penalty {
 }
 
 /// Sets the logarithm of the standard deviation of actions, and returns it: the largest whose noise costs no more than
-/// [`TrainConfig::noise_cost`] allows, on the first day of every environment. Training then begins with the same day.
+/// [`NoiseConfig::noise_cost`](super::NoiseConfig::noise_cost) allows, on the first day of every environment. Training then begins with the same day.
 ///
 /// # Errors
 /// The errors of the collector.
 pub(super) fn calibrate(
     config: &TrainConfig,
-    learner: &mut Learner,
+    learner: &mut dyn Learner,
     collector: &mut FragmentCollector,
 ) -> Result<f32> {
     let beginning = collector.state();
@@ -37,7 +37,7 @@ pub(super) fn calibrate(
         first_day(config, learner, collector)
     };
     let quiet = penalty_with(SILENT)?;
-    let affordable = (config.noise_cost - 1.0) * quiet.comfort;
+    let affordable = (config.noise.noise_cost - 1.0) * quiet.comfort;
     let limit = quiet.all + affordable.max(SMALLEST_COST * quiet.all);
     // More noise costs more: a bisection.
     let (mut loudest, mut quietest) = (0, LOG_STDS.len() - 1);
@@ -54,13 +54,17 @@ pub(super) fn calibrate(
 }
 
 /// Returns the penalty of the first day of every environment.
-fn first_day(config: &TrainConfig, learner: &Learner, collector: &mut FragmentCollector) -> Result<Penalty> {
+fn first_day(
+    config: &TrainConfig,
+    learner: &dyn Learner,
+    collector: &mut FragmentCollector,
+) -> Result<Penalty> {
     // An episode's memory moves to large pages after a day, which takes longer than the day.
-    let steps = 24 * config.steps_per_hour as usize - 1;
+    let steps = 24 * config.training_set.steps_per_hour as usize - 1;
     let mut rollout = Rollout::default();
     collector.collect(&learner.actor(), steps, &mut rollout)?;
     let all = rollout.mean_penalty();
-    let energy = match config.credit_by_zone {
+    let energy = match config.rewards.credit_by_zone {
         true => rollout.mean_energy_penalty(collector.widths().parts),
         false => 0.0,
     };

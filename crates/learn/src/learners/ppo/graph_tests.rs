@@ -1,11 +1,19 @@
-use b2b_agent::network::Activation;
-use b2b_agent::network::graph::{ActionPlace, Edges, NodeWidths};
+use std::sync::Arc;
 
-use super::worker::Minibatch;
-use super::*;
+use b2b_agent::network::graph::{ActionPlace, Edges, NodeWidths};
+use b2b_agent::network::{Activation, Graph, GraphNetwork};
+
+use super::config::{LogStd, PpoConfig};
+use super::learner::Ppo;
+use super::worker::{Minibatch, Worker};
+use crate::credit::Credit;
+use crate::learner::Learner as _;
 use crate::nn::graph::reference;
 use crate::nn::reference::{assert_gradients, wide};
+use crate::random::Random;
 use crate::rollout::{End, Rollout, Scene};
+use crate::state::State;
+use crate::widths::Widths;
 
 /// The largest building has three zones of two features and one action, and a node of one feature without actions.
 const WIDTHS: Widths = Widths { observation: 7, action: 3, parts: 1 };

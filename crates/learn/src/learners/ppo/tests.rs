@@ -1,9 +1,14 @@
 use b2b_agent::network::Activation;
 
-use super::worker::Minibatch;
-use super::*;
+use super::config::{LogStd, PpoConfig};
+use super::learner::Ppo;
+use super::worker::{Minibatch, Worker};
+use crate::learner::Learner as _;
 use crate::nn::reference::{self, assert_gradients, wide};
+use crate::random::Random;
 use crate::rollout::{End, Rollout};
+use crate::state::State;
+use crate::widths::Widths;
 
 const WIDTHS: Widths = Widths { observation: 4, action: 2, parts: 2 };
 

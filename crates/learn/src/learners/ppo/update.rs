@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use b2b_agent::network::graph::Batch;
 
-use super::Ppo;
 use super::advantage::{Values, advantages, center_pairs};
+use super::learner::Ppo;
 use super::loss::Losses;
 use super::samples::Samples;
 use super::scale::Rows;
@@ -271,6 +271,22 @@ impl Ppo {
 }
 
 impl Update {
+    /// Returns the numbers that the progress of a run has, by name.
+    pub(super) fn named(&self) -> [(&'static str, f64); 10] {
+        [
+            ("policy_loss", self.policy_loss),
+            ("value_loss", self.value_loss),
+            ("entropy", self.entropy),
+            ("approx_kl", self.approx_kl),
+            ("clip_fraction", self.clip_fraction),
+            ("explained_variance", self.explained_variance),
+            ("gradient_norm", self.gradient_norm),
+            ("learning_rate", self.learning_rate),
+            ("epochs", self.epochs as f64),
+            ("skipped", self.skipped as f64),
+        ]
+    }
+
     fn set_means(&mut self, sums: &Losses) {
         let share = 1.0 / self.steps.max(1) as f64;
         let means = sums.scaled(share);

@@ -1,10 +1,16 @@
 use b2b_agent::network::{Activation, LOG_STD};
 
+use super::config::SacConfig;
+use super::learner::Sac;
 use super::loss::temperature_gradient;
+use super::networks::Networks;
 use super::worker::Minibatch;
-use super::*;
+use crate::learner::Learner as _;
 use crate::nn::reference::{self, assert_gradients, wide};
+use crate::random::Random;
 use crate::rollout::{End, Rollout};
+use crate::state::State;
+use crate::widths::Widths;
 
 const WIDTHS: Widths = Widths { observation: 3, action: 2, parts: 1 };
 

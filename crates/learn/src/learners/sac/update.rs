@@ -1,6 +1,6 @@
 //! An update of SAC.
 
-use super::Sac;
+use super::learner::Sac;
 use super::loss::{Losses, temperature_gradient};
 use super::worker::{Minibatch, Worker};
 use crate::error::{Error, Result};
@@ -170,6 +170,22 @@ impl Sac {
 }
 
 impl Update {
+    /// Returns the numbers that the progress of a run has, by name.
+    pub(super) fn named(&self) -> [(&'static str, f64); 10] {
+        [
+            ("critic_loss", self.critic_loss),
+            ("actor_loss", self.actor_loss),
+            ("temperature", self.temperature),
+            ("entropy", self.entropy),
+            ("value", self.value),
+            ("critic_gradient_norm", self.critic_gradient_norm),
+            ("actor_gradient_norm", self.actor_gradient_norm),
+            ("learning_rate", self.learning_rate),
+            ("minibatches", self.steps as f64),
+            ("skipped", self.skipped as f64),
+        ]
+    }
+
     fn add(&mut self, losses: &Losses) {
         self.steps += 1;
         self.critic_loss += losses.critics;

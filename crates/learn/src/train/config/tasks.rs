@@ -139,7 +139,7 @@ mod tests {
     use super::*;
 
     fn configured(text: &str) -> Result<Tasks, String> {
-        TrainConfig::default().with_changes(text).map(|config| config.task)
+        TrainConfig::default().with_changes(text).map(|config| config.training_set.task)
     }
 
     #[test]
@@ -147,7 +147,8 @@ mod tests {
         let own = Task { comfort_band: 0.5, faults: Faults::default(), ..Task::default() };
         let occupancy: Task = "occupancy+energy0.5".parse().unwrap();
         for tasks in [vec![occupancy.clone()], vec![own.clone()], vec![occupancy.clone(), own, occupancy]] {
-            let config = TrainConfig { task: tasks.iter().cloned().collect(), ..TrainConfig::default() };
+            let mut config = TrainConfig::default();
+            config.training_set.task = tasks.iter().cloned().collect();
             assert_eq!(configured(&config.to_toml()).unwrap().as_slice(), tasks, "{}", config.to_toml());
         }
     }

@@ -6,10 +6,10 @@ use b2b_base::aside::write_whole;
 use b2b_page::fill;
 use serde_json::{Value, json};
 
-use super::config::TrainConfig;
-use super::days;
-use super::progress::read_column;
+use super::table::read_column;
 use crate::error::{Result, at};
+use crate::train::config::TrainConfig;
+use crate::train::environments::days;
 
 /// Name of the page.
 pub const PAGE: &str = "curve.html";
@@ -38,18 +38,18 @@ fn note(config: &TrainConfig) -> Result<String> {
             format!("evaluated on {}{also}", days::evaluated(config)?)
         }
     };
-    Ok(format!("{}, seed {}; {evaluated}", config.period, config.seed))
+    Ok(format!("{}, seed {}; {evaluated}", config.training_set.period, config.budget.seed))
 }
 
 /// Writes the page of a run's folder from its table.
-pub(super) fn write(folder: &Path, config: &TrainConfig) -> Result<()> {
+pub(crate) fn write(folder: &Path, config: &TrainConfig) -> Result<()> {
     let panels = PANELS.iter().filter_map(|(name, title, baseline)| {
         let rows = read_column(folder, name).ok().filter(|rows| !rows.is_empty())?;
         let (steps, values): (Vec<u64>, Vec<f64>) = rows.into_iter().unzip();
         Some(json!({"title": title, "steps": steps, "values": values, "baseline": baseline}))
     });
     let data = json!({
-        "title": format!("{} on {}", config.task, config.buildings_text()),
+        "title": format!("{} on {}", config.training_set.task, config.training_set.buildings_text()),
         "note": note(config)?,
         "panels": panels.collect::<Vec<Value>>(),
     });

@@ -1,4 +1,4 @@
-//! The course of a run: a row for every update, as `progress.csv` and as TensorBoard events.
+//! A row for every update, as `progress.csv` and as TensorBoard events.
 
 use std::path::Path;
 
@@ -32,16 +32,16 @@ impl Row {
 }
 
 /// Writes the rows of a run.
-pub(super) struct Progress {
+pub(crate) struct ProgressFiles {
     table: Journal,
     /// `None` when the folder cannot be written.
     events: Option<EventFile>,
 }
 
-impl Progress {
+impl ProgressFiles {
     /// Opens the files in a run's folder. Of an earlier part of the run, rows after `steps` are dropped. The second value says
     /// what is not written, if something is not.
-    pub(super) fn open(folder: &Path, steps: u64) -> Result<(Self, Option<String>)> {
+    pub(crate) fn open(folder: &Path, steps: u64) -> Result<(Self, Option<String>)> {
         let path = folder.join(TABLE);
         let kept = kept_lines(&path, steps)?;
         write_whole(&path, kept.as_bytes()).map_err(at(&path))?;
@@ -54,7 +54,7 @@ impl Progress {
     }
 
     /// Adds a row.
-    pub(super) fn write(&mut self, row: &Row) -> Result<()> {
+    pub(crate) fn write(&mut self, row: &Row) -> Result<()> {
         let mut text = String::new();
         if self.table.is_empty() {
             let names: Vec<&str> = row.values.iter().map(|(name, _)| *name).collect();
@@ -112,13 +112,13 @@ mod tests {
     fn a_table_continues_from_the_steps_of_a_checkpoint() {
         let folder = tempfile::tempdir().unwrap();
         let row = |steps, score| Row { steps, values: vec![("loss", 0.5), ("score", score)] };
-        let (mut progress, warning) = Progress::open(folder.path(), 0).unwrap();
+        let (mut progress, warning) = ProgressFiles::open(folder.path(), 0).unwrap();
         assert_eq!(warning, None);
         for (steps, score) in [(10, f64::NAN), (20, 0.9), (30, 0.8)] {
             progress.write(&row(steps, score)).unwrap();
         }
         drop(progress);
-        let (mut progress, _) = Progress::open(folder.path(), 20).unwrap();
+        let (mut progress, _) = ProgressFiles::open(folder.path(), 20).unwrap();
         progress.write(&row(30, 0.7)).unwrap();
         let text = std::fs::read_to_string(folder.path().join(TABLE)).unwrap();
         assert_eq!(text, "steps,loss,score\n10,0.5,\n20,0.5,0.9\n30,0.5,0.7\n");
@@ -130,7 +130,7 @@ mod tests {
     fn a_folder_of_events_that_cannot_be_written_is_a_warning() {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join(EVENTS), "in the way").unwrap();
-        let (mut progress, warning) = Progress::open(folder.path(), 0).unwrap();
+        let (mut progress, warning) = ProgressFiles::open(folder.path(), 0).unwrap();
         assert!(warning.unwrap().contains("TensorBoard"));
         progress.write(&Row { steps: 1, values: vec![("loss", 1.0)] }).unwrap();
     }

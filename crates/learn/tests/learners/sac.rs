@@ -1,14 +1,14 @@
 //! Learning of toy environments by SAC.
 
-mod toy;
-
 use std::time::Instant;
 
 use b2b_learn::collector::Collector;
+use b2b_learn::learner::Learner as _;
 use b2b_learn::nn::Schedule;
 use b2b_learn::rollout::Rollout;
 use b2b_learn::sac::{Sac, SacConfig};
-use toy::{Local, Pendulum, Room, Toy, mean_return};
+
+use super::toy::{Local, Pendulum, Room, Toy, mean_return};
 
 const SEEDS: [u64; 3] = [0, 1, 2];
 

@@ -1,15 +1,15 @@
 //! Learning of toy environments by PPO, and the time of an update.
 
-mod toy;
-
 use std::time::Instant;
 
 use b2b_agent::network::Actor;
 use b2b_learn::collector::Collector;
+use b2b_learn::learner::Learner as _;
 use b2b_learn::ppo::{LogStd, Ppo, PpoConfig};
 use b2b_learn::random::Random;
 use b2b_learn::rollout::{Rollout, Widths};
-use toy::{Local, Pendulum, Room, Toy, mean_return};
+
+use super::toy::{Local, Pendulum, Room, Toy, mean_return};
 
 const SEEDS: [u64; 3] = [0, 1, 2];
 
