@@ -1,7 +1,7 @@
-//! Learners: what improves an actor, and the options that make one.
+//! The traits of a learner.
 //!
-//! A learner is a folder in [`learners`](crate::learners): its options implement [`LearnerOptions`], and what they make implements
-//! [`Learner`]. A training run knows nothing else of it.
+//! A learner is a folder in [`learners`](crate::learners): its options implement [`LearnerOptions`] and make a [`Learner`]. A
+//! training run uses nothing else.
 
 use std::any::Any;
 use std::fmt::Debug;
@@ -15,12 +15,12 @@ use crate::rollout::Rollout;
 use crate::state::State;
 use crate::widths::Widths;
 
-/// A learner: it reads rollouts and improves an actor.
+/// Improves an actor from rollouts.
 pub trait Learner: Send {
     /// Returns the actor that collects the next rollout.
     fn actor(&self) -> Actor;
 
-    /// Returns the actor that is evaluated and kept. By default it is that of the rollouts.
+    /// Returns the actor to evaluate and keep, by default the one that collects rollouts.
     fn averaged_actor(&self) -> Actor {
         self.actor()
     }
@@ -63,13 +63,13 @@ pub trait LearnerOptions: Any + Debug + Send + Sync {
     /// Returns the steps of each environment between updates.
     fn steps_per_rollout(&self) -> usize;
 
-    /// Returns which options of a run the learner supports. By default it supports none.
+    /// Returns the options of a run that the learner supports, by default none.
     fn abilities(&self) -> Abilities {
         Abilities::default()
     }
 
-    /// Returns whether an update learns from the last rollout alone. Environments then begin at different hours, so that a rollout
-    /// has all of them.
+    /// Returns whether an update learns from the last rollout alone. Environments then start at different hours, so that a rollout
+    /// covers the day.
     fn is_on_policy(&self) -> bool {
         true
     }
@@ -77,36 +77,35 @@ pub trait LearnerOptions: Any + Debug + Send + Sync {
     /// Returns a learner with initial parameters.
     ///
     /// # Errors
-    /// When the options do not go with the setting.
+    /// When the options and the setting are incompatible.
     fn learner(&self, setting: &LearnerSetting<'_>) -> Result<Box<dyn Learner>>;
 }
 
-/// What a learner supports besides flat networks and rewards in one part.
+/// Options of a run that a learner supports besides flat networks and rewards in one part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Abilities {
     /// Graph networks.
     pub graphs: bool,
-    /// Rewards in parts, of which each action is credited with those that it affects.
+    /// Rewards in parts, with each action credited with the parts it affects.
     pub credit: bool,
     /// Pairs of environments with opposite exploration noise.
     pub mirrored_noise: bool,
-    /// Initial logarithm of the standard deviation of actions, where a run may set it: see [`Learner::set_log_std`]. Otherwise why
-    /// it may not.
+    /// Initial logarithm of the standard deviation of actions, if a run may set it ([`Learner::set_log_std`]), or why it may not.
     pub noise: std::result::Result<f32, &'static str>,
 }
 
 impl Default for Abilities {
-    /// Returns those of a learner without any.
+    /// Returns no abilities.
     fn default() -> Self {
         let noise = Err("the learner sets the exploration noise itself");
         Self { graphs: false, credit: false, mirrored_noise: false, noise }
     }
 }
 
-/// What a learner is made for.
+/// The environments and the agent that a learner is made for.
 #[derive(Clone, Debug)]
 pub struct LearnerSetting<'a> {
-    /// Widths of observations, actions and rewards: of graph networks those of the largest building.
+    /// Widths of observations, actions and rewards; for graph networks, the largest building's.
     pub widths: Widths,
     /// Number of environments.
     pub environments: usize,
@@ -114,7 +113,7 @@ pub struct LearnerSetting<'a> {
     pub interface: Interface,
     /// Kind of network.
     pub policy: &'a Policy,
-    /// Weight of each part of the reward (column) in the advantage of each action (row), of flat networks with credit.
+    /// Weight of each part of the reward (column) in the advantage of each action (row), for flat networks with credit.
     pub credit: Option<Vec<Vec<f32>>>,
     /// Random seed.
     pub seed: u64,

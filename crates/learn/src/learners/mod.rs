@@ -1,4 +1,4 @@
-//! The learners, and the list of them by which a configuration finds one.
+//! The learners, listed by name for configurations.
 
 pub mod ppo;
 pub mod sac;
@@ -15,7 +15,7 @@ use crate::error::{Error, Result};
 use crate::learner::LearnerOptions;
 
 /// The built-in kinds of learners, the default first.
-const BUILT_IN: [Kind; 2] = [Kind::of::<ppo::PpoConfig>("ppo"), Kind::of::<sac::SacConfig>("sac")];
+const BUILT_IN: &[Kind] = &[Kind::of::<ppo::PpoConfig>("ppo"), Kind::of::<sac::SacConfig>("sac")];
 
 /// Kinds that programs have added.
 static ADDED: RwLock<Vec<Kind>> = RwLock::new(Vec::new());
@@ -69,15 +69,15 @@ fn write<O: LearnerOptions + Serialize>(name: &'static str, options: &dyn Learne
 /// Returns all kinds of learners.
 pub fn kinds() -> Vec<Kind> {
     let added = ADDED.read().unwrap_or_else(PoisonError::into_inner);
-    BUILT_IN.into_iter().chain(added.iter().copied()).collect()
+    BUILT_IN.iter().chain(added.iter()).copied().collect()
 }
 
-/// Adds a kind of learner to those that a configuration can name. Called once for a name, before a configuration with it is read.
+/// Adds a kind of learner that configurations can then name. Called once per name, before a configuration with it is read.
 pub fn register(kind: Kind) {
     ADDED.write().unwrap_or_else(PoisonError::into_inner).push(kind);
 }
 
-/// The learner of a configuration: a kind with its options. It derefs to the options.
+/// A configuration's learner: a kind and its options, to which it dereferences.
 #[derive(Clone)]
 pub struct LearnerChoice {
     kind: Kind,

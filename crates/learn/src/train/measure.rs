@@ -15,7 +15,6 @@ use crate::fragments::{FragmentCollector, spaces_of};
 use crate::learner::Learner;
 use crate::lockstep::LockstepCollector;
 use crate::rollout::Rollout;
-use crate::widths::Widths;
 
 /// The design of a training loop: where actions are computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,4 +1,4 @@
-//! Benchmark problems as training runs see them. All that training knows of problems is here.
+//! Benchmark problems as training runs use them. The rest of the crate knows only their [`TrainingSide`].
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 /// Returns the training side of a problem, by name or JSON file.
 ///
 /// # Errors
-/// [`Error::Evaluation`] for an unknown problem; [`Error::Invalid`] for one that withholds actuators, because an agent controls all.
+/// [`Error::Evaluation`] for an unknown problem; [`Error::Invalid`] for one that withholds actuators.
 pub(super) fn training_side(name: &str) -> Result<TrainingSide> {
     let is_file = name.to_ascii_lowercase().ends_with(".json");
     let problem = if is_file { Problem::read(Path::new(name))? } else { Problem::named(name)? };

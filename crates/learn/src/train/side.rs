@@ -1,4 +1,4 @@
-//! The training side of a benchmark problem, as a run sees it.
+//! The training side of a benchmark problem, as a training run uses it.
 
 use std::fmt::Display;
 
@@ -11,17 +11,17 @@ use super::config::{AgentConfig, Budget, TrainingSet};
 use crate::error::{Error, Result};
 use crate::policy::Policy;
 
-/// The training side of a benchmark problem: what a run for it trains on, and must not go beyond.
+/// The training side of a benchmark problem: what a run may train on.
 pub(super) struct TrainingSide {
     /// Name of the problem.
     pub(super) name: String,
     /// Types of the buildings.
     pub(super) types: Vec<BuildingType>,
-    /// Whether all buildings that the agent is for, also those that it is tested on, are of one type.
+    /// Whether all training and test buildings are of one type.
     pub(super) is_one_type: bool,
-    /// Buildings, unless they are the training split of the types.
+    /// Buildings; `None` for the whole training split of the types.
     pub(super) listed: Option<Vec<BuildingId>>,
-    /// The buildings as a reader names them.
+    /// Description of the buildings.
     pub(super) buildings: String,
     /// Errors unless a building may be trained on.
     pub(super) check_building: Box<dyn Fn(BuildingId) -> Result<()>>,
@@ -33,7 +33,7 @@ pub(super) struct TrainingSide {
     pub(super) steps_per_hour: u32,
     /// Largest number of environment steps.
     pub(super) steps: u64,
-    /// Whether the attributes of a building are given; otherwise they are withheld.
+    /// Whether building attributes are given rather than withheld.
     pub(super) gives_attributes: bool,
     /// Whether zones are observed by their role.
     pub(super) is_by_role: bool,

@@ -1,4 +1,4 @@
-//! What an agent is: its network, what it observes and how it acts.
+//! Network, observation and actions of an agent.
 
 use b2b_agent::{Acting, Interface, ObservationForm, ObservationOptions};
 use serde::{Deserialize, Serialize};
@@ -7,7 +7,7 @@ use crate::error::Result;
 use crate::limits::require;
 use crate::policy::Policy;
 
-/// What an agent is.
+/// Network, observation and actions of an agent.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct AgentConfig {

@@ -1,4 +1,4 @@
-//! Reading and writing of configurations: the options of all parts in one TOML table.
+//! Reading and writing configurations: the options of all parts in one TOML table.
 
 use std::path::Path;
 
@@ -26,7 +26,7 @@ const ALGORITHM: &str = "algorithm";
 /// The table of the evaluations.
 const EVALUATION: &str = "evaluation";
 
-/// The result of reading a part, or what is wrong with it.
+/// A value read from a table, or what is wrong with the table.
 type Read<T> = std::result::Result<T, String>;
 
 impl TrainConfig {
@@ -66,7 +66,7 @@ impl TrainConfig {
         self.with_table(changes).map_err(Error::Invalid)
     }
 
-    /// Returns the configuration with the changes of a file, but for the options in `ignored`.
+    /// Returns the configuration with the changes of a file, without the options in `ignored`.
     ///
     /// # Errors
     /// [`Error::Io`]; [`Error::ConfigFile`] with what is wrong.
@@ -139,7 +139,7 @@ impl TrainConfig {
     }
 }
 
-/// The options of a table that are not read yet, and the names of all that are known.
+/// The unread options of a table, and the names of all known options.
 struct Options {
     table: Table,
     known: Vec<String>,
@@ -160,7 +160,7 @@ impl Options {
         })
     }
 
-    /// Takes out a table of options; without it, one without options.
+    /// Takes a table of options; an absent one is empty.
     fn table(&mut self, name: &'static str) -> Read<Table> {
         self.known.push(name.into());
         match self.table.remove(name) {
@@ -170,7 +170,7 @@ impl Options {
         }
     }
 
-    /// Reads the learner. The options of other learners are read as well, but not kept.
+    /// Reads the learner. Options of other learners are checked, but not kept.
     fn learner(&mut self) -> Read<LearnerChoice> {
         let chosen = match self.table.remove(ALGORITHM) {
             None => LearnerChoice::default().name(),

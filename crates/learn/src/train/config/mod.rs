@@ -1,7 +1,7 @@
 //! The configuration of a training run, as a TOML file or as presets with changes.
 //!
-//! It consists of parts, each of which checks its own values. In a file, the options of most parts stand side by side; those of the
-//! evaluations and of the learner have a table of their own, the learner's with its name.
+//! Each part of it checks its own values. In a file, the options of all parts are side by side, except for two tables: `evaluation`,
+//! and the learner's, named by `algorithm`.
 
 mod agent;
 mod budget;

@@ -1,4 +1,4 @@
-//! The parts of a configuration, and what they require of each other.
+//! The parts of a configuration, and checks across them.
 
 use b2b_agent::ObservationForm;
 use serde::Serialize;
@@ -20,10 +20,10 @@ use crate::train::problem::training_side;
 /// The configuration of a training run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct TrainConfig {
-    /// What is trained on: buildings, tasks and period.
+    /// Buildings, tasks and period.
     #[serde(flatten)]
     pub training_set: TrainingSet,
-    /// What the agent is.
+    /// Network, observation and actions.
     #[serde(flatten)]
     pub agent: AgentConfig,
     /// Steps, environments and random seed.
@@ -40,14 +40,14 @@ pub struct TrainConfig {
     pub checkpoints: CheckpointConfig,
     /// Evaluations during training.
     pub evaluation: EvaluationConfig,
-    /// The learner: in a file its name, `algorithm`, and a table of this name with its options.
+    /// The learner. In a file, `algorithm` is its name, and the table of this name has its options.
     #[serde(skip)]
     pub learner: LearnerChoice,
 }
 
 impl TrainConfig {
-    /// Returns the configuration with a learner of this name, and without what this learner does not support. Its options are the
-    /// defaults unless the configuration has it already.
+    /// Returns the configuration with the learner of this name, and with options that it does not support turned off. A different
+    /// learner than before has its default options.
     ///
     /// # Errors
     /// [`Error::Invalid`](crate::Error::Invalid) for an unknown name.
@@ -119,7 +119,7 @@ impl TrainConfig {
         require(final_noise == 1.0, || format!("`final_noise` is {final_noise}; {why}; expected 1"))
     }
 
-    /// Checks that agent and environments suffice for the types of buildings and the tasks.
+    /// Checks that the agent and the number of environments suit the building types and tasks.
     fn check_variety(&self) -> Result<()> {
         let types = self.training_set.building_type.len();
         let is_one_task = self.training_set.task.as_slice().len() == 1;

@@ -1,4 +1,4 @@
-//! What a run trains on: buildings, tasks and period.
+//! Buildings, tasks and period of a training run.
 
 use std::path::PathBuf;
 
@@ -12,7 +12,7 @@ use super::tasks::Tasks;
 use crate::error::{Error, Result};
 use crate::limits::require;
 
-/// What a run trains on: buildings, tasks and period.
+/// Buildings, tasks and period of a training run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct TrainingSet {
