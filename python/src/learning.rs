@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Mutex;
 
 use b2b_agent::Agent;
-use b2b_learn::train::{Monitor, Place, Row, TrainConfig};
+use b2b_learn::train::{Monitor, Row, RunOptions, TrainConfig};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -35,9 +35,9 @@ pub fn train(
     let raised = Mutex::new(None);
     let outcome = py.detach(|| {
         let catalog = catalog::catalog()?;
-        let place = Place { out, catalog, launcher, jobs, interrupted: stopped, monitor: &mut &updates };
+        let options = RunOptions { out, catalog, launcher, jobs, interrupted: stopped, monitor: &mut &updates };
         let trained = wait_for(
-            || b2b_learn::train::train(&config, place),
+            || b2b_learn::train::train(&config, options),
             || report(std::mem::take(&mut *locked(&updates.0)), callback.as_ref(), &raised),
         );
         // Also of a run that has ended: the callback may have raised at its last update.
