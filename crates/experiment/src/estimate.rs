@@ -80,12 +80,13 @@ fn seconds(job: &Job) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{BudgetName, Experiment};
+    use crate::Experiment;
 
     #[test]
     fn more_steps_take_longer_and_more_cores_less() {
-        let jobs = |budget| Experiment::named("ppo").unwrap().jobs(budget);
-        let (quick, full) = (jobs(BudgetName::Quick), jobs(BudgetName::Full));
+        let experiment = Experiment::named("ppo").unwrap();
+        let jobs = |budget| experiment.jobs(experiment.budget(budget).unwrap());
+        let (quick, full) = (jobs("quick"), jobs("full"));
         assert!(estimate(None, &full, 2) > 50 * estimate(None, &quick, 2));
         assert_eq!(estimate(None, &quick, 4) * 2, estimate(None, &quick, 2));
         assert_eq!(estimate(None, &full, 10_000), estimate(None, &full, 20_000), "the longest job");
