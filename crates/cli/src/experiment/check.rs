@@ -42,7 +42,7 @@ pub fn check(arguments: &Arguments) -> Result<ExitCode> {
             eprintln!("{}", line(checked));
         }
     };
-    let all = b2b_experiment::check(&runner, &experiment, budget, arguments.buildings, &done)?;
+    let all = b2b_experiment::check(&runner, &experiment, &budget, arguments.buildings, &done)?;
     let faults: Vec<_> = all.iter().filter(|checked| checked.fault.is_some()).collect();
     let summary = json!({
         "checked": all.len(),

@@ -5,8 +5,10 @@ use b2b_dataset::BuildingId;
 use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
 
-/// Name of the folder of a job's agent.
-pub(crate) const AGENT: &str = "agent";
+/// Name of the folder of a job's agent: the one that its training keeps.
+pub const AGENT: &str = "agent";
+/// Name of the folder of the last agent of a job's training.
+pub const LAST_AGENT: &str = "agent/last";
 
 /// An independent part of an experiment: actions in a folder, one after another.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,6 +33,8 @@ pub enum Action {
     },
     /// Evaluates the agent of the job, or the reactive controllers in a job without a training.
     Evaluate(Episodes),
+    /// Evaluates the last agent of the job's training, beside the one that it keeps.
+    EvaluateLast(Episodes),
     /// Enters the agents of the job, or a built-in policy, on a benchmark problem.
     Enter(Entry),
     /// Runs a command whose JSON is the result.
@@ -65,6 +69,12 @@ pub struct Entry {
     pub episodes: Episodes,
 }
 
+impl Episodes {
+    fn count(&self) -> usize {
+        self.buildings.len() * self.tasks.len() * self.periods.len()
+    }
+}
+
 impl Job {
     /// Returns the steps that the job trains.
     pub fn steps(&self) -> u64 {
@@ -83,9 +93,45 @@ impl Job {
         })
     }
 
+    /// Returns the evaluated episodes of one seed, all policies together.
+    pub fn episode_count(&self) -> usize {
+        let count = |action: &Action| match action {
+            Action::Evaluate(episodes)
+            | Action::EvaluateLast(episodes)
+            | Action::Enter(Entry { episodes, .. }) => episodes.count(),
+            _ => 0,
+        };
+        self.actions.iter().map(count).sum()
+    }
+
+    /// Returns whether the job evaluates the last agent of its training beside the one that the training keeps.
+    pub fn has_last(&self) -> bool {
+        self.actions.iter().any(|action| matches!(action, Action::EvaluateLast(_)))
+    }
+
     /// Returns the SHA-256 of the actions: results of other actions are not those of this job.
     pub fn actions_sha256(&self) -> String {
-        sha256(serde_json::to_vec(&self.actions).expect("plain data always serializes"))
+        self.first_actions_sha256(self.actions.len())
+    }
+
+    fn first_actions_sha256(&self, count: usize) -> String {
+        sha256(serde_json::to_vec(&self.actions[..count]).expect("plain data always serializes"))
+    }
+
+    /// Returns the number of first actions that a hash is of: a job that has grown keeps the results of its first actions. An
+    /// empty hash, of older results, is of all; `None` if it is of other actions.
+    pub fn actions_of(&self, actions_sha256: &str) -> Option<usize> {
+        let all = self.actions.len();
+        match actions_sha256 {
+            "" => Some(all),
+            hash => (1..=all).rev().find(|count| self.first_actions_sha256(*count) == hash),
+        }
+    }
+
+    /// Returns the names of the types of the buildings whose episodes the job evaluates.
+    pub fn building_types(&self) -> impl Iterator<Item = &str> {
+        let buildings = self.episodes().map_or(&[][..], |episodes| &episodes.buildings[..]);
+        buildings.iter().map(|building| building.split_once('-').map_or(&building[..], |(name, _)| name))
     }
 
     /// Returns the first part of the key: the name of the agent.
@@ -95,7 +141,7 @@ impl Job {
 }
 
 /// Returns the training of an agent.
-pub(crate) fn train(agent: &str, mut config: Table, steps: u64, seed: u64) -> Action {
+pub(super) fn train(agent: &str, mut config: Table, steps: u64, seed: u64) -> Action {
     config.insert("steps".to_owned(), Value::Integer(steps as i64));
     config.insert("seed".to_owned(), Value::Integer(seed as i64));
     // The job evaluates the agent itself.
@@ -106,6 +152,24 @@ pub(crate) fn train(agent: &str, mut config: Table, steps: u64, seed: u64) -> Ac
     Action::Train { agent: agent.to_owned(), config, steps }
 }
 
-pub(crate) fn texts(ids: &[BuildingId]) -> Vec<String> {
+pub(super) fn texts(ids: &[BuildingId]) -> Vec<String> {
     ids.iter().map(ToString::to_string).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_hash_of_the_first_actions_is_that_of_a_job_that_has_grown() {
+        let episodes = Episodes { buildings: vec![], tasks: vec![], periods: vec![] };
+        let training = train(AGENT, Table::new(), 10, 0);
+        let first = vec![training, Action::Evaluate(episodes.clone())];
+        let before = Job { key: "a/b".into(), actions: first.clone() };
+        let grown = Job { actions: [first, vec![Action::EvaluateLast(episodes)]].concat(), ..before.clone() };
+        assert_eq!(grown.actions_of(&before.actions_sha256()), Some(2));
+        assert_eq!(grown.actions_of(&grown.actions_sha256()), Some(3));
+        assert_eq!((grown.actions_of(""), grown.actions_of("0123")), (Some(3), None));
+        assert_eq!(before.actions_of(&grown.actions_sha256()), None);
+    }
 }

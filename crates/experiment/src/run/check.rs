@@ -7,12 +7,12 @@ use b2b_agent::Agent;
 use b2b_base::machine;
 use b2b_evaluate::Row;
 
-use crate::definition::{BudgetName, Experiment};
+use super::arguments::evaluate;
+use super::runner::Runner;
+use crate::definition::{Budget, Experiment, best_of};
 use crate::error::{Error, Result, at};
-use crate::folder::Folder;
-use crate::job::{AGENT, Action, Episodes, Job};
-use crate::results::{JobResult, read_rows};
-use crate::runner::{EVALUATION, Runner, evaluate};
+use crate::folder::{EVALUATION, JobResult, read_rows};
+use crate::job::{AGENT, Action, Episodes, Job, LAST_AGENT};
 
 /// Relative difference of scores on machines that do not give the same bits.
 const TOLERANCE: f64 = 1e-3;
@@ -20,10 +20,20 @@ const TOLERANCE: f64 = 1e-3;
 /// The check of an agent.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Checked {
-    /// Key of the job.
+    /// Key of the job, with `, best` for the best agent of one that evaluates two.
     pub job: String,
     /// Why its results are not those of its agent; `None` if they are.
     pub fault: Option<String>,
+}
+
+/// An agent with the results to compare with.
+struct Subject<'a> {
+    name: String,
+    path: PathBuf,
+    episodes: &'a Episodes,
+    agent_sha256: Option<&'a str>,
+    machine: &'a str,
+    rows: &'a [Row],
 }
 
 /// Evaluates the agents again whose folders are at hand, and compares their episodes with the results that
@@ -36,20 +46,18 @@ pub struct Checked {
 pub fn check(
     runner: &Runner<'_>,
     experiment: &Experiment,
-    budget: BudgetName,
+    budget: &Budget,
     buildings: Option<NonZeroUsize>,
     done: &dyn Fn(&Checked),
 ) -> Result<Vec<Checked>> {
     let mut all = Vec::new();
     for job in experiment.jobs(budget) {
-        let Some(Action::Evaluate(episodes)) = job.actions.last() else { continue };
-        let Some(result) = runner.folder.kept(&job).filter(|_| agent_folder(runner.folder, &job).exists())
-        else {
-            continue;
-        };
-        let checked = Checked { fault: fault(runner, &job, episodes, result, buildings)?, job: job.key };
-        done(&checked);
-        all.push(checked);
+        let Some(result) = runner.folder.kept(&job) else { continue };
+        for subject in subjects(runner, &job, result) {
+            let checked = Checked { fault: fault(runner, &subject, buildings)?, job: subject.name };
+            done(&checked);
+            all.push(checked);
+        }
     }
     match all.is_empty() {
         true => Err(Error::NoAgents { path: runner.folder.path().to_owned() }),
@@ -57,38 +65,57 @@ pub fn check(
     }
 }
 
-fn agent_folder(folder: &Folder, job: &Job) -> PathBuf {
-    folder.job(job).join(AGENT)
+/// Returns the agents of a job whose folders are at hand.
+fn subjects<'a>(runner: &Runner<'_>, job: &'a Job, result: &'a JobResult) -> Vec<Subject<'a>> {
+    let Some(Action::Evaluate(episodes) | Action::EvaluateLast(episodes)) = job.actions.last() else {
+        return Vec::new();
+    };
+    let folder = runner.folder.job(job);
+    let own = Subject {
+        name: job.key.clone(),
+        path: folder.path().join(if result.best.is_some() { LAST_AGENT } else { AGENT }),
+        episodes,
+        agent_sha256: result.agent_sha256.as_deref(),
+        machine: &result.machine,
+        rows: &result.rows,
+    };
+    let best = result.best.as_ref().map(|best| Subject {
+        name: best_of(&job.key),
+        path: folder.path().join(AGENT),
+        episodes,
+        agent_sha256: best.agent_sha256.as_deref(),
+        machine: &best.machine,
+        rows: &best.rows,
+    });
+    [own].into_iter().chain(best).filter(|subject| subject.path.join("agent.json").exists()).collect()
 }
 
 /// Returns why a result is not that of its agent, if it is not.
 fn fault(
     runner: &Runner<'_>,
-    job: &Job,
-    episodes: &Episodes,
-    result: &JobResult,
+    subject: &Subject<'_>,
     buildings: Option<NonZeroUsize>,
 ) -> Result<Option<String>> {
-    let path = agent_folder(runner.folder, job);
-    let agent = match Agent::read(&path) {
+    let Subject { path, episodes, .. } = subject;
+    let agent = match Agent::read(path) {
         Ok(agent) => agent,
         Err(error) => return Ok(Some(error.to_string())),
     };
-    if result.agent_sha256.as_deref() != Some(agent.sha256()) {
+    if subject.agent_sha256 != Some(agent.sha256()) {
         return Ok(Some(format!("{} is another agent than that of the results", path.display())));
     }
-    let again = tempfile::Builder::new().prefix("b2b-check-").tempdir().map_err(at(&path))?;
-    let policy = std::path::absolute(&path).map_err(at(&path))?;
+    let again = tempfile::Builder::new().prefix("b2b-check-").tempdir().map_err(at(path))?;
+    let policy = std::path::absolute(path).map_err(at(path))?;
     let buildings = spread(&episodes.buildings, buildings);
-    let there =
-        result.rows.iter().filter(|row| buildings.contains(&row.info.building)).cloned().collect::<Vec<_>>();
-    let episodes = Episodes { buildings, ..episodes.clone() };
-    let arguments = evaluate(&episodes, &policy.to_string_lossy());
+    let is_own = |row: &&Row| buildings.contains(&row.info.building);
+    let there: Vec<Row> = subject.rows.iter().filter(is_own).cloned().collect();
+    let episodes = Episodes { buildings, ..(*episodes).clone() };
+    let arguments = evaluate(&episodes, &policy.to_string_lossy(), EVALUATION);
     if let Some(error) = runner.command(again.path(), &again.path().join("log.txt"), &arguments, None)? {
         return Ok(Some(error));
     }
     let rows = read_rows(&again.path().join(EVALUATION))?;
-    Ok(difference(&there, &rows, result.machine == machine::fingerprint()))
+    Ok(difference(&there, &rows, subject.machine == machine::fingerprint()))
 }
 
 /// Returns at most `limit` of `all`, evenly spaced.

@@ -10,19 +10,12 @@ use std::time::{Duration, Instant};
 
 use b2b_base::aside::write_whole;
 use rustix::process::{Pid, Signal, kill_process};
+use toml::Table;
 
-use crate::definition::REACTIVE;
+use super::arguments;
 use crate::error::{Error, Result, at};
-use crate::folder::{Folder, State};
-use crate::job::{AGENT, Action, Entry, Episodes, Job};
-
-/// Names in the folder of a job.
-const CONFIG: &str = "config.toml";
-pub(crate) const ENTRY: &str = "entry";
-pub(crate) const EVALUATION: &str = "evaluation";
-pub(crate) const MEASURED: &str = "result.json";
-/// What a finished training leaves in its folder.
-const TRAINED: &str = "summary.json";
+use crate::folder::{CONFIG, Folder, JobFolder, MEASURED, State};
+use crate::job::{Action, Job};
 
 /// Environment variable with the process that a command of a job belongs to: the command stops when its owner is gone.
 pub const OWNER: &str = "B2B_OWNER";
@@ -81,49 +74,39 @@ impl Runner<'_> {
 
     /// Runs a job from where it is, and writes how it ended.
     fn run_job(&self, job: &Job) -> Result<State> {
-        let path = self.folder.job(job);
-        std::fs::create_dir_all(&path).map_err(at(&path))?;
+        let own = self.folder.job(job);
+        std::fs::create_dir_all(own.path()).map_err(at(own.path()))?;
         let earlier = self.folder.seconds(job);
         let begun = Instant::now();
         let mut error = None;
-        for action in &job.actions {
-            let ended = self.act(job, &path, action);
-            self.folder.set_seconds(job, earlier + begun.elapsed().as_secs_f64())?;
+        for action in &job.actions[self.folder.actions_done(job)..] {
+            let ended = self.act(job, &own, action);
+            own.set_seconds(earlier + begun.elapsed().as_secs_f64())?;
             error = ended?;
             if error.is_some() {
                 break;
             }
         }
         let state = State { error, seconds: self.folder.seconds(job), actions_sha256: job.actions_sha256() };
-        self.folder.set_state(job, &state)?;
+        own.set_state(&state)?;
         Ok(state)
     }
 
     /// Runs an action unless it has its result. Returns why it failed.
-    fn act(&self, job: &Job, path: &Path, action: &Action) -> Result<Option<String>> {
-        let arguments: Vec<String> = match action {
-            Action::Train { agent, config, .. } => {
-                if path.join(agent).join(TRAINED).exists() {
-                    return Ok(None);
-                }
-                let text = toml::to_string(config).expect("a table of plain values always serializes");
-                let file = path.join(CONFIG);
-                write_whole(&file, text.as_bytes()).map_err(at(&file))?;
-                words(&["train", "--config", CONFIG, "--out", agent, "--jobs", "1", "--json"])
+    fn act(&self, job: &Job, own: &JobFolder, action: &Action) -> Result<Option<String>> {
+        if let Action::Train { agent, config, .. } = action {
+            if own.is_trained(agent) {
+                return Ok(other_training(own, agent, config));
             }
-            Action::Enter(entry) => enter(entry, job.agent()),
-            Action::Evaluate(episodes) => {
-                evaluate(episodes, if job.agent() == REACTIVE { REACTIVE } else { AGENT })
-            }
-            Action::Measure(arguments) => arguments.iter().cloned().chain(words(&["--json"])).collect(),
-        };
-        let result = matches!(action, Action::Measure(_)).then(|| path.join(MEASURED));
-        self.command(path, &self.folder.log(job), &arguments, result.as_deref())
+            own.set_config(config)?;
+        }
+        let result = matches!(action, Action::Measure(_)).then(|| own.path().join(MEASURED));
+        self.command(own.path(), &own.log(), &arguments::of(action, job.agent()), result.as_deref())
     }
 
     /// Runs a command in a folder, and adds it and its output to a log, or writes its output to the file of a result. Returns why
     /// it failed.
-    pub(crate) fn command(
+    pub(super) fn command(
         &self,
         path: &Path,
         log: &Path,
@@ -169,37 +152,20 @@ impl Runner<'_> {
     }
 }
 
-/// Returns the arguments that evaluate a policy, with the result in the folder [`EVALUATION`].
-pub(crate) fn evaluate(episodes: &Episodes, policy: &str) -> Vec<String> {
-    let Episodes { buildings, tasks, periods } = episodes;
-    let mut arguments = words(&["evaluate", "--policy", policy, "--out", EVALUATION]);
-    arguments.extend(words(&["--jobs", "1", "--json", "--task"]));
-    arguments.extend(tasks.iter().cloned());
-    arguments.push("--period".into());
-    arguments.extend(periods.iter().cloned());
-    arguments.push("--".into());
-    arguments.extend(buildings.iter().cloned());
-    arguments
-}
-
-/// Returns the arguments that make an entry.
-fn enter(entry: &Entry, name: &str) -> Vec<String> {
-    let Entry { problem, policy, steps, seeds, test, .. } = entry;
-    let mut arguments = words(&["benchmark", "run", problem, "--policy", policy, "--entry", name]);
-    arguments.extend(words(&["--out", ENTRY, "--jobs", "1", "--json"]));
-    arguments.extend(steps.iter().flat_map(|steps| ["--trained-steps".into(), steps.to_string()]));
-    for (option, values) in [("--seed", seeds.iter().map(u64::to_string).collect()), ("--test", test.clone())]
-    {
-        if !values.is_empty() {
-            arguments.push(option.into());
-            arguments.extend(values);
-        }
-    }
-    arguments
-}
-
-fn words(words: &[&str]) -> Vec<String> {
-    words.iter().map(|word| (*word).to_owned()).collect()
+/// Returns why a training that has ended is not the job's, if it is not. Trainings of one job differ by seed alone.
+fn other_training(own: &JobFolder, agent: &str, config: &Table) -> Option<String> {
+    let but_seed = |mut config: Table| {
+        config.remove("seed");
+        config
+    };
+    let before = own.config().map(but_seed);
+    (before != Some(but_seed(config.clone()))).then(|| {
+        format!(
+            "the training in {} has ended with other options than the job has ({CONFIG}); remove the folder {}",
+            own.path().join(agent).display(),
+            own.path().display()
+        )
+    })
 }
 
 /// Returns why a command failed: its signal, its error in the log from `begin` on, or the last line there.

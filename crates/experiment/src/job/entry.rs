@@ -3,18 +3,18 @@
 use b2b_benchmark::Problem;
 use toml::Value;
 
+use super::action::{AGENT, Action, Entry, Episodes, Job, texts, train};
 use crate::definition::{Agent, Budget};
-use crate::job::{AGENT, Action, Entry, Episodes, Job, texts, train};
 
 /// Returns the job that enters a built-in policy on a problem.
-pub(crate) fn built_in(policy: &str, problem: &str, budget: Budget) -> Job {
+pub(super) fn built_in(policy: &str, problem: &str, budget: &Budget) -> Job {
     let entry = on_problem(problem, budget);
     let action = Action::Enter(Entry { policy: policy.to_owned(), ..entry });
     Job { key: format!("{policy}/{problem}"), actions: vec![action] }
 }
 
 /// Returns the job that trains an agent for each seed of a problem and enters them.
-pub(crate) fn job(agent: &Agent, problem: &str, budget: Budget) -> Job {
+pub(super) fn job(agent: &Agent, problem: &str, budget: &Budget) -> Job {
     let entry = on_problem(problem, budget);
     let mut config = agent.options.clone();
     config.insert("problem".to_owned(), Value::String(problem.to_owned()));
@@ -30,12 +30,13 @@ pub(crate) fn job(agent: &Agent, problem: &str, budget: Budget) -> Job {
 }
 
 /// Returns an entry on a problem with the seeds and the test buildings of a budget, without a policy.
-fn on_problem(name: &str, budget: Budget) -> Entry {
+fn on_problem(name: &str, budget: &Budget) -> Entry {
     let problem = named(name);
     let protocol = &problem.protocol;
     let seeds = protocol.seeds.iter().copied().take(budget.seeds as usize).collect::<Vec<_>>();
     let (all, types) = (problem.test.buildings.ids(), problem.test.buildings.types().len());
-    let tested = problem.test.buildings.sample(budget.buildings * types);
+    let buildings = budget.buildings.of_all().expect("the definition was checked");
+    let tested = problem.test.buildings.sample(buildings * types);
     Entry {
         problem: name.to_owned(),
         policy: String::new(),

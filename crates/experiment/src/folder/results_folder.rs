@@ -8,10 +8,11 @@ use std::sync::Arc;
 use b2b_base::aside::write_whole;
 use serde::{Deserialize, Serialize};
 
-use crate::definition::{BudgetName, Experiment, ReportKind};
+use super::job_folder::{JobFolder, State, write_json};
+use super::job_result::JobResult;
+use crate::definition::{Budget, Experiment, ReportKind};
 use crate::error::{Error, Result, at};
 use crate::job::Job;
-use crate::results::JobResult;
 
 /// The folder of an experiment: `experiment.json`, a folder of every job under `jobs`, and `jobs.json` with the results of
 /// those that are done, whose folders are then needed no more.
@@ -28,25 +29,11 @@ pub struct Folder {
 struct Identity {
     /// Name of the experiment, or path of its file.
     experiment: String,
-    budget: BudgetName,
-}
-
-/// The state of a job that has ended.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct State {
-    /// Why it failed; `None` if it did not.
-    pub error: Option<String>,
-    /// Wall-clock time of all attempts, s.
-    pub seconds: f64,
-    /// [`Job::actions_sha256`]; empty in older folders.
-    #[serde(default)]
-    pub actions_sha256: String,
+    /// Name of the budget.
+    budget: String,
 }
 
 const IDENTITY: &str = "experiment.json";
-const STATE: &str = "job.json";
-/// Wall-clock time of a job that has not ended, s.
-const SECONDS: &str = "seconds.json";
 const KEPT: &str = "jobs.json";
 
 impl Folder {
@@ -54,8 +41,8 @@ impl Folder {
     ///
     /// # Errors
     /// [`Error::OtherExperiment`] if it has results of another one; [`Error::Io`].
-    pub fn of(path: &Path, experiment: &Experiment, source: &str, budget: BudgetName) -> Result<Self> {
-        let identity = Identity { experiment: source.to_owned(), budget };
+    pub fn of(path: &Path, experiment: &Experiment, source: &str, budget: &Budget) -> Result<Self> {
+        let identity = Identity { experiment: source.to_owned(), budget: budget.name.clone() };
         let kept = Arc::new(read_kept(path)?);
         if let Some(other) = read_identity(path)?
             && other != identity
@@ -65,7 +52,7 @@ impl Folder {
             return Err(Error::OtherExperiment {
                 path: path.to_owned(),
                 other: name(&other),
-                experiment: format!("{} with budget {budget}", experiment.name),
+                experiment: format!("{} with budget {}", experiment.name, budget.name),
             });
         }
         Ok(Self { path: path.to_owned(), identity, kept })
@@ -96,10 +83,11 @@ impl Folder {
     /// Opens a folder with results, and returns it with its experiment and budget.
     ///
     /// # Errors
-    /// [`Error::NoResults`]; those of [`Experiment::named`].
-    pub fn open(path: &Path) -> Result<(Self, Experiment, BudgetName)> {
+    /// [`Error::NoResults`]; those of [`Experiment::named`] and [`Experiment::budget`].
+    pub fn open(path: &Path) -> Result<(Self, Experiment, Budget)> {
         let identity = read_identity(path)?.ok_or_else(|| Error::NoResults { path: path.to_owned() })?;
-        let (experiment, budget) = (Experiment::named(&identity.experiment)?, identity.budget);
+        let experiment = Experiment::named(&identity.experiment)?;
+        let budget = experiment.budget(&identity.budget)?.clone();
         Ok((Self { path: path.to_owned(), identity, kept: Arc::new(read_kept(path)?) }, experiment, budget))
     }
 
@@ -109,53 +97,52 @@ impl Folder {
     }
 
     /// Returns the folder of a job.
-    pub(crate) fn job(&self, job: &Job) -> PathBuf {
-        self.path.join("jobs").join(&job.key)
-    }
-
-    /// Returns the file with the output of a job's commands.
-    pub fn log(&self, job: &Job) -> PathBuf {
-        self.job(job).join("log.txt")
+    pub fn job(&self, job: &Job) -> JobFolder {
+        JobFolder::at(self.path.join("jobs").join(&job.key))
     }
 
     /// Returns how a job ended; `None` if it has not.
     pub fn state(&self, job: &Job) -> Option<State> {
-        self.own_state(job).or_else(|| {
+        self.job(job).state().or_else(|| {
             let JobResult { seconds, actions_sha256, .. } = self.kept(job)?;
             Some(State { error: None, seconds: *seconds, actions_sha256: actions_sha256.clone() })
         })
     }
 
-    /// Checks that the results of jobs are those of their actions: the definition of the experiment may have changed since.
+    /// Checks that the results of jobs are of their actions, or of the first of them: the definition of the experiment may have
+    /// changed since.
     ///
     /// # Errors
     /// [`Error::OtherJob`].
     pub fn check(&self, jobs: &[Job]) -> Result<()> {
-        let is_other = |job: &&Job| {
-            let before = self.state(job).map(|state| state.actions_sha256);
-            before.is_some_and(|before| !before.is_empty() && before != job.actions_sha256())
-        };
+        let is_other =
+            |job: &&Job| self.state(job).is_some_and(|state| job.actions_of(&state.actions_sha256).is_none());
         match jobs.iter().find(is_other) {
             Some(job) => Err(Error::OtherJob { path: self.path.clone(), job: job.key.clone() }),
             None => Ok(()),
         }
     }
 
-    /// As [`Folder::state`], from the job's own folder.
-    pub(crate) fn own_state(&self, job: &Job) -> Option<State> {
-        serde_json::from_str(&std::fs::read_to_string(self.job(job).join(STATE)).ok()?).ok()
+    /// Returns the number of first actions of a job whose results its folder has.
+    pub(crate) fn actions_done(&self, job: &Job) -> usize {
+        let ended = self.job(job).state().filter(|state| state.error.is_none());
+        ended.and_then(|state| job.actions_of(&state.actions_sha256)).unwrap_or(0)
     }
 
-    /// Returns the wall-clock time that a job has taken so far, in s: that of its finished and interrupted commands.
+    /// Returns the wall-clock time that a job has taken so far, s.
     pub(crate) fn seconds(&self, job: &Job) -> f64 {
-        let text = std::fs::read_to_string(self.job(job).join(SECONDS)).ok();
-        let own = text.and_then(|text| serde_json::from_str(&text).ok());
-        own.or_else(|| Some(self.state(job)?.seconds)).unwrap_or(0.0)
+        let kept = || Some(self.kept(job)?.seconds);
+        self.job(job).seconds().or_else(kept).unwrap_or(0.0)
     }
 
-    /// Writes the wall-clock time that a job has taken so far.
-    pub(crate) fn set_seconds(&self, job: &Job, seconds: f64) -> Result<()> {
-        write_json(&self.job(job).join(SECONDS), &seconds)
+    /// Returns the result of a job for a report, from the job's own folder or as [`Folder::keep`] kept it; `None` if the job is not
+    /// done.
+    ///
+    /// # Errors
+    /// Those of the files of a job that is marked as done.
+    pub fn result(&self, job: &Job, report: ReportKind) -> Result<Option<JobResult>> {
+        let own = JobResult::read(&self.job(job), job, report)?;
+        Ok(own.or_else(|| self.kept(job).filter(|_| self.is_done(job)).cloned()))
     }
 
     /// Returns the result of a job that `jobs.json` has.
@@ -191,13 +178,13 @@ impl Folder {
     /// [`Error::NoResults`] if there are none; [`Error::Io`] and those of the benchmark's reader.
     pub fn reuse(&mut self, jobs: &[Job], report: ReportKind, other: &Path) -> Result<usize> {
         let (other, experiment, budget) = Self::open(other)?;
-        let theirs = experiment.jobs(budget);
+        let theirs = experiment.jobs(&budget);
         let mut count = 0;
         for job in jobs.iter().filter(|job| theirs.contains(job)) {
             if self.is_done(job) {
                 continue;
             }
-            let result = JobResult::find(&other, job, report)?;
+            let result = other.result(job, report)?;
             if let Some(result) = result.filter(|result| result.serves(report)) {
                 Arc::make_mut(&mut self.kept).insert(job.key.clone(), result);
                 count += 1;
@@ -206,14 +193,12 @@ impl Folder {
         Ok(count)
     }
 
-    /// Returns whether a job has ended without an error.
+    /// Returns whether all actions of a job have ended without an error.
     pub fn is_done(&self, job: &Job) -> bool {
-        self.state(job).is_some_and(|state| state.error.is_none())
-    }
-
-    /// Writes how a job ended.
-    pub(crate) fn set_state(&self, job: &Job, state: &State) -> Result<()> {
-        write_json(&self.job(job).join(STATE), state)
+        let all = |state: State| {
+            state.error.is_none() && job.actions_of(&state.actions_sha256) == Some(job.actions.len())
+        };
+        self.state(job).is_some_and(all)
     }
 }
 
@@ -234,10 +219,4 @@ fn read_kept(folder: &Path) -> Result<HashMap<String, JobResult>> {
     let text = std::fs::read_to_string(&path).map_err(at(&path))?;
     let kept: Vec<JobResult> = serde_json::from_str(&text).map_err(|error| at(&path)(error.into()))?;
     Ok(kept.into_iter().map(|result| (result.key.clone(), result)).collect())
-}
-
-/// Writes a JSON file, which appears complete or not at all.
-pub(crate) fn write_json(path: &Path, value: &impl Serialize) -> Result<()> {
-    let text = serde_json::to_string_pretty(value).expect("plain data always serializes") + "\n";
-    write_whole(path, text.as_bytes()).map_err(at(path))
 }
