@@ -132,6 +132,18 @@ class Client:
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.socket.connect((host, int(port)))
         self.invoke = 0
+        # The server opens its socket after its first line.
+        deadline = time.monotonic() + 60
+        while self.ready() is None:
+            assert time.monotonic() < deadline, "the server does not answer"
+
+    def ready(self) -> bytes | None:
+        try:
+            self.socket.send(self.request(0x0C, VALUE, 2, PRESENT))
+            return self.answer(1)
+        except ConnectionRefusedError:
+            time.sleep(0.1)
+            return None
 
     def request(self, service: int, kind: int, number: int, name: int, rest=b"") -> bytes:
         self.invoke += 1
