@@ -25,7 +25,7 @@ def with_arguments_of(maker: Callable[P, object]) -> Callable[[Callable[..., T]]
 
 
 def renamed(positions: int | None = None, **now: str) -> Callable[[Callable[P, T]], Callable[P, T]]:
-    """Answers arguments of the original implementation with what replaces them (docs/coming_from.md): ``now`` by their names.
+    """Answers arguments of the original implementation by ``now``, what replaces each (docs/coming_from.md).
 
     More than ``positions`` arguments by position are those of the original, too.
     """
@@ -41,7 +41,8 @@ def renamed(positions: int | None = None, **now: str) -> Callable[[Callable[P, T
                 old = next(iter(now))
             if old is not None:
                 raise TypeError(
-                    f"{name}() has no argument `{old}` of the original implementation: {now[old]} (see docs/coming_from.md)"
+                    f"{name}() has no argument `{old}` of the original implementation: {now[old]} (see "
+                    "docs/coming_from.md)"
                 )
             return function(*arguments, **options)
 

@@ -103,7 +103,7 @@ def _(was, now, make):
     new = quoted(now)
     assert len(old) == len(new) == 3
     for before, after in zip(old, new):
-        with pytest.raises(errors.TaskError, match=re.escape(f"now {after}")):
+        with pytest.raises(errors.TaskError, match=re.escape(f"called {after} here")):
             b2b.make_env("OfficeSmall", task=before)
         setting(after)
 
@@ -113,7 +113,7 @@ def _(was, now, make):
     for level, after in zip(("emed", "ehigh"), quoted(now)):
         for mode, setpoints in (("const", "constant"), ("occ", "occupancy"), ("rand", "random")):
             new = setpoints + after.removeprefix("...")
-            with pytest.raises(errors.TaskError, match=re.escape(f"now {new}")):
+            with pytest.raises(errors.TaskError, match=re.escape(f"called {new} here")):
                 b2b.make_env("OfficeSmall", task=f"task_{mode}_{level}")
             setting(new)
 
@@ -315,7 +315,7 @@ def _(was, now, make):
 @row("`benchmarks.DynamicsAdaptation(")
 def _(was, now, make):
     for difficulty, problem in zip(("easy", "medium", "hard"), re.findall(r"`(dynamics-[\w-]+)`", now), strict=True):
-        with pytest.raises(errors.SettingError, match=f"now {problem.removeprefix('dynamics-')}"):
+        with pytest.raises(errors.SettingError, match=f"called {problem.removeprefix('dynamics-')} here"):
             b2b.benchmarks.DynamicsAdaptation(difficulty=difficulty)
         assert problem in b2b.benchmarks.list_problems()
 
