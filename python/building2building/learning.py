@@ -139,16 +139,20 @@ def train(
         wrong = ", ".join(sorted(changes - {"steps"}))
         raise SettingError(f"resume=True takes the options of the run's folder; remove {wrong}")
     line = ProgressLine(callback) if progress else None
-    _core.train(
-        json.dumps(given, default=_plain),
-        os.fspath(out),
-        jobs or len(os.sched_getaffinity(0)),
-        resume,
-        preset,
-        config,
-        callback if line is None else line.update,
-        None if line is None else line.stage,
-    )
+    try:
+        _core.train(
+            json.dumps(given, default=_plain),
+            os.fspath(out),
+            jobs or len(os.sched_getaffinity(0)),
+            resume,
+            preset,
+            config,
+            callback if line is None else line.update,
+            None if line is None else line.stage,
+        )
+    finally:
+        if line is not None:
+            line.end()
     return Agent.load(out)
 
 
@@ -162,7 +166,13 @@ class ProgressLine:
 
     def stage(self, what: str) -> None:
         """Begins other work than updates."""
-        print(f"\n{what}" if self._open else what, file=sys.stderr, flush=True)
+        self.end()
+        print(what, file=sys.stderr, flush=True)
+
+    def end(self) -> None:
+        """Ends the line of updates."""
+        if self._open:
+            print(file=sys.stderr, flush=True)
         self._open = False
 
     def update(self, numbers: dict[str, float]) -> object:
