@@ -52,7 +52,7 @@ pub struct Arguments {
     #[arg(long, value_name = "PERIOD")]
     period: Option<RunPeriod>,
     /// Environment steps in total, over all environments [default: the preset's]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = steps)]
     steps: Option<u64>,
     /// Random seed [default: 0]
     #[arg(long, value_name = "N")]
@@ -213,6 +213,17 @@ impl Arguments {
     }
 }
 
+/// Parses a number of steps: 400000, 400_000 or 4e5.
+fn steps(text: &str) -> Result<u64, String> {
+    let number = text.replace('_', "").parse().unwrap_or(f64::NAN);
+    // Larger numbers of f64 are not exact.
+    if (0.0..=2f64.powi(53)).contains(&number) && number.fract() == 0.0 {
+        Ok(number as u64)
+    } else {
+        Err("expected a whole number of steps, such as 400000 or 4e5".into())
+    }
+}
+
 /// Returns a building as a configuration names it: a model by its path.
 fn in_config(building: &BuildingName) -> String {
     match building {
@@ -270,4 +281,19 @@ fn measures_text(measures: &Measures) -> String {
         measures.relative_travel,
         100.0 * measures.oscillating_share,
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::steps;
+
+    #[test]
+    fn a_number_of_steps_may_be_in_scientific_notation() {
+        for text in ["100000", "100_000", "1e5", "1E5", "100000.0"] {
+            assert_eq!(steps(text), Ok(100_000), "{text}");
+        }
+        for text in ["many", "", "-1", "1.5", "1e-3", "1e300", "nan", "inf"] {
+            assert!(steps(text).unwrap_err().contains("such as 400000 or 4e5"), "{text}");
+        }
+    }
 }
