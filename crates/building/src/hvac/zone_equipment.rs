@@ -1,8 +1,32 @@
 //! Equipment of zones.
 
-use super::references::{Reference, reference};
+use super::references::{Reference, is_one_of, reference};
 use crate::Result;
 use crate::model::{Model, items, text};
+
+/// Heaters of a zone that follow its thermostat.
+pub(super) const HEATERS: [&str; 5] = [
+    "ZoneHVAC:UnitHeater",
+    "ZoneHVAC:Baseboard:Convective:Electric",
+    "ZoneHVAC:Baseboard:Convective:Water",
+    "ZoneHVAC:Baseboard:RadiantConvective:Electric",
+    "ZoneHVAC:Baseboard:RadiantConvective:Water",
+];
+/// Zone equipment that moves air without controlling a temperature.
+pub(super) const VENTILATION: [&str; 2] = ["Fan:ZoneExhaust", "ZoneHVAC:EnergyRecoveryVentilator"];
+/// Zone equipment of generated buildings that is not controlled: exhaust fans follow their schedules, and the radiant heater
+/// of the warehouse is switched off in the prototype.
+pub(super) const UNCONTROLLED: [&str; 2] = ["Fan:ZoneExhaust", "ZoneHVAC:HighTemperatureRadiant"];
+
+/// Returns whether equipment may share a zone with a controlled system.
+pub(super) fn is_beside(class: &str) -> bool {
+    [&VENTILATION[..], &UNCONTROLLED, &HEATERS].iter().any(|classes| is_one_of(class, classes))
+}
+
+/// Returns whether equipment is the terminal of an air loop.
+pub(super) fn is_distribution(class: &str) -> bool {
+    class.eq_ignore_ascii_case("ZoneHVAC:AirDistributionUnit")
+}
 
 /// Returns the equipment of a zone, in the order of its equipment list; empty for a zone without equipment.
 ///

@@ -1,0 +1,70 @@
+//! Files that know the kinds of systems.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// The files of the product in which a kind of system is named, relative to the repository. Tests within files do not count,
+/// nor do node types, owners and the controller's loops of the same name.
+fn files_naming(kind: &str) -> BTreeSet<String> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().unwrap();
+    let crates = fs::read_dir(root.join("crates")).unwrap().map(|entry| entry.unwrap().path().join("src"));
+    let folders = crates.chain([root.join("python/src")]).filter(|folder| folder.is_dir());
+    let files = folders.flat_map(|folder| rust_files(&folder));
+    let naming = files.filter(|file| names(&fs::read_to_string(file).unwrap(), kind));
+    naming.map(|file| file.strip_prefix(&root).unwrap().to_str().unwrap().to_owned()).collect()
+}
+
+fn rust_files(folder: &Path) -> Vec<PathBuf> {
+    let paths = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let is_source = |path: &Path| path.extension().is_some_and(|extension| extension == "rs");
+    paths
+        .flat_map(|path| match path.is_dir() {
+            true => rust_files(&path),
+            false => Vec::from_iter(Some(path).filter(|path| is_source(path))),
+        })
+        .collect()
+}
+
+fn names(source: &str, kind: &str) -> bool {
+    const OTHERS: [&str; 4] = ["NodeType::", "Owner::", "Loop::", "Self::"];
+    let code = source.split("#[cfg(test)]").next().unwrap_or_default();
+    let is_word = |character: char| character.is_alphanumeric() || character == '_';
+    code.match_indices(kind).any(|(at, _)| {
+        let (before, after) = (&code[..at], &code[at + kind.len()..]);
+        !before.ends_with(is_word)
+            && !after.starts_with(is_word)
+            && !OTHERS.iter().any(|other| before.ends_with(other))
+    })
+}
+
+/// Files outside `own` and the list of kinds in which a kind is named.
+fn others(kind: &str, own: &str) -> Vec<String> {
+    let files = files_naming(kind);
+    assert!(files.contains("crates/building/src/hvac/mod.rs"), "{kind} is not registered: {files:?}");
+    assert!(files.iter().any(|file| file.starts_with(own)), "{kind} is not in {own}: {files:?}");
+    let known = |file: &String| file.starts_with(own) || file == "crates/building/src/hvac/mod.rs";
+    files.into_iter().filter(|file| !known(file)).collect()
+}
+
+#[test]
+fn a_kind_is_known_to_its_own_file_and_to_the_list_of_kinds() {
+    assert_eq!(others("HeatingOnly", "crates/building/src/hvac/heating_only"), [""; 0]);
+}
+
+#[test]
+fn the_kinds_with_a_sequence_of_their_own_are_also_known_to_their_controller() {
+    // A node type and the owner of its slots have the name of the air loop.
+    let allowed = [
+        "crates/building/src/hvac/sequence.rs",
+        "crates/building/src/morphology/owner.rs",
+        "crates/building/src/morphology/universe.rs",
+        "crates/control/src/reactive/air_loop.rs",
+        "crates/control/src/reactive/mod.rs",
+        "crates/control/src/reactive/unitary.rs",
+    ];
+    for (kind, own) in [("Unitary", "unitary"), ("AirLoop", "air_loop")] {
+        let others = others(kind, &format!("crates/building/src/hvac/{own}"));
+        assert!(others.iter().all(|file| allowed.contains(&file.as_str())), "{kind}: {others:?}");
+    }
+}
