@@ -6,24 +6,16 @@
 
 mod actuator;
 pub mod air_loop;
-pub mod air_loop_graph;
-mod availability;
 mod capacity;
 mod discovery;
-pub(crate) mod distribution;
-pub(crate) mod energy_management;
 pub mod heating_only;
 mod kind;
 mod layout;
-pub mod references;
-mod schedules;
+mod objects;
 mod sequence;
-mod setpoint_managers;
 mod system;
-pub mod thermostat;
 pub mod unitary;
 mod ventilation;
-pub mod zone_equipment;
 
 pub use actuator::{Actuator, EngineVariable, Quantity};
 pub use air_loop::{AirLoop, Terminal};
@@ -33,6 +25,9 @@ pub(crate) use discovery::{discover, has_own_controls};
 pub use heating_only::HeatingOnly;
 pub use kind::{Candidate, Kind, KindName};
 pub use layout::{ServedZone, SystemLayout};
+pub use objects::{air_loop_graph, references, thermostat, zone_equipment};
+use objects::{availability, schedules, setpoint_managers};
+pub(crate) use objects::{distribution, energy_management};
 pub use sequence::Sequence;
 pub use system::{FromModel, Object, SharedFlow, System, ZoneState};
 pub use unitary::Unitary;

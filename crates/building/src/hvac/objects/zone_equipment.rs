@@ -5,7 +5,7 @@ use crate::Result;
 use crate::model::{Model, items, text};
 
 /// Heaters of a zone that follow its thermostat.
-pub(super) const HEATERS: [&str; 5] = [
+pub(in crate::hvac) const HEATERS: [&str; 5] = [
     "ZoneHVAC:UnitHeater",
     "ZoneHVAC:Baseboard:Convective:Electric",
     "ZoneHVAC:Baseboard:Convective:Water",
@@ -13,18 +13,18 @@ pub(super) const HEATERS: [&str; 5] = [
     "ZoneHVAC:Baseboard:RadiantConvective:Water",
 ];
 /// Zone equipment that moves air without controlling a temperature.
-pub(super) const VENTILATION: [&str; 2] = ["Fan:ZoneExhaust", "ZoneHVAC:EnergyRecoveryVentilator"];
+pub(in crate::hvac) const VENTILATION: [&str; 2] = ["Fan:ZoneExhaust", "ZoneHVAC:EnergyRecoveryVentilator"];
 /// Zone equipment of generated buildings that is not controlled: exhaust fans follow their schedules, and the radiant heater
 /// of the warehouse is switched off in the prototype.
-pub(super) const UNCONTROLLED: [&str; 2] = ["Fan:ZoneExhaust", "ZoneHVAC:HighTemperatureRadiant"];
+pub(in crate::hvac) const UNCONTROLLED: [&str; 2] = ["Fan:ZoneExhaust", "ZoneHVAC:HighTemperatureRadiant"];
 
 /// Returns whether equipment may share a zone with a controlled system.
-pub(super) fn is_beside(class: &str) -> bool {
+pub(in crate::hvac) fn is_beside(class: &str) -> bool {
     [&VENTILATION[..], &UNCONTROLLED, &HEATERS].iter().any(|classes| is_one_of(class, classes))
 }
 
 /// Returns whether equipment is the terminal of an air loop.
-pub(super) fn is_distribution(class: &str) -> bool {
+pub(in crate::hvac) fn is_distribution(class: &str) -> bool {
     class.eq_ignore_ascii_case("ZoneHVAC:AirDistributionUnit")
 }
 
