@@ -1,15 +1,14 @@
 //! A new kind of system, as the guide for contributors adds one.
 
 use std::path::Path;
-use std::sync::Arc;
 
 use b2b_building::hvac::thermostat::{OUT_OF_REACH, own_thermostat};
 use b2b_building::hvac::{
     Actuator, Candidate, EngineVariable, FromModel, KINDS, Kind, KindName, Quantity, Sequence, System,
-    Unsupported, ZoneState,
+    ZoneState,
 };
 use b2b_building::morphology::NodeType;
-use b2b_building::{Conditioning, Model, PreparedBuilding, import};
+use b2b_building::{Conditioning, Model};
 use b2b_energyplus::Level;
 use serde::{Deserialize, Serialize};
 
@@ -77,20 +76,8 @@ impl FromModel for PackagedHeater {
 
 /// A small hotel whose guest rooms have packaged terminal air conditioners.
 fn hotel() -> Case {
-    let shipped = Case::imported("RefBldgSmallHotelNew2004_Chicago.idf", CHICAGO);
-    let path = b2b_energyplus::install::Engine::ensure(&mut b2b_energyplus::install::Quiet).unwrap();
-    let path = path.models.unwrap().join("RefBldgSmallHotelNew2004_Chicago.idf");
-    let model = import::read(&path, &shipped.library, false).unwrap();
     let kinds: Vec<Kind> = KINDS.into_iter().chain([Kind::of::<PackagedHeater>()]).collect();
-    let building = PreparedBuilding::with_kinds(
-        "hotel",
-        model,
-        &shipped.weather,
-        &shipped.library,
-        &kinds,
-        Unsupported::LeftAlone,
-    );
-    Case { building: Arc::new(building.unwrap()), ..shipped }
+    Case::imported_with(&kinds, "RefBldgSmallHotelNew2004_Chicago.idf", CHICAGO, |_| ())
 }
 
 const CHICAGO: &str = "USA_IL_Chicago-OHare.Intl.AP.725300_TMY3.epw";
