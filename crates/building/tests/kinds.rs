@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The files of the product in which a kind of system is named, relative to the repository. Tests within files do not count,
-/// nor do node types, owners, candidates and the controller's loops of the same name.
+/// The files of the product in which a kind of system is named, relative to the repository. Comments and tests within
+/// files do not count, nor do node types, owners, candidates and the controller's loops of the same name.
 fn files_naming(kind: &str) -> BTreeSet<String> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().unwrap();
     let crates = fs::read_dir(root.join("crates")).unwrap().map(|entry| entry.unwrap().path().join("src"));
@@ -29,6 +29,8 @@ fn rust_files(folder: &Path) -> Vec<PathBuf> {
 fn names(source: &str, kind: &str) -> bool {
     const OTHERS: [&str; 6] = ["NodeType::", "Owner::", "Loop::", "Self::", "Candidate::", "HVAC:"];
     let code = source.split("#[cfg(test)]").next().unwrap_or_default();
+    let code: Vec<_> = code.lines().filter(|line| !line.trim_start().starts_with("//")).collect();
+    let code = code.join("\n");
     let is_word = |character: char| character.is_alphanumeric() || character == '_';
     code.match_indices(kind).any(|(at, _)| {
         let (before, after) = (&code[..at], &code[at + kind.len()..]);
