@@ -4,6 +4,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use b2b_building::hvac::{KINDS, Kind, Unsupported};
 use b2b_building::{BuildingType, Model, PreparedBuilding, import};
 use b2b_climate::{Place, Site};
 use b2b_energyplus::Library;
@@ -41,14 +42,25 @@ impl Case {
 
     /// Like [`Case::imported`], after a change to the model.
     pub fn imported_after(model: &str, weather: &str, change: impl FnOnce(&mut Model)) -> Self {
+        Self::imported_with(&KINDS, model, weather, change)
+    }
+
+    /// As [`Case::imported_after`], with these kinds of systems.
+    pub fn imported_with(
+        kinds: &[Kind],
+        model: &str,
+        weather: &str,
+        change: impl FnOnce(&mut Model),
+    ) -> Self {
         let engine = Engine::ensure(&mut Quiet).unwrap();
         let library = Library::load(&engine.library).unwrap();
         let models = engine.models.unwrap();
         let weather = models.parent().unwrap().join("weather").join(weather);
         let mut read = import::read(&models.join(model), &library, false).unwrap();
         change(&mut read);
-        let building = PreparedBuilding::as_far_as_possible(model, read, &weather, &library).unwrap();
-        Self { library, building: Arc::new(building), weather }
+        let left_alone = Unsupported::LeftAlone;
+        let building = PreparedBuilding::with_kinds(model, read, &weather, &library, kinds, left_alone);
+        Self { library, building: Arc::new(building.unwrap()), weather }
     }
 
     /// An environment over some days, as in `01-01..01-07`, at 12 steps an hour.

@@ -4,10 +4,10 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::json;
 
-use super::Amount;
-use super::copies::{copy, layered, spelled, unused_name, users_of};
 use super::roof::roof_surfaces;
 use crate::construction::{INSULATION, LAYERS, ROOF_FILMS, WALL_FILMS, insulation_of, layers, resistance};
+use crate::edit::Amount;
+use crate::edit::copies::{copy, layered, spelled, unused_name, users_of};
 use crate::model::{Fields, number};
 use crate::zone::{self, Surface};
 use crate::{Error, Model, Result};

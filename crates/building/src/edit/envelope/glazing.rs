@@ -4,10 +4,10 @@ use std::collections::BTreeSet;
 
 use serde_json::json;
 
-use super::Amount;
-use super::copies::{copy, other_class, spelled, unused_name};
-use super::geometry::OTHER_WALLS;
 use crate::construction::SIMPLE_GLAZING as GLAZING;
+use crate::edit::Amount;
+use crate::edit::copies::{copy, other_class, spelled, unused_name};
+use crate::edit::geometry::OTHER_WALLS;
 use crate::model::{Fields, items, number, text};
 use crate::opening::{FENESTRATION, is_glass, parent};
 use crate::zone::{self, Surface, SurfaceKind};
@@ -85,7 +85,7 @@ pub fn glaze(model: &mut Model, u: Option<Amount>, shgc: Option<f64>) -> Result<
 ///
 /// # Errors
 /// As [`zone::surfaces`].
-pub(super) fn count(model: &Model) -> Result<usize> {
+pub(in crate::edit) fn count(model: &Model) -> Result<usize> {
     Ok(glass(model)?.iter().filter(|glass| glass.is_in_wall).count())
 }
 

@@ -1,8 +1,8 @@
 //! Infiltration through the envelope.
 
-use super::geometry::multiply;
 use crate::Model;
 use crate::description::leakage::is_door;
+use crate::edit::geometry::multiply;
 
 /// The infiltration objects of the engine with their flow fields.
 const LEAKAGE: &[(&str, &[&str])] = &[

@@ -3,6 +3,12 @@
 //! Names of classes and objects are case-insensitive in EnergyPlus and in every query here. Objects are returned in
 //! *model order*: the order of the IDF they were converted from (`idf_order`), then by name.
 
+pub mod construction;
+pub mod opening;
+pub mod people;
+pub mod shape;
+pub mod zone;
+
 use std::fmt;
 use std::path::Path;
 

@@ -71,7 +71,7 @@ pub fn cooling_setpoint(zone: &str) -> String {
 
 /// Replaces each thermostat that controls a list of zones by one per zone. A thermostat that another object refers to is
 /// kept.
-pub(super) fn split_thermostats(model: &mut Model) {
+pub(in crate::hvac) fn split_thermostats(model: &mut Model) {
     const CLASS: &str = "ZoneControl:Thermostat";
     for name in model.names(CLASS) {
         let Some(fields) = model.get(CLASS, &name).cloned() else { continue };
@@ -97,7 +97,7 @@ pub(super) fn split_thermostats(model: &mut Model) {
 }
 
 /// Returns the thermostat of a zone, with the zone list if it controls one.
-pub(super) fn thermostat(model: &Model, zone: &str) -> Option<(String, Option<String>)> {
+pub(in crate::hvac) fn thermostat(model: &Model, zone: &str) -> Option<(String, Option<String>)> {
     model.objects("ZoneControl:Thermostat").into_iter().find_map(|(name, fields)| {
         let zones = text(fields, "zone_or_zonelist_name").unwrap_or_default();
         if zones.eq_ignore_ascii_case(zone) {

@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::geometry::require_corners;
+use crate::edit::geometry::require_corners;
 use crate::model::{number, text};
 use crate::opening::{FENESTRATION, corners, is_glass, parent};
 use crate::parameter::OutOfBounds;

@@ -8,7 +8,7 @@ use crate::{Model, Result};
 ///
 /// # Errors
 /// [`crate::Error::MissingObject`] for a dangling reference.
-pub(super) fn roof_surfaces<'a>(model: &Model, surfaces: &'a [Surface]) -> Result<Vec<&'a Surface>> {
+pub(in crate::edit) fn roof_surfaces<'a>(model: &Model, surfaces: &'a [Surface]) -> Result<Vec<&'a Surface>> {
     let mut insulated = Vec::new();
     let is_roof = |s: &&Surface| s.kind == SurfaceKind::Roof && s.boundary.eq_ignore_ascii_case("Outdoors");
     for roof in surfaces.iter().filter(is_roof) {

@@ -48,7 +48,7 @@ pub fn is_one_of(class: &str, classes: &[&str]) -> bool {
 ///
 /// # Errors
 /// [`Error::Unsupported`] when it is not.
-pub(super) fn required(fields: &Fields, class: &str, name: &str, field: &str) -> Result<String> {
+pub(in crate::hvac) fn required(fields: &Fields, class: &str, name: &str, field: &str) -> Result<String> {
     text(fields, field)
         .map(str::to_owned)
         .ok_or_else(|| Error::unsupported(class, name, &format!("`{field}` is missing")))
