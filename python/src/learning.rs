@@ -42,7 +42,8 @@ pub fn train(
     let listener = Listener { callback, stage };
     let outcome = py.detach(|| {
         let catalog = catalog::catalog()?;
-        let options = RunOptions { out, catalog, launcher, jobs, interrupted: stopped, monitor: &mut &events };
+        let options =
+            RunOptions { out, catalog, launcher, jobs, interrupted: stopped, monitor: &mut &events };
         let trained = wait_for(
             || b2b_learn::train::train(&config, options),
             || listener.report(std::mem::take(&mut *locked(&events.0)), &raised),
@@ -59,8 +60,8 @@ fn configuration(preset: Option<&str>, file: Option<&Path>) -> b2b_learn::Result
     let base = TrainConfig::preset(preset.unwrap_or("residual"))?;
     match (file, preset) {
         (None, _) => Ok(base),
-        (Some(file), None) => base.with_file(file),
-        (Some(file), Some(_)) => base.with_options_of_file(file),
+        (Some(file), None) => base.with_file(file, &[]),
+        (Some(file), Some(_)) => base.with_file(file, &["preset"]),
     }
 }
 
