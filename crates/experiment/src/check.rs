@@ -38,19 +38,23 @@ pub fn check(
     experiment: &Experiment,
     budget: BudgetName,
     buildings: Option<NonZeroUsize>,
-    done: &dyn Fn(&Checked),
+    done: &(dyn Fn(&Checked) + Sync),
 ) -> Result<Vec<Checked>> {
-    let mut all = Vec::new();
-    for job in experiment.jobs(budget) {
-        let Some(Action::Evaluate(episodes)) = job.actions.last() else { continue };
-        let Some(result) = runner.folder.kept(&job).filter(|_| agent_folder(runner.folder, &job).exists())
-        else {
-            continue;
-        };
-        let checked = Checked { fault: fault(runner, &job, episodes, result, buildings)?, job: job.key };
+    let has_agent = |job: &Job| agent_folder(runner.folder, job).exists();
+    let jobs: Vec<Job> = experiment.jobs(budget).into_iter().filter(has_agent).collect();
+    let to_check: Vec<_> = jobs
+        .iter()
+        .filter_map(|job| match job.actions.last() {
+            Some(Action::Evaluate(episodes)) => Some((job, episodes, runner.folder.kept(job)?)),
+            _ => None,
+        })
+        .collect();
+    let all = runner.each(&to_check, &|(job, episodes, result)| {
+        let checked =
+            Checked { fault: fault(runner, job, episodes, result, buildings)?, job: job.key.clone() };
         done(&checked);
-        all.push(checked);
-    }
+        Ok(checked)
+    })?;
     match all.is_empty() {
         true => Err(Error::NoAgents { path: runner.folder.path().to_owned() }),
         false => Ok(all),
