@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use b2b_building::{BuildingType, Model, PreparedBuilding, import};
 use b2b_climate::{Place, Site};
+use b2b_dataset::Preparation;
 use b2b_energyplus::Library;
 use b2b_energyplus::install::{Engine, Quiet};
 use b2b_env::{ActionSpace, Env, EpisodeConfig, Task, Trajectory};
@@ -30,8 +31,7 @@ impl Case {
         let weather = Place::find(place).unwrap().epw(&mut Quiet).unwrap();
         let site = Site::read(&weather).unwrap();
         let model = b2b_dataset::archetype::base_model(building_type, &engine, &library, &site).unwrap();
-        let building = PreparedBuilding::new(building_type.name(), model, &weather, &library).unwrap();
-        Self { library, building: Arc::new(building), weather }
+        Self::prepare(building_type.name(), model, false, weather, library)
     }
 
     /// A model that comes with the engine, taken as a user's own, under weather that comes with it too.
@@ -47,7 +47,13 @@ impl Case {
         let weather = models.parent().unwrap().join("weather").join(weather);
         let mut read = import::read(&models.join(model), &library, false).unwrap();
         change(&mut read);
-        let building = PreparedBuilding::as_far_as_possible(model, read, &weather, &library).unwrap();
+        Self::prepare(model, read, true, weather, library)
+    }
+
+    /// Prepares a model, or takes it from the cache, where the tests of other processes find it.
+    fn prepare(name: &str, model: Model, own: bool, weather: PathBuf, library: Library) -> Self {
+        let preparation = Preparation { name: name.to_owned(), class: None, prototype: false, own, model };
+        let building = preparation.run(&weather, &library).unwrap();
         Self { library, building: Arc::new(building), weather }
     }
 
