@@ -7,6 +7,7 @@ use std::sync::Arc;
 use b2b_building::hvac::{KINDS, Kind, Unsupported};
 use b2b_building::{BuildingType, Model, PreparedBuilding, import};
 use b2b_climate::{Place, Site};
+use b2b_dataset::Preparation;
 use b2b_energyplus::Library;
 use b2b_energyplus::install::{Engine, Quiet};
 use b2b_env::{ActionSpace, Env, EpisodeConfig, Task, Trajectory};
@@ -31,8 +32,7 @@ impl Case {
         let weather = Place::find(place).unwrap().epw(&mut Quiet).unwrap();
         let site = Site::read(&weather).unwrap();
         let model = b2b_dataset::archetype::base_model(building_type, &engine, &library, &site).unwrap();
-        let building = PreparedBuilding::new(building_type.name(), model, &weather, &library).unwrap();
-        Self { library, building: Arc::new(building), weather }
+        Self::prepare(building_type.name(), model, false, weather, library)
     }
 
     /// A model shipped with the engine, imported as a user's model, under weather shipped with the engine.
@@ -61,6 +61,13 @@ impl Case {
         let left_alone = Unsupported::LeftAlone;
         let building = PreparedBuilding::with_kinds(model, read, &weather, &library, kinds, left_alone);
         Self { library, building: Arc::new(building.unwrap()), weather }
+    }
+
+    /// Prepares a model, or takes it from the cache, where the tests of other processes find it.
+    fn prepare(name: &str, model: Model, own: bool, weather: PathBuf, library: Library) -> Self {
+        let preparation = Preparation { name: name.to_owned(), class: None, prototype: false, own, model };
+        let building = preparation.run(&weather, &library).unwrap();
+        Self { library, building: Arc::new(building), weather }
     }
 
     /// An environment over some days, as in `01-01..01-07`, at 12 steps an hour.

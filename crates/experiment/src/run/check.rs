@@ -48,17 +48,16 @@ pub fn check(
     experiment: &Experiment,
     budget: &Budget,
     buildings: Option<NonZeroUsize>,
-    done: &dyn Fn(&Checked),
+    done: &(dyn Fn(&Checked) + Sync),
 ) -> Result<Vec<Checked>> {
-    let mut all = Vec::new();
-    for job in experiment.jobs(budget) {
-        let Some(result) = runner.folder.kept(&job) else { continue };
-        for subject in subjects(runner, &job, result) {
-            let checked = Checked { fault: fault(runner, &subject, buildings)?, job: subject.name };
-            done(&checked);
-            all.push(checked);
-        }
-    }
+    let jobs: Vec<Job> = experiment.jobs(budget);
+    let kept = jobs.iter().filter_map(|job| Some((job, runner.folder.kept(job)?)));
+    let to_check: Vec<Subject<'_>> = kept.flat_map(|(job, result)| subjects(runner, job, result)).collect();
+    let all = runner.each(&to_check, &|subject| {
+        let checked = Checked { fault: fault(runner, subject, buildings)?, job: subject.name.clone() };
+        done(&checked);
+        Ok(checked)
+    })?;
     match all.is_empty() {
         true => Err(Error::NoAgents { path: runner.folder.path().to_owned() }),
         false => Ok(all),

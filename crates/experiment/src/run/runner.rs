@@ -54,22 +54,42 @@ impl Runner<'_> {
     pub fn run(&self, jobs: &[Job], done: &(dyn Fn(&Job, &State) + Sync)) -> Result<Ended> {
         self.folder.check(jobs)?;
         let left: Vec<&Job> = jobs.iter().filter(|job| !self.folder.is_done(job)).collect();
-        let next = AtomicUsize::new(0);
-        let work = || -> Result<()> {
-            while let Some(job) = left.get(next.fetch_add(1, Ordering::Relaxed)) {
-                let state = self.run_job(job)?;
-                done(job, &state);
-            }
+        self.each(&left, &|job| {
+            let state = self.run_job(job)?;
+            done(job, &state);
             Ok(())
-        };
-        std::thread::scope(|scope| {
-            let threads: Vec<_> = (0..self.parallel.min(left.len())).map(|_| scope.spawn(work)).collect();
-            let ended =
-                threads.into_iter().map(|thread| thread.join().expect("a thread of the runner panicked"));
-            ended.collect::<Vec<_>>().into_iter().collect::<Result<()>>()
         })?;
         let done = jobs.iter().filter(|job| self.folder.is_done(job)).count();
         Ok(Ended { done, failed: jobs.len() - done })
+    }
+
+    /// Does some work for each item, as many at a time as the runner is told, and returns the results in the order of the
+    /// items. After an error, no more work is begun.
+    pub(crate) fn each<T: Sync, R: Send>(
+        &self,
+        items: &[T],
+        work: &(dyn Fn(&T) -> Result<R> + Sync),
+    ) -> Result<Vec<R>> {
+        let next = AtomicUsize::new(0);
+        let worker = || -> Result<Vec<(usize, R)>> {
+            let mut results = Vec::new();
+            loop {
+                let index = next.fetch_add(1, Ordering::Relaxed);
+                let Some(item) = items.get(index) else { return Ok(results) };
+                let result = work(item).inspect_err(|_| next.store(items.len(), Ordering::Relaxed))?;
+                results.push((index, result));
+            }
+        };
+        let ended = std::thread::scope(|scope| {
+            let threads: Vec<_> = (0..self.parallel.min(items.len())).map(|_| scope.spawn(worker)).collect();
+            let join =
+                threads.into_iter().map(|thread| thread.join().expect("a thread of the runner panicked"));
+            join.collect::<Vec<_>>()
+        });
+        let mut results: Vec<_> =
+            ended.into_iter().collect::<Result<Vec<_>>>()?.into_iter().flatten().collect();
+        results.sort_by_key(|(index, _)| *index);
+        Ok(results.into_iter().map(|(_, result)| result).collect())
     }
 
     /// Runs a job from where it is, and writes how it ended.
