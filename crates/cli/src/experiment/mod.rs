@@ -1,6 +1,7 @@
 //! `b2b experiment`: the paper's experiments and your own, as lists of resumable jobs.
 
 mod check;
+mod rates;
 mod report;
 mod run;
 mod show;
@@ -42,6 +43,7 @@ enum Command {
     Run(run::Arguments),
     Report(report::Arguments),
     Check(check::Arguments),
+    Rates(rates::Arguments),
 }
 
 /// Runs the command.
@@ -52,6 +54,7 @@ pub fn experiment(arguments: &Arguments) -> Result<ExitCode> {
         Command::Run(arguments) => return run::run(arguments),
         Command::Report(arguments) => report::report(arguments)?,
         Command::Check(arguments) => return check::check(arguments),
+        Command::Rates(arguments) => rates::print(arguments)?,
     }
     Ok(ExitCode::Success)
 }

@@ -259,6 +259,8 @@ fn a_budget_with_two_policies_of_a_training_takes_over_trainings_that_were_evalu
     assert_eq!((checked["checked"].as_u64(), checked["agree"].as_u64()), (Some(4), Some(4)), "{checked}");
     let page = std::fs::read_to_string(path.join("both/report.html")).unwrap();
     assert!(page.contains("specialist, best") && page.contains("HVAC energy (kWh/m²)"));
+    let rates = both_outputs(&b2b(path, "experiment rates both"));
+    assert!(rates.contains("SingleFamilyHouse,residual,") && rates.contains(",2,training"), "{rates}");
 
     // A training that has ended with other options is not taken over.
     std::fs::remove_file(jobs[0].join("job.json")).unwrap();
