@@ -1,6 +1,7 @@
 //! `b2b experiment`: the paper's experiments and your own, as lists of resumable jobs.
 
 mod check;
+mod claims;
 mod rates;
 mod report;
 mod run;
@@ -29,7 +30,8 @@ Examples:
   b2b experiment run ppo --reuse results/residual --out results/ppo      agents that are there already
   b2b experiment run mine.toml --budget quick
   b2b experiment report results/dynamics
-  b2b experiment check results/residual                                  evaluate agents again"
+  b2b experiment check results/residual                                  evaluate agents again
+  b2b experiment claims results/*                                        the claims of the paper, judged"
 )]
 pub struct Arguments {
     #[command(subcommand)]
@@ -43,6 +45,7 @@ enum Command {
     Run(run::Arguments),
     Report(report::Arguments),
     Check(check::Arguments),
+    Claims(claims::Arguments),
     Rates(rates::Arguments),
 }
 
@@ -54,6 +57,7 @@ pub fn experiment(arguments: &Arguments) -> Result<ExitCode> {
         Command::Run(arguments) => return run::run(arguments),
         Command::Report(arguments) => report::report(arguments)?,
         Command::Check(arguments) => return check::check(arguments),
+        Command::Claims(arguments) => claims::print(arguments)?,
         Command::Rates(arguments) => rates::print(arguments)?,
     }
     Ok(ExitCode::Success)

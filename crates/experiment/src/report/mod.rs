@@ -16,6 +16,7 @@ use b2b_evaluate::report::{Chart, Series, step_rewards};
 use serde_json::json;
 
 use self::content::Content;
+use crate::claims;
 use crate::definition::{Experiment, REACTIVE, ReportKind};
 use crate::estimate::duration_text;
 use crate::results::Results;
@@ -66,7 +67,24 @@ fn content(experiment: &Experiment, results: &Results) -> Option<Content> {
     if matches!(experiment.report, ReportKind::Adaptation | ReportKind::Transfer) {
         content.tables.extend(tails::table(experiment, results));
     }
+    content.tables.extend(claims_table(experiment, results));
     Some(content)
+}
+
+/// Returns the table of the paper's claims; `None` if it makes none about the experiment.
+fn claims_table(experiment: &Experiment, results: &Results) -> Option<serde_json::Value> {
+    let judged = claims::judge(experiment, results);
+    let row = |each: &claims::Judged| {
+        [each.claim.clone(), each.verdict.to_string(), each.measured.clone(), each.reason.clone()]
+    };
+    (!judged.is_empty()).then(|| {
+        json!({
+            "name": "Claims of the paper",
+            "title": claims::RULE,
+            "header": ["claim", "here", "measured", "reason"],
+            "rows": judged.iter().map(row).collect::<Vec<_>>(),
+        })
+    })
 }
 
 /// Returns the sentence that names the result in the paper, if it has one.
