@@ -7,8 +7,9 @@ use super::validation;
 use crate::error::{Error, Result, at, nearest};
 
 /// The shipped experiments by name.
-const SHIPPED: [(&str, &str); 11] = [
+const SHIPPED: [(&str, &str); 12] = [
     ("ppo", include_str!("../../data/ppo.toml")),
+    ("direct", include_str!("../../data/direct.toml")),
     ("residual", include_str!("../../data/residual.toml")),
     ("rewards", include_str!("../../data/rewards.toml")),
     ("dynamics", include_str!("../../data/dynamics.toml")),

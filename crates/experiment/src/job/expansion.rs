@@ -242,7 +242,7 @@ mod tests {
     }
 
     #[test]
-    fn the_runs_of_ppo_are_those_of_rewards() {
+    fn the_runs_of_ppo_are_those_of_rewards_and_some_of_direct() {
         let ppo = jobs("ppo", "paper-part");
         let shared = |name, budget| {
             let jobs = jobs(name, budget);
@@ -256,5 +256,7 @@ mod tests {
         });
         let count = winters_without_energy.count();
         assert_eq!(shared("rewards", "paper-part"), (count, count + 6));
+        // Two houses and two small offices, one of three seeds.
+        assert_eq!(shared("direct", "full").0, 4);
     }
 }
