@@ -148,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn the_documentation_has_the_claims_as_the_shipped_results_judge_them() {
+    fn every_claim_has_a_row_judged_by_the_shipped_results() {
         let mut names: Vec<_> = std::fs::read_dir(root().join("results"))
             .unwrap()
             .map(|entry| entry.unwrap().file_name())
@@ -156,15 +156,18 @@ mod tests {
         names.sort();
         let folders = names.iter().filter_map(|name| name.to_str()).filter(|name| !name.contains('.'));
         let all: Vec<(Experiment, Results)> = folders.map(shipped).collect();
-        assert!(
-            all.len() > 9
-                && all.iter().all(|(_, results)| results.missing.is_empty() && !results.done.is_empty())
-        );
+        assert!(all.len() > 9);
+        for (experiment, results) in &all {
+            assert!(results.missing.is_empty() && !results.done.is_empty(), "{}", experiment.name);
+        }
         let text = markdown(&all);
-        let page = std::fs::read_to_string(root().join("docs/experiments.md")).unwrap();
-        assert!(
-            page.contains(&text),
-            "docs/experiments.md needs the table of `b2b experiment claims results/*/`:\n{text}"
-        );
+        let rows =
+            |name: &str| text.lines().filter(|line| line.starts_with(&format!("| `{name}` |"))).count();
+        assert_eq!(["ppo", "rewards", "dynamics", "cross-domain", "weights"].map(rows), [9, 2, 7, 2, 4]);
+        assert_eq!(text.lines().count(), 2 + 24);
+        // Only `cross-domain` is there with the paper's steps, and the reactive controllers are not trained.
+        let told = text.lines().skip(2).filter(|line| !line.contains("no results yet"));
+        let told: Vec<&str> = told.map(|line| line.split('`').nth(1).unwrap()).collect();
+        assert_eq!(told, ["rewards", "rewards", "cross-domain", "cross-domain"]);
     }
 }
