@@ -325,7 +325,8 @@ class _Power:
         axes.spines[["top", "right"]].set_visible(False)
         axes.set_title("HVAC power, W/m²", fontsize=_TITLE, loc="left")
         axes.legend(fontsize=_MIN_LABEL, loc="lower right", bbox_to_anchor=(1, 1), frameon=False, ncols=2)
-        self.cells = [_Cell(axes.bbox, list(self._areas))]
+        # With the pixels around it that the areas' edges are blended into.
+        self.cells = [_Cell(axes.bbox.padded(2), list(self._areas))]
 
     def update(self, scene: Scene) -> bool:
         rows = scene.power.rows()
