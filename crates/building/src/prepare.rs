@@ -79,7 +79,7 @@ impl PreparedBuilding {
     /// [`Error::Unsupported`] naming the object that cannot be made controllable; [`Error::NothingToControl`];
     /// [`Error::Engine`] when the engine rejects the model.
     pub fn new(name: &str, mut model: Model, weather: &Path, library: &Library) -> Result<Self> {
-        let air_density = size(&mut model, weather, library)?;
+        let air_density = size(name, &mut model, weather, library)?;
         energy_management::remove_ems_programs(&mut model, energy_management::sets_a_schedule);
         let systems = hvac::make_controllable(&mut model, air_density)?;
         Self::with(name, model, Discovery { systems, uncontrolled: Vec::new() })
@@ -96,7 +96,7 @@ impl PreparedBuilding {
         weather: &Path,
         library: &Library,
     ) -> Result<Self> {
-        let air_density = size(&mut model, weather, library)?;
+        let air_density = size(name, &mut model, weather, library)?;
         let discovery = hvac::discover(&mut model, air_density)?;
         Self::with(name, model, discovery)
     }
@@ -187,10 +187,12 @@ impl PreparedBuilding {
 }
 
 /// Writes sizes into a model and returns the air density of its design flows, kg/m³.
-fn size(model: &mut Model, weather: &Path, library: &Library) -> Result<f64> {
+fn size(name: &str, model: &mut Model, weather: &Path, library: &Library) -> Result<f64> {
     let site = Site::read(weather)?;
     if sizing::needs_sizing(model) {
-        Sizes::of(model, weather, library)?.write_into(model)?;
+        let sizes = Sizes::of(model, weather, library)
+            .map_err(|error| error.while_doing(format!("sizing {name}")))?;
+        sizes.write_into(model)?;
     }
     Ok(standard_air_density(site.elevation))
 }

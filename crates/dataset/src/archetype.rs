@@ -36,5 +36,5 @@ pub fn prototype(building_type: BuildingType, engine: &Engine, library: &Library
     }
     let file = format!("ASHRAE901_{}_STD2019_Denver.idf", building_type.name());
     let models = engine.models.as_ref().ok_or_else(|| Error::NoStockModels { file: file.clone() })?;
-    Ok(Model::read(&models.join(file), library)?)
+    Ok(Model::read(&models.join(file), &library.in_this_process())?)
 }
