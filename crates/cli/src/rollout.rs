@@ -4,7 +4,8 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Result, bail};
 use b2b_env::{
-    Controller, EngineReport, Environment, Metrics, Observer, Spaces, Step, Task, Trajectory, rollout,
+    Controller, EngineReport, Environment, Metrics, Observer, Spaces, Step, Task, Trajectory, authority,
+    rollout,
 };
 use cpu_time::ProcessTime;
 
@@ -46,6 +47,14 @@ impl Prepared {
         let (engine, env_cpu) = (report.engine.clone(), report.cpu);
         let total_cpu = ProcessTime::now().as_duration() + env_cpu;
         Ok(Rollout { metrics, trajectory, engine, env_cpu, total_cpu, wall })
+    }
+
+    /// Checks the response of the building to its actuators, in a worker process.
+    pub fn authority(&self) -> Result<authority::Report> {
+        #[cfg(target_os = "linux")]
+        return Ok(b2b_workers::Jobs::new(self.worker_options()).authority(&self.building, &self.weather)?);
+        #[cfg(not(target_os = "linux"))]
+        Ok(authority::measure(&self.library, &self.building, &self.weather)?)
     }
 
     /// Starts an episode of one day in January, up to its first observation: EnergyPlus detects some errors of a model

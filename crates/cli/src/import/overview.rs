@@ -60,7 +60,7 @@ pub fn text(imported: &[Imported]) -> String {
                 table.row(
                     COLUMNS.map(|column| if column == "model" { each.name.clone() } else { "–".into() }),
                 );
-                let error = error.trim_start_matches("error: ").replace('\n', "\n  ");
+                let error = error.replace('\n', "\n  ");
                 notes += &format!("\n  {}: {error}", each.name);
             }
         }
