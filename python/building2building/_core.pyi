@@ -56,6 +56,16 @@ def edit_model(
     changes: Sequence[tuple[str, float]],
     allow_external: bool,
 ) -> str: ...
+def calibrate(
+    model: str,
+    energy: str | PathLike[str],
+    out: str | PathLike[str],
+    location: tuple[str | None, str | PathLike[str] | None],
+    parameters: Sequence[str],
+    iterations: int,
+    jobs: int | None,
+    allow_external: bool,
+) -> str: ...
 def generate(
     building_type: str,
     count: int,
