@@ -57,14 +57,12 @@ def edit_model(
     allow_external: bool,
 ) -> str: ...
 def calibrate(
-    model: str,
+    model: tuple[str, str | None, str | PathLike[str] | None, bool],
     energy: str | PathLike[str],
     out: str | PathLike[str],
-    location: tuple[str | None, str | PathLike[str] | None],
     parameters: Sequence[str],
     iterations: int,
     jobs: int | None,
-    allow_external: bool,
 ) -> str: ...
 def generate(
     building_type: str,

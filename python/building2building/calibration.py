@@ -42,9 +42,8 @@ def calibrate(
     """
     with temporary_folder("calibrate") as folder:
         table = energy if isinstance(energy, str | os.PathLike) else _write(energy, folder / "metered.csv")
-        printed = _core.calibrate(
-            os.fspath(model), table, out, (place, weather), parameters, iterations, jobs, allow_external
-        )
+        key = (os.fspath(model), place, weather, allow_external)
+        printed = _core.calibrate(key, table, out, parameters, iterations, jobs)
     report: dict[str, Any] = json.loads(printed)
     return report
 

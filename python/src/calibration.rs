@@ -13,23 +13,23 @@ use crate::error::{Exception, of_building};
 use crate::evaluation::{running, wait_for};
 use crate::signals::Signals;
 
-/// Fits a model to a table of metered energy, writes the calibrated model, and returns the report as JSON text. `location` is a
-/// place and a weather file.
+/// A model: name, place, weather file and permission of external code.
+type ModelKey = (String, Option<String>, Option<PathBuf>, bool);
+
+/// Fits a model to a table of metered energy, writes the calibrated model, and returns the report as JSON text.
 #[pyfunction]
 pub fn calibrate(
     py: Python<'_>,
-    model: &str,
+    model: ModelKey,
     energy: PathBuf,
     out: PathBuf,
-    location: (Option<String>, Option<PathBuf>),
     parameters: Vec<String>,
     iterations: usize,
     jobs: Option<usize>,
-    allow_external: bool,
 ) -> PyResult<String> {
     let _running = running()?;
-    let name: BuildingName = model.parse().map_err(of_building)?;
-    let (place, weather) = location;
+    let (name, place, weather, allow_external) = model;
+    let name: BuildingName = name.parse().map_err(of_building)?;
     let place = place.as_deref().map(Place::find).transpose().map_err(of_building)?;
     let placement = Placement { place, weather, allow_external };
     let parameters = parameters.iter().map(|text| parameter(text)).collect::<PyResult<Vec<_>>>()?;

@@ -143,7 +143,7 @@ pub fn evaluate_part(
 /// Returns the folder of the baselines computed on this machine.
 #[pyfunction]
 pub fn baselines_folder() -> PyResult<PathBuf> {
-    let cache = cache_dir().map_err(|error| of_evaluation(error))?;
+    let cache = cache_dir().map_err(of_evaluation)?;
     Ok(Baselines::folder_in(&cache))
 }
 

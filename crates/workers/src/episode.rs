@@ -14,11 +14,7 @@ use super::region::{Command, LONG_ORDER, Region, Status};
 use super::setting::Setting;
 use super::time_limit::TimeLimit;
 use super::workers::Workers;
-use b2b_env::Metrics;
-use b2b_env::Spaces;
-use b2b_env::Step;
-use b2b_env::{Error, Result};
-use b2b_env::{Expenses, Reward, from_numbers};
+use b2b_env::{Error, Expenses, Metrics, Result, Reward, Spaces, Step, from_numbers};
 
 /// Copies of a template that may be lost before they attach, before the episode is.
 const FAILED_STARTS: u32 = 3;
