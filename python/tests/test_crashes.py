@@ -11,6 +11,11 @@ from building2building import errors
 
 #: The lines of a weather file that EnergyPlus reads without a look at their number, and crashes.
 DAMAGED = "HOLIDAYS/DAYLIGHT SAVINGS,No,0,0"
+#: A program that calls itself without an end, on a day in January.
+RECURSION = b"""
+EnergyManagementSystem:Program,Recurse,IF DayOfYear == 10,RUN Recurse,ENDIF;
+EnergyManagementSystem:ProgramCallingManager,Call,BeginTimestepBeforePredictor,Recurse;
+"""
 #: EnergyPlus takes seconds to convert so many zones.
 ZONES = 300_000
 
@@ -50,6 +55,16 @@ def test_a_crash_while_sizing_is_an_exception(warehouse, weather):
         b2b.make_env(building=building)
     with pytest.raises(errors.EngineError, match=r"crashed \(signal 11.* while sizing RefBldgWarehouse"):
         b2b.make_env(building=building, in_process=True)
+
+
+def test_a_crash_in_warm_up_is_an_exception(warehouse, tmp_path):
+    model = tmp_path / "recursive.idf"
+    model.write_bytes(warehouse.read_bytes() + RECURSION)
+    building = b2b.import_building(model, b2b.find_building("Warehouse").weather)
+    with b2b.make_env(building=building, run_period="01-02..01-02") as env:
+        env.reset()
+    with pytest.raises(errors.EpisodeError, match="recursive was lost.*SIGSEGV"):
+        b2b.make_env(building=building, run_period="01-10..01-10")
 
 
 def test_a_crash_of_a_calibration_is_an_exception(warehouse, weather, tmp_path):

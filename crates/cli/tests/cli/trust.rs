@@ -126,15 +126,16 @@ fn a_crash_while_sizing_is_an_error_and_leaves_nothing() {
     assert_eq!(both_outputs(&all).matches("EnergyPlus crashed").count(), 2, "{}", both_outputs(&all));
 }
 
-/// A meter that the model does not have: a reference that EnergyPlus follows without a look.
-const DANGLING_METER: &str = "\nElectricLoadCenter:Transformer,Transformer,,PowerInFromGrid,,0.1,3,15000,Aluminum,150,\
-                              NominalEfficiency,,,0.985,0.5,75,,Yes,No such meter;\n";
+/// A program that calls itself without an end, on a day in January.
+const RECURSION: &str = "\nEnergyManagementSystem:Program,Recurse,IF DayOfYear == 10,RUN Recurse,ENDIF;\n\
+                         EnergyManagementSystem:ProgramCallingManager,Call,BeginTimestepBeforePredictor,Recurse;\n";
 
 #[test]
 fn a_crash_in_the_trial_is_an_error_that_names_the_model() {
-    let folder = folder_with(DANGLING_METER);
-    let said = assert_crash(folder.path(), "import m.idf --weather w.epw --run 01-01..01-01", |_| {});
-    assert!(said.contains("signal") && said.contains("11") && said.contains(" m"), "{said}");
+    let folder = folder_with(RECURSION);
+    assert!(b2b(folder.path(), "import m.idf --weather w.epw").status.success(), "it is sized");
+    let said = assert_crash(folder.path(), "import m.idf --weather w.epw --run 01-10..01-10", |_| {});
+    assert!(said.contains("the template of m was lost") && said.contains("signal: 11 (SIGSEGV)"), "{said}");
 }
 
 #[test]
