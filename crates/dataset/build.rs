@@ -1,11 +1,11 @@
-//! Computes a digest of the sources that the preparation of a building depends on, so that prepared buildings of another
-//! revision are not taken from the cache.
+//! Computes a digest of the sources that the preparation of a building depends on, so that the cache never returns
+//! buildings prepared by another revision.
 
 use std::hash::{DefaultHasher, Hasher};
 use std::path::{Path, PathBuf};
 
-/// Sources of the preparation, relative to this crate. In a published package they are absent, and the versions of the
-/// crates stand for them.
+/// Sources of the preparation, relative to this crate. A published package lacks them and uses the versions of the
+/// crates instead.
 const SOURCES: [&str; 3] = ["../building/src", "../climate/src", "../energyplus/src"];
 
 fn main() {

@@ -23,11 +23,6 @@ myst_heading_anchors = 3
 # Included in the first page.
 exclude_patterns = ["README.md"]
 html_theme = "furo"
-html_theme_options = {
-    "source_repository": "https://github.com/vtaboga/building2building/",
-    "source_branch": "main",
-    "source_directory": "docs/",
-}
 html_static_path = ["static"]
 html_css_files = ["site.css"]
 autodoc_default_options = {"members": True, "show-inheritance": True}
@@ -43,26 +38,25 @@ nb_execution_timeout = 1800
 nb_execution_raise_on_error = True
 nb_execution_in_temp = True
 
-_REPOSITORY = "https://github.com/vtaboga/building2building/blob/main/"
-_LINK = re.compile(r"\]\((\.\./[^)#\s]+)")
+_LINK = re.compile(r"\[([^]]+)\]\((\.\./[^)#\s]+)(?:#[^)\s]*)?\)")
 
 
-def _link_to_repository(app: Sphinx, page: str, source: list[str]) -> None:
-    """Has links to files of the repository that have no page lead there, and warns of those that do not exist. Broken
-    links between pages are warnings of MyST."""
+def _name_files(app: Sphinx, page: str, source: list[str]) -> None:
+    """Replaces links to files of the repository that have no page by the path of the file, and warns if a file does not
+    exist. MyST warns about broken links between pages."""
     folder = Path("docs") / Path(page).parent
 
-    def link(match: re.Match[str]) -> str:
-        path = os.path.normpath(folder / match[1])
+    def named(match: re.Match[str]) -> str:
+        path = os.path.normpath(folder / match[2])
         if path.startswith("docs/"):
             return match[0]
         if not Path(path).exists():
-            logging.getLogger(__name__).warning(f"link to `{match[1]}`, which does not exist", location=page)
-        return f"]({_REPOSITORY}{path}"
+            logging.getLogger(__name__).warning(f"link to `{match[2]}`, which does not exist", location=page)
+        return match[1] if path in match[1] else f"{match[1]} (`{path}`)"
 
-    source[0] = _LINK.sub(link, source[0])
+    source[0] = _LINK.sub(named, source[0])
 
 
 def setup(app: Sphinx) -> None:
-    """Has links to the repository rewritten. Sphinx is started in its root."""
-    app.connect("source-read", _link_to_repository)
+    """Connects the rewriting of links. Sphinx runs in the root of the repository."""
+    app.connect("source-read", _name_files)

@@ -132,6 +132,11 @@ impl Inner {
         &self.weather
     }
 
+    /// Returns the name of the place, or of the weather file.
+    pub fn place(&self) -> &str {
+        &self.place
+    }
+
     /// Returns the building type; `None` for an imported model.
     pub fn building_type(&self) -> Option<&'static str> {
         self.class.map(|class| class.building_type.name())

@@ -4,13 +4,14 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use b2b_env::Spaces as EnvSpaces;
-use b2b_workers::Source;
+use b2b_workers::{EpisodeReport, Source};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
 use crate::catalog::{self, Setting};
 use crate::env::{Observations, Stepped};
 use crate::error::{Exception, of_building, of_env};
+use crate::record::Record;
 use crate::spaces::Spaces;
 use crate::{arrays, control};
 
@@ -95,6 +96,15 @@ impl LocalEnv {
     /// Returns the metrics of the episode so far.
     fn metrics<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         control::metrics(py, self.env()?.metrics())
+    }
+
+    /// Returns what the episode leaves besides its steps.
+    fn record(&mut self) -> PyResult<Record> {
+        let (spaces, place) = (Arc::clone(&self.spaces), self.setting.building.place().to_owned());
+        let env = self.env()?;
+        let metrics = env.is_truncated().then(|| env.metrics().clone());
+        let report = EpisodeReport { engine: env.engine_report(), ..EpisodeReport::default() };
+        Ok(Record { spaces, place, metrics, report })
     }
 
     /// Ends the episode and the engine.

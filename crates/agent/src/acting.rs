@@ -4,11 +4,11 @@ use b2b_control::{Controller, Reactive, ReactiveParameters};
 use b2b_env::{Spaces, rescale, unscale};
 use serde::{Deserialize, Serialize};
 
-/// The meaning of an agent's actions, which are from -1 to 1.
+/// The meaning of an agent's actions, each in [-1, 1].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Acting {
-    /// -1 and 1 are the lower and the upper bound of an actuator.
+    /// Actuator values: -1 and 1 are the lower and the upper bound.
     Direct,
     /// Corrections to the action of the reactive controllers.
     Residual {
@@ -18,7 +18,7 @@ pub enum Acting {
 }
 
 impl Acting {
-    /// Describes the base controller, if the agent corrects one.
+    /// Returns a description of the base controller; `None` with direct actions.
     pub fn base(self) -> Option<String> {
         match self {
             Self::Direct => None,
@@ -47,7 +47,8 @@ pub struct Driver {
 }
 
 impl Driver {
-    /// Returns the driver of a building. The reactive controllers have the parameters tuned for the building and the task.
+    /// Creates the driver for a building. The reactive controllers use the parameters tuned for the building and the
+    /// task.
     pub fn new(acting: Acting, spaces: &Spaces) -> Self {
         let base = acting.has_base().then(|| {
             let parameters = ReactiveParameters::tuned_for(&spaces.building, &spaces.episode.task);

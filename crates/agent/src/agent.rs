@@ -1,4 +1,4 @@
-//! Agents: a trained actor with everything it takes to act.
+//! Agents: a trained actor with its observation and action interface.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -30,8 +30,7 @@ impl Agent {
     /// Reads an agent's folder.
     ///
     /// # Errors
-    /// [`Error::NotAnAgent`]; [`Error::Damaged`] when a file does not have the hash or the shape that it should have;
-    /// [`Error::Io`].
+    /// [`Error::NotAnAgent`]; [`Error::Damaged`] when the hash or the shape of a file is wrong; [`Error::Io`].
     pub fn read(path: &Path) -> Result<Self> {
         let folder::Contents { info, actor, sha256 } = folder::read(path)?;
         let identity = format!("agent {sha256}");
@@ -39,16 +38,17 @@ impl Agent {
         Ok(Self { name, folder: path.to_owned(), info, actor: Arc::new(actor), sha256, identity })
     }
 
-    /// Returns an agent that is in no folder.
+    /// Creates an agent without a folder.
     pub fn new(name: &str, info: AgentInfo, actor: Actor) -> Self {
         let (identity, folder) = (format!("agent {name}"), PathBuf::from(name));
         Self { name: name.to_owned(), folder, info, actor: Arc::new(actor), sha256: String::new(), identity }
     }
 
-    /// Writes an agent's folder, or replaces the agent in it; other files stay.
+    /// Writes an agent's folder, or replaces the agent in it. Other files are kept.
     ///
     /// # Errors
-    /// [`Error::Io`]; the agent before is still there then, unless the second of the two files could not be moved to its place.
+    /// [`Error::Io`]. The previous agent is then intact, unless only the second of the two files could not be moved
+    /// into place.
     pub fn write(path: &Path, info: AgentInfo, actor: &Actor) -> Result<()> {
         folder::write(path, info, actor)
     }
@@ -73,42 +73,42 @@ impl Agent {
         &self.actor
     }
 
-    /// The SHA-256 of its description and weights; empty for an agent that is in no folder.
+    /// The SHA-256 of its description and weights; empty for an agent without a folder.
     pub fn sha256(&self) -> &str {
         &self.sha256
     }
 
-    /// Returns in one line what its actions depend on besides observations: agents with one identity act alike.
+    /// Returns one line that identifies the agent's behavior: agents with the same identity act alike.
     pub fn identity(&self) -> &str {
         &self.identity
     }
 
-    /// Returns a controller for an episode of a building. A graph agent does not see nodes of types that it was not trained with. If
-    /// it corrects the reactive controllers, those control the actuators of such nodes alone.
+    /// Returns a controller for an episode of a building. A graph agent does not observe nodes of types that it was not
+    /// trained with. If it corrects the reactive controllers, they alone control the actuators of such nodes.
     ///
     /// # Errors
-    /// [`Error::OtherBuilding`] when the building's observation or actuators are not those that it was trained with;
-    /// [`Error::UnknownNodeType`] when a graph agent with direct actions does not know the type of a node that has actuators; those of
-    /// [`Pilot::new`].
+    /// [`Error::OtherBuilding`] when the building's observation or actuators differ from training;
+    /// [`Error::UnknownNodeType`] when a graph agent with direct actions does not know the type of a node that has
+    /// actuators; the errors of [`Pilot::new`].
     pub fn controller(&self, spaces: &Arc<Spaces>) -> Result<AgentController> {
         Ok(AgentController::new(self.pilot(spaces)?, Arc::clone(&self.actor)))
     }
 
-    /// Returns its pilot in a building that has its model.
+    /// Creates the pilot for a building that still has its model.
     pub(crate) fn pilot(&self, spaces: &Arc<Spaces>) -> Result<Pilot> {
         let (plan, attributes) = self.model_parts(spaces)?;
         self.pilot_without_model(spaces, plan.as_ref(), &attributes)
     }
 
-    /// Returns what it needs of the model of a building: the nodes of the types that it was trained with, for a graph network, and
-    /// the attributes.
+    /// Returns the parts of a building's model that it needs: attributes and, for a graph network, the nodes of its
+    /// trained types.
     pub(crate) fn model_parts(&self, spaces: &Spaces) -> Result<(Option<NodePlan>, Vec<f64>)> {
         let Interface { observation, nodes, .. } = self.info.interface;
         let plan = nodes.map(|form| self.plan(form, spaces)).transpose()?;
         Ok((plan, attributes(observation, spaces)?))
     }
 
-    /// As [`Agent::pilot`], with what [`Agent::model_parts`] returned.
+    /// Like [`Agent::pilot`], with the result of [`Agent::model_parts`].
     pub(crate) fn pilot_without_model(
         &self,
         spaces: &Arc<Spaces>,
@@ -157,7 +157,7 @@ impl Agent {
     }
 }
 
-/// Describes the first difference of two lists of names.
+/// Describes the first difference between two lists of names.
 fn difference(what: &str, agent: &[String], building: &[String]) -> Option<String> {
     if agent.len() != building.len() {
         let (has, takes) = (building.len(), agent.len());
@@ -169,7 +169,7 @@ fn difference(what: &str, agent: &[String], building: &[String]) -> Option<Strin
     })
 }
 
-/// A controller that acts as an agent in one building, without exploration. A step allocates nothing.
+/// A controller that runs an agent in one building, without exploration. A step allocates nothing.
 #[derive(Clone, Debug)]
 pub struct AgentController {
     pilot: Pilot,
@@ -179,7 +179,7 @@ pub struct AgentController {
 }
 
 impl AgentController {
-    /// Returns the controller of an actor that has the widths of the pilot.
+    /// Creates a controller from a pilot and an actor of the same widths.
     pub fn new(pilot: Pilot, actor: Arc<Actor>) -> Self {
         let scratch = actor.scratch(pilot.graph());
         Self { row: vec![0.0; scratch.actions()], scratch, pilot, actor }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf, absolute};
 use std::sync::Arc;
 
-use b2b_control::{Controller, Reactive, ReactiveParameters};
+use b2b_control::{Controller, KindDescription};
 use b2b_env::Spaces;
 use serde::{Deserialize, Serialize};
 
@@ -13,12 +13,12 @@ use crate::pilot::Pilot;
 use crate::plan::NodePlan;
 use crate::{Error, Result};
 
-/// Everything that is needed to make a controller of a building whose model has been dropped.
+/// All data needed to create a controller for a building whose model has been dropped.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ControllerDescription {
-    /// The reactive controllers: see [`Reactive::description`].
-    Reactive(Box<ReactiveParameters>),
+    /// A controller that needs no file: see [`b2b_control::Kind`].
+    BuiltIn(KindDescription),
     /// An agent in a folder.
     Agent {
         /// Its folder.
@@ -36,13 +36,10 @@ impl ControllerDescription {
     /// Makes the controller.
     ///
     /// # Errors
-    /// The errors of [`Agent::read`] and [`Pilot::without_model`]; [`Error::Damaged`] for an agent that has changed since.
+    /// The errors of [`Agent::read`] and [`Pilot::without_model`]; [`Error::Damaged`] if the agent has changed since.
     pub fn controller(&self, spaces: &Arc<Spaces>) -> Result<Box<dyn Controller>> {
         Ok(match self {
-            Self::Reactive(parameters) => {
-                let steps_per_hour = spaces.episode.steps_per_hour;
-                Box::new(Reactive::new(&spaces.building, &spaces.observation, steps_per_hour, parameters))
-            }
+            Self::BuiltIn(description) => description.controller(spaces)?,
             Self::Agent { folder, sha256, plan, attributes } => {
                 let agent = read_unchanged(folder, sha256)?;
                 let interface = agent.info().interface;
@@ -54,8 +51,8 @@ impl ControllerDescription {
 }
 
 impl Agent {
-    /// Returns the description of its controller in a building, whose model it needs; `None` for an agent that is not
-    /// stored in a folder.
+    /// Returns the description of its controller for a building that still has its model; `None` for an agent without a
+    /// folder.
     ///
     /// # Errors
     /// As [`Agent::controller`]; [`Error::Io`] without a current folder.

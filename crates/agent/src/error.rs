@@ -29,7 +29,7 @@ pub enum Error {
         /// Reason.
         why: String,
     },
-    /// A building whose observation or actuators differ from those the agent was trained with.
+    /// A building whose observation or actuators differ from the agent's.
     #[error("the agent {agent} cannot control {building}: {why}; it was trained on {trained_on}")]
     OtherBuilding {
         /// Name of the agent.
@@ -41,7 +41,7 @@ pub enum Error {
         /// Its training buildings.
         trained_on: String,
     },
-    /// A building with actuators at a node of a type that a graph agent with direct actions was not trained with.
+    /// A building with actuators at a node type that is unknown to a graph agent with direct actions.
     #[error(
         "the agent {agent} was not trained with the node type `{node_type}` of `{node}` in {building}, only with {known}; train it \
          with a building that has one, or as corrections of the reactive controllers"
@@ -92,6 +92,12 @@ pub enum Error {
         /// Its hours.
         hours: usize,
     },
+    /// A weather file that cannot be read.
+    #[error(transparent)]
+    Weather(Box<b2b_climate::Error>),
+    /// A controller that cannot be made.
+    #[error(transparent)]
+    Control(Box<b2b_control::Error>),
     /// A file that cannot be read or written.
     #[error("{path}: {source}")]
     Io {
@@ -105,6 +111,12 @@ pub enum Error {
 /// Adds the path to an error of the operating system.
 pub(crate) fn at(path: &Path) -> impl FnOnce(std::io::Error) -> Error {
     move |source| Error::Io { path: path.to_owned(), source }
+}
+
+impl From<b2b_control::Error> for Error {
+    fn from(error: b2b_control::Error) -> Self {
+        Self::Control(Box::new(error))
+    }
 }
 
 /// A result of this crate.

@@ -50,19 +50,20 @@ pub(crate) fn read(path: &Path) -> Result<Contents> {
     Ok(Contents { info, actor, sha256 })
 }
 
-/// The part of [`INFO`] that all versions of the format share.
+/// The part of [`INFO`] common to all versions of the format.
 #[derive(serde::Deserialize)]
 struct Format {
     format: u32,
 }
 
-/// Writes a folder: each file aside first, the weights before the description that states their hash.
+/// Writes a folder: both files aside first, then moves the weights and the description that states their hash.
 pub(crate) fn write(path: &Path, mut info: AgentInfo, actor: &Actor) -> Result<()> {
     std::fs::create_dir_all(path).map_err(at(path))?;
     let bytes = weights(actor);
     info.weights = sha256(&bytes);
     let text = serde_json::to_vec_pretty(&info).expect("plain data always serializes");
-    // With weights of another hash the agent before would count as damaged: both are aside before either is replaced.
+    // A description with another hash than its weights counts as damaged, so both files are written aside before either
+    // is replaced.
     let (weights, description) = (path.join(WEIGHTS), path.join(INFO));
     let new_weights = aside::write(&weights, &bytes).map_err(at(&weights))?;
     let new_description = aside::write(&description, &text).map_err(at(&description))?;
@@ -70,19 +71,19 @@ pub(crate) fn write(path: &Path, mut info: AgentInfo, actor: &Actor) -> Result<(
     aside::put(new_description, &description).map_err(at(&description))
 }
 
-/// Returns the weights of an actor as a file: among others a matrix inputs × outputs and a vector for each layer.
+/// Returns the bytes of a weights file: the named tensors of an actor, f32.
 fn weights(actor: &Actor) -> Vec<u8> {
     let bytes =
         |tensor: Tensor| (name(&tensor), tensor.sizes, little_endian(&actor.parameters[tensor.place]));
     let tensors: Vec<(String, Vec<usize>, Vec<u8>)> = actor.shape.tensors().into_iter().map(bytes).collect();
     let views = tensors.iter().map(|(name, shape, bytes)| {
         let view = TensorView::new(Dtype::F32, shape.clone(), bytes);
-        (name.clone(), view.expect("the bytes are those of the shape"))
+        (name.clone(), view.expect("the bytes match the shape"))
     });
     serialize(views, None).expect("tensors of one type always serialize")
 }
 
-/// Returns the actor whose weights a file has.
+/// Returns the actor with the weights of a file.
 fn actor(info: &AgentInfo, bytes: &[u8]) -> std::result::Result<Actor, String> {
     let tensors = SafeTensors::deserialize(bytes).map_err(|error| format!("{WEIGHTS}: {error}"))?;
     let shape = info.network.clone();
@@ -110,7 +111,7 @@ fn actor(info: &AgentInfo, bytes: &[u8]) -> std::result::Result<Actor, String> {
     }
 }
 
-/// Returns whether a network has no more parameters than a file has values. Compares the sizes first, because a product of
+/// Returns whether a file has a value for every parameter of a network. Compares the sizes first, because a product of
 /// absurd sizes overflows.
 fn fits(shape: &Shape, tensors: &SafeTensors<'_>, values: usize) -> bool {
     let fit = |sizes: &[usize]| sizes.iter().all(|&size| size <= values);
@@ -126,7 +127,7 @@ fn fits(shape: &Shape, tensors: &SafeTensors<'_>, values: usize) -> bool {
     sizes_fit && shape.parameters() <= values
 }
 
-/// Checks that the network has the widths of observation and actuators.
+/// Checks that the network has the widths of the observation and the actuators.
 fn check_shape(info: &AgentInfo) -> std::result::Result<(), &'static str> {
     let halves = if matches!(info.distribution, Distribution::Gaussian { .. }) { 1 } else { 2 };
     let widths = (info.slots.len(), info.actuators.len() * halves);

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::interface::Interface;
 use crate::network::{Distribution, Shape};
 
-/// Version of the format of agents' folders.
+/// Version of the folder format.
 pub const FORMAT: u32 = 1;
 
 /// The description of an agent in `agent.json`: its observation, its actions and its training.
@@ -16,11 +16,11 @@ pub struct AgentInfo {
     pub format: u32,
     /// Form of observations and meaning of actions.
     pub interface: Interface,
-    /// Name of every number that the network observes; of a graph network those of all node types, whether it was trained with them or not.
+    /// Name of every observation slot of the network; for a graph network, of all node types, trained or not.
     pub slots: Vec<String>,
-    /// Name of every actuator that it controls; of a graph network those of all node types.
+    /// Name of every actuator that it controls; for a graph network, of all node types.
     pub actuators: Vec<String>,
-    /// Node types that a graph network was trained with: it controls every building that has no others.
+    /// Node types that a graph network was trained with. It controls every building without other types.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub node_types: Vec<String>,
     /// Shape of the network.
@@ -40,9 +40,9 @@ pub struct AgentInfo {
 pub struct TrainingInfo {
     /// Algorithm, such as `ppo`.
     pub algorithm: String,
-    /// Training buildings, as they were named.
+    /// Training buildings, as named by the user.
     pub buildings: String,
-    /// Tasks, separated by commas; empty if it is that of the agent.
+    /// Tasks, separated by commas; empty if the agent's task is the only one.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub tasks: String,
     /// Benchmark problem on whose training side it was trained; empty if none.
@@ -62,7 +62,7 @@ pub struct TrainingInfo {
     pub generator: String,
     /// Version of EnergyPlus.
     pub engine: String,
-    /// Hash of the parameters of the reactive controllers, for an agent that corrects them.
+    /// Hash of the reactive controllers' parameters, for an agent that corrects them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub base_controllers: Option<String>,
 }

@@ -13,7 +13,7 @@ pub struct Interface {
     pub observation: ObservationOptions,
     /// Meaning of its actions.
     pub acting: Acting,
-    /// How it observes a building node by node, if it is a graph network.
+    /// How a graph network observes the nodes of a building; `None` for other networks.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub nodes: Option<NodeForm>,
 }

@@ -22,25 +22,25 @@ pub struct Pilot {
     driver: Driver,
     /// The actuator of each action of the network.
     actuators: Vec<usize>,
-    /// The last action for every actuator, within ±1; 0 where the network has none.
+    /// The last action for every actuator, in [-1, 1]; 0 without a network action.
     previous: Vec<f32>,
     row: Vec<f32>,
 }
 
 impl Pilot {
-    /// Returns the pilot of a building that has its model, at the beginning of an episode.
+    /// Creates the pilot for a building that still has its model, at the beginning of an episode.
     ///
     /// # Errors
-    /// The errors of [`attributes`] and [`AgentObservation::new`]; [`Error::Graph`](crate::Error::Graph) for a building whose graph
-    /// cannot be made, of a graph network.
+    /// The errors of [`attributes`] and [`AgentObservation::new`]; [`Error::Graph`](crate::Error::Graph) for a graph
+    /// network in a building whose graph cannot be built.
     pub fn new(interface: Interface, spaces: &Arc<Spaces>) -> Result<Self> {
         let plan = interface.nodes.map(|form| NodePlan::of(form, spaces)).transpose()?;
         let attributes = attributes(interface.observation, spaces)?;
         Self::without_model(interface, spaces, plan.as_ref(), &attributes)
     }
 
-    /// As [`Pilot::new`], of a building whose model has been dropped, as in a worker process: with its plan for a graph network, and
-    /// its attributes.
+    /// Like [`Pilot::new`], for a building whose model has been dropped, as in a worker process: from its attributes
+    /// and, for a graph network, its plan.
     ///
     /// # Errors
     /// As [`Pilot::new`].
@@ -94,7 +94,7 @@ impl Pilot {
         &self.observation
     }
 
-    /// Takes the next observation of the environment and returns that of the network.
+    /// Takes the next observation of the environment and returns the network's observation.
     pub fn observe(&mut self, observation: &[f64]) -> &[f32] {
         let base = self.driver.base(observation);
         self.observation.write(observation, &self.previous, base, &mut self.row);

@@ -11,38 +11,39 @@ use crate::{Error, Result};
 /// How a graph network observes a building.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct NodeForm {
-    /// Whether nodes have their attributes as features, and the weather those of the whole building.
+    /// Whether nodes have their attributes as features, and the weather node the whole building's.
     pub attributes: bool,
 }
 
-/// The nodes and edges of a building, as they follow from its model. A worker process, which drops the model, gets it from its owner.
+/// The nodes and edges of a building, derived from its model. A worker process drops the model and gets the plan from
+/// its owner.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NodePlan {
     /// The nodes, in the order of the morphology.
     pub nodes: Vec<PlannedNode>,
-    /// The edges: from, to, and number of the kind among [`EdgeKind::ALL`].
+    /// The edges: from, to, and index of the kind in [`EdgeKind::ALL`].
     pub edges: Vec<(usize, usize, usize)>,
-    /// Scaled attributes of the building, if they are observed.
+    /// Scaled attributes of the building, if observed.
     pub common_attributes: Vec<f64>,
-    /// The nodes that the network does not have: see [`NodePlan::restricted_to`].
+    /// Nodes of types unknown to the network: see [`NodePlan::restricted_to`].
     pub left_out: Vec<PlannedNode>,
 }
 
 /// A node of a [`NodePlan`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PlannedNode {
-    /// Its type, as a place in [`NodeType::ALL`].
+    /// Its type, as an index into [`NodeType::ALL`].
     pub node_type: usize,
     /// Its name.
     pub name: String,
     /// Number of its zone or system.
     pub number: usize,
-    /// Scaled attributes, if they are observed.
+    /// Scaled attributes, if observed.
     pub attributes: Vec<f64>,
 }
 
 impl NodePlan {
-    /// Returns the plan of a building that has its model.
+    /// Returns the plan of a building that still has its model.
     ///
     /// # Errors
     /// [`Error::Graph`] for a model that cannot be described.
@@ -79,7 +80,7 @@ impl NodePlan {
         })
     }
 
-    /// Leaves out the nodes of other types than these, and their edges.
+    /// Removes the nodes of other types, and their edges.
     #[must_use]
     pub fn restricted_to(self, types: &[String]) -> Self {
         let is_known = |node: &PlannedNode| types.iter().any(|each| each == node.kind().name());
@@ -106,10 +107,7 @@ impl PlannedNode {
             NodeType::Calendar => Owner::Calendar,
             NodeType::Energy => Owner::Energy,
             NodeType::AirLoop => Owner::AirLoop(self.number),
-            NodeType::UnitaryZone
-            | NodeType::VavZone
-            | NodeType::HeatingOnlyZone
-            | NodeType::UncontrolledZone => Owner::Zone(self.number),
+            _ => Owner::Zone(self.number),
         }
     }
 }

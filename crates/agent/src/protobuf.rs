@@ -1,6 +1,6 @@
 //! The subset of Protocol Buffers that event files and ONNX need.
 
-/// Returns a field with a message, a text or bytes.
+/// Returns a field with a message, text or bytes.
 pub fn bytes(field: u64, content: &[u8]) -> Vec<u8> {
     [varint(field << 3 | 2), varint(content.len() as u64), content.to_vec()].concat()
 }
@@ -40,7 +40,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn fields_are_those_of_the_specification() {
+    fn fields_match_the_specification() {
         assert_eq!(integer(1, 150), [0x08, 0x96, 0x01]);
         assert_eq!(text(2, "testing"), [&[0x12, 0x07][..], b"testing"].concat());
         assert_eq!(single(2, 0.5), [0x15, 0, 0, 0, 0x3f]);

@@ -96,8 +96,8 @@ fn corrections_are_within_their_authority_and_actions_within_bounds() {
     }
 }
 
-/// The cooling setpoint of the base controllers stays above a reheat setpoint that an agent has raised. Otherwise they would cool
-/// what it reheats, and lower the supply air temperature to its minimum.
+/// The base controllers' cooling setpoint stays above a reheat setpoint raised by an agent. Otherwise, they would cool
+/// what the agent reheats, and lower the supply air temperature to its minimum.
 #[test]
 fn base_controllers_do_not_cool_a_zone_whose_reheat_setpoint_is_raised() {
     let mut env = env("OfficeMedium-0626", "constant");
@@ -179,7 +179,7 @@ fn features_are_of_the_order_of_one_and_have_the_same_names_in_all_houses() {
 }
 
 #[test]
-fn attributes_and_a_forecast_follow_the_features_and_the_weather_becomes_what_was_forecast() {
+fn attributes_and_a_correct_forecast_follow_the_features() {
     let observation = ObservationOptions { attributes: true, forecast: 3, ..FEATURES };
     let interface = Interface { observation, ..RESIDUAL };
     let mut env = env("OfficeSmall-0042", "occupancy+energy0.5");
@@ -202,7 +202,7 @@ fn attributes_and_a_forecast_follow_the_features_and_the_weather_becomes_what_wa
         seen = env.step(&action).unwrap().observation.to_vec();
     }
     for (early, late) in rows.iter().zip(&rows[36..]) {
-        // The engine interpolates within the hour, and its weather is that at the end of a step.
+        // The engine interpolates within the hour and reports the weather at the end of a step.
         assert!((early[ahead] - late[now]).abs() * 15.0 < 0.5, "{} {}", early[ahead], late[now]);
         assert_eq!((early[area], early[weight]), (rows[0][area], 0.5));
     }
@@ -213,7 +213,7 @@ fn attributes_and_a_forecast_follow_the_features_and_the_weather_becomes_what_wa
 }
 
 #[test]
-fn an_agent_for_another_building_or_a_damaged_one_is_an_error_that_says_so() {
+fn the_error_for_a_damaged_agent_or_another_building_names_the_cause() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("agent");
     let said = Agent::read(&path).unwrap_err().to_string();

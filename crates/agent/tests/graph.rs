@@ -67,7 +67,7 @@ fn write(folder: &Path, interface: Interface, scale: f32, known: &[NodeType]) {
 }
 
 #[test]
-fn one_agent_controls_buildings_of_several_types_and_acts_alike_when_read_again() {
+fn one_agent_controls_several_types_and_acts_alike_when_read_again() {
     let folder = tempfile::tempdir().unwrap();
     for (observation, acting, attributes) in
         [(ObservationForm::Raw, Acting::Direct, false), (ObservationForm::Features, RESIDUAL, true)]
@@ -126,7 +126,7 @@ fn nodes_of_unknown_types_follow_the_reactive_controllers() {
         let mut controller = agent.controller(&spaces).unwrap();
         let corrected = controller.actuators();
         let first = rollout(env, &mut controller, &mut ()).unwrap().episode_return;
-        // As a worker, which has no model, makes it.
+        // As created in a worker, which has no model.
         let mut again = agent.description(&spaces).unwrap().unwrap().controller(&spaces).unwrap();
         assert_eq!(rollout(env, again.as_mut(), &mut ()).unwrap().episode_return, first);
         (corrected, first)
@@ -143,7 +143,7 @@ fn nodes_of_unknown_types_follow_the_reactive_controllers() {
     let nothing = without(&[NodeType::AirLoop, NodeType::VavZone]);
     assert_eq!(returns(0.3, &nothing, &mut office), (0, reactive));
 
-    // A node without actuators is not seen.
+    // A node without actuators is not observed.
     let mut small = env("OfficeSmall-0042", "occupancy");
     let (all, seen) = returns(0.3, &NodeType::ALL, &mut small);
     let (same, unseen) = returns(0.3, &without(&[NodeType::UncontrolledZone]), &mut small);
@@ -151,7 +151,7 @@ fn nodes_of_unknown_types_follow_the_reactive_controllers() {
 }
 
 #[test]
-fn an_agent_of_other_features_is_an_error_that_names_the_first() {
+fn the_error_for_an_agent_with_other_features_names_the_first() {
     let folder = tempfile::tempdir().unwrap();
     write(folder.path(), interface(ObservationForm::Raw, Acting::Direct, false), 0.1, &NodeType::ALL);
     let path = folder.path().join("agent.json");

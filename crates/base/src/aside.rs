@@ -13,7 +13,7 @@ use crate::scratch::{owned, sweep};
 /// Prefix of the names of files before they are moved.
 const PREFIX: &str = ".aside-";
 
-/// Writes a file next to its place under a random name, to be moved there by [`put`].
+/// Writes a file next to its destination under a random name, to be moved there by [`put`].
 ///
 /// # Errors
 /// Errors of the operating system.
@@ -21,7 +21,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<NamedTempFile> {
     write_by(path, |file| file.write_all(bytes))
 }
 
-/// Writes a file as [`write()`] does, with a function for its content.
+/// Like [`write()`], with a function that writes the content.
 fn write_by(path: &Path, content: impl FnOnce(&mut File) -> Result<()>) -> Result<NamedTempFile> {
     let folder = folder_of(path);
     sweep_once(folder);
@@ -31,7 +31,7 @@ fn write_by(path: &Path, content: impl FnOnce(&mut File) -> Result<()>) -> Resul
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt as _;
-        // As of a new file; less the user's mask.
+        // The permissions of a new file, minus the user's mask.
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
     let mut file = builder.tempfile_in(folder)?;
@@ -40,7 +40,8 @@ fn write_by(path: &Path, content: impl FnOnce(&mut File) -> Result<()>) -> Resul
     Ok(file)
 }
 
-/// Removes what killed processes left in a folder, once per process, because a folder may have thousands of files.
+/// Removes files that killed processes left in a folder. Runs once per process and folder, because a folder may have
+/// thousands of files.
 fn sweep_once(folder: &Path) {
     static SWEPT: LazyLock<Mutex<HashSet<PathBuf>>> = LazyLock::new(Mutex::default);
     let mut swept = SWEPT.lock().unwrap_or_else(PoisonError::into_inner);
@@ -49,7 +50,7 @@ fn sweep_once(folder: &Path) {
     }
 }
 
-/// Moves a file to its place, replacing an existing file or link.
+/// Moves a file into place, replacing an existing file or link.
 ///
 /// # Errors
 /// Errors of the operating system.
@@ -63,7 +64,7 @@ pub fn put(file: NamedTempFile, path: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Writes a file aside and moves it to its place.
+/// Writes a file aside and moves it into place.
 ///
 /// # Errors
 /// Errors of the operating system; an earlier file is then unchanged.
@@ -71,7 +72,7 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
     put(write(path, bytes)?, path)
 }
 
-/// Writes a file as [`write_whole`] does, with a function for its content.
+/// Like [`write_whole`], with a function that writes the content.
 ///
 /// # Errors
 /// Errors of the function and of the operating system; an earlier file is then unchanged.
@@ -106,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn a_failed_write_leaves_the_earlier_file_and_nothing_else() {
+    fn a_failed_write_leaves_only_the_earlier_file() {
         let root = tempfile::tempdir().unwrap();
         let path = root.path().join("file");
         write_whole(&path, b"earlier").unwrap();

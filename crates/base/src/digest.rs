@@ -2,7 +2,7 @@
 
 use sha2::{Digest, Sha256};
 
-/// Returns bytes in lower-case hexadecimal.
+/// Returns bytes as lower-case hexadecimal.
 pub fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
@@ -18,7 +18,7 @@ mod tests {
 
     /// The first test vector of FIPS 180-4.
     #[test]
-    fn the_digest_of_abc_is_that_of_the_standard() {
+    fn the_digest_of_abc_matches_the_standard() {
         assert_eq!(sha256("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
     }
 }

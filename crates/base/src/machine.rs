@@ -79,7 +79,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_fingerprint_names_architecture_and_libm_and_is_the_same_each_time() {
+    fn the_fingerprint_has_architecture_and_libm_and_is_stable() {
         let here = fingerprint();
         assert!(here.starts_with(std::env::consts::ARCH) && here.contains("libm "), "{here}");
         assert_eq!(libm(), libm());

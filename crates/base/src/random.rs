@@ -21,8 +21,8 @@ pub fn uniform(random: &mut ChaCha8Rng) -> f64 {
 
 /// Draws a standard normal number by the Box–Muller transform (Box and Muller 1958), from two uniform ones.
 ///
-/// Targets of tasks depend on these bits. The planner of `b2b-control` keeps the polar method of its own, as published results
-/// depend on its draws.
+/// Targets of tasks depend on these bits. The planner of `b2b-control` keeps its own polar method, because published
+/// results depend on its draws.
 pub fn standard_normal(random: &mut ChaCha8Rng) -> f64 {
     let (radius, angle) = (1.0 - uniform(random), uniform(random));
     (-2.0 * libm::log(radius)).sqrt() * libm::cos(std::f64::consts::TAU * angle)

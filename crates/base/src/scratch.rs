@@ -1,8 +1,8 @@
-//! Temporary folders and files, which end with their owner: on drop, or when the next one is made after the owner was killed.
+//! Temporary folders and files that are removed with their owner: on drop, or when the next one is created after the
+//! owner was killed.
 //!
-//! The name has the owner, `b2b-pool-4242.891.5f0c9a1e-x7Pq2a`: process 4242, which started at clock tick 891 where processes are
-//! numbered as `5f0c9a1e` says. Containers that share a folder number their processes each for itself, and leave the folders of
-//! the others alone.
+//! The name has the owner, `b2b-pool-4242.891.5f0c9a1e-x7Pq2a`: process 4242, started at clock tick 891, in the process
+//! numbering `5f0c9a1e`. Containers that share a folder have separate numberings and do not touch each other's folders.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
@@ -11,10 +11,10 @@ use tempfile::TempDir;
 
 use crate::digest::sha256;
 
-/// Free space that a run needs in the temporary folder, bytes: its model, its table of sizes and its messages. A medium office
-/// takes a tenth of it.
+/// Free space that a run needs in the temporary folder, bytes: model, table of sizes and messages. A medium office uses
+/// a tenth of it.
 const NEEDED: u64 = 8_000_000;
-/// How long a folder stays after its owner, whose forks may still use it.
+/// Time that a folder is kept after its owner has ended, because forks may still use it.
 const GRACE: Duration = Duration::from_secs(3600);
 
 /// A temporary folder that cannot be used.
@@ -29,11 +29,11 @@ pub struct TemporaryFolderError {
     pub why: String,
 }
 
-/// Creates a temporary folder that only this user can read, for the files of EnergyPlus, and removes those that killed
-/// processes left behind for an hour or more.
+/// Creates a temporary folder for the files of EnergyPlus, readable only by this user, and removes folders that killed
+/// processes left an hour or more before.
 ///
 /// # Errors
-/// [`TemporaryFolderError`] if it cannot be created, or has no room for a run.
+/// [`TemporaryFolderError`] if it cannot be created or has too little space for a run.
 pub fn temporary_folder(prefix: &str) -> Result<TempDir, TemporaryFolderError> {
     let parent = std::env::temp_dir();
     let cannot = |why: String| TemporaryFolderError { path: parent.clone(), why };
@@ -45,10 +45,10 @@ pub fn temporary_folder(prefix: &str) -> Result<TempDir, TemporaryFolderError> {
     folder_in(&parent, prefix).map_err(|error| cannot(error.to_string()))
 }
 
-/// As [`temporary_folder`], in any folder.
+/// Like [`temporary_folder`], in any folder.
 ///
 /// # Errors
-/// Those of the operating system.
+/// Errors of the operating system.
 pub fn folder_in(parent: &Path, prefix: &str) -> std::io::Result<TempDir> {
     sweep(parent, prefix);
     let mut builder = tempfile::Builder::new();
@@ -62,7 +62,7 @@ pub fn folder_in(parent: &Path, prefix: &str) -> std::io::Result<TempDir> {
     builder.tempdir_in(parent)
 }
 
-/// Returns a prefix followed by this process, as the owner of what has the name.
+/// Returns a name with this prefix that identifies this process as the owner.
 pub(crate) fn owned(prefix: &str) -> String {
     let process = std::process::id();
     match started(process).zip(numbering()) {
@@ -71,8 +71,8 @@ pub(crate) fn owned(prefix: &str) -> String {
     }
 }
 
-/// Removes the folders and files with a prefix whose owner is gone. One that cannot be removed stays: it may be of another user.
-/// So does one of another container or of before the last boot, whose owner cannot be found here.
+/// Removes folders and files with a prefix whose owner has ended. Those that cannot be removed, for example another
+/// user's, are kept. So are those of other containers or from before the last boot, whose owner is unknown here.
 pub(crate) fn sweep(parent: &Path, prefix: &str) {
     let (Some(here), Ok(entries)) = (numbering(), std::fs::read_dir(parent)) else { return };
     for entry in entries.flatten() {
@@ -93,8 +93,8 @@ fn owner(name: &str, here: &str) -> Option<(u32, u64)> {
     (numbering == here).then_some((process.parse().ok()?, start.parse().ok()?))
 }
 
-/// Returns what identifies the numbers of processes: a digest of the boot of the machine and of the PID namespace. `None` without
-/// `/proc`.
+/// Returns an identifier of the process numbering: a digest of the machine's boot id and the PID namespace. `None`
+/// without `/proc`.
 fn numbering() -> Option<String> {
     let boot = std::fs::read_to_string("/proc/sys/kernel/random/boot_id").ok()?;
     let namespace = std::fs::read_link("/proc/self/ns/pid").ok()?;
@@ -112,7 +112,7 @@ fn is_old(entry: &std::fs::DirEntry) -> bool {
 /// Returns when a process started, in clock ticks since the boot. `None` if there is no such process, or no `/proc`.
 fn started(process: u32) -> Option<u64> {
     let stat = std::fs::read_to_string(format!("/proc/{process}/stat")).ok()?;
-    // The name of the program, in parentheses, may contain anything.
+    // The name of the program, in parentheses, may contain any character.
     let (_, fields) = stat.rsplit_once(')')?;
     fields.split_whitespace().nth(19)?.parse().ok()
 }

@@ -116,7 +116,7 @@ fn remark(result: &RunResult) -> String {
 
 /// Returns the test episodes under random actions, which a result of the random policy has, and one that measures adaptation.
 fn random_rows<'a>(board: &[&'a Entry]) -> &'a [Row] {
-    let random = BuiltIn::Random.to_string();
+    let random = BuiltIn::random().to_string();
     let has = |result: &RunResult, stage: Stage| match result.policies.get("test") {
         Some(PolicyDescription::BuiltIn { name }) if *name == random => stage == Stage::Test,
         _ => stage == Stage::Untrained,

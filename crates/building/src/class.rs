@@ -20,20 +20,14 @@ impl Class {
     /// Returns the class of a type in a climate zone, for example `5B` or `7`. Zone 0 counts as zone 1.
     pub fn new(building_type: BuildingType, ashrae_zone: Option<&str>) -> Self {
         let digit = ashrae_zone.and_then(|zone| zone.chars().next()?.to_digit(10)).map(|zone| zone as u8);
-        let climate_zone = match building_type {
-            BuildingType::SingleFamilyHouse => None,
-            _ => digit.map(|zone| zone.clamp(1, 8)),
-        };
+        let climate_zone = digit.filter(|_| !building_type.is_house()).map(|zone| zone.clamp(1, 8));
         Self { building_type, climate_zone }
     }
 
     /// Returns every class of the dataset: houses, and the other types in zones 1 to 8.
     pub fn all() -> impl Iterator<Item = Self> {
         BuildingType::ALL.into_iter().flat_map(|building_type| {
-            let zones = match building_type {
-                BuildingType::SingleFamilyHouse => vec![None],
-                _ => (1..=8).map(Some).collect(),
-            };
+            let zones = if building_type.is_house() { vec![None] } else { (1..=8).map(Some).collect() };
             zones.into_iter().map(move |climate_zone| Self { building_type, climate_zone })
         })
     }

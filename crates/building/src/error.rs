@@ -186,6 +186,16 @@ impl Error {
         }
     }
 
+    /// Names the zones of an [`Error::Unsupported`].
+    pub(crate) fn in_zones(self, zones: &[String]) -> Self {
+        match self {
+            Self::Unsupported { class, name, why } if !zones.is_empty() => {
+                Self::Unsupported { class, name, why: format!("{why} (zone `{}`)", zones.join("`, `")) }
+            }
+            other => other,
+        }
+    }
+
     /// An [`Error::Unsupported`] for an object.
     pub fn unsupported(class: &str, name: &str, why: &str) -> Self {
         Self::Unsupported { class: class.to_owned(), name: name.to_owned(), why: why.to_owned() }

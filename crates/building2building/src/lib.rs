@@ -72,6 +72,11 @@ pub use error::{Error, Result};
 #[cfg(target_os = "linux")]
 pub use training::train;
 
+/// The examples for contributors, which are compiled as tests.
+#[cfg(doctest)]
+#[doc = include_str!("../../../CONTRIBUTING.md")]
+struct Contributing;
+
 /// The example in the documentation, which runs as a test.
 #[cfg(doctest)]
 #[doc = include_str!("../../../docs/rust.md")]

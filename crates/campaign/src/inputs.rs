@@ -13,7 +13,7 @@ use anyhow::{Context, Result};
 use b2b_agent::Agent;
 use b2b_benchmark::Problem;
 use b2b_building::import;
-use b2b_climate::{DegreeDays, Site};
+use b2b_climate::{EpwFile, Site};
 use b2b_control::ReactiveParameters;
 use b2b_energyplus::Library;
 use b2b_energyplus::install::{Engine, Quiet};
@@ -191,7 +191,9 @@ fn readers(material: &Material, work: &Path) -> Result<Vec<Reader>> {
     Ok(vec![
         of_file(work, "model", "m.epJSON", model, move |path| import::read(path, &library, false).is_ok())?,
         of_file(work, "weather: site", "w.epw", header, |path| Site::read(path).is_ok())?,
-        of_file(work, "weather: degree days", "w.epw", weather, |path| DegreeDays::read(path).is_ok())?,
+        of_file(work, "weather: degree days", "w.epw", weather, |path| {
+            EpwFile::open(path).is_ok_and(|file| file.degree_days().heating.is_finite())
+        })?,
         of_file(work, "task", "task.json", json(task), |path| Task::read(path).is_ok())?,
         of_file(work, "parameters", "parameters.json", json(parameters), |path| {
             ReactiveParameters::read(path).is_ok()
@@ -202,7 +204,7 @@ fn readers(material: &Material, work: &Path) -> Result<Vec<Reader>> {
             "training configuration",
             "train.toml",
             material.bytes("agent/config.toml")?,
-            |path| TrainConfig::default().with_file(path).is_ok_and(|config| config.check().is_ok()),
+            |path| TrainConfig::default().with_file(path, &[]).is_ok_and(|config| config.check().is_ok()),
         )?,
         of_file(
             work,

@@ -66,6 +66,8 @@ use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 pub use exit_code::ExitCode;
 pub use program::Program;
+pub use rollout::Rollout;
+pub use run::Author;
 
 /// Building simulations as reinforcement-learning environments, powered by EnergyPlus
 #[derive(Parser)]

@@ -3,9 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
-use b2b_base::digest::sha256;
 use b2b_building::RunPeriod;
-use b2b_climate::Place;
+use b2b_climate::{EpwFile, Place};
 use b2b_control::Versions;
 use b2b_dataset::{BuildingName, Catalog};
 use b2b_env::Task;
@@ -111,8 +110,8 @@ fn find_site(catalog: &Catalog, trajectory: &Trajectory, quiet: bool) -> Result<
     let cannot = || format!("cannot prepare {}", subject.name);
     let found = catalog.find(&subject.name, &subject.placement, &mut Download::new(quiet));
     let found = found.with_context(cannot)?;
-    let here = sha256(std::fs::read(&found.weather).with_context(cannot)?);
-    if weather_sha256.as_ref().is_some_and(|there| *there != here) {
+    let weather = EpwFile::open(&found.weather).with_context(cannot)?;
+    if weather_sha256.as_ref().is_some_and(|there| there != weather.sha256()) {
         bail!(
             "the weather of the trajectory, {}, is not that of {} in {}; specify it with --weather",
             trajectory.place,

@@ -1,9 +1,6 @@
 //! Degree-days of a weather file.
 
-use std::path::Path;
-
 use super::site::month_and_dry_bulb;
-use crate::{Error, Result};
 
 /// Base temperature of heating degree-days, °C.
 const HEATING_BASE: f64 = 18.0;
@@ -22,16 +19,11 @@ pub struct DegreeDays {
 }
 
 impl DegreeDays {
-    /// Computes the degree-days of an EPW file.
-    ///
-    /// # Errors
-    /// [`Error::Io`] when the file cannot be read.
-    pub fn read(path: &Path) -> Result<Self> {
-        let bytes = std::fs::read(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
-        let text = String::from_utf8_lossy(&bytes);
+    /// Computes the degree-days of an EPW text.
+    pub fn from_epw(text: &str) -> Self {
         let hours = text.lines().skip(HEADER_LINES).filter_map(month_and_dry_bulb);
         let hours: Vec<f64> = hours.map(|(dry_bulb, _)| dry_bulb).collect();
-        Ok(Self::of_hours(&hours))
+        Self::of_hours(&hours)
     }
 
     /// Degree-days of hourly dry bulbs, °C.

@@ -20,9 +20,9 @@ pub enum Error {
         known.join(", ")
     )]
     UnknownPlace {
-        /// The name that was asked for.
+        /// The requested name.
         name: String,
-        /// The known place it resembles.
+        /// The most similar known place.
         near: Option<&'static str>,
         /// Every known place.
         known: Vec<&'static str>,

@@ -3,6 +3,7 @@
 mod clear_sky;
 mod degree_days;
 pub mod epw;
+mod epw_file;
 mod error;
 mod location;
 mod morph;
@@ -14,6 +15,7 @@ pub mod weather;
 mod zone;
 
 pub use degree_days::DegreeDays;
+pub use epw_file::EpwFile;
 pub use error::{Error, Result};
 pub use location::{Location, WeatherFile};
 pub use morph::{MORPH_VERSION, morph};

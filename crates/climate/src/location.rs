@@ -3,10 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use b2b_base::digest::sha256;
 use b2b_energyplus::install::{Cache, Progress};
 
-use super::{ClimateYear, Place, Region, Site, epw};
+use super::{ClimateYear, EpwFile, Place, Region, Site};
 use crate::{Error, Result};
 
 /// The location of a building: a known place, a region of Québec, or any other place by its weather file.
@@ -33,35 +32,34 @@ pub struct WeatherFile {
     pub site: Site,
     /// The climate of its hours.
     pub year: ClimateYear,
-    /// ASHRAE 169 climate zone: the one that was given, or [`ClimateYear::zone`].
+    /// ASHRAE 169 climate zone: as given by the user, or [`ClimateYear::zone`].
     pub ashrae_zone: String,
 }
 
 impl WeatherFile {
-    /// Reads a weather file. Its climate zone is computed from its hours unless `ashrae_zone` gives it.
+    /// Reads a weather file. Its climate zone is `ashrae_zone`, or computed from the hours.
     ///
     /// # Errors
-    /// [`Error::Io`] when it cannot be read, [`Error::Malformed`] naming what is wrong in it.
+    /// [`Error::Io`] when it cannot be read, [`Error::Malformed`] with the reason.
     pub fn read(path: &Path, ashrae_zone: Option<&str>) -> Result<Self> {
-        let bytes = std::fs::read(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
-        let text = String::from_utf8_lossy(&bytes);
-        epw::check(&text, path)?;
-        let year = ClimateYear::from_epw(&text).ok_or_else(|| Error::Malformed {
+        let file = EpwFile::open(path)?;
+        file.check()?;
+        let year = file.year().ok_or_else(|| Error::Malformed {
             path: path.to_owned(),
             why: "a month has no hours".to_owned(),
         })?;
         Ok(Self {
             path: path.to_owned(),
             name: name(path),
-            sha256: sha256(&bytes),
-            site: Site::from_epw(&text, path)?,
+            sha256: file.sha256().to_owned(),
+            site: file.site()?,
             ashrae_zone: ashrae_zone.map_or_else(|| year.zone(), str::to_owned),
             year,
         })
     }
 }
 
-/// The name of a file without characters that would need quotes in a table.
+/// Name of a file, without characters that need quotes in a table.
 fn name(path: &Path) -> String {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     stem.replace([',', '"', '\n', '\r'], "_")

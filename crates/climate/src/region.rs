@@ -13,7 +13,7 @@ use super::weather::{Place, plain};
 use super::{MORPH_VERSION, morph};
 use crate::{Error, Result};
 
-/// One row per region: its name, its station and the reason for that station.
+/// One row per region: name, station and the reason for its choice.
 const REGIONS: &str = include_str!("../data/quebec_regions.csv");
 /// SHA-256 of the morphed file of each station.
 const MORPHED: &str = include_str!("../data/morphed_sha256.csv");
@@ -54,15 +54,15 @@ impl Region {
     /// Returns its EPW file: the published file of Montréal, or one morphed from it and kept in the cache.
     ///
     /// # Errors
-    /// The errors of [`Place::epw_in`] and [`morph`]; [`Error::Io`] when the cache cannot be written; [`Error::Malformed`] when
-    /// this machine morphs to other bytes than those of the dataset.
+    /// The errors of [`Place::epw_in`] and [`morph`]; [`Error::Io`] when the cache cannot be written;
+    /// [`Error::Malformed`] when this machine computes bytes that differ from the dataset's.
     pub fn epw(&self, cache: &Cache, progress: &mut dyn Progress) -> Result<PathBuf> {
         let mut base = || Place::find(BASE)?.epw_in(cache, progress);
         if self.station.name == BASE_STATION {
             return base();
         }
         let file = self.morphed_file(cache);
-        // A file that was changed is written anew.
+        // A changed file is written again.
         if !std::fs::read(&file).is_ok_and(|text| sha256(text) == self.morphed_sha256()) {
             let base = base()?;
             let text = std::fs::read(&base).map_err(|source| Error::Io { path: base, source })?;
@@ -133,7 +133,7 @@ fn read() -> Vec<Region> {
         .collect()
 }
 
-/// Writes a file atomically, also when other processes write it at the same time.
+/// Writes a file atomically, even while other processes write it.
 fn write(folder: &Path, file: &Path, text: &str) -> Result<()> {
     let at = |source| Error::Io { path: file.to_owned(), source };
     std::fs::create_dir_all(folder).map_err(at)?;
@@ -156,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn every_morphed_file_has_the_bytes_of_the_dataset_and_a_changed_one_is_written_anew() {
+    fn morphed_files_have_the_bytes_of_the_dataset_and_changed_ones_are_written_again() {
         let user = Cache::from_env().unwrap();
         let folder = tempfile::tempdir().unwrap();
         let base = Place::find(BASE).unwrap().epw_in(&user, &mut Quiet).unwrap();

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::clear_sky;
-use crate::{Error, Result};
+use crate::{EpwFile, Error, Result};
 
 /// Depth of the ground temperatures at a foundation, m: the middle set of an EPW header, about the depth of a basement
 /// floor.
@@ -52,19 +52,17 @@ pub struct DesignDay {
     /// Mean wet bulb with the extreme dry bulb, °C; `None` in winter, when sizing days are saturated, and where the
     /// station has no record.
     pub wet_bulb: Option<f64>,
-    /// Optical depths of a clear sky for beam and diffuse irradiance (taub, taud), for the hot design day of stations
-    /// for which they are known.
+    /// Optical depths of a clear sky for beam and diffuse irradiance (taub, taud) on the hot design day, where known.
     pub optical_depths: Option<[f64; 2]>,
 }
 
 impl Site {
-    /// Reads the site from the header of an EPW file.
+    /// Returns the site in the header of an EPW file.
     ///
     /// # Errors
-    /// [`Error::Io`] when the file cannot be read, otherwise those of [`Site::from_epw`].
+    /// [`Error::Io`] when the file cannot be read; the errors of [`Site::from_epw`].
     pub fn read(path: &Path) -> Result<Self> {
-        let bytes = std::fs::read(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
-        Self::from_epw(&String::from_utf8_lossy(&bytes), path)
+        EpwFile::open(path)?.site()
     }
 
     /// Parses the site from an EPW text; `path` is used in error messages.
@@ -312,7 +310,7 @@ mod tests {
     }
 
     #[test]
-    fn design_conditions_that_the_header_lacks_come_from_the_hours() {
+    fn missing_design_conditions_are_computed_from_the_hours() {
         let (before, after) = MONTREAL.split_once("DESIGN CONDITIONS").unwrap();
         let (_, after) = after.split_once('\n').unwrap();
         let mut text = format!("{before}DESIGN CONDITIONS,0\n{after}");

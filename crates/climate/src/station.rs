@@ -169,8 +169,8 @@ mod tests {
         }
     }
 
-    /// By hand for months far from the base, where the spread does not matter; the National Building Code of Canada
-    /// (table C-2) has 4400 for Montréal-Dorval.
+    /// Computed by hand for months far from the base, where the spread does not matter; the National Building Code of
+    /// Canada (table C-2) has 4400 for Montréal-Dorval.
     #[test]
     fn degree_days_sum_shortfalls_below_the_base() {
         let month = |dry_bulb| MonthNormals { dry_bulb, daily_spread: 2.0, ..MonthNormals::default() };

@@ -265,7 +265,7 @@ impl Place {
     }
 }
 
-/// A name reduced to lower-case letters and digits, without French accents.
+/// Reduces a name to lower-case letters and digits, without French accents.
 pub(super) fn plain(name: &str) -> String {
     let letters = name.chars().flat_map(char::to_lowercase);
     letters
@@ -282,8 +282,8 @@ pub(super) fn plain(name: &str) -> String {
         .collect()
 }
 
-/// The known place that a misspelled name resembles: at most a third of the letters differ, or one name begins with the
-/// other.
+/// Returns the known place most similar to a misspelled name: at most a third of the letters differ, or one name begins
+/// with the other.
 fn nearest(wanted: &str) -> Option<&'static str> {
     let distance = |place: &Place| {
         let name = plain(place.name);
@@ -302,7 +302,7 @@ mod tests {
     use b2b_energyplus::install::{Quiet, State};
 
     #[test]
-    fn a_place_is_found_however_it_is_written() {
+    fn a_place_is_found_ignoring_case_accents_and_punctuation() {
         for (name, expected) in [
             ("Denver", "Denver"),
             ("montreal", "Montréal"),

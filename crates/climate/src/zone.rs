@@ -57,17 +57,11 @@ impl ClimateYear {
     /// The thermal zone, 0 to 8 (ASHRAE 169-2020, table A-3).
     fn thermal_zone(&self) -> u32 {
         let (heat, cool) = (self.heating_degree_days, self.cooling_degree_days);
-        match () {
-            () if cool > 6000.0 => 0,
-            () if cool > 5000.0 => 1,
-            () if cool > 3500.0 => 2,
-            () if heat <= 2000.0 => 3,
-            () if heat <= 3000.0 => 4,
-            () if heat <= 4000.0 => 5,
-            () if heat <= 5000.0 => 6,
-            () if heat <= 7000.0 => 7,
-            () => 8,
-        }
+        const COOLING: [f64; 3] = [6000.0, 5000.0, 3500.0];
+        const HEATING: [f64; 5] = [2000.0, 3000.0, 4000.0, 5000.0, 7000.0];
+        let hot = COOLING.iter().position(|limit| cool > *limit);
+        let cold = || HEATING.iter().take_while(|limit| heat > **limit).count() + COOLING.len();
+        hot.unwrap_or_else(cold) as u32
     }
 
     fn moisture(&self, thermal_zone: u32) -> char {

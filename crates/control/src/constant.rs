@@ -2,7 +2,8 @@
 
 use b2b_env::ActionSpace;
 
-use crate::Controller;
+use crate::kind::{self, AnyController, Case};
+use crate::{Controller, Result};
 
 /// Applies the same action at every step.
 #[derive(Clone, Debug)]
@@ -27,5 +28,22 @@ impl Controller for Constant {
 
     fn act(&mut self, _observation: &[f64], action: &mut [f64]) {
         action.copy_from_slice(&self.action);
+    }
+}
+
+/// The kind `constant`.
+pub(crate) struct Kind;
+
+impl kind::Kind for Kind {
+    fn name(&self) -> &'static str {
+        "constant"
+    }
+
+    fn help(&self) -> &'static str {
+        "middle of every actuator's range"
+    }
+
+    fn make(&self, case: &Case<'_>) -> Result<Box<dyn AnyController>> {
+        Ok(Box::new(Constant::middle(case.action)))
     }
 }

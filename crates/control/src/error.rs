@@ -10,7 +10,7 @@ pub enum Error {
     /// A parameter of the reactive controllers outside its bounds.
     #[error(transparent)]
     Parameter(#[from] OutOfBounds),
-    /// A name that no parameter of the reactive controllers has.
+    /// An unknown parameter of the reactive controllers.
     #[error("unknown parameter `{name}` of the reactive controllers; expected one of {}", known.join(", "))]
     UnknownParameter {
         /// The name.
@@ -26,6 +26,34 @@ pub enum Error {
         /// Reason.
         why: String,
     },
+    /// A name that no controller has.
+    #[error("unknown controller `{name}`; expected one of {}", known.join(", "))]
+    UnknownKind {
+        /// The name.
+        name: String,
+        /// The known names.
+        known: Vec<&'static str>,
+    },
+    /// Parameters given to a controller that has none.
+    #[error("the controller `{name}` has no parameters")]
+    NoParameters {
+        /// The controller.
+        name: &'static str,
+    },
+    /// Values that are not those of a controller's parameters.
+    #[error("invalid parameters of a controller: {why}")]
+    Values {
+        /// Reason.
+        why: String,
+    },
+    /// A planner without an episode to try actions on.
+    #[error(
+        "the controller `{name}` plans on copies of an episode; it can run in `b2b run` and in evaluations"
+    )]
+    NeedsEpisode {
+        /// The controller.
+        name: &'static str,
+    },
     /// A file of evaluations of another tuning run, or one that was edited.
     #[error("{path} belongs to another tuning run: {why}; remove it or choose another folder")]
     OtherTuning {
@@ -34,7 +62,7 @@ pub enum Error {
         /// The difference.
         why: String,
     },
-    /// More training buildings requested than there are.
+    /// A request for more training buildings than available.
     #[error("cannot draw {requested} training buildings: {class} has {available}; expected 1 to {available}")]
     TooFewBuildings {
         /// The class.
@@ -44,13 +72,13 @@ pub enum Error {
         /// Requested buildings.
         requested: usize,
     },
-    /// A text that names no objective.
+    /// An unknown objective.
     #[error("unknown objective `{text}`; expected comfort or energy")]
     UnknownObjective {
         /// The text.
         text: String,
     },
-    /// An episode that was lost.
+    /// A lost episode.
     #[error("an episode of {building} was lost: {why}")]
     Lost {
         /// Name of the building.

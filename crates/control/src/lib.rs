@@ -3,6 +3,7 @@
 
 mod constant;
 mod error;
+mod kind;
 mod objective;
 #[cfg(target_os = "linux")]
 mod planner;
@@ -17,6 +18,7 @@ mod versions;
 pub use b2b_env::Controller;
 pub use constant::Constant;
 pub use error::{Error, Result};
+pub use kind::{AnyController, Case, Kind, KindDescription, kind};
 pub use objective::Objective;
 #[cfg(target_os = "linux")]
 pub use planner::{Planner, PlannerParameters};
@@ -25,3 +27,10 @@ pub use reactive::{AirLoopParameters, Gains, Reactive, ReactiveParameters, TrimR
 pub use replay::Replay;
 pub use tuned::{Measured, Tuned};
 pub use versions::{Versions, parameters_hash};
+
+/// The kinds of controllers that need no file.
+#[cfg(target_os = "linux")]
+pub static KINDS: [&dyn Kind; 4] = [&reactive::Kind, &random::Kind, &constant::Kind, &planner::Kind];
+/// The kinds of controllers that need no file.
+#[cfg(not(target_os = "linux"))]
+pub static KINDS: [&dyn Kind; 3] = [&reactive::Kind, &random::Kind, &constant::Kind];

@@ -15,9 +15,9 @@ use crate::Error;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Objective {
-    /// The temperature penalty alone.
+    /// Only the temperature penalty.
     Comfort,
-    /// The temperature penalty and half of the energy relative to τ_E.
+    /// The temperature penalty, plus half of the energy relative to τ_E.
     Energy,
 }
 
@@ -30,7 +30,7 @@ impl Objective {
         if task.energy_weight > 0.0 { Self::Energy } else { Self::Comfort }
     }
 
-    /// Returns the weight of energy w_E for which the set is tuned; that of the paper's tasks.
+    /// Returns the energy weight w_E of the objective, as in the paper's tasks.
     pub fn energy_weight(self) -> f64 {
         match self {
             Self::Comfort => 0.0,
@@ -38,7 +38,7 @@ impl Objective {
         }
     }
 
-    /// Returns a task with the energy term of the objective in place of its own.
+    /// Returns a task with its energy term replaced by the objective's.
     pub fn task(self, task: &Task) -> Task {
         let Task { energy_scale, resource, .. } = Task::default();
         Task { energy_weight: self.energy_weight(), energy_scale, resource, ..task.clone() }

@@ -2,34 +2,39 @@
 //! occupants and physics.
 //!
 //! It varies the actions of the reactive controller. At regular intervals it draws variations for the next few steps,
-//! tries each on a copy of the simulation at its current point, followed by the reactive controller alone, and narrows
-//! the draw to the best: the cross-entropy method (Rubinstein 1999) within a rollout (Bertsekas 1999). The best
-//! variation is carried out up to the next plan. The zero variation is among those tried, so that a plan is no worse
-//! than the reactive controller within its horizon.
+//! tries each on a copy of the simulation at its current point, followed by the unvaried reactive controller, and
+//! narrows the draw to the best: the cross-entropy method (Rubinstein 1999) within a rollout (Bertsekas 1999). The best
+//! variation is carried out up to the next plan. The zero variation is always tried, so a plan is no worse than the
+//! reactive controller within its horizon.
 
+use std::collections::BTreeMap;
+use std::path::Path;
 use std::sync::Arc;
 
-use b2b_env::{ActionSpace, Environment, Result};
+use b2b_building::{Parameter, PreparedBuilding};
+use b2b_env::{ActionSpace, Environment, Result, Task};
 use b2b_workers::{Episode, step_all};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use serde_json::Value;
 
-use crate::{Controller, Reactive};
+use crate::kind::{self, AnyController, Case};
+use crate::{Controller, Error, Reactive, Replay, reactive};
 
 /// Parameters of a [`Planner`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlannerParameters {
     /// Steps that a plan looks ahead.
     pub horizon: usize,
-    /// Steps of a plan that are carried out.
+    /// Steps of a plan that are executed before the next plan.
     pub carried_out: usize,
-    /// Stretches at the beginning of a plan that are varied, each by one number per actuator.
+    /// Number of stretches varied at the beginning of a plan, each by one value per actuator.
     pub stretches: usize,
     /// Steps of a stretch.
     pub stretch: usize,
     /// Variations tried per round.
     pub candidates: usize,
-    /// Number of best variations that the next round is drawn from.
+    /// Number of best variations from which the next round is drawn.
     pub elites: usize,
     /// Rounds per plan.
     pub rounds: usize,
@@ -52,7 +57,7 @@ impl Default for PlannerParameters {
     }
 }
 
-/// Plans the actions of an episode on copies of it.
+/// Plans the actions of an episode on copies of the simulation.
 #[derive(Clone, Debug)]
 pub struct Planner {
     parameters: PlannerParameters,
@@ -73,8 +78,8 @@ impl Planner {
         Self { parameters, reactive, random: ChaCha8Rng::seed_from_u64(seed) }
     }
 
-    /// Resets an episode and plans it step by step. Returns the actions, one row per step, up to `steps` steps. `step` is
-    /// called for each.
+    /// Resets an episode and plans it step by step. Returns the actions, one row per step, up to `steps` steps. `step`
+    /// is called after each step.
     ///
     /// # Errors
     /// The errors of [`Episode`] when a copy cannot be made or an episode is lost.
@@ -190,5 +195,66 @@ fn fit(elites: &[Tried], mean: &mut [f64], spread: &mut [f64]) {
         let values = || elites.iter().map(|tried| tried.variation[index]);
         *mean = values().sum::<f64>() / count;
         *spread = (values().map(|value| (value - *mean).powi(2)).sum::<f64>() / count).sqrt();
+    }
+}
+
+/// The kind `planner`, with the parameters of the reactive controllers that it varies.
+pub(crate) struct Kind;
+
+impl kind::Kind for Kind {
+    fn name(&self) -> &'static str {
+        "planner"
+    }
+
+    fn help(&self) -> &'static str {
+        "cross-entropy planning on copies of the simulation with perfect foresight; minutes per simulated day"
+    }
+
+    fn is_stochastic(&self) -> bool {
+        true
+    }
+
+    fn controls_whole_building(&self) -> bool {
+        true
+    }
+
+    fn plans(&self) -> bool {
+        true
+    }
+
+    fn parameters(&self) -> Vec<Parameter> {
+        reactive::Kind.parameters()
+    }
+
+    fn defaults(&self) -> Value {
+        reactive::Kind.defaults()
+    }
+
+    fn tuned(&self, building: &PreparedBuilding, task: &Task) -> Value {
+        reactive::Kind.tuned(building, task)
+    }
+
+    fn changed(&self, values: Value, changes: &BTreeMap<String, f64>) -> crate::Result<Value> {
+        reactive::Kind.changed(values, changes)
+    }
+
+    fn read(&self, path: &Path) -> crate::Result<Value> {
+        reactive::Kind.read(path)
+    }
+
+    fn make(&self, _: &Case<'_>) -> crate::Result<Box<dyn AnyController>> {
+        Err(Error::NeedsEpisode { name: self.name() })
+    }
+
+    fn plan(
+        &self,
+        case: &Case<'_>,
+        episode: &mut Episode,
+        step: &mut dyn FnMut(),
+    ) -> crate::Result<Option<Box<dyn AnyController>>> {
+        let spaces = case.spaces;
+        let mut planner = Planner::new(PlannerParameters::default(), Reactive::of_case(case)?, case.seed);
+        let actions = planner.plan_episode(episode, spaces.episode_steps(), step)?;
+        Ok(Some(Box::new(Replay::new(actions, spaces.action.len()))))
     }
 }

@@ -4,9 +4,10 @@ use b2b_env::ActionSpace;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::Controller;
+use crate::kind::{self, AnyController, Case};
+use crate::{Controller, Result};
 
-/// Draws actions uniformly within the bounds, independently at every step. Equal seeds give equal actions on every
+/// Draws actions uniformly within the bounds, independently at every step. A seed gives the same actions on every
 /// machine.
 #[derive(Clone, Debug)]
 pub struct Random {
@@ -37,5 +38,26 @@ impl Controller for Random {
         for ((value, low), high) in action.iter_mut().zip(&self.low).zip(&self.high) {
             *value = self.random.random_range(*low..=*high);
         }
+    }
+}
+
+/// The kind `random`.
+pub(crate) struct Kind;
+
+impl kind::Kind for Kind {
+    fn name(&self) -> &'static str {
+        "random"
+    }
+
+    fn help(&self) -> &'static str {
+        "uniform at every step"
+    }
+
+    fn is_stochastic(&self) -> bool {
+        true
+    }
+
+    fn make(&self, case: &Case<'_>) -> Result<Box<dyn AnyController>> {
+        Ok(Box::new(Random::new(case.action, case.seed)))
     }
 }

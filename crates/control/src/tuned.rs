@@ -42,8 +42,8 @@ pub struct Tuned {
 }
 
 /// Measurements of tuned and default parameters on training buildings. A cell is a building under a setpoint mode: the
-/// buildings of the search under `occupancy`, with air loops also under `constant`, those of the validation under `constant` and `occupancy`. Losses are those of
-/// the objective.
+/// buildings of the search under `occupancy`, with air loops also under `constant`, the buildings of the validation
+/// under `constant` and `occupancy`. Losses are the objective's.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Measured {

@@ -17,7 +17,7 @@ pub struct Versions {
     pub generator: String,
     /// Version of EnergyPlus.
     pub engine: String,
-    /// Hash of the parameters of the reactive controllers; empty where a file of an earlier version has none.
+    /// Hash of the reactive controllers' parameters; empty in files of older versions.
     #[serde(default)]
     pub controllers: String,
 }
@@ -33,7 +33,7 @@ impl Versions {
         }
     }
 
-    /// Describes where these versions differ from others, if they do: `dataset v0 (v1 in this program)`.
+    /// Describes the differences from other versions, if any: `dataset v0 (v1 in this program)`.
     pub fn differences(&self, here: &Self) -> Option<String> {
         let pairs = [
             ("package", &self.package, &here.package),

@@ -48,7 +48,7 @@ fn deviations(env: &mut Env, name: &str) -> Vec<f64> {
     }
 }
 
-/// Two winter and two summer days of each type: no severe message, nothing out of bounds, nothing that is no number.
+/// Two winter and two summer days of each type: no severe message, no value out of bounds, no NaN.
 fn every_type_follows(task: &str) {
     for building_type in BuildingType::ALL {
         for period in ["01-03..01-04", "07-04..07-05"] {

@@ -1,11 +1,10 @@
-//! Yearly HVAC energy of buildings of the dataset under the prototypes' own thermostats and schedules: what they use
-//! without a controller.
+//! Yearly HVAC energy of dataset buildings under the prototypes' own thermostats and schedules, without a controller.
 //!
 //! ```sh
 //! cargo run --release -p b2b-dataset --example own_control [ID...]
 //! ```
 //!
-//! Without ids it takes the commercial buildings of the small test, about ten minutes in all. Prints CSV: id, place,
+//! Without ids, it runs the commercial buildings of the small test, in about ten minutes. Prints CSV: id, place,
 //! electricity and gas in kWh per m² of conditioned floor.
 
 use std::error::Error;

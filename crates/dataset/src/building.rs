@@ -80,7 +80,7 @@ impl Building {
     /// The same arguments give the same bytes.
     ///
     /// # Errors
-    /// [`crate::Error::Parameter`] naming the parameter that is out of its bounds; those of [`commercial::generate_in_zone`].
+    /// [`crate::Error::Parameter`] naming the parameter out of bounds; the errors of [`commercial::generate_in_zone`].
     pub fn model(&self, prototype: &Model, site: &Site) -> Result<Model> {
         match self {
             Self::Commercial { building_type, location, parameters } => {

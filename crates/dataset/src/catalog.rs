@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use b2b_building::description::Origin;
 use b2b_building::{BuildingType, Class, Model, PreparedBuilding, import};
-use b2b_climate::{ClimateYear, Place, Site, epw};
+use b2b_climate::{EpwFile, Place, Site};
 use b2b_energyplus::install::{Cache, Engine, Progress};
 use b2b_energyplus::{Host, Library};
 
@@ -26,7 +26,7 @@ pub enum BuildingName {
     Model(PathBuf),
 }
 
-/// The location of a building, if it is not the default, and the permissions of a user's model.
+/// The location of a building, if not the default, and the permissions of a user's model.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Placement {
     /// A known place.
@@ -47,7 +47,7 @@ pub struct Catalog {
     sites: Mutex<HashMap<PathBuf, Arc<Site>>>,
 }
 
-/// A building that was found: its model before sizing, and its weather.
+/// A building of the catalog: its model before sizing, and its weather.
 #[derive(Clone, Debug)]
 pub struct Found {
     /// Its name.
@@ -96,8 +96,8 @@ impl Catalog {
     /// Finds a building. Its weather is downloaded or generated when it is not in the cache.
     ///
     /// # Errors
-    /// [`Error::HasPlace`] and [`Error::NoWeather`] when the placement does not fit the name; those of the weather file
-    /// and the model.
+    /// [`Error::HasPlace`] and [`Error::NoWeather`] when the placement does not fit the name; errors of the weather
+    /// file and the model.
     pub fn find(
         &self,
         name: &BuildingName,
@@ -149,7 +149,8 @@ impl Catalog {
         Ok((place.name.to_owned(), place.epw(progress)?))
     }
 
-    /// A base model is unmodified at its default place and adapted to the climate elsewhere.
+    /// Returns the model of a building. A base model is unmodified at its default place and adapted to the climate
+    /// elsewhere.
     fn model(&self, name: &BuildingName, placement: &Placement, site: &Site) -> Result<Model> {
         let building_type = match name {
             BuildingName::Type(building_type) => *building_type,
@@ -198,7 +199,7 @@ fn remembered<K: Clone + Eq + std::hash::Hash, V>(
 }
 
 impl Found {
-    /// Sizes it and makes it controllable: every system, or the supported ones of a user's model.
+    /// Sizes the building and makes it controllable: every system, or the supported ones of a user's model.
     ///
     /// # Errors
     /// The errors of [`Preparation::run`].
@@ -244,11 +245,7 @@ impl Placement {
             BuildingName::Type(building_type) => *building_type,
         };
         let zone = match &self.weather {
-            Some(_) => {
-                let bytes = std::fs::read(weather)
-                    .map_err(|source| Error::Io { path: weather.to_owned(), source })?;
-                ClimateYear::from_epw(&String::from_utf8_lossy(&bytes)).map(|year| year.zone())
-            }
+            Some(_) => EpwFile::open(weather)?.year().map(|year| year.zone()),
             None => {
                 let home = || Place::find(building_type.home());
                 Some(self.place.map_or_else(home, Ok)?.ashrae_zone.to_owned())
@@ -307,8 +304,7 @@ impl FromStr for BuildingName {
 
 /// Checks a weather file before the engine reads it.
 fn check_weather(path: &Path) -> Result<()> {
-    let bytes = std::fs::read(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
-    epw::check(&String::from_utf8_lossy(&bytes), path)?;
+    EpwFile::open(path)?.check()?;
     Ok(())
 }
 

@@ -8,7 +8,7 @@ use b2b_building::parameter::OutOfBounds;
 /// An error of this crate.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// Text that is not a building id.
+    /// Text that is not a valid building id.
     #[error("unknown building id `{text}`; expected a type and a number, for example OfficeSmall-0042")]
     BuildingId {
         /// The text.
@@ -21,7 +21,7 @@ pub enum Error {
     BuildingNumber {
         /// The type.
         building_type: BuildingType,
-        /// The number, as it was given.
+        /// The number, as given.
         number: String,
         /// The highest number of the type.
         last: u32,
@@ -32,7 +32,7 @@ pub enum Error {
         /// The missing file.
         file: String,
     },
-    /// A parameter of a generated building that is not within its bounds.
+    /// A parameter of a generated building out of bounds.
     #[error(transparent)]
     Parameter(#[from] OutOfBounds),
     /// An invalid value of a parameter.
@@ -60,7 +60,7 @@ pub enum Error {
         /// Every parameter.
         known: String,
     },
-    /// A parameter outside the bounds that the climate of a place sets.
+    /// A parameter out of the bounds set by the climate of a place.
     #[error("{source} in {place} (climate zone {zone}); narrow the range or choose other places")]
     AtPlace {
         /// The place.

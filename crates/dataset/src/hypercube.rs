@@ -7,7 +7,7 @@ use b2b_base::random::{stream, uniform};
 
 /// Returns `count` points of the unit cube, one in each of `count` equal intervals along every axis.
 ///
-/// Axes are independent, and the same name and seed give the same points. The name is that of a [`stream`].
+/// Axes are independent, and the same name and seed give the same points. The name selects a [`stream`].
 pub(super) fn latin_hypercube<const D: usize>(name: &str, seed: u64, count: usize) -> Vec<[f64; D]> {
     let mut points = vec![[0.0; D]; count];
     for axis in 0..D {
@@ -24,10 +24,10 @@ pub(super) fn permutation(name: &str, seed: u64, count: usize) -> Vec<usize> {
     shuffled(count, &mut stream(name, seed, PERMUTATION))
 }
 
-/// The stream of a permutation, distinct from those of axes.
+/// The stream of a permutation, distinct from the axes' streams.
 const PERMUTATION: u64 = 1000;
 
-/// Fisher-Yates shuffle, implemented here because that of `rand` may change between versions.
+/// Fisher-Yates shuffle, implemented here because the one of `rand` may change between versions.
 fn shuffled(count: usize, random: &mut ChaCha8Rng) -> Vec<usize> {
     let mut order: Vec<usize> = (0..count).collect();
     for last in (1..count).rev() {

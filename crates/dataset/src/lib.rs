@@ -9,7 +9,7 @@
 //!
 //! [`Catalog`] finds the model and the weather of a building by its name: a type, an id or a user's model file.
 //!
-//! Results do not depend on the machine: random numbers are from ChaCha8, and the arithmetic is that of IEEE 754 and the
+//! Results do not depend on the machine: random numbers are from ChaCha8, and arithmetic is from IEEE 754 and the
 //! `libm` crate.
 
 pub mod archetype;
@@ -60,8 +60,8 @@ pub struct Row {
 }
 
 impl Row {
-    /// Returns whether the building is in an ASHRAE 169 climate zone, such as `5B`, or in one of those of a number, such as `5`.
-    /// Houses, whose regions have no zone, are in none.
+    /// Returns whether the building is in an ASHRAE 169 climate zone such as `5B`, or in any with a number such as `5`.
+    /// Always `false` for houses, whose regions have no zone.
     pub fn is_in_climate_zone(&self, zone: &str) -> bool {
         let own = self.building.location().ashrae_zone();
         own.is_some_and(|own| own == zone || own.trim_end_matches(char::is_alphabetic) == zone)

@@ -33,7 +33,7 @@ pub enum Kind {
     Flag,
 }
 
-/// A table of buildings; a value that does not apply is empty.
+/// A table of buildings. A value that does not apply is empty.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Manifest {
     /// The columns.
@@ -112,8 +112,7 @@ pub fn manifest<'a>(rows: impl IntoIterator<Item = &'a Row>) -> Manifest {
     Manifest { rows: rows.into_iter().map(|row| in_order(cells(row), &columns)).collect(), columns }
 }
 
-/// Returns the manifest of other buildings, each with its name and without a split. It has the SHA-256 of users' weather
-/// files.
+/// Returns the manifest of buildings outside the dataset, without a split and with the SHA-256 of users' weather files.
 pub fn of_buildings<'a>(buildings: impl IntoIterator<Item = (&'a str, &'a Building)>) -> Manifest {
     let columns = [columns(), WEATHER.to_vec()].concat();
     let row = |(name, building): (&str, &Building)| in_order(cells(name, building), &columns);

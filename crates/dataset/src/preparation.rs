@@ -4,6 +4,7 @@ use std::path::Path;
 
 use b2b_building::import::external;
 use b2b_building::{Class, Model, PreparedBuilding};
+use b2b_climate::EpwFile;
 use b2b_energyplus::Library;
 
 use crate::Result;
@@ -25,8 +26,7 @@ pub struct Preparation {
 }
 
 impl Preparation {
-    /// Sizes the model for a weather file and makes it controllable, or takes the result of an earlier preparation from
-    /// the cache.
+    /// Sizes the model for a weather file and makes it controllable, or returns a cached result.
     ///
     /// # Errors
     /// The errors of [`PreparedBuilding::new`].
@@ -63,7 +63,7 @@ impl Preparation {
         let inputs = (
             concat!(env!("CARGO_PKG_VERSION"), " ", env!("B2B_PREPARATION_SOURCES")),
             library.version(),
-            sha256(std::fs::read(weather).ok()?),
+            EpwFile::open(weather).ok()?.sha256().to_owned(),
             sha256(serde_json::to_vec(model).ok()?),
             files.ok()?,
             (name, class, prototype, own),

@@ -20,9 +20,9 @@ pub fn prepared_folder(cache: &Path) -> PathBuf {
 
 /// A folder of prepared buildings, one sealed JSON file each.
 ///
-/// A file is written aside and renamed, so that processes may share the folder. A file whose digest does not match is
-/// ignored and replaced. Beyond the capacity, the files that were not used for the longest time are removed. Failures to
-/// read or write cost time alone and are not reported.
+/// A file is written aside and renamed, so processes may share the folder. A file whose digest does not match is
+/// ignored and replaced. Beyond the capacity, the least recently used files are removed. Failures to read or write only
+/// cost time and are not reported.
 #[derive(Clone, Debug)]
 pub(crate) struct PreparationCache {
     folder: PathBuf,
@@ -38,7 +38,7 @@ impl PreparationCache {
         (capacity > 0).then_some(Self { folder: prepared_folder(&cache_dir().ok()?), capacity })
     }
 
-    /// Returns the building of a key, if it is there and undamaged, and marks it as used.
+    /// Returns the building of a key if it is cached and intact, and marks it as used.
     pub(crate) fn read(&self, key: &str) -> Option<PreparedBuilding> {
         let path = self.path(key);
         let file = fs::read(&path).ok()?;
@@ -95,7 +95,7 @@ mod tests {
     use super::*;
     use std::time::Duration;
 
-    /// A building that was never sized: what the cache does with it does not depend on that.
+    /// A building that was never sized, which makes no difference to the cache.
     fn building(name: &str) -> PreparedBuilding {
         let empty = serde_json::json!({
             "name": name, "class": null, "prototype": false, "model": {}, "model_sha256": "", "zones": [], "systems": [],

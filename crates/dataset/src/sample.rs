@@ -18,13 +18,13 @@ use b2b_base::random::stream;
 /// Decimals of the commercial parameters, in their order. The window-to-wall ratio of a warehouse is less than 1 %.
 const DECIMALS: [i32; 9] = [4, 4, 4, 4, 5, 4, 4, 4, 1];
 
-/// The stream of the seeds of households, distinct from those of the hypercube.
+/// The stream of the seeds of households, distinct from the hypercube's streams.
 const HOUSEHOLDS: u64 = 2000;
 
-/// The places or regions of a sample.
+/// The places or regions from which a sample is drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Places {
-    /// As in the dataset: the 16 places in the United States, or the regions by their share of the stock.
+    /// Those of the dataset: the 16 places in the United States, or the regions by their share of the stock.
     All,
     /// These places or regions, in equal numbers.
     Named(Vec<String>),
@@ -294,7 +294,7 @@ mod tests {
         for sample in houses(&["year=2015..2020", "foundation=slab", "floor_area=123.45"]) {
             assert!((2015..=2020).contains(&sample.year) && sample.vintage == Vintage::From2013);
             assert_eq!((sample.house.foundation, sample.house.floor_area), (Foundation::Slab, 123.45));
-            // New houses have the insulation of new houses.
+            // New houses are insulated like new houses.
             assert!(sample.house.attic_resistance > 7.0, "{}", sample.house.attic_resistance);
             sample.house.check().unwrap();
         }

@@ -8,7 +8,7 @@ use crate::commercial::CommercialParameters;
 use crate::house::{Foundation, NUMBERS};
 use crate::{Error, Result};
 
-/// Parameters of a house that are not real numbers.
+/// Parameters of a house that are integers or words.
 const HOUSE_CHOICES: [&str; 4] = ["year", "storeys", "foundation", "garage"];
 
 /// A parameter, by its name in the manifest, with a value or a range: `infiltration=0.5..1.2`, `storeys=2` or
@@ -25,7 +25,7 @@ pub struct Setting {
 }
 
 impl Setting {
-    /// A parameter that is drawn from a range, or fixed if both ends are equal.
+    /// Creates a setting for a parameter drawn from a range, or fixed if both ends are equal.
     pub fn range(name: &str, low: f64, high: f64) -> Self {
         let text = if low == high { low.to_string() } else { format!("{low}..{high}") };
         Self { name: name.to_owned(), text, range: Some([low, high]) }
@@ -106,7 +106,7 @@ impl FromStr for Setting {
     }
 }
 
-/// Checks that every setting is of a parameter of the type and none is repeated.
+/// Checks that every setting names a parameter of the type, without repetition.
 pub(super) fn check(settings: &[Setting], building_type: BuildingType) -> Result<()> {
     let known = Setting::names(building_type);
     for (index, setting) in settings.iter().enumerate() {

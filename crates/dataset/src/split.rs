@@ -7,7 +7,7 @@ use b2b_climate::{Location, Place, Region};
 use super::Building;
 use super::hypercube::permutation;
 
-/// One in this many buildings belongs to the test split.
+/// One in `TEST_SHARE` buildings belongs to the test split.
 const TEST_SHARE: usize = 10;
 /// Buildings of the small test.
 const SMALL: usize = 8;
@@ -36,8 +36,8 @@ pub(super) struct Selection {
     pub(super) small: Vec<bool>,
 }
 
-/// Sorted by place, and at random within a place, every tenth building belongs to the test split: 10 % of the buildings of
-/// each place, to within one.
+/// Assigns every tenth building to the test split, in an order sorted by place and random within a place: 10 % of the
+/// buildings of each place, to within one.
 pub(super) fn split(buildings: &[Building], stream: &str) -> Selection {
     let mut order = permutation(stream, 0, buildings.len());
     order.sort_by_key(|&index| rank(&buildings[index]));

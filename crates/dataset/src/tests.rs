@@ -30,7 +30,7 @@ fn the_dataset_has_a_thousand_buildings_of_each_type_and_all_differ() {
 }
 
 #[test]
-fn every_place_has_62_or_63_of_a_type_and_a_tenth_of_them_for_tests() {
+fn every_place_has_62_or_63_buildings_of_a_type_and_a_tenth_are_for_tests() {
     for building_type in commercial() {
         let rows = rows(building_type);
         let places = count(rows.iter().map(|row| row.building.place()));
@@ -68,8 +68,8 @@ fn the_small_test_has_eight_test_buildings_of_a_type_one_in_each_climate_zone() 
     }
 }
 
-/// Nearly half of the homes are empty on a weekday at noon: 0.49 by the time-use diaries of
-/// McKenna, Krawczynski and Thomson (2015), weighted with the sizes of these households.
+/// Nearly half of the homes are empty on a weekday at noon: 0.49 in the time-use diaries of McKenna, Krawczynski and
+/// Thomson (2015), weighted by the sizes of these households.
 #[test]
 fn most_houses_are_empty_at_some_hour_of_the_week() {
     let houses = rows(BuildingType::SingleFamilyHouse).iter().map(|row| match &row.building {
@@ -108,7 +108,7 @@ fn parameters_fill_their_ranges() {
 
 /// `b2b dataset manifest --out crates/dataset/data` writes it.
 #[test]
-fn the_manifest_that_is_checked_in_is_the_one_that_is_generated() {
+fn the_shipped_manifest_equals_the_generated_one() {
     let checked_in = include_str!("../data/v1.csv");
     let generated = manifest(all()).to_csv();
     let different = generated.lines().zip(checked_in.lines()).find(|(new, old)| new != old);
@@ -116,7 +116,7 @@ fn the_manifest_that_is_checked_in_is_the_one_that_is_generated() {
     assert!(generated == checked_in);
 }
 
-/// Parameters are rounded before use: the manifest has every digit that is used.
+/// Parameters are rounded before use, so the manifest has every digit.
 #[test]
 fn the_manifest_shows_every_digit_of_every_parameter() {
     let table = manifest(rows(BuildingType::OfficeSmall));

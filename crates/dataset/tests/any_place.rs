@@ -1,4 +1,4 @@
-//! Buildings at a place that is known by its weather file alone.
+//! Buildings at a place defined only by its weather file.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -20,7 +20,7 @@ fn undesigned(folder: &Path) -> PathBuf {
     path
 }
 
-/// The hours of a typical year hold its extremes to about 2 K, so that sizes are alike; and the models run.
+/// The hours of a typical year include its extremes to within about 2 K, so sizes are similar; and the models run.
 #[test]
 fn a_building_is_sized_by_the_hours_of_a_file_without_design_conditions() {
     let engine = Engine::ensure(&mut Quiet).unwrap();

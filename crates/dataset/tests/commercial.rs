@@ -1,5 +1,4 @@
-//! Properties of generated commercial models, read only from their documents: nothing here calls the code that wrote
-//! them.
+//! Properties of generated commercial models, read from their documents without the code that wrote them.
 
 use std::path::Path;
 use std::sync::OnceLock;
@@ -32,7 +31,7 @@ const POINTS: [[f64; 9]; 6] = [
 ];
 /// ASHRAE 90.1 wall and roof U of zones 1, 3, 5 and 8, Btu/h·ft²·°F.
 const CODE: [[f64; 2]; 4] = [[0.124, 0.048], [0.077, 0.039], [0.055, 0.032], [0.037, 0.028]];
-/// The prototypes round windows and their walls apart by less than this, m.
+/// Rounding error between windows and walls in the prototypes, m.
 const ROUNDING: f64 = 1e-3;
 const SI_PER_IP: f64 = 5.678263;
 
@@ -94,7 +93,7 @@ fn each(mut check: impl FnMut(&str, &Document, &Document, &CommercialParameters,
     }
 }
 
-/// A model as its epJSON text says it.
+/// A model, parsed from its epJSON text.
 struct Document(Map<String, Value>);
 
 type Point = [f64; 3];
@@ -116,13 +115,13 @@ impl Document {
         self.objects("BuildingSurface:Detailed")
     }
 
-    /// Surfaces of a kind with this behind them.
+    /// Surfaces of a kind with a boundary condition.
     fn facing(&self, kind: &str, boundary: &str) -> Vec<&Value> {
         let wanted = |v: &&Value| v["surface_type"] == kind && v["outside_boundary_condition"] == boundary;
         self.surfaces().into_iter().map(|(_, v)| v).filter(wanted).collect()
     }
 
-    /// Glass with the kind of surface it is in.
+    /// Glazing with the kind of its surface.
     fn glass(&self) -> Vec<(&Value, String)> {
         let fenestration = self.objects("FenestrationSurface:Detailed").into_iter().map(|(_, v)| v);
         fenestration
@@ -193,7 +192,7 @@ fn within_a_percent(got: f64, expected: f64, label: &str) {
 }
 
 #[test]
-fn windows_have_the_u_and_the_gain_of_the_parameters_and_skylights_their_own() {
+fn windows_have_the_u_factor_and_gain_of_the_parameters_and_skylights_keep_their_own() {
     each(|label, model, base, parameters, _| {
         let glazing = |document: &Document, fenestration: &Value| -> Value {
             let construction = fenestration["construction_name"].as_str().unwrap();
@@ -320,7 +319,7 @@ fn leakage_scales_in_every_zone_and_doors_only_with_the_floor() {
 }
 
 #[test]
-fn watts_per_floor_area_stay() {
+fn loads_per_floor_area_are_preserved() {
     each(|label, model, base, _, _| {
         for class in ["ElectricEquipment", "GasEquipment", "Exterior:Lights"] {
             for (name, fields) in model.objects(class) {
@@ -332,9 +331,9 @@ fn watts_per_floor_area_stay() {
     });
 }
 
-/// From the outdoor air node that the controller moves, through the wheel, to the mixer; and back from the mixer.
+/// Checks the path from the controlled outdoor air node through the wheel to the mixer, and back from the mixer.
 #[test]
-fn exhaust_air_warms_outdoor_air_where_the_code_asks() {
+fn exhaust_air_warms_outdoor_air_where_the_code_requires_it() {
     each(|label, model, _, _, _| {
         let wheels = model.objects("HeatExchanger:AirToAir:SensibleAndLatent");
         let asked = match label {
@@ -373,7 +372,7 @@ fn the_same_parameters_give_the_same_bytes() {
 }
 
 #[test]
-fn a_parameter_out_of_bounds_is_refused_by_name() {
+fn the_error_for_a_parameter_out_of_bounds_has_its_name() {
     let place = Place::find("Miami").unwrap();
     let (building_type, base) = &bases()[0];
     let good = CommercialParameters::from_unit([0.5; 9], *building_type, "1A").unwrap();

@@ -1,4 +1,4 @@
-//! Descriptions of buildings, held against the engine's own account of them and against their parameters.
+//! Descriptions of buildings, compared with the engine's own report and with their parameters.
 
 use std::collections::HashMap;
 use std::path::PathBuf;
@@ -20,7 +20,7 @@ struct Case {
     library: Library,
 }
 
-/// Bases of the six types where they stand, prepared once.
+/// Base models of the six types at their default places, prepared once.
 fn bases() -> &'static [Case] {
     static BASES: OnceLock<Vec<Case>> = OnceLock::new();
     BASES.get_or_init(|| {
@@ -42,8 +42,7 @@ fn base(building_type: BuildingType) -> &'static Case {
     bases().iter().find(|case| case.building.name == building_type.name()).unwrap()
 }
 
-/// What the engine says of each zone, by its name in capitals: its floor area, volume, gross outer wall and window
-/// areas.
+/// The engine's data for each zone, by name in capitals: floor area, volume, gross exterior wall and window areas.
 fn engine_zones(case: &Case) -> HashMap<String, [f64; 4]> {
     let folder = tempfile::tempdir().unwrap();
     let mut model = case.building.model_for("01-01..01-01".parse::<RunPeriod>().unwrap(), 4);
@@ -70,11 +69,11 @@ fn close(got: f64, expected: f64, tolerance: f64, label: &str) {
     assert!((got - expected).abs() <= tolerance * expected.abs().max(1.0), "{label}: {got}, not {expected}");
 }
 
-/// The engine counts what lies on a ceiling that the model gives from below alone as floor: in plenums, and in the hall
-/// around the warehouse's office. It finds that hall and the next to be 2953 and 35278 m³, because the wall between them
-/// is given backwards: by their plans they are 10880 and 27350.
+/// The engine counts as floor a ceiling that the model gives only from below: in plenums, and in the hall around the
+/// warehouse's office. It computes 2953 and 35278 m³ for this hall and the next, because the wall between them is
+/// reversed; by their plans they have 10880 and 27350 m³.
 #[test]
-fn zones_have_the_areas_and_volumes_that_the_engine_gives_them() {
+fn zones_have_the_engine_s_areas_and_volumes() {
     for case in bases() {
         let engine = engine_zones(case);
         assert_eq!(engine.len(), case.description.zones.len());
@@ -96,7 +95,7 @@ fn zones_have_the_areas_and_volumes_that_the_engine_gives_them() {
 
 /// A hall of 1393.4 by 8.534 m with an office of 236.9 by 4.267 m in its corner.
 #[test]
-fn halls_have_the_volume_of_their_plan_without_the_room_in_them() {
+fn halls_have_the_volume_of_their_plan_minus_the_room_inside() {
     let case = base(BuildingType::Warehouse);
     let zone = |name: &str| case.description.zones.iter().find(|zone| zone.name == name).unwrap();
     close(zone("Zone2 Fine Storage").volume, 1393.41 * 8.534 - 236.9 * 4.267, 1e-3, "fine storage");
@@ -105,7 +104,7 @@ fn halls_have_the_volume_of_their_plan_without_the_room_in_them() {
 }
 
 #[test]
-fn the_envelope_is_what_the_parameters_of_the_dataset_ask_for() {
+fn the_envelope_matches_the_parameters_of_the_dataset() {
     let engine = Engine::ensure(&mut Quiet).unwrap();
     let library = Library::load(&engine.library).unwrap();
     let cache = Cache::from_env().unwrap();
@@ -145,7 +144,7 @@ fn the_envelope_is_what_the_parameters_of_the_dataset_ask_for() {
 
 /// ASHRAE 90.1 in the prototypes' own climate zone: .055 and .032 Btu/h·ft²·°F.
 #[test]
-fn a_prototype_at_home_has_the_walls_and_the_roof_of_its_code() {
+fn a_prototype_at_its_default_place_has_walls_and_roof_of_the_code() {
     let envelope = base(BuildingType::OfficeMedium).description.envelope;
     close(envelope.wall_u.unwrap(), 0.055 * 5.678, 0.02, "wall");
     close(envelope.roof_u.unwrap(), 0.032 * 5.678, 0.02, "roof");
@@ -185,7 +184,7 @@ fn levels_are_counted_by_their_floors() {
 }
 
 #[test]
-fn zones_lie_in_the_box_of_their_building_and_share_area_with_their_neighbours_alone() {
+fn zones_are_inside_the_building_and_share_area_only_with_neighbors() {
     for Case { description, .. } in bases() {
         for zone in &description.zones {
             for axis in 0..3 {
@@ -205,7 +204,7 @@ fn zones_lie_in_the_box_of_their_building_and_share_area_with_their_neighbours_a
 }
 
 #[test]
-fn the_graph_has_a_node_for_every_part_and_edges_that_mean_what_they_say() {
+fn the_graph_has_a_node_for_every_part_and_correct_edges() {
     for Case { building, description, .. } in bases() {
         let morphology = Morphology::of(building, description);
         for node_type in [NodeType::Weather, NodeType::Calendar, NodeType::Energy] {

@@ -12,7 +12,7 @@ use b2b_energyplus::{Event, Library, Run};
 const FAN: &str = "Fan:ZoneExhaust";
 const STEPS_PER_HOUR: usize = 12;
 
-/// Mean flow of every exhaust fan in every hour of a day, kg/s.
+/// Mean flow of every exhaust fan in each hour of a day, kg/s.
 fn flows(model: &Model, weather: &Path, library: &Library) -> Vec<[f64; 24]> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("model.epJSON");

@@ -46,7 +46,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The model and the weather file of the command line, or those of a small office.
+/// The model and weather file given on the command line, or a small office in Denver.
 fn inputs(engine: &Engine) -> Result<(PathBuf, PathBuf), Box<dyn Error>> {
     let arguments: Vec<_> = std::env::args().skip(1).collect();
     if let [model, weather] = arguments.as_slice() {
@@ -61,7 +61,7 @@ fn inputs(engine: &Engine) -> Result<(PathBuf, PathBuf), Box<dyn Error>> {
     ))
 }
 
-/// Names of the zones, from the model as the engine converts it.
+/// Names of the zones in the converted model.
 fn zones(library: &Library, model: &std::path::Path) -> Result<Vec<String>, Box<dyn Error>> {
     let document: serde_json::Value = serde_json::from_str(&library.convert_idf(model)?)?;
     let zones = document["Zone"].as_object().ok_or("the model has no zone")?;

@@ -1,25 +1,26 @@
 //! The line that EnergyPlus prints to standard error when it aborts a run, although console output is off.
 //!
-//! The error that the caller gets says why the run ended, so the line would only add noise to the output of the program. What a
-//! process prints from the last message of an aborted run to its return, a few milliseconds, passes through a file.
+//! The caller's error already says why the run ended, so the line would only add noise. Standard error is redirected to
+//! a file from the last message of an aborted run to its return, a few milliseconds.
 
 use std::fs::File;
 use std::io::{self, Read, Seek, Write};
 use std::os::fd::{AsFd, OwnedFd};
 
-/// The beginning of the last message of a run that is aborted.
+/// Start of the last message of an aborted run.
 const LAST_MESSAGE: &str = "EnergyPlus Terminated--";
 /// The line.
 const LINE: &[u8] = b"Program terminated: EnergyPlus Terminated--Error(s) Detected.\n";
 
-/// Standard error, withheld until drop, which prints it without the line.
+/// Standard error, captured until drop, then printed without the line.
 pub(crate) struct Withheld {
     stderr: OwnedFd,
     file: File,
 }
 
 impl Withheld {
-    /// Withholds standard error if this is the last message of an aborted run. `None` otherwise, and if the file cannot be made.
+    /// Captures standard error if this is the last message of an aborted run. `None` for other messages, or if the file
+    /// cannot be created.
     pub(crate) fn after(message: &str) -> Option<Self> {
         message.trim_start().starts_with(LAST_MESSAGE).then(|| Self::begin().ok())?
     }
@@ -41,7 +42,7 @@ impl Withheld {
 
 impl Drop for Withheld {
     fn drop(&mut self) {
-        // Standard error is there, and if nothing can be printed, nobody can be told.
+        // A failure to restore standard error cannot be reported anywhere.
         let _ = rustix::stdio::dup2_stderr(&self.stderr);
         let _ = self.print();
     }
@@ -59,7 +60,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_the_line_is_left_out() {
+    fn only_the_abort_line_is_suppressed() {
         let text = [b"before\n", LINE, b"after\n"].concat();
         assert_eq!(without_line(&text), b"before\nafter\n");
         assert_eq!(without_line(b"another line\n"), b"another line\n");

@@ -28,8 +28,8 @@ macro_rules! functions {
                 // which only set up its own static data.
                 let library = std::mem::ManuallyDrop::new(unsafe { libloading::Library::new(path)? });
                 Ok(Self {
-                    // SAFETY: the signatures below are those of the engine's C headers (25.2); the
-                    // pointers stay valid because the library is never unloaded.
+                    // SAFETY: the signatures below match the engine's C headers (25.2); the pointers stay valid because
+                    // the library is never unloaded.
                     $($name: unsafe { *library.get(concat!(stringify!($name), "\0").as_bytes())? },)*
                 })
             }

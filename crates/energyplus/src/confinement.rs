@@ -1,7 +1,7 @@
-//! Confinement of a process to what simulating takes, where the kernel has Landlock (Linux 5.13, network from 6.7 on).
+//! Confinement of a process to what a simulation needs, on kernels with Landlock (Linux 5.13; network from 6.7 on).
 //!
-//! A model is data of somebody, and the engine that reads it is native code. A confined process cannot write outside the folders
-//! it is given, run programs, or open TCP connections; the engine may be made to try, but not to succeed.
+//! Models are untrusted data, read by an engine of native code. Whatever a model makes the engine do, a confined
+//! process cannot write outside its folders, run programs, or open TCP connections.
 
 use std::cell::Cell;
 use std::fmt;
@@ -17,9 +17,9 @@ thread_local! {
 /// How far a process is confined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Confinement {
-    /// To the fullest: files, programs and network.
+    /// Fully: files, programs and network.
     Full,
-    /// As far as an older kernel can.
+    /// Partially, on an older kernel.
     Partial,
     /// Not at all: the kernel has no Landlock, or it is switched off.
     None,
@@ -44,8 +44,8 @@ impl fmt::Display for Confinement {
     }
 }
 
-/// Confines this thread, and every thread and process that it starts from here on, to writing in the temporary folder and in the
-/// cache of this package. There is no way back.
+/// Irreversibly confines this thread, and all threads and processes that it starts later, to writing in the temporary
+/// folder and the cache of this package.
 pub fn confine() -> Confinement {
     CONFINED.set(true);
     confine_to(None)
@@ -57,8 +57,8 @@ pub fn confine_with(folder: &Path) -> Confinement {
     confine_to(Some(folder))
 }
 
-/// Runs a function in a confined thread, which may also write to `folder`, and returns its result: in this thread if it is
-/// confined, or else in a thread of its own.
+/// Runs a function in a confined thread, which may also write to `folder`, and returns its result. Starts a thread
+/// unless this one is already confined.
 pub(crate) fn confined<T: Send>(folder: Option<&Path>, function: impl FnOnce() -> T + Send) -> T {
     if CONFINED.get() {
         return function();
@@ -115,7 +115,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_confined_thread_writes_where_it_may_and_neither_runs_programs_nor_connects() {
+    fn a_confined_thread_writes_only_to_its_folders_and_cannot_run_programs_or_connect() {
         let root = tempfile::tempdir().unwrap();
         let [inside, outside] = ["inside", "outside"].map(|name| {
             let path = root.path().join(name);

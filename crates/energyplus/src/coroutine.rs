@@ -67,8 +67,27 @@ pub(crate) enum Outcome {
     Returned(c_int),
 }
 
+/// Registers the callbacks of a run and requests its variables.
+fn register(api: &Api, state: State, stops: Stops, requests: &[(CString, CString)]) {
+    // SAFETY: the state is live, the callbacks are functions of this module with the C signatures the
+    // engine expects, and the strings live through the calls, which copy them.
+    unsafe {
+        (api.setConsoleOutputState)(state, 0);
+        (api.registerErrorCallback)(state, on_error);
+        (api.registerStdOutCallback)(state, on_console);
+        (api.callbackBeginZoneTimeStepBeforeInitHeatBalance)(state, on_begin_zone_step);
+        (api.callbackAfterNewEnvironmentWarmupComplete)(state, on_warmup_complete);
+        if stops.every > 0 || stops.warmup_steps {
+            (api.callbackEndOfZoneTimeStepAfterZoneReporting)(state, on_end_zone_step);
+        }
+        for (name, key) in requests {
+            (api.requestVariable)(state, name.as_ptr(), key.as_ptr());
+        }
+    }
+}
+
 impl EngineRun {
-    /// Prepares a run with these command-line arguments. Nothing is computed before the first resume.
+    /// Prepares a run with these command-line arguments. Computation starts at the first resume.
     pub(crate) fn new(
         library: &Library,
         arguments: &[&str],
@@ -84,7 +103,7 @@ impl EngineRun {
             .collect::<Result<Vec<_>>>()?;
         let stack = DefaultStack::new(STACK_BYTES).map_err(Error::Stack)?;
 
-        // SAFETY: a new state is used by this run alone and deleted in `drop`.
+        // SAFETY: a new state is used only by this run and deleted in `drop`.
         let state = unsafe { (api.stateNew)() };
         let context = Box::new(Context {
             api: Arc::clone(&api),
@@ -98,22 +117,7 @@ impl EngineRun {
             #[cfg(unix)]
             withheld: Cell::new(None),
         });
-        // SAFETY: the state is live, the callbacks are functions of this module with the C signatures the
-        // engine expects, and the strings live through the calls, which copy them.
-        unsafe {
-            (api.setConsoleOutputState)(state, 0);
-            (api.registerErrorCallback)(state, on_error);
-            (api.registerStdOutCallback)(state, on_console);
-            (api.callbackBeginZoneTimeStepBeforeInitHeatBalance)(state, on_begin_zone_step);
-            (api.callbackAfterNewEnvironmentWarmupComplete)(state, on_warmup_complete);
-            if stops.every > 0 || stops.warmup_steps {
-                (api.callbackEndOfZoneTimeStepAfterZoneReporting)(state, on_end_zone_step);
-            }
-            for (name, key) in &requests {
-                (api.requestVariable)(state, name.as_ptr(), key.as_ptr());
-            }
-        }
-
+        register(&api, state, stops, &requests);
         let coroutine = Coroutine::with_stack(stack, move |yielder, ()| {
             let context = CURRENT.get();
             // SAFETY: `resume` set the pointer to the boxed context of this run, which outlives it.

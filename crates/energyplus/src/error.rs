@@ -101,8 +101,7 @@ pub enum Error {
     /// A temporary folder that cannot be used.
     #[error(transparent)]
     TemporaryFolder(#[from] b2b_base::scratch::TemporaryFolderError),
-    /// A process that cannot be copied because it has several threads: the copy would have only one of them, with the locks
-    /// of all.
+    /// A process with several threads, which cannot be copied: the copy would have one thread and every lock.
     #[error("cannot copy a simulation in a process with {threads} threads; expected 1")]
     Threads {
         /// Number of threads.

@@ -68,18 +68,18 @@ impl Library {
     }
 }
 
-/// Keeps other threads of the process out of EnergyPlus while it lives; see [`exclusive`]. A thread gives the lock back when the
-/// last of its own is dropped, in any order.
+/// Keeps other threads of the process out of EnergyPlus while it lives; see [`exclusive`]. A thread releases the lock
+/// when its last guard is dropped, in any order.
 #[must_use]
 #[derive(Debug)]
 pub struct Exclusive {
-    /// It stays in its thread, like the guard of the lock.
+    /// Not `Send`, like the guard of the lock.
     _of_thread: PhantomData<MutexGuard<'static, ()>>,
 }
 
 /// The lock of a thread.
 struct Held {
-    /// Number of [`Exclusive`] of the thread.
+    /// Number of [`Exclusive`] guards held by the thread.
     depth: usize,
     /// The lock, while there are any.
     lock: Option<MutexGuard<'static, ()>>,
@@ -106,7 +106,7 @@ pub fn exclusive() -> Exclusive {
 
 impl Drop for Exclusive {
     fn drop(&mut self) {
-        // A thread that ends may have given its lock back already.
+        // At the end of a thread, the lock may have been released already.
         let _ = HELD.try_with(|held| {
             let mut held = held.borrow_mut();
             held.depth -= 1;
@@ -125,8 +125,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_thread_that_has_the_lock_enters_again_and_keeps_others_out() {
-        // Whichever is dropped first.
+    fn the_lock_is_reentrant_and_excludes_other_threads() {
+        // For either order of drops.
         for is_outer_first in [false, true] {
             let (sender, receiver) = mpsc::channel();
             let mut both = [exclusive(), exclusive()];

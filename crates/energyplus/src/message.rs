@@ -38,8 +38,8 @@ pub struct Message {
     pub text: String,
 }
 
-/// The messages of a run: the counts of each level, and its first texts. A run may repeat a message for months, so the number of
-/// texts is bounded.
+/// The messages of a run: the count per level, and the first texts. A run may repeat a message for months, so the
+/// number of texts is bounded.
 #[derive(Clone, Default, Serialize, Deserialize)]
 pub struct Messages {
     kept: Vec<Message>,
@@ -116,7 +116,7 @@ fn cut(line: &str) -> String {
     if end == line.len() { line.to_owned() } else { format!("{} …", &line[..end]) }
 }
 
-/// The same as [`fmt::Display`], so that an unwrapped error is readable.
+/// The same as [`fmt::Display`], so that the panic message of an `unwrap` is readable.
 impl fmt::Debug for Messages {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{self}")

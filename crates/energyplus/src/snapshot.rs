@@ -18,7 +18,7 @@ use rustix::fs::{FileType, OFlags, SeekFrom};
 
 use crate::{Error, Result, Simulation};
 
-/// The process in which [`Simulation::fork`] returned.
+/// The process in which [`Simulation::fork`] returned: original or copy.
 #[derive(Debug)]
 pub enum Fork {
     /// The original process.
@@ -27,7 +27,7 @@ pub enum Fork {
     Copy(Result<()>),
 }
 
-/// A file being written that a copied process continues to write, in a file of its own.
+/// An open output file that a copied process continues in its own file.
 #[derive(Clone, Copy, Debug)]
 pub struct KeptFile<'a> {
     /// File name, without a folder.
@@ -36,7 +36,7 @@ pub struct KeptFile<'a> {
     pub copy: &'a Path,
 }
 
-/// Returns unused memory to the operating system, such as that of the model text, before a process is copied.
+/// Returns unused memory to the operating system before a process is copied, for example the memory of the model text.
 pub fn give_back_memory() {
     // SAFETY: the allocator releases free memory only; nothing in use moves.
     #[cfg(target_env = "gnu")]
@@ -45,8 +45,8 @@ pub fn give_back_memory() {
     }
 }
 
-/// Moves the memory of this process to large pages (`MADV_COLLAPSE`, Linux 6.1; older kernels refuse, which costs speed
-/// alone). A copy shares the large pages of its original until it writes to them; the kernel then copies them in small
+/// Moves the memory of this process to large pages (`MADV_COLLAPSE`, Linux 6.1; older kernels refuse, which only costs
+/// speed). A copy shares the large pages of its original until it writes to them; the kernel then copies them in small
 /// pages of 4 kB, one fault each. Takes about 10 ms.
 ///
 /// # Errors
@@ -60,7 +60,7 @@ pub fn collapse_pages() -> Result<()> {
     Ok(())
 }
 
-/// Returns the address range in a line of a memory map if it is private, writable, and not of a file.
+/// Returns the address range of a line of a memory map if it is private, writable, and anonymous.
 fn own_memory(line: &str) -> Option<(usize, usize)> {
     let mut fields = line.split_ascii_whitespace();
     let (range, access, inode) = (fields.next()?, fields.next()?, fields.nth(2)?);
@@ -89,9 +89,9 @@ impl Simulation {
     }
 }
 
-/// Prepares this process for being copied: it ignores interrupts of the terminal, which its parent handles, and becomes the
-/// parent of all copies of copies whose own parent has ended. A copy that ends interrupts the wait of this process, which
-/// then reads its exit status.
+/// Prepares this process for being copied. It ignores terminal interrupts, which its parent handles, and adopts copies
+/// of copies whose parent has ended. When a copy ends, the wait of this process is interrupted so that it can read the
+/// exit status.
 ///
 /// # Errors
 /// [`Error::Fork`] if the operating system refuses.
@@ -127,8 +127,8 @@ fn reopen_files(kept: Option<KeptFile<'_>>) -> io::Result<()> {
         .filter_map(|entry| entry.ok()?.file_name().to_str()?.parse().ok())
         .collect();
     for descriptor in descriptors {
-        // SAFETY: the descriptor was open when the folder was read; the one of the folder itself is closed by now,
-        // and a closed one is an error below, not undefined.
+        // SAFETY: the descriptor was open when the folder was read. The descriptor of the folder itself is closed by
+        // now, which is an error below, not undefined behavior.
         let file = unsafe { BorrowedFd::borrow_raw(descriptor) };
         let Ok(status) = rustix::fs::fstat(file) else { continue };
         let path = format!("/proc/self/fd/{descriptor}");
@@ -164,7 +164,7 @@ fn reopen(
     redirect(fresh.as_fd(), file)
 }
 
-/// Returns whether a descriptor is of a file with this name, which may have been removed.
+/// Returns whether a descriptor refers to a file with this name, even if the file has been removed.
 fn is_named(path: &str, name: &str) -> bool {
     let target = std::fs::read_link(path).unwrap_or_default();
     let target = target.to_string_lossy();

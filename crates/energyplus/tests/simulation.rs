@@ -11,7 +11,7 @@ use tempfile::TempDir;
 const ZONE: &str = "Core_ZN";
 const TEMPERATURE: &str = "Zone Mean Air Temperature";
 
-/// A small office over two winter days, in a folder of its own.
+/// A small office over two winter days, in its own folder.
 struct Office {
     library: Library,
     folder: TempDir,
@@ -43,7 +43,7 @@ impl Office {
         self.folder.path().join("office.epJSON")
     }
 
-    /// The first part of a file, one over `parts`, under another name.
+    /// Writes the first `1/parts` of a file under another name.
     fn part_of(&self, file: &Path, parts: usize) -> PathBuf {
         let text = std::fs::read(file).unwrap();
         let part = self.folder.path().join(format!("part.{}", file.extension().unwrap().display()));
@@ -61,7 +61,7 @@ impl Office {
         (simulation, temperature)
     }
 
-    /// The temperature of every step, by its bits.
+    /// Bits of the temperature of every step.
     fn trace(&self) -> Vec<u64> {
         let (mut simulation, temperature) = self.start();
         let mut trace = Vec::new();
@@ -108,7 +108,7 @@ fn a_missing_file_is_reported_by_name() {
 #[test]
 fn a_truncated_file_is_an_error_with_the_messages_of_energyplus() {
     let office = Office::new();
-    // The engine's IDF reader takes half a file for a smaller model; with a tenth there is no building left.
+    // The engine's IDF reader accepts half a file as a smaller model; a tenth contains no building.
     let idf = office.part_of(&office.idf, 10);
     let (model, weather) = (office.part_of(&office.model(), 2), office.part_of(&office.weather, 100));
     let malformed = office.folder.path().join("malformed.epJSON");
@@ -139,7 +139,7 @@ fn an_unknown_actuator_variable_or_meter_is_reported_by_name() {
 }
 
 #[test]
-fn an_uninterrupted_run_is_suspended_around_warm_up_only() {
+fn an_uninterrupted_run_is_suspended_only_around_warm_up() {
     let office = Office::new();
     let mut simulation = office.run().stop_every(0).start(&office.library).unwrap();
     assert_eq!(simulation.advance().unwrap(), Some(Event::WarmedUp));
@@ -187,7 +187,7 @@ fn two_concurrent_threads_equal_a_single_run_bit_for_bit() {
     assert_eq!(traces, [alone.clone(), alone]);
 }
 
-/// Runs in a process of its own, so that an abort is visible and the temporary folder has no other files.
+/// Runs in a separate process, so that an abort is visible and the temporary folder has no other files.
 #[test]
 fn dropping_a_run_neither_aborts_nor_leaves_files() {
     let temporary = tempfile::tempdir().unwrap();

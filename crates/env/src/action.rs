@@ -128,13 +128,13 @@ impl ActionSpace {
     }
 }
 
-/// Maps a value from [-1, 1] to [`low`, `high`], exactly at both ends. Values outside are extrapolated.
+/// Maps a value from [-1, 1] to [`low`, `high`], exact at both ends. Values outside are extrapolated.
 pub fn rescale(value: f64, low: f64, high: f64) -> f64 {
     let share = (value + 1.0) / 2.0;
     low * (1.0 - share) + high * share
 }
 
-/// Returns a value from its bounds to [-1, 1], the inverse of [`rescale`]; 0 if there is nothing between the bounds.
+/// Maps a value from its bounds to [-1, 1], the inverse of [`rescale`]; 0 if the bounds are equal.
 pub fn unscale(value: f64, low: f64, high: f64) -> f64 {
     if high > low { 2.0 * (value - low) / (high - low) - 1.0 } else { 0.0 }
 }
@@ -181,14 +181,14 @@ mod tests {
     }
 
     #[test]
-    fn a_value_that_is_not_finite_is_refused_by_name() {
+    fn the_error_for_a_value_that_is_not_finite_names_the_actuator() {
         let error = space().clamp_into(&[0.1, f64::NAN], &mut [0.0; 2]).unwrap_err().to_string();
         assert!(error.contains("`supply`") && error.contains("NaN") && error.contains("°C"), "{error}");
         assert!(space().clamp_into(&[f64::INFINITY, 20.0], &mut [0.0; 2]).is_err());
     }
 
     #[test]
-    fn an_action_of_the_wrong_length_is_refused() {
+    fn an_action_of_the_wrong_length_is_rejected() {
         let error = space().clamp_into(&[0.1], &mut [0.0; 2]).unwrap_err().to_string();
         assert!(error.contains('1') && error.contains('2'), "{error}");
     }

@@ -9,8 +9,8 @@ use crate::spaces::Spaces;
 
 /// An environment: a building whose HVAC is controlled step by step over a run period.
 ///
-/// [`Env`](crate::Env) runs the engine in this process; an `Episode` of `b2b-workers` runs it in a worker process
-/// of its own. Both give the same numbers, bit for bit. A wrapper implements the trait around another environment.
+/// [`Env`](crate::Env) runs the engine in this process; an `Episode` of `b2b-workers` runs it in its own worker
+/// process. Both give the same bits. A wrapper implements the trait around another environment.
 pub trait Environment {
     /// The building with its observation and action spaces.
     fn spaces(&self) -> &Arc<Spaces>;
@@ -21,11 +21,11 @@ pub trait Environment {
     /// [`Error::Engine`](crate::Error::Engine) with the engine's messages.
     fn reset(&mut self) -> Result<&[f64]>;
 
-    /// Carries out an action for one zone time step.
+    /// Applies an action for one zone time step.
     ///
     /// # Errors
     /// [`Error::ActionNotFinite`](crate::Error::ActionNotFinite) and
-    /// [`Error::ActionLength`](crate::Error::ActionLength) leave the episode as it is;
+    /// [`Error::ActionLength`](crate::Error::ActionLength) leave the episode unchanged;
     /// [`Error::NotReset`](crate::Error::NotReset) without an episode in progress; any other error ends the episode.
     fn step(&mut self, action: &[f64]) -> Result<Step<'_>>;
 
@@ -38,7 +38,7 @@ pub trait Environment {
 pub struct Step<'a> {
     /// State at the end of the step.
     pub observation: &'a [f64],
-    /// The action as carried out, within bounds.
+    /// The action as applied, within bounds.
     pub action: &'a [f64],
     /// Reward by its terms.
     pub reward: Reward,

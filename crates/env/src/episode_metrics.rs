@@ -1,7 +1,7 @@
-//! The metrics of an episode as they are reported.
+//! The reported metrics of an episode.
 //!
-//! One declaration serves every place that writes or reads them: the record of an evaluation (fields), and results
-//! tables, summaries and Python's dictionary (columns).
+//! One declaration serves every reader and writer: the record of an evaluation (fields), and results tables, summaries
+//! and Python's dictionary (columns).
 
 use serde::{Deserialize, Serialize, Serializer};
 
@@ -69,7 +69,7 @@ impl Cell for f64 {
 /// Declares the metrics: field, type, name and unit of the column, and how it follows from [`Metrics`].
 macro_rules! episode_metrics {
     ($($(#[$doc:meta])* $field:ident: $type:ty = $name:literal, $unit:literal, $of:expr;)*) => {
-        /// The metrics of an episode that ran to its end. Means over zones are over those with both heating and cooling.
+        /// The metrics of a complete episode. Means are over the zones with both heating and cooling.
         #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
         pub struct EpisodeMetrics {
             $($(#[$doc])* pub $field: $type,)*
@@ -163,7 +163,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_column_reads_back_what_was_written_to_it_and_nothing_else() {
+    fn every_column_reads_and_writes_only_its_own_field() {
         for column in EpisodeMetrics::COLUMNS {
             let mut metrics = EpisodeMetrics::default();
             (column.set)(&mut metrics, 7.0);

@@ -49,7 +49,7 @@ pub enum Error {
         /// The step, from 1.
         step: usize,
     },
-    /// A system resource that a pool of environments could not get.
+    /// A system resource that could not be created for a pool of environments.
     #[error("cannot create {what}: {source}")]
     Pool {
         /// The resource.
@@ -73,10 +73,10 @@ pub enum Error {
         /// Reason.
         why: String,
     },
-    /// An episode that is asked for a step while it is busy with another.
+    /// A step requested while another one is in progress.
     #[error("a step of the episode is still in progress: receive it first, or reset")]
     Busy,
-    /// A building with more actuators or observation slots than there is room for.
+    /// A building with too many actuators or observation slots.
     #[error("{name} has {width} {what}; the maximum is {maximum}")]
     TooWide {
         /// Name of the building.
@@ -122,7 +122,7 @@ pub enum Error {
     /// An interrupt while waiting.
     #[error("interrupted")]
     Interrupted,
-    /// A slot of the observation or the action that no node of the morphology has.
+    /// A slot of the observation or the action without a node in the morphology.
     #[error("no node in the morphology of {building} has a slot for `{slot}`")]
     SlotWithoutNode {
         /// Name of the slot.
@@ -130,13 +130,13 @@ pub enum Error {
         /// Name of the building.
         building: String,
     },
-    /// A JSON object that is not a task.
+    /// A JSON object that is not a valid task.
     #[error("invalid task: {why}")]
     InvalidTask {
         /// Reason.
         why: String,
     },
-    /// Text that does not name a task.
+    /// Text that is not a valid task.
     #[error(
         "unknown task `{text}`{why}; expected constant, occupancy or random, optionally followed by +deadband or +pmv, by \
          +energyW, +costW, +carbonW or +peakW with a weight W, for example occupancy+energy0.5, by +free-ventilation, by \
@@ -145,10 +145,10 @@ pub enum Error {
     UnknownTask {
         /// The text.
         text: String,
-        /// The part that is wrong or, for the name of a preset of the first version, what it is now.
+        /// The part that is wrong or, for a preset of the original Python implementation, its name here.
         why: String,
     },
-    /// A file that does not hold a task.
+    /// A file without a valid task.
     #[error("{path} is not a valid task: {why}")]
     TaskFile {
         /// The file.

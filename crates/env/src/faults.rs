@@ -1,6 +1,6 @@
 //! Faults of sensors and equipment.
 //!
-//! Faults depend on the seed, the step and the place alone, so that equal tasks have equal faults in every episode.
+//! Faults depend only on seed, step and location, so equal tasks have equal faults in every episode.
 
 use b2b_base::random::{standard_normal, uniform};
 use b2b_building::PreparedBuilding;
@@ -13,13 +13,13 @@ use crate::random::stream;
 
 /// Temperature toward which fouling moves the bounds of supply temperatures, °C.
 const NEUTRAL: f64 = 20.0;
-/// The streams of the biases and of the stuck actuators; those of the noise are the steps.
+/// Streams of biases and stuck actuators. The stream of the noise is the step.
 const BIASES: u64 = u64::MAX;
 const STUCK: u64 = u64::MAX - 1;
 
 /// Faults of sensors and equipment. None by default.
 ///
-/// Rewards and metrics are those of the true temperatures; only the observation has the error of the sensors.
+/// Rewards and metrics use true temperatures; only observations have sensor errors.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Faults {
@@ -29,7 +29,8 @@ pub struct Faults {
     pub noise: f64,
     /// Standard deviation of the bias of the zone temperature sensors, K: constant, drawn for each zone.
     pub bias: f64,
-    /// Probability of an actuator to be stuck, at a value drawn from its range; not even the ventilation interlock moves it.
+    /// Probability that an actuator is stuck at a value drawn from its range. Not even the ventilation interlock moves
+    /// it.
     pub stuck: f64,
     /// Loss of the coils by fouling, 0 to 1: the range of supply air temperatures shrinks by this share toward 20 °C.
     pub fouling: f64,
@@ -90,7 +91,7 @@ impl Impairment {
         Some(Self { seed, noise, biases, bounds })
     }
 
-    /// Limits an action to what the faulty equipment can do.
+    /// Limits an action to the ability of the faulty equipment.
     pub(crate) fn limit(&self, action: &mut [f64]) {
         for (value, [low, high]) in action.iter_mut().zip(&self.bounds) {
             *value = value.clamp(*low, *high);

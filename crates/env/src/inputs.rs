@@ -1,6 +1,6 @@
 //! The inputs of an episode, by their digests.
 
-use b2b_base::digest::sha256;
+use b2b_climate::EpwFile;
 use serde::{Deserialize, Serialize};
 
 use crate::{Error, Result, Spaces};
@@ -18,13 +18,12 @@ impl Inputs {
     /// Computes the digests of an episode's inputs.
     ///
     /// # Errors
-    /// [`Error::Io`] if the weather file cannot be read.
+    /// [`Error::Building`] if the weather file cannot be read.
     pub fn of(spaces: &Spaces) -> Result<Self> {
         let weather = &spaces.episode.weather;
-        let unreadable = |source| Error::Io { path: weather.clone(), source };
         Ok(Self {
             model_sha256: spaces.building.model_sha256.clone(),
-            weather_sha256: sha256(std::fs::read(weather).map_err(unreadable)?),
+            weather_sha256: EpwFile::open(weather).map_err(Error::building)?.sha256().to_owned(),
         })
     }
 }

@@ -1,4 +1,4 @@
-//! Running sums over an episode: key performance indicators modeled on those of BOPTEST.
+//! Running sums over an episode: key performance indicators modeled on BOPTEST's.
 
 use serde::{Deserialize, Serialize};
 
@@ -20,7 +20,7 @@ pub struct ZoneMetrics {
     penalized_squares: f64,
     absolutes: f64,
     steps_outside: usize,
-    /// Steps in which the rewarded deviation was outside the comfort band.
+    /// Steps with a rewarded deviation outside the comfort band.
     penalized_steps_outside: usize,
 }
 
@@ -39,9 +39,9 @@ pub struct Metrics {
     pub electricity: f64,
     /// HVAC gas, with other fuels and district energy, Wh/m².
     pub gas: f64,
-    /// Cost of all at the task's prices, currency/m².
+    /// Total cost at the task's prices, currency/m².
     pub cost: f64,
-    /// Emissions of all at the task's factors, g of CO₂/m².
+    /// Total emissions at the task's factors, g of CO₂/m².
     pub emissions: f64,
     /// Peak electric HVAC demand, averaged over a step, W/m².
     pub peak_electricity: f64,
@@ -55,7 +55,7 @@ pub struct Metrics {
     pub ventilation_overrides: usize,
     /// The controlled zones, in model order.
     pub zones: Vec<ZoneMetrics>,
-    /// Outdoor air of the systems with people in their zones, L/s, and these people, summed over the steps.
+    /// Outdoor air (L/s) and number of people, over the systems with people in their zones and summed over the steps.
     outdoor_air: [f64; 2],
     hours_per_step: f64,
     comfort_band: f64,
@@ -68,8 +68,8 @@ impl ZoneMetrics {
         (self.squares / steps.max(1) as f64).sqrt()
     }
 
-    /// Returns the root mean square of the rewarded deviation over `steps` steps, K: of a zone without cooling that below
-    /// target.
+    /// Returns the root mean square of the rewarded deviation over `steps` steps, K; in a zone without cooling, only
+    /// below target.
     pub fn rms_penalized_deviation(&self, steps: usize) -> f64 {
         (self.penalized_squares / steps.max(1) as f64).sqrt()
     }
@@ -108,7 +108,7 @@ impl Metrics {
         (electricity / self.hours_per_step - self.peak_electricity).max(0.0)
     }
 
-    /// Adds the outdoor air of a step (L/s) and the people whom it reaches.
+    /// Adds the outdoor air of a step (L/s) and the number of people it serves.
     pub(crate) fn add_outdoor_air(&mut self, [flow, people]: [f64; 2]) {
         self.outdoor_air[0] += flow;
         self.outdoor_air[1] += people;
@@ -121,7 +121,7 @@ impl Metrics {
         if people > 0.0 { flow / people } else { 0.0 }
     }
 
-    /// Adds the step that `steps` already counts. `low` and `high` are the bounds of the action.
+    /// Adds a step that is already counted in `steps`. `low` and `high` are the bounds of the action.
     pub(crate) fn add(&mut self, reward: Reward, step: &StepView<'_>, low: &[f64], high: &[f64]) {
         self.episode_return += reward.total();
         self.temperature_penalty += reward.temperature_penalty;
@@ -145,7 +145,7 @@ impl Metrics {
         }
     }
 
-    /// The first action of an episode moves nothing: there is no action before it.
+    /// The first action of an episode has no travel, because there is no previous action.
     fn add_travel(&mut self, action: &[f64], low: &[f64], high: &[f64]) {
         for (actuator, value) in action.iter().enumerate() {
             let range = high[actuator] - low[actuator];
@@ -190,8 +190,8 @@ impl Metrics {
             / days.max(self.hours_per_step / 24.0)
     }
 
-    /// Returns the share of the steps of controlled zones that were in sustained oscillation: ten or more swings of the air
-    /// temperature in a row, each of at least 0.2 K and at most an hour, under one and the same target.
+    /// Returns the share of the steps of controlled zones that were in sustained oscillation: ten or more swings of the
+    /// air temperature in a row, each of at least 0.2 K and at most an hour, under the same target.
     pub fn oscillating_share(&self) -> f64 {
         let steps: usize = self.zones.iter().map(|zone| zone.oscillating_steps).sum();
         steps as f64 / (self.steps * self.zones.len()).max(1) as f64

@@ -12,8 +12,8 @@ use crate::{Error, Result};
 /// The tables are built once; a translation copies values between buffers of the caller and does not allocate. Each slot
 /// of the observation and of the action has one cell in the node arrays.
 ///
-/// Every controlled zone has cells for target and occupancy. With constant targets the observation has no such slots, and
-/// `split` writes the constant target and an occupancy of 1.
+/// Every controlled zone has cells for target and occupancy. With constant targets, the observation has no such slots,
+/// and `split` writes the constant target and an occupancy of 1.
 ///
 /// ```text
 /// decomposition.split(observation, &mut nodes);            // nodes[block.range()]: [nodes of a type, its slots]
@@ -38,7 +38,7 @@ impl Decomposition {
     /// Creates the translations between the spaces of an environment and the morphology of its building.
     ///
     /// # Errors
-    /// [`Error::SlotWithoutNode`] for a slot that no node has.
+    /// [`Error::SlotWithoutNode`] for a slot without a node.
     pub fn new(
         morphology: &Morphology,
         observation_space: &ObservationSpace,
@@ -71,16 +71,16 @@ impl Decomposition {
         Ok(Self { observation, action, observed, constant, acted, nodes })
     }
 
-    /// Returns the same translations for larger arrays, so that arrays of several buildings can be stacked: for layouts that
-    /// [cover](Layout::covering) those of all of them. Rows beyond [`Decomposition::nodes`] are padding:
+    /// Returns the same translations for larger arrays, so that arrays of several buildings can be stacked: for layouts
+    /// that [cover](Layout::covering) all of theirs. Rows beyond [`Decomposition::nodes`] are padding:
     /// [`Decomposition::split`] leaves them unchanged, [`Decomposition::join`] does not read them.
     ///
     /// # Panics
-    /// If a layout does not cover that of this building.
+    /// If a layout does not cover this building's.
     #[must_use]
     pub fn padded(&self, observation: &Layout, action: &Layout) -> Self {
         let moved = |to: &Layout, from: &Layout, cell: &usize| {
-            to.cell_of(from, *cell).expect("the layout covers that of the building")
+            to.cell_of(from, *cell).expect("the layout covers the building's")
         };
         let observed = |cell: &usize| moved(observation, &self.observation, cell);
         Self {
@@ -242,7 +242,7 @@ mod tests {
     }
 
     #[test]
-    fn an_observed_target_is_copied_and_a_missing_one_is_the_constant() {
+    fn an_observed_target_is_copied_and_a_missing_one_is_constant() {
         let slots = vec![
             slot(1, Observed::TargetTemperature),
             slot(0, Observed::AirTemperature),

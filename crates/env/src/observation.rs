@@ -30,7 +30,7 @@ pub struct Slot {
 /// temperature and humidity, time, and the HVAC energy of the step. With setpoints that vary, occupancy and target of every
 /// controlled zone follow, in model order.
 ///
-/// Occupancy and target are those of the next step, whose reward uses them.
+/// Occupancy and target are for the next step, whose reward uses them.
 #[derive(Clone, Debug)]
 pub struct ObservationSpace {
     slots: Vec<Slot>,
@@ -38,7 +38,7 @@ pub struct ObservationSpace {
     constant_target: Option<f64>,
 }
 
-/// Where the target of a zone is found.
+/// Source of the target of a zone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Target {
     /// In this slot of the observation.
@@ -75,6 +75,55 @@ const SHARED: usize = Shared::Gas as usize + 1;
 /// Upper bound of HVAC power, W/m².
 const MAX_POWER: f64 = 1000.0;
 
+/// A slot: name, owner, value, unit, bounds and source.
+type SharedSlot = (&'static str, Owner, Observed, &'static str, (f64, f64), &'static str);
+
+/// The slots that every building has, in the order of [`Shared`].
+const SHARED_SLOTS: [SharedSlot; SHARED] = [
+    (
+        "outdoor air temperature",
+        Owner::Weather,
+        Observed::OutdoorTemperature,
+        "°C",
+        (-60.0, 60.0),
+        "engine: Site Outdoor Air Drybulb Temperature",
+    ),
+    (
+        "outdoor relative humidity",
+        Owner::Weather,
+        Observed::OutdoorHumidity,
+        "%",
+        (0.0, 100.0),
+        "engine: Site Outdoor Air Relative Humidity",
+    ),
+    (
+        "time of day",
+        Owner::Calendar,
+        Observed::TimeOfDay,
+        "h",
+        (0.0, 24.0),
+        "calendar, end of the step, standard time",
+    ),
+    ("day of week", Owner::Calendar, Observed::DayOfWeek, "1", (0.0, 6.0), "calendar, Monday is 0"),
+    ("day of year", Owner::Calendar, Observed::DayOfYear, "1", (1.0, 365.0), "calendar, 1 January is 1"),
+    (
+        "HVAC electricity",
+        Owner::Energy,
+        Observed::Electricity,
+        "Wh/m²",
+        (0.0, f64::INFINITY),
+        "engine: meters of HVAC electricity (Electricity:HVAC without a plant), of the step",
+    ),
+    (
+        "HVAC gas",
+        Owner::Energy,
+        Observed::Gas,
+        "Wh/m²",
+        (0.0, f64::INFINITY),
+        "engine: meters of HVAC gas, other fuels and district energy (NaturalGas:HVAC), of the step",
+    ),
+];
+
 impl ObservationSpace {
     pub(crate) fn of(building: &PreparedBuilding, steps_per_hour: u32, setpoints: &Setpoints) -> Self {
         let energy = MAX_POWER / f64::from(steps_per_hour);
@@ -93,57 +142,11 @@ impl ObservationSpace {
             slot(&name, what, "°C", (-60.0, 90.0), "engine: Zone Mean Air Temperature")
         };
         let mut slots: Vec<_> = building.zones.iter().enumerate().map(zone_temperature).collect();
-        slots.extend([
-            slot(
-                "outdoor air temperature",
-                (Owner::Weather, Observed::OutdoorTemperature),
-                "°C",
-                (-60.0, 60.0),
-                "engine: Site Outdoor Air Drybulb Temperature",
-            ),
-            slot(
-                "outdoor relative humidity",
-                (Owner::Weather, Observed::OutdoorHumidity),
-                "%",
-                (0.0, 100.0),
-                "engine: Site Outdoor Air Relative Humidity",
-            ),
-            slot(
-                "time of day",
-                (Owner::Calendar, Observed::TimeOfDay),
-                "h",
-                (0.0, 24.0),
-                "calendar, end of the step, standard time",
-            ),
-            slot(
-                "day of week",
-                (Owner::Calendar, Observed::DayOfWeek),
-                "1",
-                (0.0, 6.0),
-                "calendar, Monday is 0",
-            ),
-            slot(
-                "day of year",
-                (Owner::Calendar, Observed::DayOfYear),
-                "1",
-                (1.0, 365.0),
-                "calendar, 1 January is 1",
-            ),
-            slot(
-                "HVAC electricity",
-                (Owner::Energy, Observed::Electricity),
-                "Wh/m²",
-                (0.0, energy),
-                "engine: meters of HVAC electricity (Electricity:HVAC without a plant), of the step",
-            ),
-            slot(
-                "HVAC gas",
-                (Owner::Energy, Observed::Gas),
-                "Wh/m²",
-                (0.0, energy),
-                "engine: meters of HVAC gas, other fuels and district energy (NaturalGas:HVAC), of the step",
-            ),
-        ]);
+        slots.extend(SHARED_SLOTS.iter().map(|(name, owner, observed, unit, (low, high), source)| {
+            // The bound of energy depends on the length of a step.
+            let high = if *owner == Owner::Energy { energy } else { *high };
+            slot(name, (*owner, *observed), unit, (*low, high), source)
+        }));
         let constant_target = setpoints.constant_target();
         let has_target =
             |zone: &b2b_building::Zone| constant_target.is_none() && zone.conditioning != Conditioning::None;

@@ -1,23 +1,22 @@
 //! Detection of sustained oscillation of a zone, which indicates a limit cycle.
 
-/// Least change of the air temperature from one turning point to the next that counts as a swing, K: the accuracy that ISO
-/// 7726:1998 (table 2, class C, comfort) calls desirable for an air temperature sensor. A loop that cycles within it does not
-/// show on a thermometer.
+/// Minimum change of the air temperature between turning points that counts as a swing, K: the desirable accuracy of an
+/// air temperature sensor in ISO 7726:1998 (table 2, class C, comfort). A thermometer does not show smaller cycles.
 const SWING: f64 = 0.2;
 
-/// Longest swing of an oscillation, h. The rhythm of days and of occupancy is slower.
+/// Longest swing of an oscillation, h. Daily and occupancy cycles are slower.
 const LONGEST: f64 = 1.0;
 
-/// Swings in a row that make an oscillation sustained: the number of load disturbances within the supervision time by which
-/// Hägglund (*A control-loop performance monitor*, Control Engineering Practice 3(11), 1995) detects one.
+/// Number of consecutive swings in a sustained oscillation: the number of load disturbances within the supervision time
+/// in Hägglund (*A control-loop performance monitor*, Control Engineering Practice 3(11), 1995).
 const SUSTAINED: u32 = 10;
 
 /// Detects sustained oscillation of the air temperature of a zone, step by step.
 ///
-/// A *swing* is the way from one turning point of the temperature to the next, at least [`SWING`] apart; smaller reversals within
-/// it do not count. [`SUSTAINED`] swings in a row, each within [`LONGEST`], under one and the same target, are a sustained
-/// oscillation, of which all steps from the first turning point on count. Hägglund counts zero crossings of the control error
-/// instead; turning points also reveal cycles that are not centered on the target.
+/// A *swing* goes from one turning point of the temperature to the next, at least [`SWING`] apart; smaller reversals
+/// within it do not count. [`SUSTAINED`] consecutive swings, each within [`LONGEST`], under the same target, are a
+/// sustained oscillation. All of its steps from the first turning point on count. Hägglund counts zero crossings of the
+/// control error instead; turning points also reveal cycles that are not centered on the target.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Oscillation {
     /// Steps since the target changed.
@@ -26,13 +25,13 @@ pub(crate) struct Oscillation {
     /// Lowest and highest temperature since the last turning point, and their ages.
     low: Extreme,
     high: Extreme,
-    /// Direction of the swing under way; `None` before the first turning point.
+    /// Direction of the current swing; `None` before the first turning point.
     rises: Option<bool>,
-    /// Age of the turning point at which the swing under way began.
+    /// Age of the turning point at the start of the current swing.
     began: usize,
-    /// Swings in a row that were short enough.
+    /// Consecutive swings within [`LONGEST`].
     swings: u32,
-    /// Their steps that are not counted yet.
+    /// Their steps, not yet counted.
     steps_of_swings: usize,
 }
 
@@ -44,8 +43,9 @@ struct Extreme {
 }
 
 impl Oscillation {
-    /// Adds the temperature at the end of a step, °C, and the target in it. Returns the steps that turn out to be in sustained
-    /// oscillation: none most of the time, and those of a swing or of the first ten where one ends.
+    /// Adds the temperature at the end of a step, °C, and the target of the step. Returns the number of steps newly
+    /// found to be in sustained oscillation: at the end of a swing its steps, or all steps of the first ten swings;
+    /// otherwise 0.
     pub(crate) fn add(&mut self, temperature: f64, target: f64, hours_per_step: f64) -> usize {
         if self.age == 0 || target != self.target {
             *self = Self { target, ..Self::default() };
@@ -58,7 +58,7 @@ impl Oscillation {
         if now.age == 0 || temperature > self.high.temperature {
             self.high = now;
         }
-        // The turning point that this step confirms, if it does.
+        // The turning point confirmed by this step, if any.
         let turn = match self.rises {
             None | Some(false) if temperature - self.low.temperature >= SWING => Some(self.low),
             None | Some(true) if self.high.temperature - temperature >= SWING => Some(self.high),
@@ -71,7 +71,8 @@ impl Oscillation {
         steps
     }
 
-    /// Ends the swing under way at a turning point and begins the next. Returns the steps that turn out to be in oscillation.
+    /// Ends the current swing at a turning point and begins the next. Returns the number of steps newly found to be in
+    /// oscillation.
     fn turn(&mut self, turn: Extreme, hours_per_step: f64) -> usize {
         if self.rises.is_some() {
             let steps = turn.age - self.began;
@@ -108,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cycle_of_half_an_hour_counts_from_its_first_turn_to_its_last_even_beside_the_target() {
+    fn a_half_hour_cycle_counts_from_first_to_last_turn_even_off_target() {
         for target in [21.0, 23.0] {
             let share = share(wave(0.5, 0.5), |_| target);
             assert!((0.95..=1.0).contains(&share), "{share}");
@@ -116,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_small_slow_short_or_follows_the_target_does_not_count() {
+    fn small_slow_short_or_target_following_swings_do_not_count() {
         assert_eq!(share(wave(0.5, 0.09), |_| 21.0), 0.0, "within the accuracy of a thermometer");
         assert_eq!(share(wave(24.0, 3.0), |_| 21.0), 0.0, "the rhythm of the day");
         assert_eq!(share(wave(3.0, 1.0), |_| 21.0), 0.0, "slower than an hour from turn to turn");
@@ -126,14 +127,14 @@ mod tests {
     }
 
     #[test]
-    fn an_oscillation_that_stops_counts_until_it_stops() {
+    fn an_oscillation_counts_until_it_stops() {
         let half = |hour: f64| if hour < 12.0 { wave(0.5, 0.5)(hour) } else { 21.0 };
         let share = share(half, |_| 21.0);
         assert!((0.45..=0.5).contains(&share), "{share}");
     }
 
     #[test]
-    fn noise_on_a_cycle_hides_it_no_more_than_its_own_size() {
+    fn noise_hides_a_cycle_only_by_its_own_amplitude() {
         let noisy = |hour: f64| wave(1.0, 0.5)(hour) + 0.04 * (1000.0 * hour).sin();
         let share = share(noisy, |_| 21.0);
         assert!(share > 0.9, "{share}");

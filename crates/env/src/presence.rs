@@ -1,8 +1,9 @@
 //! People who come and go at random.
 //!
-//! Each person is a chain of two states, present and absent, whose probability of presence is the share of people present by
-//! the schedule of the model (Page et al., *A generalised stochastic model for the simulation of occupant presence*, Energy
-//! and Buildings 40(2), 2008). Where they give a constant ratio of changes to stays, the correlation in time is given here.
+//! Each person is a Markov chain of two states, present and absent, whose probability of presence is the scheduled
+//! share of people in the model (Page et al., *A generalised stochastic model for the simulation of occupant presence*,
+//! Energy and Buildings 40(2), 2008). They set a constant ratio of changes to stays; here, the correlation time is set
+//! instead.
 
 use b2b_base::random::uniform;
 use b2b_building::Model;
@@ -17,9 +18,9 @@ use crate::random::stream;
 /// The first random stream.
 const STREAMS: u64 = 1 << 40;
 
-/// Random presence of people. Off by default: the share of people that the schedules of the model give is present.
+/// Random presence of people. Off by default: people are present according to the schedules of the model.
 ///
-/// The mean number of people is that of the schedules, one step later. Lights and equipment keep their schedules.
+/// The mean number of people follows the schedules, one step later. Lights and equipment keep their schedules.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, expecting = "an object with `hours` and, optionally, `seed`")]
 pub struct Presence {
@@ -50,12 +51,13 @@ pub(crate) struct Attendance {
     groups: Vec<Group>,
 }
 
-/// A group of people, and how many of them are present.
+/// A group of people and the number present.
 #[derive(Debug)]
 struct Group {
     group: PeopleGroup,
     random: ChaCha8Rng,
-    /// Persons, and how many people of the model each stands for: the model may have 8.3 of them.
+    /// Number of simulated persons, and the number of the model's people that each represents: the model may have 8.3
+    /// people.
     persons: u32,
     weight: f64,
     present: u32,
@@ -75,7 +77,7 @@ impl Attendance {
         Ok(Some(Self { seed: presence.seed, correlation: libm::exp(-1.0 / steps), groups }))
     }
 
-    /// The groups that draws are for, in order.
+    /// The groups, in the order of draws.
     pub(crate) fn groups(&self) -> impl Iterator<Item = &PeopleGroup> {
         self.groups.iter().map(|group| &group.group)
     }
@@ -110,8 +112,8 @@ impl Group {
     fn draw(&mut self, scheduled: f64, correlation: f64) -> f64 {
         let next = scheduled.clamp(0.0, 1.0);
         let last = self.probability.replace(next);
-        // Of those present and of those absent, the probability to be present next. Their difference is the correlation,
-        // which is lower where the schedule changes faster than it allows.
+        // Probabilities of presence in the next step, for present and for absent people. Their difference is the
+        // correlation, reduced where the schedule changes faster than it allows.
         let [stays, comes] = match last {
             None => [next; 2],
             Some(last) => {
@@ -125,7 +127,7 @@ impl Group {
             (0..persons).filter(|_| uniform(&mut self.random) < probability).count() as u32
         };
         self.present = count(self.present, stays) + count(self.persons - self.present, comes);
-        // A schedule beyond 1 has more people than the design.
+        // A schedule above 1 has more people than the design.
         f64::from(self.present) * self.weight * scheduled.max(1.0)
     }
 }
@@ -150,9 +152,9 @@ mod tests {
         attendance
     }
 
-    /// 400 people over 20,000 steps: the mean is that of the schedule, and the correlation over an hour e^(-1/2).
+    /// 400 people over 20,000 steps: the mean equals the schedule's, and the correlation over an hour is e^(-1/2).
     #[test]
-    fn the_mean_is_that_of_the_schedule_and_the_correlation_falls_with_time() {
+    fn the_mean_follows_the_schedule_and_the_correlation_falls_with_time() {
         let mut attendance = attendance(400.4, 2.0);
         let steps: Vec<f64> = (0..20_000).map(|_| attendance.draw(0, 0.3) / 400.4).collect();
         let mean = steps.iter().sum::<f64>() / steps.len() as f64;
@@ -166,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn everyone_is_there_or_gone_when_the_schedule_says_so() {
+    fn a_schedule_of_1_or_0_has_everyone_present_or_absent() {
         let mut attendance = attendance(8.3, 24.0);
         for scheduled in [0.0, 1.0, 1.0, 0.0, 0.5, 0.0, 1.5] {
             let people = attendance.draw(0, scheduled);

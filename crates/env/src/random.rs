@@ -1,7 +1,7 @@
 //! Random streams of a seed.
 //!
-//! Setpoints draw from the stream of a zone and day, the noise of sensors from that of a step, other faults from the last two,
-//! and presence from those that start at 2^40.
+//! Setpoints use one stream per zone and day, sensor noise one per step, other faults the last two, and presence the
+//! streams from 2^40 on.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;

@@ -18,7 +18,7 @@ impl Reward {
     }
 }
 
-/// What the HVAC energy of a step costs and emits, by the prices and factors of the task.
+/// Cost and emissions of the HVAC energy of a step, at the task's prices and factors.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Expenses {
     /// Currency/m².
@@ -82,7 +82,7 @@ pub struct ZoneStep {
 }
 
 impl ZoneStep {
-    /// Penalized deviation from target, K: 0 above target where that is not penalized.
+    /// Penalized deviation from target, K; 0 above target if that is not penalized.
     pub fn deviation(&self) -> f64 {
         let deviation = self.temperature - self.target;
         if self.penalize_above_target { deviation } else { deviation.min(0.0) }
@@ -94,7 +94,7 @@ impl ZoneStep {
 /// ```
 /// use b2b_env::{Reward, RewardFunction, StepView};
 ///
-/// /// Penalizes the coldest zone alone.
+/// /// Penalizes only the coldest zone.
 /// #[derive(Debug)]
 /// struct Coldest;
 ///

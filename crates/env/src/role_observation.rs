@@ -1,7 +1,7 @@
-//! Observations of houses in a fixed width, in which a slot means the same in every house.
+//! Observations of houses with a fixed width: a slot has the same meaning in every house.
 //!
-//! Houses have two to four zones. In their own observations the zones are in model order, so the slot of the garage in
-//! one house is that of the outdoor temperature in another. Here, every zone role has its own slot:
+//! Houses have two to four zones. In their own observations the zones are in model order, so the same slot is the
+//! garage in one house and the outdoor temperature in another. Here, every zone role has its own slot:
 //!
 //! | slots | quantity | of a house without the zone, or of a task with constant targets |
 //! |---|---|---|
@@ -13,7 +13,6 @@
 //! The width and the bounds are the same for every house and task. All buildings of a commercial type have the same
 //! zones, so their own observations already agree.
 
-use b2b_building::BuildingType;
 use b2b_building::ZoneRole;
 
 use crate::observation::{Slot, Target};
@@ -25,9 +24,9 @@ const ROLES: usize = ZoneRole::ALL.len();
 /// The value of a slot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum RoleValue {
-    /// That of this slot of the building's own observation.
+    /// Value of this slot of the building's own observation.
     Slot(usize),
-    /// Constant in an episode.
+    /// A constant within an episode.
     Constant(f64),
 }
 
@@ -56,10 +55,10 @@ impl RoleObservation {
     /// Number of slots.
     pub const WIDTH: usize = 2 * ROLES + 9;
 
-    /// Returns the form of a building's observations; `None` for a building that is not one of the generator's houses.
+    /// Returns the role observation of a house; `None` for a building that is not a house of the generator.
     pub fn of(spaces: &Spaces) -> Option<Self> {
         let building = &spaces.building;
-        let is_house = |class: b2b_building::Class| class.building_type == BuildingType::SingleFamilyHouse;
+        let is_house = |class: b2b_building::Class| class.building_type.is_house();
         building.class.filter(|class| is_house(*class))?;
         let roles: Option<Vec<_>> = building.zones.iter().map(|zone| ZoneRole::of_zone(&zone.name)).collect();
         let roles = roles?;
@@ -119,7 +118,7 @@ fn slot(name: String, unit: &'static str, [low, high]: [f64; 2]) -> RoleSlot {
     RoleSlot { name, unit, low, high, value: RoleValue::Constant(0.0) }
 }
 
-/// A slot that is as in the building's own observation.
+/// A slot copied from the building's own observation.
 fn same(index: usize, own: &Slot) -> RoleSlot {
     let Slot { name, unit, low, high, .. } = own;
     RoleSlot { value: RoleValue::Slot(index), ..slot(name.clone(), unit, [*low, *high]) }

@@ -3,7 +3,7 @@
 use std::str::FromStr;
 
 use b2b_base::random::{standard_normal, uniform};
-use b2b_building::{BuildingType, Class};
+use b2b_building::{BuildingType, Class, Day};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
@@ -43,7 +43,7 @@ pub enum Setpoints {
         /// Random seed.
         #[serde(default)]
         seed: u64,
-        /// Distributions to draw from. Default: those of the building type, or of offices for a building without a type.
+        /// Distributions to draw from. Default: the distributions of the building type, or of offices without a type.
         #[serde(default)]
         day: Option<RandomDay>,
     },
@@ -93,31 +93,16 @@ fn summer() -> f64 {
     26.0
 }
 
-const fn hour(mean: f64, deviation: f64, earliest: f64, latest: f64) -> RandomHour {
-    RandomHour { mean, deviation, earliest, latest }
-}
-
 impl RandomDay {
     /// Returns the distributions of the paper's implementation for a building type.
     pub fn of(building_type: BuildingType) -> Self {
-        let shop = hour(9.0, 0.5, 7.0, 11.0);
-        let (arrival, departure, occupied, offset) = match building_type {
-            BuildingType::OfficeSmall | BuildingType::OfficeMedium => {
-                (hour(8.0, 0.5, 6.5, 10.0), hour(17.0, 0.5, 15.0, 20.0), [20.0, 23.0], 3.0)
-            }
-            BuildingType::RestaurantFastFood => (shop, hour(23.0, 0.5, 20.0, 24.0), [20.0, 23.0], 3.0),
-            BuildingType::RetailStandalone => (shop, hour(21.0, 0.5, 18.0, 23.0), [20.0, 23.0], 3.0),
-            BuildingType::Warehouse => {
-                (hour(6.5, 0.5, 5.0, 9.0), hour(18.0, 0.5, 15.0, 21.0), [18.0, 22.0], 4.0)
-            }
-            BuildingType::SingleFamilyHouse => {
-                (hour(7.0, 1.0, 5.0, 10.0), hour(22.0, 1.0, 19.0, 24.0), [20.0, 23.0], 3.0)
-            }
-        };
-        Self { arrival, departure, occupied, offset }
+        let Day { arrival, departure, occupied, offset } = building_type.data().day;
+        let hour =
+            |[mean, deviation, earliest, latest]: [f64; 4]| RandomHour { mean, deviation, earliest, latest };
+        Self { arrival: hour(arrival), departure: hour(departure), occupied, offset }
     }
 
-    /// Returns the distributions for the type of a class; those of offices for `None`.
+    /// Returns the distributions for the type of a class; offices for `None`.
     pub(crate) fn of_class(class: Option<Class>) -> Self {
         Self::of(class.map_or(BuildingType::OfficeSmall, |class| class.building_type))
     }
@@ -219,8 +204,8 @@ impl Targets {
         }
     }
 
-    /// Returns whether a zone counts as occupied at a moment, and its target, °C. `people`: whether anyone is in the zone
-    /// in the simulation; random setpoints ignore it, as they draw occupancy.
+    /// Returns whether a zone counts as occupied at a moment, and its target, °C. `people`: whether the simulated zone
+    /// has people; ignored by random setpoints, which draw occupancy.
     pub(crate) fn at(&mut self, zone: usize, moment: Moment, people: bool) -> (bool, f64) {
         match self.setpoints {
             Setpoints::Constant { target } => (people, target),
@@ -246,7 +231,7 @@ impl Targets {
 }
 
 impl RandomDay {
-    /// Draws the plan of a zone and day from a random stream of its own.
+    /// Draws the plan of a zone and day from its own random stream.
     fn draw(&self, seed: u64, zone: usize, day_of_year: u32) -> Plan {
         let mut random = stream(seed, zone as u64 * 1000 + u64::from(day_of_year));
         let arrival = self.arrival.draw(&mut random);
@@ -286,7 +271,7 @@ mod tests {
         }
     }
 
-    /// Checks limits and means of a season's plans, and that zones and days are drawn independently.
+    /// Checks limits and means of a season's plans, and the independence of zones and days.
     #[test]
     fn random_days_follow_their_distributions() {
         let of = RandomDay::of(BuildingType::Warehouse);
@@ -318,7 +303,7 @@ mod tests {
     }
 
     #[test]
-    fn a_random_target_is_a_function_of_seed_zone_and_moment_alone() {
+    fn a_random_target_depends_only_on_seed_zone_and_time() {
         let random = |seed: u64| Targets::new(&Setpoints::Random { seed, day: None }, None, 5);
         let (mut forward, mut backward) = (random(3), random(3));
         let moments: Vec<_> =

@@ -1,4 +1,4 @@
-//! The definition of an episode, and the spaces that follow from it.
+//! The definition of an episode and its spaces.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -14,7 +14,7 @@ use crate::{Error, Result};
 /// Zone time steps per hour that the engine accepts.
 const STEPS_PER_HOUR: [u32; 12] = [1, 2, 3, 4, 5, 6, 10, 12, 15, 20, 30, 60];
 
-/// The definition of an episode apart from the building.
+/// The definition of an episode, without the building.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EpisodeConfig {
     /// Weather file (EPW).

@@ -11,14 +11,14 @@ use crate::spaces::Spaces;
 pub struct Trajectory {
     /// Observations at the ends of the steps.
     pub observations: Vec<f64>,
-    /// Actions as carried out, within bounds.
+    /// Actions as applied, within bounds.
     pub actions: Vec<f64>,
     /// Temperature and energy penalty of each step.
     pub penalties: Vec<[f64; 2]>,
 }
 
 impl Trajectory {
-    /// An empty trajectory with room for an episode.
+    /// Creates an empty trajectory with capacity for an episode.
     pub fn for_episode(spaces: &Spaces) -> Self {
         let steps = spaces.episode_steps();
         Self {

@@ -1,24 +1,25 @@
 //! The ventilation interlock, which ensures outdoor air for the people in a building regardless of the action.
 
 use b2b_building::PreparedBuilding;
-use b2b_building::hvac::{AirLoop, System, SystemLayout, Unitary};
+use b2b_building::hvac::{System, SystemLayout};
 use serde::{Deserialize, Serialize};
 
 /// Outdoor air that a task requires.
 ///
-/// While a zone of a system is occupied, its *design minimum* of outdoor air is required: the minimum flow of the model's
-/// outdoor air controller as sized, or what its zones require under mechanical ventilation
-/// ([`b2b_building::hvac::Ventilation`]), which follow ASHRAE 62.1 in the prototypes. The zones are
-/// those in which the model had people at the end of the previous step, so that a system follows within one step
-/// (ASHRAE 62.1 averages over short-term conditions).
+/// While a zone of a system is occupied, its *design minimum* of outdoor air is required: the minimum flow of the
+/// model's outdoor air controller as sized, or the requirement of its zones under mechanical ventilation
+/// ([`b2b_building::hvac::Ventilation`]), which follows ASHRAE 62.1 in the prototypes. A zone is occupied if the model
+/// had people in it at the end of the previous step, so a system follows within one step (ASHRAE 62.1 averages over
+/// short-term conditions).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Ventilation {
-    /// An interlock raises commands to the design minimum of outdoor air while a zone of the system is occupied: the supply
-    /// flow of a unit, the dampers and the outdoor air of a central air loop. While none is, outdoor air may be zero.
+    /// An interlock raises commands to the design minimum of outdoor air while a zone of the system is occupied: the
+    /// supply flow of a unit, the dampers and the outdoor air of a central air loop. Otherwise, outdoor air may be
+    /// zero.
     #[default]
     Code,
-    /// Nothing is required (as in the paper): outdoor air follows the schedules of the model and the commands.
+    /// No requirement (as in the paper): outdoor air follows the schedules of the model and the commands.
     Free,
 }
 
@@ -31,7 +32,7 @@ pub(crate) struct Interlock {
 /// Lower limits of the actions of one system.
 #[derive(Debug)]
 struct Limits {
-    /// Its zones, among the controlled zones.
+    /// Its zones, as indices of controlled zones.
     zones: Vec<usize>,
     /// Indices of actions with their lower limits.
     lower: Vec<(usize, f64)>,
@@ -58,24 +59,11 @@ impl Interlock {
 }
 
 impl Limits {
-    fn of(system: &System, layout: &SystemLayout) -> Option<Self> {
+    fn of(system: &dyn System, layout: &SystemLayout) -> Option<Self> {
         let minimum = system.ventilation()?.min_outdoor_air;
-        let first = layout.actions.start;
-        let lower = match system {
-            System::Unitary(unit) => vec![(first + Unitary::FLOW, minimum.min(unit.flow.high))],
-            System::AirLoop(air_loop) => air_loop_limits(air_loop, minimum, first),
-            System::HeatingOnly(_) => return None,
-        };
+        let limits = system.outdoor_air_limits().into_iter();
+        let lower = limits.map(|(actuator, lower)| (layout.actions.start + actuator, lower)).collect();
         let zones = layout.zones.iter().map(|zone| zone.controlled).collect();
         (minimum > 0.0).then_some(Self { zones, lower })
     }
-}
-
-/// Returns the limits of an air loop: its outdoor air, and a common opening of all dampers that passes it.
-fn air_loop_limits(air_loop: &AirLoop, minimum: f64, first: usize) -> Vec<(usize, f64)> {
-    let minimum = minimum.min(air_loop.fan_flow);
-    let design: f64 = air_loop.terminals.iter().map(|terminal| terminal.design_flow).sum();
-    let opening = (minimum / design).min(1.0);
-    let dampers = (0..air_loop.terminals.len()).map(|terminal| (first + AirLoop::damper(terminal), opening));
-    std::iter::once((first + AirLoop::OUTDOOR_AIR, minimum)).chain(dampers).collect()
 }

@@ -4,7 +4,7 @@ use b2b_building::{Conditioning, PreparedBuilding};
 
 use crate::task::{HeatingOnlyZones, Task};
 
-/// A controlled zone and how a task judges it.
+/// A controlled zone and how a task rewards it.
 #[derive(Clone, Copy, Debug)]
 pub struct ControlledZone {
     /// Index of the zone in the building, which is also the slot of its air temperature in the observation.

@@ -1,4 +1,4 @@
-//! A step allocates nothing, whatever the task: Rust's allocations are counted, and the engine has its own.
+//! A step allocates nothing, for any task. Only Rust's allocations are counted, not the engine's.
 
 #[path = "env/case.rs"]
 mod case;
@@ -19,12 +19,12 @@ static COUNT: AtomicUsize = AtomicUsize::new(0);
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         COUNT.fetch_add(1, Ordering::Relaxed);
-        // SAFETY: the caller keeps what `alloc` asks for.
+        // SAFETY: the caller upholds the contract of `alloc`.
         unsafe { System.alloc(layout) }
     }
 
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: the pointer is of `System`, as every one that `alloc` gave.
+        // SAFETY: the pointer is from `System`, like every pointer that `alloc` returned.
         unsafe { System.dealloc(pointer, layout) }
     }
 }
@@ -36,7 +36,7 @@ fn messages(env: &Env) -> usize {
     [Level::Info, Level::Warning, Level::Severe].map(|level| env.message_count(level)).iter().sum()
 }
 
-/// From the second day on, over a midnight: the engine's first steps fill what it keeps.
+/// Measured from the second day on, across a midnight, because the first steps fill the engine's buffers.
 #[test]
 fn a_step_allocates_nothing() {
     let case = Case::at_home(BuildingType::OfficeSmall);
@@ -57,7 +57,7 @@ fn a_step_allocates_nothing() {
             let before = COUNT.load(Ordering::Relaxed);
             env.step(action).unwrap();
             let count = COUNT.load(Ordering::Relaxed) - before;
-            // What the engine says is kept, and takes room.
+            // Messages of the engine are stored, which allocates.
             if messages(&env) == said {
                 counts.push((step, count));
             }

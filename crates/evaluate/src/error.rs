@@ -54,7 +54,8 @@ pub enum Error {
     },
     /// An unknown policy.
     #[error(
-        "unknown policy `{text}`; expected reactive, random, constant, planner, the folder of an agent or an ONNX file (.onnx)"
+        "unknown policy `{text}`; expected {}, the folder of an agent or an ONNX file (.onnx)",
+        b2b_control::KINDS.map(b2b_control::Kind::name).join(", ")
     )]
     UnknownPolicy {
         /// The name given.
@@ -130,6 +131,9 @@ pub enum Error {
     /// An environment failed.
     #[error(transparent)]
     Env(#[from] b2b_env::Error),
+    /// A controller that cannot be made.
+    #[error(transparent)]
+    Control(Box<b2b_control::Error>),
     /// An agent that cannot be read, or not act in a building.
     #[error(transparent)]
     Agent(#[from] b2b_agent::Error),
@@ -152,6 +156,12 @@ pub enum Error {
 impl From<b2b_dataset::Error> for Error {
     fn from(error: b2b_dataset::Error) -> Self {
         Self::Building(Box::new(error))
+    }
+}
+
+impl From<b2b_control::Error> for Error {
+    fn from(error: b2b_control::Error) -> Self {
+        Self::Control(Box::new(error))
     }
 }
 

@@ -15,13 +15,13 @@
 /// A baseline of 0 requires a comfort deadband that the reactive controllers never leave, and no weight on energy. There
 /// is no score if either return is not a number.
 pub fn normalized_score(episode_return: f64, baseline: f64) -> Option<f64> {
-    let defined = baseline <= 0.0 && !episode_return.is_nan();
-    defined.then(|| match () {
-        () if baseline < 0.0 => episode_return / baseline,
-        () if episode_return == 0.0 => 1.0,
-        () if episode_return < 0.0 => f64::INFINITY,
-        () => f64::NEG_INFINITY,
-    })
+    if baseline.is_nan() || baseline > 0.0 || episode_return.is_nan() {
+        return None;
+    }
+    if baseline < 0.0 {
+        return Some(episode_return / baseline);
+    }
+    Some(if episode_return == 0.0 { 1.0 } else { f64::INFINITY * -episode_return.signum() })
 }
 
 /// Deviation that a score resolves, K: the accuracy that ISO 7726:1998 (table 2, class C, comfort) calls desirable for an air

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use b2b_base::digest::sha256;
 use b2b_building::Class;
-use b2b_climate::{ClimateYear, Place};
+use b2b_climate::{EpwFile, Place};
 use b2b_dataset::{BuildingName, Catalog, Found, Placement};
 use b2b_energyplus::install::Progress;
 
@@ -91,11 +91,7 @@ impl Subject {
         };
         let climate_zone = match listed {
             Some(zone) => zone.to_owned(),
-            None => {
-                let bytes = std::fs::read(&found.weather).map_err(at(&found.weather))?;
-                let year = ClimateYear::from_epw(&String::from_utf8_lossy(&bytes));
-                year.map(|year| year.zone()).unwrap_or_default()
-            }
+            None => EpwFile::open(&found.weather)?.year().map(|year| year.zone()).unwrap_or_default(),
         };
         Ok(SiteInfo { place: found.place.clone(), climate_zone })
     }

@@ -6,10 +6,10 @@ use super::workers::Workers;
 use b2b_env::{Error, Result};
 
 /// Waits until at least `count` of the busy episodes have finished, and lists their indices in `ready`. All must belong
-/// to one set of [`Workers`]. [`Episode::last_step`] has the outcome of each.
+/// to the same [`Workers`]. [`Episode::last_step`] returns each outcome.
 ///
-/// Together with [`Episode::send`], this steps several episodes asynchronously: the others continue while those that
-/// are ready receive their next actions.
+/// Together with [`Episode::send`], this steps several episodes asynchronously: ready ones receive their next actions
+/// while the others continue.
 ///
 /// # Errors
 /// [`Error::Interrupted`]; the episodes continue.
@@ -22,11 +22,11 @@ pub fn recv(episodes: &mut [Episode], count: usize, ready: &mut Vec<usize>) -> R
     Ok(())
 }
 
-/// Makes one step of every episode. `actions` has the actions of all episodes, one after another.
+/// Steps every episode once. `actions` has the concatenated actions of all episodes.
 ///
 /// # Errors
-/// [`Error::ActionLength`] and those of [`Episode::send`] before any is sent; [`Error::Lost`] when one is lost;
-/// [`Error::Interrupted`].
+/// [`Error::ActionLength`] and the errors of [`Episode::send`] before any action is sent; [`Error::Lost`] when an
+/// episode is lost; [`Error::Interrupted`].
 pub fn step_all(episodes: &mut [Episode], actions: &[f64]) -> Result<()> {
     let width = |episode: &Episode| episode.known_spaces().action.len();
     let expected = episodes.iter().map(width).sum();
@@ -49,7 +49,7 @@ pub fn step_all(episodes: &mut [Episode], actions: &[f64]) -> Result<()> {
     episodes.iter().try_for_each(|episode| episode.last_step().map(|_| ()))
 }
 
-/// Waits until at least `count` of these episodes are not busy.
+/// Waits until at least `count` of these episodes are idle.
 pub(super) fn wait(episodes: &mut [Episode], count: usize) -> Result<()> {
     let Some(workers) = episodes.first().map(|episode| episode.workers().clone()) else { return Ok(()) };
     let count = count.min(episodes.len());
@@ -61,8 +61,8 @@ pub(super) fn wait(episodes: &mut [Episode], count: usize) -> Result<()> {
     }
 }
 
-/// Sleeps until `count` of these are not busy, or something else has happened since `done`, which is to be read before
-/// looking at any. How many are not busy; an item without an episode is not.
+/// Sleeps until `count` of these episodes are idle or another event has happened since `done`, which must be read
+/// before checking any of them. Returns the number of idle episodes, not counting items without an episode.
 pub(super) fn rest<T>(
     workers: &Workers,
     items: &mut [T],
@@ -82,7 +82,7 @@ pub(super) fn rest<T>(
     if starting {
         workers.lock().advance_all();
     }
-    // A template that is ready, or done with copies, is an event of its own; steps are waited for together.
+    // A template that becomes ready or has finished its copies is a separate event; steps are awaited together.
     workers.region().sleep(done, if starting { 1 } else { (count - ready) as u32 }, LOOK);
     let look = workers.lock().check_is_due();
     if look {

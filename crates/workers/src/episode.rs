@@ -16,15 +16,15 @@ use super::time_limit::TimeLimit;
 use super::workers::Workers;
 use b2b_env::{Error, Expenses, Metrics, Result, Reward, Spaces, Step, from_numbers};
 
-/// Copies of a template that may be lost before they attach, before the episode is.
+/// Copies of a template that may be lost before attaching until the episode is lost.
 const FAILED_STARTS: u32 = 3;
 
 /// An environment in a worker process, which it owns: dropping it ends the process.
 ///
 /// - [`reset`](b2b_env::Environment::reset) copies the template of its setting, within milliseconds.
-/// - [`Episode::snapshot`], [`Episode::restore`] and [`Episode::branch`] copy the process in the middle of an episode;
-///   every copy continues bit for bit.
-/// - A crash of the engine, a kill or a hang is [`Error::Lost`] with the reason; a reset begins anew.
+/// - [`Episode::snapshot`], [`Episode::restore`] and [`Episode::branch`] copy the process mid-episode; every copy
+///   continues bit for bit.
+/// - A crash of the engine, a kill or a hang is [`Error::Lost`] with the reason; a reset recovers.
 /// - [`Episode::begin`] and [`Episode::send`] do not wait, and [`recv`](super::recv) waits for several at once.
 ///
 /// A step allocates nothing, except at the end of an episode.
@@ -36,7 +36,7 @@ pub struct Episode {
     options: EpisodeOptions,
     place: Option<Place>,
     phase: Phase,
-    /// Copies that were made for the episode and never attached.
+    /// Copies made for the episode that never attached.
     failed_starts: u32,
     observation: Vec<f64>,
     action: Vec<f64>,
@@ -46,12 +46,12 @@ pub struct Episode {
     report: Option<EpisodeReport>,
 }
 
-/// Where an episode is.
+/// State of an episode.
 #[derive(Clone, Debug, PartialEq)]
 enum Phase {
     /// Before its first reset.
     New,
-    /// Waits for a copy of its template; once that was made, within a limit.
+    /// Waits for a copy of its template, within a limit once the copy was made.
     Starting(Option<TimeLimit>),
     /// Ready for an action.
     Ready,
@@ -59,7 +59,7 @@ enum Phase {
     Stepping(TimeLimit),
     /// At its end.
     Truncated,
-    /// Gone, and why.
+    /// Lost, with the reason.
     Lost(String),
 }
 
@@ -105,7 +105,7 @@ impl Episode {
         self.options = options;
     }
 
-    /// Begins an episode as [`reset`](b2b_env::Environment::reset) does, but does not wait for its first observation.
+    /// Begins an episode like [`reset`](b2b_env::Environment::reset), without waiting for its first observation.
     ///
     /// # Errors
     /// [`Error::Pool`] when no process can be started.
@@ -124,7 +124,7 @@ impl Episode {
         Ok(())
     }
 
-    /// Gives an action to an episode that is ready, and does not wait for the step.
+    /// Sends an action to a ready episode, without waiting for the step.
     ///
     /// # Errors
     /// [`Error::ActionLength`] and [`Error::ActionNotFinite`] before anything is sent; [`Error::NotReset`];
@@ -147,8 +147,8 @@ impl Episode {
         Ok(slot)
     }
 
-    /// Requests a fragment of about `steps` steps from the worker's [`Runner`](super::Runner) of a kind, without waiting for it.
-    /// An order that is too long for shared memory, as that of an agent of a large building may be, passes through a file.
+    /// Requests a fragment of about `steps` steps from the worker's [`Runner`](super::Runner) of a kind, without waiting for
+    /// it. An order too long for shared memory, for example an agent of a large building, passes through a file.
     ///
     /// # Errors
     /// [`Error::NotReset`]; [`Error::Busy`]; [`Error::Lost`]; [`Error::Io`] when the file cannot be written.
@@ -165,7 +165,7 @@ impl Episode {
             Command::LongFragment
         };
         self.workers.region().command(slot, command);
-        // A step alone is a hundred times quicker than its limit.
+        // A step is a hundred times faster than its limit.
         let limit = self.workers.step_time_limit() * (1 + steps as u32 / 100);
         self.phase = Phase::Stepping(TimeLimit::new(limit));
         Ok(())
@@ -196,17 +196,16 @@ impl Episode {
     /// Returns a snapshot: a copy of the episode at its current point.
     ///
     /// # Errors
-    /// [`Error::Lost`] when the copy cannot be made; [`Error::NotReset`] and [`Error::Busy`] when the episode is not
-    /// ready.
+    /// [`Error::Lost`] when the copy fails; [`Error::NotReset`] and [`Error::Busy`] when the episode is not ready.
     pub fn snapshot(&self) -> Result<Snapshot> {
         Ok(Snapshot(self.copies(1)?.remove(0)))
     }
 
-    /// Returns to the point of a snapshot, which remains usable.
+    /// Returns to a snapshot, which remains usable.
     ///
     /// # Errors
-    /// [`Error::OtherSnapshot`] when it was taken of another setting or set of workers; [`Error::Lost`] when the copy
-    /// cannot be made, and the episode remains where it is.
+    /// [`Error::OtherSnapshot`] for a snapshot of another setting or set of workers; [`Error::Lost`] when the copy
+    /// fails, which leaves the episode unchanged.
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<&[f64]> {
         let kept = &snapshot.0;
         if !self.workers.are(&kept.workers) || !self.setting.is(&kept.setting) {
@@ -335,7 +334,7 @@ impl Episode {
         matches!(self.phase, Phase::Starting(_))
     }
 
-    /// Takes what the worker has reported, if it has. Whether the episode is not busy.
+    /// Reads the worker's report, if any. Returns whether the episode is idle.
     pub(super) fn settle(&mut self) -> bool {
         let (true, Some(Place { slot, .. })) = (self.is_busy(), self.place) else { return true };
         let region = self.workers.region();
@@ -391,7 +390,7 @@ impl Episode {
         drop(pool);
         match gone {
             None => {}
-            // A copy that never attached ran nothing: another takes its place.
+            // A copy that never attached has run nothing and is replaced.
             Some(_)
                 if self.is_starting() && self.process().is_none() && self.failed_starts < FAILED_STARTS =>
             {
@@ -420,7 +419,7 @@ impl Drop for Episode {
     }
 }
 
-/// A point in an episode, kept as a process of its own that ends on drop.
+/// A point in an episode, kept as a process that ends on drop.
 #[derive(Debug)]
 pub struct Snapshot(Episode);
 

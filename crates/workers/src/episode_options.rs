@@ -5,9 +5,9 @@
 pub struct EpisodeOptions {
     /// Steps after which the episode is truncated; the whole run period if `None`.
     pub max_steps: Option<usize>,
-    /// Index, among the processors that the worker may use, of the one it is pinned to; not pinned if `None`.
+    /// Index of the processor to pin the worker to, among those it may use; `None` for no pinning.
     pub processor: Option<u32>,
-    /// Whether the engine finishes its run after the last step, so that there is an
-    /// [`EpisodeReport`](super::EpisodeReport). Otherwise the worker ends at once.
+    /// Whether the engine finishes its run after the last step, for an [`EpisodeReport`](super::EpisodeReport).
+    /// Otherwise, the worker ends immediately.
     pub finish_run: bool,
 }

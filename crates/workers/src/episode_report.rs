@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use b2b_env::EngineReport;
 
-/// What a worker reports of an episode whose engine finished its run: see
+/// A worker's report of an episode whose engine finished its run: see
 /// [`EpisodeOptions::finish_run`](super::EpisodeOptions::finish_run).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct EpisodeReport {

@@ -8,30 +8,30 @@ use b2b_env::Spaces;
 use b2b_env::{Error, Result};
 use b2b_env::{RoleObservation, RoleSlot, RoleValue};
 
-/// Gives the observations and actions of all buildings one width.
+/// Gives observations and actions of all buildings the same width.
 pub trait Form: Send {
-    /// Numbers in a row of actions and in a row of observations.
+    /// Widths of a row of actions and a row of observations.
     fn widths(&self) -> (usize, usize);
 
     /// The form of an episode of a building.
     ///
     /// # Errors
-    /// When the building does not fit. The environment is lost then.
+    /// If the building does not fit; the environment is then lost.
     fn episode(&mut self, spaces: &Arc<Spaces>) -> Result<Box<dyn EpisodeForm>>;
 }
 
 /// The form of one episode.
 pub trait EpisodeForm: Send {
-    /// Names and bounds of the actuators that a row of actions begins with; the rest of the row is padding.
+    /// Names and bounds of the actuators at the beginning of a row of actions; the rest is padding.
     fn actions(&self) -> &ActionSpace;
 
     /// The layout of a row of observations.
     fn slots(&self) -> Vec<RowSlot>;
 
-    /// Completes a row of actions to an action of the building in physical units, with the observation before the step.
+    /// Converts a row of actions to the building's action in physical units, given the observation before the step.
     fn act(&mut self, observation: &[f64], row: &[f64], action: &mut [f64]);
 
-    /// Arranges an observation in a row, all of which it writes.
+    /// Writes an observation to a row, all of it.
     fn observe(&self, observation: &[f64], row: &mut [f64]);
 }
 
@@ -70,7 +70,7 @@ impl From<&Slot> for RowSlot {
 /// The arrangement of a building's observation in a row.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Arrangement {
-    /// As it is. A place can hold different quantities in houses with different zones.
+    /// Unchanged. A slot can have different quantities in houses with different zones.
     #[default]
     InOrder,
     /// By the roles of zones in houses (see [`RoleObservation`]); unchanged in other buildings.
@@ -128,17 +128,17 @@ impl Arranged {
     }
 }
 
-/// The vectors of a building, followed by zeros.
+/// The building's vectors, padded with zeros.
 #[derive(Clone, Copy, Debug)]
 pub struct Padded {
-    /// Numbers in a row of actions and in a row of observations.
+    /// Widths of a row of actions and a row of observations.
     pub widths: (usize, usize),
     /// How observations are arranged.
     pub arrangement: Arrangement,
 }
 
 impl Padded {
-    /// Returns the form that fits the largest of these buildings.
+    /// Returns the form with the widths of the largest of these buildings.
     pub fn fitting<'a>(all: impl IntoIterator<Item = &'a Arc<Spaces>>, arrangement: Arrangement) -> Self {
         let largest = |(actions, observations): (usize, usize), spaces: &Arc<Spaces>| {
             (actions.max(spaces.action.len()), observations.max(arrangement.of(spaces).width()))

@@ -1,7 +1,7 @@
 //! Fragments: sequences of steps that a worker runs without its owner.
 //!
-//! Exchanging every single step costs more than a step of a small building. A program with its own policy, such as a
-//! learner, therefore gives its workers a [`Runner`] ([`run_if_worker_with`](super::run_if_worker_with)), requests
+//! Exchanging every step with the owner costs more than a step of a small building. A program with its own policy, such
+//! as a learner, therefore gives its workers a [`Runner`] ([`run_if_worker_with`](super::run_if_worker_with)), requests
 //! fragments ([`VecEnv::send_fragment`](super::VecEnv::send_fragment)) and reads the results in [`SharedMemory`].
 
 use std::fmt;
@@ -10,26 +10,25 @@ use std::sync::Arc;
 use super::region::Region;
 use b2b_env::Env;
 
-/// An error of a runner. The episode is then lost, with the text of the error as the reason.
+/// An error of a runner. The episode is then lost, with the error as the reason.
 pub type RunnerError = Box<dyn std::error::Error>;
 
 /// Runs fragments of one episode inside its worker process.
 pub trait Runner {
-    /// Carries out an order: any number of steps of the episode. Returns how many it made. Does not step an episode beyond its
-    /// end.
+    /// Executes an order: any number of steps of the episode, but not beyond its end. Returns the number of steps.
     ///
     /// # Errors
-    /// Any error ends the episode, which is lost.
+    /// Any error loses the episode.
     fn run(&mut self, env: &mut Env, order: &[u8], memory: &SharedMemory) -> Result<usize, RunnerError>;
 
-    /// Returns whether this runner can carry out an order. For one that it cannot, such as that of another controller, the worker
-    /// makes another runner.
+    /// Returns whether this runner can execute an order. If not, for example for another controller, the worker makes
+    /// another runner.
     fn serves(&self, _order: &[u8]) -> bool {
         true
     }
 }
 
-/// Makes the runner of an episode from its first request, and from one that the runner before does not serve.
+/// Makes a runner from the first order of an episode, or from an order that the previous runner does not serve.
 pub type MakeRunner = fn(&Env, &[u8]) -> Result<Box<dyn Runner>, RunnerError>;
 
 /// The runners that a program's workers can make, by the kind that a request names.
@@ -71,11 +70,11 @@ impl RunnerOf {
     }
 }
 
-/// Memory that a set of [`Workers`](super::Workers) and its worker processes share: f32 numbers, 0 at first.
+/// Memory shared by a set of [`Workers`](super::Workers) and its processes: f32 numbers, initially 0.
 ///
-/// Reads and writes are not synchronized by themselves. What was written before
-/// [`VecEnv::send_fragment`](super::VecEnv::send_fragment) is read by the runner, and what the runner wrote is read
-/// after [`VecEnv::recv`](super::VecEnv::recv) listed the environment.
+/// Reads and writes are synchronized only by the exchange of fragments: the runner sees writes before
+/// [`VecEnv::send_fragment`](super::VecEnv::send_fragment), and the owner sees the runner's writes after
+/// [`VecEnv::recv`](super::VecEnv::recv) has listed the environment.
 #[derive(Clone)]
 pub struct SharedMemory(Arc<Region>);
 
@@ -93,7 +92,7 @@ impl SharedMemory {
     /// Reads numbers, beginning at an index.
     ///
     /// # Panics
-    /// When the place is beyond the memory.
+    /// If the range is beyond the memory.
     pub fn read(&self, place: usize, numbers: &mut [f32]) {
         self.0.read_shared(place, numbers);
     }
@@ -101,23 +100,23 @@ impl SharedMemory {
     /// Writes numbers, beginning at an index.
     ///
     /// # Panics
-    /// When the place is beyond the memory.
+    /// If the range is beyond the memory.
     pub fn write(&self, place: usize, numbers: &[f32]) {
         self.0.write_shared(place, numbers);
     }
 
-    /// Reads f64 numbers, each in the place of two, from a place on.
+    /// Reads f64 numbers, each stored in two places, beginning at an index.
     ///
     /// # Panics
-    /// When the place is beyond the memory.
+    /// If the range is beyond the memory.
     pub(super) fn read_f64(&self, place: usize, numbers: &mut [f64]) {
         self.0.read_shared_f64(place, numbers);
     }
 
-    /// Writes f64 numbers, each in the place of two, from a place on.
+    /// Writes f64 numbers, each stored in two places, beginning at an index.
     ///
     /// # Panics
-    /// When the place is beyond the memory.
+    /// If the range is beyond the memory.
     pub(super) fn write_f64(&self, place: usize, numbers: &[f64]) {
         self.0.write_shared_f64(place, numbers);
     }

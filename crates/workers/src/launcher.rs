@@ -17,12 +17,12 @@ pub struct Launcher {
 }
 
 impl Launcher {
-    /// A launcher of a program.
+    /// Creates a launcher of a program.
     pub fn new(program: impl Into<PathBuf>) -> Self {
         Self { program: program.into(), arguments: Vec::new() }
     }
 
-    /// A launcher of this program.
+    /// Creates a launcher of this program.
     ///
     /// # Errors
     /// If the path of this program cannot be determined.
@@ -30,15 +30,15 @@ impl Launcher {
         Ok(Self::new(std::env::current_exe()?))
     }
 
-    /// Adds an argument before the worker's own, as needed for an interpreter.
+    /// Adds an argument before the worker's own, for example for an interpreter.
     #[must_use]
     pub fn argument(mut self, argument: impl Into<OsString>) -> Self {
         self.arguments.push(argument.into());
         self
     }
 
-    /// Starts a worker with an order, whose input is the shared memory of an episode. Its temporary files go to `folder`. It has a
-    /// process group of its own: signals of a terminal or a job scheduler to the group of the owner are for the owner, which ends its workers.
+    /// Starts a worker with an order; its input is the shared memory of an episode. Its temporary files go to `folder`. It has its own
+    /// process group: signals of a terminal or a job scheduler reach only the owner, which ends its workers.
     pub(super) fn start(&self, input: Stdio, order: &Path, folder: &Path, log: File) -> io::Result<Child> {
         Command::new(&self.program)
             .args(&self.arguments)
@@ -60,11 +60,11 @@ impl Launcher {
     }
 }
 
-/// The engine touches some 6 MB of small objects in a step: in large pages they cost a fifth less time where many
-/// processes share a processor (`b2b bench vector` without this line shows it).
+/// The engine touches about 6 MB of small objects per step. Large pages save a fifth of the time where many processes
+/// share a processor (compare `b2b bench vector` without this line).
 const LARGE_PAGES: &str = "glibc.malloc.hugetlb=1";
 
-/// What this process tells its C library, and large pages for the heap.
+/// This process's settings of the C library, with large pages for the heap.
 fn tunables() -> OsString {
     let mut tunables = std::env::var_os("GLIBC_TUNABLES").unwrap_or_default();
     if !tunables.is_empty() {

@@ -1,5 +1,5 @@
-//! The metrics that a worker reports at the end of an episode. Those of a building with many zones are too long for its slot and
-//! pass through a file.
+//! The metrics that a worker reports at the end of an episode. For a building with many zones, they are too long for
+//! its slot and pass through a file.
 
 use std::io;
 use std::path::Path;
@@ -10,7 +10,7 @@ use b2b_env::Metrics;
 /// Writes metrics to the slot of a worker, or to its file in the pool's folder.
 ///
 /// # Errors
-/// Those of the operating system.
+/// Errors of the operating system.
 pub(super) fn write(region: &Region, ticket: Ticket, folder: &Path, metrics: &Metrics) -> io::Result<()> {
     let text = serde_json::to_vec(metrics)?;
     if Region::has_room_for(&text) {
@@ -25,7 +25,7 @@ pub(super) fn write(region: &Region, ticket: Ticket, folder: &Path, metrics: &Me
 /// Reads the metrics in a slot, or in the file of its worker.
 ///
 /// # Errors
-/// Those of the operating system, and if the text is not that of metrics.
+/// Errors of the operating system, and invalid metrics.
 pub(super) fn read(region: &Region, slot: u32, folder: &Path) -> io::Result<Metrics> {
     let mut text = region.report(slot);
     if text.is_empty() {
@@ -41,13 +41,13 @@ mod tests {
     use b2b_env::ControlledZone;
 
     #[test]
-    fn metrics_of_any_number_of_zones_are_read_as_they_were_written() {
+    fn metrics_of_any_number_of_zones_round_trip() {
         let folder = tempfile::tempdir().unwrap();
         let region = Region::new().unwrap();
         region.reserve(0).unwrap();
         for (zones, is_long) in [(3, false), (1000, true)] {
             region.init(0, EpisodeOptions::default());
-            // What was there before.
+            // Previous content of the slot.
             region.write_report(0, b"an order");
             let zone = |slot| ControlledZone { slot, penalize_above_target: true, fully_conditioned: true };
             let zones: Vec<ControlledZone> = (0..zones).map(zone).collect();

@@ -16,15 +16,15 @@ use b2b_env::EpisodeConfig;
 use b2b_env::Task;
 use b2b_env::{Error, Result};
 
-/// Buildings of a generator among which every set of zones is looked for.
+/// Number of generated buildings searched for every set of zones.
 const REPRESENTED: usize = 64;
 
-/// A population to draw the building of every episode from, generated when it is drawn.
+/// A population from which the building of every episode is drawn, generated on demand.
 #[derive(Clone, Debug)]
 pub struct Buildings {
     /// Catalog that generates them.
     pub catalog: Arc<Catalog>,
-    /// Population that they are drawn from.
+    /// Population of the draws.
     pub population: Population,
     /// Run period of an episode.
     pub period: RunPeriod,
@@ -34,7 +34,7 @@ pub struct Buildings {
     pub task: Task,
 }
 
-/// Buildings to draw from, with equal probability.
+/// Buildings that are drawn with equal probability.
 #[derive(Clone, Debug)]
 pub enum Population {
     /// Buildings of the dataset.
@@ -97,7 +97,7 @@ impl Sampler for Buildings {
     }
 }
 
-/// The zones and actuators that a generated building has: two with the same ones have the same spaces, save bounds of
+/// Zones and actuators of a generated building. Buildings with the same set have the same spaces, except for bounds of
 /// actuators.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct Shape {

@@ -1,9 +1,9 @@
-//! Memory that a pool shares with its workers: a slot for every worker.
+//! Memory shared by a pool and its workers: a slot for every worker.
 //!
 //! A slot belongs to one side at a time: to the worker while it is [`BUSY`], to the owner otherwise. Ownership passes
-//! with release and acquire ordering, and the waiting side sleeps on a futex. A worker attaches to its slot with the
-//! generation that it was given, so a late worker detects that its slot was given to another. This is the one module of
-//! the crate with unsafe code.
+//! with release and acquire ordering, and the waiting side sleeps on a futex. A worker attaches to its slot with its
+//! generation, so a late worker detects that the slot has been reassigned. This is the only module of the crate with
+//! unsafe code.
 
 use std::fs::File;
 use std::mem::size_of;
@@ -28,26 +28,26 @@ mod worker;
 use handover::{BUSY, READY};
 use spin::Spin;
 
-/// How often a waiting owner looks whether the workers it waits for are alive.
+/// Interval at which a waiting owner checks whether its workers are alive.
 pub(super) const LOOK: Duration = Duration::from_millis(50);
-/// Slots of a region: more processes than one machine holds.
+/// Slots of a region: more than the processes of one machine.
 pub(super) const SLOTS: usize = 2048;
-/// Maximum number of actuators of a building, and of slots of an observation.
+/// Maximum number of actuators and of observation slots of a building.
 pub(super) const WIDTH: usize = 1024;
 /// Maximum size of a report, bytes.
 const REPORT: usize = 48 * 1024;
-/// Extension of the file of an order that is longer.
+/// File extension of a longer order.
 pub(super) const LONG_ORDER: &str = "fragment";
-/// Extension of the file of a report that is longer.
+/// File extension of a longer report.
 pub(super) const LONG_REPORT: &str = "report";
-/// Maximum number of copies that one command makes.
+/// Maximum number of copies per command.
 pub(super) const COPIES: usize = 128;
 
 const PAGE: usize = 4096;
 const SLOT: usize = (size_of::<Slot>() + 2 * WIDTH * size_of::<f64>() + REPORT).next_multiple_of(PAGE);
-/// Where the memory for fragments begins.
+/// Offset of the memory for fragments.
 const SHARED: usize = PAGE + SLOTS * SLOT;
-/// Maximum number of f32 numbers that fragments share. Only what is reserved takes memory.
+/// Maximum number of f32 numbers shared by fragments. Only reserved numbers take memory.
 const SHARED_NUMBERS: usize = 1 << 31;
 const BYTES: usize = SHARED + SHARED_NUMBERS * size_of::<f32>();
 
@@ -77,7 +77,7 @@ pub(super) enum Status {
     Failed = 2,
 }
 
-/// A slot in its current use, as it is told to the worker that shall attach to it.
+/// A slot and its generation, for the worker that attaches to it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Ticket {
     pub(super) slot: u32,
@@ -97,13 +97,13 @@ const EXITED: u32 = 1 << 31;
 /// The futexes that both sides wait on.
 #[repr(C, align(64))]
 struct Bell {
-    /// Commands carried out by all workers; a futex.
+    /// Number of commands executed by all workers; a futex.
     done: AtomicU32,
     /// The bell rings when `done` reaches this.
     wanted: AtomicU32,
-    /// Slots ever reserved.
+    /// Number of slots reserved so far.
     slots: AtomicU32,
-    /// Episodes under way.
+    /// Episodes in progress.
     episodes: AtomicU32,
 }
 
@@ -125,7 +125,7 @@ struct Slot {
     occupant: AtomicU64,
     /// Bits of [`StepNumbers`].
     step_numbers: [AtomicU64; 4],
-    /// Wait status of a process that ended, and [`EXITED`].
+    /// Wait status of an ended process, with [`EXITED`].
     exit: AtomicU32,
     copies: AtomicU32,
     /// Steps after which the episode is truncated; 0 for the whole run period.
@@ -154,12 +154,12 @@ pub(super) struct Region {
     file: OwnedFd,
     /// Processors that this process may use.
     processors: u32,
-    /// The active waits of this side.
+    /// The spins of this side.
     spin: Spin,
 }
 
 impl Region {
-    /// New memory, without a name and without pages.
+    /// Creates anonymous memory, without pages.
     pub(super) fn new() -> std::io::Result<Self> {
         let file = rustix::fs::memfd_create("b2b", MemfdFlags::CLOEXEC)?;
         rustix::fs::ftruncate(&file, BYTES as u64)?;
@@ -180,7 +180,7 @@ impl Region {
         self.file.as_fd().try_clone_to_owned()
     }
 
-    /// Takes memory for a slot, so that none can be missing when it is written to.
+    /// Allocates the memory of a slot, so that writing to it cannot fail.
     pub(super) fn reserve(&self, slot: u32) -> std::io::Result<()> {
         let begin = (PAGE + slot as usize * SLOT) as u64;
         rustix::fs::fallocate(&self.file, FallocateFlags::empty(), begin, SLOT as u64)?;
@@ -188,7 +188,7 @@ impl Region {
         Ok(())
     }
 
-    /// Takes memory for numbers that fragments share, so that none can be missing when they are written to.
+    /// Allocates memory for numbers shared by fragments, so that writing to it cannot fail.
     pub(super) fn reserve_shared(&self, place: usize, count: usize) -> std::io::Result<()> {
         if place + count > SHARED_NUMBERS {
             return Err(std::io::Error::other(format!(
@@ -202,13 +202,13 @@ impl Region {
 
     fn shared(&self, place: usize, count: usize) -> &[AtomicU32] {
         assert!(place + count <= SHARED_NUMBERS, "{count} numbers after {place} of {SHARED_NUMBERS}");
-        // SAFETY: within the mapping, as just checked, aligned, and only ever touched as atomics.
+        // SAFETY: within the mapping, as just checked, aligned, and only accessed as atomics.
         unsafe {
             slice::from_raw_parts(self.map.as_ptr().add(SHARED + place * size_of::<f32>()).cast(), count)
         }
     }
 
-    /// Reads numbers that fragments share.
+    /// Reads numbers shared by fragments.
     pub(super) fn read_shared(&self, place: usize, numbers: &mut [f32]) {
         let shared = self.shared(place, numbers.len());
         for (number, bits) in numbers.iter_mut().zip(shared) {
@@ -216,14 +216,14 @@ impl Region {
         }
     }
 
-    /// Writes numbers that fragments share.
+    /// Writes numbers shared by fragments.
     pub(super) fn write_shared(&self, place: usize, numbers: &[f32]) {
         for (bits, number) in self.shared(place, numbers.len()).iter().zip(numbers) {
             bits.store(number.to_bits(), Ordering::Relaxed);
         }
     }
 
-    /// Reads f64 numbers that fragments share, each in the place of two.
+    /// Reads f64 numbers shared by fragments, each stored in two places.
     pub(super) fn read_shared_f64(&self, place: usize, numbers: &mut [f64]) {
         let shared = self.shared(place, 2 * numbers.len());
         for (number, bits) in numbers.iter_mut().zip(shared.chunks_exact(2)) {
@@ -232,7 +232,7 @@ impl Region {
         }
     }
 
-    /// Writes f64 numbers that fragments share, each in the place of two.
+    /// Writes f64 numbers shared by fragments, each stored in two places.
     pub(super) fn write_shared_f64(&self, place: usize, numbers: &[f64]) {
         let shared = self.shared(place, 2 * numbers.len());
         for (bits, number) in shared.chunks_exact(2).zip(numbers) {
@@ -253,8 +253,8 @@ impl Region {
     }
 
     fn bell(&self) -> &Bell {
-        // SAFETY: the region begins with a page of its own for the bell, all zeros at first and only ever touched
-        // as atomics, for which every bit pattern is valid.
+        // SAFETY: the region begins with a page for the bell, initially zero and only accessed as atomics, for which
+        // every bit pattern is valid.
         unsafe { &*self.map.as_ptr().cast() }
     }
 
@@ -263,13 +263,13 @@ impl Region {
         self.processors as usize
     }
 
-    /// Sets the number of episodes under way.
+    /// Sets the number of episodes in progress.
     pub(super) fn set_episodes(&self, episodes: u32) {
         self.bell().episodes.store(episodes, Ordering::Relaxed);
     }
 
-    /// Waits actively for a moment until something is over, if the owner and every worker can have a processor of their own.
-    /// Returns whether it is over.
+    /// Spins for a moment until a condition holds, if owner and workers each have a processor. Returns whether it
+    /// holds.
     fn wait_actively(&self, is_over: impl Fn() -> bool) -> bool {
         let has_room = self.bell().episodes.load(Ordering::Relaxed) < self.processors;
         if has_room { self.spin.until(is_over) } else { is_over() }
@@ -292,8 +292,7 @@ impl Region {
     unsafe fn numbers(&self, slot: u32, first: usize, count: usize) -> &mut [f64] {
         assert!(count <= WIDTH, "{count} numbers where {WIDTH} have room");
         let offset = size_of::<Slot>() + first * size_of::<f64>();
-        // SAFETY: within the slot, aligned, every bit pattern is a number, and by the caller's promise nobody else
-        // touches it.
+        // SAFETY: within the slot, aligned, every bit pattern is a number, and the caller guarantees exclusive access.
         unsafe { slice::from_raw_parts_mut(self.at(slot, offset).cast(), count) }
     }
 
@@ -321,12 +320,12 @@ impl Region {
         observation.copy_from_slice(unsafe { self.numbers(slot, WIDTH, observation.len()) });
     }
 
-    /// Whether an order or a report of this length has room in a slot.
+    /// Returns whether an order or a report fits into a slot.
     pub(super) const fn has_room_for(text: &[u8]) -> bool {
         text.len() <= REPORT
     }
 
-    /// Writes a text, cut to the room there is.
+    /// Writes a text, truncated to the size of the slot.
     pub(super) fn write_report(&self, slot: u32, report: &[u8]) {
         let report = &report[..report.len().min(REPORT)];
         let offset = size_of::<Slot>() + 2 * WIDTH * size_of::<f64>();

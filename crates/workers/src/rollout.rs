@@ -1,7 +1,7 @@
 //! Rollouts whose controller runs in the worker of the episode.
 //!
-//! In a small building, exchanging every step with the owner costs more than the step. A controller that the worker can
-//! make from a description therefore runs there, a day of steps at a time; [`SharedMemory`] returns the results.
+//! In a small building, exchanging every step with the owner costs more than the step. A controller that can be created
+//! from a description therefore runs in the worker, a day of steps at a time; [`SharedMemory`] returns the results.
 
 use std::sync::Arc;
 
@@ -29,14 +29,14 @@ pub struct RolloutOrder<C = Value> {
     pub controller: C,
     /// Maximum number of steps.
     steps: usize,
-    /// Place of their records in the shared memory.
+    /// Position of their records in the shared memory.
     record: Option<usize>,
 }
 
 /// Runs rollouts under a controller, inside a worker.
 pub struct ControllerRunner {
     controller: Box<dyn Controller>,
-    /// Its description as it was requested. `None` before the first request.
+    /// Its description, as requested. `None` before the first request.
     description: Option<Box<RawValue>>,
     action: Vec<f64>,
     /// Record of a step.
@@ -78,7 +78,7 @@ impl Runner for ControllerRunner {
         Ok(done)
     }
 
-    /// Another description is another controller.
+    /// A different description is a different controller.
     fn serves(&self, order: &[u8]) -> bool {
         let Some(own) = &self.description else { return true };
         let order = serde_json::from_slice::<RolloutOrder<&RawValue>>(order);
@@ -86,7 +86,7 @@ impl Runner for ControllerRunner {
     }
 }
 
-/// Memory of a set of workers for the records of one rollout after another.
+/// Memory of a set of workers for the records of consecutive rollouts.
 #[derive(Debug)]
 pub struct RolloutMemory {
     workers: Workers,
@@ -98,7 +98,7 @@ pub struct RolloutMemory {
 }
 
 impl RolloutMemory {
-    /// Memory of a set of workers, reserved when a rollout needs it.
+    /// Creates the memory, reserved when a rollout needs it.
     pub fn new(workers: &Workers) -> Self {
         let memory = workers.memory();
         Self { workers: workers.clone(), memory, place: 0, room: 0, records: Vec::new() }
@@ -115,12 +115,12 @@ impl RolloutMemory {
 }
 
 impl Episode {
-    /// Resets the episode, runs it to its end under a controller that the worker makes from its description, and passes
-    /// the steps to the observer, a day at a time. The metrics and the steps are those of [`rollout`](b2b_env::rollout)
-    /// bit for bit.
+    /// Resets the episode, runs it to its end under a controller that the worker creates from its description, and
+    /// passes the steps to the observer, a day at a time. Metrics and steps equal those of
+    /// [`rollout`](b2b_env::rollout) bit for bit.
     ///
     /// # Errors
-    /// The errors of the environment and of the observer; [`Error::Lost`] when the worker cannot make the controller.
+    /// The errors of the environment and of the observer; [`Error::Lost`] when the worker cannot create the controller.
     pub fn rollout(
         &mut self,
         controller: &Value,
@@ -147,8 +147,8 @@ impl Episode {
         self.metrics().cloned().ok_or(Error::NotReset)
     }
 
-    /// Starts running a ready episode to its end under a controller that the worker makes from its description, without
-    /// waiting for it.
+    /// Starts running a ready episode to its end under a controller that the worker creates from its description,
+    /// without waiting.
     ///
     /// # Errors
     /// As [`Episode::send_fragment`].
@@ -197,7 +197,7 @@ mod tests {
     }
 
     #[test]
-    fn a_runner_serves_orders_of_its_own_controller_alone() {
+    fn a_runner_serves_only_orders_of_its_own_controller() {
         let description = |order: &[u8]| {
             let order: RolloutOrder<&RawValue> = serde_json::from_slice(order).unwrap();
             Some(order.controller.to_owned())

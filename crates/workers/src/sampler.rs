@@ -18,14 +18,14 @@ pub struct Draw {
     pub steps: Option<usize>,
 }
 
-/// Draws the episodes of environments. Every environment has its own random stream, so that its episodes do not depend
-/// on how fast the others are.
+/// Draws the episodes of environments. Every environment has its own random stream, so its episodes do not depend on
+/// the speed of the others.
 pub trait Sampler: Send {
     /// The next episode of an environment.
     ///
     /// # Errors
-    /// [`Error::NoBuilding`] without anything to draw from; others if the episode cannot be created. The environment is then
-    /// lost, and draws again at its next reset.
+    /// [`Error::NoBuilding`] for an empty sampler; other errors if the episode cannot be created. The environment is
+    /// then lost, and draws again at its next reset.
     fn draw(&mut self, environment: usize, random: &mut ChaCha8Rng) -> Result<Draw>;
 
     /// Discards earlier draws and restarts the random streams.
@@ -48,8 +48,8 @@ impl<F: FnMut(usize, &mut ChaCha8Rng) -> Result<Draw> + Send> Sampler for F {
     }
 }
 
-/// Settings assigned to the environments in turn, the same in every episode. Those beyond the number of environments are not drawn:
-/// see [`Rotating`].
+/// Settings assigned to the environments in turn, the same in every episode. Settings beyond the number of environments
+/// are not drawn: see [`Rotating`].
 #[derive(Clone, Debug)]
 pub struct Fixed(pub Vec<Setting>);
 
@@ -60,8 +60,8 @@ impl Sampler for Fixed {
     }
 }
 
-/// Settings assigned to a number of environments in turn. If there are more settings than environments, each environment goes through
-/// several of them, one per episode, so that all are drawn.
+/// Settings assigned to a number of environments in turn. If there are more settings than environments, each
+/// environment cycles through several of them, one per episode.
 #[derive(Clone, Debug)]
 pub struct Rotating {
     settings: Vec<Setting>,
@@ -94,7 +94,7 @@ impl Sampler for Rotating {
     }
 }
 
-/// Settings to draw every episode from, with equal probability.
+/// Settings that are drawn with equal probability.
 #[derive(Clone, Debug)]
 pub struct AnyOf(pub Vec<Setting>);
 
@@ -108,7 +108,7 @@ impl Sampler for AnyOf {
     }
 }
 
-/// Samplers assigned to the environments round-robin: each has the same share of the environments.
+/// Samplers assigned to the environments round-robin, in equal shares.
 pub struct RoundRobin(pub Vec<Box<dyn Sampler>>);
 
 impl Sampler for RoundRobin {
@@ -122,7 +122,7 @@ impl Sampler for RoundRobin {
     }
 }
 
-/// Several samplers. Each draw is made by one of them, with a probability in proportion to its weight.
+/// Several samplers. Each draw comes from one of them, with a probability proportional to its weight.
 pub struct Weighted(Vec<(f64, Box<dyn Sampler>)>);
 
 impl Weighted {
@@ -182,8 +182,8 @@ impl<S: Sampler> Sampler for WithTask<S> {
     }
 }
 
-/// The draws of another sampler, each with one of several weather files, such as those of other years. Buildings keep the
-/// sizes for their own.
+/// The draws of another sampler, each with one of several weather files, for example of other years. Buildings keep the
+/// sizes for their own weather.
 #[derive(Clone, Debug)]
 pub struct WithWeather<S> {
     /// Sampler whose draws get a weather file.
@@ -212,12 +212,12 @@ impl<S: Sampler> Sampler for WithWeather<S> {
 pub struct Kept<S> {
     of: S,
     episodes: u32,
-    /// Of each environment, the draw and the number of episodes that it has left.
+    /// Current draw of each environment, with the number of remaining episodes.
     current: Vec<Option<(Draw, u32)>>,
 }
 
 impl<S> Kept<S> {
-    /// Draws of `of`, each for `episodes` episodes; 0 counts as 1.
+    /// Keeps each draw of `of` for `episodes` episodes; 0 counts as 1.
     pub fn new(of: S, episodes: u32) -> Self {
         Self { of, episodes: episodes.max(1), current: Vec::new() }
     }
@@ -243,10 +243,10 @@ impl<S: Sampler> Sampler for Kept<S> {
 }
 
 /// The draws of another sampler, limited to random windows within their run periods. A window begins on one of a few
-/// days, since each needs its own warm-up.
+/// days, because each first day needs its own warm-up.
 #[derive(Clone, Debug)]
 pub struct Windows<S> {
-    /// Sampler whose draws are cut.
+    /// Sampler whose draws are limited.
     pub of: S,
     /// Minimum and maximum days of an episode.
     pub days: (u32, u32),
@@ -284,7 +284,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_sampler_of_nothing_is_an_error() {
+    fn an_empty_sampler_is_an_error() {
         let mut random = ChaCha8Rng::seed_from_u64(0);
         let samplers: [Box<dyn Sampler>; 4] = [
             Box::new(Fixed(vec![])),

@@ -22,13 +22,13 @@ pub enum Source {
         name: String,
         /// Building type and climate zone, if known.
         class: Option<Class>,
-        /// Whether it is a prototype that comes with the engine.
+        /// Whether it is a prototype shipped with the engine.
         prototype: bool,
-        /// Whether it is a user's own model, which is made controllable as far as possible.
+        /// Whether it is a user's model, whose unsupported systems keep their own controls.
         own: bool,
-        /// The model as it was generated or read.
+        /// The model, as generated or read.
         model: Box<Model>,
-        /// The weather file that it is sized for, whatever the weather of an episode.
+        /// The weather file for sizing, regardless of an episode's weather.
         weather: PathBuf,
     },
 }
@@ -61,7 +61,7 @@ impl Source {
         }
     }
 
-    /// The prepared building, if this is one or an earlier preparation is in the cache on disk.
+    /// Returns the prepared building, if it is already prepared or cached on disk.
     pub fn cached(&self, library: &Library) -> Option<PreparedBuilding> {
         match self {
             Self::Prepared(building) => Some(PreparedBuilding::clone(building)),
@@ -93,18 +93,18 @@ pub struct Setting {
 }
 
 impl Setting {
-    /// A setting of its own building.
+    /// Creates a setting.
     pub fn new(source: impl Into<Arc<Source>>, episode: EpisodeConfig) -> Self {
         Self { source: source.into(), episode }
     }
 
-    /// Returns whether both are of the same building and episode.
+    /// Returns whether both have the same building and episode.
     pub(super) fn is(&self, other: &Self) -> bool {
         self.episode == other.episode && self.shares_preparation_with(other)
     }
 
-    /// Returns whether what was prepared for one serves the other: both are of the same building, sized for the same
-    /// weather. The weather of their episodes may differ.
+    /// Returns whether both can use the same prepared building: the same building, sized for the same weather. The
+    /// weather of their episodes may differ.
     pub(super) fn shares_preparation_with(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.source, &other.source)
             || self.source.name() == other.source.name() && self.source == other.source

@@ -16,11 +16,11 @@ use rustix::process::{Pid, PidfdFlags, Signal};
 use super::episode_options::EpisodeOptions;
 use super::region::{LONG_ORDER, LONG_REPORT, Region, SLOTS, Ticket};
 
-/// How long the parent of a process that ended may take to say how.
+/// Time for the parent of an ended process to report its exit status.
 const REAPING: Duration = Duration::from_millis(100);
 /// Time until the exit status of a lost worker is known, on a busy machine.
 const EXIT_STATUS: Duration = Duration::from_secs(1);
-/// Bytes of a worker's last output that an error repeats.
+/// Length of a worker's last output quoted in an error, bytes.
 const LAST_WORDS: usize = 2000;
 
 /// The process of a slot.
@@ -38,7 +38,7 @@ enum Process {
 #[derive(Debug)]
 pub(super) struct Slots {
     region: Arc<Region>,
-    /// Of the workers' log files.
+    /// Folder of the workers' log files.
     folder: PathBuf,
     processes: Vec<Option<Process>>,
     free: Vec<u32>,
@@ -52,7 +52,7 @@ impl Slots {
         Self { region, folder, processes: Vec::new(), free: Vec::new(), dying: Vec::new() }
     }
 
-    /// A slot for a worker to come.
+    /// Takes a slot for a new worker.
     pub(super) fn take(&mut self, options: EpisodeOptions) -> io::Result<u32> {
         self.reap();
         let slot = match self.free.pop() {
@@ -89,7 +89,7 @@ impl Slots {
         self.processes[ticket.slot as usize] = None;
         self.free.push(ticket.slot);
         for extension in ["log", "json", "mtr", LONG_ORDER, LONG_REPORT] {
-            // Most were never written.
+            // Most files were never written.
             let _ = std::fs::remove_file(self.folder.join(ticket.file(extension)));
         }
     }
@@ -110,8 +110,8 @@ impl Slots {
         }
     }
 
-    /// Opens a handle of the process in a slot, once it has attached. If the system has none to give, such as too many open
-    /// files, the process stays expected, and the next call tries again.
+    /// Opens a handle to the process in a slot, once it has attached. If the system refuses, for example because of too
+    /// many open files, the process stays expected, and the next call tries again.
     pub(super) fn adopt(&mut self, slot: u32) {
         let Some(process) = Pid::from_raw(self.region.process(slot) as i32) else { return };
         if let Some(entry @ Process::Expected) = &mut self.processes[slot as usize] {
@@ -123,7 +123,7 @@ impl Slots {
         }
     }
 
-    /// Makes a child of this process the one expected in a slot.
+    /// Assigns a child of this process to a slot.
     pub(super) fn adopt_child(&mut self, slot: u32, child: u32) -> io::Result<()> {
         let pid =
             Pid::from_raw(child as i32).ok_or_else(|| io::Error::other("a process without a number"))?;
@@ -132,7 +132,7 @@ impl Slots {
         Ok(())
     }
 
-    /// Returns whether the process in a slot has ended. One without a handle has not, as far as is known.
+    /// Returns whether the process in a slot has ended. A process without a handle counts as running.
     pub(super) fn has_ended(&mut self, slot: u32) -> bool {
         self.adopt(slot);
         match &self.processes[slot as usize] {
@@ -154,7 +154,7 @@ impl Slots {
         }
     }
 
-    /// Describes how the process in a slot ended, as far as is known, with its last output.
+    /// Describes how the process in a slot ended, if known, with its last output.
     pub(super) fn describe_end(&self, slot: u32, status: Option<ExitStatus>) -> String {
         let began = Instant::now();
         let status = loop {
@@ -191,7 +191,7 @@ impl Slots {
         (!text.is_empty()).then_some(text)
     }
 
-    /// Kills every process but those in `spared` slots, and waits until they have ended and their parents know.
+    /// Kills all processes except in `spared` slots, and waits until they have ended and been reaped.
     pub(super) fn end_all_but(&mut self, spared: &[u32]) {
         let all = 0..self.processes.len() as u32;
         let others: Vec<u32> = all.filter(|slot| !spared.contains(slot)).collect();

@@ -7,11 +7,11 @@ use std::time::Duration;
 pub struct Statistics {
     /// Episodes begun.
     pub episodes: u64,
-    /// Episodes of another building than the one before in the same environment.
+    /// Episodes with another building than the previous episode of the environment.
     pub building_changes: u64,
-    /// Episodes, other than the first after [`VecEnv::reset`](super::VecEnv::reset), whose building was not prepared when
-    /// they were to begin.
+    /// Episodes, other than the first after [`VecEnv::reset`](super::VecEnv::reset), whose building was not prepared in
+    /// time.
     pub waits: u64,
-    /// Total time of these waits, of each environment.
+    /// Total time of these waits, summed over the environments.
     pub waited: Duration,
 }

@@ -1,9 +1,9 @@
-//! The worker's side: an environment that carries out the commands in its slot.
+//! The worker's side: an environment that executes the commands in its slot.
 //!
-//! There is one kind of process. Started as a program, it prepares a building, warms it up and waits at the end of
-//! warm-up: a template. Every other is a copy of one that waits: of a template, an episode; of an episode, a
-//! snapshot. A copy attaches to a slot of its own and takes commands there like its original. What a worker writes to
-//! its standard error goes to a log in the pool's folder, for its last words.
+//! A process that is started as a program prepares a building, warms it up and waits: a template. All others are copies
+//! of a waiting process: an episode is a copy of a template, and a snapshot a copy of an episode. A copy attaches to
+//! its own slot and takes commands there like its original. The standard error of a worker goes to a log in the pool's
+//! folder, for error messages.
 
 use std::any::Any;
 use std::cell::Cell;
@@ -32,10 +32,10 @@ use b2b_env::Env;
 use b2b_env::Spaces;
 use b2b_env::StepNumbers;
 
-/// How often a process that waits looks for its owner.
+/// Interval at which a waiting process checks for its owner.
 const LOOK_FOR_OWNER: Duration = Duration::from_millis(500);
 
-/// Steps after which a copy moves its memory to large pages: short episodes end before that pays.
+/// Steps after which a copy moves its memory to large pages. Shorter episodes do not benefit.
 const COLLAPSE_AFTER: usize = 288;
 
 /// Serves the episodes of an order, which it read from the file `order`, and then never returns.
@@ -84,11 +84,11 @@ struct Worker {
     owner: Owner,
     /// The pool's folder.
     folder: PathBuf,
-    /// The slot that this process is attached to; a copy has another.
+    /// The slot of this process; a copy has another.
     ticket: Cell<Ticket>,
     /// CPU time of the template's reset.
     warm_up_cpu: Cell<Duration>,
-    /// Severe messages that are in the log.
+    /// Number of severe messages in the log.
     severes: Cell<usize>,
     /// Number of steps of the episode after which the memory moves to large pages.
     collapse_at: Cell<usize>,
@@ -98,7 +98,7 @@ impl Worker {
     /// Prepares the building of an order up to the end of warm-up, and writes the prepared building for the owner.
     fn prepare(&self, episode: EpisodeOrder, order: &Path) -> Result<Env, Failure> {
         become_ancestor()?;
-        // The model may be anybody's.
+        // The model is untrusted.
         confine();
         let watch = self.owner.watch(self.folder.clone())?;
         let mut env = episode.env()?;
@@ -107,7 +107,7 @@ impl Worker {
         env.reset()?;
         self.warm_up_cpu.set(cpu_time().saturating_sub(before));
         env.set_finish_run(false);
-        // The engine keeps open what it still needs.
+        // The engine keeps its files open.
         std::fs::remove_dir_all(env.folder())?;
         let ready = order.with_extension("ready");
         let aside = order.with_extension("aside");
@@ -123,7 +123,7 @@ impl Worker {
         self.ticket.get().slot
     }
 
-    /// Carries out the commands in the slot, until the episode is over or the owner gone.
+    /// Executes the commands in the slot until the episode is over or the owner has died.
     fn serve(&self, mut env: Env) -> Result<(), Failure> {
         let mut action = vec![0.0; env.action_space().len()];
         let mut runner = None;
@@ -145,7 +145,7 @@ impl Worker {
         }
     }
 
-    /// Hands the slot back with the current observation.
+    /// Returns the slot with the current observation.
     fn report_ready(&self, env: &Env) {
         let slot = self.slot();
         self.region.write_observation(slot, env.observation());
@@ -153,7 +153,7 @@ impl Worker {
         self.region.complete(slot);
     }
 
-    /// One step; whether it was the last.
+    /// Makes one step. Returns whether it was the last.
     fn step(&self, env: &mut Env, action: &mut [f64]) -> Result<bool, Failure> {
         let (region, slot) = (&self.region, self.slot());
         region.read_action(slot, action);
@@ -177,7 +177,7 @@ impl Worker {
         }
     }
 
-    /// A fragment; whether the episode is over.
+    /// Runs a fragment. Returns whether the episode is over.
     fn fragment(
         &self,
         env: &mut Env,
@@ -199,7 +199,7 @@ impl Worker {
         self.end_step(env)
     }
 
-    /// Hands the slot back; whether the episode is over.
+    /// Returns the slot. The result is whether the episode is over.
     fn end_step(&self, env: &Env) -> Result<bool, Failure> {
         let truncated = env.is_truncated();
         if truncated {
@@ -225,7 +225,7 @@ impl Worker {
         Ok(())
     }
 
-    /// Keeps in the log what the engine complains of, should it crash.
+    /// Writes severe messages of the engine to the log, in case it crashes.
     fn log_severe_messages(&self, env: &Env) {
         let severes = env.message_count(Level::Severe);
         if severes > self.severes.get() {
@@ -236,7 +236,7 @@ impl Worker {
         }
     }
 
-    /// Copies this process for each slot listed. The copies return from here too, in their slots.
+    /// Copies this process for each listed slot. The copies return from here, too, in their slots.
     fn copy(&self, env: &mut Env) -> Result<(), Failure> {
         self.reap();
         let own = self.ticket.get();
@@ -257,7 +257,7 @@ impl Worker {
         Ok(())
     }
 
-    /// The first acts of a copy.
+    /// Initializes a copy.
     fn become_copy(&self, env: &mut Env, ticket: Ticket, opened: Result<(), Failure>) -> Result<(), Failure> {
         if !self.region.attach(ticket) {
             leave(0);
@@ -280,7 +280,7 @@ impl Worker {
         Ok(())
     }
 
-    /// Asks for the exit status of copies that have ended, for the owner.
+    /// Collects the exit status of ended copies, for the owner.
     fn reap(&self) {
         while let Ok(Some((process, status))) = rustix::process::wait(WaitOptions::NOHANG) {
             self.region.record_exit(process.as_raw_pid() as u32, status.as_raw());
@@ -299,14 +299,14 @@ impl Worker {
         leave(1)
     }
 
-    /// Removes what the owner can no longer remove.
+    /// Removes files that a dead owner cannot remove.
     fn tidy(&self) -> Result<(), Failure> {
         let _ = std::fs::remove_dir_all(&self.folder);
         Ok(())
     }
 }
 
-/// Checks that a slot has room for the action and the observation.
+/// Checks that action and observation fit into a slot.
 ///
 /// # Errors
 /// [`TooWide`](b2b_env::Error::TooWide).
@@ -321,13 +321,13 @@ fn cpu_time() -> Duration {
     Duration::new(time.tv_sec as u64, time.tv_nsec as u32)
 }
 
-/// Pins this process to one of the processors it may use, so that it finds its caches warm.
+/// Pins this process to one of its processors, to keep its caches warm.
 fn pin(processor: Option<u32>) {
     let Some(processor) = processor else { return };
     let Ok(may) = rustix::thread::sched_getaffinity(None) else { return };
     let may: Vec<usize> = (0..CpuSet::MAX_CPU).filter(|cpu| may.is_set(*cpu)).collect();
     let mut one = CpuSet::new();
     one.set(may[processor as usize % may.len()]);
-    // A refusal costs speed alone.
+    // A refusal only costs speed.
     let _ = rustix::thread::sched_setaffinity(None, &one);
 }

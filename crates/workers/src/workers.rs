@@ -17,23 +17,23 @@ use b2b_env::{Error, Result};
 
 /// A shared set of worker processes, in which episodes run.
 ///
-/// 1. [`Workers::prepare`] sizes and warms up a building in a process of its own, the *template* of a setting.
-/// 2. [`Workers::episode`] gives an episode of it; every reset is a copy of the template, within milliseconds.
+/// 1. [`Workers::prepare`] sizes and warms up a building in its own process, the *template* of a setting.
+/// 2. [`Workers::episode`] creates an episode of it; every reset is a copy of the template, within milliseconds.
 /// 3. All processes end when the last handle and the last episode are dropped, and when this process dies.
 ///
-/// Clones share the processes. Handles and episodes may move between threads, but are fastest when a single thread uses
-/// all of a set; threads that run episodes concurrently should each have their own set. A set belongs to the process
-/// that created it: dropping it in a fork does nothing.
+/// Clones share the processes. Handles and episodes may move between threads, but are fastest in one thread; threads
+/// that run episodes concurrently should each have their own set. A set belongs to the process that created it;
+/// dropping it in a fork does nothing.
 #[derive(Clone)]
 pub struct Workers {
     shared: Arc<Shared>,
 }
 
 struct Shared {
-    /// `None` only while it is dropped.
+    /// `None` only during drop.
     pool: Option<Mutex<Pool>>,
     region: Arc<Region>,
-    /// Numbers of shared memory that are reserved.
+    /// Number of reserved values of shared memory.
     reserved: AtomicUsize,
     step_time_limit: Duration,
     interrupted: fn() -> bool,
@@ -48,10 +48,10 @@ impl std::fmt::Debug for Workers {
 }
 
 impl Workers {
-    /// A set without processes.
+    /// Creates a set without processes.
     ///
     /// # Errors
-    /// [`Error::Pool`] when there is no memory to share; [`Error::Io`] when there is no temporary folder.
+    /// [`Error::Pool`] without shared memory; [`Error::Io`] without a temporary folder.
     pub fn new(options: WorkerOptions) -> Result<Self> {
         let region = Region::new()
             .map_err(|source| Error::Pool { what: "memory to share with workers".into(), source })?;
@@ -64,11 +64,11 @@ impl Workers {
         Ok(Self { shared: Arc::new(shared) })
     }
 
-    /// Prepares a setting, unless it is prepared, and returns its spaces.
+    /// Prepares a setting if necessary and returns its spaces.
     ///
     /// # Errors
-    /// [`Error::Template`] with the reason when the building cannot be made an environment; [`Error::Lost`] when its
-    /// preparation died or hung twice; [`Error::Pool`]; [`Error::Interrupted`].
+    /// [`Error::Template`] with the reason when the building cannot be prepared; [`Error::Lost`] when its preparation
+    /// died or hung twice; [`Error::Pool`]; [`Error::Interrupted`].
     pub fn prepare(&self, setting: &Setting) -> Result<Arc<Spaces>> {
         loop {
             let done = self.region().done();
@@ -91,19 +91,19 @@ impl Workers {
         settings.iter().map(|setting| self.prepare(setting)).collect()
     }
 
-    /// Starts to prepare a setting, unless it is prepared. Does not wait.
+    /// Starts to prepare a setting if necessary, without waiting.
     pub(super) fn start_preparing(&self, setting: &Setting) -> Result<()> {
         self.lock().template_of(setting).map(|_| ())
     }
 
-    /// The spaces of a setting if it is prepared; starts to prepare it otherwise. Does not wait.
+    /// Returns the spaces of a prepared setting; otherwise starts to prepare it. Does not wait.
     pub(super) fn try_prepare(&self, setting: &Setting) -> Result<Option<Arc<Spaces>>> {
         let mut pool = self.lock();
         let template = pool.template_of(setting)?;
         pool.spaces_of(template)
     }
 
-    /// Has a setting prepared and keeps its template for an episode to come. Does not wait.
+    /// Starts to prepare a setting and keeps its template for a future episode. Does not wait.
     pub(super) fn reserve(&self, setting: &Setting) -> Result<Reservation> {
         let template = self.lock().reserve(setting)?;
         Ok(Reservation { workers: self.clone(), template })
@@ -132,10 +132,11 @@ impl Workers {
             .collect()
     }
 
-    /// Reserves memory for `count` numbers that the processes share, for as long as the set lives, and returns their place.
+    /// Reserves memory for `count` numbers shared by the processes, for the lifetime of the set, and returns their
+    /// position.
     ///
     /// # Errors
-    /// [`Error::Pool`] when there is not so much memory.
+    /// [`Error::Pool`] without enough memory.
     pub fn reserve_memory(&self, count: usize) -> Result<usize> {
         let place = self.shared.reserved.fetch_add(count, Ordering::Relaxed);
         let reserved = self.region().reserve_shared(place, count);
@@ -144,7 +145,7 @@ impl Workers {
         Ok(place)
     }
 
-    /// The memory that the processes share.
+    /// The memory shared by the processes.
     pub fn memory(&self) -> SharedMemory {
         SharedMemory::new(Arc::clone(&self.shared.region))
     }
@@ -159,7 +160,7 @@ impl Workers {
         self.lock().preparing_processes()
     }
 
-    /// The temporary folder of everything that the processes write. Removed with the set.
+    /// The temporary folder for all files of the processes. Removed with the set.
     pub fn folder(&self) -> PathBuf {
         self.lock().folder().to_owned()
     }
@@ -186,13 +187,13 @@ impl Workers {
         Arc::ptr_eq(&self.shared, &other.shared)
     }
 
-    /// Returns whether this is the process that it belongs to, and no fork of it.
+    /// Returns whether this is its owner process and not a fork.
     pub(super) fn belong_to_this_process(&self) -> bool {
         self.shared.owner == std::process::id()
     }
 }
 
-/// A template that is kept for an episode to come, until it is dropped.
+/// A template that is kept for a future episode until dropped.
 pub(super) struct Reservation {
     workers: Workers,
     template: TemplateId,
@@ -209,7 +210,7 @@ impl Reservation {
         self.workers.lock().spaces_of(self.template)
     }
 
-    /// Returns whether both are of one template.
+    /// Returns whether both have the same template.
     pub(super) fn is(&self, other: &Self) -> bool {
         self.template == other.template
     }
@@ -224,7 +225,7 @@ impl Drop for Reservation {
 }
 
 impl Drop for Shared {
-    /// A fork of the process that it belongs to leaves the workers and their files alone.
+    /// A fork of the owner does not touch the workers and their files.
     fn drop(&mut self) {
         if self.owner != std::process::id() {
             std::mem::forget(self.pool.take());

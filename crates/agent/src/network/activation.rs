@@ -22,7 +22,8 @@ impl Activation {
         }
     }
 
-    /// Multiplies gradients of the outputs of the activation by its derivative, in place, to gradients of its inputs.
+    /// Multiplies gradients of the outputs by the derivative of the activation, in place, to get gradients of the
+    /// inputs.
     pub fn backward(self, outputs: &[f32], gradients: &mut [f32]) {
         match self {
             Self::Tanh => gradients.iter_mut().zip(outputs).for_each(|(g, y)| *g *= 1.0 - y * y),
@@ -44,11 +45,11 @@ const NUMERATOR: [f32; 7] = [
     -2.760_768_5e-16,
 ];
 const DENOMINATOR: [f32; 4] = [4.893_525e-3, 2.268_434_6e-3, 1.185_347_1e-4, 1.198_258_4e-6];
-/// Where tanh is 1 in single precision.
+/// Input from which tanh is 1 in single precision.
 const SATURATED: f32 = 7.905_311;
 
-/// Returns the hyperbolic tangent, within 5e-7, by a quotient of polynomials (the one of Eigen): without a call, so that it is
-/// vectorized, and the same bits on every machine.
+/// Returns the hyperbolic tangent, within 5e-7, by Eigen's quotient of polynomials: without a call, so that it is
+/// vectorized, and with the same bits on every machine.
 pub fn tanh(x: f32) -> f32 {
     let x = x.clamp(-SATURATED, SATURATED);
     let square = x * x;
@@ -62,7 +63,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn tanh_is_that_of_the_library() {
+    fn tanh_agrees_with_the_standard_library() {
         for step in -20_000..=20_000 {
             let x = step as f32 * 1e-3;
             let error = (tanh(x) - x.tanh()).abs();

@@ -24,7 +24,7 @@ pub enum Distribution {
     /// A Gaussian whose mean is the first half of the output. The second half is the logarithm of the standard deviation. Samples
     /// are not bounded.
     GaussianOfState {
-        /// Lower bound of the logarithm of the standard deviation; the upper bound is that of [`LOG_STD`].
+        /// Lower bound of the logarithm of the standard deviation; the upper bound is [`LOG_STD`]'s.
         minimum: f32,
     },
     /// The hyperbolic tangent of a Gaussian with the two halves of the output as mean and logarithm of the standard deviation,
@@ -39,8 +39,8 @@ pub struct Actor {
     pub shape: Shape,
     /// Parameters of the network.
     pub parameters: Vec<f32>,
-    /// Distribution of the actions. Of a graph network, the logarithms of standard deviations of a [`Distribution::Gaussian`] are
-    /// those of the actions of all node types.
+    /// Distribution of the actions. For a graph network, a [`Distribution::Gaussian`] has one logarithm of a standard
+    /// deviation per action of all node types.
     pub distribution: Distribution,
 }
 
@@ -50,9 +50,9 @@ pub struct Scratch {
     form: Form,
     /// Width of an observation.
     observations: usize,
-    /// Means, and behind them logarithms of standard deviations if they depend on the state.
+    /// Means, followed by logarithms of standard deviations if they depend on the state.
     outputs: Vec<f32>,
-    /// Place of each action among the free logarithms of standard deviations.
+    /// Index of each action in the learned logarithms of standard deviations.
     free: Vec<usize>,
 }
 
@@ -63,10 +63,10 @@ enum Form {
 }
 
 impl Actor {
-    /// Returns buffers for [`Actor::mean`] and [`Actor::sample`] in a building: its graph for a graph network.
+    /// Returns buffers for [`Actor::mean`] and [`Actor::sample`] in a building; a graph network needs its graph.
     ///
     /// # Panics
-    /// When a graph network has no graph.
+    /// If `graph` is `None` for a graph network.
     pub fn scratch(&self, graph: Option<&Arc<Graph>>) -> Scratch {
         match (&self.shape, graph) {
             (Shape::Mlp(mlp), _) => {
@@ -88,21 +88,22 @@ impl Actor {
         }
     }
 
-    /// Writes the action without exploration: the mean, squashed if the distribution is. Allocates nothing after the first.
+    /// Writes the action without exploration: the mean, squashed if the distribution is. Allocates only at the first
+    /// call.
     ///
     /// # Panics
-    /// When a slice has another length than the shape.
+    /// If the length of a slice does not match the shape.
     pub fn mean(&self, observation: &[f32], scratch: &mut Scratch, action: &mut [f32]) {
         self.forward(observation, scratch);
         action.copy_from_slice(&scratch.outputs[..scratch.actions()]);
         self.squash(action);
     }
 
-    /// Writes an action of the distribution: mean + standard deviation × normal, squashed if the distribution is. `normals` has a
-    /// standard normal number per action. Allocates nothing after the first.
+    /// Writes an action of the distribution: mean + standard deviation × normal, squashed if the distribution is.
+    /// `normals` has a standard normal number per action. Allocates only at the first call.
     ///
     /// # Panics
-    /// When a slice has another length than the shape.
+    /// If the length of a slice does not match the shape.
     pub fn sample(&self, observation: &[f32], normals: &[f32], scratch: &mut Scratch, action: &mut [f32]) {
         assert_eq!(normals.len(), scratch.actions(), "one normal number per action");
         self.forward(observation, scratch);
@@ -144,7 +145,7 @@ impl Actor {
         }
     }
 
-    /// Returns whether standard deviations depend on the state.
+    /// Returns whether the standard deviations depend on the state.
     fn is_of_state(&self) -> bool {
         !matches!(self.distribution, Distribution::Gaussian { .. })
     }

@@ -3,16 +3,16 @@
 /// Inputs beyond which results are not normal numbers.
 const LOWEST: f32 = -87.0;
 const HIGHEST: f32 = 88.0;
-/// 1.5 × 2²³: a number added to it is rounded to a whole one, which the low bits then hold.
+/// 1.5 × 2²³: adding a number to it rounds the number to an integer in the low bits.
 const ROUNDING: f32 = 12_582_912.0;
 /// ln 2 in two parts, the first of which has few bits.
 const LN_2: [f32; 2] = [0.693_359_4, -2.121_944_4e-4];
-/// Coefficients of (eˣ - 1 - x) / x² (Cephes, `expf`), from the highest power on.
+/// Coefficients of (eˣ - 1 - x) / x² (Cephes, `expf`), highest power first.
 const COEFFICIENTS: [f32; 6] =
     [1.987_569_1e-4, 1.398_199_9e-3, 8.333_452e-3, 4.166_579_6e-2, 0.166_666_66, 0.5];
 
-/// Returns the exponential within 2e-7 of it, by a polynomial: without a call, so that it is vectorized, and the same bits on
-/// every machine. Inputs are clamped to -87 and 88.
+/// Returns the exponential, within a relative error of 2e-7, by a polynomial: without a call, so that it is vectorized,
+/// and with the same bits on every machine. Inputs are clamped to -87 and 88.
 pub fn exp(x: f32) -> f32 {
     let x = x.clamp(LOWEST, HIGHEST);
     let shifted = x * std::f32::consts::LOG2_E + ROUNDING;
@@ -28,7 +28,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn exp_is_that_of_the_library() {
+    fn exp_agrees_with_the_standard_library() {
         for step in -86_900..=87_900 {
             let x = step as f32 * 1e-3;
             let error = (f64::from(exp(x)) / f64::from(x).exp() - 1.0).abs();

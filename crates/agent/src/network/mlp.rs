@@ -15,21 +15,21 @@ pub struct Mlp {
     pub activation: Activation,
 }
 
-/// A layer: its widths, and where its weights and biases are among the parameters.
+/// A layer: its widths and the ranges of its weights and biases in the parameters.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Layer {
     /// Number of inputs.
     pub inputs: usize,
     /// Number of outputs.
     pub outputs: usize,
-    /// Place of the weights, `inputs` rows of `outputs`.
+    /// Range of the weights, `inputs` rows of `outputs`.
     pub weights: Range<usize>,
-    /// Place of the biases.
+    /// Range of the biases.
     pub biases: Range<usize>,
 }
 
 impl Mlp {
-    /// Returns the shape with these widths.
+    /// Creates a shape with these widths.
     pub fn new(inputs: usize, hidden: &[usize], outputs: usize, activation: Activation) -> Self {
         let widths = std::iter::once(inputs).chain(hidden.iter().copied()).chain([outputs]).collect();
         Self { widths, activation }
@@ -62,7 +62,7 @@ impl Mlp {
         self.layers().last().map_or(0, |layer| layer.biases.end)
     }
 
-    /// Returns room for [`Mlp::forward`].
+    /// Returns a buffer for [`Mlp::forward`].
     pub fn scratch(&self) -> Vec<f32> {
         vec![0.0; 2 * self.widths.iter().max().copied().unwrap_or(0)]
     }
@@ -70,7 +70,7 @@ impl Mlp {
     /// Writes the outputs for one input. Allocates nothing, and gives the same bits on every machine.
     ///
     /// # Panics
-    /// When a slice has another length than the shape.
+    /// If the length of a slice does not match the shape.
     pub fn forward(&self, parameters: &[f32], input: &[f32], scratch: &mut [f32], output: &mut [f32]) {
         assert_eq!(
             (input.len(), output.len()),
@@ -104,10 +104,10 @@ impl Layer {
         }
     }
 
-    /// Writes the outputs for rows of inputs, each with the bits that it has alone.
+    /// Writes the outputs for rows of inputs, bit-identical to single inputs.
     ///
     /// # Panics
-    /// When a slice has another length than the shape.
+    /// If the length of a slice does not match the shape.
     pub fn forward_rows(&self, parameters: &[f32], inputs: &[f32], outputs: &mut [f32]) {
         let rows = outputs.len() / self.outputs;
         assert_eq!(inputs.len(), rows * self.inputs, "inputs of a layer");
@@ -199,7 +199,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_have_the_bits_of_single_inputs() {
+    fn rows_are_bit_identical_to_single_inputs() {
         let shape = Mlp::new(5, &[], 19, Activation::Tanh);
         let number = |index: usize| ((index * 7919) % 101) as f32 / 50.0 - 1.0;
         let parameters: Vec<f32> = (0..shape.parameters()).map(number).collect();

@@ -1,7 +1,7 @@
-//! Networks: a shape, and a slice of parameters that has it.
+//! Networks: a shape and a slice of parameters.
 //!
-//! Parameters are one flat slice, which an optimizer steps, a worker shares and a file holds. Layer by layer it has the weights,
-//! inputs × outputs in rows of outputs, and the biases. A [`Shape`] is a multilayer perceptron, or a [graph network](graph). An
+//! Parameters are one flat slice, shared by optimizer, workers and files. It has, layer by layer, the weights (inputs ×
+//! outputs, row-major) and the biases. A [`Shape`] is a multilayer perceptron, or a [graph network](graph). An
 //! [`Actor`] is a network with the distribution of its actions.
 
 mod activation;

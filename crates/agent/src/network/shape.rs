@@ -10,7 +10,7 @@ use super::{GraphNetwork, Mlp};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Shape {
-    /// A multilayer perceptron, for buildings with one set of spaces.
+    /// A multilayer perceptron, for buildings with the same spaces.
     Mlp(Mlp),
     /// A graph network, for every building whose node types it was trained with.
     Graph(GraphNetwork),
@@ -21,9 +21,9 @@ pub enum Shape {
 pub struct Tensor {
     /// Name, such as `0.weight`.
     pub name: String,
-    /// Sizes: of a matrix inputs and outputs.
+    /// Sizes: inputs and outputs for a matrix.
     pub sizes: Vec<usize>,
-    /// Place among the parameters.
+    /// Range in the parameters.
     pub place: Range<usize>,
 }
 
@@ -36,7 +36,7 @@ impl Shape {
         }
     }
 
-    /// Returns the tensors, which have every parameter once.
+    /// Returns the tensors, which cover every parameter once.
     pub fn tensors(&self) -> Vec<Tensor> {
         match self {
             Self::Mlp(mlp) => {

@@ -45,7 +45,7 @@ impl AgentObservation {
         Ok(Self { outdoor, ..Self::of_features(features, spaces) })
     }
 
-    /// Returns the observation of these slots, without a forecast.
+    /// Creates an observation of these slots, without a forecast.
     pub(super) fn of_features(features: Vec<Feature>, spaces: &Spaces) -> Self {
         Self { features, memory: Memory::new(spaces), outdoor: Vec::new() }
     }
@@ -55,7 +55,7 @@ impl AgentObservation {
         &self.features
     }
 
-    /// Returns its slots as linear functions of the environment's, if they all are.
+    /// Returns its slots as linear functions of the environment's slots; `None` if a slot is not linear.
     pub(crate) fn linear_features(&self) -> Option<Vec<LinearFeature>> {
         self.features.iter().map(Feature::linear).collect()
     }
@@ -75,8 +75,8 @@ impl AgentObservation {
         self.memory.reset();
     }
 
-    /// Writes the observation of the agent. Called once for every observation of the environment, in order. `previous` is the
-    /// action that the agent gave last, `base` the base controller's next one; both from -1 to 1.
+    /// Writes the observation of the agent. Called once for every observation of the environment, in order. `previous`
+    /// is the agent's last action, `base` the base controller's next one; both in [-1, 1].
     pub fn write(&mut self, observation: &[f64], previous: &[f32], base: &[f32], row: &mut [f32]) {
         self.memory.remember(observation);
         let Self { memory, outdoor, .. } = &*self;

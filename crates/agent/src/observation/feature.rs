@@ -21,7 +21,7 @@ pub struct Feature {
 pub(super) enum Source {
     /// A constant.
     Constant(f64),
-    /// A slot of the environment from its bounds to [-1, 1].
+    /// A slot of the environment, scaled from its bounds to [-1, 1].
     Bounded { slot: usize, low: f64, high: f64 },
     /// The deviation of a slot from a center.
     Deviation { slot: usize, center: f64, scale: f64, limit: f64 },
@@ -33,11 +33,11 @@ pub(super) enum Source {
     RecentError { zone: usize, scale: f64, limit: f64 },
     /// A target.
     Target { target: Target, center: f64, scale: f64 },
-    /// Sine of the time of day, its multiple a number of periods a day, or cosine.
+    /// Sine or cosine of the time of day, with a number of periods per day.
     Day { slot: usize, periods: f64, cosine: bool },
     /// Sine or cosine of the time of the week.
     Week { day: usize, hour: usize, cosine: bool },
-    /// Nearness to an hour of the week, of 168: 1 at it, 0 from an hour away on, linear between.
+    /// Proximity to an hour of the week (of 168): 1 at the hour, falling linearly to 0 an hour away.
     HourOfWeek { day: usize, hour: usize, at: f64 },
     /// Sine or cosine of the time of the year.
     Year { slot: usize, cosine: bool },
@@ -57,7 +57,7 @@ pub(crate) struct LinearFeature {
     pub(crate) offset: f64,
 }
 
-/// What a slot is computed from.
+/// Inputs from which a slot is computed.
 pub(super) struct Context<'a> {
     pub(super) observation: &'a [f64],
     pub(super) memory: &'a Memory,
@@ -72,7 +72,7 @@ impl Feature {
         Self { name: name.into(), source }
     }
 
-    /// Returns it as a linear function of one slot, if it is one.
+    /// Returns it as a linear function of one slot; `None` if it is not linear.
     pub(super) fn linear(&self) -> Option<LinearFeature> {
         match self.source {
             Source::Constant(value) => Some(LinearFeature { slot: 0, scale: 0.0, offset: value }),

@@ -1,17 +1,17 @@
 //! The features of an agent's observation.
 
+use b2b_building::Conditioning;
 use b2b_building::ZoneRole;
-use b2b_building::{BuildingType, Conditioning};
 use b2b_env::{Spaces, Target};
 
 use super::feature::{Feature, HOURS_OF_WEEK, Source};
 use super::outdoor::OUTDOOR;
 
-/// Temperature about which zones and targets are scaled, °C.
+/// Temperature around which zones and targets are scaled, °C.
 const COMFORTABLE: f64 = 21.0;
 /// Days of the week, as the calendar counts them.
 const WEEKDAYS: [&str; 7] = ["Mon", "Tue", "Wed", "Thu", "Fri", "Sat", "Sun"];
-/// HVAC power that counts as one, W/m².
+/// Scale of HVAC power, W/m².
 const POWER: f64 = 20.0;
 
 /// Returns the features of a building: of its controlled zones, of the others, of weather, calendar and energy, and of its
@@ -41,7 +41,7 @@ pub(super) fn features(spaces: &Spaces, has_base: bool) -> Vec<Feature> {
     features
 }
 
-/// Where the values of a controlled zone are.
+/// Slots of a controlled zone.
 pub(super) struct ControlledZone {
     /// Its index among the controlled zones.
     pub(super) zone: usize,
@@ -53,7 +53,7 @@ pub(super) struct ControlledZone {
 }
 
 impl ControlledZone {
-    /// Returns its features. Errors are those against the target of the step to come.
+    /// Returns its features. Errors are relative to the target of the next step.
     pub(super) fn features(&self) -> [(&'static str, Source); 8] {
         let Self { zone, temperature, target, occupancy } = *self;
         let (occupancy, target_change) = match (occupancy, target) {
@@ -76,12 +76,12 @@ impl ControlledZone {
     }
 }
 
-/// The temperature of a zone that is not controlled.
+/// The temperature of an uncontrolled zone.
 pub(super) fn temperature(slot: usize) -> Source {
     Source::Deviation { slot, center: COMFORTABLE, scale: 10.0, limit: 5.0 }
 }
 
-/// Temperatures of the zones that are not controlled: of a house by role, with a flag of presence.
+/// Temperatures of the uncontrolled zones; in houses by role, with a flag for presence.
 fn other_zones(spaces: &Spaces, features: &mut Vec<Feature>) {
     let zones = &spaces.building.zones;
     if !is_house(spaces) {
@@ -99,7 +99,7 @@ fn other_zones(spaces: &Spaces, features: &mut Vec<Feature>) {
     }
 }
 
-/// Outdoor temperature and humidity, which are in these slots.
+/// Outdoor temperature and humidity, from their slots.
 pub(super) fn weather(outdoor: usize, humidity: usize) -> [(&'static str, Source); 3] {
     let (center, scale) = OUTDOOR;
     [
@@ -109,7 +109,8 @@ pub(super) fn weather(outdoor: usize, humidity: usize) -> [(&'static str, Source
     ]
 }
 
-/// Waves of the time, and the hours of the week, from the slots of hour, day of the week and day of the year.
+/// Sines and cosines of the time and the hours of the week, from the slots of hour, day of the week and day of the
+/// year.
 pub(super) fn calendar(hour: usize, day: usize, date: usize) -> Vec<(String, Source)> {
     let mut features = Vec::new();
     for (name, cosine) in [("sine", false), ("cosine", true)] {
@@ -136,5 +137,5 @@ pub(super) fn energy(electricity: usize, gas: usize, steps_per_hour: u32) -> [(&
 
 fn is_house(spaces: &Spaces) -> bool {
     let class = spaces.building.class;
-    class.is_some_and(|class| class.building_type == BuildingType::SingleFamilyHouse)
+    class.is_some_and(|class| class.building_type.is_house())
 }

@@ -8,8 +8,8 @@ use super::feature::{Feature, Source};
 use super::options::ObservationOptions;
 use crate::{Error, Result};
 
-/// Returns the attributes of a building that an agent observes, from -1 to 1: none unless its options request them.
-/// Requires the model of the building, which a worker process has dropped.
+/// Returns the attributes of a building that an agent observes, in [-1, 1]; empty unless its options request them.
+/// Requires the building's model, which worker processes drop.
 ///
 /// # Errors
 /// [`Error::Attributes`] if the building cannot be described.
@@ -23,7 +23,7 @@ pub fn attributes(options: ObservationOptions, spaces: &Spaces) -> Result<Vec<f6
         .map_err(|source| Error::Attributes { building: name.clone(), source: Box::new(source) })
 }
 
-/// Returns the features of attributes: those of the building, and the weight of energy in the task.
+/// Returns the features of attributes: the building's attributes and the task's energy weight.
 pub(super) fn attribute_features(attributes: &[f64], spaces: &Spaces) -> Vec<Feature> {
     if attributes.is_empty() {
         return Vec::new();

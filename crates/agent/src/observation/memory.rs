@@ -5,7 +5,7 @@ use b2b_env::{Spaces, Target};
 /// Time constant of the recent mean of an error, h.
 const RECENT: f64 = 1.0;
 
-/// Observations and errors of the steps before.
+/// Observations and errors of previous steps.
 #[derive(Clone, Debug)]
 pub(super) struct Memory {
     /// Slot of the temperature of each controlled zone, and its target.
@@ -41,7 +41,7 @@ impl Memory {
         self.recent.fill(0.0);
     }
 
-    /// Adds an observation. The first of an episode changes nothing.
+    /// Adds an observation. The first of an episode only initializes the state.
     pub(super) fn remember(&mut self, observation: &[f64]) {
         if std::mem::take(&mut self.is_new) {
             self.last.copy_from_slice(observation);

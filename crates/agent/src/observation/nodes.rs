@@ -28,7 +28,7 @@ pub struct NodeView {
     pub actuators: Vec<usize>,
 }
 
-/// The features and actions of the nodes of each type, which are the same in every building.
+/// The features and actions of each node type, which are the same in every building.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NodeSpaces {
     types: Vec<TypeSpaces>,
@@ -82,11 +82,11 @@ impl NodeSpaces {
 }
 
 impl AgentObservation {
-    /// Returns the observation of a building node by node. Of the forms, `raw` is the observation of each node from the bounds of
-    /// the universe to [-1, 1], `features` has the features of the node's own zone or actuators.
+    /// Returns the observation of a building node by node: with `raw`, the observation of each node, scaled from the
+    /// bounds shared by all buildings to [-1, 1]; with `features`, the features of the node's own zone or actuators.
     ///
     /// # Errors
-    /// [`Error::Graph`] for a building with an actuator of no node, in the plan or left out of it.
+    /// [`Error::Graph`] for a building with an actuator that belongs to no node.
     pub fn by_node(interface: Interface, spaces: &Arc<Spaces>, plan: &NodePlan) -> Result<NodeView> {
         let failed = |what: &str, name: &str| Error::Graph {
             building: spaces.building.name.clone(),
@@ -125,7 +125,7 @@ impl AgentObservation {
     }
 }
 
-/// Where the values of a node are.
+/// Slots and actuators of a node.
 trait Places {
     /// Slot of a quantity in the environment's observation.
     fn slot(&self, quantity: Observed) -> Option<usize>;
@@ -133,7 +133,7 @@ trait Places {
     /// Number of an actuator.
     fn actuator(&self, quantity: Quantity) -> Option<usize>;
 
-    /// Where the values of a controlled zone are.
+    /// Slots of a controlled zone.
     fn controlled_zone(&self) -> ControlledZone;
 
     /// Scaled attributes of the node, and of the building.
@@ -149,7 +149,7 @@ struct Placed<'a> {
     node: &'a PlannedNode,
 }
 
-/// A node of no building, of which only the names of its features count.
+/// A placeholder node without a building, for the names of features.
 struct Nowhere;
 
 impl Places for Placed<'_> {
@@ -226,8 +226,8 @@ fn constants(slots: &[LocalSlot<Attribute>], values: &[f64]) -> impl Iterator<It
     slots.iter().zip(values).map(|(slot, value)| (text(&slot.quantity), Source::Constant(*value)))
 }
 
-/// Returns the observation of a node, from the bounds of the universe to [-1, 1]. Without targets that vary, a zone has the constant
-/// one, and is occupied.
+/// Returns the observation of a node, scaled from the bounds shared by all buildings to [-1, 1]. With constant targets,
+/// a zone observes this target and counts as occupied.
 fn observed(node_type: NodeType, places: &dyn Places) -> Vec<(String, Source)> {
     let source = |slot: &LocalSlot<Observed>| {
         let LocalSlot { quantity, low, high, .. } = *slot;
@@ -261,10 +261,8 @@ fn computed(interface: Interface, node_type: NodeType, places: &dyn Places) -> V
             owned(&energy(slot(Observed::Electricity), slot(Observed::Gas), places.steps_per_hour()))
         }
         NodeType::AirLoop => Vec::new(),
-        NodeType::UnitaryZone | NodeType::VavZone | NodeType::HeatingOnlyZone => {
-            owned(&places.controlled_zone().features())
-        }
         NodeType::UncontrolledZone => owned(&[("temperature", temperature(slot(Observed::AirTemperature)))]),
+        _ => owned(&places.controlled_zone().features()),
     };
     for action in node_type.action() {
         let actuator = places.actuator(action.quantity);

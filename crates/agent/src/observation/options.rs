@@ -17,8 +17,8 @@ pub enum ObservationForm {
     Raw,
     /// As `raw`, with a slot for every zone role in houses: see [`RoleObservation`](b2b_env::RoleObservation).
     Roles,
-    /// Features of the state that control needs: errors at several scales, their change and recent mean, targets, calendar
-    /// as sines, and the previous and the base controller's action. See `docs/training_reference.md`.
+    /// Features for control: errors at several scales, their change and recent mean, targets, the calendar as sines,
+    /// the previous action and the base controller's action. See `docs/training.md`.
     #[default]
     Features,
 }
@@ -49,10 +49,10 @@ impl FromStr for ObservationForm {
 pub struct ObservationOptions {
     /// The form of the environment's observation.
     pub form: ObservationForm,
-    /// Whether attributes follow: of the building, as its floor area, climate and envelope
-    /// ([`COMMON`](b2b_building::morphology::COMMON)), and the weight of energy in the task.
+    /// Whether to append attributes: the building's floor area, climate and envelope
+    /// ([`COMMON`](b2b_building::morphology::COMMON)), and the task's energy weight.
     pub attributes: bool,
-    /// Number of full hours ahead for which the outdoor temperature follows, from the weather file: a perfect forecast.
+    /// Number of hours of a perfect forecast of the outdoor temperature to append, from the weather file.
     pub forecast: u32,
 }
 

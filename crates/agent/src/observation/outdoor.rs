@@ -1,30 +1,30 @@
-//! Outdoor temperatures: their scale, and those of the weather file.
+//! Outdoor temperatures of the weather file and their scale.
 
+use b2b_climate::EpwFile;
 use b2b_env::Spaces;
 
 use crate::{Error, Result};
 
-/// Temperature and scale of outdoor temperatures, °C and K.
+/// Center and scale of outdoor temperatures, °C and K.
 pub(super) const OUTDOOR: (f64, f64) = (10.0, 15.0);
 
 /// Returns the outdoor temperatures at the end of each hour of the year, °C; none without a forecast.
 ///
 /// # Errors
-/// [`Error::Io`] for a weather file that cannot be read; [`Error::Forecast`] for one that is not of a year.
+/// [`Error::Weather`] for a weather file that cannot be read; [`Error::Forecast`] for one without a whole year.
 pub(super) fn temperatures(hours: u32, spaces: &Spaces) -> Result<Vec<f64>> {
     if hours == 0 {
         return Ok(Vec::new());
     }
     let path = &spaces.episode.weather;
-    let text = std::fs::read(path).map_err(crate::error::at(path))?;
-    let temperatures = b2b_climate::epw::dry_bulbs(&String::from_utf8_lossy(&text));
+    let temperatures = EpwFile::open(path).map_err(|error| Error::Weather(Box::new(error)))?.dry_bulbs();
     match temperatures.len() {
         8760 => Ok(temperatures),
         hours => Err(Error::Forecast { path: path.clone(), hours }),
     }
 }
 
-/// Returns the temperature at an hour of the year, between those at the ends of hours: see [`temperatures`].
+/// Returns the temperature at an hour of the year, interpolated between the ends of hours: see [`temperatures`].
 pub(super) fn at_hour(temperatures: &[f64], hour: f64) -> f64 {
     let place = (hour - 1.0).rem_euclid(temperatures.len() as f64);
     let (index, share) = (place as usize % temperatures.len(), place.fract());
@@ -36,7 +36,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_temperature_of_the_weather_file_is_that_at_the_end_of_its_hour() {
+    fn a_temperature_of_the_weather_file_is_at_the_end_of_its_hour() {
         let temperatures: Vec<f64> = (1..=8760).map(f64::from).collect();
         assert_eq!([1.0, 1.5, 8760.0].map(|hour| at_hour(&temperatures, hour)), [1.0, 1.5, 8760.0]);
         assert_eq!([8761.0, 8760.5].map(|hour| at_hour(&temperatures, hour)), [1.0, 4380.5]);

@@ -9,7 +9,7 @@ const OPERATORS: u64 = 17;
 const FLOAT: u64 = 1;
 const INT64: u64 = 7;
 
-/// A graph under construction. Its inputs and outputs are single precision; what has no name gets one.
+/// A graph under construction, with single-precision inputs and outputs. Unnamed values get a name.
 #[derive(Default)]
 pub(super) struct File {
     parts: Vec<u8>,
@@ -17,7 +17,7 @@ pub(super) struct File {
 }
 
 impl File {
-    /// Adds an operator of one output, and returns the name of that.
+    /// Adds an operator with one output and returns the name of the output.
     pub(super) fn operator(&mut self, operator: &str, inputs: &[&str], attributes: &[Vec<u8>]) -> String {
         let output = self.name();
         self.named(operator, inputs, attributes, &output);

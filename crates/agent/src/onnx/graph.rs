@@ -8,7 +8,7 @@ use crate::network::graph::{BlockPlaces, EPSILON, EdgeScores, LARGEST, NormPlace
 use crate::network::{Actor, Graph, GraphNetwork, Layer};
 use crate::observation::LinearFeature;
 
-/// Score of a pair of nodes without attention: its exponential is 0.
+/// Score of a pair of nodes without attention; its exponential is 0.
 const NO_ATTENTION: f32 = -1e9;
 
 /// Returns the file for a building whose nodes have these features, one node after another.
@@ -111,7 +111,7 @@ impl Export<'_> {
         self.file.operator("Add", &[stream, &change], &[])
     }
 
-    /// Returns what edges add to the scores of attention: heads × nodes × nodes.
+    /// Returns the edge scores added to attention: heads × nodes × nodes.
     fn edge_scores(&self, layer: usize, block: &BlockPlaces) -> Vec<f32> {
         let nodes = self.order.len();
         let pairs = self.order.iter().flat_map(|from| self.order.iter().map(move |to| from * nodes + to));
@@ -125,7 +125,7 @@ impl Export<'_> {
         for (head, scores) in scores.chunks_exact_mut(relations.len()).enumerate() {
             edges.add(head, &relations, scores);
         }
-        // Runtimes differ in what they make of -∞.
+        // Runtimes differ in their treatment of -∞.
         scores.iter_mut().for_each(|score| *score = score.max(NO_ATTENTION));
         scores
     }
@@ -139,7 +139,7 @@ impl Export<'_> {
     }
 
     fn decode(&mut self, normed: &str) {
-        // Where the outputs of each node begin among those of all.
+        // Start of the outputs of each node.
         let (mut places, mut outputs, mut count) = (vec![0; self.graph.nodes()], Vec::new(), 0);
         for (node_type, layer) in self.network.places().decoders.iter().enumerate() {
             let (first, nodes) = self.nodes_of(node_type);

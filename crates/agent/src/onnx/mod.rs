@@ -1,4 +1,4 @@
-//! Agents as ONNX files: those whose actions depend on the current observation alone.
+//! Export to ONNX of agents whose actions depend only on the current observation.
 
 mod file;
 mod graph;
@@ -16,12 +16,13 @@ use crate::observation::{ObservationForm, ObservationOptions};
 use crate::{Error, Result};
 
 impl Agent {
-    /// Returns the agent as an ONNX file that takes the environment's observation without scaling, or that by roles, and returns
-    /// actions of which -1 and 1 are the bounds, and which the environment clamps to them. That of a graph network is for this building alone.
+    /// Returns the agent as an ONNX file. Its input is the environment's observation, unscaled, or the observation by
+    /// roles; its output is actions in which -1 and 1 are the bounds, clamped by the environment. The file of a graph
+    /// network is for this building only.
     ///
     /// # Errors
     /// [`Error::NotExportable`] for an agent with features, which depend on earlier steps, or on a base controller;
-    /// [`Error::OtherBuilding`] and [`Error::UnknownNodeType`] for a building that it was not made for.
+    /// [`Error::OtherBuilding`] and [`Error::UnknownNodeType`] for an unsuitable building.
     pub fn to_onnx(&self, spaces: &Arc<Spaces>) -> Result<Vec<u8>> {
         let pilot = self.pilot(spaces)?;
         let interface = self.info().interface;

@@ -14,7 +14,7 @@ pub(super) fn file(actor: &Actor, mlp: &Mlp, bounds: &[[f64; 2]], actions: usize
     let layers: Vec<Layer> = mlp.layers().collect();
     for (index, layer) in layers.iter().enumerate() {
         let is_last = index + 1 == layers.len();
-        // Standard deviations behind the means of the last layer are for training.
+        // Standard deviations after the means of the last layer are only for training.
         let outputs = if is_last { actions } else { layer.outputs };
         let weights = file.tensor(&[layer.inputs, outputs], &columns(&actor.parameters, layer, 0..outputs));
         let biases = file.tensor(&[outputs], &actor.parameters[layer.biases.clone()][..outputs]);
@@ -42,7 +42,7 @@ pub(super) fn activation(activation: Activation) -> &'static str {
     }
 }
 
-/// Returns the operator behind the outputs of an actor.
+/// Returns the operator after the outputs of an actor.
 pub(super) fn last(actor: &Actor) -> &'static str {
     match actor.distribution {
         Distribution::SquashedGaussian => "Tanh",

@@ -1,6 +1,7 @@
 //! A policy entered for a problem.
 
 use std::collections::BTreeMap;
+use std::sync::LazyLock;
 
 use super::entry_policy::EntryPolicy;
 use crate::problem::{Problem, Stage};
@@ -65,11 +66,11 @@ impl Entry {
 
     /// Returns the policy of a stage.
     pub fn policy_of(&self, stage: Stage) -> &EntryPolicy {
-        const UNTRAINED: &EntryPolicy = &EntryPolicy::BuiltIn(BuiltIn::Random);
+        static UNTRAINED: LazyLock<EntryPolicy> = LazyLock::new(|| EntryPolicy::BuiltIn(BuiltIn::random()));
         match stage {
             Stage::Test => &self.policy,
             Stage::Train => self.train_policy.as_ref().unwrap_or(&self.policy),
-            Stage::Untrained => UNTRAINED,
+            Stage::Untrained => &UNTRAINED,
             Stage::UpperBound => self.upper_bound.as_ref().unwrap_or(&self.policy),
             Stage::Adapted(steps) => self.adapted.get(&steps).unwrap_or(&self.policy),
         }

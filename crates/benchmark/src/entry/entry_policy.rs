@@ -420,7 +420,7 @@ mod tests {
     #[test]
     fn a_deterministic_policy_runs_with_one_seed() {
         let seeds = |built_in| EntryPolicy::BuiltIn(built_in).seeds(&[4, 5, 6]);
-        assert_eq!(seeds(BuiltIn::Random), [4, 5, 6]);
-        assert_eq!(seeds(BuiltIn::Reactive), [4]);
+        assert_eq!(seeds(BuiltIn::random()), [4, 5, 6]);
+        assert_eq!(seeds(BuiltIn::reactive()), [4]);
     }
 }

@@ -134,7 +134,7 @@ mod tests {
             };
             let score = Some(score(number, seed));
             let scored = Scored { score, resolved_score: score, ..Scored::default() };
-            Row { info: EpisodeInfo::of(&episode, &BuiltIn::Random), outcome: Ok(scored) }
+            Row { info: EpisodeInfo::of(&episode, &BuiltIn::random()), outcome: Ok(scored) }
         };
         places.map(row).collect()
     }

@@ -50,7 +50,7 @@ impl Problem {
     pub fn named(name: &str) -> Result<Self> {
         let found = Self::all().iter().find(|problem| problem.name == name);
         found.cloned().ok_or_else(|| {
-            // Difficulties of the first version of the project.
+            // Difficulties of the original Python implementation.
             let difficulty = match name {
                 "easy" => Some("dynamics-house"),
                 "medium" => Some("dynamics-office-small"),

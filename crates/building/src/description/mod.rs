@@ -9,10 +9,11 @@ pub mod leakage;
 
 use std::path::Path;
 
-use b2b_climate::{DegreeDays, Site};
+use b2b_climate::EpwFile;
 use serde::Serialize;
 
-pub use equipment::{Equipment, SystemDescription, SystemKind};
+pub use crate::hvac::Equipment;
+pub use equipment::SystemDescription;
 use leakage::Measures;
 
 use crate::construction::{ROOF_FILMS, WALL_FILMS, assembly_resistance, glazing};
@@ -177,9 +178,10 @@ impl Location {
     /// Reads the location of a weather file (EPW).
     ///
     /// # Errors
-    /// The errors of [`Site::read`].
+    /// The errors of [`b2b_climate::Site::read`].
     pub fn read(weather: &Path) -> Result<Self> {
-        let (site, days) = (Site::read(weather)?, DegreeDays::read(weather)?);
+        let file = EpwFile::open(weather)?;
+        let (site, days) = (file.site()?, file.degree_days());
         Ok(Self {
             station: site.name,
             latitude: site.latitude,
@@ -195,7 +197,7 @@ impl Description {
     /// Describes a prepared building with its weather file (EPW).
     ///
     /// # Errors
-    /// The errors of [`Site::read`]; [`crate::Error::Unsupported`] for a surface that cannot be read;
+    /// The errors of [`b2b_climate::Site::read`]; [`crate::Error::Unsupported`] for a surface that cannot be read;
     /// [`crate::Error::MissingObject`] for a dangling reference.
     pub fn of(building: &PreparedBuilding, weather: &Path, origin: Origin) -> Result<Self> {
         let conditioning: Vec<_> = building.zones.iter().map(|zone| zone.conditioning).collect();
@@ -211,7 +213,7 @@ impl Description {
         name: &str,
         model: &Model,
         conditioning: &[Conditioning],
-        systems: &[System],
+        systems: &[Box<dyn System>],
         location: Location,
         origin: Origin,
     ) -> Result<Self> {

@@ -7,21 +7,19 @@ use std::sync::Arc;
 use anyhow::{Result, bail};
 #[cfg(target_os = "linux")]
 use b2b_agent::{Agent, AgentController};
-use b2b_control::{Constant, Controller, Random, Reactive, ReactiveParameters};
+use b2b_control::{Case, Controller, KINDS, Kind, Reactive, ReactiveParameters};
 use b2b_env::Spaces;
+use serde_json::Value;
 
 use crate::prepare::Prepared;
 
 /// A controller on the command line.
 #[derive(clap::Args)]
 pub struct ControllerArguments {
-    /// Controller: reactive (rule-based baseline, after ASHRAE Guideline 36), random (uniform at every step), constant
-    /// (middle of every actuator's range), planner (cross-entropy planning on copies of the simulation with perfect
-    /// foresight; minutes per simulated day), or the folder of an agent that `b2b train` wrote
-    #[arg(long = "controller", value_name = "CONTROLLER", default_value = "reactive")]
-    kind: Kind,
-    /// Parameters of the reactive controller: default, tuned (for the building type, the climate zone and the
-    /// task's objective: comfort, or comfort and energy), or a JSON file
+    #[arg(long = "controller", value_name = "CONTROLLER", default_value = "reactive", help = controller_help())]
+    choice: Choice,
+    /// Parameters of the controller: default, tuned (for the building type, the climate zone and the task's objective:
+    /// comfort, or comfort and energy), or a JSON file
     #[arg(long, default_value = "tuned", value_name = "default|tuned|FILE.json")]
     parameters: Parameters,
     /// Random seed of the random controller and of the planner
@@ -29,59 +27,48 @@ pub struct ControllerArguments {
     seed: u64,
 }
 
-/// The kind of controller.
-#[derive(Clone, PartialEq)]
-enum Kind {
-    Reactive,
-    Random,
-    Constant,
-    #[cfg(target_os = "linux")]
-    Planner,
+fn controller_help() -> String {
+    let kinds: Vec<String> = KINDS.iter().map(|kind| format!("{} ({})", kind.name(), kind.help())).collect();
+    format!("Controller: {}, or the folder of an agent that `b2b train` wrote", kinds.join(", "))
+}
+
+/// The choice of a controller.
+#[derive(Clone)]
+enum Choice {
+    Kind(&'static dyn Kind),
     /// The agent in a folder.
     #[cfg(target_os = "linux")]
     Agent(PathBuf),
 }
 
-impl FromStr for Kind {
+impl FromStr for Choice {
     type Err = anyhow::Error;
 
     fn from_str(text: &str) -> Result<Self> {
-        Ok(match text {
-            "reactive" => Self::Reactive,
-            "random" => Self::Random,
-            "constant" => Self::Constant,
-            #[cfg(target_os = "linux")]
-            "planner" => Self::Planner,
-            #[cfg(target_os = "linux")]
-            folder if Path::new(folder).is_dir() => Self::Agent(folder.into()),
-            _ => bail!("expected reactive, random, constant, planner or the folder of an agent"),
-        })
+        if let Some(kind) = b2b_control::kind(text) {
+            return Ok(Self::Kind(kind));
+        }
+        #[cfg(target_os = "linux")]
+        if Path::new(text).is_dir() {
+            return Ok(Self::Agent(text.into()));
+        }
+        bail!("expected {} or the folder of an agent", KINDS.map(Kind::name).join(", "))
     }
 }
 
 impl ControllerArguments {
     /// Returns the name of the controller.
     pub fn name(&self) -> String {
-        let name = match &self.kind {
-            Kind::Reactive => "reactive",
-            Kind::Random => "random",
-            Kind::Constant => "constant",
+        match &self.choice {
+            Choice::Kind(kind) => kind.name().to_owned(),
             #[cfg(target_os = "linux")]
-            Kind::Planner => "planner",
-            #[cfg(target_os = "linux")]
-            Kind::Agent(folder) => {
-                return folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
-            }
-        };
-        name.to_owned()
+            Choice::Agent(folder) => folder.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+        }
     }
 
     /// Returns whether the controller is a trained agent, which is plotted beside the reactive controllers.
     pub fn is_agent(&self) -> bool {
-        #[cfg(target_os = "linux")]
-        return matches!(self.kind, Kind::Agent(_));
-        #[cfg(not(target_os = "linux"))]
-        false
+        !matches!(self.choice, Choice::Kind(_))
     }
 
     /// Returns the random seed.
@@ -89,44 +76,45 @@ impl ControllerArguments {
         self.seed
     }
 
-    /// Returns a controller for the environment of a prepared building. The planner plans the whole episode first.
-    #[cfg_attr(
-        not(target_os = "linux"),
-        expect(unused_variables, reason = "agents and the planner need Linux")
-    )]
+    /// Returns a controller for the environment of a prepared building. A planner plans the whole episode first.
+    #[cfg_attr(not(target_os = "linux"), expect(unused_variables, reason = "a planner needs Linux"))]
     pub fn build(
         &self,
         prepared: &Prepared,
         spaces: &Arc<Spaces>,
         quiet: bool,
     ) -> Result<Box<dyn Controller>> {
-        Ok(match &self.kind {
-            Kind::Reactive => Box::new(reactive(spaces, &self.parameters)?),
-            Kind::Random => Box::new(Random::new(&spaces.action, self.seed)),
-            Kind::Constant => Box::new(Constant::middle(&spaces.action)),
+        let kind = match &self.choice {
+            Choice::Kind(kind) => *kind,
             #[cfg(target_os = "linux")]
-            Kind::Planner => Box::new(self.plan(prepared, spaces, quiet)?),
-            #[cfg(target_os = "linux")]
-            Kind::Agent(folder) => Box::new(agent(folder, spaces)?),
-        })
+            Choice::Agent(folder) => return Ok(Box::new(agent(folder, spaces)?)),
+        };
+        let values = self.parameters.of(kind, spaces)?;
+        let case = Case { spaces, action: &spaces.action, seed: self.seed, values: &values };
+        #[cfg(target_os = "linux")]
+        if kind.plans()
+            && let Some(plan) = plan(kind, prepared, &case, quiet)?
+        {
+            return Ok(plan);
+        }
+        Ok(kind.make(&case)?)
     }
+}
 
-    /// Plans an episode on copies of the simulation. The actions are then replayed in the environment itself.
-    #[cfg(target_os = "linux")]
-    fn plan(&self, prepared: &Prepared, spaces: &Spaces, quiet: bool) -> Result<b2b_control::Replay> {
-        use b2b_control::{Planner, PlannerParameters, Replay};
-        use b2b_workers::Workers;
-
-        let steps = spaces.episode_steps();
-        let bar = crate::progress::counter(steps, "steps planned", quiet);
-        let workers = Workers::new(prepared.worker_options())?;
-        let mut episode = workers.episode(&prepared.setting(spaces.episode.clone()))?;
-        let reactive = reactive(spaces, &self.parameters)?;
-        let mut planner = Planner::new(PlannerParameters::default(), reactive, self.seed);
-        let actions = planner.plan_episode(&mut episode, steps, || bar.inc(1))?;
-        bar.finish_and_clear();
-        Ok(Replay::new(actions, spaces.action.len()))
-    }
+/// Plans an episode on copies of the simulation. The actions are then replayed in the environment itself.
+#[cfg(target_os = "linux")]
+fn plan(
+    kind: &dyn Kind,
+    prepared: &Prepared,
+    case: &Case<'_>,
+    quiet: bool,
+) -> Result<Option<Box<dyn Controller>>> {
+    let bar = crate::progress::counter(case.spaces.episode_steps(), "steps planned", quiet);
+    let workers = b2b_workers::Workers::new(prepared.worker_options())?;
+    let mut episode = workers.episode(&prepared.setting(case.spaces.episode.clone()))?;
+    let plan = kind.plan(case, &mut episode, &mut || bar.inc(1))?;
+    bar.finish_and_clear();
+    Ok(plan.map(|plan| plan as Box<dyn Controller>))
 }
 
 /// Parameters of the reactive controllers.
@@ -157,12 +145,13 @@ impl FromStr for Parameters {
 }
 
 impl Parameters {
-    /// Returns the parameters for the building and the task of an environment.
-    fn of(&self, spaces: &Spaces) -> Result<ReactiveParameters> {
+    /// Returns the values of a kind's parameters for the building and the task of an environment. Without parameters, only
+    /// a file is an error.
+    fn of(&self, kind: &dyn Kind, spaces: &Spaces) -> Result<Value> {
         Ok(match self {
-            Self::Default => ReactiveParameters::default(),
-            Self::Tuned => ReactiveParameters::tuned_for(&spaces.building, &spaces.episode.task),
-            Self::File(path) => ReactiveParameters::read(path)?,
+            Self::Default => kind.defaults(),
+            Self::Tuned => kind.tuned(&spaces.building, &spaces.episode.task),
+            Self::File(path) => kind.read(path)?,
         })
     }
 }
@@ -185,6 +174,10 @@ fn agent(folder: &Path, spaces: &Arc<Spaces>) -> Result<AgentController> {
 
 /// Returns the reactive controllers of a building.
 pub fn reactive(spaces: &Spaces, parameters: &Parameters) -> Result<Reactive> {
-    let (space, steps_per_hour) = (&spaces.observation, spaces.episode.steps_per_hour);
-    Ok(Reactive::new(&spaces.building, space, steps_per_hour, &parameters.of(spaces)?))
+    let parameters = match parameters {
+        Parameters::Default => ReactiveParameters::default(),
+        Parameters::Tuned => ReactiveParameters::tuned_for(&spaces.building, &spaces.episode.task),
+        Parameters::File(path) => ReactiveParameters::read(path)?,
+    };
+    Ok(Reactive::new(&spaces.building, &spaces.observation, spaces.episode.steps_per_hour, &parameters))
 }

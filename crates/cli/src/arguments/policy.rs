@@ -5,8 +5,7 @@ use b2b_evaluate::{ActionScale, Policy};
 /// A policy and the meaning of its actions.
 #[derive(clap::Args)]
 pub struct PolicyArguments {
-    /// Policy: reactive, random, constant, planner, the folder of an agent, or an ONNX file
-    #[arg(long, value_name = "POLICY", required = true)]
+    #[arg(long, value_name = "POLICY", required = true, help = policy_help())]
     policy: Option<String>,
     /// Scale of the actions of an ONNX policy
     #[arg(long, value_enum, default_value_t = Actions::Rescaled)]
@@ -20,6 +19,11 @@ enum Actions {
     Rescaled,
     /// Physical units
     Physical,
+}
+
+fn policy_help() -> String {
+    let kinds = b2b_control::KINDS.map(b2b_control::Kind::name).join(", ");
+    format!("Policy: {kinds}, the folder of an agent, or an ONNX file")
 }
 
 impl PolicyArguments {

@@ -118,11 +118,9 @@ fn training_building(name: &BuildingName) -> Result<BuildingId> {
 
 /// Measures both designs on a building.
 fn costs(building: BuildingId, arguments: &Arguments, catalog: &Arc<Catalog>) -> Result<Vec<(Design, Cost)>> {
-    let config = TrainConfig {
-        buildings: vec![building.to_string()],
-        environments: arguments.environments as usize,
-        ..TrainConfig::preset("paper")?
-    };
+    let mut config = TrainConfig::preset("paper")?;
+    config.training_set.buildings = vec![building.to_string()];
+    config.budget.environments = arguments.environments as usize;
     let mut turns = Vec::new();
     for design in Design::ALL {
         let workers = worker_options(catalog.library().path());

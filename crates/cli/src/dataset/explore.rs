@@ -13,15 +13,6 @@ const NAME: &str = "dataset.html";
 const PAGE: &str = include_str!("explore.html");
 const SCRIPT: &str = include_str!("explore.js");
 
-/// Conditioned floor areas of the prototypes, m²: those of EnergyPlus's example files, which `b2b show TYPE` prints.
-const PROTOTYPE_AREAS: [(BuildingType, f64); 5] = [
-    (BuildingType::RestaurantFastFood, 232.343),
-    (BuildingType::Warehouse, 4598.252),
-    (BuildingType::RetailStandalone, 2293.993),
-    (BuildingType::OfficeSmall, 511.157),
-    (BuildingType::OfficeMedium, 4982.186),
-];
-
 /// A parameter on the page: its column, name and unit.
 type Parameter = (&'static str, &'static str, &'static str);
 
@@ -93,7 +84,8 @@ fn data(manifest: &Manifest) -> Value {
             .filter(|(_, values)| values.iter().any(|value| !value.is_null()))
             .map(|(column, values)| (column, values.into()))
             .collect();
-        if let Some((_, area)) = PROTOTYPE_AREAS.iter().find(|(each, _)| *each == building_type) {
+        if let Some(prototype) = &building_type.data().prototype {
+            let area = prototype.conditioned_floor_area;
             let [x, y] = ["x_scale", "y_scale"].map(|column| column_of(manifest, &own, column));
             let areas = x.iter().zip(&y).map(|(x, y)| Some(area * x.as_f64()? * y.as_f64()?));
             let rounded = areas.map(|area| area.map(|area| (area * 10.0).round() / 10.0));

@@ -169,7 +169,7 @@ impl Arguments {
                 names => Places::Named(names.to_vec()),
             });
         }
-        let commercial = building_type != BuildingType::SingleFamilyHouse;
+        let commercial = !building_type.is_house();
         if self.zone.is_some() && !commercial {
             bail!("--zone does not apply to houses: their construction follows from their year");
         }

@@ -103,9 +103,9 @@ impl Progress for Count {
 fn two_runs_and_an_interrupted_one_give_the_same_bytes_and_repeat_nothing() {
     let case = Case::new();
     let episodes = episodes(&HOUSES, &["constant", "occupancy+energy0.5"], "01-10..01-11");
-    let first = case.run("first", &BuiltIn::Random, &episodes, &());
+    let first = case.run("first", &BuiltIn::random(), &episodes, &());
     assert!(first.rows.iter().all(|row| row.score().is_some_and(|score| score > 1.0)), "{first:?}");
-    assert_eq!(table(&case.run("second", &BuiltIn::Random, &episodes, &())), table(&first));
+    assert_eq!(table(&case.run("second", &BuiltIn::random(), &episodes, &())), table(&first));
 
     // Interrupted once two episodes are kept.
     static KEPT: AtomicUsize = AtomicUsize::new(0);
@@ -116,12 +116,12 @@ fn two_runs_and_an_interrupted_one_give_the_same_bytes_and_repeat_nothing() {
         }
     }
     let interrupted = || KEPT.load(Ordering::Relaxed) >= 2;
-    let stopped = case.try_run("third", &BuiltIn::Random, &episodes, &Kept, interrupted).unwrap_err();
+    let stopped = case.try_run("third", &BuiltIn::random(), &episodes, &Kept, interrupted).unwrap_err();
     assert_eq!(stopped.to_string(), "interrupted");
     let kept = std::fs::read_dir(case.path("third/episodes")).unwrap().count();
     assert!((2..4).contains(&kept), "{kept}");
     let count = Count::default();
-    let resumed = case.run("third", &BuiltIn::Random, &episodes, &count);
+    let resumed = case.run("third", &BuiltIn::random(), &episodes, &count);
     assert_eq!(count.episodes.load(Ordering::Relaxed), 4 - kept);
     assert_eq!(table(&resumed), table(&first));
 }
@@ -130,7 +130,7 @@ fn two_runs_and_an_interrupted_one_give_the_same_bytes_and_repeat_nothing() {
 fn the_reactive_controllers_score_one_and_are_those_of_an_environment_alone() {
     let case = Case::new();
     let episodes = episodes(&HOUSES[..1], &["constant", "occupancy+energy0.5"], "01-10..01-10");
-    let results = case.run("reactive", &BuiltIn::Reactive, &episodes, &());
+    let results = case.run("reactive", &BuiltIn::reactive(), &episodes, &());
     for (row, episode) in results.rows.iter().zip(&episodes) {
         assert!((row.score().unwrap() - 1.0).abs() < 1e-12, "{row:?}");
         let (hash, episode_return) = alone(&case.catalog, episode);
@@ -146,7 +146,7 @@ fn the_reactive_controllers_score_one_and_are_those_of_an_environment_alone() {
             assert!(what == "episodes" || episodes == 0);
         }
     }
-    let constant = case.run("constant", &BuiltIn::Constant, &episodes, &NoBaseline);
+    let constant = case.run("constant", &BuiltIn::constant(), &episodes, &NoBaseline);
     let episode_return = |results: &Results| results.rows[0].metrics().unwrap().episode_return;
     assert_eq!(constant.rows[0].score(), Some(episode_return(&constant) / episode_return(&results)));
 }
@@ -201,7 +201,7 @@ impl Policy for Killer {
     fn controller(&self, context: EpisodeContext<'_>) -> b2b_evaluate::Result<Box<dyn Controller>> {
         let process = context.subject.name.to_string().ends_with("0014");
         let process = process.then(|| context.episode.workers().template_processes()[0]);
-        Ok(Box::new(Kills { process, inner: BuiltIn::Constant.controller(context)?, step: 0 }))
+        Ok(Box::new(Kills { process, inner: BuiltIn::constant().controller(context)?, step: 0 }))
     }
 }
 
@@ -251,7 +251,7 @@ fn an_onnx_policy_of_zeros_is_the_middle_of_every_bound() {
     let episodes = episodes(&HOUSES[..1], &["constant"], "01-10..01-10");
     let policy = onnx(&case, 9, 2, 0.0, ActionScale::Rescaled);
     let zeros = case.run("onnx", &policy, &episodes, &());
-    let middle = case.run("constant", &BuiltIn::Constant, &episodes, &());
+    let middle = case.run("constant", &BuiltIn::constant(), &episodes, &());
     assert_eq!(scored(&zeros.rows[0]).trajectory_hash, scored(&middle.rows[0]).trajectory_hash);
     let physical = onnx(&case, 9, 2, 1e4, ActionScale::Physical);
     let clamped = case.run("physical", &physical, &episodes, &());
@@ -265,7 +265,7 @@ fn one_onnx_policy_controls_houses_with_other_zones_by_roles_or_with_zeros_behin
     let case = Case::new();
     let houses = ["SingleFamilyHouse-0064", "SingleFamilyHouse-0318"];
     let episodes = episodes(&houses, &["constant"], "01-10..01-10");
-    let middle = case.run("constant", &BuiltIn::Constant, &episodes, &());
+    let middle = case.run("constant", &BuiltIn::constant(), &episodes, &());
     for width in [RoleObservation::WIDTH, 20] {
         let policy = onnx(&case, width, 2, 0.0, ActionScale::Rescaled);
         let zeros = case.run(&format!("zeros-{width}"), &policy, &episodes, &());

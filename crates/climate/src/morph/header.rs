@@ -73,7 +73,7 @@ fn comment(base_location: &str, station: &Station) -> String {
     )
 }
 
-/// The DESIGN CONDITIONS line with the ASHRAE fields that are known.
+/// The DESIGN CONDITIONS line, with the known ASHRAE fields.
 fn design_line(design: Option<&DesignConditions>) -> String {
     let Some(design) = design else { return "DESIGN CONDITIONS,0".into() };
     let mut heating = ["N/A"; 15];

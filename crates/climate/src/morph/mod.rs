@@ -3,13 +3,13 @@
 //! Shift and stretch after Belcher, Hacker and Powell (2005), month by month:
 //! - dry bulb: daily means are shifted and stretched to the station's monthly mean and standard deviation; the swing
 //!   around their trend is scaled to the station's daily range;
-//! - dew point: daily means are stretched as those of the dry bulb, shifted to the monthly mean, and kept below the dry
+//! - dew point: daily means are stretched like dry-bulb means, shifted to the monthly mean, and kept below the dry
 //!   bulb; humidity and long-wave sky radiation follow;
 //! - sun: the clearness index of each hour under the station's sun path is scaled to the monthly total and split again
 //!   into beam and diffuse;
 //! - wind is scaled, pressure follows the elevation, ground temperatures follow the air's annual mean and amplitude.
 //!
-//! The sequence of warm and cold, calm and windy days, sky cover, rain and snow remain those of Montréal.
+//! The sequence of warm and cold, calm and windy days, sky cover, rain and snow remain Montréal's.
 
 mod header;
 mod months;

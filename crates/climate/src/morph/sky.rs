@@ -21,8 +21,7 @@ pub(super) fn suns(place: sun::Place) -> Vec<sun::Sun> {
     (0..HOURS as u32).map(|hour| sun::Sun::over(place, hour / 24 + 1, hour % 24 + 1)).collect()
 }
 
-/// Clearness index of each hour: global over extraterrestrial irradiation; that of the whole day when the sun is low or
-/// down.
+/// Clearness index of each hour: global over extraterrestrial irradiation; the whole day's when the sun is low or down.
 pub(super) fn clearness(global: &[f64], suns: &[sun::Sun]) -> Vec<f64> {
     let of_day = |day: usize| {
         let hours = day * 24..(day + 1) * 24;

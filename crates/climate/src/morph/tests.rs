@@ -8,7 +8,7 @@ use super::year::column;
 use super::*;
 use crate::{Place, Site, sun};
 
-/// Montréal's typical year, from the user's own cache.
+/// Montréal's typical year, from the user's cache.
 fn base() -> String {
     let path = Place::find("Montréal").unwrap().epw_in(&Cache::from_env().unwrap(), &mut Quiet).unwrap();
     std::fs::read_to_string(path).unwrap()
@@ -35,7 +35,7 @@ fn close(a: f64, b: f64, tolerance: f64, what: &str) {
 }
 
 #[test]
-fn the_months_of_every_station_have_its_normals() {
+fn every_morphed_month_matches_the_normals_of_its_station() {
     for (station, text) in MORPHED.iter() {
         assert_eq!(epw::check(text, Path::new(station.name)).unwrap(), HOURS);
         let hours = hours(text);
@@ -142,7 +142,7 @@ fn a_station_without_design_conditions_gets_them_from_its_hours() {
     assert!(text.contains("no design conditions published"));
 }
 
-/// A change of this number is a change of [`MORPH_VERSION`], or a machine that computes otherwise.
+/// If this number changes, either [`MORPH_VERSION`] must change, or the machine computes different bits.
 #[test]
 fn the_bytes_do_not_depend_on_the_machine() {
     let station = Station::find("CAN_QC_GASPE-A_7052601_CWEC").unwrap();

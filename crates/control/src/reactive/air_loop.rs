@@ -28,7 +28,7 @@ pub struct AirLoopParameters {
     pub min_outdoor_air: f64,
     /// Temperature rise across the fan, K, by which the mixed air is kept below the supply air; 0 to 5.
     pub fan_rise: f64,
-    /// Distance of the reheat setpoint below target, K; 0 to 2. Without it reheat holds the target exactly, the damper loops
+    /// Distance of the reheat setpoint below target, K; 0 to 2. At 0, reheat holds the target exactly, the damper loops
     /// see no error, and a zone may be cooled and reheated at once indefinitely.
     pub deadband: f64,
     /// Damper opening in heating as a share of the range from minimum to open, per K below target: the reheat coil needs air flow. The larger of
@@ -84,7 +84,7 @@ struct Terminal {
     request: Request,
     /// Its last reheat setpoint, °C.
     reheat: f64,
-    /// By how much a higher setpoint was used instead, K.
+    /// Amount by which the setpoint in use exceeds it, K.
     raised: f64,
 }
 
@@ -124,7 +124,7 @@ impl AirLoop {
         }
     }
 
-    /// Takes the action that was used instead of the last one.
+    /// Records the action that was used instead of the last one.
     pub(super) fn follow(&mut self, used: &[f64]) {
         for (index, terminal) in self.terminals.iter_mut().enumerate() {
             terminal.raised = (used[hvac::AirLoop::reheat(index)] - terminal.reheat).max(0.0);
@@ -157,7 +157,7 @@ impl AirLoop {
         self.reset = rule.step(self.reset, requests, self.hours, range);
         let supply = self.parameters.max_supply_temperature - self.reset;
         action[hvac::AirLoop::SUPPLY_TEMPERATURE] = supply;
-        // With all dampers closed nothing is mixed.
+        // With all dampers closed, no air is mixed.
         let return_air = if flow > 0.0 { heat / flow } else { supply };
         action[hvac::AirLoop::OUTDOOR_AIR] =
             self.outdoor_air(flow.min(self.fan_flow), return_air, observation, supply);
@@ -168,10 +168,12 @@ impl AirLoop {
     fn outdoor_air(&self, flow: f64, return_air: f64, observation: &[f64], supply: f64) -> f64 {
         let outdoor = observation[self.outdoor];
         let mixed = supply - self.parameters.fan_rise;
-        let share = match () {
-            () if outdoor >= return_air => 0.0,
-            () if outdoor >= mixed => 1.0,
-            () => (return_air - mixed) / (return_air - outdoor),
+        let share = if outdoor >= return_air {
+            0.0
+        } else if outdoor >= mixed {
+            1.0
+        } else {
+            (return_air - mixed) / (return_air - outdoor)
         };
         flow * share.clamp(self.parameters.min_outdoor_air, 1.0)
     }

@@ -2,6 +2,7 @@
 //! temperature, and thermostats for heaters.
 
 mod air_loop;
+mod kind;
 mod parameters;
 mod pi;
 mod trim_respond;
@@ -11,11 +12,11 @@ mod zone;
 use std::ops::Range;
 
 use b2b_building::PreparedBuilding;
-use b2b_building::hvac::{HeatingOnly, ServedZone, System, SystemLayout};
+use b2b_building::hvac::{Sequence, ServedZone, System, SystemLayout};
 use b2b_env::{Controller, Environment, ObservationSpace, Target};
-use serde_json::{Value, json};
 
 pub use air_loop::AirLoopParameters;
+pub(crate) use kind::Kind;
 pub use parameters::ReactiveParameters;
 pub use pi::Gains;
 pub use trim_respond::TrimRespond;
@@ -34,12 +35,12 @@ pub struct Reactive {
 enum Loop {
     Unitary(unitary::Unitary),
     AirLoop(air_loop::AirLoop),
-    /// A heater under its own thermostat, whose setpoint is the target.
-    Heater(Target),
+    /// A thermostat, whose heating setpoint is the target.
+    Thermostat(Target),
 }
 
 impl Reactive {
-    /// Creates controllers that hold every controlled zone of a building at its target in the observation space.
+    /// Creates controllers that hold every controlled zone of a building at its target.
     pub fn new(
         building: &PreparedBuilding,
         space: &ObservationSpace,
@@ -52,32 +53,29 @@ impl Reactive {
             target: space.target(zone.controlled),
         };
         let outdoor = space.outdoor_temperature();
-        let control = |(system, layout): (&System, &SystemLayout)| {
+        let control = |(system, layout): (&dyn System, &SystemLayout)| {
             let zone = slots(&layout.zones[0]);
-            let control = match system {
-                System::Unitary(unit) => {
-                    Loop::Unitary(unitary::Unitary::new(unit, zone, hours, &parameters.unitary))
-                }
-                System::AirLoop(air_loop) => {
-                    let zones = layout.zones.iter().map(slots);
-                    let parameters = &parameters.air_loop;
-                    Loop::AirLoop(air_loop::AirLoop::new(air_loop, zones, outdoor, hours, parameters))
-                }
-                System::HeatingOnly(_) => Loop::Heater(zone.target),
-            };
+            let control =
+                match system.sequence() {
+                    Sequence::SingleZone { flow, supply_temperature } => Loop::Unitary(
+                        unitary::Unitary::new([flow, supply_temperature], zone, hours, &parameters.unitary),
+                    ),
+                    Sequence::MultipleZones(air_loop) => {
+                        let zones = layout.zones.iter().map(slots);
+                        let parameters = &parameters.air_loop;
+                        Loop::AirLoop(air_loop::AirLoop::new(air_loop, zones, outdoor, hours, parameters))
+                    }
+                    Sequence::Thermostat => Loop::Thermostat(zone.target),
+                };
             (control, layout.actions.clone())
         };
         Self { systems: building.laid_out_systems().map(control).collect() }
     }
 
-    /// Returns the description from which a worker makes the controllers: see [`Episode::rollout`](b2b_workers::Episode::rollout).
-    pub fn description(parameters: &ReactiveParameters) -> Value {
-        json!({ "reactive": parameters })
-    }
-
-    /// Takes the action that was used instead of the last one of [`act`](Controller::act), as by an agent that corrects it. Air loops
-    /// begin to cool a zone above the reheat setpoint that is in use; otherwise a zone whose setpoint was raised would be
-    /// reheated and cooled at once, and its requests would lower the supply air temperature of all zones.
+    /// Records the action that was used instead of the last one of [`act`](Controller::act), for example an agent's
+    /// correction. Air loops cool a zone only above the reheat setpoint in use. Otherwise, a zone with a raised
+    /// setpoint would be reheated and cooled at once, and its requests would lower the supply air temperature of all
+    /// zones.
     pub fn follow(&mut self, used: &[f64]) {
         for (system, range) in &mut self.systems {
             if let Loop::AirLoop(air_loop) = system {
@@ -101,7 +99,7 @@ impl Controller for Reactive {
             match system {
                 Loop::Unitary(unit) => unit.reset(),
                 Loop::AirLoop(air_loop) => air_loop.reset(),
-                Loop::Heater(_) => {}
+                Loop::Thermostat(_) => {}
             }
         }
     }
@@ -112,7 +110,7 @@ impl Controller for Reactive {
             match system {
                 Loop::Unitary(unit) => unit.act(observation, action),
                 Loop::AirLoop(air_loop) => air_loop.act(observation, action),
-                Loop::Heater(target) => action[HeatingOnly::SETPOINT] = target.of(observation),
+                Loop::Thermostat(target) => action[0] = target.of(observation),
             }
         }
     }

@@ -87,7 +87,7 @@ impl ReactiveParameters {
         Ok(())
     }
 
-    /// Returns a text that identifies the parameters. Results store hashes of it, which change when a field is renamed.
+    /// Returns a text that identifies the parameters. Results store its hash, which changes when a field is renamed.
     pub fn fingerprint(&self) -> String {
         format!("{self:?}")
     }
@@ -95,7 +95,7 @@ impl ReactiveParameters {
     /// Reads parameters from a JSON file; omitted fields keep their defaults.
     ///
     /// # Errors
-    /// [`Error::Io`]; [`Error::ParameterFile`] with the reason; those of [`ReactiveParameters::check`].
+    /// [`Error::Io`]; [`Error::ParameterFile`] with the reason; the errors of [`ReactiveParameters::check`].
     pub fn read(path: &Path) -> Result<Self> {
         let text = user_file::read(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
         let parameters: Self = user_file::parse_object(&text)
@@ -159,7 +159,7 @@ mod tests {
     }
 
     #[test]
-    fn a_value_out_of_bounds_is_refused_with_name_value_and_bounds() {
+    fn the_error_for_a_value_out_of_bounds_has_name_value_and_bounds() {
         for field in ReactiveParameters::TABLE {
             let parameter = field.parameter;
             for value in [parameter.low - 0.1, parameter.high + 0.1, f64::NAN] {

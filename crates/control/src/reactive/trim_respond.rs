@@ -22,8 +22,8 @@ pub struct TrimRespond {
     pub ignored_requests: f64,
 }
 
-/// Deviations from target at which a zone above the threshold sends two and three requests, K. In Guideline 36 (5.6.8.1), a zone sends these
-/// whatever its loop output is, and after a delay.
+/// Deviations from target at which a zone above the threshold sends two and three requests, K. In Guideline 36
+/// (5.6.8.1), a zone sends them after a delay, regardless of its loop output.
 const URGENT: [f64; 2] = [2.0, 3.0];
 
 /// Request generator of a zone: whether it is sending requests.

@@ -2,7 +2,7 @@
 
 use b2b_env::Target;
 
-/// Where the observation holds what the control loop of a zone needs.
+/// Observation slots that the control loop of a zone needs.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ZoneSlots {
     /// Slot of the air temperature.

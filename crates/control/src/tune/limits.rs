@@ -1,11 +1,11 @@
 //! Limits of actuator travel and loss.
 
-/// What a set of parameters may not exceed in any cell.
+/// Limits for a set of parameters in every cell.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits {
     /// Actuator travel above which actuators hunt, full strokes/day, unless it is higher under the defaults.
     pub(super) travel: f64,
-    /// Increase of the loss over that of the defaults, relative.
+    /// Relative increase of the loss over the loss of the defaults.
     pub(super) increase: f64,
 }
 
@@ -13,9 +13,9 @@ impl Limits {
     /// The limits of unitary systems. A target that jumps up and down once a day moves an actuator there and back twice:
     /// four strokes.
     pub(super) const UNITARY: Self = Self { travel: 5.0, increase: 0.1 };
-    /// The limits of central air loops. Their defaults hold constant targets to 0.06 to 0.1 K; a loss of 1.5 times is then
-    /// that of 0.16 to 0.19 K, which a sensor does not resolve.
+    /// The limits of central air loops. Their defaults hold constant targets to 0.06 to 0.1 K; 1.5 times their loss
+    /// corresponds to 0.16 to 0.19 K, which a sensor does not resolve.
     pub(super) const AIR_LOOP: Self = Self { travel: 5.0, increase: 0.5 };
-    /// The same with a margin for buildings that the search does not use.
+    /// The same, with a margin for buildings outside the search.
     pub(super) const AIR_LOOP_SEARCH: Self = Self { travel: 4.0, increase: 0.2 };
 }

@@ -3,12 +3,12 @@
 //!
 //! 1. [`TrainingBuildings::draw`] draws training buildings of a class for the search and for the validation of a [`Plan`].
 //! 2. [`Rollouts`] keeps their templates ready for episodes of three days in winter and three in summer.
-//! 3. [`tune`] evaluates the default parameters, then proposals of a search. The loss of a building is divided by that of
-//!    the defaults, so that buildings have equal weight; the score is the 75th percentile over the buildings (the 25th of
-//!    the return, as in the paper, which tunes on its test buildings; no test building is used here), multiplied by a
-//!    factor if actuators hunt on the worst building. Buildings are simulated one after another, and a proposal that cannot
-//!    win is dropped: most are, after one building. The search ends early when it no longer lowers the score.
-//!    On central air loops, each is also simulated with constant targets.
+//! 3. [`tune`] evaluates the default parameters, then proposals of a search. The loss of a building is divided by the
+//!    loss of the defaults, so buildings have equal weight; the score is the 75th percentile over the buildings (the
+//!    25th of the return, as in the paper, which tunes on its test buildings; no test building is used here),
+//!    multiplied by a factor if actuators hunt on the worst building. Buildings are simulated one after another, and a
+//!    proposal that cannot win is dropped: most are, after one building. The search ends early when it no longer lowers
+//!    the score. On central air loops, each is also simulated with constant targets.
 //! 4. The best sets and the defaults are validated on other training buildings under other setpoints, and the one with the
 //!    least median loss over all of them is chosen, unless actuators hunt or it is clearly worse than the defaults
 //!    anywhere. If none is eligible, the next best sets are validated.
@@ -58,10 +58,10 @@ pub enum Building {
     Validation(usize),
 }
 
-/// Evaluates at most `evaluations` sets of parameters, including those in the file, until the search stalls, validates the
-/// best and returns the one chosen. The first set is the defaults, so that the result is at least as good. `simulate` returns the outcomes of a
-/// building: one for the search, one per setpoint mode for the validation. `done` is called after each evaluation with
-/// their number. `command` is stored in the result.
+/// Evaluates at most `evaluations` sets of parameters (including those in the file) until the search stalls, validates
+/// the best and returns the chosen one. The first set is the defaults, so that the result is at least as good.
+/// `simulate` returns the outcomes of a building: one for the search, one per setpoint mode for the validation. `done`
+/// is called after each evaluation with their number. `command` is stored in the result.
 ///
 /// # Errors
 /// [`Error::OtherTuning`](crate::Error::OtherTuning) if the file belongs to another plan; [`Error::Io`](crate::Error::Io);
@@ -138,8 +138,8 @@ fn search(
     Ok(scores.len())
 }
 
-/// Returns whether the best score, given after each evaluation, no longer falls. On central air loops, where few sets are
-/// within the limits, a search that has found nothing better than the defaults, whose score is 1, continues.
+/// Returns whether the best score, given after each evaluation, has stopped falling. On central air loops, where few
+/// sets are within the limits, the search continues until a set beats the defaults, whose score is 1.
 fn has_stalled(plan: &Plan, scores: &[f64]) -> bool {
     let Some(earlier) = scores.len().checked_sub(1 + PATIENCE).filter(|number| *number >= search::UNIFORM)
     else {
@@ -150,7 +150,7 @@ fn has_stalled(plan: &Plan, scores: &[f64]) -> bool {
     has_found && best > (1.0 - MIN_GAIN) * scores[earlier]
 }
 
-/// Simulates the buildings of the search one after another, until the set is out of the race.
+/// Simulates the buildings of the search one after another, until the set is dropped.
 fn race(
     plan: &Plan,
     record: &Record,
@@ -176,8 +176,8 @@ fn race(
     Ok(evaluation)
 }
 
-/// Returns the cells of the defaults and of the best sets of the search, a few at a time until one is eligible. They are
-/// validated unless the record has them.
+/// Returns the cells of the defaults and of the best sets of the search, a few at a time until one is eligible. Sets
+/// without a validation in the record are validated.
 fn validate(
     plan: &Plan,
     evaluations: usize,

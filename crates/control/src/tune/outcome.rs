@@ -15,15 +15,15 @@ pub struct Outcome {
     pub energy: f64,
     /// Steps.
     pub steps: usize,
-    /// Actuator travel, full strokes/day, averaged over the actuators, in the episode with the most.
+    /// Largest actuator travel of an episode, averaged over the actuators, full strokes/day.
     pub daily_travel: f64,
 }
 
-/// Deviation below which differences of the loss do not count as worse, K: the accuracy of an air temperature sensor.
+/// Deviation below which a larger loss does not count as worse, K: the accuracy of an air temperature sensor.
 const RESOLUTION: f64 = 0.2;
 
-/// Returns the actuator travel above which actuators hunt, full strokes/day, given that of a reference under the same
-/// conditions: 5, or that of the reference if it is higher.
+/// Returns the actuator travel above which actuators hunt, full strokes/day: 5, or the travel of a reference under the
+/// same conditions if it is higher.
 pub fn travel_limit(reference: f64) -> f64 {
     reference.max(Limits::UNITARY.travel)
 }
@@ -46,7 +46,7 @@ impl Outcome {
     }
 }
 
-/// Returns the loss of each cell relative to that of the defaults, after the resolution of a sensor is added to both.
+/// Returns the loss of each cell relative to the defaults' loss, after adding the resolution of a sensor to both.
 pub(super) fn resolved_losses(plan: &Plan, defaults: &[Outcome], outcomes: &[Outcome]) -> Vec<f64> {
     let floor = RESOLUTION * RESOLUTION;
     let relative = |(outcome, default): (&Outcome, &Outcome)| {
@@ -55,7 +55,7 @@ pub(super) fn resolved_losses(plan: &Plan, defaults: &[Outcome], outcomes: &[Out
     outcomes.iter().zip(defaults).map(relative).collect()
 }
 
-/// Returns the loss of each cell relative to that of the defaults.
+/// Returns the loss of each cell relative to the defaults' loss.
 pub(super) fn relative_losses(plan: &Plan, defaults: &[Outcome], outcomes: &[Outcome]) -> Vec<f64> {
     let relative = |(outcome, default): (&Outcome, &Outcome)| {
         outcome.loss(plan) / default.loss(plan).max(f64::MIN_POSITIVE)
@@ -76,8 +76,8 @@ pub(super) fn worst_loss(limits: Limits, plan: &Plan, defaults: &[Outcome], outc
     resolved_losses(plan, defaults, outcomes).into_iter().fold(0.0, f64::max) / (1.0 + limits.increase)
 }
 
-/// Returns the 75th percentile of relative losses, interpolated between neighbors. With five buildings, this is the second
-/// worst: a set has to be good on all but one.
+/// Returns the 75th percentile of relative losses, interpolated between neighbors. With five buildings, this is the
+/// second worst, so a set has to be good on all but one.
 pub(super) fn percentile_75(losses: &[f64]) -> f64 {
     let mut sorted = losses.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -110,7 +110,7 @@ mod tests {
     }
 
     #[test]
-    fn a_loss_that_no_sensor_resolves_is_within_the_limits() {
+    fn a_loss_below_sensor_resolution_is_within_the_limits() {
         let cells = |losses: [f64; 2]| {
             losses.map(|temperature_penalty| Outcome { temperature_penalty, steps: 1, ..Outcome::default() })
         };

@@ -11,10 +11,10 @@ use super::limits::Limits;
 use super::space::{self, Axis};
 use crate::{Error, Objective, ReactiveParameters, Result};
 
-/// Raised when the search changes, so that evaluations of an earlier one are not resumed from.
+/// Raised when the search changes, so that runs do not resume from evaluations of an earlier search.
 const REVISION: u32 = 2;
 
-/// The plan of a tuning run: what to tune, and on which episodes.
+/// The plan of a tuning run: class, objective, parameters and episodes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Plan {
     /// Class to tune for.
@@ -40,7 +40,7 @@ pub struct Plan {
     pub seed: u64,
     /// Names of the searched parameters.
     pub parameters: Vec<&'static str>,
-    /// Values of the sets that are evaluated before the search proposes any. The first is the defaults.
+    /// Values of the sets evaluated before the first proposal. The first is the defaults.
     pub starts: Vec<Vec<f64>>,
 }
 
@@ -77,8 +77,8 @@ impl Plan {
         .starting_from(&[ReactiveParameters::default()])
     }
 
-    /// Creates the plan of the energy objective from that of the comfort objective, the comfort set and the energy scale
-    /// τ_E measured under it. The search starts from the defaults and the comfort set, each also with less air.
+    /// Creates the plan of the energy objective from the comfort plan, the comfort set and the energy scale τ_E
+    /// measured under it. The search starts from the defaults and the comfort set, each as it is and with less air.
     pub fn energy(self, comfort: &ReactiveParameters, energy_scale: f64) -> Self {
         let default = ReactiveParameters::default();
         let starts =
@@ -97,12 +97,12 @@ impl Plan {
         }
     }
 
-    /// Returns what a set may not exceed in the search.
+    /// Returns the limits of the search.
     pub(super) fn search_limits(&self) -> Limits {
         if self.constant_targets { Limits::AIR_LOOP_SEARCH } else { Limits::UNITARY }
     }
 
-    /// Returns what a set may not exceed to be eligible.
+    /// Returns the limits of an eligible set.
     pub(super) fn limits(&self) -> Limits {
         if self.constant_targets { Limits::AIR_LOOP } else { Limits::UNITARY }
     }
@@ -149,7 +149,7 @@ impl TrainingBuildings {
         Ok(Self { search: draw(search), validation: draw(validation) })
     }
 
-    /// Returns all buildings: those of the search, then those of the validation.
+    /// Returns all buildings: search, then validation.
     pub fn all(&self) -> Vec<BuildingId> {
         self.search.iter().chain(&self.validation).copied().collect()
     }

@@ -2,8 +2,8 @@
 
 use super::outcome::percentile_75;
 
-/// Mean relative excess of a proposal's loss over that of the best set, beyond which it is dropped after one, two, three
-/// and more buildings.
+/// Mean relative excess of a proposal's loss over the best set's, beyond which it is dropped after one, two, three and
+/// more buildings.
 const MARGINS: [f64; 4] = [0.10, 0.05, 0.03, 0.02];
 
 /// The best set so far.
@@ -21,8 +21,8 @@ impl Best {
         percentile_75(&self.losses)
     }
 
-    /// Returns whether a proposal with these relative losses on the first buildings is out of the race: it cannot win even
-    /// without any loss on the others, or is clearly worse than the best set on the same buildings.
+    /// Returns whether to drop a proposal with these relative losses on the first buildings: it cannot win even with no
+    /// loss on the others, or is clearly worse than the best set on the same buildings.
     pub(super) fn is_beyond(&self, losses: &[f64]) -> bool {
         if losses.is_empty() || losses.len() >= self.losses.len() {
             return false;
@@ -33,13 +33,13 @@ impl Best {
         percentile_75(&optimistic) >= self.score() || self.excess(losses) > margin.ln_1p()
     }
 
-    /// Returns the estimated score of a dropped proposal: that of the best set, scaled by the losses on the same buildings.
-    /// Never better than the best set.
+    /// Returns the estimated score of a dropped proposal: the best set's score, scaled by the losses on the same
+    /// buildings. Never better than the best set.
     pub(super) fn estimate(&self, losses: &[f64]) -> f64 {
         self.score() * self.excess(losses).exp().max(1.0)
     }
 
-    /// Returns the mean logarithm of the losses relative to those of the best set.
+    /// Returns the mean logarithm of the losses relative to the best set's.
     fn excess(&self, losses: &[f64]) -> f64 {
         let relative =
             |(loss, best): (&f64, &f64)| (loss.max(f64::MIN_POSITIVE) / best.max(f64::MIN_POSITIVE)).ln();
@@ -78,7 +78,7 @@ mod tests {
     }
 
     #[test]
-    fn the_estimate_of_a_dropped_proposal_is_in_proportion_and_never_better_than_the_best() {
+    fn the_estimate_of_a_dropped_proposal_is_proportional_and_never_better_than_the_best() {
         assert!((best().estimate(&[1.0]) - 1.6).abs() < 1e-12);
         assert_eq!(best().estimate(&[0.1, 0.2]), 0.8);
     }

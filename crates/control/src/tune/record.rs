@@ -17,15 +17,15 @@ use crate::{Error, Result};
 pub(super) struct Evaluation {
     /// Values of the searched parameters.
     pub(super) values: Vec<f64>,
-    /// Outcome of each building; of the first ones, if the set was dropped.
+    /// Outcome of each building, or only of the first ones if the set was dropped.
     pub(super) outcomes: Vec<Outcome>,
     /// The same with constant targets; empty unless the plan requires them.
     pub(super) constant: Vec<Outcome>,
 }
 
 impl Evaluation {
-    /// Returns the largest of actuator travel and loss relative to the limits of the search, given the evaluation of the
-    /// defaults. The loss is limited under constant targets alone.
+    /// Returns the largest of actuator travel and loss relative to the limits of the search, given the evaluation of
+    /// the defaults. The loss is limited only under constant targets.
     pub(super) fn worst_to_limit(&self, plan: &Plan, defaults: &Self) -> f64 {
         let limits = plan.search_limits();
         let travel = worst_travel(limits, &defaults.outcomes, &self.outcomes);
@@ -33,8 +33,8 @@ impl Evaluation {
         travel.max(constant).max(worst_loss(limits, plan, &defaults.constant, &self.constant))
     }
 
-    /// Returns the relative loss of each building: by occupancy, multiplied by the resolved one under constant targets as far
-    /// as these were run, and by the square of what exceeds the limits on the worst building.
+    /// Returns the relative loss of each building: the loss by occupancy, times the resolved loss under constant
+    /// targets if simulated, times the square of the excess over the limits on the worst building.
     pub(super) fn losses(&self, plan: &Plan, defaults: &Self) -> Vec<f64> {
         let factor = self.worst_to_limit(plan, defaults).max(1.0).powi(2);
         let constant = resolved_losses(plan, &defaults.constant, &self.constant);
@@ -109,7 +109,7 @@ impl Record {
         Ok(())
     }
 
-    /// Returns the validation of a set of parameters, made and appended if it is not in the file.
+    /// Returns the validation of a set of parameters; simulates and appends it if the file lacks it.
     pub(super) fn validation(
         &mut self,
         values: &[f64],

@@ -1,4 +1,4 @@
-//! Repeated episodes of some buildings, each time under another controller.
+//! Repeated episodes of the same buildings under different controllers.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -17,7 +17,7 @@ const STEPS_PER_HOUR: u32 = 12;
 #[derive(Debug)]
 pub struct Rollouts {
     workers: Workers,
-    /// The settings of each building, for each task one for each period.
+    /// Settings of each building, one per task and period.
     settings: Vec<Vec<Setting>>,
     /// Number of periods.
     periods: usize,
@@ -27,7 +27,7 @@ impl Rollouts {
     /// Prepares buildings of the dataset for some periods and tasks.
     ///
     /// # Errors
-    /// [`Error::Building`] when a model cannot be made, [`Error::Env`] when it cannot be prepared.
+    /// [`Error::Building`] when a model cannot be generated, [`Error::Env`] when it cannot be prepared.
     pub fn new(
         options: WorkerOptions,
         catalog: &Catalog,
@@ -60,8 +60,8 @@ impl Rollouts {
         Ok(Self { workers, settings, periods: periods.len() })
     }
 
-    /// Runs episodes of a building under the reactive controllers with some parameters: for each of a range of tasks one for
-    /// each period. Building and tasks are given by their indices.
+    /// Runs episodes of a building under the reactive controllers with some parameters, one per period for each of a
+    /// range of tasks. Building and tasks are given by their indices.
     ///
     /// # Errors
     /// [`Error::Lost`] when an episode is lost; [`Error::Env`].

@@ -21,7 +21,7 @@ pub(super) struct Search {
     axes: &'static [Axis],
     optimizers: Vec<TpeOptimizer>,
     seed: u64,
-    /// Number of losses told.
+    /// Number of recorded losses.
     told: usize,
 }
 
@@ -36,8 +36,8 @@ impl Search {
         Ok(Self { axes, optimizers, seed, told: 0 })
     }
 
-    /// Returns the values to evaluate next: a function of the seed, the losses told and the best values. Proposals of the
-    /// estimators and variations of the best values alternate.
+    /// Returns the values to evaluate next: a function of the seed, the recorded losses and the best values. Proposals
+    /// of the estimators and variations of the best values alternate.
     pub(super) fn propose(&mut self, best: Option<&[f64]>) -> Result<Vec<f64>> {
         let mut random = ChaCha8Rng::seed_from_u64(self.seed);
         random.set_stream(self.told as u64);
@@ -79,7 +79,7 @@ impl Search {
         self.axes.iter().zip(best).enumerate().map(&mut vary).collect()
     }
 
-    /// Tells the loss of values.
+    /// Records the loss of some values.
     pub(super) fn tell(&mut self, values: &[f64], loss: f64) -> Result<()> {
         for ((axis, optimizer), value) in self.axes.iter().zip(&mut self.optimizers).zip(values) {
             let [low, high] = axis.range();

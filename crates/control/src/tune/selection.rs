@@ -5,7 +5,7 @@ use super::plan::Plan;
 use crate::Measured;
 
 /// The outcomes of a set of parameters: on the buildings of the search under `occupancy`, under `constant` if the plan
-/// requires it, and on those of the validation under each of [`Plan::VALIDATION_SETPOINTS`].
+/// requires it, and on the validation buildings under each of [`Plan::VALIDATION_SETPOINTS`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cells {
     /// Outcomes on the buildings of the search.
@@ -88,7 +88,7 @@ mod tests {
     fn the_least_median_is_selected_over_search_and_validation() {
         let sets = [
             cells([1.0, 2.0, 1.0, 2.0], 1.0),
-            // Best in the search alone.
+            // Best only in the search.
             cells([0.1, 0.2, 1.0, 2.1], 1.0),
             cells([0.4, 0.8, 0.4, 0.8], 1.0),
         ];

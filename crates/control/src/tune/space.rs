@@ -1,7 +1,7 @@
 //! The search space of a class of buildings and an objective: some parameters of its controllers, each with a range.
 
+use b2b_building::Class;
 use b2b_building::parameter::Field;
-use b2b_building::{BuildingType, Class};
 
 use crate::{Objective, ReactiveParameters};
 
@@ -11,7 +11,7 @@ pub(super) struct Axis {
     name: &'static str,
     low: f64,
     high: f64,
-    /// Whether the search is over its logarithm, as for gains and rates.
+    /// Whether the search uses its logarithm, as for gains and rates.
     logarithmic: bool,
 }
 
@@ -35,8 +35,8 @@ const UNITARY: [Axis; 8] = [
     linear("unitary.trim_respond.threshold", 0.3, 0.95),
 ];
 
-/// The same, and those that matter for energy: air flow down to none (while a zone is occupied, the ventilation of the
-/// environment is the minimum), the deadband between heating and cooling, and how fast resets are trimmed.
+/// The same, and those that matter for energy: air flow down to none (while a zone is occupied, the ventilation
+/// interlock sets the minimum), the deadband between heating and cooling, and how fast resets are trimmed.
 const UNITARY_ENERGY: [Axis; 10] = [
     UNITARY[0],
     UNITARY[1],
@@ -86,10 +86,10 @@ const AIR_LOOP_ENERGY: [Axis; 11] = [
 
 /// Returns whether a class has central air loops; the others have unitary systems.
 pub(super) fn has_air_loops(class: Class) -> bool {
-    class.building_type == BuildingType::OfficeMedium
+    class.building_type.data().has_air_loops
 }
 
-/// Returns the axes of a class and an objective. The ranges of the energy objective include those of the comfort objective.
+/// Returns the axes of a class and an objective. The ranges of the energy objective include the comfort objective's.
 pub(super) fn axes(class: Class, objective: Objective) -> &'static [Axis] {
     match (has_air_loops(class), objective) {
         (true, Objective::Comfort) => &AIR_LOOP,
@@ -99,7 +99,7 @@ pub(super) fn axes(class: Class, objective: Objective) -> &'static [Axis] {
     }
 }
 
-/// Returns parameters with little air flow and outdoor air where there is no demand: where to start looking for less energy.
+/// Returns parameters with little air flow and outdoor air at low demand, from which the energy search starts.
 pub(super) fn with_less_air(parameters: &ReactiveParameters) -> ReactiveParameters {
     let mut parameters = parameters.clone();
     parameters.unitary.min_flow = 0.1;

@@ -60,7 +60,7 @@ fn the_search_approaches_the_optimum_and_is_never_worse_than_the_defaults() {
 }
 
 #[test]
-fn a_search_that_no_longer_improves_ends_but_on_air_loops_not_before_it_has_found_something() {
+fn a_stalled_search_ends_but_on_air_loops_only_after_it_beats_the_defaults() {
     let folder = tempfile::tempdir().unwrap();
     // Every set but the defaults has this loss.
     let evaluations = |constant_targets: bool, of_others: f64| {
@@ -98,7 +98,7 @@ fn an_interrupted_tuning_run_resumes_and_returns_the_same_result() {
 }
 
 #[test]
-fn evaluations_of_another_plan_are_refused() {
+fn evaluations_of_another_plan_are_rejected() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("evaluations");
     run(&plan(1), 2, &file);

@@ -1,4 +1,4 @@
-//! Equipment sizes of the prototype for Denver, returned to autosizing.
+//! Reset of the Denver prototype's equipment sizes to autosizing.
 
 use std::collections::BTreeSet;
 
@@ -15,20 +15,20 @@ const SIZING: &str = "Sizing:Zone";
 /// where the prototype has less. A controller must be able to warm up a building after setback.
 const SIZING_FACTORS: [(&str, f64); 2] = [("heating_sizing_factor", 1.25), ("cooling_sizing_factor", 1.15)];
 
-/// Fields of each speed of a cooling coil that the prototypes give as numbers.
+/// Size fields of each cooling coil speed that are numbers in the prototypes.
 const SPEED_SIZES: [&str; 3] =
     ["gross_rated_total_cooling_capacity", "rated_air_flow_rate", "gross_rated_sensible_heat_ratio"];
 
-/// Opening fraction of doors throughout the winter design day, 0 to 1. They open fully for an hour at a time, part of which
-/// the thermal mass of the zone covers.
+/// Opening fraction of doors throughout the winter design day, 0 to 1. They open fully for an hour at a time, partly
+/// buffered by the thermal mass of the zone.
 const DOORS_ON_DESIGN_DAY: f64 = 0.75;
 
 /// Sizing factor of zones with a unit heater. The code's semi-heated storage is designed for about 15 °C; a task may
 /// request 21 °C: at -42 °C outdoors 10 % more, in addition to the usual 25 %.
 const UNIT_HEATER_SIZING_FACTOR: f64 = 1.5;
 
-/// Returns every size that was computed for Denver to `Autosize`, and makes sizing consider what the prototypes exclude: the
-/// doors of entrances, which are closed on design days, and storage at room temperature.
+/// Resets every size computed for Denver to `Autosize`, and makes sizing consider two loads that the prototypes
+/// exclude: open doors of entrances, and storage at room temperature.
 ///
 /// # Errors
 /// [`b2b_building::Error::MissingObject`] for a dangling reference.
@@ -114,7 +114,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_speed_of_a_coil_is_sized_anew() {
+    fn every_speed_of_a_coil_is_autosized() {
         let mut model = Model::default();
         model.insert(
             "Coil:Cooling:DX:MultiSpeed",

@@ -19,8 +19,8 @@ fn of_zone(ashrae_zone: &str) -> Economizer {
     }
 }
 
-/// Sets the economizer of the climate zone on every unit that has one in the prototype. The prototype is in zone 5B, where
-/// all units of 54,000 Btu/h and more have one; smaller ones need none in any zone.
+/// Sets the economizer of the climate zone on every unit that has one in the prototype. The prototype is in zone 5B,
+/// where all units of 54,000 Btu/h and more have one; smaller units need none in any zone.
 pub(super) fn choose(model: &mut Model, ashrae_zone: &str) {
     const CLASS: &str = "Controller:OutdoorAir";
     const CONTROL: &str = "economizer_control_type";
@@ -62,7 +62,7 @@ mod tests {
     }
 
     #[test]
-    fn a_unit_too_small_for_one_stays_without() {
+    fn a_small_unit_gets_no_economizer() {
         assert_eq!(in_zone("8", "NoEconomizer"), "NoEconomizer");
     }
 }

@@ -1,23 +1,25 @@
 //! Rooms with an exhaust fan: kitchen and dining room.
 //!
-//! The hood replaces the air of the kitchen every three minutes. What its unit does not supply infiltrates from outdoors, so
-//! that in cold weather the temperature swings by tens of kelvin with the supply flow: the prototype in Fairbanks is between
-//! 11 and 27 °C under any feedback control at 5-minute steps, and warm-up days do not converge.
+//! The hood replaces the air of the kitchen every three minutes. Air that its unit does not supply infiltrates from
+//! outdoors, so in cold weather the temperature swings by tens of kelvin with the supply flow: the prototype in
+//! Fairbanks is between 11 and 27 °C under any feedback control at 5-minute steps, and warm-up days do not converge.
 
 use b2b_building::hvac::zone_equipment::zone_equipment;
 use b2b_building::model::{number, text};
 use b2b_building::{Model, Result};
 use serde_json::json;
 
-/// Minimum ratio of the design flow of the room's unit to that of the fan: with a margin, it can replace the exhaust air.
+/// Minimum ratio of the design flow of the room's unit to the fan's: enough to replace the exhaust air, with a margin.
 const SUPPLY_OVER_EXHAUST: f64 = 1.25;
-/// Heat capacity that follows the air, over that of the air: ovens, fryers, counters, tables. Engineering judgment, near
-/// the 7 of a furnished house; the prototypes have only wooden slabs, which are too thick to follow.
+/// Ratio of the heat capacity of furnishings (ovens, fryers, counters, tables) to the heat capacity of the air.
+/// Engineering judgment, near the 7 of a furnished house; the prototypes have only wooden slabs, which are too thick to
+/// follow.
 const CAPACITY_OVER_AIR: f64 = 6.0;
 /// Convergence tolerances of warm-up days, K and fraction of load: the widest that the engine accepts.
 const WARMUP_TOLERANCE: f64 = 0.5;
 
-/// Gives rooms with an exhaust fan a unit that can replace the exhaust air, and the thermal mass of their furnishings.
+/// Gives rooms with an exhaust fan a unit large enough to replace the exhaust air, and the thermal mass of their
+/// furnishings.
 ///
 /// # Errors
 /// [`b2b_building::Error::MissingObject`] for a dangling reference.

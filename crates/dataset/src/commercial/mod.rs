@@ -13,9 +13,9 @@
 //! The model is autosized: [`b2b_building::PreparedBuilding`] sizes it for its design days.
 //!
 //! # Simplifications
-//! - The economizer's capacity threshold (54,000 Btu/h) is that of the unstretched unit in Denver.
+//! - The economizer's capacity threshold (54,000 Btu/h) is applied to the unstretched unit in Denver.
 //! - A stretched restaurant keeps its refrigerated cases.
-//! - Skylights, doors and slab edges keep the prototype's values, those of climate zone 5.
+//! - Skylights, doors and slab edges keep the prototype's values, for climate zone 5.
 //! - The code's classes of assembly: walls are steel-framed and roofs insulated above deck, as in the paper; attics,
 //!   metal buildings and semi-heated storage follow the same two values.
 //!
@@ -74,7 +74,7 @@ pub fn generate_in_zone(
 }
 
 /// Generates the code-compliant variant of a prototype at another place: the envelope and the equipment meet the code;
-/// geometry, window areas and leakage are those of the prototype.
+/// geometry, window areas and leakage are the prototype's.
 ///
 /// # Errors
 /// As [`generate`], except for parameters out of bounds.

@@ -9,16 +9,16 @@ use crate::{Error, Result};
 /// The nine parameters of a commercial building. [`bounds`] depend on type and climate zone.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CommercialParameters {
-    /// U-factor of the exterior walls, W/m²K: 0.5 to 1.3 times that of the code.
+    /// U-factor of the exterior walls, W/m²K: 0.5 to 1.3 times the code's.
     pub wall_u: f64,
-    /// U-factor of the roofs, W/m²K: 0.5 to 1.3 times that of the code.
+    /// U-factor of the roofs, W/m²K: 0.5 to 1.3 times the code's.
     pub roof_u: f64,
-    /// U-factor of the windows, W/m²K: 0.8 to 1.3 times that of the code.
+    /// U-factor of the windows, W/m²K: 0.8 to 1.3 times the code's.
     pub window_u: f64,
-    /// Solar heat gain coefficient of the windows: 0.15 to that of the code + 0.10.
+    /// Solar heat gain coefficient of the windows: 0.15 to 0.10 above the code's.
     pub window_shgc: f64,
     /// Window and glass door area over gross exterior wall area of the whole building, plenum walls included: 0.5 to
-    /// 1.5 times that of the prototype, and at most 0.40 as in the code.
+    /// 1.5 times the prototype's, and at most 0.40 as in the code.
     pub window_to_wall: f64,
     /// Multiplier of all leakage through the envelope. From 0.5 to 2 (zones 1 to 3), 1.5 (4, 5) or 1.2 (6 to 8).
     pub infiltration: f64,
@@ -30,16 +30,8 @@ pub struct CommercialParameters {
     pub north_axis: f64,
 }
 
-/// Window-to-wall ratios of the stock prototypes.
-const WINDOW_TO_WALL: [(BuildingType, f64); 5] = [
-    (BuildingType::OfficeSmall, 0.2120),
-    (BuildingType::OfficeMedium, 0.3300),
-    (BuildingType::RetailStandalone, 0.0713),
-    (BuildingType::RestaurantFastFood, 0.1400),
-    (BuildingType::Warehouse, 0.00707),
-];
-/// Wall and roof U-factors relative to the maximum of the code in the climate zone. Above 1 stands for older stock; half
-/// the maximum is what the code asks of walls about three zones further north.
+/// Wall and roof U-factors relative to the maximum of the code in the climate zone. Values above 1 represent older
+/// stock; half the maximum is about the code's requirement for walls three zones further north.
 const OPAQUE_U: [f64; 2] = [0.5, 1.3];
 /// Window-to-wall ratio relative to the prototype.
 const WINDOW_SHARE: (f64, f64) = (0.5, 1.5);
@@ -47,7 +39,7 @@ const WINDOW_SHARE: (f64, f64) = (0.5, 1.5);
 const MAX_WINDOW_TO_WALL: f64 = 0.40;
 
 /// Returns the bounds of the parameters of a type in a climate zone, for example `5B`; in the order of the fields of
-/// [`CommercialParameters`]. Ranges of the paper's appendix on dataset generation, except for those of walls and roofs.
+/// [`CommercialParameters`]. Ranges are from the paper's appendix on dataset generation, except for walls and roofs.
 ///
 /// # Errors
 /// [`Error::ClimateZone`] for a zone outside 1 to 8; [`Error::NotCommercial`] for a house.
@@ -68,14 +60,14 @@ pub fn bounds(building_type: BuildingType, ashrae_zone: &str) -> Result<[Paramet
     ])
 }
 
-/// The bounds of a U-factor with this maximum in the code.
+/// Returns the bounds of a U-factor from the code's maximum.
 const fn opaque(name: &'static str, code: f64) -> Parameter {
     Parameter::new(name, "W/m²K", OPAQUE_U[0] * code, OPAQUE_U[1] * code)
 }
 
 fn prototype_window_to_wall(building_type: BuildingType) -> Result<f64> {
-    let found = WINDOW_TO_WALL.into_iter().find(|(known, _)| *known == building_type);
-    found.map(|(_, ratio)| ratio).ok_or(Error::NotCommercial { building_type })
+    let prototype = building_type.data().prototype.as_ref();
+    prototype.map(|prototype| prototype.window_to_wall).ok_or(Error::NotCommercial { building_type })
 }
 
 impl CommercialParameters {
@@ -222,7 +214,7 @@ mod tests {
     }
 
     #[test]
-    fn a_parameter_out_of_bounds_is_named_with_them() {
+    fn the_error_for_a_parameter_out_of_bounds_has_its_name_and_bounds() {
         let middle = CommercialParameters::from_unit([0.5; 9], TYPE, "8").unwrap();
         let error = CommercialParameters { infiltration: 1.7, ..middle }.check(TYPE, "8").unwrap_err();
         let text = error.to_string();
@@ -236,7 +228,7 @@ mod tests {
     }
 
     #[test]
-    fn a_house_has_other_parameters() {
+    fn a_house_has_no_commercial_parameters() {
         let error = bounds(BuildingType::SingleFamilyHouse, "6A").unwrap_err();
         assert!(error.to_string().contains("SingleFamilyHouse"), "{error}");
     }

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 /// Enthalpy recovery ratio that the code requires at design conditions (ASHRAE 90.1-2019, 6.5.6.1).
 const RATIO: f64 = 0.5;
-/// Outdoor temperature of frost control, °C: below it less air is exhausted through the wheel.
+/// Outdoor temperature of frost control, °C; below it, less air is exhausted through the wheel.
 const FROST: f64 = -23.3;
 
 const SYSTEM: &str = "AirLoopHVAC:OutdoorAirSystem";
@@ -14,29 +14,20 @@ const LIST: &str = "AirLoopHVAC:OutdoorAirSystem:EquipmentList";
 const WHEEL: &str = "HeatExchanger:AirToAir:SensibleAndLatent";
 const MIXER: &str = "OutdoorAir:Mixer";
 
-/// Returns whether the code requires recovery for a system of a type.
-///
-/// ASHRAE 90.1-2019, table 6.5.6.1.2-1 (less than 8,000 h a year), by the sizes of the prototypes: in zones 7 and 8 it asks
-/// from 2,120 L/s of supply air with 10 to 20 % of outdoor air on (each floor of the medium office: 4 m³/s and 19 %) and
-/// from 1,890 L/s with 20 to 30 % on (the core of the shop: 6 m³/s and 29 %). In the humid zones it asks from 12,270 and
-/// 7,550 L/s on, and in the dry ones from more or not at all, which no system here has. Kitchens and their make-up air are
-/// exempt, the other systems smaller.
+/// Returns whether the code requires recovery for a system of a type: see [`Prototype`](b2b_building::Prototype).
 fn is_required(building_type: BuildingType, ashrae_zone: &str, system: &str) -> bool {
-    let cold = ashrae_zone.starts_with(['7', '8']);
-    cold && match building_type {
-        BuildingType::OfficeMedium => true,
-        BuildingType::RetailStandalone => system.starts_with("PSZ-AC:2"),
-        _ => false,
-    }
+    let prototype = building_type.data().prototype.as_ref();
+    ashrae_zone.starts_with(['7', '8'])
+        && prototype.is_some_and(|prototype| (prototype.recovers_heat)(system))
 }
 
 /// Adds an enthalpy wheel upstream of the mixer of every system for which the code requires it.
 ///
-/// In a central air loop it aims at the setpoint of the mixed air; in a unit, which has none there, it recovers what it can.
-/// Its motor and its pressure drop are neglected.
+/// In a central air loop, it controls to the setpoint of the mixed air; in a unit, which has no such setpoint, it
+/// recovers as much as possible. Its motor and its pressure drop are neglected.
 ///
 /// # Errors
-/// [`Error::MissingObject`] and [`Error::Unsupported`] when a system is not that of a prototype.
+/// [`Error::MissingObject`] and [`Error::Unsupported`] when a system is not a prototype's.
 pub(super) fn add(model: &mut Model, building_type: BuildingType, ashrae_zone: &str) -> Result<()> {
     let systems = model.names(SYSTEM);
     for system in systems.iter().filter(|system| is_required(building_type, ashrae_zone, system)) {
@@ -67,31 +58,9 @@ fn put_wheel(model: &mut Model, system: &str) -> Result<()> {
 
     let [wheel, recovered, exhaust] =
         ["Energy Recovery", "Recovered Air Node", "Exhaust Node"].map(|what| format!("{system} {what}"));
-    // Under control the mixed air of a central air loop has a setpoint, and that of a unit has none.
+    // Under control, the mixed air has a setpoint in a central air loop but not in a unit.
     let has_setpoint = !model.names("AirTerminal:SingleDuct:VAV:Reheat").is_empty();
-    model.insert(
-        WHEEL,
-        &wheel,
-        json!({
-            "nominal_supply_air_flow_rate": "Autosize",
-            "sensible_effectiveness_at_100_heating_air_flow": RATIO,
-            "latent_effectiveness_at_100_heating_air_flow": RATIO,
-            "sensible_effectiveness_at_100_cooling_air_flow": RATIO,
-            "latent_effectiveness_at_100_cooling_air_flow": RATIO,
-            "supply_air_inlet_node_name": outdoor,
-            "supply_air_outlet_node_name": recovered,
-            "exhaust_air_inlet_node_name": relief,
-            "exhaust_air_outlet_node_name": exhaust,
-            "nominal_electric_power": 0.0,
-            "supply_air_outlet_temperature_control": if has_setpoint { "Yes" } else { "No" },
-            "heat_exchanger_type": "Rotary",
-            "frost_control_type": "ExhaustOnly",
-            "threshold_temperature": FROST,
-            "initial_defrost_time_fraction": 0.167,
-            "rate_of_defrost_time_fraction_increase": 1.44,
-            "economizer_lockout": "Yes",
-        }),
-    );
+    model.insert(WHEEL, &wheel, wheel_fields([&outdoor, &recovered, &relief, &exhaust], has_setpoint));
     if has_setpoint {
         model.insert(
             "SetpointManager:OutdoorAirPretreat",
@@ -118,6 +87,29 @@ fn put_wheel(model: &mut Model, system: &str) -> Result<()> {
         }),
     );
     Ok(())
+}
+
+/// Returns the fields of a wheel between four nodes: supply inlet and outlet, exhaust inlet and outlet.
+fn wheel_fields([outdoor, recovered, relief, exhaust]: [&str; 4], has_setpoint: bool) -> Value {
+    json!({
+        "nominal_supply_air_flow_rate": "Autosize",
+        "sensible_effectiveness_at_100_heating_air_flow": RATIO,
+        "latent_effectiveness_at_100_heating_air_flow": RATIO,
+        "sensible_effectiveness_at_100_cooling_air_flow": RATIO,
+        "latent_effectiveness_at_100_cooling_air_flow": RATIO,
+        "supply_air_inlet_node_name": outdoor,
+        "supply_air_outlet_node_name": recovered,
+        "exhaust_air_inlet_node_name": relief,
+        "exhaust_air_outlet_node_name": exhaust,
+        "nominal_electric_power": 0.0,
+        "supply_air_outlet_temperature_control": if has_setpoint { "Yes" } else { "No" },
+        "heat_exchanger_type": "Rotary",
+        "frost_control_type": "ExhaustOnly",
+        "threshold_temperature": FROST,
+        "initial_defrost_time_fraction": 0.167,
+        "rate_of_defrost_time_fraction_increase": 1.44,
+        "economizer_lockout": "Yes",
+    })
 }
 
 #[cfg(test)]

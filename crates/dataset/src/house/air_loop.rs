@@ -1,8 +1,7 @@
 //! The ducts: one air loop without outdoor air, blow-through, from the return to one terminal.
 //!
-//! Nodes, in the order of the air:
-//! return → fan → cooling coil → heating coil → backup → supply → terminal → zone; a furnace takes the place of
-//! heating coil and backup.
+//! Nodes, in the order of the air: return → fan → cooling coil → heating coil → backup → supply → terminal → zone; a
+//! furnace replaces heating coil and backup.
 
 use b2b_building::Model;
 use serde_json::json;
@@ -39,8 +38,8 @@ const MOTOR_EFFICIENCY: f64 = 0.65;
 /// Fan power over design power by flow fraction (ASHRAE 90.1 Appendix G, variable-speed drive).
 const FAN_POWER: [f64; 5] = [0.0408, 0.088, -0.0729, 0.9437, 0.0];
 
-/// Thermostat, °C. A zone above its cooling setpoint would open the damper beyond the command, so that setpoint is out
-/// of reach; the heating setpoint moves nothing (measured from 5 to 35 °C).
+/// Thermostat, °C. A zone above its cooling setpoint would open the damper beyond the command, so this setpoint is out
+/// of reach. The heating setpoint has no effect (measured from 5 to 35 °C).
 const HEATING_SETPOINT: f64 = 5.0;
 const COOLING_SETPOINT: f64 = 90.0;
 /// Supply temperature before the first command, °C.
@@ -100,7 +99,8 @@ fn unit(model: &mut Model, capacities: &Capacities) {
         "cooling_coil_object_type": "Coil:Cooling:DX:TwoSpeed",
         "cooling_coil_name": COOLING_COIL,
         "maximum_supply_air_temperature": 80.0,
-        // Whatever the outdoor temperature: the supply temperature is the agent's, and so is the cost of it.
+        // Backup heat is allowed at any outdoor temperature: the agent chooses the supply temperature and bears its
+        // cost.
         "maximum_outdoor_dry_bulb_temperature_for_supplemental_heater_operation": 21.0,
     });
     for mode in ["cooling_supply", "heating_supply", "no_load_supply"] {

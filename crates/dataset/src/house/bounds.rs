@@ -11,13 +11,13 @@ use crate::Result;
 pub struct Number {
     /// The field of [`House`].
     pub field: Field<House>,
-    /// Decimals that it is drawn with.
+    /// Decimals of a drawn value.
     pub decimals: i32,
-    /// The coordinate of [`super::HouseSample::from_unit`] that it follows.
+    /// The coordinate of [`super::HouseSample::from_unit`] that determines it.
     pub coordinate: usize,
 }
 
-/// The numeric parameters that are drawn, except those of the heating system.
+/// The numeric parameters that are drawn, without the heating system's.
 pub const NUMBERS: [Number; 17] = [
     number("floor_area", "m²", [40.0, 1000.0], 1, 2, |house| &mut house.floor_area),
     number("aspect", "1", [1.0, 4.0], 3, 4, |house| &mut house.aspect),
@@ -97,7 +97,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_number_has_a_field_of_its_own() {
+    fn every_number_has_its_own_field() {
         for (index, number) in NUMBERS.iter().enumerate() {
             let mut house = House::default();
             number.field.set(&mut house, f64::NAN);

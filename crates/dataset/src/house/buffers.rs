@@ -48,7 +48,7 @@ fn floor_over_crawlspace(model: &mut Model, house: &House, geometry: &Geometry) 
     surface(model, ceiling, CRAWLSPACE, "Ceiling", ceiling, Faces::Surface(floor), &up);
 }
 
-/// A shell of sheathing; its door counts as wall.
+/// The garage: a shell of sheathing, whose door counts as wall.
 fn garage(model: &mut Model, geometry: &Geometry) {
     construction(model, "Garage Wall", &["Siding", "Sheathing"]);
     construction(model, "Garage Roof", &["Shingles", "Sheathing"]);
@@ -70,7 +70,7 @@ fn wall_to_garage(model: &mut Model, house: &House, geometry: &Geometry) {
     shared(model, geometry, LIVING, [name, name], [geometry.sill, geometry.garage_top()]);
 }
 
-/// The above-grade part of the foundation on the side of the garage.
+/// The above-grade part of the foundation next to the garage.
 fn foundation_to_garage(model: &mut Model, house: &House, geometry: &Geometry) {
     let levels = [0.0, geometry.sill];
     match house.foundation {
@@ -84,7 +84,7 @@ fn foundation_to_garage(model: &mut Model, house: &House, geometry: &Geometry) {
     }
 }
 
-/// A wall between a zone of the house and the garage: its construction seen from either, between two levels.
+/// A wall between a zone of the house and the garage, between two levels, with its construction from either side.
 fn shared(model: &mut Model, geometry: &Geometry, zone: &str, built: [&str; 2], [bottom, top]: [f64; 2]) {
     let (ours, theirs) = (format!("{zone} {} to Garage", built[0]), format!("Garage {} to {zone}", built[1]));
     let out = geometry.wall(Side::East, bottom, top);

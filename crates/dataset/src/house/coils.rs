@@ -1,6 +1,6 @@
 //! The coils: cooling, the heat pump's heating, furnace or backup; and their performance curves.
 //!
-//! The curves are those of the heat pumps in the ASHRAE 90.1 small office prototype, relative to rated conditions.
+//! The curves are from the heat pumps of the ASHRAE 90.1 small office prototype, relative to rated conditions.
 
 use b2b_building::Model;
 use serde_json::{Value, json};
@@ -20,8 +20,8 @@ const LOW_SPEED: [f64; 2] = [0.5, 0.55];
 /// Input of reverse-cycle defrost over rated capacity, as in NREL's ResStock. EnergyPlus notes once that this is not
 /// 1.0 at rated conditions; 1.0 multiplies defrost energy by 6.6 (measured).
 const DEFROST_INPUT: f64 = 0.1528;
-/// Outdoor temperature under which the compressor does not cool, °C: never reached, so that an overheated room can
-/// always be cooled.
+/// Outdoor temperature below which the compressor does not cool, °C: never reached, so an overheated room can always be
+/// cooled.
 const COOLING_LOCKOUT: f64 = -60.0;
 
 pub(super) fn add(model: &mut Model, house: &House, capacities: &Capacities) {

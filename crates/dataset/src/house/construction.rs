@@ -1,7 +1,7 @@
 //! Layers, constructions and air films.
 //!
-//! An effective resistance includes films, as NBC 9.36 counts it. Layers that have mass are written as they are;
-//! one layer without mass makes up the rest.
+//! Effective resistances include films, as in NBC 9.36. Layers with mass are written as they are; one massless layer
+//! provides the rest.
 
 use b2b_building::Model;
 use serde_json::json;
@@ -12,7 +12,7 @@ pub(super) const FILM_OUTSIDE: f64 = 0.03;
 pub(super) const FILM_WALL: f64 = 0.12;
 /// Film of each side of the attic floor, m²K/W (ASHRAE Fundamentals, still air, upward flow).
 pub(super) const FILM_CEILING: f64 = 0.11;
-/// Least resistance of a layer that EnergyPlus accepts without mass, m²K/W.
+/// Minimum resistance of a massless layer in EnergyPlus, m²K/W.
 const MIN_RESISTANCE: f64 = 0.01;
 
 /// A layer with mass: name, thickness m, conductivity W/m·K, density kg/m³, specific heat J/kg·K, roughness, solar

@@ -36,7 +36,7 @@ pub(super) fn add(model: &mut Model, house: &House) {
     appliances(model, house);
 }
 
-/// Mean heat to the air and the room with everyone at home, W.
+/// Mean heat gain of the room with everyone at home, W.
 pub(super) fn mean(house: &House) -> f64 {
     house.occupants * ACTIVITY + lighting_power(house) + appliance_power(house) * (1.0 - APPLIANCES_LOST)
 }

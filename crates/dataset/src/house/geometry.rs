@@ -9,8 +9,8 @@ use super::parameters::{Foundation, House};
 const STOREY_HEIGHT: f64 = 2.44;
 /// Basement wall above grade, m (engineering judgment; NBC 9.15.4.6 asks for at least 0.15).
 const FOUNDATION_ABOVE_GRADE: f64 = 0.4;
-/// Depth of a crawlspace under grade, m: with what stands above, a little over half of the 1.8 m that tells it from a
-/// basement in the stock survey (engineering judgment).
+/// Depth of a crawlspace under grade, m: together with the part above grade, a little over half of the 1.8 m that
+/// distinguishes a basement in the stock survey (engineering judgment).
 const CRAWLSPACE_DEPTH: f64 = 0.6;
 /// Width of a garage for one car, m (engineering judgment); it is as deep as the house.
 const GARAGE_WIDTH: f64 = 4.0;
@@ -37,7 +37,7 @@ pub struct Geometry {
     pub ceiling: f64,
     /// Level of the ridge.
     pub ridge: f64,
-    /// Levels that are heated, the basement included.
+    /// Number of heated levels, including the basement.
     pub levels: u32,
     /// Level of the soil in the crawlspace, if there is one.
     pub crawlspace: Option<f64>,
@@ -121,12 +121,12 @@ impl Geometry {
         self.garage && side == Side::East
     }
 
-    /// Perimeter that no garage covers, m.
+    /// Perimeter without the garage side, m.
     pub fn exposed_perimeter(&self) -> f64 {
         Side::ALL.iter().filter(|side| !self.has_garage(**side)).map(|side| self.length_of(*side)).sum()
     }
 
-    /// Bottom and top of the wall of a side that is outdoors, if there is one.
+    /// Bottom and top of the outdoor wall of a side, if any.
     pub fn outer_wall(&self, side: Side) -> Option<[f64; 2]> {
         let bottom = if self.has_garage(side) { self.garage_top() } else { self.sill };
         (self.ceiling - bottom > 0.01).then_some([bottom, self.ceiling])
@@ -145,7 +145,7 @@ impl Geometry {
         self.sill + STOREY_HEIGHT
     }
 
-    /// The garage as a block of its own; its west side is the house's east side.
+    /// The garage as a separate block; its west side is the house's east side.
     pub fn garage_block(&self) -> Block {
         Block { west: self.length, east: self.length + GARAGE_WIDTH, width: self.width }
     }
@@ -190,7 +190,7 @@ impl Geometry {
         self.block().wall(side, bottom, top)
     }
 
-    /// A window in the middle of the outer wall of a side, if there is one, that covers `fraction` of it.
+    /// A window in the middle of the outer wall of a side, if any, that covers `fraction` of it.
     pub fn window(&self, side: Side, fraction: f64) -> Option<Vec<Point>> {
         let [bottom, top] = self.outer_wall(side)?;
         let wall = self.wall(side, bottom, top);

@@ -1,7 +1,7 @@
 //! The ground: steady conductances to the monthly temperature of the soil.
 //!
-//! EnergyPlus's Kiva is finer but the state of its ground depends on the day on which a run starts: the floor loss in one July week was
-//! measured at 95 W in a run started in January and 1298 W in one started that week.
+//! EnergyPlus's Kiva is more detailed, but the state of its ground depends on the start day of a run: the floor loss in
+//! one July week was measured at 95 W in a run started in January and 1298 W in one started that week.
 
 use b2b_building::Model;
 use b2b_climate::Site;
@@ -133,7 +133,7 @@ fn garage(model: &mut Model, geometry: &Geometry) {
     surface(model, "Garage Slab", GARAGE, "Floor", "Garage Slab", Faces::Ground, &vertices);
 }
 
-/// A C-factor counts the wall without films.
+/// A C-factor excludes films.
 fn basement_walls(model: &mut Model, house: &House, geometry: &Geometry) {
     let construction = json!({
         "height": geometry.depth(),

@@ -18,8 +18,8 @@ const EXPONENT: f64 = 0.65;
 const STACK: [f64; 3] = [0.054, 0.078, 0.098];
 /// Wind coefficient for one, two and three levels on a basement or slab, without flue, (Pa·s²/m²)ⁿ (ibid.).
 const WIND: [f64; 3] = [0.156, 0.170, 0.170];
-/// Wind coefficient on a crawlspace (ibid.). That of three levels, which no house on a crawlspace has, is with a flue;
-/// without it is 0.151.
+/// Wind coefficient on a crawlspace (ibid.). The value for three levels, which no house on a crawlspace has, is with a
+/// flue; without a flue it is 0.151.
 const WIND_CRAWLSPACE: [f64; 3] = [0.128, 0.142, 0.154];
 /// Shelter class 3: neighbors across the street (ibid.).
 const SHELTER: f64 = 0.7;
@@ -97,8 +97,8 @@ fn openings(model: &mut Model, zone: &str, name: &str, area: f64) {
     model.insert("ZoneInfiltration:EffectiveLeakageArea", name, openings);
 }
 
-/// Fans, as the flow whose heat is not recovered; the fan energy is that of the whole flow. A ventilator recovers
-/// vapor here as well, which real ones do in part.
+/// Fans with the flow whose heat is not recovered, and the fan energy of the whole flow. The ventilator also recovers
+/// all vapor; real ones recover part of it.
 fn exhaust(model: &mut Model, house: &House) {
     let flow = house.unrecovered_ventilation();
     if flow <= 0.0 {

@@ -18,7 +18,7 @@ const AIR: f64 = 1.204 * 1006.0;
 /// Sun on a vertical surface at the worst hour, W/m²: mean of the four sides in July at 45° north (ASHRAE
 /// Fundamentals, clear sky).
 const SUN: f64 = 400.0;
-/// Share of the sun that blinds let through (ASHRAE Fundamentals, interior attenuation).
+/// Share of the sun transmitted by blinds (ASHRAE Fundamentals, interior attenuation).
 const BLINDS: f64 = 0.8;
 /// Sol-air excess of walls and of a vented attic over outdoor air in summer, K (engineering judgment).
 const SOL_AIR: [f64; 2] = [5.0, 15.0];

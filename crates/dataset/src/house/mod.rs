@@ -3,9 +3,9 @@
 //! 1. [`House`] holds the parameters; [`Geometry`] follows from them.
 //! 2. [`Capacities`] follow from the heat loss and gain on the site's design days, unless the parameters give them.
 //! 3. [`house`] writes the model: a heated zone [`LIVING`] over every storey and the basement, a vented [`ATTIC`],
-//!    a vented [`CRAWLSPACE`] and an unheated [`GARAGE`] where the house has them, and one ducted unit, heat pump or
-//!    furnace with cooling, whose air flow and supply temperature follow two schedules.
-//! 4. [`HouseSample`] draws parameters as the detached houses of Québec have them.
+//!    optionally a vented [`CRAWLSPACE`] and an unheated [`GARAGE`], and one ducted unit, heat pump or furnace with
+//!    cooling, whose air flow and supply temperature follow two schedules.
+//! 4. [`HouseSample`] draws parameters distributed like Québec's detached houses.
 //!
 //! # Control
 //! | `Schedule:Constant` | meaning | range |
@@ -14,7 +14,7 @@
 //! | `Living Supply Air Temperature` | supply air, °C | 10 to 45 |
 //! | `Living Heating Setpoint`, `Living Cooling Setpoint` | thermostat, °C; set so that it never moves the damper | not to be set |
 //!
-//! The flow is exact, and so is the supply temperature wherever the coils have the capacity (measured).
+//! The flow is exact; the supply temperature is exact within the capacity of the coils (measured).
 //!
 //! # Engine messages
 //! The engine notes that the heating coil's flow per capacity is out of range under half of the design flow: a heat pump of
@@ -22,8 +22,8 @@
 //! design flow its psychrometrics leave their range: keep to 0, or 0.2 and more.
 //!
 //! # Scope
-//! The ducted houses of Québec. They are about a quarter of its detached stock; half of that stock heats with
-//! baseboards and has no air system to control.
+//! The ducted houses of Québec. They are about a quarter of its detached stock; half of the stock heats with baseboards
+//! and has no air system to control.
 
 mod air_loop;
 mod bounds;
@@ -59,7 +59,7 @@ use b2b_climate::Site;
 
 use crate::Result;
 
-/// The model of a house at a place, hard-sized and ready to run.
+/// Generates the hard-sized model of a house at a place, ready to run.
 ///
 /// The same parameters give the same bytes, on every machine.
 ///

@@ -15,11 +15,11 @@ const WALL_EFFECTIVENESS: f64 = 0.8;
 /// Effective over nominal resistance of an attic floor: parallel paths through 11 % truss chords that the insulation
 /// covers give 0.97; compression at the eaves and the hatch take the rest (engineering judgment).
 const ATTIC_EFFECTIVENESS: f64 = 0.9;
-/// Effective over nominal resistance of a finished basement wall: 89 mm studs lose as the walls above do, and many
-/// are insulated over a part of their height (engineering judgment).
+/// Effective over nominal resistance of a finished basement wall: 89 mm studs are thermal bridges as in the walls
+/// above, and many walls are insulated over part of their height (engineering judgment).
 const FOUNDATION_EFFECTIVENESS: f64 = 0.8;
 
-/// A household of two who are both out on every weekday.
+/// Seed of a household of two who are both out on every weekday.
 const COUPLE_AT_WORK: u64 = 17;
 
 /// A detached house. SI units; resistances are nominal, as in surveys.
@@ -54,9 +54,9 @@ pub struct House {
     pub window_shgc: f64,
     /// Number of occupants, rounded to whole people.
     pub occupants: f64,
-    /// Seed of the occupants' week: who of them is at home when ([`Household::draw`]).
+    /// Seed of the occupants' weekly presence ([`Household::draw`]).
     pub household: u64,
-    /// Lighting and appliance energy over that of the standard operating conditions.
+    /// Lighting and appliance energy relative to the standard operating conditions.
     pub appliance_use: f64,
     /// Mean flow of exhaust fans, opened windows or a balanced ventilator, L/s.
     pub ventilation: f64,

@@ -12,7 +12,7 @@ const ANY_NUMBER: &str = "Any Number";
 /// A schedule that is 1.
 pub(super) const ALWAYS: &str = "Always On";
 
-/// What every other schedule refers to.
+/// Adds the schedule types that other schedules refer to.
 pub(super) fn add(model: &mut Model) {
     let limits = json!({"numeric_type": "Continuous"});
     model.insert("ScheduleTypeLimits", ANY_NUMBER, limits);

@@ -29,7 +29,7 @@ fn control(model: &mut Model) {
     model.insert("SimulationControl", "Simulation Control", control);
     let steps = json!({"number_of_timesteps_per_hour": STEPS_PER_HOUR});
     model.insert("Timestep", "Timestep", steps);
-    // Longer than a zone step, so that the engine never divides one.
+    // Longer than a zone step, so the engine never subdivides a step.
     let limits = json!({"minimum_system_timestep": 60});
     model.insert("ConvergenceLimits", "Convergence Limits", limits);
 }

@@ -48,8 +48,8 @@ pub(super) fn number(text: &str) -> f64 {
     number.parse().expect("the embedded table has a number there")
 }
 
-/// The value at a quantile of weighted values (the inverse of their cumulative share), and how far `u` is into it,
-/// from 0 to 1.
+/// The value at a quantile of weighted values (inverse cumulative share), and the position of `u` within its share, 0
+/// to 1.
 pub(super) fn pick<T: Copy>(weighted: &[(T, f64)], u: f64) -> (T, f64) {
     let total: f64 = weighted.iter().map(|(_, weight)| weight).sum();
     let mut rest = u * total;

@@ -14,8 +14,8 @@ pub const CRAWLSPACE: &str = "Crawlspace";
 /// The zone of an unheated garage.
 pub const GARAGE: &str = "Garage";
 
-/// Heat capacity of the heated zone's air with its furnishings, over that of its air alone. Without it full power
-/// moves the air by 1 K in one step (measured); simulation practice for houses is 3 to 15 (engineering judgment).
+/// Ratio of the heat capacity of the heated zone's air and furnishings to its air alone. Without it, full power changes
+/// the air temperature by 1 K in one step (measured); simulation practice for houses is 3 to 15 (engineering judgment).
 const CAPACITY_MULTIPLIER: f64 = 7.0;
 
 pub(super) fn add(model: &mut Model, geometry: &Geometry) {

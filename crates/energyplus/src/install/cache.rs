@@ -15,8 +15,8 @@ pub struct Cache {
     pub offline: bool,
     /// Additional environment variables for the package client, such as the address of a mirror.
     pub client_environment: Vec<(String, OsString)>,
-    /// Folder into which the package client has installed packages, as for a Python program that depends on them. Intact
-    /// packages in it are used in place.
+    /// Folder of packages installed by the package client, for example a Python `site-packages`. Intact packages in it
+    /// are used in place.
     pub packages: Option<PathBuf>,
 }
 
@@ -35,8 +35,8 @@ impl Cache {
         Self { root: root.into(), offline: false, client_environment: Vec::new(), packages: None }
     }
 
-    /// Creates the cache that the environment variables specify: in [`cache_dir`], without downloads if `B2B_OFFLINE` is set
-    /// and not `0`.
+    /// Creates the cache specified by the environment variables: in [`cache_dir`], without downloads if `B2B_OFFLINE`
+    /// is set to anything but `0`.
     ///
     /// # Errors
     /// [`Error::NoCacheFolder`] if the home folder is unknown.

@@ -98,7 +98,7 @@ impl Client {
 fn start(words: &[&str]) -> Command {
     let mut command = Command::new(words[0]);
     command.args(&words[1..]).stdin(Stdio::null());
-    // A process group of its own, so that it can be ended with its children: `python3` and `uv` may be wrappers.
+    // A separate process group, so that it can be ended with its children: `python3` and `uv` may be wrappers.
     #[cfg(unix)]
     std::os::unix::process::CommandExt::process_group(&mut command, 0);
     command
@@ -109,7 +109,7 @@ struct Running(Child);
 
 impl Drop for Running {
     fn drop(&mut self) {
-        // Once it has ended, its id may belong to another process.
+        // After its end, the id may belong to another process.
         if !matches!(self.0.try_wait(), Ok(None)) {
             return;
         }

@@ -60,7 +60,7 @@ fn cache_folder(cache: &Cache) -> Finding {
 fn engine(cache: &Cache, installed: Option<&Path>) -> Finding {
     let about = "EnergyPlus";
     match Engine::find_in(cache, installed) {
-        // Neither is cured by a download.
+        // A download repairs neither.
         Err(error) if installed.is_some() || matches!(error, Error::NoWheel { .. }) => {
             finding(about, Health::Bad, error.to_string())
         }

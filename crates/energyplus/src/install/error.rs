@@ -51,7 +51,7 @@ pub enum Error {
         /// Last lines of the messages of the client.
         said: String,
     },
-    /// A downloaded wheel that is not the pinned one.
+    /// A downloaded wheel whose SHA-256 differs from the pinned one.
     #[error(
         "{file} has SHA-256 {found}; expected {expected}. The registry or mirror served a different file: try again, or \
          use another mirror"

@@ -78,11 +78,11 @@ impl Manifest {
         b2b_base::digest::sha256(files.iter().map(line).collect::<String>())
     }
 
-    /// Describes what is wrong with the list of files or with their content, one line each.
+    /// Describes every error in the list of files or in their contents, one line each.
     pub(super) fn damage(&self, wheel: &Wheel, folder: &Path) -> Vec<String> {
         if self.digest() != wheel.files_sha256 {
             let path = folder.join(FILE_NAME);
-            return vec![format!("{}: its files are not those of {}", path.display(), wheel.file_name)];
+            return vec![format!("{}: its files differ from {}", path.display(), wheel.file_name)];
         }
         self.files.iter().filter_map(|file| file.damage(folder)).collect()
     }
@@ -98,7 +98,7 @@ impl UnpackedFile {
         Some(Self { path: path.to_owned(), bytes, sha256 })
     }
 
-    /// Describes what is wrong with name or size of the file, if anything. Takes microseconds.
+    /// Describes a missing file or a wrong size, if any. Takes microseconds.
     pub(super) fn missing_or_truncated(&self, folder: &Path) -> Option<String> {
         let path = folder.join(&self.path);
         match std::fs::metadata(&path) {
@@ -108,7 +108,7 @@ impl UnpackedFile {
         }
     }
 
-    /// Describes what is wrong with the file, including its content, if anything.
+    /// Describes a missing file, a wrong size or wrong content, if any.
     pub(super) fn damage(&self, folder: &Path) -> Option<String> {
         if let Some(damage) = self.missing_or_truncated(folder) {
             return Some(damage);

@@ -77,12 +77,12 @@ impl Package {
         Some(Installed { root, manifest }).filter(whole)
     }
 
-    /// Returns whether the files are those of the wheel.
+    /// Returns whether the files match the wheel.
     fn is_whole(&self, Installed { root, manifest }: &Installed, wheel: &Wheel, cache: &Cache) -> bool {
         if manifest.digest() != wheel.files_sha256 {
             return false;
         }
-        // Taken before the files are read, so that a change meanwhile is seen the next time.
+        // Taken before the files are read, so that a concurrent change is detected next time.
         let Some(stamp) = Stamp::of(self, manifest, root, cache) else { return false };
         if stamp.is_known() {
             return true;
@@ -96,7 +96,7 @@ impl Package {
         damage.is_empty()
     }
 
-    /// Returns the package as installed by the package client, by the client's own record of its files.
+    /// Returns the package installed by the package client, according to the client's own record of files.
     fn find_among(&self, folder: &Path) -> Option<Installed> {
         let record = format!("{}-{}.dist-info/RECORD", self.name.replace('-', "_"), self.version);
         let record = std::fs::read_to_string(folder.join(record)).ok()?;

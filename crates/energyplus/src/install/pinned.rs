@@ -92,12 +92,13 @@ impl Package {
         self.corrections.iter().fold(path.to_owned(), |path, (wrong, right)| path.replace(wrong, right))
     }
 
-    /// Returns the wheel for this machine. A platform without one gets the first, whose data it can use.
+    /// Returns the wheel for this machine. On a platform without a wheel, returns the first, whose data files it can
+    /// use.
     pub(super) fn wheel(&self) -> &'static Wheel {
         self.native_wheel().unwrap_or(&self.wheels[0])
     }
 
-    /// Returns an error if no wheel is for this machine, so that its libraries cannot be loaded.
+    /// Errors if there is no wheel for this machine, so its libraries cannot be loaded.
     pub(super) fn require_native(&self) -> Result<()> {
         self.native_wheel().map(|_| ()).ok_or_else(|| Error::NoWheel {
             package: self.to_string(),

@@ -6,7 +6,7 @@ use super::error::{Error, Result};
 
 /// Receiver of the progress of one or more tasks, each a sequence of begin, advance and end.
 ///
-/// `advance` is called at least every 50 ms, also without progress, so that cancellation is prompt.
+/// `advance` is called at least every 50 ms, even without progress, so that cancellation is prompt.
 pub trait Progress {
     /// Called at the start of a task; `total_bytes` is 0 if unknown.
     fn begin(&mut self, what: &str, total_bytes: u64) {

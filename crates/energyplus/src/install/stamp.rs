@@ -1,7 +1,7 @@
 //! Stamps of verified packages: the file system's metadata of every file when its contents were last verified.
 //!
-//! Reading a package takes a tenth of a second or more, and asking the file system takes microseconds. A file whose size, time
-//! of modification or, on Unix, time of change and inode number differ from the stamp is read again.
+//! Reading a package takes a tenth of a second or more; reading metadata takes microseconds. A file whose size, time of
+//! modification or, on Unix, time of change and inode number differ from the stamp is read again.
 
 use std::fs::Metadata;
 use std::path::{Path, PathBuf};
@@ -31,12 +31,12 @@ impl Stamp {
         Some(Self { path, text: sha256(all) })
     }
 
-    /// Returns whether these files were verified as they are.
+    /// Returns whether these files are unchanged since they were verified.
     pub(super) fn is_known(&self) -> bool {
         std::fs::read_to_string(&self.path).is_ok_and(|known| known == self.text)
     }
 
-    /// Keeps the stamp. Without it, in a cache that cannot be written, the files are verified again.
+    /// Stores the stamp. In a read-only cache, the files are verified at every start.
     pub(super) fn keep(&self) {
         let _ = write_whole(&self.path, self.text.as_bytes());
     }

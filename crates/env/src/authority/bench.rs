@@ -1,7 +1,7 @@
 //! The response check of a building in one season.
 
 use b2b_building::PreparedBuilding;
-use b2b_building::hvac::{Actuator, AirLoop, Quantity, System};
+use b2b_building::hvac::{Actuator, Quantity};
 
 use super::heat::{heated_zones, judge_heat};
 use super::hold::{Hold, heat_hold};
@@ -12,7 +12,7 @@ use crate::env::Env;
 
 /// Steps of a hold; the first lets the system settle.
 const HOLD_STEPS: usize = 9;
-/// Steps that probing a miss at the end of a hold may add.
+/// Steps added to probe a miss at the end of a hold.
 const PROBE_STEPS: usize = 2;
 /// Steps of a heating setpoint hold.
 const HEAT_STEPS: usize = 24;
@@ -58,21 +58,21 @@ impl Bench<'_> {
         self.env.effect(i).unwrap_or(f64::NAN) / actuator.effect_scale
     }
 
-    /// Returns the limit that the air loop of an actuator has reached, if any.
+    /// Returns the limit of its system's shared flow that an actuator has reached, if any.
     fn flow_limit(&self, i: usize, reading: &Reading) -> Option<Limit> {
         let (system, layout) =
             self.building.laid_out_systems().find(|(_, layout)| layout.actions.contains(&i))?;
-        let System::AirLoop(air_loop) = system else { return None };
-        let effect = |offset: usize| self.env.effect(layout.actions.start + offset).unwrap_or(f64::NAN);
-        let supplied: f64 = (0..layout.zones.len()).map(|terminal| effect(AirLoop::damper(terminal))).sum();
+        let shared = system.shared_flow()?;
+        let effect = |index: usize| self.env.effect(index).unwrap_or(f64::NAN);
+        let actuators = layout.actions.clone().zip(system.actuators());
+        let dampers = actuators.filter(|(_, actuator)| actuator.quantity == Quantity::DamperOpening);
+        let supplied: f64 = dampers.map(|(index, _)| effect(index)).sum();
         let command = reading.row.command;
         match reading.row.quantity {
             Quantity::DamperOpening => {
-                damper_limit(command, reading.last, supplied, air_loop.fan_flow).then_some(Limit::Fan)
+                damper_limit(command, reading.last, supplied, shared.fan).then_some(Limit::Fan)
             }
-            Quantity::OutdoorAirFlow => {
-                outdoor_limit(command, effect(AirLoop::OUTDOOR_AIR), supplied, air_loop.exhaust_flow)
-            }
+            Quantity::OutdoorAirFlow => outdoor_limit(command, effect(i), supplied, shared.exhaust),
             _ => None,
         }
     }
@@ -115,13 +115,13 @@ fn reaches(flow: f64, limit: f64, tolerance: f64) -> bool {
     (flow / limit - 1.0).abs() <= tolerance
 }
 
-/// Returns whether a damper gets less than its command because the supply air of the loop is the fan's design flow.
+/// Returns whether a damper gets less than its command because the fan is at its design flow.
 fn damper_limit(command: f64, flow: f64, supplied: f64, fan_flow: f64) -> bool {
     flow < command && reaches(supplied, fan_flow, 0.01)
 }
 
-/// Returns the limit that keeps the outdoor air of a loop from its command: all supply air if more was commanded, exhaust fans
-/// if less was.
+/// Returns the limit that prevents the outdoor air of a loop from following its command: the supply flow if more was
+/// commanded, exhaust fans if less.
 fn outdoor_limit(command: f64, outdoor: f64, supplied: f64, exhaust_flow: f64) -> Option<Limit> {
     let is_all = outdoor < command && reaches(outdoor, supplied, 0.02);
     let makes_up = outdoor > command && outdoor <= 1.02 * exhaust_flow;
@@ -133,7 +133,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_limit_of_the_flow_excuses_only_a_command_beyond_it() {
+    fn a_flow_limit_excuses_only_commands_beyond_it() {
         assert!(damper_limit(0.5, 0.4, 1.0, 1.0));
         assert!(!damper_limit(0.3, 0.4, 1.0, 1.0), "less was commanded");
         assert!(!damper_limit(0.5, 0.4, 0.8, 1.0), "the fan has flow left");

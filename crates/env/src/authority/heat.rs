@@ -1,7 +1,8 @@
 //! Response to heating setpoints: heat delivered and zone temperature.
 
 use b2b_building::PreparedBuilding;
-use b2b_building::hvac::{AirLoop, HeatingOnly, System};
+use b2b_building::hvac::{Actuator, Quantity};
+use b2b_building::morphology::Owner;
 
 use super::report::{Limit, Row, Verdict};
 
@@ -14,24 +15,14 @@ const SOME_HEAT: f64 = 1.0;
 
 /// Returns the indices of the heating setpoints, each with the slot of its zone temperature.
 pub(super) fn heated_zones(building: &PreparedBuilding) -> Vec<(usize, usize)> {
-    let mut found = Vec::new();
-    for (system, layout) in building.laid_out_systems() {
-        let first = layout.actions.start;
-        match system {
-            System::Unitary(_) => {}
-            System::HeatingOnly(_) => found.push((first + HeatingOnly::SETPOINT, layout.zones[0].index)),
-            System::AirLoop(_) => {
-                let terminals = layout.zones.iter().enumerate();
-                found.extend(
-                    terminals.map(|(terminal, zone)| (first + AirLoop::reheat(terminal), zone.index)),
-                );
-            }
-        }
-    }
-    found
+    let heated = |(index, (owner, actuator)): (usize, (Owner, &Actuator))| match owner {
+        Owner::Zone(zone) if actuator.quantity == Quantity::HeatingSetpoint => Some((index, zone)),
+        _ => None,
+    };
+    building.owned_actuators().enumerate().filter_map(heated).collect()
 }
 
-/// Evaluates the holds low, middle, low, high, low: every raise is compared with the holds before and after.
+/// Evaluates the holds low, middle, low, high, low. Every raise is compared with the holds before and after.
 pub(super) fn judge_heat(holds: [&Row; 5]) -> [Row; 3] {
     let [before, middle, between, high, after] = holds;
     let raised = |row: &Row, low: [&Row; 2]| Row { verdict: judge_raise(row, low), ..row.clone() };
@@ -39,8 +30,8 @@ pub(super) fn judge_heat(holds: [&Row; 5]) -> [Row; 3] {
     [low, raised(middle, [before, between]), raised(high, [between, after])]
 }
 
-/// A raised setpoint must increase heat and temperature, unless the zone is above it and gets no heat. A zone that never comes
-/// near its setpoint shows a heater at its capacity.
+/// A raised setpoint must increase heat and temperature, unless the zone is above it and gets no heat. In a zone that
+/// never comes near its setpoint, the heater is at capacity.
 fn judge_raise(row: &Row, low: [&Row; 2]) -> Verdict {
     let base = |value: fn(&Row) -> f64| 0.5 * (value(low[0]) + value(low[1]));
     let heat = |row: &Row| row.heat.unwrap_or(0.0);
@@ -55,7 +46,7 @@ fn judge_raise(row: &Row, low: [&Row; 2]) -> Verdict {
     }
 }
 
-/// A zone must get no heat above its setpoint, and some below.
+/// A zone must get heat below its setpoint and none above.
 fn judge_idle(row: &Row) -> Verdict {
     let gets_heat = row.heat.unwrap_or(0.0) > SOME_HEAT;
     match row.mean - row.command {
@@ -65,7 +56,7 @@ fn judge_idle(row: &Row) -> Verdict {
     }
 }
 
-/// The verdict on a zone that gets heat as it should.
+/// The verdict on a zone that responds correctly.
 fn heated(row: &Row) -> Verdict {
     if row.highest < row.command - AT_SETPOINT {
         return Verdict::AtCapacity(Limit::Heater);

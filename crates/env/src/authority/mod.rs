@@ -13,8 +13,8 @@
 //! - air flow: within 1 % of the command; none at zero;
 //! - supply air temperature: within 0.2 K;
 //! - outdoor air flow: within 2 % of the command; none at zero;
-//! - heating setpoint: a raised setpoint increases the heat delivered over that before and after, at the low setpoint, and
-//!   either raises the zone temperature or holds it at the setpoint; a zone above its setpoint gets no heat, a zone
+//! - heating setpoint: a raised setpoint increases the delivered heat compared with the low setpoint before and after,
+//!   and either raises the zone temperature or holds it at the setpoint; a zone above its setpoint gets no heat, a zone
 //!   below it gets some.
 //!
 //! A miss counts as [`Verdict::AtCapacity`] only if the equipment shows that it is at its limit:
@@ -79,7 +79,7 @@ fn measure_season(
         weather: weather.to_owned(),
         period: season.days(),
         steps_per_hour: STEPS_PER_HOUR,
-        // The interlock would keep flows from going to zero.
+        // The interlock would prevent zero flow.
         task: Task { ventilation: Ventilation::Free, ..Task::default() },
     };
     let mut bench = Bench {

@@ -40,11 +40,11 @@ pub(super) struct Reading {
     pub(super) nearer: Option<f64>,
     /// The last probe: its command and the response.
     probed: Option<(f64, f64)>,
-    /// Whether a probe was ever met.
+    /// Whether any probe was met.
     caught_up: bool,
-    /// Whether a probe was ever missed.
+    /// Whether any probe was missed.
     held: bool,
-    /// Whether a missed probe ever moved the outlet.
+    /// Whether any missed probe moved the outlet.
     moves: bool,
     pub(super) limit: Option<Limit>,
 }

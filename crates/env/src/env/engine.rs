@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use b2b_building::hvac::{EngineVariable, System};
+use b2b_building::hvac::EngineVariable;
 use b2b_building::people::PeopleGroup;
 use b2b_building::{Carrier, CarrierEnergy, HvacMeter, PreparedBuilding};
 use b2b_energyplus::{Actuator, Library, Meter, Run, Simulation, Variable};
@@ -20,13 +20,13 @@ const PEOPLE: &str = "Zone People Occupant Count";
 const SCHEDULE: &str = "Schedule Value";
 const PEOPLE_ACTUATOR: [&str; 2] = ["People", "Number of People"];
 
-/// Density of standard air, kg/m³ (ASHRAE Fundamentals), for volume flows that people compare.
+/// Density of standard air, kg/m³ (ASHRAE Fundamentals), for volume flows in reports.
 const STANDARD_AIR: f64 = 1.204;
 
 /// The outdoor air of a system.
 #[derive(Debug)]
 struct Ventilated {
-    /// Its zones, among the controlled zones.
+    /// Its zones, as indices of controlled zones.
     zones: Vec<usize>,
     /// Mass flow of its outdoor air, kg/s.
     outdoor_air: Variable,
@@ -34,7 +34,7 @@ struct Ventilated {
     damper: Option<Actuator>,
 }
 
-/// A simulation in progress with the handles of what is read and set in it.
+/// A simulation in progress with the handles that are read and set.
 #[derive(Debug)]
 pub(super) struct Engine {
     pub(super) simulation: Simulation,
@@ -42,16 +42,16 @@ pub(super) struct Engine {
     pub(super) outdoor: [Variable; 2],
     /// People in each controlled zone; `None` where the model never has any.
     pub(super) people: Vec<Option<Variable>>,
-    /// Those of the building's meters that the engine has.
+    /// The building's meters, as far as the engine has them.
     meters: Vec<(Carrier, Meter)>,
     actuators: Vec<(Actuator, f64)>,
-    /// Of each group of people whose presence is random, its schedule and its number.
+    /// Schedule and number of people of each group with random presence.
     groups: Vec<(Variable, Actuator)>,
-    /// For each system its outdoor air, if it has any.
+    /// Outdoor air of each system, if it has any.
     ventilated: Vec<Option<Ventilated>>,
-    /// What the actuators drive, if it is observed.
+    /// Quantities driven by the actuators, if observed.
     pub(super) effects: Vec<Variable>,
-    /// The heat that heating setpoints call for, if it is observed.
+    /// Heat called for by heating setpoints, if observed.
     pub(super) heats: Vec<Option<Variable>>,
 }
 
@@ -81,7 +81,7 @@ impl Engine {
         for group in &groups {
             run = run.request(SCHEDULE, &group.schedule);
         }
-        for air in building.systems.iter().filter_map(System::ventilation) {
+        for air in building.systems.iter().filter_map(|system| system.ventilation()) {
             run = run.request(&air.outdoor_air.name, &air.outdoor_air.key);
         }
         let observed: Vec<_> = building.actuators().filter(|_| observe_effects).collect();
@@ -120,7 +120,7 @@ impl Engine {
                 .map(|zone| simulation.variable(ZONE_TEMPERATURE, &zone.name))
                 .collect::<std::result::Result<_, _>>()?,
             outdoor: [simulation.variable(OUTDOOR[0], SITE)?, simulation.variable(OUTDOOR[1], SITE)?],
-            // The engine has the variable for zones with people alone.
+            // The engine has this variable only for zones with people.
             people: controlled().map(|name| simulation.variable(PEOPLE, name).ok()).collect(),
             meters: building.meters.iter().filter_map(meter).collect(),
             actuators: building.actuators().map(actuator).collect::<Result<_>>()?,
@@ -148,7 +148,7 @@ impl Engine {
         }
     }
 
-    /// Opens the outdoor air dampers of the units with an occupied zone to their design minimum, and closes the others.
+    /// Opens the outdoor air dampers of units with an occupied zone to the design minimum, and closes the others.
     pub(super) fn open_dampers(&mut self) {
         for index in 0..self.ventilated.len() {
             let Some(Ventilated { zones, damper: Some(damper), .. }) = &self.ventilated[index] else {
@@ -168,8 +168,8 @@ impl Engine {
         self.people[controlled_zone].map_or(0.0, |people| self.simulation.read(people))
     }
 
-    /// Returns the outdoor air (L/s of standard air) of the systems with people in their zones, and the number of these
-    /// people.
+    /// Returns the outdoor air (L/s of standard air) and the number of people, over the systems with people in their
+    /// zones.
     pub(super) fn outdoor_air(&self) -> [f64; 2] {
         let occupied = self.ventilated.iter().flatten().map(|air| self.flow_and_people(air));
         let add = |sum: [f64; 2], [flow, people]: [f64; 2]| match people > 0.0 {

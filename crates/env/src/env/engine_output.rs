@@ -1,4 +1,4 @@
-//! The engine's output files of an episode, in a folder of the user.
+//! The engine's output files of an episode, in a folder chosen by the user.
 
 use std::path::Path;
 
@@ -13,11 +13,11 @@ use crate::{Error, Result};
 const FILES: [&str; 10] = ["eso", "mtr", "eio", "tabular", "sqlite", "bnd", "rdd", "mdd", "end", "shd"];
 
 impl Env {
-    /// Has the engine write its output files into `folder`, which is created, and keeps them: `eplusout.err`, `.eio`,
-    /// `.eso`, `.mtr`, `.sql`, `.rdd`, `.mdd`, the summary `eplustbl.htm`, and the model as it ran. Time series have the
-    /// zone temperatures, the weather and what the actuators drive, in every step. Every episode overwrites them; they
-    /// are complete once the episode is over, or the environment dropped. Does not change the trajectory, and makes
-    /// steps slower.
+    /// Makes the engine write its output files to `folder` and keeps them: `eplusout.err`, `.eio`, `.eso`, `.mtr`,
+    /// `.sql`, `.rdd`, `.mdd`, the summary `eplustbl.htm`, and the model as it ran. Time series have zone temperatures,
+    /// weather and the quantities driven by actuators, for every step. Every episode overwrites the files; they are
+    /// complete when the episode is over or the environment is dropped. The trajectory is unchanged, but steps are
+    /// slower.
     ///
     /// # Errors
     /// [`Error::Io`] when the folder or the model in it cannot be written.
@@ -36,7 +36,7 @@ impl Env {
     }
 }
 
-/// Has the engine write [`FILES`].
+/// Makes the engine write [`FILES`].
 fn request(model: &mut Model, building: &PreparedBuilding) {
     for name in model.names("OutputControl:Files") {
         if let Some(files) = model.get_mut("OutputControl:Files", &name) {

@@ -6,7 +6,7 @@ use b2b_building::{Carrier, CarrierEnergy, HvacMeter, Model};
 
 use crate::{Error, Result};
 
-/// The file that the engine writes them to.
+/// The file to which the engine writes them.
 pub(super) const METER_FILE: &str = "eplusout.mtr";
 const JOULES_PER_WATT_HOUR: f64 = 3600.0;
 
@@ -38,7 +38,7 @@ pub(super) fn read(path: &Path, meters: &[HvacMeter], floor_area: f64) -> Result
     Ok(electricity_and_fuels(&by_carrier(values, floor_area)))
 }
 
-/// Adds readings of meters (J) up by carrier, Wh/m². A building need not have every meter.
+/// Sums meter readings (J) by carrier, Wh/m². A building may lack some meters.
 pub(super) fn by_carrier(readings: impl Iterator<Item = (Carrier, f64)>, floor_area: f64) -> CarrierEnergy {
     let mut energy = CarrierEnergy::default();
     for (carrier, joules) in readings {
@@ -47,12 +47,12 @@ pub(super) fn by_carrier(readings: impl Iterator<Item = (Carrier, f64)>, floor_a
     energy
 }
 
-/// Electricity, and the sum of everything else.
+/// Electricity, and the sum of all other carriers.
 pub(super) fn electricity_and_fuels(energy: &CarrierEnergy) -> [f64; 2] {
     [energy[0], energy[1..].iter().sum()]
 }
 
-/// Returns whether a meter file has its last lines.
+/// Returns whether a meter file is complete.
 fn is_complete(text: &str) -> bool {
     text.lines().any(|line| line.trim_end() == "End of Data")
 }
@@ -72,7 +72,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_meter_is_read_by_the_number_that_the_dictionary_gives_it() {
+    fn a_meter_is_read_by_its_number_in_the_dictionary() {
         let text = "Program Version,EnergyPlus\n12,1,Electricity:HVAC [J] !RunPeriod [Value]\n\
                     End of Data Dictionary\n5,1.0\n12,7200.0,1.0\nEnd of Data\n";
         assert_eq!(run_period_value(text, "Electricity:HVAC"), Some(7200.0));

@@ -45,12 +45,12 @@ const SEVERES_KEPT: usize = 5;
 /// - Observation: [`ObservationSpace`], f64, the state at the end of the step.
 /// - Action: [`ActionSpace`], f64, physical units, clamped to its bounds, raised by the interlock of [`Ventilation`] while
 ///   zones are occupied, and limited by the task's [`Faults`](crate::Faults).
-/// - Reward: [`Reward`](crate::Reward), the paper's two penalties or the terms of the [`Task`], judged by the targets
-///   that were observed before the step.
+/// - Reward: [`Reward`](crate::Reward), the paper's two penalties or the terms of the [`Task`], relative to the targets
+///   observed before the step.
 /// - End: truncated at the end of the run period; never terminated.
 ///
 /// A step allocates nothing and starts no thread. Only one engine runs at a time in a process; for several
-/// environments, or one that survives a crash of the engine, see the crate `b2b-workers`.
+/// environments, or to survive a crash of the engine, see the crate `b2b-workers`.
 #[derive(Debug)]
 pub struct Env {
     library: Library,
@@ -61,7 +61,7 @@ pub struct Env {
     interlock: Interlock,
     impairment: Option<Impairment>,
     attendance: Option<Attendance>,
-    /// Of each controlled zone, whether it is occupied, and its target for the step to come, °C.
+    /// Occupancy and target (°C) of each controlled zone for the next step.
     asked: Vec<(bool, f64)>,
     /// The controlled zones in the last step.
     zone_steps: Vec<ZoneStep>,
@@ -69,15 +69,15 @@ pub struct Env {
     observation: Vec<f64>,
     action: Vec<f64>,
     metrics: Metrics,
-    /// Of the last step.
+    /// Cost and emissions of the last step.
     expenses: Expenses,
-    /// Of each controlled zone.
+    /// Oscillation of each controlled zone.
     oscillations: Vec<Oscillation>,
     truncated: bool,
     messages: Messages,
     never_occupied: Vec<String>,
     observe_effects: bool,
-    /// The actions of the episode, one after another, if they are kept.
+    /// The concatenated actions of the episode, if kept.
     history: Option<Vec<f64>>,
     /// Steps of an episode.
     steps: usize,
@@ -87,7 +87,7 @@ pub struct Env {
     meter_file: PathBuf,
     /// The model file and the engine's own files.
     folder: PathBuf,
-    /// The same folder, if it is removed with the environment.
+    /// The same folder, if temporary.
     _temporary: Option<TempDir>,
 }
 
@@ -141,27 +141,27 @@ impl Env {
         })
     }
 
-    /// Makes the quantity that each actuator drives readable: see [`Env::effect`].
+    /// Makes the quantity driven by each actuator readable: see [`Env::effect`].
     #[must_use]
     pub fn observe_effects(mut self) -> Self {
         self.observe_effects = true;
         self
     }
 
-    /// Replaces the task's reward by another.
+    /// Replaces the task's reward.
     #[must_use]
     pub fn with_reward(mut self, reward: impl RewardFunction + 'static) -> Self {
         self.reward = Box::new(reward);
         self
     }
 
-    /// Starts an episode: the engine is started and warmed up under a small fixed controller. Returns the
-    /// observation at midnight of the first day, with no energy yet.
+    /// Starts an episode: starts the engine and warms it up under a small fixed controller. Returns the observation at
+    /// midnight of the first day, with zero energy.
     ///
     /// # Errors
     /// [`Error::Engine`] with the engine's messages.
     pub fn reset(&mut self) -> Result<&[f64]> {
-        // Other threads may start and end episodes of their own.
+        // Other threads may start and end episodes.
         let _exclusive = exclusive();
         self.engine = None;
         self.messages = Messages::default();
@@ -191,11 +191,11 @@ impl Env {
         Ok(&self.observation)
     }
 
-    /// Carries out an action for one zone time step.
+    /// Applies an action for one zone time step.
     ///
     /// # Errors
-    /// [`Error::ActionNotFinite`] and [`Error::ActionLength`] leave the episode as it is;
-    /// [`Error::Engine`] ends it; [`Error::NotReset`].
+    /// [`Error::ActionNotFinite`] and [`Error::ActionLength`] leave the episode unchanged; [`Error::Engine`] ends it;
+    /// [`Error::NotReset`].
     pub fn step(&mut self, action: &[f64]) -> Result<Step<'_>> {
         let mut engine = self.engine.take().ok_or(Error::NotReset)?;
         match self.spaces.action.clamp_into(action, &mut self.action) {
@@ -311,7 +311,7 @@ impl Env {
         self.zone_steps.iter().map(move |zone| comfort.penalty(zone, season))
     }
 
-    /// Number of messages of a level that the engine has given in this episode.
+    /// Number of engine messages of a level in this episode.
     pub fn message_count(&self, level: Level) -> usize {
         match &self.engine {
             Some(engine) => engine.simulation.message_count(level),
@@ -319,7 +319,7 @@ impl Env {
         }
     }
 
-    /// The engine's messages in this episode, also if a step failed.
+    /// The engine's messages in this episode, even after a failed step.
     pub fn messages(&self) -> Messages {
         match &self.engine {
             Some(engine) => engine.simulation.messages(),
@@ -330,7 +330,7 @@ impl Env {
     /// EnergyPlus's own HVAC meters over a finished episode, Wh/m²: electricity, and fuels with district energy.
     ///
     /// # Errors
-    /// [`Error::Io`] when the engine has not written them, which it does at the end of the run period.
+    /// [`Error::Io`] before the end of the run period, when the engine writes them.
     pub fn engine_meters(&self) -> Result<[f64; 2]> {
         let building = &self.spaces.building;
         meters::read(&self.meter_file, &building.meters, building.conditioned_floor_area)
@@ -349,14 +349,14 @@ impl Env {
         }
     }
 
-    /// The simulated value of the quantity that an actuator drives at the end of the last step, in the unit of its
-    /// effect. `None` without [`Env::observe_effects`] or an episode in progress.
+    /// The simulated quantity driven by an actuator at the end of the last step, in the unit of its effect. `None`
+    /// without [`Env::observe_effects`] or an episode in progress.
     pub fn effect(&self, actuator: usize) -> Option<f64> {
         let engine = self.engine.as_ref()?;
         engine.effects.get(actuator).map(|variable| engine.simulation.read(*variable))
     }
 
-    /// The heat that a heating setpoint called for in the last step, W. `None` for other actuators, and as
+    /// The heat called for by a heating setpoint in the last step, W. `None` for other actuators and in the cases of
     /// [`Env::effect`].
     pub fn heat(&self, actuator: usize) -> Option<f64> {
         let engine = self.engine.as_ref()?;
@@ -391,7 +391,7 @@ impl Env {
         self.interlock.apply(|zone| engine.occupied(zone), &mut self.action)
     }
 
-    /// Lets the engine end its run: it must agree that the run period is over.
+    /// Ends the engine's run, after checking that its run period is over.
     fn finish(&mut self, mut engine: Engine) -> Result<()> {
         let end = engine.simulation.advance();
         self.messages = engine.simulation.messages();
@@ -427,8 +427,9 @@ impl Environment for Env {
 /// For a process that ends with its episode.
 #[cfg(target_os = "linux")]
 impl Env {
-    /// Copies this process at the current point of the episode: see [`Simulation::fork`](b2b_energyplus::Simulation::fork).
-    /// The copy's engine writes its meters to a file of its own, if that is given, and nothing else.
+    /// Copies this process at the current point of the episode: see
+    /// [`Simulation::fork`](b2b_energyplus::Simulation::fork). The copy's engine writes its meters to its own file, if
+    /// given, and nothing else.
     pub fn fork(&mut self, meter_file: Option<&Path>) -> Result<b2b_energyplus::snapshot::Fork> {
         use b2b_energyplus::snapshot::{Fork, KeptFile};
         let engine = self.engine.as_mut().ok_or(Error::NotReset)?;
@@ -450,7 +451,7 @@ impl Env {
         self.finish_run = finish_run;
     }
 
-    /// Drops the model, which only a new environment needs, if nothing else holds it.
+    /// Drops the model, needed only by new environments, unless it is shared.
     pub fn drop_model(&mut self) {
         let spaces = Arc::get_mut(&mut self.spaces);
         if let Some(building) = spaces.and_then(|spaces| Arc::get_mut(&mut spaces.building)) {

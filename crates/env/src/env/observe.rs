@@ -8,7 +8,7 @@ use crate::reward::{Reward, StepView, ZoneStep};
 use crate::{Error, Result};
 
 impl Env {
-    /// The time of the observation, at which the next step begins.
+    /// The time of the observation, which is the beginning of the next step.
     pub(super) fn moment(&self) -> Moment {
         self.beginning_of(self.metrics.steps)
     }
@@ -24,7 +24,7 @@ impl Env {
         }
     }
 
-    /// Keeps occupancy and targets as observed before the step, which the step is judged by.
+    /// Stores occupancy and targets observed before the step, for its reward.
     pub(super) fn keep_targets(&mut self) {
         self.zone_steps.clear();
         self.zone_steps.extend(self.zones.iter().enumerate().map(|(index, zone)| ZoneStep {
@@ -62,7 +62,7 @@ impl Env {
         reward
     }
 
-    /// Adds the errors of faulty sensors to the observation, once the step has been judged by the true temperatures.
+    /// Adds the errors of faulty sensors to the observation, after the reward was computed from true temperatures.
     pub(super) fn disturb(&mut self) {
         if let Some(impairment) = &self.impairment {
             let zones = self.spaces.building.zones.len();

@@ -11,12 +11,12 @@ use crate::{Error, Result};
 pub struct Snapshot {
     building: String,
     episode: EpisodeConfig,
-    /// As they were given, one after another.
+    /// The given actions, concatenated.
     actions: Vec<f64>,
 }
 
 impl Env {
-    /// Keeps the actions of an episode, so that [`Env::snapshot`] works. Some steps then allocate.
+    /// Records the actions of an episode for [`Env::snapshot`]. Some steps then allocate.
     #[must_use]
     pub fn keep_history(mut self) -> Self {
         self.history = Some(Vec::new());
@@ -30,12 +30,11 @@ impl Env {
         Some(Snapshot { building: spaces.building.name.clone(), episode: spaces.episode.clone(), actions })
     }
 
-    /// Returns to the point of a snapshot, bit for bit, by starting anew and replaying the actions. This also works on
-    /// systems that cannot copy a process, and in another process. Where the system can, a
-    /// an `Episode` of `b2b-workers` does it in milliseconds.
+    /// Returns to a snapshot, bit for bit, by restarting and replaying the actions. This works on every system and in
+    /// other processes. On Linux, an `Episode` of `b2b-workers` does it in milliseconds.
     ///
     /// # Errors
-    /// [`Error::OtherSnapshot`] when it was taken of another building or episode; those of [`Env::reset`].
+    /// [`Error::OtherSnapshot`] for a snapshot of another building or episode; the errors of [`Env::reset`].
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<&[f64]> {
         let spaces = &self.spaces;
         if snapshot.building != spaces.building.name || snapshot.episode != spaces.episode {

@@ -3,7 +3,7 @@
 use b2b_building::Carrier;
 use serde::{Deserialize, Serialize};
 
-/// A value for each energy carrier. Those that only imported models use may be omitted.
+/// A value for each energy carrier. Carriers used only by imported models may be omitted.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Fuels {
@@ -20,15 +20,15 @@ pub struct Fuels {
     /// Coal and other fuels.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub other_fuel: Option<Hourly>,
-    /// Hot water or steam of a district. By default that of a gas boiler's heat.
+    /// District hot water or steam. Default: the value for heat from a gas boiler.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub district_heating: Option<Hourly>,
-    /// Chilled water of a district. By default that of an electric chiller's cold.
+    /// District chilled water. Default: the value for cooling from an electric chiller.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub district_cooling: Option<Hourly>,
 }
 
-/// Default values of the fuels that only imported models burn.
+/// Default values of the fuels used only by imported models.
 #[derive(Debug)]
 pub(super) struct OtherFuels {
     propane: f64,
@@ -58,7 +58,7 @@ pub(super) const PRICES_OF_OTHERS: OtherFuels =
 /// 0.373 kg/kWh: US grid average (EPA eGRID 2022, 823 lb/MWh); 0.181 kg/kWh: 53.06 kg per million Btu of natural gas
 /// (40 CFR 98, table C-1). A default, to be replaced by local factors.
 pub(super) const EMISSIONS: Fuels = Fuels::of(0.373, 0.181);
-/// Table C-1 too, kg per million Btu: propane 62.87, distillate fuel oil No. 2 73.96, wood 93.80 (coal: 94.27).
+/// Also table C-1, kg per million Btu: propane 62.87, distillate fuel oil No. 2 73.96, wood 93.80 (coal: 94.27).
 pub(super) const EMISSIONS_OF_OTHERS: OtherFuels =
     OtherFuels { propane: 0.215, fuel_oil: 0.252, other_fuel: 0.320 };
 
@@ -90,7 +90,7 @@ impl Fuels {
         }
     }
 
-    /// All values that are given.
+    /// All given values.
     pub(super) fn values(&self) -> impl Iterator<Item = f64> {
         let optional =
             [&self.propane, &self.fuel_oil, &self.other_fuel, &self.district_heating, &self.district_cooling];

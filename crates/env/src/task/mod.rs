@@ -1,4 +1,4 @@
-//! Tasks: the definition of the reward, as plain data that is stored with every result.
+//! Tasks: the definition of the reward as plain data, stored with every result.
 
 mod fuels;
 mod reward;
@@ -87,7 +87,8 @@ pub enum Resource {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum HeatingOnlyZones {
-    /// Only temperatures below target are penalized: a warehouse at 35 °C in summer has no cooling to blame.
+    /// Only temperatures below target are penalized, because nothing can cool the zone: a warehouse at 35 °C in summer
+    /// is not the agent's fault.
     #[default]
     BelowTarget,
     /// Deviations on both sides are penalized, as in the paper.
@@ -114,7 +115,7 @@ impl Default for Task {
     }
 }
 
-/// Limit of weights, scales and prices, far beyond any sensible one: sums over a year stay exact enough to compare.
+/// Limit of weights, scales and prices: far above sensible values, yet sums over a year stay exact enough to compare.
 const LARGEST: f64 = 1e6;
 
 impl Task {
@@ -125,7 +126,7 @@ impl Task {
     /// Reads a task from a JSON file.
     ///
     /// # Errors
-    /// [`Error::Io`]; [`Error::TaskFile`] with the reason; those of [`Task::check`].
+    /// [`Error::Io`]; [`Error::TaskFile`] with the reason; the errors of [`Task::check`].
     pub fn read(path: &Path) -> Result<Self> {
         let text = user_file::read(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
         let task: Self =
@@ -134,10 +135,11 @@ impl Task {
         Ok(task)
     }
 
-    /// Returns the task of a text that a user gives: the short form, a JSON object, or the path of a JSON file.
+    /// Parses a task from a user's text: the short form, a JSON object, or the path of a JSON file.
     ///
     /// # Errors
-    /// [`Error::UnknownTask`] for an unknown short form; [`Error::InvalidTask`] for an invalid object; those of [`Task::read`].
+    /// [`Error::UnknownTask`] for an unknown short form; [`Error::InvalidTask`] for an invalid object; the errors of
+    /// [`Task::read`].
     pub fn from_text(text: &str) -> Result<Self> {
         if text.trim_start().starts_with('{') {
             let task: Self = user_file::parse_object(text).map_err(|why| Error::InvalidTask { why })?;
@@ -196,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn a_value_that_is_not_finite_is_refused() {
+    fn a_value_that_is_not_finite_is_rejected() {
         let not_finite = Task { energy_weight: f64::NAN, ..Task::default() };
         assert!(not_finite.check().unwrap_err().to_string().contains("NaN"));
     }
@@ -213,7 +215,7 @@ mod tests {
     }
 
     #[test]
-    fn the_scale_is_the_tasks_own_else_for_energy_that_of_the_class() {
+    fn the_scale_is_the_task_s_or_for_energy_the_class_s() {
         let [energy, cost] = ["constant+energy0.5", "constant+cost1"].map(task);
         let class = EnergyScale::shipped()[0].class;
         let shipped = EnergyScale::of(class, 12).unwrap();

@@ -1,4 +1,4 @@
-//! The reward that a task describes.
+//! The reward of a task.
 
 use b2b_building::{Carrier, CarrierEnergy};
 
@@ -7,7 +7,7 @@ use super::{Resource, Task};
 use crate::calendar::Season;
 use crate::reward::{Expenses, Reward, RewardFunction, StepView};
 
-/// The task's own reward. An energy scale of `None` counts as 1: [`crate::Env`] fills in that of the building.
+/// The task's own reward. An energy scale of `None` counts as 1; [`crate::Env`] fills in the building's scale.
 impl RewardFunction for Task {
     fn reward(&mut self, step: &StepView<'_>) -> Reward {
         let season = Season::of(step.day_of_year);
@@ -26,7 +26,7 @@ impl RewardFunction for Task {
 }
 
 impl Task {
-    /// Returns what energy (Wh/m²) used at an hour of the day costs and emits.
+    /// Returns the cost and emissions of energy (Wh/m²) used at an hour of the day.
     pub fn expenses(&self, energy: &CarrierEnergy, hour: f64) -> Expenses {
         let total = |value: &dyn Fn(Carrier) -> f64| {
             Carrier::ALL.into_iter().map(|carrier| energy[carrier as usize] * value(carrier)).sum::<f64>()

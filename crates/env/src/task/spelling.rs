@@ -13,13 +13,13 @@ use crate::{Error, Result};
 const FREE_VENTILATION: &str = "free-ventilation";
 
 impl Task {
-    /// The numbers of random presence and of faults, by their words.
+    /// The numbers of random presence and faults, by keyword.
     fn disturbances(&mut self) -> [(&'static str, &mut f64); 5] {
         let [noise, bias, stuck, fouling] = self.faults.parts();
         [("presence", &mut self.presence.hours), noise, bias, stuck, fouling]
     }
 
-    /// The text of the nearest task that has one.
+    /// The text form of the nearest task that has one.
     fn spelling(&self) -> String {
         let setpoints = match &self.setpoints {
             Setpoints::Constant { target } if *target == 21.0 => "constant".to_owned(),
@@ -54,8 +54,8 @@ impl Task {
 }
 
 impl fmt::Display for Task {
-    /// Writes the short text form. A task without one gets that of the nearest task and the head of its own hash, such
-    /// as `occupancy#1a2b3c4d`.
+    /// Writes the short text form. A task without a text form gets the nearest task's, followed by the start of its own
+    /// hash, as in `occupancy#1a2b3c4d`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let spelling = self.spelling();
         match spelling.parse::<Self>() {
@@ -71,7 +71,7 @@ impl FromStr for Task {
     fn from_str(text: &str) -> Result<Self> {
         let error = |why: String| Error::UnknownTask { text: text.to_owned(), why };
         let unknown = |part: &str| match of_preset(text) {
-            Some(task) => error(format!(", which is now {task} (docs/coming_from.md)")),
+            Some(task) => error(format!(", which is called {task} here (docs/coming_from.md)")),
             None if part == text => error(String::new()),
             None => error(format!(": unknown part `{part}`")),
         };
@@ -114,7 +114,7 @@ impl FromStr for Task {
     }
 }
 
-/// Returns the text form of a preset of the first version of the project, such as `task_occ_e05`.
+/// Returns the text form of a preset of the original Python implementation, such as `task_occ_e05`.
 fn of_preset(text: &str) -> Option<String> {
     let (mode, energy) = text.strip_prefix("task_")?.split_once('_')?;
     let setpoints = match mode {
@@ -133,7 +133,7 @@ fn of_preset(text: &str) -> Option<String> {
     Some(format!("{setpoints}{rest}"))
 }
 
-/// Splits `deadband0.5` into word and number. `None` where what follows the word is not a number.
+/// Splits `deadband0.5` into word and number. The number is `None` if the rest of the text is not a number.
 fn word_and_number(part: &str) -> Option<(&str, Option<f64>)> {
     let word = part.trim_end_matches(|c: char| c.is_ascii_digit() || ".-".contains(c));
     match &part[word.len()..] {
@@ -169,7 +169,7 @@ mod tests {
     }
 
     #[test]
-    fn a_spelling_reads_back_as_it_prints() {
+    fn a_text_form_parses_to_the_task_that_printed_it() {
         for text in Task::NAMED.iter().copied().chain([
             "constant:23.5",
             "random:7",
@@ -190,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn an_unknown_task_is_refused_with_what_is_expected() {
+    fn the_error_for_an_unknown_task_says_what_is_expected() {
         for text in
             ["", "occupied", "constant+energy", "constant+energy0.5+cost1", "constant+pmv2", "random:x"]
         {
@@ -219,20 +219,20 @@ mod tests {
     }
 
     #[test]
-    fn a_preset_of_the_first_version_is_answered_with_a_task_that_reads() {
+    fn the_error_for_a_preset_of_the_original_implementation_names_a_valid_task() {
         for mode in ["const", "occ", "rand"] {
             for energy in ["e0", "e05", "emed", "ehigh"] {
                 let preset = format!("task_{mode}_{energy}");
                 let said = preset.parse::<Task>().unwrap_err().to_string();
                 let now = of_preset(&preset).unwrap();
-                assert!(said.contains(&format!("`{preset}`, which is now {now} ")), "{said}");
+                assert!(said.contains(&format!("`{preset}`, which is called {now} here ")), "{said}");
                 assert_eq!(task(&now).to_string(), now);
             }
         }
     }
 
     #[test]
-    fn a_task_without_a_spelling_prints_the_head_of_its_hash() {
+    fn a_task_without_a_text_form_prints_the_start_of_its_hash() {
         let own = Task { comfort_band: 0.5, ..Task::default() };
         assert!(own.to_string().starts_with("constant#"), "{own}");
     }

@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use crate::case::Case;
 use b2b_building::BuildingType;
-use b2b_building::hvac::{Quantity, System, Unitary};
+use b2b_building::hvac::{Quantity, Unitary};
 use b2b_env::authority::{Condition, Level, Report, Row, Verdict, measure};
 
-/// Measures a building at home: every row follows or is at capacity, and capacity is the exception.
+/// Measures a building at its default place: every row follows or is at capacity, and capacity is the exception.
 fn assert_every_actuator_responds(building_type: BuildingType) -> Report {
     let case = Case::at_home(building_type);
     let report = measure(&case.library, &case.building, &case.weather).unwrap();
@@ -25,7 +25,7 @@ fn assert_every_actuator_responds(building_type: BuildingType) -> Report {
 
 fn moderate_commands_are_followed(report: &Report) {
     let moderate = |quantity| match quantity {
-        // The whole range: a cap in the controls would show at any flow, a coil's capacity at full flow only.
+        // The whole range: a cap in the controls would show at any flow, a coil's capacity only at full flow.
         Quantity::SupplyAirTemperature => {
             [Level::Low, Level::Middle, Level::High].map(|level| (Condition::MiddleFlow, level)).to_vec()
         }
@@ -73,8 +73,8 @@ fn every_actuator_of_the_warehouse_responds() {
     assert!(winter.clone().any(|row| row.heat.is_some_and(|heat| heat > 50e3)), "the bulk storage is heated");
 }
 
-/// Of imported buildings no actuator fails, but many an air handler is at the end of its coils' capacity: they stay as
-/// their author sized them.
+/// No actuator of an imported building fails, but many air handlers are at the capacity of their coils, which keep
+/// their author's sizes.
 fn no_actuator_of_an_import_fails(model: &str) {
     let case = Case::imported(model, "USA_IL_Chicago-OHare.Intl.AP.725300_TMY3.epw");
     let report = measure(&case.library, &case.building, &case.weather).unwrap();
@@ -102,7 +102,7 @@ fn every_actuator_of_an_imported_school_of_mixed_systems_with_exhaust_fans_respo
 fn verdicts_of_a_tampered_house(quantity: Quantity, tamper: impl Fn(&mut Unitary)) -> Vec<(Level, Verdict)> {
     let mut case = Case::at_home(BuildingType::SingleFamilyHouse);
     for system in &mut Arc::make_mut(&mut case.building).systems {
-        if let System::Unitary(unit) = system {
+        if let Some(unit) = system.as_any_mut().downcast_mut::<Unitary>() {
             tamper(unit);
         }
     }
@@ -116,7 +116,7 @@ fn all_fail(verdicts: &[(Level, Verdict)]) -> bool {
 }
 
 #[test]
-fn an_actuator_that_does_nothing_fails_and_is_not_at_capacity() {
+fn an_actuator_without_effect_fails_and_is_not_at_capacity() {
     let dead = |unit: &mut Unitary| unit.supply_temperature.key = "Living Heating Setpoint".into();
     let verdicts = verdicts_of_a_tampered_house(Quantity::SupplyAirTemperature, dead);
     assert!(all_fail(&verdicts), "{verdicts:?}");
@@ -127,7 +127,7 @@ fn a_supply_temperature_that_is_off_by_a_twentieth_fails_and_is_not_at_capacity(
     let off = |unit: &mut Unitary| unit.supply_temperature.scale = 0.95;
     let verdicts = verdicts_of_a_tampered_house(Quantity::SupplyAirTemperature, off);
     let passed = verdicts.iter().filter(|(_, verdict)| *verdict != Verdict::Fails).count();
-    // Where the coil truly has no more to give, an offset cannot be told from capacity.
+    // At the true capacity of the coil, an offset cannot be distinguished from capacity.
     assert!(passed <= 2, "{verdicts:?}");
     assert!(verdicts.iter().filter(|(level, _)| *level == Level::Middle).all(|(_, v)| *v == Verdict::Fails));
 }
@@ -140,7 +140,7 @@ fn a_flow_that_is_off_by_a_twentieth_fails() {
 }
 
 #[test]
-fn a_report_is_a_table_for_people_and_json_for_machines() {
+fn a_report_prints_as_a_table_and_serializes_to_json() {
     let case = Case::at_home(BuildingType::SingleFamilyHouse);
     let report = measure(&case.library, &case.building, &case.weather).unwrap();
     let table = report.to_string();

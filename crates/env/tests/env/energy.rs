@@ -1,4 +1,4 @@
-//! Energy is the engine's own, and counted once.
+//! Energy equals the engine's meters and is counted once.
 
 use crate::case::{Case, random_episode};
 use b2b_building::BuildingType;

@@ -1,4 +1,4 @@
-//! What holds for every episode: its clock, its length, its reproducibility, and what it refuses.
+//! Properties of every episode: clock, length, reproducibility and rejected actions.
 
 use crate::case::{Case, Dice, random_episode};
 use b2b_building::{BuildingType, PreparedBuilding};
@@ -30,7 +30,7 @@ fn the_clock_of_the_observation_is_the_engine_s() {
         let engine = env.engine_clock().unwrap();
         let engine_hours = (f64::from(engine.day_of_year) - 1.0) * 24.0 + engine.hour_of_day;
         assert!(((day - 1.0) * 24.0 + hour - engine_hours).abs() < 1e-6, "step {done}: {engine:?}");
-        // The engine's day is that of the step; at midnight the observation is already in the next.
+        // The engine reports the day of the step; at midnight, the observation is already in the next day.
         let engine_weekday = (f64::from(engine.day_of_week) + 5.0) % 7.0;
         assert_eq!(weekday, if hour == 0.0 { (engine_weekday + 1.0) % 7.0 } else { engine_weekday });
         assert!(engine_hours > before, "the clock goes forward");
@@ -48,7 +48,7 @@ fn an_episode_has_the_steps_of_its_days() {
 }
 
 #[test]
-fn the_same_inputs_give_the_same_bits_alone_after_another_and_beside_another() {
+fn the_same_inputs_give_the_same_bits_alone_after_and_beside_another_episode() {
     let (house, warehouse) = (house(), Case::at_home(BuildingType::Warehouse));
     let mut env = house.env("01-20..01-22");
     let alone = random_episode(&mut env, 5).hash();
@@ -80,7 +80,7 @@ fn interleaved(envs: [(&mut Env, u64); 2]) -> [String; 2] {
 }
 
 #[test]
-fn an_episode_goes_on_as_if_a_refused_action_had_never_been_given() {
+fn an_episode_is_not_changed_by_a_rejected_action() {
     let case = house();
     let mut env = case.env("01-20..01-20");
     let expected = random_episode(&mut env, 8).hash();
@@ -101,7 +101,7 @@ fn an_episode_goes_on_as_if_a_refused_action_had_never_been_given() {
 }
 
 #[test]
-fn an_action_out_of_bounds_is_carried_out_at_the_bound_and_counted() {
+fn an_action_out_of_bounds_is_clamped_and_counted() {
     let mut env = house().env("01-20..01-20");
     let (low, high) = (env.action_space().low().to_vec(), env.action_space().high().to_vec());
     env.reset().unwrap();
@@ -112,7 +112,7 @@ fn an_action_out_of_bounds_is_carried_out_at_the_bound_and_counted() {
 }
 
 #[test]
-fn a_step_outside_an_episode_is_refused() {
+fn a_step_outside_an_episode_is_an_error() {
     let mut env = house().env("01-20..01-20");
     assert!(matches!(env.step(&[0.1, 20.0]), Err(Error::NotReset)), "before reset");
     random_episode(&mut env, 9);
@@ -122,7 +122,7 @@ fn a_step_outside_an_episode_is_refused() {
 }
 
 #[test]
-fn the_messages_of_a_failed_step_are_those_of_its_episode() {
+fn a_failed_step_has_the_messages_of_its_episode() {
     let mut case = Case::at_home(BuildingType::OfficeMedium);
     // A heating setpoint above the cooling setpoint ends the engine's run.
     let text = serde_json::to_string(&*case.building).unwrap().replace("\"high\":30.0", "\"high\":95.0");
@@ -141,7 +141,7 @@ fn the_messages_of_a_failed_step_are_those_of_its_episode() {
 }
 
 #[test]
-fn a_weather_file_that_is_missing_is_named() {
+fn the_error_for_a_missing_weather_file_names_it() {
     let mut case = house();
     case.weather = "no such weather.epw".into();
     let error = case.env("01-20..01-20").reset().unwrap_err().to_string();
@@ -149,7 +149,7 @@ fn a_weather_file_that_is_missing_is_named() {
 }
 
 #[test]
-fn an_episode_comes_back_to_where_a_snapshot_was_taken() {
+fn an_episode_returns_to_a_snapshot() {
     let mut env = house().env("01-10..01-11").keep_history();
     let mut dice = Dice::new(env.action_space(), 5);
     assert_eq!(env.snapshot(), None);
@@ -173,7 +173,7 @@ fn an_episode_comes_back_to_where_a_snapshot_was_taken() {
 }
 
 #[test]
-fn the_engine_s_own_output_stays_where_it_was_asked_for_and_changes_nothing() {
+fn the_engine_s_output_is_kept_and_changes_no_result() {
     let (house, kept) = (house(), tempfile::tempdir().unwrap());
     let without = random_episode(&mut house.env("01-20..01-21"), 8).hash();
     let folder = kept.path().join("output/of the engine");

@@ -12,7 +12,7 @@ fn office() -> Case {
 }
 
 #[test]
-fn sensors_err_by_the_given_noise_and_bias_and_rewards_do_not() {
+fn sensors_have_the_given_noise_and_bias_and_rewards_do_not() {
     let office = office();
     let sound = random_episode(&mut office.env_for(DAY, "constant"), 3);
     let mut env = office.env_for(DAY, "constant+noise0.2");
@@ -40,7 +40,7 @@ fn sensors_err_by_the_given_noise_and_bias_and_rewards_do_not() {
 }
 
 #[test]
-fn equal_tasks_have_equal_faults_and_another_seed_has_others() {
+fn equal_tasks_have_equal_faults_and_seeds_differ() {
     let office = office();
     let run = |seed| {
         let faults = Faults { seed, noise: 0.1, bias: 0.3, stuck: 0.3, fouling: 0.2 };
@@ -54,7 +54,7 @@ fn equal_tasks_have_equal_faults_and_another_seed_has_others() {
 }
 
 #[test]
-fn stuck_actuators_do_not_move_and_fouled_coils_lose_their_range() {
+fn stuck_actuators_do_not_move_and_fouled_coils_lose_range() {
     let office = office();
     let mut env = office.env_for(DAY, "constant+stuck1");
     let stuck = random_episode(&mut env, 3);

@@ -1,4 +1,4 @@
-//! A building of a user's own as an environment.
+//! A user's building as an environment.
 
 use crate::case::{Case, random_episode};
 use b2b_building::{Carrier, Conditioning};
@@ -7,7 +7,7 @@ use b2b_energyplus::Level;
 const CHICAGO: &str = "USA_IL_Chicago-OHare.Intl.AP.725300_TMY3.epw";
 
 #[test]
-fn zones_left_to_their_own_controls_are_held_by_them_and_not_judged() {
+fn zones_with_their_own_controls_are_held_by_them_and_not_rewarded() {
     let case = Case::imported("RefBldgSmallHotelNew2004_Chicago.idf", CHICAGO);
     let mut env = case.env("01-08..01-08");
     let trajectory = random_episode(&mut env, 1);

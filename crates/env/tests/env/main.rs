@@ -1,9 +1,10 @@
-//! One environment, on the real engine. One program, so that its tests fill all cores to the end.
+//! One environment, on the real engine.
 
 mod authority;
 mod case;
 mod energy;
 mod episode;
+mod example_system;
 mod faults;
 mod imported;
 mod morphology;

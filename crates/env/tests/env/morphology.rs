@@ -1,4 +1,4 @@
-//! Every slot of every type has one place in the morphology.
+//! Every slot of every building type has one place in the morphology.
 
 use std::collections::HashSet;
 use std::sync::{Arc, OnceLock};
@@ -94,7 +94,7 @@ fn split_and_join_undo_each_other() {
 }
 
 #[test]
-fn a_zone_sees_its_own_temperature_occupancy_and_target() {
+fn a_zone_observes_its_own_temperature_occupancy_and_target() {
     let moving = BuildingType::ALL.map(|kind| case_of(kind, "occupancy".parse().unwrap()));
     for Case { env, morphology, decomposition } in cases().chain(moving) {
         let observation = numbers(env.observation_space().len());
@@ -123,7 +123,7 @@ fn a_zone_sees_its_own_temperature_occupancy_and_target() {
 }
 
 #[test]
-fn a_node_drives_what_bears_its_name() {
+fn a_node_drives_the_actuators_with_its_name() {
     for Case { env, morphology, decomposition } in cases() {
         for (name, cell) in env.action_space().names().iter().zip(decomposition.action_cells()) {
             let node = morphology.nodes.iter().enumerate().find(|(number, node)| {
@@ -139,7 +139,7 @@ fn a_node_drives_what_bears_its_name() {
 }
 
 #[test]
-fn a_building_s_slots_have_no_place_in_the_morphology_of_another() {
+fn slots_of_one_building_do_not_fit_the_morphology_of_another() {
     let office = case(BuildingType::OfficeSmall);
     let house = case(BuildingType::SingleFamilyHouse);
     let (observation, action) = (office.env.observation_space(), office.env.action_space());
@@ -149,7 +149,7 @@ fn a_building_s_slots_have_no_place_in_the_morphology_of_another() {
 }
 
 #[test]
-fn vectors_have_the_sizes_of_the_table_and_arrays_those_of_their_nodes() {
+fn vectors_have_the_documented_sizes_and_arrays_the_sizes_of_their_nodes() {
     let case = case(BuildingType::OfficeMedium);
     let shape = |node_type| {
         let block = case.decomposition.observation_layout().block(node_type);
@@ -161,7 +161,7 @@ fn vectors_have_the_sizes_of_the_table_and_arrays_those_of_their_nodes() {
 }
 
 #[test]
-fn different_buildings_stack_in_arrays_with_room_for_each() {
+fn different_buildings_stack_in_padded_arrays() {
     let cases: Vec<_> = cases().collect();
     let observation = Layout::covering(cases.iter().map(|case| case.decomposition.observation_layout()));
     let action = Layout::covering(cases.iter().map(|case| case.decomposition.action_layout()));

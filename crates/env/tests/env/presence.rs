@@ -1,4 +1,5 @@
-//! Random presence on the engine: the number of people is drawn around the schedules, for every way to place people.
+//! Random presence on the engine: the number of people is drawn around the schedules, for every way in which a model
+//! defines people.
 
 use crate::case::{Case, random_episode};
 use b2b_building::{BuildingType, Model};
@@ -35,12 +36,12 @@ fn people_come_and_go_around_the_schedule() {
     );
     let differ = pairs().filter(|(drawn, expected)| (**drawn - **expected).abs() > 0.1).count();
     assert!(differ as f64 > 0.4 * pairs().filter(|(_, expected)| **expected > 0.0).count() as f64);
-    // Each zone draws for itself.
+    // Each zone draws independently.
     assert!(random.iter().any(|zones| (zones[1] > 0.0) != (zones[2] > 0.0)));
 }
 
 #[test]
-fn the_heat_of_people_and_the_occupancy_observed_are_those_of_the_people_drawn() {
+fn heat_gains_and_observed_occupancy_follow_the_drawn_people() {
     let office = Case::at_home(BuildingType::OfficeSmall);
     let run = |task: &str| random_episode(&mut office.env_for(DAYS, task), 3);
     let [scheduled, random] = ["occupancy", "occupancy+presence1"].map(run);
@@ -53,7 +54,7 @@ fn the_heat_of_people_and_the_occupancy_observed_are_those_of_the_people_drawn()
 }
 
 #[test]
-fn equal_tasks_draw_the_same_people_and_another_seed_draws_others() {
+fn equal_tasks_draw_the_same_people_and_seeds_differ() {
     let office = Case::at_home(BuildingType::OfficeSmall);
     let task = |seed| Task { presence: Presence { seed, hours: 2.0 }, ..Task::default() };
     let hash = |seed| random_episode(&mut office.env_with(DAYS, task(seed)), 3).hash();
@@ -63,9 +64,9 @@ fn equal_tasks_draw_the_same_people_and_another_seed_draws_others() {
     assert_eq!(random_episode(&mut env, 3).hash(), random_episode(&mut env, 3).hash());
 }
 
-/// Under a schedule of 1 everyone is present, so that the numbers must be the engine's own.
+/// Under a schedule of 1, everyone is present, so the numbers must equal the engine's.
 #[test]
-fn people_of_lists_and_of_spaces_are_all_there() {
+fn people_of_zone_lists_and_of_spaces_are_all_present() {
     const PLACE: &str = "zone_or_zonelist_or_space_or_spacelist_name";
     let change = |model: &mut Model| {
         let zones = model.names("Zone");

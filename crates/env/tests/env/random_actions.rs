@@ -4,7 +4,7 @@ use crate::case::{Case, random_episode};
 use b2b_building::BuildingType;
 use b2b_energyplus::Level;
 
-/// A random episode: finite throughout, without a severe message.
+/// A random episode: all values finite, no severe message.
 fn random_actions_do_no_harm(case: &Case, period: &str) {
     let mut env = case.env(period);
     let trajectory = random_episode(&mut env, 1);
@@ -22,7 +22,7 @@ fn random_actions_do_no_harm(case: &Case, period: &str) {
     assert_eq!(env.message_count(Level::Fatal), 0, "{name} {period}: {}", env.messages());
 }
 
-/// A month in winter and one in summer at home, a week in each where it is hot and where it is cold.
+/// A winter and a summer month at the default place, and a week of each in a hot and in a cold place.
 fn random_actions_do_no_harm_to(building_type: BuildingType) {
     let home = Case::at_home(building_type);
     for period in ["01-01..01-30", "07-01..07-30"] {

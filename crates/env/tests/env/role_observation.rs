@@ -20,7 +20,7 @@ fn spaces(parameters: &House, task: &str, library: &Library, weather: &Path) -> 
     Spaces::new(Arc::new(building), episode)
 }
 
-/// The observation whose values are the numbers of their slots, in the fixed width, by name.
+/// Slot names and values of the fixed-width observation, for an observation whose values are slot numbers.
 fn row(spaces: &Spaces) -> Vec<(String, f64)> {
     let form = RoleObservation::of(spaces).unwrap();
     let own: Vec<f64> = (100..).map(f64::from).take(spaces.observation.len()).collect();
@@ -56,7 +56,7 @@ fn every_role_has_the_same_slot_in_every_house_and_task() {
 }
 
 #[test]
-fn other_types_have_no_such_form() {
+fn other_types_have_no_role_observation() {
     let case = Case::at_home(BuildingType::OfficeSmall);
     assert!(RoleObservation::of(case.env("01-03..01-03").spaces()).is_none());
 }

@@ -1,4 +1,4 @@
-//! Tasks on the engine: targets follow people or the dice, and rewards and metrics are those of the trajectory.
+//! Tasks on the engine: targets follow people or random draws, and rewards and metrics follow from the trajectory.
 
 use std::sync::Arc;
 
@@ -34,7 +34,7 @@ fn close(found: f64, expected: f64, what: &str) {
     assert!((found - expected).abs() <= 1e-9 * expected.abs().max(1.0), "{what}: {found} is not {expected}");
 }
 
-/// Slots by name: those of a small office's zones, and of the energy of a step.
+/// Slots of a small office's zones and of the energy of a step, by name.
 fn slots(env: &Env, what: &str) -> Vec<usize> {
     let slots = env.observation_space().slots().iter().enumerate();
     slots.filter(|(_, slot)| slot.name.ends_with(what)).map(|(index, _)| index).collect()
@@ -46,7 +46,7 @@ fn temperatures(env: &Env) -> Vec<usize> {
 }
 
 #[test]
-fn an_office_is_kept_warm_for_its_people_and_let_go_without_them() {
+fn an_office_is_set_back_when_it_is_unoccupied() {
     // A Tuesday and a Sunday in January, a Wednesday and a holiday in July, and a Tuesday in April.
     for (day, unoccupied, works) in [
         ("01-03", 18.0, true),
@@ -101,9 +101,9 @@ fn a_house_is_empty_at_times_and_occupied_at_night() {
     assert!(there.contains(&false), "the house is empty at times");
 }
 
-/// What is judged is the target that was observed when the action was chosen.
+/// The reward uses the target observed when the action was chosen.
 #[test]
-fn rewards_and_metrics_are_those_of_the_trajectory() {
+fn rewards_and_metrics_follow_from_the_trajectory() {
     let mut env = office().env_for("01-03..01-03", "occupancy+energy0.5");
     let (first, trajectory) = episode(&mut env, 2);
     let temperatures = temperatures(&env);
@@ -141,9 +141,9 @@ fn rewards_and_metrics_are_those_of_the_trajectory() {
     }
 }
 
-/// The peak's rises add up to the peak.
+/// The increases of the peak sum to the peak.
 #[test]
-fn the_other_things_to_save_are_those_of_the_metrics() {
+fn cost_emissions_and_peak_penalties_match_the_metrics() {
     let case = office();
     for (task, value) in [
         ("constant+cost1", (|env: &Env| env.metrics().cost) as fn(&Env) -> f64),
@@ -158,7 +158,7 @@ fn the_other_things_to_save_are_those_of_the_metrics() {
 }
 
 #[test]
-fn random_targets_are_those_of_their_seed_and_differ_by_zone_and_day() {
+fn random_targets_follow_their_seed_and_differ_by_zone_and_day() {
     let case = office();
     let targets = |task: &str| -> Vec<Vec<f64>> {
         let mut env = case.env_for("01-03..01-04", task);
@@ -187,7 +187,7 @@ fn an_episode_starts_near_its_target() {
 }
 
 #[test]
-fn a_zone_that_is_never_occupied_is_named() {
+fn zones_that_are_never_occupied_are_listed() {
     let mut env = Case::at_home(BuildingType::Warehouse).env_for("01-03..01-03", "occupancy");
     env.reset().unwrap();
     let empty: Vec<String> = env.never_occupied().map(str::to_owned).collect();
@@ -196,7 +196,7 @@ fn a_zone_that_is_never_occupied_is_named() {
     );
 }
 
-/// The warmest zone alone, and the number of steps.
+/// A reward from only the warmest zone, with the number of steps.
 #[derive(Debug, Default)]
 struct Warmest {
     steps: f64,
@@ -215,7 +215,7 @@ impl RewardFunction for Warmest {
 }
 
 #[test]
-fn a_reward_of_one_s_own_takes_the_place_of_the_task_s() {
+fn a_custom_reward_replaces_the_task_s() {
     let mut env = office().env_for("01-03..01-03", "constant").with_reward(Warmest::default());
     let zones = temperatures(&env);
     for _ in 0..2 {
@@ -229,7 +229,7 @@ fn a_reward_of_one_s_own_takes_the_place_of_the_task_s() {
 }
 
 #[test]
-fn what_a_class_uses_scales_the_reward_and_a_scale_of_the_task_goes_before_it() {
+fn the_class_scales_the_reward_unless_the_task_has_its_own_scale() {
     let house = Case::at_home(BuildingType::SingleFamilyHouse);
     let class = Class::new(BuildingType::SingleFamilyHouse, None);
     let of_class = PreparedBuilding::clone(&house.building).of_class(Some(class));

@@ -1,14 +1,13 @@
-//! The ventilation interlock on the engine: people get the design minimum of outdoor air, whatever is commanded.
+//! The ventilation interlock on the engine: people get the design minimum of outdoor air for any action.
 
 use crate::case::Case;
 use b2b_building::BuildingType;
-use b2b_building::hvac::System;
 use b2b_env::Env;
 
 /// Relative difference between our density of standard air and the engine's.
 const TOLERANCE: f64 = 1e-4;
 
-/// What a system had at the end of a step.
+/// People and outdoor air of a system at the end of a step.
 struct Air {
     people: f64,
     flow: f64,
@@ -31,7 +30,7 @@ fn starve(case: &Case, task: &str, days: &str) -> (Vec<Vec<Air>>, Env) {
 }
 
 fn airs(env: &Env) -> Vec<Air> {
-    let minimum = env.building().systems.iter().map(System::ventilation);
+    let minimum = env.building().systems.iter().map(|system| system.ventilation());
     let systems = minimum.zip(env.outdoor_air());
     systems
         .filter_map(|(ventilation, air)| {
@@ -41,7 +40,8 @@ fn airs(env: &Env) -> Vec<Air> {
         .collect()
 }
 
-/// Outdoor air never falls under the design minimum from the second occupied step on, and may be zero while the zones are unoccupied.
+/// Outdoor air is at least the design minimum from the second occupied step on, and may be zero while the zones are
+/// unoccupied.
 fn people_get_their_outdoor_air(building_type: BuildingType, place: &str) {
     let case = Case::at(building_type, place);
     let (steps, env) = starve(&case, "constant", "01-13..01-14");

@@ -102,7 +102,7 @@ impl Baselines {
         progress.begin("baselines", episodes.len(), days);
         let lost = Mutex::new(HashMap::new());
         let numbered: Vec<_> = episodes.iter().map(|(_, episode)| episode).enumerate().collect();
-        evaluation.run(&numbered, &BuiltIn::Reactive, progress, &|number, outcome| {
+        evaluation.run(&numbered, &BuiltIn::reactive(), progress, &|number, outcome| {
             let key = &episodes[number].0;
             match outcome {
                 Ok(finished) => self.keep(key, finished.terms),

@@ -272,7 +272,7 @@ mod tests {
             seed: 7,
             steps_per_hour: 12,
         };
-        let info = EpisodeInfo::of(&episode, &BuiltIn::Random);
+        let info = EpisodeInfo::of(&episode, &BuiltIn::random());
         let mut metrics = EpisodeMetrics::default();
         for (number, column) in EpisodeMetrics::COLUMNS.iter().enumerate() {
             (column.set)(&mut metrics, number as f64 + 1.0);

@@ -3,45 +3,73 @@
 use std::fmt;
 use std::str::FromStr;
 
-use b2b_control::{
-    Constant, Controller, Planner, PlannerParameters, Random, Reactive, ReactiveParameters, Replay,
-};
+use b2b_control::{Case, Controller, Kind, KindDescription, kind};
 use serde_json::Value;
 
 use super::interface::{EpisodeContext, Policy};
 use crate::tuned::controller_parameters;
 use crate::{Error, Result};
 
-/// A controller that needs no file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum BuiltIn {
-    /// The reactive controllers: the baseline of every score.
-    Reactive,
-    /// A uniformly random action at every step.
-    Random,
-    /// The middle of every actuator's range.
-    Constant,
-    /// A planner that tries actions on copies of the simulation; takes minutes per simulated day.
-    Planner,
-}
+/// A controller that needs no file: a [`Kind`] of `b2b_control`.
+#[derive(Clone, Copy)]
+pub struct BuiltIn(&'static dyn Kind);
 
 impl BuiltIn {
-    const ALL: [Self; 4] = [Self::Reactive, Self::Random, Self::Constant, Self::Planner];
+    /// Returns the reactive controllers: the baseline of every score.
+    pub fn reactive() -> Self {
+        Self::shipped("reactive")
+    }
+
+    /// Returns uniformly random actions.
+    pub fn random() -> Self {
+        Self::shipped("random")
+    }
+
+    /// Returns the middle of every actuator's range.
+    pub fn constant() -> Self {
+        Self::shipped("constant")
+    }
+
+    fn shipped(name: &str) -> Self {
+        Self(kind(name).expect("a test finds these kinds"))
+    }
 
     /// Returns whether the actions depend on the seed.
     pub fn is_stochastic(self) -> bool {
-        matches!(self, Self::Random | Self::Planner)
+        self.0.is_stochastic()
+    }
+
+    /// Returns the values of the parameters in an episode.
+    fn values(self, context: &EpisodeContext<'_>) -> Value {
+        let task = &context.spaces.episode.task;
+        match self.is_baseline() {
+            // Scores are relative to the parameters of the building's class, wherever its model comes from.
+            true => {
+                let parameters = controller_parameters(context.subject, context.site, task);
+                serde_json::to_value(parameters).expect("plain numbers always serialize")
+            }
+            false => self.0.tuned(&context.spaces.building, task),
+        }
     }
 }
 
+impl fmt::Debug for BuiltIn {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "BuiltIn({self})")
+    }
+}
+
+impl PartialEq for BuiltIn {
+    fn eq(&self, other: &Self) -> bool {
+        self.0.name() == other.0.name()
+    }
+}
+
+impl Eq for BuiltIn {}
+
 impl fmt::Display for BuiltIn {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Reactive => "reactive",
-            Self::Random => "random",
-            Self::Constant => "constant",
-            Self::Planner => "planner",
-        })
+        f.write_str(self.0.name())
     }
 }
 
@@ -49,8 +77,7 @@ impl FromStr for BuiltIn {
     type Err = Error;
 
     fn from_str(text: &str) -> Result<Self> {
-        let named = Self::ALL.into_iter().find(|each| each.to_string() == text);
-        named.ok_or_else(|| Error::UnknownPolicy { text: text.to_owned() })
+        kind(text).map(Self).ok_or_else(|| Error::UnknownPolicy { text: text.to_owned() })
     }
 }
 
@@ -64,43 +91,42 @@ impl Policy for BuiltIn {
     }
 
     fn is_baseline(&self) -> bool {
-        *self == Self::Reactive
+        *self == Self::reactive()
     }
 
     fn ignores_interface(&self) -> bool {
-        matches!(self, Self::Reactive | Self::Planner)
+        self.0.controls_whole_building()
     }
 
     fn description(&self, context: &EpisodeContext<'_>) -> Result<Option<Value>> {
-        Ok((*self == Self::Reactive).then(|| Reactive::description(&parameters(context))))
+        if !self.ignores_interface() || self.0.plans() {
+            return Ok(None);
+        }
+        let (name, seed, values) = (self.name(), context.seed, self.values(context));
+        Ok(Some(KindDescription { name, seed, values }.to_order()))
     }
 
     fn controller(&self, context: EpisodeContext<'_>) -> Result<Box<dyn Controller>> {
-        let space = &context.interface.action;
-        Ok(match self {
-            Self::Reactive => Box::new(reactive(&context)),
-            Self::Random => Box::new(Random::new(space, context.seed)),
-            Self::Constant => Box::new(Constant::middle(space)),
-            Self::Planner => Box::new(plan(context)?),
-        })
+        let values = self.values(&context);
+        let EpisodeContext { spaces, interface, seed, episode, .. } = context;
+        let case = Case { spaces, action: &interface.action, seed, values: &values };
+        // A plan of the whole episode on copies of it is replayed afterward.
+        match self.0.plan(&case, episode, &mut || {})? {
+            Some(plan) => Ok(plan),
+            None => Ok(self.0.make(&case)?),
+        }
     }
 }
 
-fn reactive(context: &EpisodeContext<'_>) -> Reactive {
-    let spaces = context.spaces;
-    let steps_per_hour = spaces.episode.steps_per_hour;
-    Reactive::new(&spaces.building, &spaces.observation, steps_per_hour, &parameters(context))
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-fn parameters(context: &EpisodeContext<'_>) -> ReactiveParameters {
-    controller_parameters(context.subject, context.site, &context.spaces.episode.task)
-}
-
-/// Plans the whole episode on copies of it; the plan is replayed afterward.
-fn plan(context: EpisodeContext<'_>) -> Result<Replay> {
-    let reactive = reactive(&context);
-    let EpisodeContext { spaces, seed, episode, .. } = context;
-    let mut planner = Planner::new(PlannerParameters::default(), reactive, seed);
-    let actions = planner.plan_episode(episode, spaces.episode_steps(), || {})?;
-    Ok(Replay::new(actions, spaces.action.len()))
+    #[test]
+    fn the_named_kinds_exist_and_only_the_reactive_controllers_are_the_baseline() {
+        assert!(BuiltIn::reactive().is_baseline());
+        assert!(!BuiltIn::random().is_baseline() && BuiltIn::random().is_stochastic());
+        assert!(!BuiltIn::constant().is_baseline() && !BuiltIn::constant().is_stochastic());
+        assert_eq!("planner".parse::<BuiltIn>().unwrap().to_string(), "planner");
+    }
 }

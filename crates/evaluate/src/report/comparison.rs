@@ -136,7 +136,7 @@ mod tests {
                 seed: 0,
                 steps_per_hour: 12,
             };
-            Row { info: EpisodeInfo::of(&episode, &BuiltIn::Random), outcome: Ok(Scored::default()) }
+            Row { info: EpisodeInfo::of(&episode, &BuiltIn::random()), outcome: Ok(Scored::default()) }
         };
         Compared { name: name.into(), rows: numbers.iter().map(row).collect() }
     }

@@ -95,7 +95,7 @@ impl<'a> Judge<'a> {
         if let Some(limits) = self.travel_limits.get() {
             return Ok(limits);
         }
-        let references = self.metrics(&BuiltIn::Reactive)?;
+        let references = self.metrics(&BuiltIn::reactive())?;
         let limits = references.iter().map(|metrics| travel_limit(metrics.daily_travel)).collect();
         Ok(self.travel_limits.get_or_init(|| limits))
     }

@@ -1,4 +1,4 @@
-//! A worker process, for programs that cannot serve as their own workers.
+//! A worker process, for programs that cannot act as their own workers.
 
 fn main() {
     b2b_workers::run_if_worker();

@@ -1,4 +1,4 @@
-//! The owner's side: templates, the workers copied from them, and how each ends.
+//! The owner's side: templates, the workers copied from them, and their ends.
 //!
 //! A [`Pool`] owns processes of one thread each. A template waits at the end of a building's warm-up; an episode is its
 //! copy, and a snapshot is the copy of an episode. Actions and observations pass through shared memory, and waiting
@@ -29,9 +29,9 @@ use super::time_limit::TimeLimit;
 use super::worker_options::WorkerOptions;
 use b2b_env::{Error, Result};
 
-/// Templates that may die or hang under an episode that waits to begin, before it is lost.
+/// Number of templates that may die or hang while an episode waits to begin, until it is lost.
 const FAILURES: u32 = 3;
-/// How often preparations in the background are looked after.
+/// Interval at which background preparations are checked.
 const BACKGROUND: Duration = Duration::from_millis(5);
 
 /// A pool of worker processes.
@@ -41,16 +41,16 @@ pub(super) struct Pool {
     slots: Slots,
     templates: BTreeMap<TemplateId, Template>,
     next_template: u64,
-    /// Episodes under way.
+    /// Episodes in progress.
     episodes: u32,
-    /// Buildings that were prepared, so that no other template has to.
+    /// Prepared buildings, for other templates.
     prepared: VecDeque<(Setting, Arc<PreparedBuilding>)>,
     clock: u64,
-    /// When to look after the busy workers next.
+    /// When to check the busy workers next.
     look: Instant,
-    /// When to look after the preparations in the background next.
+    /// When to check background preparations next.
     background: Instant,
-    /// Of everything that its processes write. Removed with the pool.
+    /// Folder for all files of its processes; removed with the pool.
     folder: TempDir,
 }
 
@@ -62,7 +62,7 @@ pub(super) struct Place {
 }
 
 impl Pool {
-    /// A pool without processes.
+    /// Creates a pool without processes.
     ///
     /// # Errors
     /// [`Error::Io`] when there is no temporary folder.
@@ -98,7 +98,7 @@ impl Pool {
         Ok(Place { slot, template })
     }
 
-    /// Advances everything that waits for a template, and the preparations.
+    /// Advances all waits for templates and all preparations.
     pub(super) fn advance_all(&mut self) {
         let mut next = self.underway(Bound::Unbounded);
         while let Some(id) = next {
@@ -108,7 +108,7 @@ impl Pool {
         self.start_queued();
     }
 
-    /// Advances the preparations in the background, at intervals.
+    /// Advances background preparations, at intervals.
     pub(super) fn advance_all_when_due(&mut self) {
         let now = Instant::now();
         if now >= self.background {
@@ -125,7 +125,7 @@ impl Pool {
         templates.find(|(_, template)| template.is_underway()).map(|(id, _)| *id)
     }
 
-    /// Moves a template on: takes its reply, has it copied, replaces it when it is gone.
+    /// Advances a template: reads its reply, requests copies, replaces it if it has died.
     fn advance(&mut self, id: TemplateId) {
         let Some(template) = self.templates.get_mut(&id) else { return };
         let Some(slot) = template.process.as_ref().map(|process| process.slot) else { return };
@@ -164,7 +164,7 @@ impl Pool {
         self.region.command(source, Command::Copy);
     }
 
-    /// Copies of the worker in a slot, which must be ready.
+    /// Copies the worker in a slot, which must be ready.
     pub(super) fn branch(&mut self, of: Place, count: usize) -> Result<Vec<Place>> {
         let mut places = Vec::with_capacity(count);
         let outcome = self.try_branch(of, count, &mut places);
@@ -182,7 +182,7 @@ impl Pool {
             let first = places.len();
             for _ in first..count.min(first + COPIES) {
                 let slot = self.take_episode_slot(EpisodeOptions::default())?;
-                // The template may be gone: a copy of an episode does not need it.
+                // The template may have died; copies of an episode do not need it.
                 if let Some(template) = self.templates.get_mut(&of.template) {
                     template.users += 1;
                 }
@@ -196,7 +196,7 @@ impl Pool {
         places.iter().try_for_each(|place| self.wait_until_ready(place.slot))
     }
 
-    /// Checks that a worker that has reported did not report a failure.
+    /// Errors if a worker has reported a failure.
     fn check_status(&self, slot: u32) -> Result<()> {
         match self.region.status(slot) {
             Status::Running | Status::Truncated => Ok(()),
@@ -209,7 +209,7 @@ impl Pool {
         String::from_utf8_lossy(&self.region.report(slot)).into_owned()
     }
 
-    /// Waits for a worker that copies itself, or that is such a copy: milliseconds, so that it is not interrupted.
+    /// Waits for a worker that copies itself, or for the copy. Takes milliseconds, so it cannot be interrupted.
     ///
     /// # Errors
     /// [`Error::Lost`] when it ended, took too long, or reported a failure.
@@ -232,7 +232,7 @@ impl Pool {
         }
     }
 
-    /// Returns whether an episode waits for its template, and not for a copy that was made.
+    /// Returns whether an episode waits for its template, rather than for an existing copy.
     pub(super) fn waits_for_template(&self, place: Place) -> bool {
         let template = self.templates.get(&place.template);
         let mut requests =
@@ -240,7 +240,7 @@ impl Pool {
         requests.any(|request| request.slot == place.slot)
     }
 
-    /// Returns why the worker of a slot will not report anymore, if it has ended or is too late.
+    /// Returns why the worker of a slot will never report, if it has ended or exceeded its limit.
     pub(super) fn failure(&mut self, slot: u32, is_late: bool) -> Option<String> {
         let ended = self.slots.has_ended(slot);
         // It may have reported before it died.
@@ -253,7 +253,7 @@ impl Pool {
         is_late.then(|| self.time_out(slot))
     }
 
-    /// Kills the worker of a slot for taking too long.
+    /// Kills the worker of a slot after a time-out.
     fn time_out(&mut self, slot: u32) -> String {
         self.slots.kill(slot);
         let (process, limit) = (self.region.process(slot), self.options.step_time_limit);
@@ -269,7 +269,7 @@ impl Pool {
         due
     }
 
-    /// Opens a handle of a worker that has reported for the first time.
+    /// Opens a handle to a worker after its first report.
     pub(super) fn adopt(&mut self, slot: u32) {
         self.slots.adopt(slot);
     }
@@ -279,7 +279,7 @@ impl Pool {
         self.slots.file(slot, extension)
     }
 
-    /// Keeps the template of a setting for an episode to come; one is queued if there is none.
+    /// Reserves the template of a setting for a future episode; queues one if there is none.
     ///
     /// # Errors
     /// As [`Pool::template_of`].
@@ -289,7 +289,7 @@ impl Pool {
         Ok(id)
     }
 
-    /// Gives a reservation back. A preparation that has not started and has no other user is dropped.
+    /// Releases a reservation. Drops a preparation that has not started and has no other user.
     pub(super) fn cancel(&mut self, id: TemplateId) {
         let Some(template) = self.templates.get_mut(&id) else { return };
         template.users = template.users.saturating_sub(1);
@@ -303,7 +303,7 @@ impl Pool {
         self.templates.get(&id).is_some_and(|template| !template.is_unprepared())
     }
 
-    /// Ends a worker, or a wait for one.
+    /// Ends a worker, or the wait for one.
     pub(super) fn release(&mut self, place: Place) {
         if let Some(template) = self.templates.get_mut(&place.template) {
             template.users = template.users.saturating_sub(1);
@@ -327,7 +327,7 @@ impl Pool {
         preparing.filter_map(Template::process_id).collect()
     }
 
-    /// The temporary folder of everything that its processes write.
+    /// The temporary folder for all files of its processes.
     pub(super) fn folder(&self) -> &Path {
         self.folder.path()
     }
@@ -349,7 +349,7 @@ impl Pool {
 }
 
 impl Drop for Pool {
-    /// Ends every process: copies first, so that their templates reap them.
+    /// Ends every process; copies first, so that their templates reap them.
     fn drop(&mut self) {
         let processes = self.templates.values().filter_map(|template| template.process.as_ref());
         let templates: Vec<u32> = processes.map(|process| process.slot).collect();

@@ -15,13 +15,13 @@ use crate::time_limit::TimeLimit;
 use b2b_env::Spaces;
 use b2b_env::{Error, Result};
 
-/// Buildings whose preparation is remembered; those of more are on disk.
+/// Number of prepared buildings kept in memory; more are on disk.
 const PREPARED: usize = 16;
-/// Times that a preparation is tried before it fails.
+/// Number of attempts before a preparation fails.
 const ATTEMPTS: u32 = 2;
 
 impl Pool {
-    /// The template of a setting; one is queued if there is none. Does not wait for it.
+    /// Returns the template of a setting, without waiting for it. Queues one if there is none.
     ///
     /// # Errors
     /// The errors of [`EpisodeConfig::check`](b2b_env::EpisodeConfig::check).
@@ -44,9 +44,9 @@ impl Pool {
     /// The spaces of a template once it is ready; does not wait.
     ///
     /// # Errors
-    /// [`Error::Template`] with the reason when the building cannot be made an environment; [`Error::Lost`] when its
-    /// preparation died or hung twice; [`Error::Pool`] when no process can be started; [`Error::Io`] for its order. The
-    /// template is dropped then, and the next request tries again.
+    /// [`Error::Template`] with the reason when the building cannot be prepared; [`Error::Lost`] when its preparation
+    /// died or hung twice; [`Error::Pool`] when no process can be started; [`Error::Io`] for its order. The template is
+    /// then dropped, and the next request tries again.
     pub(crate) fn spaces_of(&mut self, id: TemplateId) -> Result<Option<Arc<Spaces>>> {
         let template = self.template_mut(id)?;
         template.is_urgent = true;
@@ -63,8 +63,8 @@ impl Pool {
         }
     }
 
-    /// Starts preparations as far as they may run at the same time: first those that are waited for, then in the order
-    /// of the requests.
+    /// Starts preparations up to the concurrency limit: first those that episodes wait for, then in the order of
+    /// requests.
     pub(super) fn start_queued(&mut self) {
         loop {
             let preparing = |template: &&Template| matches!(template.phase, Phase::Preparing(_));
@@ -120,7 +120,7 @@ impl Pool {
         format!("{} (program {program})", self.slots.describe_end(process.slot, status))
     }
 
-    /// Takes what a template that is ready says of itself.
+    /// Reads the reply of a ready template.
     fn read_reply(&mut self, id: TemplateId) -> Result<()> {
         let Template { process, setting, .. } = self.template_mut(id)?;
         let Some(process) = process else { return Ok(()) };
@@ -147,7 +147,7 @@ impl Pool {
         Ok(())
     }
 
-    /// Prepares once more what died or hung, or gives up.
+    /// Retries a preparation that died or hung, or gives up.
     fn retry(&mut self, id: TemplateId, why: String) {
         let Some(template) = self.templates.get(&id) else { return };
         if template.attempts >= ATTEMPTS {
@@ -157,13 +157,13 @@ impl Pool {
         self.restart(id);
     }
 
-    /// Replaces a template that was ready and is gone: those who wait for a copy get one of its successor.
+    /// Replaces a ready template that has died: waiting slots get copies of its successor.
     pub(super) fn replace(&mut self, id: TemplateId) {
         let Some(template) = self.templates.get_mut(&id) else { return };
         template.attempts = 0;
         let interrupted = std::mem::take(&mut template.copying);
         for Request { slot, failures } in interrupted.into_iter().rev() {
-            // One that has attached no longer needs its template.
+            // An attached copy no longer needs its template.
             if !self.region.revoke(slot) {
                 continue;
             }
@@ -187,7 +187,7 @@ impl Pool {
         self.start_queued();
     }
 
-    /// Keeps why a template cannot be made, and tells those who wait for it.
+    /// Stores the reason why a template cannot be made, and reports it to the waiting slots.
     fn give_up(&mut self, id: TemplateId, error: Error) {
         let Some(template) = self.templates.get_mut(&id) else { return };
         for Request { slot, .. } in template.waiting.drain(..) {
@@ -220,7 +220,7 @@ impl Pool {
         started
     }
 
-    /// Starts a process for a slot, which stays with the caller if that fails.
+    /// Starts a process for a slot. If that fails, the caller keeps the slot.
     fn start_process_in(&mut self, slot: u32, order: &Order) -> Result<TemplateProcess> {
         let (path, log) = (self.slots.file(slot, "order"), self.slots.file(slot, "log"));
         std::fs::write(&path, order.to_json()).map_err(|source| Error::Io { path: path.clone(), source })?;
@@ -240,7 +240,7 @@ impl Pool {
         Ok(process)
     }
 
-    /// Ends the least recently used templates without users, until the rest is within budget.
+    /// Ends the least recently used templates without users until the rest is within the budget.
     fn make_room(&mut self) {
         loop {
             let memory: u64 = self.templates.values().map(|template| template.memory).sum();
@@ -274,7 +274,7 @@ impl TemplateProcess {
         self.remove_files();
     }
 
-    /// Removes what it was started with and what it replied, as far as they are there.
+    /// Removes its order and its reply, if they exist.
     fn remove_files(&self) {
         for path in [&self.order, &self.order.with_extension("ready"), &self.order.with_extension("aside")] {
             let _ = std::fs::remove_file(path);

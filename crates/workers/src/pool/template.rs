@@ -10,32 +10,32 @@ use crate::time_limit::TimeLimit;
 use b2b_env::Error;
 use b2b_env::Spaces;
 
-/// A template of a pool. Never used again for another, so that one that was dropped is not found.
+/// Id of a template in a pool. Never reused, so a dropped template is not found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct TemplateId(pub(super) u64);
 
-/// A building at the end of its warm-up, or on the way there.
+/// A building at the end of its warm-up, or before.
 pub(super) struct Template {
     pub(super) setting: Setting,
     /// `None` until its preparation starts, and once it has failed.
     pub(super) process: Option<TemplateProcess>,
     pub(super) phase: Phase,
-    /// The reason why it cannot be prepared, until it is read.
+    /// The reason why it cannot be prepared, until read.
     pub(super) failure: Option<Error>,
     pub(super) spaces: Option<Arc<Spaces>>,
     /// Preparations tried in a row.
     pub(super) attempts: u32,
     /// Resident memory, bytes.
     pub(super) memory: u64,
-    /// Copies of it, episodes that wait for one, and reservations.
+    /// Number of its copies, waiting episodes and reservations.
     pub(super) users: usize,
-    /// Whether its preparation is waited for, and not ahead of its use.
+    /// Whether an episode waits for its preparation.
     pub(super) is_urgent: bool,
-    /// When it was last asked for.
+    /// Time of the last request.
     pub(super) used: u64,
     /// Slots that wait for a copy.
     pub(super) waiting: VecDeque<Request>,
-    /// Slots that the copies in progress are for.
+    /// Slots of the copies in progress.
     pub(super) copying: Vec<Request>,
 }
 
@@ -70,7 +70,7 @@ pub(super) struct Request {
 }
 
 impl Template {
-    /// A template that waits for its turn.
+    /// Creates a queued template.
     pub(super) fn new(setting: Setting, used: u64) -> Self {
         Self {
             setting,
@@ -93,7 +93,7 @@ impl Template {
         matches!(self.phase, Phase::Idle | Phase::Failed) && self.users == 0
     }
 
-    /// Returns whether it waits for its turn or is being prepared.
+    /// Returns whether it is queued or being prepared.
     pub(super) fn is_unprepared(&self) -> bool {
         matches!(self.phase, Phase::Queued | Phase::Preparing(_))
     }
@@ -103,7 +103,7 @@ impl Template {
         matches!(self.phase, Phase::Preparing(_)) || !self.waiting.is_empty() || !self.copying.is_empty()
     }
 
-    /// Its process and the worker slot of that.
+    /// Its process and the process's worker slot.
     pub(super) fn process_id(&self) -> Option<u32> {
         self.process.as_ref().map(|process| process.child.id())
     }

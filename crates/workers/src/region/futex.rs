@@ -22,7 +22,7 @@ impl Word for AtomicU32 {
 
     fn sleep(&self, value: u32, at_most: Duration) {
         let time = Timespec { tv_sec: at_most.as_secs() as i64, tv_nsec: at_most.subsec_nanos().into() };
-        // Every way of waking up is followed by another look at the word.
+        // After every wake-up, the word is checked again.
         let _ = futex::wait(self, futex::Flags::empty(), value, Some(&time));
     }
 

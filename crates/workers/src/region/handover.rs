@@ -1,11 +1,11 @@
-//! How a slot changes hands, and how each side waits for the other. The tests explore all interleavings of it.
+//! How a slot passes between the sides, and how each waits for the other. The tests explore all interleavings.
 
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 /// The slot waits for the owner.
 pub(super) const READY: u32 = 0;
-/// A command is being carried out.
+/// A command is in progress.
 pub(super) const BUSY: u32 = 1;
 
 /// A word of shared memory that processes can sleep on.
@@ -17,7 +17,7 @@ pub(super) trait Word {
     /// Adds to the word, and returns the sum; sequentially consistent.
     fn add(&self, value: u32) -> u32;
 
-    /// Sleeps while the word has this value, until it is woken, the time is over or a signal comes.
+    /// Sleeps while the word has this value, until a wake-up, the timeout or a signal.
     fn sleep(&self, value: u32, at_most: Duration);
 
     /// Wakes one process that sleeps on the word.
@@ -26,19 +26,20 @@ pub(super) trait Word {
 
 /// The words by which the owner waits for several workers at once.
 pub(super) struct Bell<'a, W> {
-    /// Commands carried out by all workers.
+    /// Number of commands executed by all workers.
     pub(super) done: &'a W,
     /// The owner is woken when `done` reaches this.
     pub(super) wanted: &'a W,
 }
 
-/// The owner gives a slot, with what it wrote, to the worker.
+/// Passes a slot, with the owner's writes, to the worker.
 pub(super) fn give(state: &impl Word) {
     state.store(BUSY, Ordering::Release);
     state.wake();
 }
 
-/// The worker waits for its slot, and returns whether it has it. `actively` looks whether the wait is over, once or more often.
+/// Waits for the worker's slot, and returns whether the worker has it. `actively` checks whether the wait is over, once
+/// or repeatedly.
 pub(super) fn await_slot(
     state: &impl Word,
     at_most: Duration,
@@ -51,7 +52,7 @@ pub(super) fn await_slot(
     }
 }
 
-/// The worker gives its slot back, and wakes the owner if it is the last that the owner waits for.
+/// Returns the worker's slot, and wakes the owner if this is the last slot it waits for.
 pub(super) fn give_back<W: Word>(state: &W, bell: Bell<'_, W>) {
     state.store(READY, Ordering::Release);
     let done = bell.done.add(1);
@@ -65,7 +66,7 @@ pub(super) fn is_back(state: &impl Word) -> bool {
     state.load(Ordering::Acquire) == READY
 }
 
-/// The owner waits until `more` commands after `done` are carried out; it may return before.
+/// Waits until `more` commands after `done` are executed; may return early.
 pub(super) fn await_done<W: Word>(
     bell: Bell<'_, W>,
     (done, more): (u32, u32),
@@ -94,9 +95,9 @@ mod tests {
 
     const FOREVER: Duration = Duration::MAX;
 
-    /// A word whose futex is a condition variable, and whose sleepers wake up only when they are woken, so that a lost wake-up is
-    /// a deadlock. Loom takes sequentially consistent loads and stores for acquire and release; as read-modify-writes, they
-    /// are in one order.
+    /// A word whose futex is a condition variable without spurious wake-ups, so that a lost wake-up is a deadlock. Loom
+    /// weakens sequentially consistent loads and stores to acquire and release; as read-modify-writes, they have one
+    /// order.
     struct Modeled {
         value: AtomicU32,
         queue: Mutex<()>,
@@ -144,7 +145,7 @@ mod tests {
         }
     }
 
-    /// A slot with what its holder writes.
+    /// A slot with data written by its holder.
     struct Slot {
         state: Modeled,
         number: UnsafeCell<u32>,
@@ -197,7 +198,7 @@ mod tests {
         }
     }
 
-    /// Runs all interleavings of an owner and a worker for each slot, or those with at most this number of preemptions.
+    /// Runs all interleavings of an owner and one worker per slot, or those with a maximum number of preemptions.
     fn explore(slots: usize, commands: usize, preemptions: Option<usize>) {
         let mut model = loom::model::Builder::new();
         model.preemption_bound = preemptions;

@@ -7,7 +7,7 @@ use super::handover::{await_done, give, is_back};
 use super::{BUSY, Command, EpisodeOptions, READY, Region, Status, Ticket, pack};
 
 impl Region {
-    /// Initializes a slot for a worker to come: busy until the worker reports.
+    /// Initializes a slot for a new worker: busy until the worker reports.
     pub(crate) fn init(&self, slot: u32, options: EpisodeOptions) {
         let entry = self.slot(slot);
         let Ticket { generation, .. } = self.ticket(slot);
@@ -22,7 +22,7 @@ impl Region {
         entry.occupant.store(pack(generation.wrapping_add(1), 0), Ordering::Release);
     }
 
-    /// Takes a slot back from a worker that has not attached yet and now never can. False if it has attached.
+    /// Revokes a slot from a worker that has not attached, which it then never can. Returns `false` if it has attached.
     pub(crate) fn revoke(&self, slot: u32) -> bool {
         let Ticket { generation, .. } = self.ticket(slot);
         let (awaited, next) = (pack(generation, 0), pack(generation.wrapping_add(1), 0));
@@ -30,14 +30,14 @@ impl Region {
         occupant.compare_exchange(awaited, next, Ordering::AcqRel, Ordering::Acquire).is_ok()
     }
 
-    /// Reports a failure in the name of a worker that never attached.
+    /// Reports a failure on behalf of a worker that never attached.
     pub(crate) fn fail(&self, slot: u32, why: &str) {
         self.write_report(slot, why.as_bytes());
         self.set_status(slot, Status::Failed);
         self.slot(slot).state.store(READY, Ordering::Release);
     }
 
-    /// Gives a command to the worker of a slot that is ready.
+    /// Sends a command to the worker of a ready slot.
     pub(crate) fn command(&self, slot: u32, command: Command) {
         let slot = self.slot(slot);
         slot.command.store(command as u32, Ordering::Relaxed);
@@ -59,12 +59,12 @@ impl Region {
         is_back(&self.slot(slot).state)
     }
 
-    /// Commands carried out so far: to be read before slots are looked at, and given to [`Region::sleep`].
+    /// Number of commands executed so far, to read before checking slots and pass to [`Region::sleep`].
     pub(crate) fn done(&self) -> u32 {
         self.bell().done.load(Ordering::SeqCst)
     }
 
-    /// Sleeps until `more` commands after `done` are carried out, or the time is over, or a signal comes.
+    /// Sleeps until `more` commands after `done` are executed, a timeout, or a signal.
     pub(crate) fn sleep(&self, done: u32, more: u32, at_most: Duration) {
         await_done(self.bell().words(), (done, more), at_most, |is_over| self.wait_actively(is_over));
     }

@@ -1,31 +1,31 @@
-//! Active waiting for a moment before sleeping.
+//! Spinning for a moment before sleeping.
 //!
-//! A process that sleeps on a futex is woken in 50 to 150 µs where its core has gone to sleep too, which is longer than a step of
-//! a house. Where every process has a core of its own, both sides therefore wait actively for the time of a long step first.
+//! Waking a process that sleeps on a futex takes 50 to 150 µs if its core sleeps too, longer than a step of a house. If
+//! every process has its own core, both sides therefore spin for the time of a long step first.
 
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
-/// Longest active wait.
+/// Longest spin.
 const AT_MOST: Duration = Duration::from_micros(400);
-/// Looks between two readings of the clock.
+/// Number of checks between two readings of the clock.
 const LOOKS: u32 = 32;
-/// Most waits in a row that are not active, after active ones in vain: then the other side is slow, or other programs use the
-/// cores.
+/// Maximum number of consecutive waits without spinning after unsuccessful spins, when the other side is slow or other
+/// programs use the cores.
 const LONGEST_PAUSE: u32 = 256;
 
-/// The active waits of one side.
+/// The spins of one side.
 #[derive(Debug, Default)]
 pub(super) struct Spin {
     /// Length of the last pause, in waits.
     pause: AtomicU32,
-    /// Waits left of it.
+    /// Waits left in the pause.
     left: AtomicU32,
 }
 
 impl Spin {
-    /// Waits actively until something is over, and returns whether it is. After every wait in vain it pauses for twice as many
-    /// waits as before.
+    /// Spins until a condition holds, and returns whether it does. After every unsuccessful spin, pauses for twice as
+    /// many waits as before.
     pub(super) fn until(&self, is_over: impl Fn() -> bool) -> bool {
         let left = self.left.load(Ordering::Relaxed);
         if left > 0 {
@@ -56,7 +56,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn waits_in_vain_become_rare_until_one_succeeds() {
+    fn unsuccessful_spins_become_rare_until_one_succeeds() {
         let (spin, looks) = (Spin::default(), Cell::new(0u64));
         let never = || {
             looks.set(looks.get() + 1);

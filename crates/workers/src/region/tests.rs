@@ -3,7 +3,7 @@
 use super::*;
 
 #[test]
-fn a_slot_changes_hands_with_what_was_written() {
+fn a_slot_passes_with_its_contents() {
     let region = Region::new().unwrap();
     region.reserve(3).unwrap();
     let options = EpisodeOptions { max_steps: Some(7), processor: Some(1), finish_run: true };
@@ -25,7 +25,7 @@ fn a_slot_changes_hands_with_what_was_written() {
 }
 
 #[test]
-fn a_worker_that_comes_late_cannot_attach() {
+fn a_late_worker_cannot_attach() {
     let region = Region::new().unwrap();
     region.reserve(0).unwrap();
     region.init(0, EpisodeOptions::default());
@@ -39,7 +39,7 @@ fn a_worker_that_comes_late_cannot_attach() {
 }
 
 #[test]
-fn the_owner_sleeps_until_the_last_of_those_it_waits_for() {
+fn the_owner_sleeps_until_the_last_awaited_slot() {
     let region = Region::new().unwrap();
     (0..3).for_each(|slot| region.init(slot, EpisodeOptions::default()));
     let done = region.done();

@@ -7,19 +7,19 @@ use super::handover::{await_slot, give_back};
 use super::{COPIES, Command, EXITED, Region, Ticket, pack, unpack};
 
 impl Region {
-    /// Attaches this process to a slot. False if the slot was given to another meanwhile.
+    /// Attaches this process to a slot. Returns `false` if the slot has been reassigned.
     pub(crate) fn attach(&self, Ticket { slot, generation }: Ticket) -> bool {
         let (awaited, own) = (pack(generation, 0), pack(generation, std::process::id()));
         let occupant = &self.slot(slot).occupant;
         occupant.compare_exchange(awaited, own, Ordering::AcqRel, Ordering::Acquire).is_ok()
     }
 
-    /// Marks the slot as ready for the owner, and wakes the owner if it is the last slot that it waits for.
+    /// Marks the slot as ready, and wakes the owner if this is the last slot it waits for.
     pub(crate) fn complete(&self, slot: u32) {
         give_back(&self.slot(slot).state, self.bell().words());
     }
 
-    /// Waits for a command; `None` when there is none for a time, or a signal comes.
+    /// Waits for a command; `None` after a timeout or a signal.
     pub(crate) fn next_command(&self, slot: u32, at_most: Duration) -> Option<Command> {
         let slot = self.slot(slot);
         if !await_slot(&slot.state, at_most, |is_over| self.wait_actively(is_over)) {
@@ -33,7 +33,7 @@ impl Region {
         })
     }
 
-    /// The slots listed for copies, those left out that were revoked meanwhile.
+    /// The slots listed for copies, without revoked ones.
     pub(crate) fn copies(&self, slot: u32) -> Vec<Ticket> {
         let entry = self.slot(slot);
         let count = (entry.copies.load(Ordering::Relaxed) as usize).min(COPIES);
@@ -44,7 +44,7 @@ impl Region {
         listed.filter(|ticket| self.ticket(ticket.slot) == *ticket).collect()
     }
 
-    /// Keeps the wait status of a process that was attached to a slot.
+    /// Stores the wait status of a process that was attached to a slot.
     pub(crate) fn record_exit(&self, process: u32, status: i32) {
         let slots = self.bell().slots.load(Ordering::SeqCst);
         if let Some(slot) = (0..slots).find(|slot| self.process(*slot) == process) {

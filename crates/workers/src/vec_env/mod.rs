@@ -30,7 +30,7 @@ pub enum Autoreset {
     /// Within the last step: the observation is the first of the next episode; the last is in
     /// [`VecEnv::final_observation`].
     SameStep,
-    /// When asked to: [`VecEnv::reset_one`].
+    /// Only by [`VecEnv::reset_one`].
     Disabled,
 }
 
@@ -41,22 +41,22 @@ pub struct VecEnvOptions {
     pub workers: WorkerOptions,
     /// When the next episode begins.
     pub autoreset: Autoreset,
-    /// Numbers in a row of actions and in a row of observations; those of the largest of the first buildings if
-    /// `None`. A building with fewer is padded with zeros, one with more is lost.
+    /// Widths of a row of actions and a row of observations; `None` for the largest of the first buildings. Smaller
+    /// buildings are padded with zeros; larger ones are lost.
     pub widths: Option<(usize, usize)>,
 }
 
-/// N environments, each in a worker process, over episodes that a [`Sampler`] draws.
+/// N environments, each in a worker process, with episodes drawn by a [`Sampler`].
 ///
-/// - Observations: N rows, padded with zeros to one width, f64; see [`VecEnv::spaces`] for the contents of a row.
-/// - Actions: N rows, padded to one width; values after a building's last actuator are not read.
+/// - Observations: N rows, f64, padded with zeros to a common width; see [`VecEnv::spaces`] for the contents of a row.
+/// - Actions: N rows, padded to a common width; values after a building's last actuator are ignored.
 /// - A [`Form`] arranges both otherwise: see [`VecEnv::with_form`].
 /// - The building of each environment's next episode is prepared while the current episode runs. If it is not ready in
 ///   time, the environment waits for it: see [`VecEnv::statistics`].
-/// - An environment whose worker dies is *lost*: truncated with a reason, and reset like one that is over.
-/// - The same seed and actions give the same bits, however fast each environment is.
+/// - An environment whose worker dies is *lost*: truncated with a reason, and reset like a finished one.
+/// - The same seed and actions give the same bits, regardless of the speed of each environment.
 ///
-/// A step allocates nothing but at the end of an episode.
+/// A step allocates only at the end of an episode.
 pub struct VecEnv {
     workers: Workers,
     autoreset: Autoreset,
@@ -77,7 +77,7 @@ struct EnvState {
     state: State,
     random: ChaCha8Rng,
     next: Option<Next>,
-    /// When it began to wait for a preparation.
+    /// Start of its wait for a preparation.
     waiting: Option<Instant>,
     spaces: Option<Arc<Spaces>>,
     form: Option<Box<dyn EpisodeForm>>,
@@ -95,7 +95,7 @@ struct Next {
     reservation: Reservation,
 }
 
-/// What an environment waits for.
+/// What an environment is waiting for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum State {
     /// An action.
@@ -134,10 +134,10 @@ impl EnvState {
 }
 
 impl VecEnv {
-    /// Environments before their first reset.
+    /// Creates environments, before their first reset.
     ///
     /// # Errors
-    /// [`Error::Pool`] when the system refuses what workers need; [`Error::NoEnvironment`].
+    /// [`Error::Pool`] when the system refuses resources of the workers; [`Error::NoEnvironment`].
     pub fn new(count: usize, sampler: Box<dyn Sampler>, options: VecEnvOptions) -> Result<Self> {
         if count == 0 {
             return Err(Error::NoEnvironment);
@@ -175,7 +175,7 @@ impl VecEnv {
         self.workers.prepare_all(settings)
     }
 
-    /// Begins an episode in every environment; those in progress end.
+    /// Begins an episode in every environment, ending those in progress.
     ///
     /// # Errors
     /// [`Error::Template`] when the building of the first episode of one cannot be made an environment;
@@ -184,8 +184,7 @@ impl VecEnv {
         self.reset_after(seed, &[])
     }
 
-    /// As [`VecEnv::reset`], but every environment begins with a later episode of its own: the first that many are drawn and
-    /// skipped.
+    /// Like [`VecEnv::reset`], but every environment draws and skips its first `skipped` episodes.
     ///
     /// # Errors
     /// As [`VecEnv::reset`].
@@ -223,11 +222,11 @@ impl VecEnv {
     /// each, of the width of [`VecEnv::widths`].
     ///
     /// # Errors
-    /// [`Error::ActionLength`] and [`Error::ActionNotFinite`] before any is sent; [`Error::NotReset`];
+    /// [`Error::ActionLength`] and [`Error::ActionNotFinite`] before any action is sent; [`Error::NotReset`];
     /// [`Error::Interrupted`].
     pub fn step(&mut self, actions: &[f64]) -> Result<()> {
         let width = self.widths.0;
-        // The first reset determines it.
+        // Determined by the first reset.
         if width == 0 {
             return Err(Error::NotReset);
         }
@@ -313,12 +312,12 @@ impl VecEnv {
         self.environments.len()
     }
 
-    /// Returns whether there is none: never.
+    /// Always `false`.
     pub fn is_empty(&self) -> bool {
         self.environments.is_empty()
     }
 
-    /// Numbers in a row of actions and in a row of observations.
+    /// Widths of a row of actions and a row of observations.
     pub fn widths(&self) -> (usize, usize) {
         self.widths
     }
@@ -338,8 +337,9 @@ impl VecEnv {
         self.environments[environment].form.as_deref()
     }
 
-    /// Observations, one row each; the first [`VecEnv::spaces`]`.observation.len()` numbers of a row are the building's,
-    /// the rest is padding. [`Decomposition::padded`](b2b_env::Decomposition::padded) makes a row arrays of nodes.
+    /// Observations, one row each; the first [`VecEnv::spaces`]`.observation.len()` numbers of a row are the
+    /// building's, the rest is padding. [`Decomposition::padded`](b2b_env::Decomposition::padded) splits a row into
+    /// arrays of nodes.
     pub fn observations(&self) -> &[f64] {
         &self.observations
     }
@@ -369,14 +369,14 @@ impl VecEnv {
         self.environments[environment].lost.as_deref()
     }
 
-    /// The last observation of the last episode that ended, as a row; of one that was lost in a step, the observation before
-    /// that. Empty before.
+    /// The last observation of the last finished episode, as a row; for an episode lost in a step, the observation
+    /// before the step. Empty before the first end.
     pub fn final_observation(&self, environment: usize) -> &[f64] {
         &self.environments[environment].final_observation
     }
 
-    /// The metrics of the last episode that ended. `None` before, and when it was lost. With [`Autoreset::SameStep`], an
-    /// episode that ended has its metrics also if the next was lost before it began.
+    /// The metrics of the last finished episode. `None` before the first end, and if the episode was lost. With
+    /// [`Autoreset::SameStep`], a finished episode has its metrics even if the next was lost before it began.
     pub fn final_metrics(&self, environment: usize) -> Option<&Metrics> {
         self.environments[environment].final_metrics.as_ref()
     }
@@ -418,7 +418,7 @@ impl VecEnv {
         self.environments[index].lost = None;
     }
 
-    /// Sends an action that was checked, or begins the next episode.
+    /// Sends a checked action, or begins the next episode.
     fn act(&mut self, index: usize, action: &[f64]) -> Result<()> {
         self.clear_outcome(index);
         let one = &mut self.environments[index];

@@ -13,7 +13,7 @@ use b2b_env::Spaces;
 use b2b_env::{Environment, Error, Result};
 
 impl VecEnv {
-    /// Draws the next episode and has it prepared.
+    /// Draws the next episode and starts its preparation.
     pub(super) fn draw(&mut self, index: usize) -> Result<()> {
         let one = &mut self.environments[index];
         if one.next.is_none() {
@@ -24,7 +24,7 @@ impl VecEnv {
         Ok(())
     }
 
-    /// Sets the widths to those of the largest of the episodes to come.
+    /// Sets the widths to the largest of the next episodes.
     pub(super) fn measure(&mut self) -> Result<()> {
         let next = self.environments.iter().filter_map(|one| one.next.as_ref());
         let settings: Vec<Setting> = next.map(|next| next.draw.setting.clone()).collect();
@@ -44,7 +44,7 @@ impl VecEnv {
             return self.lose(index, error.to_string());
         }
         let one = &mut self.environments[index];
-        // The first episode after a reset has nothing to be prepared during.
+        // The first episode after a reset cannot be prepared during another.
         let is_late = one.next.as_ref().is_some_and(|next| !next.reservation.is_prepared());
         if is_late && one.form.is_some() {
             one.waiting = Some(Instant::now());
@@ -71,12 +71,12 @@ impl VecEnv {
         }
     }
 
-    /// Has the next episode of an environment begin.
+    /// Begins the next episode of an environment.
     fn start(&mut self, index: usize, spaces: Arc<Spaces>) -> Result<()> {
         let form = self.form.episode(&spaces)?;
         let processor = self.processor(index);
         let one = &mut self.environments[index];
-        // Its template is kept until the episode waits for a copy of it.
+        // Its template is kept until the episode waits for a copy.
         let Some(Next { draw, reservation }) = one.next.take() else { return Ok(()) };
         let options = EpisodeOptions { max_steps: draw.steps, processor, finish_run: false };
         let episode = Episode::new(self.workers.clone(), draw.setting, Arc::clone(&spaces));
@@ -92,18 +92,18 @@ impl VecEnv {
         self.statistics.episodes += 1;
         self.statistics.building_changes += u64::from(changes);
         self.statistics.waited += one.waiting.take().map(|since| since.elapsed()).unwrap_or_default();
-        // The episode after this one is prepared while this one runs. What cannot be drawn now is drawn again, and
-        // reported, when its turn comes.
+        // The episode after this one is prepared while this one runs. A failed draw is repeated, and reported, when its
+        // turn comes.
         let _ = self.draw(index);
         Ok(())
     }
 
-    /// Returns the processor to pin an environment to; none if there are processors to spare, one of which the owner needs.
+    /// Returns the processor to pin an environment to; `None` if there are spare processors, beyond the owner's.
     fn processor(&self, index: usize) -> Option<u32> {
         (self.len() >= self.workers.region().processors()).then_some(index as u32)
     }
 
-    /// Waits until `count` environments are not busy.
+    /// Waits until `count` environments are idle.
     pub(super) fn wait(&mut self, count: usize) -> Result<()> {
         loop {
             let done = self.workers.region().done();
@@ -115,13 +115,13 @@ impl VecEnv {
                 return Ok(());
             }
             let preparing = self.environments.iter().filter(|one| one.state == State::Preparing).count();
-            // A preparation that ends is an event of its own; steps are waited for together.
+            // The end of a preparation is a separate event; steps are awaited together.
             let enough = if preparing > 0 { self.len() - busy + preparing + 1 } else { count };
             rest(&self.workers, &mut self.environments, |one| one.episode.as_mut(), enough, done)?;
         }
     }
 
-    /// Takes the outcome of an environment that is no longer busy.
+    /// Takes the outcome of an idle environment.
     fn take_back(&mut self, index: usize) {
         let one = &mut self.environments[index];
         let away = matches!(one.state, State::Stepping | State::Starting);
@@ -153,12 +153,12 @@ impl VecEnv {
         }
     }
 
-    /// Reports an episode as lost: truncated where it was last seen. The next begins as after any other, but never
-    /// within the same step, lest one that fails at once fail for ever.
+    /// Reports an episode as lost: truncated at its last observation. The next begins as usual, but never within the
+    /// same step, so that an episode that fails immediately does not fail forever.
     fn lose(&mut self, index: usize, why: String) {
         let state = self.environments[index].state;
         self.abandon(index);
-        // With SameStep the one before may have ended within this step, and its end is reported too.
+        // With SameStep, the previous episode may have ended within this step; its end is reported, too.
         let has_ended = self.autoreset == Autoreset::SameStep && self.truncated[index];
         let row = &self.observations[index * self.widths.1..][..self.widths.1];
         let one = &mut self.environments[index];
@@ -169,7 +169,7 @@ impl VecEnv {
                 one.final_observation.clear();
                 one.final_observation.extend_from_slice(row);
             }
-            // It is the draw that was lost.
+            // The draw itself was lost.
             State::Preparing => one.next = None,
             State::Starting | State::Ready | State::Over => {}
         }
@@ -180,7 +180,7 @@ impl VecEnv {
         self.truncated[index] = true;
     }
 
-    /// Loses every environment that waits for the preparation that failed.
+    /// Loses every environment that waits for a failed preparation.
     fn lose_those_like(&mut self, first: usize, error: &Error) {
         let Some(failed) = self.environments[first].next.take() else { return };
         self.lose(first, error.to_string());
@@ -192,7 +192,7 @@ impl VecEnv {
             if one.state == State::Preparing {
                 self.lose(index, error.to_string());
             } else if let Ok(again) = self.workers.reserve(&next.draw.setting) {
-                // It is tried once more for an episode that is still to come.
+                // The preparation is retried for a future episode.
                 next.reservation = again;
             }
         }

@@ -8,7 +8,7 @@ use rustix::process::Signal;
 use crate::case::{Case, Dice};
 use crate::workers::{DAY, dice, options, setting, signal, started, vec_env, whole};
 
-/// The rows of actions of a batch, from a stream of dice for each environment.
+/// Random rows of actions of a batch, with one stream per environment.
 fn roll(vec: &VecEnv, dice: &mut [Dice]) -> Vec<f64> {
     let width = vec.widths().0;
     let mut actions = vec![0.0; width * vec.len()];
@@ -20,7 +20,7 @@ fn roll(vec: &VecEnv, dice: &mut [Dice]) -> Vec<f64> {
 }
 
 #[test]
-fn the_next_episode_begins_with_the_step_after_the_last_and_is_the_same_bit_for_bit() {
+fn the_next_episode_begins_with_the_step_after_the_last_and_is_bit_identical() {
     const DAYS: &str = "01-10..01-11";
     let cases = BuildingType::ALL.map(Case::at_home);
     let mut envs = cases.each_ref().map(|case| case.env(DAYS));
@@ -79,7 +79,7 @@ fn the_next_episode_may_begin_within_the_last_step() {
     assert_eq!(vec.truncated(), [false]);
 }
 
-/// What 200 steps of mixed buildings in random windows come to.
+/// Bits of 200 steps of mixed buildings in random windows.
 fn mixed(seed: u64) -> Vec<u64> {
     let cases = [BuildingType::SingleFamilyHouse, BuildingType::RestaurantFastFood].map(Case::at_home);
     let settings = cases.iter().map(|case| setting(case, "01-10..01-20")).collect();
@@ -105,7 +105,7 @@ fn mixed(seed: u64) -> Vec<u64> {
 }
 
 #[test]
-fn what_is_drawn_depends_on_the_seed_alone() {
+fn draws_depend_only_on_the_seed() {
     let first = mixed(3);
     assert!(first == mixed(3));
     assert!(first != mixed(4));
@@ -129,7 +129,7 @@ fn ready_environments_are_received_while_another_is_stopped() {
 }
 
 #[test]
-fn an_action_that_is_no_number_is_refused_before_any_environment_moves() {
+fn a_nan_action_is_rejected_before_any_environment_steps() {
     let case = Case::at_home(BuildingType::SingleFamilyHouse);
     let mut vec = vec_env(&case, vec![setting(&case, DAY); 2], Autoreset::NextStep);
     vec.reset(0).unwrap();
@@ -143,7 +143,7 @@ fn an_action_that_is_no_number_is_refused_before_any_environment_moves() {
 }
 
 #[test]
-fn a_step_before_the_first_reset_is_refused() {
+fn a_step_before_the_first_reset_is_an_error() {
     let case = Case::at_home(BuildingType::SingleFamilyHouse);
     let mut vec = vec_env(&case, vec![setting(&case, DAY); 2], Autoreset::NextStep);
     assert!(matches!(vec.step(&[]), Err(Error::NotReset)));
@@ -151,7 +151,7 @@ fn a_step_before_the_first_reset_is_refused() {
 }
 
 #[test]
-fn all_actions_are_checked_before_any_episode_moves() {
+fn all_actions_are_checked_before_any_episode_steps() {
     let case = Case::at_home(BuildingType::SingleFamilyHouse);
     let workers = Workers::new(options(&case)).unwrap();
     let mut episodes: Vec<Episode> = (0..2).map(|_| started(&workers, &setting(&case, DAY))).collect();

@@ -13,7 +13,7 @@ use rustix::process::Signal;
 use crate::case::Case;
 use crate::workers::{DAY, kill, options, setting, shed, signal, started};
 
-/// Stops the first of two during a step; the other is not affected, and the first begins anew.
+/// Stops the first of two during a step: the other is not affected, and the first restarts.
 fn a_lost_episode_is_reported(what: impl Fn(u32), limit: Duration, why: &str) {
     let case = Case::at_home(BuildingType::SingleFamilyHouse);
     let workers = WorkerOptions { step_time_limit: limit, ..options(&case) };
@@ -39,7 +39,7 @@ fn a_lost_episode_is_reported(what: impl Fn(u32), limit: Duration, why: &str) {
 }
 
 #[test]
-fn a_worker_killed_in_mid_step_costs_its_episode_alone() {
+fn a_worker_killed_in_mid_step_costs_only_its_episode() {
     a_lost_episode_is_reported(
         |process| signal(process, Signal::KILL),
         Duration::from_secs(30),
@@ -48,12 +48,12 @@ fn a_worker_killed_in_mid_step_costs_its_episode_alone() {
 }
 
 #[test]
-fn a_worker_that_hangs_costs_its_episode_alone() {
+fn a_worker_that_hangs_costs_only_its_episode() {
     a_lost_episode_is_reported(|_| {}, Duration::from_millis(300), "took longer than 300ms");
 }
 
 #[test]
-fn the_next_draw_outlives_a_lost_episode() {
+fn the_next_draw_survives_a_lost_episode() {
     let case = Case::at_home(BuildingType::SingleFamilyHouse);
     let (setting, draws) = (setting(&case, DAY), Arc::new(AtomicUsize::new(0)));
     let counted = Arc::clone(&draws);
@@ -89,13 +89,13 @@ fn an_episode_keeps_its_end_if_the_next_is_lost_within_the_same_step() {
     assert!(vec.lost(0).unwrap().contains("no controllable system"), "{:?}", vec.lost(0));
     assert_eq!(vec.final_metrics(0).unwrap().steps, 288);
     assert_eq!((vec.truncated(), vec.final_observation(0)), (&[true][..], vec.observations()));
-    // The one after that is lost without an end of its own.
+    // The next episode is lost without an end.
     vec.step(&action).unwrap();
     assert!(vec.lost(0).is_some() && vec.final_metrics(0).is_none());
 }
 
 #[test]
-fn an_engine_that_stops_says_why() {
+fn a_stopped_engine_reports_the_reason() {
     let case = Case::at_home(BuildingType::OfficeMedium);
     // A heating setpoint above the cooling setpoint ends the engine's run.
     let text = serde_json::to_string(&*case.building).unwrap().replace("\"high\":30.0", "\"high\":95.0");
@@ -111,7 +111,7 @@ fn an_engine_that_stops_says_why() {
 }
 
 #[test]
-fn a_crash_names_the_signal_and_the_last_words() {
+fn the_error_for_a_crash_has_the_signal_and_the_last_output() {
     let case = Case::at_home(BuildingType::SingleFamilyHouse);
     let workers = Workers::new(options(&case)).unwrap();
     let mut episode = started(&workers, &setting(&case, DAY));
@@ -120,7 +120,7 @@ fn a_crash_names_the_signal_and_the_last_words() {
     let newest = log.filter(|path| path.extension().is_some_and(|extension| extension == "log"));
     let newest = newest.max_by_key(|path| path.metadata().unwrap().modified().unwrap()).unwrap();
     std::fs::write(newest, "free(): invalid pointer\n").unwrap();
-    // A SIGSEGV that is sent would be ignored once: Rust's handler waits for the fault to come again.
+    // A sent SIGSEGV would be ignored once, because Rust's handler waits for a second fault.
     signal(process, Signal::ABORT);
     let action = episode.spaces().action.low().to_vec();
     let error = episode.step(&action).unwrap_err();
@@ -150,7 +150,7 @@ fn a_stopped_worker_counts_as_hung_and_is_killed() {
 }
 
 #[test]
-fn a_copy_of_a_dead_episode_is_refused_and_says_why() {
+fn the_error_for_a_copy_of_a_dead_episode_says_why() {
     let case = Case::at_home(BuildingType::SingleFamilyHouse);
     let workers = Workers::new(options(&case)).unwrap();
     let episode = started(&workers, &setting(&case, DAY));

@@ -1,11 +1,11 @@
-//! Random sequences of operations, against a model of what must hold.
+//! Random sequences of operations, checked against a model.
 //!
 //! - Nothing panics, and an operation succeeds unless the state of its own episode forbids it.
-//! - An episode is lost only if its own process was killed. A template that was killed costs no episode.
-//! - Equal actions give equal bits, whatever happened in between and in whatever process.
-//! - Any episode can be reset at the end, and nothing is left once everything is dropped.
+//! - An episode is lost only if its own process was killed. A killed template costs no episode.
+//! - Equal actions give equal bits, in any process and with any operations in between.
+//! - Any episode can be reset at the end, and no process or file is left after all drops.
 //!
-//! A sequence that fails is shrunk and kept in `operations.regressions`, which is tried first from then on.
+//! A failing sequence is shrunk and stored in `operations.regressions`, which runs first from then on.
 
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -20,13 +20,13 @@ use proptest::test_runner::{Config, FileFailurePersistence, TestRunner};
 use crate::case::Case;
 use crate::workers::{DAY, is_alive, kill, options, setting};
 
-/// Sequences that are tried.
+/// Number of sequences.
 const CASES: u32 = 8;
-/// Operations in the longest.
+/// Maximum length of a sequence.
 const LENGTH: usize = 40;
-/// Episodes that exist at most.
+/// Maximum number of episodes.
 const EPISODES: usize = 4;
-/// Snapshots that exist at most.
+/// Maximum number of snapshots.
 const SNAPSHOTS: usize = 2;
 
 /// An operation. Episodes and snapshots are taken modulo their number.
@@ -72,24 +72,24 @@ type History = Vec<bool>;
 /// Bits of observation and reward, by the actions that led there.
 type Outcomes = RefCell<HashMap<History, Vec<u64>>>;
 
-/// What an episode must be.
+/// Expected state of an episode.
 #[derive(Clone, Debug, PartialEq)]
 enum State {
     New,
-    /// On the way to the point after these actions.
+    /// In the last step of these actions.
     Busy(History),
     Ready(History),
     /// After its process was killed.
     Lost,
 }
 
-/// An episode with what is known of it.
+/// An episode and its expected state.
 struct Known {
     episode: Episode,
     state: State,
     /// Whether its process was killed since it began.
     is_killed: bool,
-    /// Number of templates that had been killed when it began.
+    /// Number of killed templates when it began.
     templates_killed: usize,
 }
 
@@ -101,7 +101,7 @@ struct Trial<'a> {
     episodes: Vec<Known>,
     snapshots: Vec<(Snapshot, History)>,
     templates_killed: usize,
-    /// Whether an episode began from the current template. One that is killed before counts as broken sooner or later.
+    /// Whether an episode began from the current template. A template killed before that eventually counts as broken.
     is_template_proven: bool,
 }
 
@@ -246,7 +246,7 @@ impl<'a> Trial<'a> {
         }
     }
 
-    /// Kills the template, unless it is one that was killed already or has not been seen to work since.
+    /// Kills the template, unless it was already killed or has not yet started an episode.
     fn kill_template(&mut self) {
         if let (true, Some(template)) = (self.is_template_proven, self.workers.template_processes().first()) {
             kill(*template);
@@ -255,7 +255,7 @@ impl<'a> Trial<'a> {
         }
     }
 
-    /// Every episode can be reset and makes a step.
+    /// Checks that every episode can be reset and stepped.
     fn finish(&mut self) {
         for index in 0..self.episodes.len() {
             for operation in [Operation::Reset(index), Operation::Step(index, true)] {
@@ -267,14 +267,14 @@ impl<'a> Trial<'a> {
 }
 
 impl Known {
-    /// Whether an operation on an episode that must be ready succeeded. Panics if it did not, or did, without reason.
+    /// Returns whether an operation on a ready episode succeeded. Panics on an unexpected result.
     fn allows<T>(&self, outcome: &Result<T, Error>) -> bool {
         let error = outcome.as_ref().err();
         let expected = match (&self.state, error) {
             (State::New, error) => matches!(error, Some(Error::NotReset)),
             (State::Busy(_), error) => matches!(error, Some(Error::Busy)),
             (State::Lost, error) => matches!(error, Some(Error::Lost { .. })),
-            // That its process was killed shows when it is waited for.
+            // A killed process is detected when it is waited for.
             (State::Ready(_), Some(Error::Lost { .. })) => self.is_killed,
             (State::Ready(_), error) => error.is_none(),
         };
@@ -283,7 +283,7 @@ impl Known {
     }
 }
 
-/// The processes that were started with a file in a folder, and their copies.
+/// Processes started with a file in a folder, and their copies.
 fn processes_of(folder: &Path) -> Vec<u32> {
     let folder = folder.to_str().unwrap();
     let one = |entry: std::fs::DirEntry| {
@@ -295,7 +295,7 @@ fn processes_of(folder: &Path) -> Vec<u32> {
 }
 
 #[test]
-fn whatever_happens_only_what_was_killed_is_lost() {
+fn only_killed_episodes_are_lost() {
     let case = Case::at_home(BuildingType::SingleFamilyHouse);
     let setting = setting(&case, DAY);
     let outcomes = Outcomes::default();

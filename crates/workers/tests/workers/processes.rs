@@ -1,4 +1,4 @@
-//! What a set of workers needs from the system, and what it leaves behind.
+//! System resources that a set of workers needs, and files and processes that it leaves.
 
 use std::io::{BufRead, BufReader};
 use std::path::Path;
@@ -14,7 +14,7 @@ use rustix::process::{Pid, Resource, Rlimit, Signal};
 use crate::case::Case;
 use crate::workers::{DAY, dice, is_alive, options, setting, signal, started, steps, vec_env};
 
-/// Has the kernel refuse a system call with an error to this thread and to what it starts from now on.
+/// Makes the kernel refuse a system call for this thread and its future children.
 fn refuse(call: libc::c_long, when_first_argument_lacks: u32, error: libc::c_int) {
     let load = (libc::BPF_LD | libc::BPF_W | libc::BPF_ABS) as u16;
     let equal = (libc::BPF_JMP | libc::BPF_JEQ | libc::BPF_K) as u16;
@@ -29,7 +29,7 @@ fn refuse(call: libc::c_long, when_first_argument_lacks: u32, error: libc::c_int
         line(end, 0, 0, libc::SECCOMP_RET_ALLOW),
         line(end, 0, 0, libc::SECCOMP_RET_ERRNO | error as u32),
     ];
-    // Another system call jumps over the last two lines but one.
+    // Other system calls skip the two lines before the last.
     filter[1].jf = 2;
     let program = libc::sock_fprog { len: filter.len() as u16, filter: filter.as_mut_ptr() };
     // SAFETY: the program is well formed and outlives the calls.
@@ -58,7 +58,7 @@ fn a_refused_copy_of_an_episode_is_reported_and_the_episode_continues() {
     let workers = Workers::new(options(&case)).unwrap();
     let mut episode = started(&workers, &setting(&case, DAY));
     let process = Pid::from_raw(episode.process().unwrap() as i32);
-    // It cannot open another file, which every copy has to.
+    // It cannot open another file, as every copy must.
     let none = Rlimit { current: Some(0), maximum: Some(0) };
     rustix::process::prlimit(process, Resource::Nofile, none).unwrap();
     for error in [episode.branch(2).map(drop), episode.snapshot().map(drop)] {
@@ -79,7 +79,7 @@ fn a_worker_without_a_handle_is_not_dead() {
         episode.reset().unwrap();
         let process = episode.process().unwrap();
         signal(process, Signal::STOP);
-        // It is looked after while it is busy.
+        // It is checked while it is busy.
         let waker = std::thread::spawn(move || {
             std::thread::sleep(Duration::from_millis(300));
             signal(process, Signal::CONT);
@@ -96,7 +96,7 @@ fn a_worker_without_a_handle_is_not_dead() {
 }
 
 #[test]
-fn a_preparation_that_is_refused_gives_its_slot_back_once() {
+fn a_refused_preparation_releases_its_slot_once() {
     let case = Case::at_home(BuildingType::SingleFamilyHouse);
     let workers = Workers::new(options(&case)).unwrap();
     let (refused, its_setting) = (workers.clone(), setting(&case, DAY));
@@ -120,7 +120,7 @@ fn a_preparation_that_is_refused_gives_its_slot_back_once() {
 }
 
 #[test]
-fn shared_memory_that_is_full_is_reported() {
+fn full_shared_memory_is_reported() {
     let case = Case::at_home(BuildingType::SingleFamilyHouse);
     std::thread::spawn(move || {
         refuse(libc::SYS_fallocate, 0, libc::ENOSPC);
@@ -131,7 +131,7 @@ fn shared_memory_that_is_full_is_reported() {
     .unwrap();
 }
 
-/// Not a test: an owner of processes that tells which, and waits to be killed.
+/// Not a test: an owner that prints its processes and waits to be killed.
 #[test]
 #[ignore = "started by the test below"]
 fn an_owner_to_be_killed() {
@@ -147,7 +147,7 @@ fn an_owner_to_be_killed() {
 }
 
 #[test]
-fn when_the_owner_is_killed_its_processes_and_its_folder_go_within_two_seconds() {
+fn processes_and_folder_of_a_killed_owner_are_removed_within_two_seconds() {
     let mut owner = Command::new(std::env::current_exe().unwrap())
         .args(["--exact", "processes::an_owner_to_be_killed", "--ignored", "--nocapture"])
         .stdout(Stdio::piped())
@@ -175,7 +175,8 @@ fn when_the_owner_is_killed_its_processes_and_its_folder_go_within_two_seconds()
     }
 }
 
-/// Not a test: an owner with a short limit that says of which stopped process it waits, first for a copy and then for a step.
+/// Not a test: an owner with a short time limit that prints the stopped process for which it waits, first for a copy
+/// and then for a step.
 #[test]
 #[ignore = "started by the test below"]
 fn an_owner_to_be_stopped() {
@@ -210,7 +211,7 @@ fn an_owner_that_was_stopped_for_longer_than_the_limit_continues_its_episodes() 
             signal(owner.id(), Signal::STOP);
             std::thread::sleep(Duration::from_secs(3));
             signal(owner.id(), Signal::CONT);
-            // The owner looks first.
+            // The owner checks first.
             std::thread::sleep(Duration::from_millis(300));
             signal(process.parse().unwrap(), Signal::CONT);
         }
@@ -221,7 +222,7 @@ fn an_owner_that_was_stopped_for_longer_than_the_limit_continues_its_episodes() 
 }
 
 #[test]
-fn nothing_is_left_behind() {
+fn no_process_or_file_is_left_behind() {
     let case = Case::at_home(BuildingType::SingleFamilyHouse);
     let sampler = Windows { of: AnyOf(vec![setting(&case, "01-10..01-12")]), days: (1, 1), starts: 3 };
     let options = VecEnvOptions { workers: options(&case), autoreset: Autoreset::NextStep, widths: None };
@@ -250,7 +251,7 @@ fn workers_are_confined_where_the_kernel_can() {
     episode.reset().unwrap();
     let confined = |process: u32| {
         let status = std::fs::read_to_string(format!("/proc/{process}/status")).unwrap();
-        // Landlock takes it from a process that it can never gain privileges again.
+        // Landlock requires that a process can never gain privileges.
         status.lines().any(|line| line == "NoNewPrivs:\t1")
     };
     let expected = Confinement::available() != Confinement::None;
@@ -268,7 +269,7 @@ fn a_fork_of_the_owner_leaves_the_workers_alone() {
     let mut episode = workers.episode(&setting(&case, DAY)).unwrap();
     episode.reset().unwrap();
     let action = episode.spaces().action.low().to_vec();
-    // SAFETY: the child drops what it was given and ends.
+    // SAFETY: the child drops its handles and ends.
     match unsafe { libc::fork() } {
         0 => {
             drop((episode, workers));

@@ -18,7 +18,7 @@ impl b2b_env::Controller for Random {
 }
 
 #[test]
-fn a_worker_that_finishes_its_run_reports_what_the_engine_says_in_this_process() {
+fn a_worker_that_finishes_its_run_reports_the_same_as_the_engine_in_process() {
     for building_type in [BuildingType::RestaurantFastFood, BuildingType::Warehouse] {
         let case = Case::at_home(building_type);
         let mut env = case.env("01-10..01-11");

@@ -10,7 +10,7 @@ use b2b_workers::{
 
 use crate::workers::DAY;
 
-/// Names of the buildings that come one after another in each of two environments, and the first observation of each.
+/// Names of the consecutive buildings in each of two environments, and their first observations.
 fn drawn(population: Population, seed: u64) -> Vec<(String, Vec<u64>)> {
     let catalog = Arc::new(Catalog::open(&mut b2b_energyplus::install::Quiet).unwrap());
     let options =
@@ -44,7 +44,7 @@ fn drawn(population: Population, seed: u64) -> Vec<(String, Vec<u64>)> {
 }
 
 #[test]
-fn buildings_are_drawn_anew_from_a_split_or_from_the_generator() {
+fn every_episode_draws_a_building_from_a_split_or_the_generator() {
     let house = BuildingType::SingleFamilyHouse;
     let test = drawn(Population::of_split(house, Split::Test), 3);
     let names: std::collections::BTreeSet<_> = test.iter().map(|(name, _)| name).collect();

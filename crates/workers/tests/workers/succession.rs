@@ -1,4 +1,4 @@
-//! Many buildings, one after another, in few processes.
+//! Many consecutive buildings in few processes.
 
 use std::sync::Arc;
 
@@ -44,7 +44,7 @@ fn settings(catalog: &Arc<Catalog>, numbers: std::ops::Range<u32>) -> Vec<Settin
     numbers.map(setting).collect()
 }
 
-/// The building of each environment in each of some episodes.
+/// The building of each environment in several episodes.
 fn succession(envs: &mut VecEnv, seed: u64, episodes: usize) -> Vec<Vec<String>> {
     envs.reset(seed).unwrap();
     let actions = vec![0.1; envs.len() * envs.widths().0];
@@ -74,7 +74,7 @@ fn the_buildings_of_an_environment_depend_on_the_seed_and_change_after_k_episode
     }
     let statistics = envs.statistics();
     assert!(statistics.building_changes >= 4 && statistics.waits <= statistics.building_changes);
-    // Each environment has the template of its building and that of the next.
+    // Each environment has the templates of its building and of the next.
     assert!(envs.workers().template_processes().len() <= 4);
     assert_eq!(first, succession(&mut envs, 3, 5), "the same seed");
     assert_eq!(first, succession(&mut make(), 3, 5), "in other processes");
@@ -82,7 +82,7 @@ fn the_buildings_of_an_environment_depend_on_the_seed_and_change_after_k_episode
 }
 
 #[test]
-fn no_more_buildings_are_prepared_at_a_time_than_allowed() {
+fn concurrent_preparations_are_limited() {
     let catalog = catalog();
     let workers = Workers::new(WorkerOptions { preparations: 2, ..options(&catalog) }).unwrap();
     let settings = settings(&catalog, 20..26);
@@ -123,7 +123,7 @@ fn a_template_without_users_is_ended() {
 }
 
 #[test]
-fn types_are_drawn_by_weight_and_tasks_alike() {
+fn types_are_drawn_by_weight_and_tasks_with_equal_probability() {
     let catalog = catalog();
     let of = |building_type| {
         let population = Population::of_split(building_type, Split::Train);
@@ -163,7 +163,7 @@ fn the_representatives_of_houses_have_every_number_of_zones() {
         widths.sort_unstable();
         assert_eq!(widths, [9, 10, 10, 11]);
     }
-    // Prepared before, they need no process.
+    // Already prepared, they need no process.
     let again = Workers::new(options(&catalog)).unwrap();
     let (name, building) = of.population.representatives().unwrap().remove(0);
     again.spaces(&[of.setting(name, &building).unwrap()]).unwrap();

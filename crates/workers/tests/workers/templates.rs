@@ -1,4 +1,4 @@
-//! Templates that die, hang or cannot be made, in every phase.
+//! Templates that die, hang or fail, in every phase.
 
 use std::time::{Duration, Instant};
 
@@ -35,7 +35,7 @@ fn prepare_under_fire(workers: &Workers, setting: &Setting, sent: Signal, times:
 }
 
 #[test]
-fn a_template_killed_while_it_prepares_is_prepared_once_more() {
+fn a_template_killed_during_preparation_is_prepared_again() {
     let case = Case::at_home(BuildingType::SingleFamilyHouse);
     let workers = Workers::new(options(&case)).unwrap();
     let setting = setting(&case, DAY);
@@ -46,7 +46,7 @@ fn a_template_killed_while_it_prepares_is_prepared_once_more() {
 }
 
 #[test]
-fn a_template_killed_twice_while_it_prepares_is_an_error_that_poisons_nothing() {
+fn a_template_killed_twice_while_it_prepares_is_an_error_without_side_effects() {
     let case = Case::at_home(BuildingType::SingleFamilyHouse);
     let workers = Workers::new(options(&case)).unwrap();
     let setting = setting(&case, DAY);
@@ -58,7 +58,7 @@ fn a_template_killed_twice_while_it_prepares_is_an_error_that_poisons_nothing() 
 }
 
 #[test]
-fn a_template_that_hangs_while_it_prepares_is_prepared_once_more() {
+fn a_template_that_hangs_during_preparation_is_prepared_again() {
     let case = Case::at_home(BuildingType::SingleFamilyHouse);
     let limit = WorkerOptions { preparation_time_limit: Duration::from_secs(20), ..options(&case) };
     let workers = Workers::new(limit).unwrap();
@@ -70,7 +70,7 @@ fn a_template_that_hangs_while_it_prepares_is_prepared_once_more() {
 }
 
 #[test]
-fn a_killed_template_is_made_again_and_its_episodes_continue() {
+fn a_killed_template_is_replaced_and_its_episodes_continue() {
     let case = Case::at_home(BuildingType::SingleFamilyHouse);
     let workers = Workers::new(options(&case)).unwrap();
     let setting = setting(&case, DAY);
@@ -115,7 +115,7 @@ fn episodes_that_wait_for_a_killed_template_begin_from_the_next() {
 }
 
 #[test]
-fn a_building_that_cannot_be_prepared_says_why() {
+fn the_error_for_a_building_that_cannot_be_prepared_says_why() {
     let case = Case::at_home(BuildingType::SingleFamilyHouse);
     let setting = Setting::new(shed(&case), setting(&case, DAY).episode);
     let workers = Workers::new(options(&case)).unwrap();
@@ -126,7 +126,7 @@ fn a_building_that_cannot_be_prepared_says_why() {
 }
 
 #[test]
-fn a_program_that_is_no_worker_is_named() {
+fn the_error_for_a_program_that_is_not_a_worker_names_it() {
     let case = Case::at_home(BuildingType::SingleFamilyHouse);
     for program in ["/no/such/program", "/bin/true"] {
         let other = WorkerOptions { launcher: Launcher::new(program), ..options(&case) };
@@ -136,7 +136,7 @@ fn a_program_that_is_no_worker_is_named() {
 }
 
 #[test]
-fn a_setting_that_cannot_be_is_refused_before_a_process_is_started() {
+fn an_invalid_setting_is_rejected_before_a_process_starts() {
     let case = Case::at_home(BuildingType::SingleFamilyHouse);
     let workers = Workers::new(options(&case)).unwrap();
     let mut setting = setting(&case, DAY);
@@ -146,7 +146,7 @@ fn a_setting_that_cannot_be_is_refused_before_a_process_is_started() {
 }
 
 #[test]
-fn a_task_has_a_template_of_its_own() {
+fn every_task_has_its_own_template() {
     let case = Case::at_home(BuildingType::SingleFamilyHouse);
     let workers = Workers::new(options(&case)).unwrap();
     let first = setting(&case, DAY);
@@ -172,7 +172,7 @@ fn a_building_keeps_the_sizes_for_its_own_weather_in_another() {
         models.parent().unwrap().join("weather/USA_IL_Chicago-OHare.Intl.AP.725300_TMY3.epw");
     let launcher = Launcher::new(env!("CARGO_BIN_EXE_b2b-worker"));
     let options = WorkerOptions::new(launcher, catalog.library().path());
-    // Each in processes of its own, so that neither is prepared from the other.
+    // In separate processes, so that neither is prepared from the other.
     let [own, other] = [own, other].map(|setting| {
         let mut episode = started(&Workers::new(options.clone()).unwrap(), &setting);
         let building = std::sync::Arc::clone(&episode.spaces().building);

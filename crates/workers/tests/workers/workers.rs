@@ -77,7 +77,7 @@ pub fn kill(process: u32) {
     }
 }
 
-/// Returns whether a process is there, and no zombie.
+/// Returns whether a process exists and is not a zombie.
 pub fn is_alive(process: u32) -> bool {
     let stat = std::fs::read_to_string(format!("/proc/{process}/stat")).unwrap_or_default();
     stat.rsplit(')').next().is_some_and(|rest| !rest.is_empty() && !rest.starts_with(" Z"))

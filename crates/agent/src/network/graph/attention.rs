@@ -6,15 +6,15 @@ use crate::network::exp;
 /// The contribution of a building's edges to the attention scores.
 #[derive(Clone, Copy, Debug)]
 pub struct EdgeScores<'a> {
-    /// Edges from the node of each row to that of each column.
+    /// Edges from the node of each row to the node of each column, nodes × nodes.
     pub relations: &'a [u8],
-    /// Score of each kind of edge, heads × kinds; empty without scores.
+    /// Score of each kind of edge, heads × kinds; empty without edge scores.
     pub scores: &'a [f32],
-    /// Whether a node attends along edges alone.
+    /// Whether a node attends only along edges.
     pub mask: bool,
 }
 
-/// Writes the columns of a part of the rows of a matrix as rows: `width` columns from `first` on.
+/// Transposes `width` columns of a matrix, from `first` on.
 pub fn transpose(rows: &[f32], stride: usize, first: usize, width: usize, columns: &mut [f32]) {
     let count = rows.len() / stride;
     for (row, values) in rows.chunks_exact(stride).enumerate() {
@@ -24,9 +24,9 @@ pub fn transpose(rows: &[f32], stride: usize, first: usize, width: usize, column
     }
 }
 
-/// Computes the attention of the nodes of a building (Vaswani et al. 2017, eq. 1): from queries, keys and values, nodes × three
-/// times the embedding, the weights, heads × nodes × nodes, and the mixed values, nodes × embedding. `keys` has room for the
-/// keys of a head.
+/// Computes the attention of the nodes of a building (Vaswani et al. 2017, eq. 1): from queries, keys and values, nodes
+/// × three times the embedding, the weights, heads × nodes × nodes, and the mixed values, nodes × embedding. `keys` is
+/// a buffer for the keys of a head.
 pub fn attend(
     projections: &[f32],
     heads: usize,
@@ -61,7 +61,7 @@ pub fn attend(
 }
 
 impl EdgeScores<'_> {
-    /// Adds the scores of the edges of a node to those of its attention; -∞ where it does not attend.
+    /// Adds the edge scores of a node to its attention scores; -∞ where it does not attend.
     pub(crate) fn add(&self, head: usize, relations: &[u8], scores: &mut [f32]) {
         if !self.scores.is_empty() {
             let of_kind = &self.scores[head * RELATIONS..][..RELATIONS];
@@ -80,7 +80,7 @@ impl EdgeScores<'_> {
     }
 }
 
-/// Makes weights of scores: their exponentials over the sum of these, 0 for a score of -∞.
+/// Replaces scores by their softmax; 0 for a score of -∞.
 fn softmax(scores: &mut [f32]) {
     let highest = scores.iter().copied().fold(f32::NEG_INFINITY, f32::max);
     let mut sum = 0.0;

@@ -10,7 +10,7 @@ use super::places::{BlockPlaces, Places};
 use super::topology::Graph;
 use crate::network::Layer;
 
-/// Standard deviations that a normalized feature is clipped to.
+/// Limit of a normalized feature, in standard deviations.
 pub(crate) const LARGEST: f32 = 10.0;
 
 /// Computes the outputs of a layer for any number of rows of inputs: layer, parameters, inputs, outputs.
@@ -46,7 +46,7 @@ impl<'a> Batch<'a> {
     }
 }
 
-/// What a forward pass computes, as a backward pass needs it. Buffers grow to the largest batch and are reused.
+/// Intermediate results of a forward pass, for the backward pass. Buffers grow to the largest batch and are reused.
 ///
 /// All nodes of all buildings of a batch are one list of tokens, building after building.
 #[derive(Clone, Debug, Default)]
@@ -55,7 +55,7 @@ pub struct Tape {
     pub rows: Vec<Span>,
     /// Type of each token.
     pub types: Vec<usize>,
-    /// Number of each token among those of its type.
+    /// Index of each token among the tokens of its type.
     pub places: Vec<usize>,
     /// Number of tokens of each type.
     pub counts: Vec<usize>,
@@ -69,9 +69,9 @@ pub struct Tape {
     pub decoded: Vec<Vec<f32>>,
     /// Outputs of the tokens of each type.
     pub outputs: Vec<Vec<f32>>,
-    /// Embeddings of the tokens as they go through the layers.
+    /// Embeddings of the tokens between the layers.
     stream: Vec<f32>,
-    /// What a part of a layer adds to them.
+    /// Residual that a part of a layer adds to the embeddings.
     change: Vec<f32>,
     /// Keys of a head of one building.
     keys: Vec<f32>,
@@ -84,20 +84,20 @@ pub struct Span {
     pub first: usize,
     /// Number of tokens: nodes of the building.
     pub nodes: usize,
-    /// Where the weights of its attention begin.
+    /// Start of its attention weights.
     pub weights: usize,
 }
 
-/// What a layer of the transformer computes.
+/// Intermediate results of a transformer layer.
 #[derive(Clone, Debug, Default)]
 pub struct BlockTape {
     /// Normalization before the attention.
     pub before_attention: NormTape,
     /// Queries, keys and values: tokens × three times the embedding.
     pub projections: Vec<f32>,
-    /// Weights of attention: of each row, heads × nodes × nodes.
+    /// Attention weights: heads × nodes × nodes per row.
     pub weights: Vec<f32>,
-    /// Values that attention has mixed: tokens × embedding.
+    /// Values mixed by attention: tokens × embedding.
     pub mixed: Vec<f32>,
     /// Normalization before the hidden layer.
     pub before_hidden: NormTape,
@@ -111,10 +111,11 @@ impl Tape {
         self.types.len()
     }
 
-    /// Computes the outputs of all nodes of a batch. `linear` computes the layers; all else is the same bits on every machine.
+    /// Computes the outputs of all nodes of a batch. `linear` computes the linear layers; everything else has the same
+    /// bits on every machine.
     ///
     /// # Panics
-    /// When the parameters or the rows have another length than the shape.
+    /// If the length of the parameters or the rows does not match the shape.
     pub fn forward(
         &mut self,
         network: &GraphNetwork,
@@ -135,7 +136,7 @@ impl Tape {
         self.decode(network, places, parameters, linear);
     }
 
-    /// Places the tokens.
+    /// Assigns the nodes of the batch to tokens.
     fn place(&mut self, network: &GraphNetwork, batch: Batch<'_>) {
         self.rows.clear();
         self.types.clear();
@@ -283,7 +284,7 @@ impl Tape {
     }
 }
 
-/// Returns the tokens of a type, each with its number among them.
+/// Returns the tokens of a type with their indices in it.
 fn tokens_of<'a>(
     node_type: usize,
     types: &'a [usize],

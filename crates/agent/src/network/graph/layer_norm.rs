@@ -5,10 +5,10 @@ use super::places::NormPlaces;
 
 /// Added to the variance.
 pub(crate) const EPSILON: f32 = 1e-5;
-/// Number of sums that values are added to in turn, so that a sum is vectorized.
+/// Number of partial sums, so that a sum is vectorized.
 const LANES: usize = 8;
 
-/// What a layer normalization computes.
+/// Intermediate results of a layer normalization.
 #[derive(Clone, Debug, Default)]
 pub struct NormTape {
     /// Values with mean 0 and variance 1: tokens × embedding.
@@ -33,7 +33,7 @@ pub fn lane_sum<const SLICES: usize>(slices: [&[f32]; SLICES], value: impl Fn([f
     sums.iter().sum::<f32>() + rest
 }
 
-/// Brings each row to mean 0 and variance 1, and applies gain and bias.
+/// Normalizes each row to mean 0 and variance 1, and applies gain and bias.
 pub(super) fn normalize(
     rows: &[f32],
     width: usize,

@@ -1,12 +1,12 @@
 //! Graph networks: one network for buildings of every shape, as in the paper's appendix on cross-domain transfer (after
 //! Amorpheus, Kurin et al. 2021).
 //!
-//! 1. A linear encoder of its type brings the features of each node to the embedding.
-//! 2. A transformer without a causal mask and with normalization before each part lets every node attend to every other.
-//! 3. A linear decoder of its type brings the embedding of each node to its outputs.
+//! 1. A linear encoder per node type maps the features of each node to the embedding.
+//! 2. A transformer (pre-norm, no causal mask) lets every node attend to every other.
+//! 3. A linear decoder per node type maps the embedding of each node to its outputs.
 //!
-//! A [`GraphNetwork`] is made for the node types of the universe, a [`Graph`] is one building. A batch has any buildings: their
-//! nodes are one list of tokens without padding, and only attention knows where a building begins ([`Tape::forward`]).
+//! A [`GraphNetwork`] covers all node types; a [`Graph`] is one building. A batch may mix buildings: their nodes are
+//! one list of tokens without padding, and only attention separates the buildings ([`Tape::forward`]).
 
 mod attention;
 mod buffer;

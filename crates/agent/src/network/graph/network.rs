@@ -4,18 +4,18 @@ use serde::{Deserialize, Serialize};
 
 use crate::network::Activation;
 
-/// The shape of a graph network. By default that of the paper's experiment: an embedding of 64, 4 heads, 2 layers.
+/// The shape of a graph network. The default is the paper's: an embedding of 64, 4 heads, 2 layers.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct GraphNetwork {
     /// Node types, in the order of [`NodeType::ALL`](b2b_building::morphology::NodeType::ALL).
     pub types: Vec<NodeWidths>,
     /// Width of the embedding of a node.
     pub embedding: usize,
-    /// Attention heads, which divide the embedding evenly.
+    /// Number of attention heads; divides the embedding.
     pub heads: usize,
     /// Layers of the transformer.
     pub layers: usize,
-    /// Width of the hidden layer behind each attention.
+    /// Width of the hidden layer after each attention.
     pub feed_forward: usize,
     /// Activation of these hidden layers.
     pub activation: Activation,
@@ -36,19 +36,19 @@ pub struct NodeWidths {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Edges {
-    /// Nothing, as in Amorpheus.
+    /// Edges are not used, as in Amorpheus.
     #[default]
     None,
-    /// A learned number is added to the score of every pair of nodes with an edge: one for each layer, head and kind of edge.
+    /// Adds a learned bias to the score of every pair of nodes with an edge: one per layer, head and kind of edge.
     Bias,
-    /// A node attends to itself, to nodes that it has an edge with, and to weather, calendar and energy, which attend to all.
+    /// A node attends to itself, to its neighbors, and to weather, calendar and energy, which attend to all nodes.
     Mask,
-    /// As `mask` in every other layer from the first on, and as `none` in the rest (Sferrazza et al. 2024, Body Transformer).
+    /// `mask` in the first, third, ... layer and `none` in the others (Sferrazza et al. 2024, Body Transformer).
     Mixed,
 }
 
 impl Edges {
-    /// Returns whether the attention of a layer is along edges alone.
+    /// Returns whether a layer attends only along edges.
     pub fn mask(self, layer: usize) -> bool {
         match self {
             Self::None | Self::Bias => false,

@@ -1,4 +1,4 @@
-//! Where the parameters of a graph network are.
+//! Layout of the parameters of a graph network.
 
 use std::ops::Range;
 
@@ -8,7 +8,7 @@ use super::network::{Edges, GraphNetwork};
 use super::topology::RELATIONS;
 use crate::network::{Layer, Tensor};
 
-/// The places of the parameters of a graph network in one slice.
+/// Ranges of the parameters of a graph network in one slice.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Places {
     /// Encoder of each type.
@@ -22,7 +22,8 @@ pub struct Places {
     parameters: usize,
 }
 
-/// The places of the encoder of a type. Mean and scale are not learned: they are of the features of all nodes of the type.
+/// Ranges of the encoder of a type. Mean and scale are not learned: they are statistics of the features of all nodes of
+/// the type.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct EncoderPlaces {
     /// Mean of each feature.
@@ -33,7 +34,7 @@ pub struct EncoderPlaces {
     pub layer: Layer,
 }
 
-/// The places of a layer of the transformer.
+/// Ranges of a transformer layer.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BlockPlaces {
     /// Normalization before the attention.
@@ -42,26 +43,26 @@ pub struct BlockPlaces {
     pub projections: Layer,
     /// Scores of edges, heads × kinds of edges; empty without [`Edges::Bias`].
     pub edges: Range<usize>,
-    /// The layer behind the attention.
+    /// The linear layer after the attention.
     pub mixing: Layer,
     /// Normalization before the hidden layer.
     pub before_hidden: NormPlaces,
     /// The hidden layer.
     pub hidden: Layer,
-    /// The layer from there to the embedding.
+    /// The linear layer from the hidden layer to the embedding.
     pub narrowing: Layer,
 }
 
-/// The places of a layer normalization.
+/// Ranges of a layer normalization.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NormPlaces {
-    /// Gain of each number.
+    /// Gain of each component.
     pub gain: Range<usize>,
-    /// What is added to each number.
+    /// Bias of each component.
     pub bias: Range<usize>,
 }
 
-/// Hands out places one after another.
+/// Allocates consecutive ranges.
 struct Allocation(usize);
 
 impl Allocation {
@@ -81,7 +82,7 @@ impl Allocation {
 }
 
 impl GraphNetwork {
-    /// Returns the places of the parameters.
+    /// Returns the ranges of the parameters.
     pub fn places(&self) -> Places {
         let Self { types, embedding, heads, layers, feed_forward, edges, .. } = self;
         let (width, mut at) = (*embedding, Allocation(0));
@@ -123,7 +124,7 @@ impl Places {
         of_blocks.chain([&self.norm])
     }
 
-    /// Returns the tensors, which have every parameter once.
+    /// Returns the tensors, which cover every parameter once.
     pub fn tensors(&self) -> Vec<Tensor> {
         let mut tensors = Vec::new();
         let vector = |name: String, place: &Range<usize>| Tensor {

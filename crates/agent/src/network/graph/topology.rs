@@ -1,45 +1,45 @@
-//! A building as a graph network sees it.
+//! A building as the input of a graph network.
 
 use b2b_building::morphology::{EdgeKind, NodeType};
 
 use crate::plan::NodePlan;
 
-/// Kinds of edges as a node sees them: adjacent, serves, is served by, controls, is controlled by.
+/// Number of directed kinds of edges: adjacent, serves, is served by, controls, is controlled by.
 pub const RELATIONS: usize = 5;
-/// The bit of a pair of nodes of which the first may attend to the second where attention is along edges alone.
+/// Bit of a pair of nodes: the first may attend to the second where attention follows edges only.
 pub const REACHES: u8 = 1 << 7;
 
 /// The nodes of a building: types, features, actions and edges.
 ///
-/// A row of observations has the features of the nodes one after another, a row of actions those of the building in the order
-/// of its actuators.
+/// A row of observations has the features of the nodes one after another; a row of actions follows the order of the
+/// building's actuators.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Graph {
     /// Name of each node.
     pub names: Vec<String>,
-    /// Type of each node, as a place among the types of the network.
+    /// Type of each node, as an index into the network's types.
     pub types: Vec<usize>,
-    /// Where the features of each node begin in a row, and the width of a row at the end.
+    /// Start of the features of each node in a row, and at the end the width of a row.
     pub features: Vec<usize>,
     /// Node and output of each action.
     pub actions: Vec<ActionPlace>,
-    /// Edges from the node of each row to that of each column: a bit for each of [`RELATIONS`], and [`REACHES`].
+    /// Edges from the node of each row to the node of each column: one bit per kind ([`RELATIONS`]), and [`REACHES`].
     pub relations: Vec<u8>,
 }
 
-/// Where an action is among the outputs of a network.
+/// Output of a network that is an action.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ActionPlace {
     /// Node.
     pub node: usize,
     /// Output of the node.
     pub output: usize,
-    /// Number among the actions of all types: actions with one number share an exploration noise.
+    /// Index among the actions of all types. Actions with the same index share a standard deviation of exploration.
     pub number: usize,
 }
 
 impl Graph {
-    /// Returns the graph of a building whose nodes have this many features, and whose actions are these outputs of nodes.
+    /// Creates the graph of a building from the number of features of each node and the node outputs that are actions.
     pub fn new(plan: &NodePlan, widths: &[usize], actions: &[(usize, usize)]) -> Self {
         let nodes = &plan.nodes;
         let mut features = vec![0];

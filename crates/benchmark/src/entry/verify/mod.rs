@@ -108,7 +108,7 @@ fn policies(folder: &Path, result: &RunResult) -> std::result::Result<Policies, 
         }
         let stage_of = stage.parse::<Stage>()?;
         match stage_of {
-            Stage::Untrained if *description != EntryPolicy::BuiltIn(BuiltIn::Random).description() => {
+            Stage::Untrained if *description != EntryPolicy::BuiltIn(BuiltIn::random()).description() => {
                 return Err(format!("{stage}: the policy is not that of random actions"));
             }
             Stage::Adapted(steps) if !result.problem.protocol.adaptation.contains(&steps) => {

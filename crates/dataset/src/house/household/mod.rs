@@ -1,21 +1,21 @@
 //! The people of a house and when they are at home.
 //!
-//! 1. A household has a whole number of people: workers, students and people who are mostly at home.
-//! 2. Each has days: work or school at habitual hours, days off, days of work from home, errands and evenings out, some of
-//!    them with the others.
+//! 1. A household has an integer number of people: workers, students and people who are mostly at home.
+//! 2. Each person has work or school at habitual hours, days off, days of work from home, errands and evenings out,
+//!    some together with others.
 //! 3. [`Household::at_home`] counts those at home in each quarter of an hour. Everyone spends the night at home.
 //!
 //! The week repeats: the same household has the same Tuesday all year.
 //!
 //! # Source
-//! The share of homes with everyone out has been published by hour, number of residents, and weekday or weekend from time-use
-//! diaries kept by every member of a household: McKenna, Krawczynski and Thomson, "Four-state domestic building occupancy model
-//! for energy demand simulations", Energy and Buildings 96 (2015), from the UK Time Use Survey 2000; the model's starting
-//! states and transition probabilities give the shares, which the tests hold the households to. The time-use surveys of Canada
-//! (GSS) and of the United States (ATUS) interview one person of each household, and cannot tell when all are out. ATUS 2012
-//! gives the workers' days: 83 % of the employed work on a weekday, for 8.0 hours, and 34 % on a weekend day; 23 % of those
-//! who work do some of it at home. The kinds of people by size of the household, and the errands and evenings out that
-//! reproduce the shares, are engineering judgment.
+//! The share of homes with everyone out has been published by hour, number of residents, and weekday or weekend from
+//! time-use diaries kept by every member of a household: McKenna, Krawczynski and Thomson, "Four-state domestic
+//! building occupancy model for energy demand simulations", Energy and Buildings 96 (2015), from the UK Time Use Survey
+//! 2000; the model's starting states and transition probabilities give the shares, which the tests compare with the
+//! households. The time-use surveys of Canada (GSS) and of the United States (ATUS) interview one person of each
+//! household, and cannot tell when all are out. ATUS 2012 gives the workers' days: 83 % of the employed work on a
+//! weekday, for 8.0 hours, and 34 % on a weekend day; 23 % of those who work do some of it at home. The occupations by
+//! household size, and the errands and evenings out that reproduce the shares, are engineering judgment.
 
 mod person;
 
@@ -46,7 +46,7 @@ pub(super) struct Absence {
 }
 
 impl Absence {
-    /// An absence of some hours from some hour on, in quarters of an hour, within the day.
+    /// Creates an absence from its first hour and duration, limited to the day.
     fn new(from: f64, hours: f64) -> Self {
         let quarter = |hour: f64| (4.0 * hour).round().clamp(0.0, QUARTERS as f64) as usize;
         Self { from: quarter(from), to: quarter(from + hours) }
@@ -54,7 +54,7 @@ impl Absence {
 }
 
 impl Household {
-    /// Draws a household of some number of people. The same number and seed give the same week.
+    /// Draws a household of a number of people. The same number and seed give the same week.
     pub fn draw(people: u32, seed: u64) -> Self {
         let mut random = stream(STREAM, seed, u64::from(people));
         let persons = members(people, &mut random);
@@ -76,7 +76,7 @@ impl Household {
     }
 }
 
-/// Draws the people: adults of whom all are retired, or who work or not, and students.
+/// Draws the people: adults (all retired, or each working or not) and students.
 fn members(people: u32, random: &mut ChaCha8Rng) -> Vec<Person> {
     let retired = uniform(random) < share_retired(people);
     (0..people)
@@ -133,7 +133,7 @@ fn outings_together(people: usize, day: usize, random: &mut ChaCha8Rng) -> Vec<A
     absences
 }
 
-/// Share of days with an outing of the whole household: the larger it is, the rarer.
+/// Share of days with an outing of the whole household; lower for larger households.
 fn share_of_outings(people: usize, weekend: bool) -> f64 {
     match (people, weekend) {
         (0 | 1, _) => 0.0,

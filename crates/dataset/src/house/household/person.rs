@@ -1,4 +1,4 @@
-//! A person and the hours that they are out.
+//! A person and their hours away from home.
 
 use rand_chacha::ChaCha8Rng;
 
@@ -59,7 +59,7 @@ const EARLIEST: f64 = 5.0;
 /// Deviation of a day from the habit, h.
 const JITTER: f64 = 0.25;
 
-/// Shares of days on which a full-time worker goes to work (ATUS 2012, less those who work at home).
+/// Share of days on which a full-time worker goes to work (ATUS 2012, without work at home).
 const WORKDAY: f64 = 0.83;
 const WEEKEND_WORK: f64 = 0.20;
 
@@ -102,7 +102,7 @@ impl Person {
         }
     }
 
-    /// Errands by day and evenings out. The days of those without work or school have more errands.
+    /// Errands by day and evenings out. Days without work or school have more errands.
     fn leisure(&self, day: usize, has_duty: bool, random: &mut ChaCha8Rng) -> Vec<Absence> {
         let [errand, start, length, evening, late, hours] = [(); 6].map(|()| uniform(random));
         let weekend = is_weekend(day);

@@ -98,7 +98,7 @@ fn the_number_of_people_and_the_seed_determine_the_week() {
 }
 
 #[test]
-fn most_households_are_out_at_some_hour_of_the_week_and_some_never_on_a_day() {
+fn most_households_are_out_at_some_hour_of_the_week_and_some_stay_home_all_day() {
     let is_out = |household: &Household, day| household.at_home(day).contains(&0);
     for (people, minimum) in [(1, 0.99), (2, 0.95), (3, 0.9), (4, 0.9), (5, 0.85)] {
         let households = (0..COUNT).map(|seed| Household::draw(people, seed));

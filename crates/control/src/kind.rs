@@ -1,0 +1,187 @@
+//! Kinds of controllers: each has a name, parameters with bounds, and makes controllers for episodes.
+//!
+//! A kind is registered in [`KINDS`](crate::KINDS). Commands, evaluations, worker processes and Python find it there by its name.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use b2b_building::{Parameter, PreparedBuilding};
+use b2b_env::{ActionSpace, Controller, Spaces, Task};
+#[cfg(target_os = "linux")]
+use b2b_workers::Episode;
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+use crate::{Error, KINDS, Result};
+
+/// A kind of controller that needs no file.
+pub trait Kind: Sync {
+    /// Returns the name.
+    fn name(&self) -> &'static str;
+
+    /// Returns a few words for help texts.
+    fn help(&self) -> &'static str;
+
+    /// Returns whether the actions depend on the seed.
+    fn is_stochastic(&self) -> bool {
+        false
+    }
+
+    /// Returns whether controllers observe and control the whole building, even if a problem withholds actuators.
+    fn controls_whole_building(&self) -> bool {
+        false
+    }
+
+    /// Returns the parameters with their units and bounds.
+    fn parameters(&self) -> Vec<Parameter> {
+        Vec::new()
+    }
+
+    /// Returns the default values of the parameters as JSON; null without parameters.
+    fn defaults(&self) -> Value {
+        Value::Null
+    }
+
+    /// Returns the values for a building and a task as JSON; null without parameters.
+    fn tuned(&self, _building: &PreparedBuilding, _task: &Task) -> Value {
+        self.defaults()
+    }
+
+    /// Returns `values` with changes by the names of parameters.
+    ///
+    /// # Errors
+    /// [`Error::UnknownParameter`]; [`Error::Parameter`] for a value out of bounds.
+    fn changed(&self, values: Value, changes: &BTreeMap<String, f64>) -> Result<Value> {
+        match changes.keys().next() {
+            None => Ok(values),
+            Some(_) => Err(Error::NoParameters { name: self.name() }),
+        }
+    }
+
+    /// Reads values from a JSON file.
+    ///
+    /// # Errors
+    /// [`Error::Io`]; [`Error::ParameterFile`]; [`Error::Parameter`].
+    fn read(&self, _path: &Path) -> Result<Value> {
+        Err(Error::NoParameters { name: self.name() })
+    }
+
+    /// Makes a controller for an episode.
+    ///
+    /// # Errors
+    /// [`Error::NeedsEpisode`] if the kind plans episodes; [`Error::Values`].
+    fn make(&self, case: &Case<'_>) -> Result<Box<dyn AnyController>>;
+
+    /// Resets an episode and plans it on copies, if the kind does that instead of acting step by step. Returns a
+    /// controller that carries out the plan. `step` is called for every planned step.
+    ///
+    /// # Errors
+    /// The errors of [`Episode`]; [`Error::Values`].
+    #[cfg(target_os = "linux")]
+    fn plan(
+        &self,
+        _case: &Case<'_>,
+        _episode: &mut Episode,
+        _step: &mut dyn FnMut(),
+    ) -> Result<Option<Box<dyn AnyController>>> {
+        Ok(None)
+    }
+
+    /// Returns whether [`Kind::plan`] replaces [`Kind::make`].
+    fn plans(&self) -> bool {
+        false
+    }
+}
+
+/// The episode that a controller is made for.
+#[derive(Clone, Copy)]
+pub struct Case<'a> {
+    /// Building, spaces and task.
+    pub spaces: &'a Spaces,
+    /// The actuators that are controlled: all of the building, or those that a problem leaves.
+    pub action: &'a ActionSpace,
+    /// Random seed.
+    pub seed: u64,
+    /// Values of the parameters, as [`Kind::defaults`] and [`Kind::tuned`] return them.
+    pub values: &'a Value,
+}
+
+/// The description of a controller, from which a worker makes the same one for a whole building.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct KindDescription {
+    /// Name of the kind.
+    pub name: String,
+    /// Random seed.
+    pub seed: u64,
+    /// Values of the parameters.
+    pub values: Value,
+}
+
+impl KindDescription {
+    /// Returns the description in an order to a worker.
+    pub fn to_order(&self) -> Value {
+        json!({ "built_in": self })
+    }
+
+    /// Makes the controller.
+    ///
+    /// # Errors
+    /// [`Error::UnknownKind`]; those of [`Kind::make`].
+    pub fn controller(&self, spaces: &Spaces) -> Result<Box<dyn AnyController>> {
+        let Self { name, seed, values } = self;
+        let unknown =
+            || Error::UnknownKind { name: name.clone(), known: KINDS.map(|kind| kind.name()).to_vec() };
+        kind(name).ok_or_else(unknown)?.make(&Case { spaces, action: &spaces.action, seed: *seed, values })
+    }
+}
+
+/// A controller that can be copied with its state.
+pub trait AnyController: Controller + Send {
+    /// Returns a copy.
+    fn boxed_clone(&self) -> Box<dyn AnyController>;
+}
+
+impl<T: Controller + Clone + Send + 'static> AnyController for T {
+    fn boxed_clone(&self) -> Box<dyn AnyController> {
+        Box::new(self.clone())
+    }
+}
+
+/// Returns the kind of a name.
+pub fn kind(name: &str) -> Option<&'static dyn Kind> {
+    KINDS.into_iter().find(|kind| kind.name() == name)
+}
+
+/// Reads the values of a case as the parameters of a kind.
+pub(crate) fn values<T: serde::de::DeserializeOwned>(case: &Case<'_>) -> Result<T> {
+    T::deserialize(case.values).map_err(|error| Error::Values { why: error.to_string() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_kind_is_found_by_its_own_name() {
+        for each in KINDS {
+            assert_eq!(kind(each.name()).unwrap().name(), each.name());
+            assert!(!each.help().is_empty());
+        }
+        assert!(kind("reactiv").is_none());
+    }
+
+    #[test]
+    fn default_values_are_within_the_bounds_and_a_change_is_checked() {
+        for each in KINDS {
+            let unchanged = each.changed(each.defaults(), &BTreeMap::new()).unwrap();
+            assert_eq!(unchanged, each.defaults());
+            for parameter in each.parameters() {
+                let change = BTreeMap::from([(parameter.name.to_owned(), parameter.high + 1.0)]);
+                let said = each.changed(each.defaults(), &change).unwrap_err().to_string();
+                assert!(said.contains(parameter.name), "{said}");
+            }
+            let unknown = BTreeMap::from([("x".to_owned(), 1.0)]);
+            assert!(each.changed(each.defaults(), &unknown).is_err());
+        }
+    }
+}
