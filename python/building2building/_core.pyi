@@ -56,6 +56,14 @@ def edit_model(
     changes: Sequence[tuple[str, float]],
     allow_external: bool,
 ) -> str: ...
+def calibrate(
+    model: tuple[str, str | None, str | PathLike[str] | None, bool],
+    energy: str | PathLike[str],
+    out: str | PathLike[str],
+    parameters: Sequence[str],
+    iterations: int,
+    jobs: int | None,
+) -> str: ...
 def generate(
     building_type: str,
     count: int,

@@ -189,11 +189,11 @@ pub fn run_policy<T: Send>(
     })
 }
 
-/// Locks the process for one evaluation or training. Errors if another one is running.
+/// Locks the process for one evaluation, training or calibration. Errors if another one is running.
 pub fn running() -> PyResult<MutexGuard<'static, ()>> {
     let one_at_a_time = || {
         Exception::Process
-            .new_err("an evaluation or a training is already running in this process; wait until it ends")
+            .new_err("an evaluation, a training or a calibration is already running in this process; wait until it ends")
     };
     let running = match RUNNING.try_lock() {
         Ok(running) => running,
@@ -222,7 +222,9 @@ pub fn wait_for<T: Send>(run: impl FnOnce() -> T + Send, mut report: impl FnMut(
             }
         }
         report();
-        running.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+        let outcome = running.join();
+        STOP.store(false, Ordering::Relaxed);
+        outcome.unwrap_or_else(|panic| std::panic::resume_unwind(panic))
     })
 }
 

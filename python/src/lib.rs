@@ -1,6 +1,6 @@
 //! `building2building._core`: the Rust crates as Python classes.
 //!
-//! This crate only converts. [`catalog`] finds buildings, [`generator`] makes new ones, [`edit`] changes model files, and
+//! This crate only converts. [`catalog`] finds buildings, [`generator`] makes new ones, [`edit`] changes model files and [`calibration`] fits them to metered energy, and
 //! [`table`] converts the dataset's rows; [`spaces`] and [`morphology`] describe observations and actions; [`env`] is an environment in its own process,
 //! [`local`] one in this process, and [`vector`] a batch over the buildings of [`population`]; [`control`] has the built-in
 //! controllers, [`record`] writes an episode, [`evaluation`] evaluates a policy on many buildings, [`learning`] trains agents, [`benchmarks`] has the
@@ -8,6 +8,7 @@
 
 mod arrays;
 mod benchmarks;
+mod calibration;
 mod catalog;
 mod command;
 mod control;
@@ -38,6 +39,8 @@ mod _core {
 
     #[pymodule_export]
     use super::benchmarks::{Problem, Restriction, measures, normalized_score, resolved_score};
+    #[pymodule_export]
+    use super::calibration::calibrate;
     #[pymodule_export]
     use super::catalog::{
         Building, Setting, TypeInfo, building_types, check_weather, dataset_rows, find_building, places,

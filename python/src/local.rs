@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use b2b_energyplus::Library;
 use b2b_env::Spaces as EnvSpaces;
 use b2b_workers::{EpisodeReport, Source};
 use numpy::PyArray1;
@@ -30,8 +29,7 @@ impl LocalEnv {
     #[new]
     #[pyo3(signature = (setting, engine_output=None))]
     fn new(py: Python<'_>, setting: &Setting, engine_output: Option<PathBuf>) -> PyResult<Self> {
-        let path = py.detach(catalog::library)?;
-        let library = Library::load(&path).map_err(|error| of_env(error.into()))?;
+        let library = py.detach(catalog::catalog)?.library().clone();
         let episode = setting.setting.episode.clone();
         let source = Source::clone(&setting.setting.source);
         let building = source.prepare(&library).map_err(of_building)?;

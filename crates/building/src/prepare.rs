@@ -103,7 +103,7 @@ impl PreparedBuilding {
         kinds: &[Kind],
         unsupported: Unsupported,
     ) -> Result<Self> {
-        let air_density = size(&mut model, weather, library)?;
+        let air_density = size(name, &mut model, weather, library)?;
         let discovery = hvac::discover(&mut model, air_density, kinds, unsupported)?;
         Self::with(name, model, discovery)
     }
@@ -194,10 +194,12 @@ impl PreparedBuilding {
 }
 
 /// Writes sizes into a model and returns the air density of its design flows, kg/m³.
-fn size(model: &mut Model, weather: &Path, library: &Library) -> Result<f64> {
+fn size(name: &str, model: &mut Model, weather: &Path, library: &Library) -> Result<f64> {
     let site = Site::read(weather)?;
     if sizing::needs_sizing(model) {
-        Sizes::of(model, weather, library)?.write_into(model)?;
+        let sizes = Sizes::of(model, weather, library)
+            .map_err(|error| error.while_doing(format!("sizing {name}")))?;
+        sizes.write_into(model)?;
     }
     Ok(standard_air_density(site.elevation))
 }

@@ -10,17 +10,14 @@ static REQUESTED: AtomicBool = AtomicBool::new(false);
 static OWNER: OnceLock<u32> = OnceLock::new();
 
 /// Installs the handler: an interrupt or a termination request only sets the flag. A second one ends the process
-/// immediately, unless the process is supervised.
+/// immediately, and its workers with it.
 pub fn listen() -> Result<()> {
     #[cfg(target_os = "linux")]
     if let Some(owner) = std::env::var(b2b_experiment::OWNER).ok().and_then(|owner| owner.parse().ok()) {
         OWNER.get_or_init(|| owner);
     }
     ctrlc::set_handler(|| {
-        let repeated = REQUESTED.swap(true, Ordering::Relaxed);
-        #[cfg(target_os = "linux")]
-        let repeated = repeated && !crate::supervision::is_supervised();
-        if repeated {
+        if REQUESTED.swap(true, Ordering::Relaxed) {
             std::process::exit(crate::ExitCode::Interrupted as i32);
         }
     })

@@ -10,7 +10,6 @@ mod bench;
 mod benchmark;
 mod calibrate;
 mod check;
-mod child;
 #[cfg(target_os = "linux")]
 mod clone;
 #[cfg(target_os = "linux")]
@@ -48,8 +47,6 @@ mod setup;
 mod shipped;
 mod show;
 mod stdout;
-#[cfg(target_os = "linux")]
-mod supervision;
 mod table;
 mod time_series;
 #[cfg(target_os = "linux")]
@@ -118,28 +115,9 @@ enum Command {
     Tune(tune::Arguments),
 }
 
-impl Command {
-    /// Returns whether the command may run EnergyPlus on a user's model or weather file in its own process, and
-    /// therefore needs supervision.
-    #[cfg(target_os = "linux")]
-    fn is_foreign(&self) -> bool {
-        matches!(
-            self,
-            Self::Run(_)
-                | Self::Show(_)
-                | Self::View(_)
-                | Self::Doctor(_)
-                | Self::Import(_)
-                | Self::Edit(_)
-                | Self::Calibrate(_)
-                | Self::Export(_)
-        )
-    }
-}
-
 /// Runs the command with these arguments, the first of which is the program's name, and returns its exit code.
 ///
-/// `program` is started for child processes and workers, so it must call this function as well. Must be called before
+/// `program` is started for workers and the jobs of experiments, so it must call this function as well. Must be called before
 /// any thread is started. Does not return if this process was started as a worker.
 pub fn run(program: Program, arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     #[cfg(target_os = "linux")]
@@ -160,14 +138,7 @@ pub fn run(program: Program, arguments: impl IntoIterator<Item = OsString>) -> E
             return if usage.use_stderr() { ExitCode::Usage } else { ExitCode::Success };
         }
     };
-    #[cfg(target_os = "linux")]
-    let outcome = match command.is_foreign() && !supervision::is_supervised() {
-        true => supervision::supervise(&arguments[1..]),
-        false => interrupt::listen().and_then(|()| execute(command)),
-    };
-    #[cfg(not(target_os = "linux"))]
-    let outcome = interrupt::listen().and_then(|()| execute(command));
-    match outcome {
+    match interrupt::listen().and_then(|()| execute(command)) {
         Ok(code) => code,
         Err(error) if interrupt::requested() => {
             eprintln!("{error}");
@@ -222,7 +193,7 @@ fn execute(command: Command) -> Result<ExitCode> {
 }
 
 /// Returns the text of an error, followed by the causes that it does not mention.
-fn with_causes(error: &anyhow::Error) -> String {
+pub(crate) fn with_causes(error: &anyhow::Error) -> String {
     let mut text = error.to_string();
     for cause in error.chain().skip(1).map(ToString::to_string) {
         if !text.contains(&cause) {

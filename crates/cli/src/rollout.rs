@@ -4,7 +4,8 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Result, bail};
 use b2b_env::{
-    Controller, EngineReport, Environment, Metrics, Observer, Spaces, Step, Task, Trajectory, rollout,
+    Controller, EngineReport, Environment, Metrics, Observer, Spaces, Step, Task, Trajectory, authority,
+    rollout,
 };
 #[cfg(target_os = "linux")]
 use b2b_workers::EpisodeReport;
@@ -56,6 +57,14 @@ impl Prepared {
         let Recorded { metrics, trajectory, wall } = roll_out(&mut episode, controller, quiet)?;
         let report = episode.report().context("the worker process sent no engine report")?;
         Ok(Rollout::new(metrics, trajectory, report.clone(), wall))
+    }
+
+    /// Checks the response of the building to its actuators, in a worker process.
+    pub fn authority(&self) -> Result<authority::Report> {
+        #[cfg(target_os = "linux")]
+        return Ok(b2b_workers::Jobs::new(self.worker_options()).authority(&self.building, &self.weather)?);
+        #[cfg(not(target_os = "linux"))]
+        Ok(authority::measure(&self.library, &self.building, &self.weather)?)
     }
 
     /// Starts an episode of one day in January, up to its first observation: EnergyPlus detects some errors of a model

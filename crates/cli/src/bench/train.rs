@@ -17,7 +17,7 @@ use super::sb3::{Python, Speed};
 use crate::progress::{Download, spinner};
 use crate::table::Table;
 use crate::workers::worker_options;
-use crate::{interrupt, stdout};
+use crate::{interrupt, program, stdout};
 
 /// Measure the speed of training in both loop designs, and the shares of environment, inference and learner
 ///
@@ -84,7 +84,7 @@ struct Measured {
 pub fn bench(arguments: &Arguments) -> Result<()> {
     let buildings = arguments.buildings.iter().map(training_building).collect::<Result<Vec<_>>>()?;
     let python = if arguments.python == "none" { None } else { Python::find(&arguments.python)? };
-    let catalog = Arc::new(Catalog::open(&mut Download::new(arguments.json))?);
+    let catalog = Arc::new(program::catalog(&mut Download::new(arguments.json))?);
     let mut measured = Vec::new();
     for building in buildings {
         let spinner = spinner(format!("training on {building}"), arguments.json);

@@ -55,7 +55,7 @@ pub fn text(imported: &[Imported]) -> String {
                 let mut cells = vec!["–".to_owned(); columns().len()];
                 cells[0].clone_from(&each.name);
                 table.push(cells);
-                let error = error.trim_start_matches("error: ").replace('\n', "\n  ");
+                let error = error.replace('\n', "\n  ");
                 notes += &format!("\n  {}: {error}", each.name);
             }
         }

@@ -3,13 +3,13 @@
 use b2b_building::hvac::{self, Kind, Uncontrolled};
 use b2b_building::{Carrier, Conditioning};
 use b2b_dataset::BuildingName;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use super::trial::Trial;
 use crate::prepare::Prepared;
 
 /// The zones and systems of a model, and whether the agent controls them.
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize)]
 pub struct Report {
     pub model: String,
     pub place: String,
@@ -24,7 +24,7 @@ pub struct Report {
     pub trial: Option<Trial>,
 }
 
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize)]
 pub struct Zone {
     pub name: String,
     pub floor_area_m2: f64,
@@ -35,7 +35,7 @@ pub struct Zone {
     pub equipment: String,
 }
 
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize)]
 pub struct System {
     /// Identifier of its kind.
     pub kind: String,

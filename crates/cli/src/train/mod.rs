@@ -8,7 +8,7 @@ use std::sync::Arc;
 use anyhow::{Context, Result, bail};
 use b2b_agent::{Acting, ObservationForm};
 use b2b_building::{BuildingType, RunPeriod};
-use b2b_dataset::{BuildingName, Catalog, Placement};
+use b2b_dataset::{BuildingName, Placement};
 use b2b_evaluate::statistics::beats_baseline;
 use b2b_learn::train::{Measures, PAGE, RunOptions, SUMMARY, Summary, Tasks, TrainConfig};
 
@@ -107,7 +107,7 @@ pub fn train(arguments: &Arguments) -> Result<()> {
     let config = arguments.configuration()?;
     config.check()?;
     let out = arguments.folder(&config);
-    let catalog = Arc::new(Catalog::open(&mut Download::new(arguments.json))?);
+    let catalog = Arc::new(program::catalog(&mut Download::new(arguments.json))?);
     let mut bar = Bar::new(config.budget.steps, arguments.json);
     let options = RunOptions {
         out: out.clone(),

@@ -1,59 +1,72 @@
 //! The result of a calibration.
 
-use std::path::Path;
-
-use b2b_building::MonthlyEnergy;
-use b2b_building::calibration::{Agreement, Fit, Fuel, Metered};
-use b2b_building::edit::Change;
-use b2b_dataset::BuildingName;
 use serde::Serialize;
 
-use crate::table::Table;
+use super::{Agreement, Fit, Fuel, Metered};
+use crate::MonthlyEnergy;
+use crate::edit::Change;
 
 /// Everything that a report is made of.
-pub struct Calibrated<'a> {
-    pub metered: &'a Metered,
-    pub parameters: &'a [Change],
-    pub fit: &'a Fit,
-    pub before: MonthlyEnergy,
-    pub after: MonthlyEnergy,
+pub(super) struct Calibrated<'a> {
+    pub(super) metered: &'a Metered,
+    pub(super) parameters: &'a [Change],
+    pub(super) fit: &'a Fit,
+    pub(super) before: MonthlyEnergy,
+    pub(super) after: MonthlyEnergy,
 }
 
-/// What `--json` prints.
-#[derive(Serialize)]
+/// A calibration: the multipliers, and the energy before and after.
+#[derive(Clone, Debug, Serialize)]
 pub struct Report {
-    model: String,
-    place: String,
-    parameters: Vec<Parameter>,
-    fuels: Vec<FuelReport>,
-    iterations: usize,
+    /// Name of the model.
+    pub model: String,
+    /// Name of the place, or of the weather file.
+    pub place: String,
+    /// The calibrated parameters.
+    pub parameters: Vec<Parameter>,
+    /// The metered fuels.
+    pub fuels: Vec<FuelReport>,
+    /// Number of iterations.
+    pub iterations: usize,
+    /// Number of simulated years.
     pub simulations: usize,
+    /// What to check before the model is used.
     pub warnings: Vec<String>,
 }
 
 /// A calibrated parameter.
-#[derive(Serialize)]
-struct Parameter {
-    name: Change,
-    multiplier: f64,
-    at_bound: bool,
+#[derive(Clone, Debug, Serialize)]
+pub struct Parameter {
+    /// The change of the model.
+    pub name: Change,
+    /// Its multiplier.
+    pub multiplier: f64,
+    /// Whether the multiplier ends at its bound.
+    pub at_bound: bool,
 }
 
 /// A fuel before and after calibration.
-#[derive(Serialize)]
-struct FuelReport {
-    fuel: Fuel,
-    months: Vec<usize>,
-    metered_kwh: Vec<f64>,
-    before_kwh: Vec<f64>,
-    after_kwh: Vec<f64>,
-    before: Agreement,
-    after: Agreement,
+#[derive(Clone, Debug, Serialize)]
+pub struct FuelReport {
+    /// The fuel.
+    pub fuel: Fuel,
+    /// The metered months, from 1.
+    pub months: Vec<usize>,
+    /// Metered energy of each month, kWh.
+    pub metered_kwh: Vec<f64>,
+    /// Simulated energy before calibration, kWh.
+    pub before_kwh: Vec<f64>,
+    /// Simulated energy after calibration, kWh.
+    pub after_kwh: Vec<f64>,
+    /// Agreement before calibration.
+    pub before: Agreement,
+    /// Agreement after calibration.
+    pub after: Agreement,
 }
 
 impl Report {
     /// Compares the model before and after with the metered energy.
-    pub fn new(model: &BuildingName, place: &str, calibrated: Calibrated<'_>) -> Self {
+    pub(super) fn new(model: &str, place: &str, calibrated: Calibrated<'_>) -> Self {
         let Calibrated { metered, parameters, fit, before, after } = calibrated;
         let parameter = |(index, name): (usize, &Change)| Parameter {
             name: *name,
@@ -76,7 +89,7 @@ impl Report {
             }
         };
         Self {
-            model: model.to_string(),
+            model: model.to_owned(),
             place: place.to_owned(),
             parameters: parameters.iter().enumerate().map(parameter).collect(),
             fuels: metered.fuels.iter().map(fuel).collect(),
@@ -85,39 +98,6 @@ impl Report {
             warnings: warnings(parameters, fit),
         }
     }
-
-    /// Returns the report as text.
-    pub fn text(&self, out: &Path) -> String {
-        let mut parameters = Table::new(["parameter", "multiplier"]);
-        for parameter in &self.parameters {
-            parameters.row([parameter.name.to_string(), format!("{:.3}", parameter.multiplier)]);
-        }
-        let mut fuels =
-            Table::new(["fuel", "model", "CV(RMSE) (%)", "NMBE (%)", "Guideline 14 (15 %, ±5 %)"]);
-        for each in &self.fuels {
-            for (model, agreement) in [("before", each.before), ("calibrated", each.after)] {
-                fuels.row([
-                    each.fuel.to_string(),
-                    model.into(),
-                    percent(agreement.cv_rmse_percent),
-                    percent(agreement.nmbe_percent),
-                    if agreement.meets_guideline_14 { "met" } else { "not met" }.into(),
-                ]);
-            }
-        }
-        format!(
-            "{}\n\n{}\n\n{} simulations; {} written",
-            parameters.text(),
-            fuels.text(),
-            self.simulations,
-            out.display()
-        )
-    }
-}
-
-/// Returns a number with one decimal; never `-0.0`.
-fn percent(value: f64) -> String {
-    format!("{:.1}", (10.0 * value).round() / 10.0 + 0.0)
 }
 
 fn warnings(parameters: &[Change], fit: &Fit) -> Vec<String> {

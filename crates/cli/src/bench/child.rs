@@ -1,4 +1,4 @@
-//! Child processes, mostly of this program: a process runs only one engine at a time, and a crash ends the process.
+//! Child processes of other programs.
 
 use std::io::{Read, Seek};
 use std::process::{Child, Command, Stdio};
@@ -6,23 +6,11 @@ use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
 
-use crate::{interrupt, program};
-
-/// Runs this program with these arguments and returns its standard output, or its standard error if it fails. Errors if
-/// it is interrupted.
-pub fn run<I: AsRef<std::ffi::OsStr>>(
-    arguments: impl IntoIterator<Item = I>,
-) -> Result<Result<String, String>> {
-    let mut command = program::command();
-    command.args(arguments);
-    #[cfg(target_os = "linux")]
-    command.env_remove(crate::supervision::SUPERVISED);
-    output(command)
-}
+use crate::interrupt;
 
 /// Runs a command and returns its standard output, or its standard error if it fails. Errors if it cannot be started or
 /// is interrupted.
-pub fn output(mut command: Command) -> Result<Result<String, String>> {
+pub(super) fn output(mut command: Command) -> Result<Result<String, String>> {
     // Files, because a full pipe would block the child.
     let (mut output, mut errors) = (tempfile::tempfile()?, tempfile::tempfile()?);
     command.stdin(Stdio::null()).stdout(output.try_clone()?).stderr(errors.try_clone()?);
