@@ -244,7 +244,10 @@ def _(was, now, make):
     env = wrappers.NormalizeObservation(make(timesteps_per_hour=1))
     observation, _ = env.reset()
     assert env.observation_space.low.min() == -1 and env.observation_space.high.max() == 1
-    np.testing.assert_allclose(env.denormalize(observation), env.unwrapped.observation, rtol=1e-4, atol=1e-3)
+    in_bounds = np.abs(observation) < 1
+    assert in_bounds.sum() > 5
+    again, own = env.denormalize(observation), env.unwrapped.observation
+    np.testing.assert_allclose(again[in_bounds], own[in_bounds], rtol=1e-4, atol=1e-3)
     assert env.observation(env.unwrapped.observation + 1e6).max() == 1
 
 
@@ -262,7 +265,9 @@ def _(was, now, make):
     augmented = wrappers.AugmentObservationWithBuildingParams(wrappers.NormalizeObservation(env), ["floor_area"])
     observation, _ = augmented.reset()
     assert len(observation) == 14 and -1 <= observation[13] <= 1
-    np.testing.assert_allclose(augmented.denormalize(observation), env.observation, rtol=1e-4, atol=1e-3)
+    in_bounds = np.abs(observation[:13]) < 1
+    again = augmented.denormalize(observation)
+    np.testing.assert_allclose(again[in_bounds], env.observation[in_bounds], rtol=1e-4, atol=1e-3)
     assert augmented.denormalize(np.stack([observation] * 2)).shape == (2, 13)
 
 
