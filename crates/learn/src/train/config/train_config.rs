@@ -84,11 +84,11 @@ impl TrainConfig {
     pub fn check(&self) -> Result<()> {
         let Self { training_set, agent, budget, rewards, noise, evaluation, learner, .. } = self;
         learner.check()?;
+        budget.check()?;
         training_set.check()?;
         if !training_set.problem.is_empty() {
             training_side(&training_set.problem)?.check(training_set, agent, budget)?;
         }
-        budget.check()?;
         rewards.check()?;
         noise.check()?;
         evaluation.check()?;
