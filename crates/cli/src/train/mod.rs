@@ -75,7 +75,7 @@ pub struct Arguments {
     /// Folder of a run to resume from its last checkpoint; --steps trains for more steps
     #[arg(long, value_name = "FOLDER", conflicts_with_all = [
         "buildings", "building_type", "problem", "algorithm", "preset", "config", "task", "period", "seed", "environments", "observation",
-        "direct", "authority", "out", "place", "weather", "allow_external",
+        "direct", "authority", "out", "place", "weather",
     ])]
     resume: Option<PathBuf>,
     #[command(flatten)]
@@ -107,6 +107,8 @@ pub fn train(arguments: &Arguments) -> Result<()> {
     let config = arguments.configuration()?;
     config.check()?;
     let out = arguments.folder(&config);
+    // An evaluation of training ends first.
+    interrupt::be_patient();
     let catalog = Arc::new(Catalog::open(&mut Download::new(arguments.json))?);
     let mut bar = Bar::new(config.steps, arguments.json);
     let place = Place {
@@ -134,7 +136,8 @@ impl Arguments {
         if let Some(folder) = &self.resume {
             let config = TrainConfig::of_run(folder)
                 .with_context(|| format!("{} has no run to resume", folder.display()))?;
-            return Ok(TrainConfig { steps: self.steps.unwrap_or(config.steps), ..config });
+            let Placement { allow_external, .. } = self.location.placement();
+            return Ok(TrainConfig { steps: self.steps.unwrap_or(config.steps), allow_external, ..config });
         }
         let base = TrainConfig::preset(self.preset.as_deref().unwrap_or("residual"))?;
         let base = match self.algorithm {

@@ -70,7 +70,8 @@ pub struct TrainConfig {
     pub place: String,
     /// Weather file (EPW) of `buildings` instead of a place. Empty: that of the place.
     pub weather: PathBuf,
-    /// Whether a model file may run code and open files outside its folder.
+    /// Whether a model file may run code and open files outside its folder. Only the caller sets it: no file may, and none has it.
+    #[serde(skip_serializing)]
     pub allow_external: bool,
     /// Building type whose training split every episode's building is drawn from, or a list of types, in turn for the
     /// environments. Empty: `buildings`.
@@ -242,16 +243,26 @@ impl TrainConfig {
     /// # Errors
     /// What is wrong with the text: a value of the wrong type, or an unknown key with a suggestion.
     pub fn with_changes(&self, text: &str) -> std::result::Result<Self, String> {
-        self.with_table(toml::from_str(text).map_err(|error| error.to_string())?)
+        self.with_untrusted(toml::from_str(text).map_err(|error| error.to_string())?)
     }
 
-    /// As [`TrainConfig::with_changes`], of a JSON object.
+    /// As [`TrainConfig::with_changes`], of a JSON object with the arguments of the caller, who may set `allow_external`.
     ///
     /// # Errors
     /// [`Error::Invalid`] with what is wrong.
     pub fn with_json(&self, text: &str) -> Result<Self> {
         let changes = serde_json::from_str(text).map_err(|error| Error::Invalid(error.to_string()))?;
         self.with_table(changes).map_err(Error::Invalid)
+    }
+
+    /// As [`TrainConfig::with_table`], of a file, which cannot permit anything.
+    fn with_untrusted(&self, changes: Table) -> std::result::Result<Self, String> {
+        match changes.get("allow_external") {
+            None | Some(Value::Boolean(false)) => self.with_table(changes),
+            Some(_) => Err("`allow_external` cannot be set in a file; remove it, and pass --allow-external \
+                            (allow_external=True in Python) if you trust the author of the model"
+                .to_owned()),
+        }
     }
 
     fn with_table(&self, mut changes: Table) -> std::result::Result<Self, String> {
@@ -277,6 +288,7 @@ impl TrainConfig {
             None => base,
         };
         let mut all = Table::try_from(&base).map_err(|error| error.to_string())?;
+        all.insert("allow_external".to_owned(), self.allow_external.into());
         merge(&mut all, changes);
         Value::Table(all).try_into().map_err(|error: toml::de::Error| with_suggestion(error.message()))
     }
@@ -302,12 +314,12 @@ impl TrainConfig {
         let changes = toml::from_str(&text).map_err(|error| error.to_string());
         let changed = changes.and_then(|mut changes: Table| {
             edit(&mut changes);
-            self.with_table(changes)
+            self.with_untrusted(changes)
         });
         changed.map_err(|why| Error::ConfigFile { path: path.to_owned(), why })
     }
 
-    /// Returns the configuration of a run, from its folder.
+    /// Returns the configuration of a run, from its folder, without `allow_external`.
     ///
     /// # Errors
     /// [`Error::Io`]; [`Error::ConfigFile`] with what is wrong.
@@ -316,7 +328,9 @@ impl TrainConfig {
         let text = std::fs::read_to_string(&path).map_err(at(&path))?;
         // It has every option, also those that its problem set.
         let why = |error: toml::de::Error| with_suggestion(error.message());
-        toml::from_str(&text).map_err(|error| Error::ConfigFile { path, why: why(error) })
+        let config: Self =
+            toml::from_str(&text).map_err(|error| Error::ConfigFile { path, why: why(error) })?;
+        Ok(Self { allow_external: false, ..config })
     }
 
     /// Returns the configuration as a TOML text with every option.
@@ -454,6 +468,24 @@ mod tests {
         assert_eq!(paper.with_options_of_file(&path).unwrap(), TrainConfig { seed: 7, ..paper.clone() });
         let residual = TrainConfig::preset("residual").unwrap();
         assert_eq!(paper.with_file(&path).unwrap(), TrainConfig { seed: 7, ..residual });
+    }
+
+    #[test]
+    fn only_the_caller_permits_a_model_to_run_code() {
+        let allowed = TrainConfig::default().with_json(r#"{"allow_external": true}"#).unwrap();
+        assert!(allowed.allow_external && allowed.with_changes("seed = 7").unwrap().allow_external);
+        assert!(!allowed.to_toml().contains("allow_external"));
+        TrainConfig::default().with_changes("allow_external = false").unwrap();
+        let said = TrainConfig::default().with_changes("allow_external = true").unwrap_err();
+        assert!(said.contains("pass --allow-external"), "{said}");
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("config.toml");
+        std::fs::write(&path, "allow_external = true").unwrap();
+        for said in [TrainConfig::default().with_file(&path), TrainConfig::default().with_options_of_file(&path)] {
+            let said = said.unwrap_err().to_string();
+            assert!(said.contains("pass --allow-external"), "{said}");
+        }
+        assert!(!TrainConfig::of_run(folder.path()).unwrap().allow_external);
     }
 
     #[test]
