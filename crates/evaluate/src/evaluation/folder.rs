@@ -2,10 +2,10 @@
 //! interrupted evaluation resumes.
 
 use std::fs::File;
-use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
 use b2b_base::aside::{is_unfinished, write_whole, write_whole_by};
+use b2b_base::folder_lock::FolderLock;
 use b2b_control::Versions;
 use b2b_energyplus::install::{seal, unseal};
 use serde::Serialize;
@@ -21,7 +21,7 @@ use crate::{Error, Result};
 #[derive(Debug)]
 pub struct Folder {
     path: PathBuf,
-    _lock: File,
+    _lock: FolderLock,
 }
 
 /// The definition of an evaluation: `evaluation.json`.
@@ -61,21 +61,21 @@ impl Folder {
         let definition =
             serde_json::to_value(Definition::of(policy, episodes)?).expect("plain data always serializes");
         let file = path.join(DEFINITION);
+        if path.exists() && !path.is_dir() {
+            return Err(Error::UnrelatedFiles { folder: path.to_owned() });
+        }
+        std::fs::create_dir_all(path).map_err(at(path))?;
+        // Before the definition is written: of two evaluations in a new folder, one defines it.
+        let lock = FolderLock::acquire(path).map_err(at(path))?;
+        let lock = lock.ok_or_else(|| Error::Busy { folder: path.to_owned() })?;
         if !file.exists() {
             check_empty(path)?;
-            let folder = path.join(EPISODES);
-            std::fs::create_dir_all(&folder).map_err(at(&folder))?;
             write_whole_by(&file, |out| serde_json::to_writer_pretty(out, &definition).map_err(Into::into))
                 .map_err(at(&file))?;
         }
-        let lock = File::open(&file).map_err(at(&file))?;
-        match lock.try_lock() {
-            Ok(()) => {}
-            Err(std::fs::TryLockError::WouldBlock) => return Err(Error::Busy { folder: path.to_owned() }),
-            Err(std::fs::TryLockError::Error(source)) => return Err(at(&file)(source)),
-        }
         let damaged = |why: serde_json::Error| Error::Damaged { path: file.clone(), why: why.to_string() };
-        let there: Value = serde_json::from_reader(BufReader::new(&lock)).map_err(damaged)?;
+        let text = std::fs::read(&file).map_err(at(&file))?;
+        let there: Value = serde_json::from_slice(&text).map_err(damaged)?;
         if there != definition {
             let differences = differences(&there, &definition);
             return Err(Error::OtherEvaluation { folder: path.to_owned(), differences });
@@ -107,6 +107,11 @@ impl Folder {
     pub fn write(&self, name: &str, content: impl FnOnce(&mut File) -> std::io::Result<()>) -> Result<()> {
         let path = self.path.join(name);
         write_whole_by(&path, content).map_err(at(&path))
+    }
+
+    /// Returns its path.
+    pub fn path(&self) -> &Path {
+        &self.path
     }
 
     /// Returns the path of a results file.

@@ -14,6 +14,7 @@ mod environments;
 mod journal;
 mod judge;
 mod learner;
+mod lock;
 mod measure;
 mod noise;
 mod one_or_many;

@@ -19,6 +19,7 @@ use super::days;
 use super::environments::Environments;
 use super::judge::{Judge, Measures, Rating, Scores};
 use super::learner::Learner;
+use super::lock;
 use super::noise;
 use super::progress::{Progress, Row};
 use crate::collector::Collector as _;
@@ -98,6 +99,7 @@ pub struct Summary {
 /// kept; [`Error::Interrupted`] after a checkpoint; those of environments and evaluations.
 pub fn train(config: &TrainConfig, place: Place<'_>) -> Result<Summary> {
     config.check()?;
+    let _lock = lock::acquire(&place.out)?;
     begin_folder(config, &place.out)?;
     let Place { out, catalog, launcher, jobs, interrupted, monitor } = place;
     let evaluation = Evaluation { catalog: &catalog, launcher: launcher.clone(), jobs, interrupted };
@@ -133,12 +135,12 @@ pub fn train(config: &TrainConfig, place: Place<'_>) -> Result<Summary> {
 
 /// Checks that the folder is that of this configuration, or writes it.
 fn begin_folder(config: &TrainConfig, out: &Path) -> Result<()> {
-    std::fs::create_dir_all(out).map_err(at(out))?;
     let path = out.join(CONFIG);
     if path.exists() {
         let before = TrainConfig::of_run(out)?;
-        // More steps continue a run.
-        if (TrainConfig { steps: config.steps, ..before.clone() }) != *config {
+        // More steps continue a run; what its models may do is in no file.
+        let TrainConfig { steps, allow_external, .. } = *config;
+        if (TrainConfig { steps, allow_external, ..before }) != *config {
             let why = format!("its {CONFIG} differs from this run's; choose another folder");
             return Err(Error::Resume { path: out.to_owned(), why });
         }
@@ -392,7 +394,7 @@ impl<'a> Run<'a> {
         let text = serde_json::to_vec_pretty(&summary).expect("plain data always serializes");
         let path = self.out.join(SUMMARY);
         write_whole(&path, &text).map_err(at(&path))?;
-        curve::write(self.out, self.config)?;
+        self.warn_of(curve::write(self.out, self.config), "the learning curve");
         Ok(summary)
     }
 
