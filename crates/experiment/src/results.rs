@@ -1,13 +1,12 @@
 //! The results of an experiment.
 
-use std::fs::File;
 use std::path::Path;
 use std::time::Duration;
 
 use b2b_agent::Agent;
 use b2b_benchmark::entry::{RunResult, Stages, read_result};
 use b2b_benchmark::problem::Stage;
-use b2b_evaluate::{Deviations, Row, read_episodes, read_kept};
+use b2b_evaluate::{Deviations, Row, read_kept};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -227,9 +226,7 @@ impl JobResult {
 
 /// Reads the episodes of an evaluation.
 pub(crate) fn read_rows(folder: &Path) -> Result<Vec<Row>> {
-    let path = folder.join("episodes.parquet");
-    let rows = read_episodes(File::open(&path).map_err(at(&path))?);
-    rows.map_err(|error| at(&path)(std::io::Error::other(error)))
+    b2b_evaluate::read_rows(folder).map_err(|error| at(folder)(std::io::Error::other(error)))
 }
 
 /// Returns the machine that an evaluation ran on.

@@ -18,6 +18,7 @@ pub mod ppo;
 pub mod random;
 pub mod rollout;
 pub mod sac;
+mod sealed_state;
 pub mod state;
 pub mod train;
 mod travel;
