@@ -99,6 +99,14 @@ impl RunResult {
         })
     }
 
+    /// Returns the name of a policy that is a program of its author, if there is one. Its episodes cannot be run again.
+    pub fn external(&self) -> Option<&str> {
+        self.policies.values().find_map(|policy| match policy {
+            PolicyDescription::External { name, .. } => Some(name.as_str()),
+            _ => None,
+        })
+    }
+
     /// Writes the folder, `result.json` last, so that a folder with it is complete.
     pub(super) fn write(&self, entry: &Entry, stages: &[(Stage, Vec<Row>)], folder: &Path) -> Result<()> {
         entry.stages().into_iter().try_for_each(|stage| entry.policy_of(stage).check_files())?;

@@ -13,7 +13,7 @@ use b2b_env::EpisodeMetrics;
 
 pub use sample::Sample;
 
-use super::entry_policy::EntryPolicy;
+use super::entry_policy::{EntryPolicy, PolicyDescription};
 use super::external::External;
 use super::measures::Measures;
 use super::result::{POLICY, RunResult, Stages, read_result};
@@ -35,6 +35,19 @@ pub struct Check {
     pub name: &'static str,
     /// A description, or the fault.
     pub outcome: CheckOutcome,
+    /// Whether nothing was verified: the policy is not in the result, so its episodes cannot be run again.
+    pub unverified: bool,
+}
+
+impl Check {
+    fn new(name: &'static str, outcome: CheckOutcome) -> Self {
+        Self { name, outcome, unverified: false }
+    }
+
+    /// Returns whether the check verified its subject and found no fault.
+    pub fn passed(&self) -> bool {
+        self.outcome.is_ok() && !self.unverified
+    }
 }
 
 type CheckOutcome = std::result::Result<String, String>;
@@ -56,7 +69,8 @@ pub fn verify(
         && checks.iter().all(|check| check.outcome.is_ok())
     {
         let outcome = run_again(&result, &stages, &policies, evaluation, sample, progress)?;
-        checks.push(Check { name: "episodes run again", outcome });
+        let unverified = outcome.is_ok() && result.external().is_some();
+        checks.push(Check { name: "episodes run again", outcome, unverified });
     }
     Ok(checks)
 }
@@ -77,23 +91,21 @@ type Policies = BTreeMap<String, EntryPolicy>;
 fn read_and_check(folder: &Path) -> Result<(Vec<Check>, Option<Read>)> {
     let (result, stages) = match read_result(folder) {
         Ok(read) => read,
-        Err(error) => return Ok((vec![Check { name: "folder", outcome: Err(error.to_string()) }], None)),
+        Err(error) => return Ok((vec![Check::new("folder", Err(error.to_string()))], None)),
     };
     let episodes: usize = stages.iter().map(|(_, rows)| rows.len()).sum();
     let policies = policies(folder, &result);
     let baselines = Baselines::open()?;
+    let named = format!("{} of {}, {episodes} episodes", result.name, result.problem.name);
     let checks = vec![
-        Check {
-            name: "folder",
-            outcome: Ok(format!("{} of {}, {episodes} episodes", result.name, result.problem.name)),
-        },
-        Check { name: "versions", outcome: versions(&result) },
-        Check { name: "problem", outcome: problem(&result) },
-        Check { name: "policies", outcome: policies.as_ref().map(described).map_err(Clone::clone) },
-        Check { name: "episodes", outcome: episode_list(&result, &stages) },
-        Check { name: "scores", outcome: rows::scores(&stages) },
-        Check { name: "baselines", outcome: rows::baselines(&result, &stages, &baselines) },
-        Check { name: "measures", outcome: measures(&result, &stages) },
+        Check::new("folder", Ok(named)),
+        Check::new("versions", versions(&result)),
+        Check::new("problem", problem(&result)),
+        Check::new("policies", policies.as_ref().map(described).map_err(Clone::clone)),
+        Check::new("episodes", episode_list(&result, &stages)),
+        Check::new("scores", rows::scores(&stages)),
+        Check::new("baselines", rows::baselines(&result, &stages, &baselines)),
+        Check::new("measures", measures(&result, &stages)),
     ];
     Ok((checks, policies.ok().map(|policies| (result, stages, policies))))
 }
@@ -144,6 +156,11 @@ fn problem(result: &RunResult) -> CheckOutcome {
     if problem.hash() != result.problem_hash {
         return Err("the problem does not match its hash".into());
     }
+    if let Some(question) = Problem::all().iter().find(|known| known.name == problem.name).map(|known| &known.question)
+        && *question != problem.question
+    {
+        return Err(format!("its question is not that of {}: {}", problem.name, problem.question));
+    }
     if problem.changes() != result.problem_changes {
         return Err(format!("the changes to {} do not match the listed changes", problem.name));
     }
@@ -174,6 +191,7 @@ fn episode_list(result: &RunResult, stages: &[(Stage, Vec<Row>)]) -> CheckOutcom
             return Err(format!("stage {stage} is missing"));
         }
     }
+    counts(result, stages)?;
     for (stage, rows) in stages {
         let expected = expected(result, *stage).ok_or(format!("no policy for stage {stage}"))?;
         for (number, episode) in expected.iter().enumerate() {
@@ -190,6 +208,24 @@ fn episode_list(result: &RunResult, stages: &[(Stage, Vec<Row>)]) -> CheckOutcom
         }
     }
     Ok("exactly those of the problem".into())
+}
+
+/// Checks the stated seeds and numbers of episodes of every stage.
+fn counts(result: &RunResult, stages: &[(Stage, Vec<Row>)]) -> std::result::Result<(), String> {
+    let seeds = |policy: &PolicyDescription| policy.seeds(&result.problem.protocol.seeds);
+    let seeds: BTreeMap<_, _> =
+        result.policies.iter().map(|(stage, policy)| (stage.clone(), seeds(policy))).collect();
+    if seeds != result.seeds {
+        return Err(format!("the seeds are stated as {:?}; those of the policies are {seeds:?}", result.seeds));
+    }
+    let episodes: BTreeMap<_, _> = stages.iter().map(|(stage, rows)| (stage.to_string(), rows.len())).collect();
+    if episodes != result.episodes {
+        return Err(format!(
+            "the numbers of episodes are stated as {:?}; the table has {episodes:?}",
+            result.episodes
+        ));
+    }
+    Ok(())
 }
 
 fn near(a: f64, b: f64) -> bool {
@@ -346,7 +382,7 @@ fn compare_baseline(
     progress: &dyn Progress,
 ) -> Result<CheckOutcome> {
     let Ok(there) = &row.outcome else { return Ok(Err("it was lost".into())) };
-    let cache = tempfile::tempdir()
+    let cache = b2b_base::scratch::folder_in(&std::env::temp_dir(), "b2b-")
         .map_err(|source| b2b_evaluate::Error::Io { path: std::env::temp_dir(), source })?;
     let baselines = Baselines::without_shipped(cache.path());
     let baseline = match baselines.baseline(evaluation, episode, site, progress) {
@@ -368,13 +404,13 @@ fn compare_baseline(
     Ok(Ok(String::new()))
 }
 
-/// Returns the first metric that differs: all of them bit for bit, or those that are averages within the tolerance.
+/// Returns the first metric that differs: of all of them bit for bit, or of those that are averages within the tolerance.
 fn different_metric(
     there: &EpisodeMetrics,
     here: &EpisodeMetrics,
     accuracy: Accuracy,
 ) -> Option<(&'static str, f64, f64)> {
-    let values = |metrics: &EpisodeMetrics| {
+    let averages = |metrics: &EpisodeMetrics| {
         [
             ("return", metrics.episode_return),
             ("temperature penalty", metrics.temperature_penalty),
@@ -387,11 +423,18 @@ fn different_metric(
             ("emissions", metrics.emissions),
         ]
     };
-    let mut pairs = values(there).into_iter().zip(values(here));
-    let different = pairs.find(|((_, there), (_, here))| !accuracy.same(*there, *here));
-    let found = different.map(|((name, there), (_, here))| (name, there, here));
-    let all_bits = accuracy == Accuracy::Tolerance || there == here;
-    found.or_else(|| (!all_bits).then_some(("return", there.episode_return, here.episode_return)))
+    let pairs = averages(there).into_iter().zip(averages(here));
+    let mut averages = pairs.map(|((name, there), (_, here))| (name, there, here));
+    let mut all = EpisodeMetrics::COLUMNS
+        .iter()
+        .map(|column| (column.name, (column.get)(there).as_f64(), (column.get)(here).as_f64()));
+    let differ = |(_, there, here): &(&str, f64, f64)| {
+        !accuracy.same(*there, *here) && !(there.is_nan() && here.is_nan())
+    };
+    match accuracy {
+        Accuracy::Bits => all.find(differ),
+        Accuracy::Tolerance => averages.find(differ),
+    }
 }
 
 #[cfg(test)]
@@ -411,5 +454,7 @@ mod tests {
         assert_eq!(different(&near, Accuracy::Bits).unwrap().0, "return");
         assert_eq!(different(&near, Accuracy::Tolerance), None);
         assert_eq!(different(&far, Accuracy::Tolerance).unwrap().0, "return");
+        let other = EpisodeMetrics { rms_heating_only: 0.5, ..there.clone() };
+        assert_eq!(different(&other, Accuracy::Bits), Some(("rms_heating_only_k", 0.0, 0.5)));
     }
 }
