@@ -9,8 +9,11 @@ static REQUESTED: AtomicBool = AtomicBool::new(false);
 /// Id of the process that started this one, if this one is a command of an experiment's job.
 static OWNER: OnceLock<u32> = OnceLock::new();
 
+/// Whether the command may take longer to stop.
+static PATIENT: AtomicBool = AtomicBool::new(false);
+
 /// Installs the handler: an interrupt or a termination request only sets the flag. A second one ends the process
-/// immediately, unless the process is supervised.
+/// immediately, and so does the first after [`GRACE`](crate::supervision::GRACE), unless the process is supervised.
 pub fn listen() -> Result<()> {
     #[cfg(target_os = "linux")]
     if let Some(owner) = std::env::var(b2b_experiment::OWNER).ok().and_then(|owner| owner.parse().ok()) {
@@ -21,10 +24,30 @@ pub fn listen() -> Result<()> {
         #[cfg(target_os = "linux")]
         let repeated = repeated && !crate::supervision::is_supervised();
         if repeated {
-            std::process::exit(crate::ExitCode::Interrupted as i32);
+            end();
+        }
+        #[cfg(target_os = "linux")]
+        if !crate::supervision::is_supervised() && !PATIENT.load(Ordering::Relaxed) {
+            // Work that does not poll the flag, such as a network that never ends.
+            std::mem::forget(crate::supervision::TimeLimit::start(crate::supervision::GRACE, || {
+                eprintln!("interrupted; what did not stop within 10 s was ended");
+                end();
+            }));
         }
     })
     .context("cannot install the Ctrl-C handler")
+}
+
+/// Ends the process, and with it its workers, without its temporary folders.
+fn end() -> ! {
+    b2b_base::scratch::remove_all();
+    std::process::exit(crate::ExitCode::Interrupted as i32)
+}
+
+/// Lets the command take longer to stop, because it writes a checkpoint first.
+#[cfg(target_os = "linux")]
+pub fn be_patient() {
+    PATIENT.store(true, Ordering::Relaxed);
 }
 
 /// Returns whether the user asked to stop, or the owner has ended.

@@ -22,7 +22,7 @@ use crate::{ExitCode, program};
 /// Environment variable that marks a supervised process.
 pub const SUPERVISED: &str = "B2B_SUPERVISED";
 /// Time that a process has to stop before it is killed. A second request kills it immediately.
-const GRACE: Duration = Duration::from_secs(10);
+pub const GRACE: Duration = Duration::from_secs(10);
 /// Time limit for the preparation of a building.
 const PREPARATION: Duration = Duration::from_secs(600);
 /// The most that a time limit counts at once: a process that was stopped for longer was not preparing anything.
@@ -109,7 +109,7 @@ pub struct TimeLimit(#[expect(dead_code, reason = "dropping it ends the wait")] 
 
 impl TimeLimit {
     /// Calls a function in another thread after the limit.
-    fn start(limit: Duration, exceeded: impl FnOnce() + Send + 'static) -> Self {
+    pub fn start(limit: Duration, exceeded: impl FnOnce() + Send + 'static) -> Self {
         let (running, dropped) = channel();
         std::thread::spawn(move || {
             let mut left = limit;
