@@ -5,6 +5,8 @@
 //! generation, so a late worker detects that the slot has been reassigned. This is the only module of the crate with
 //! unsafe code.
 
+#![allow(unsafe_code, reason = "memory shared with workers")]
+
 use std::fs::File;
 use std::mem::size_of;
 use std::os::fd::{AsFd, OwnedFd};
