@@ -63,6 +63,9 @@ pub fn supervise(arguments: &[OsString]) -> Result<ExitCode> {
             eprintln!("interrupted; EnergyPlus did not stop and was killed");
             Ok(ExitCode::Interrupted)
         }
+        (None, Some(Signal::XFSZ)) => {
+            bail!("a file exceeded the limit of `ulimit -f`; raise the limit")
+        }
         (None, signal) => bail!(
             "EnergyPlus crashed with {}{}\nThe model or the weather file causes the crash: correct the objects named \
              in the messages, or remove objects until it runs",
