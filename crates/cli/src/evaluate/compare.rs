@@ -28,7 +28,7 @@ pub struct Arguments {
     #[arg(value_name = "FOLDER", required = true, num_args = 2..)]
     folders: Vec<PathBuf>,
     /// HTML file to write
-    #[arg(long, value_name = "FILE", default_value = "comparison.html")]
+    #[arg(long, value_name = "FILE", default_value = "comparison.html", value_parser = crate::arguments::page::path)]
     out: PathBuf,
 }
 

@@ -295,3 +295,34 @@ fn bench_train_measures_both_designs_and_the_shares_of_their_time() {
         assert!((shares.iter().sum::<f64>() - 1.0).abs() < 1e-9, "{row}");
     }
 }
+
+#[test]
+fn a_typo_gets_the_nearest_name_and_no_word_is_cut() {
+    let sandbox = Sandbox::new();
+    for (arguments, near) in [
+        ("rnu OfficeSmall", "'run'"),
+        ("run SmallOffice", "did you mean OfficeSmall?"),
+        ("run OfficeSmall --task occupency", "did you mean occupancy?"),
+    ] {
+        let output = sandbox.command(B2B, arguments).env("COLUMNS", "80").output().unwrap();
+        let said = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(said.replace('\n', " ").contains(near), "{said}");
+        let longest = said.lines().map(|line| line.chars().count()).max().unwrap();
+        assert!(longest <= 80, "{said}");
+    }
+    sandbox.assert_refused(&mut sandbox.command(B2B, "run nowhere.idf"), &["nowhere.idf", "does not exist"]);
+    for arguments in ["view OfficeSmall", "compare a b", "evaluate compare a b", "benchmark report a"] {
+        let mut command = sandbox.command(B2B, &format!("{arguments} --out x.pdf"));
+        sandbox.assert_refused(&mut command, &["x.pdf", ".html"]);
+    }
+}
+
+#[test]
+fn the_warnings_of_the_engine_are_in_the_summary() {
+    let object = Sandbox::new().json(SHORT);
+    let warnings = object["warning_messages"].as_array().unwrap();
+    assert!(object["engine_warnings"].as_u64().unwrap() > 0, "{object}");
+    assert_eq!(warnings.len() as u64, object["engine_warnings"].as_u64().unwrap().min(100));
+    assert!(warnings.iter().all(|text| !text.as_str().unwrap().is_empty()), "{warnings:?}");
+}
