@@ -207,6 +207,14 @@ pub(super) fn find_result(folder: &Path) -> Result<Option<(RunResult, Stages)>> 
     Ok(Some((result, stages)))
 }
 
+/// Errors if a part of a result is a link to another one, which a run would write to or take for its own.
+pub(super) fn check_no_links(folder: &Path) -> Result<()> {
+    if [RESULT, EPISODES, POLICY, UNFINISHED].iter().any(|name| folder.join(name).is_symlink()) {
+        return Err(b2b_evaluate::Error::UnrelatedFiles { folder: folder.to_owned() }.into());
+    }
+    Ok(())
+}
+
 /// Errors if the folder of a new run contains anything but leftovers of an interrupted run.
 pub(super) fn check_new(folder: &Path) -> Result<()> {
     let Ok(entries) = std::fs::read_dir(folder) else {

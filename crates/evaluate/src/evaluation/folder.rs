@@ -64,6 +64,10 @@ impl Folder {
         if path.exists() && !path.is_dir() {
             return Err(Error::UnrelatedFiles { folder: path.to_owned() });
         }
+        // Episodes would be written to a folder of somebody else.
+        if [DEFINITION, EPISODES].iter().any(|name| path.join(name).is_symlink()) {
+            return Err(Error::UnrelatedFiles { folder: path.to_owned() });
+        }
         std::fs::create_dir_all(path).map_err(at(path))?;
         // Before the definition is written: of two evaluations in a new folder, one defines it.
         let lock = FolderLock::acquire(path).map_err(at(path))?;
@@ -260,6 +264,11 @@ mod tests {
         drop(folder);
         std::fs::write(root.path().join("thesis.tex"), "").unwrap();
         let foreign = Folder::open(root.path(), &BuiltIn::random(), &houses).unwrap_err();
+        assert!(matches!(foreign, Error::UnrelatedFiles { .. }), "{foreign}");
+        let linked = root.path().join("linked");
+        std::fs::create_dir_all(&linked).unwrap();
+        std::os::unix::fs::symlink(path.join(EPISODES), linked.join(EPISODES)).unwrap();
+        let foreign = Folder::open(&linked, &BuiltIn::random(), &houses).unwrap_err();
         assert!(matches!(foreign, Error::UnrelatedFiles { .. }), "{foreign}");
         let none = Folder::open(&root.path().join("other"), &BuiltIn::random(), &[]).unwrap_err();
         assert!(matches!(none, Error::NoEpisode), "{none}");
