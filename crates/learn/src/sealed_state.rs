@@ -26,7 +26,8 @@ pub(crate) fn seal(state: &State) -> Vec<u8> {
 /// # Errors
 /// [`Error::State`] for bytes without a digest or with another one, and those of [`State::from_bytes`].
 pub(crate) fn unseal(mut bytes: Vec<u8>) -> Result<State> {
-    let place = place(&bytes).ok_or_else(|| Error::State("it is damaged, or of an earlier version".to_owned()))?;
+    let place =
+        place(&bytes).ok_or_else(|| Error::State("it is damaged, or of an earlier version".to_owned()))?;
     let digest = bytes[place..place + DIGITS].to_owned();
     bytes[place..place + DIGITS].fill(b'0');
     if sha256(&bytes).as_bytes() != digest {

@@ -3,7 +3,8 @@
 use crate::program::command;
 
 /// Names under which an interpreter or a package client would find code or settings in the current folder.
-const MODULES: [&str; 6] = ["pip.py", "token.py", "random.py", "sitecustomize.py", "building2building.py", "pip/__main__.py"];
+const MODULES: [&str; 6] =
+    ["pip.py", "token.py", "random.py", "sitecustomize.py", "building2building.py", "pip/__main__.py"];
 
 #[test]
 fn no_command_runs_code_of_the_current_folder() {

@@ -68,7 +68,12 @@ impl<'a> Recorder<'a> {
     fn new(spaces: &Spaces, work: &'a Work<'a>) -> Self {
         let trajectory = Trajectory::for_episode(spaces);
         let recording = Recording { first_observation: Vec::new(), trajectory };
-        Self { recording, work, steps_per_day: 24 * spaces.episode.steps_per_hour as usize, checked: Instant::now() }
+        Self {
+            recording,
+            work,
+            steps_per_day: 24 * spaces.episode.steps_per_hour as usize,
+            checked: Instant::now(),
+        }
     }
 
     fn check(&self) -> b2b_env::Result<()> {

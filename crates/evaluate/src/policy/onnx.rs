@@ -166,7 +166,11 @@ fn endless() -> String {
 }
 
 /// Returns the first output of a model for an observation.
-fn infer(model: &Model, options: &RunOptions, observation: &[f32]) -> std::result::Result<Vec<f32>, RunError> {
+fn infer(
+    model: &Model,
+    options: &RunOptions,
+    observation: &[f32],
+) -> std::result::Result<Vec<f32>, RunError> {
     let input = NdTensorView::from_data([1, observation.len()], observation);
     let inputs = vec![(model.input_ids()[0], ValueOrView::from(input))];
     let mut values = model.run(inputs, &model.output_ids()[..1], Some(options.clone()))?;
@@ -190,9 +194,8 @@ mod tests {
     /// Returns a model whose nodes are one after another.
     fn chain(nodes: usize) -> Vec<u8> {
         let name = |place: usize| format!("value {place}");
-        let node = |place| {
-            bytes(1, &[text(1, &name(place)), text(2, &name(place + 1)), text(4, "Relu")].concat())
-        };
+        let node =
+            |place| bytes(1, &[text(1, &name(place)), text(2, &name(place + 1)), text(4, "Relu")].concat());
         let value = |place| {
             let width = [bytes(1, &integer(1, 1)), bytes(1, &integer(1, 2))].concat();
             let tensor = [integer(1, 1), bytes(2, &width)].concat();

@@ -97,8 +97,7 @@ impl Dataset {
         }
         let contents =
             b2b.ok_or_else(|| wrong("it does not name buildings; expected a dataset of `b2b collect`"))?;
-        let episode =
-            |number: usize| read_json(path, &format!("data/{number}/{METADATA}"), digests.as_ref());
+        let episode = |number: usize| read_json(path, &format!("data/{number}/{METADATA}"), digests.as_ref());
         let episodes = (0..total_episodes).map(episode).collect::<Result<_>>()?;
         Ok(Self { path: path.to_owned(), contents, episodes, digests })
     }
@@ -295,7 +294,8 @@ mod tests {
 
     /// Changes a bit of every byte of every file but the digests.
     fn assert_every_flipped_bit_is_an_error(path: &Path) {
-        let all = || Dataset::open(path).and_then(|dataset| (0..2).try_for_each(|n| dataset.read(n).map(drop)));
+        let all =
+            || Dataset::open(path).and_then(|dataset| (0..2).try_for_each(|n| dataset.read(n).map(drop)));
         all().unwrap();
         for name in ["metadata.json", "1/metadata.json", "0/part-0.parquet"] {
             let file = path.join("data").join(name);

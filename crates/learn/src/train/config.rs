@@ -481,7 +481,9 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("config.toml");
         std::fs::write(&path, "allow_external = true").unwrap();
-        for said in [TrainConfig::default().with_file(&path), TrainConfig::default().with_options_of_file(&path)] {
+        for said in
+            [TrainConfig::default().with_file(&path), TrainConfig::default().with_options_of_file(&path)]
+        {
             let said = said.unwrap_err().to_string();
             assert!(said.contains("pass --allow-external"), "{said}");
         }

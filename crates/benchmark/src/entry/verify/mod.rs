@@ -156,7 +156,8 @@ fn problem(result: &RunResult) -> CheckOutcome {
     if problem.hash() != result.problem_hash {
         return Err("the problem does not match its hash".into());
     }
-    if let Some(question) = Problem::all().iter().find(|known| known.name == problem.name).map(|known| &known.question)
+    if let Some(question) =
+        Problem::all().iter().find(|known| known.name == problem.name).map(|known| &known.question)
         && *question != problem.question
     {
         return Err(format!("its question is not that of {}: {}", problem.name, problem.question));
@@ -216,9 +217,13 @@ fn counts(result: &RunResult, stages: &[(Stage, Vec<Row>)]) -> std::result::Resu
     let seeds: BTreeMap<_, _> =
         result.policies.iter().map(|(stage, policy)| (stage.clone(), seeds(policy))).collect();
     if seeds != result.seeds {
-        return Err(format!("the seeds are stated as {:?}; those of the policies are {seeds:?}", result.seeds));
+        return Err(format!(
+            "the seeds are stated as {:?}; those of the policies are {seeds:?}",
+            result.seeds
+        ));
     }
-    let episodes: BTreeMap<_, _> = stages.iter().map(|(stage, rows)| (stage.to_string(), rows.len())).collect();
+    let episodes: BTreeMap<_, _> =
+        stages.iter().map(|(stage, rows)| (stage.to_string(), rows.len())).collect();
     if episodes != result.episodes {
         return Err(format!(
             "the numbers of episodes are stated as {:?}; the table has {episodes:?}",
