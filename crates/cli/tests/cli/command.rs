@@ -247,6 +247,27 @@ fn an_interrupted_run_stops_between_steps_and_leaves_nothing_behind() {
     }
 }
 
+#[test]
+#[cfg(target_os = "linux")]
+fn interrupted_commands_that_start_processes_leave_nothing_behind() {
+    for arguments in [
+        "check RestaurantFastFood-0001 --jobs 1",
+        "bench vector --type RestaurantFastFood --environments 2 --days 20",
+    ] {
+        let sandbox = Sandbox::new();
+        let mut command = sandbox.command(B2B, arguments);
+        let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        let started =
+            |parent: u32| children_of(parent).into_iter().any(|id| !workers_of(parent).contains(&id));
+        wait_until(|| started(child.id()));
+        std::thread::sleep(Duration::from_secs(1));
+        kill_process(Pid::from_child(&child), Signal::TERM).unwrap();
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(130), "{arguments}: {}", stderr(&output));
+        assert_eq!(sandbox.left_behind(), Vec::<PathBuf>::new(), "{arguments}");
+    }
+}
+
 /// Returns the child processes of a process.
 #[cfg(target_os = "linux")]
 fn children_of(process: u32) -> Vec<u32> {
