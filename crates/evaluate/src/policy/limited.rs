@@ -62,8 +62,8 @@ mod tests {
     #[test]
     fn a_call_that_never_ends_is_given_up_and_so_are_later_ones() {
         let mut endless = Limited::new(|input: u32| {
-            while input == 0 {
-                std::thread::sleep(TICK);
+            if input == 0 {
+                std::thread::park();
             }
             input + 1
         });

@@ -63,7 +63,7 @@ pub(super) fn different_metric(
         .iter()
         .map(|column| (column.name, (column.get)(there).as_f64(), (column.get)(here).as_f64()));
     let differ = |(_, there, here): &(&str, f64, f64)| {
-        !accuracy.same(*there, *here) && !(there.is_nan() && here.is_nan())
+        !(accuracy.same(*there, *here) || there.is_nan() && here.is_nan())
     };
     match accuracy {
         Accuracy::Bits => all.find(differ),
