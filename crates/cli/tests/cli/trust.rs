@@ -229,8 +229,12 @@ fn evaluations_and_trainings_that_begin_at_once_in_a_new_folder_do_not_mix() {
     let folder = tempfile::tempdir().unwrap();
     let evaluate =
         |policy| format!("evaluate RestaurantFastFood --policy {policy} --period 01-01..01-01 --out e");
-    let train =
-        |seed| format!("train RestaurantFastFood --period 01-01..01-02 --steps 400 --seed {seed} --out t");
+    let short = "window_days = 1\n[evaluation]\nevery = 0\nwhole_period = false\n";
+    std::fs::write(folder.path().join("c.toml"), short).unwrap();
+    let train = |seed| {
+        let options = "--period 01-01..01-02 --steps 2000 --environments 2";
+        format!("train RestaurantFastFood --config c.toml {options} --seed {seed} --out t")
+    };
     for commands in [[evaluate("constant"), evaluate("random")], [train(1), train(2)]] {
         let start = |arguments: &String| {
             let mut command = command(folder.path(), arguments);
