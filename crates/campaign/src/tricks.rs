@@ -34,11 +34,11 @@ type Outcome = (Ended, Option<String>);
 type Kind = fn(&mut Attack<'_>) -> Result<Outcome>;
 
 const KINDS: [(&str, Kind); 5] = [
-    ("code in the current folder", Attack::code_in_the_current_folder),
-    ("links in the way", Attack::links_in_the_way),
-    ("endless networks", Attack::endless_network),
-    ("flipped bits", Attack::flipped_bit),
-    ("two at once", Attack::two_at_once),
+    ("code in the current folder", |attack| attack.code_in_the_current_folder()),
+    ("links in the way", |attack| attack.links_in_the_way()),
+    ("endless networks", |attack| attack.endless_network()),
+    ("flipped bits", |attack| attack.flipped_bit()),
+    ("two at once", |attack| attack.two_at_once()),
 ];
 
 /// Attacks the commands until a deadline.
@@ -70,7 +70,8 @@ impl Attack<'_> {
         std::fs::copy(pick(self.material.models(), self.random), self.folder.join("m.epJSON"))?;
         let commands =
             ["doctor", "import m.epJSON --place Miami", "run SingleFamilyHouse --period 01-01..01-01"];
-        let ended = self.run(pick(&commands, self.random))?;
+        let command = *pick(&commands, self.random);
+        let ended = self.run(command)?;
         Ok((ended, mark.exists().then(|| "code of the current folder ran".to_owned())))
     }
 
@@ -80,7 +81,8 @@ impl Attack<'_> {
         std::fs::write(&theirs, "theirs")?;
         let out = self.folder.join("out");
         std::fs::create_dir(&out)?;
-        let names = ["evaluation.json", "trajectory.parquet", "summary.json", "config.toml", "log.txt"];
+        std::fs::copy(pick(self.material.models(), self.random), self.folder.join("m.epJSON"))?;
+        let names = ["evaluation.json", "trajectory.parquet", "summary.json", "m.epJSON", "page.html"];
         for name in names {
             for name in [name.to_owned(), format!("{name}.aside"), format!("{name}.tmp")] {
                 symlink(&theirs, out.join(name))?;
@@ -89,10 +91,11 @@ impl Attack<'_> {
         let commands = [
             "run SingleFamilyHouse --period 01-01..01-01 --out out",
             "evaluate SingleFamilyHouse --policy constant --period 01-01..01-01 --out out",
-            "view SingleFamilyHouse --out out/summary.json",
-            "edit m.epJSON --lights 2 --out out/config.toml",
+            "view SingleFamilyHouse --out out/page.html",
+            "edit m.epJSON --lights 2 --out out/m.epJSON",
         ];
-        let ended = self.run(pick(&commands, self.random))?;
+        let command = *pick(&commands, self.random);
+        let ended = self.run(command)?;
         let changed = std::fs::read(&theirs)? != b"theirs";
         Ok((ended, changed.then(|| "a link was followed to another file".to_owned())))
     }
