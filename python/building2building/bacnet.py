@@ -7,7 +7,10 @@ from __future__ import annotations
 
 import argparse
 import asyncio
+import ipaddress
 import math
+import warnings
+from collections.abc import Awaitable, Callable
 from typing import Any
 
 import numpy as np
@@ -23,6 +26,12 @@ from .rollouts import ReactiveController
 _UNITS = {"°C": "degreesCelsius", "%": "percentRelativeHumidity", "h": "hours", "kg/s": "kilogramsPerSecond"}
 #: A vendor id that ASHRAE reserves.
 _VENDOR = 999
+#: Address by default: of this machine alone.
+_ADDRESS = "127.0.0.1/24:47808"
+#: How long a client may take to send a request again whose answer it has not received, s.
+_RESENT = 5.0
+#: How long a request may take, ms.
+_LONGEST_REQUEST = 24 * 3600 * 1000
 #: The status of every object.
 _STATUS: dict[str, Any] = {"statusFlags": [0, 0, 0, 0], "eventState": "normal", "outOfService": False}
 
@@ -32,37 +41,49 @@ class Plant:
 
     =====================  ===========================================================================================
     ``analog-input i``     Slot i of the observation, from 1.
-    ``analog-output i``    Actuator i, from 1, in physical units. Commandable: without a command, and after one is
-                           relinquished, it takes the action of the reactive controllers, like a point under a
-                           building's own control.
-    ``analog-value 1``     *steps to run*: a client writes a number of steps, and gets the reply after these steps.
+    ``analog-output i``    Actuator i, from 1, in physical units. Commandable within its bounds: without a command, and
+                           after one is relinquished, it takes the action of the reactive controllers, like a point
+                           under a building's own control.
+    ``analog-value 1``     *steps to run*: a client writes a number of steps, and gets the reply after these steps. A
+                           request that the client sends again runs nothing.
     ``analog-value 2``     *steps left* in the episode.
     ``analog-value 3``     *reward* of the last step.
     ``analog-value 4``     *return* of the episode.
     ``binary-value 1``     *new episode*: begins one when ``active`` is written.
     =====================  ===========================================================================================
 
-    Names, units and bounds are in the objects. BACnet's numbers are f32; actions of the reactive controllers keep f64.
+    Names, units and bounds are in the objects. Clients can write the present value of outputs, of *steps to run* and of
+    *new episode*, and nothing else. BACnet/IP has no authentication: whoever reaches the address can do so. BACnet's
+    numbers are f32; actions of the reactive controllers keep f64.
     """
 
-    def __init__(self, env: BuildingEnv, address: str = "0.0.0.0/24:47808", *, device: int = 26100) -> None:
+    def __init__(self, env: BuildingEnv, address: str = _ADDRESS, *, device: int = 26100) -> None:
         """Opens the device on an address of the form ``ip/bits:port``; call it in a running event loop."""
         need("bacpypes3", "bacpypes3")
-        from bacpypes3.app import Application
+        from bacpypes3.local.analog import AnalogValueObject
         from bacpypes3.local.device import DeviceObject
         from bacpypes3.local.networkport import NetworkPortObject
 
+        _warn_if_reachable(address)
         self.env = env
+        #: Held while steps run.
+        self.running = asyncio.Lock()
         self._controller = ReactiveController(env)
         layout = env.layout
-        self._inputs = [_analog("input", number, slot) for number, slot in enumerate(layout.observation, 1)]
-        self._outputs = [_analog("output", number, slot) for number, slot in enumerate(layout.action, 1)]
+        self._inputs = [_input(number, slot) for number, slot in enumerate(layout.observation, 1)]
+        self._outputs = [_output(number, slot) for number, slot in enumerate(layout.action, 1)]
         self._steps_to_run, self._new_episode = _requests(self)
-        self._steps_left = _value(2, "steps left", "steps that are left in the episode")
-        self._reward = _value(3, "reward", "reward of the last step")
-        self._return = _value(4, "return", "sum of the rewards of the episode")
+        self._steps_left, self._reward, self._return = (
+            _read_only(AnalogValueObject, **_value(*each))
+            for each in (
+                (2, "steps left", "steps that are left in the episode"),
+                (3, "reward", "reward of the last step"),
+                (4, "return", "sum of the rewards of the episode"),
+            )
+        )
         values = (self._steps_to_run, self._steps_left, self._reward, self._return, self._new_episode)
-        self._device = DeviceObject(
+        self._device = _read_only(
+            DeviceObject,
             objectIdentifier=("device", device),
             objectName=env.building.name,
             description=f"{env.building.name} in {env.building.place}, simulated by EnergyPlus",
@@ -70,7 +91,10 @@ class Plant:
             modelName="building2building",
         )
         port = NetworkPortObject(address, objectIdentifier=("network-port", 1), objectName="network port")
-        self._application = Application.from_object_list([self._device, port, *self._inputs, *self._outputs, *values])
+        objects = [self._device, port, *self._inputs, *self._outputs, *values]
+        self._application = _application().from_object_list(objects)
+        # A transaction that is given up would run again when the client sends its request again.
+        self._application.asap.applicationTimeout = _LONGEST_REQUEST
         self.reset()
 
     def reset(self) -> None:
@@ -115,37 +139,89 @@ class Plant:
         self._reward.presentValue, self._return.presentValue = float(reward), self._episode_return
 
 
-def _analog(kind: str, number: int, slot: Any) -> Any:
-    """Makes the object of a slot of the observation or the action."""
-    from bacpypes3.local.analog import AnalogInputObject, AnalogOutputObject
+def _read_only(base: Any, **properties: Any) -> Any:
+    """Makes an object that clients cannot write."""
+    from bacpypes3.errors import PropertyError
 
+    class ReadOnly(base):
+        async def write_property(self, *_: Any) -> None:
+            raise PropertyError("writeAccessDenied")
+
+    return ReadOnly(**properties)
+
+
+def _writable(
+    base: Any, check: Callable[[Any], None], written: Callable[[Any], Awaitable[None]], **properties: Any
+) -> Any:
+    """Makes an object of which clients can write the present value alone: ``check`` raises for values that are refused,
+    and ``written`` follows those that are taken."""
+    from bacpypes3.errors import PropertyError
+
+    class Writable(base):
+        async def write_property(self, attr: Any, value: Any, index: Any = None, priority: Any = None) -> None:
+            name = self._property_identifier_class(attr).attr if isinstance(attr, int) else attr
+            if name != "presentValue" or index is not None:
+                raise PropertyError("writeAccessDenied")
+            check(value)
+            await super().write_property(attr, value, index, priority)
+            await written(self)
+
+    return Writable(**properties)
+
+
+def _input(number: int, slot: Any) -> Any:
+    """Makes the object of a slot of the observation."""
+    from bacpypes3.local.analog import AnalogInputObject
+
+    return _read_only(AnalogInputObject, **_analog("input", number, slot))
+
+
+def _output(number: int, slot: Any) -> Any:
+    """Makes the object of an actuator, which refuses commands out of its bounds."""
+    from bacpypes3.errors import PropertyError
+    from bacpypes3.local.analog import AnalogOutputObject
+
+    # As clients read them: f32.
+    low, high = float(np.float32(slot.low)), float(np.float32(slot.high))
+
+    def check(value: Any) -> None:
+        # Null relinquishes a command; NaN is in no bounds.
+        if not isinstance(value, tuple) and not low <= float(value) <= high:
+            raise PropertyError("valueOutOfRange")
+
+    async def written(_: Any) -> None:
+        pass
+
+    return _writable(AnalogOutputObject, check, written, **_analog("output", number, slot))
+
+
+def _analog(kind: str, number: int, slot: Any) -> dict[str, Any]:
+    """Returns the properties of the object of a slot of the observation or the action."""
     unit = "" if slot.unit == "1" else f", {slot.unit}"
-    return {"input": AnalogInputObject, "output": AnalogOutputObject}[kind](
-        objectIdentifier=(f"analog-{kind}", number),
-        objectName=slot.name,
-        description=f"{slot.name}{unit}",
-        presentValue=float(slot.low),
-        minPresValue=float(slot.low),
-        maxPresValue=float(slot.high),
-        units=_UNITS.get(slot.unit, "noUnits"),
+    return {
+        "objectIdentifier": (f"analog-{kind}", number),
+        "objectName": slot.name,
+        "description": f"{slot.name}{unit}",
+        "presentValue": float(slot.low),
+        "minPresValue": float(slot.low),
+        "maxPresValue": float(slot.high),
+        "units": _UNITS.get(slot.unit, "noUnits"),
         **_STATUS,
-        covIncrement=0.01,
-    )
+        "covIncrement": 0.01,
+    }
 
 
-def _value(number: int, name: str, description: str, of: Any = None) -> Any:
-    """Makes an analog value."""
-    from bacpypes3.local.analog import AnalogValueObject
-
-    return (of or AnalogValueObject)(
-        objectIdentifier=("analog-value", number),
-        objectName=name,
-        description=description,
-        presentValue=0.0,
-        units="noUnits",
+def _value(number: int, name: str, description: str) -> dict[str, Any]:
+    """Returns the properties of an analog value."""
+    return {
+        "objectIdentifier": ("analog-value", number),
+        "objectName": name,
+        "description": description,
+        "presentValue": 0.0,
+        "units": "noUnits",
         **_STATUS,
-        covIncrement=0.0,
-    )
+        "covIncrement": 0.0,
+    }
 
 
 def _requests(plant: Plant) -> tuple[Any, Any]:
@@ -154,34 +230,92 @@ def _requests(plant: Plant) -> tuple[Any, Any]:
     from bacpypes3.local.analog import AnalogValueObject
     from bacpypes3.local.binary import BinaryValueObject
 
-    class StepsToRun(AnalogValueObject):
-        async def write_property(self, attr: Any, value: Any, index: Any = None, priority: Any = None) -> None:
-            await super().write_property(attr, value, index, priority)
-            point: Any = self
-            count, point.presentValue = float(point.presentValue), 0.0
-            if not (math.isfinite(count) and count.is_integer() and 0 <= count <= plant.steps_left):
-                raise PropertyError("valueOutOfRange")
-            for _ in range(int(count)):
+    def check_count(value: Any) -> None:
+        count = float(value)
+        if not (math.isfinite(count) and count.is_integer() and 0 <= count <= plant.steps_left):
+            raise PropertyError("valueOutOfRange")
+
+    async def run(point: Any) -> None:
+        count, point.presentValue = int(point.presentValue), 0.0
+        # One request after the other.
+        async with plant.running:
+            for _ in range(count):
                 plant.step_if_left()
                 # Answers other clients between steps.
                 await asyncio.sleep(0)
 
-    class NewEpisode(BinaryValueObject):
-        async def write_property(self, attr: Any, value: Any, index: Any = None, priority: Any = None) -> None:
-            await super().write_property(attr, value, index, priority)
-            point: Any = self
-            if str(point.presentValue) == "active":
-                point.presentValue = "inactive"
+    async def begin(point: Any) -> None:
+        if str(point.presentValue) == "active":
+            point.presentValue = "inactive"
+            async with plant.running:
                 plant.reset()
 
-    new_episode = NewEpisode(
-        objectIdentifier=("binary-value", 1),
-        objectName="new episode",
-        description="write active to begin an episode",
-        presentValue="inactive",
+    steps_to_run = _value(1, "steps to run", "write a number of steps to run them")
+    new_episode = {
+        "objectIdentifier": ("binary-value", 1),
+        "objectName": "new episode",
+        "description": "write active to begin an episode",
+        "presentValue": "inactive",
         **_STATUS,
+    }
+    return (
+        _writable(AnalogValueObject, check_count, run, **steps_to_run),
+        _writable(BinaryValueObject, lambda _: None, begin, **new_episode),
     )
-    return _value(1, "steps to run", "write a number of steps to run them", StepsToRun), new_episode
+
+
+def _application() -> Any:
+    """Returns the class of an application in which every write is carried out once, however often a client sends it.
+
+    A client sends a request again, under the same invoke id, if the answer does not come in time. Until the request is
+    answered, bacpypes3 drops such copies. A copy that crosses the answer is the client's last request once more; it is
+    answered, and nothing else.
+    """
+    from bacpypes3.apdu import SimpleAckPDU, WritePropertyMultipleRequest, WritePropertyRequest
+    from bacpypes3.app import Application
+
+    class Once(Application):
+        def __init__(self, *arguments: Any, **options: Any) -> None:
+            super().__init__(*arguments, **options)
+            #: Of every client whose last request was a write that was carried out: the write, and when.
+            self._written: dict[str, tuple[bytes, float]] = {}
+
+        async def indication(self, apdu: Any) -> None:
+            if not isinstance(apdu, (WritePropertyRequest, WritePropertyMultipleRequest)):
+                self._written.pop(str(apdu.pduSource), None)
+            await super().indication(apdu)
+
+        async def do_WritePropertyRequest(self, apdu: Any) -> None:
+            await self._once(apdu, super().do_WritePropertyRequest)
+
+        async def do_WritePropertyMultipleRequest(self, apdu: Any) -> None:
+            await self._once(apdu, super().do_WritePropertyMultipleRequest)
+
+        async def _once(self, apdu: Any, carry_out: Callable[[Any], Awaitable[None]]) -> None:
+            client, clock = str(apdu.pduSource), asyncio.get_running_loop()
+            request = bytes([apdu.apduInvokeID]) + bytes(apdu.encode().pduData)
+            last, done = self._written.pop(client, (b"", -math.inf))
+            if request == last and clock.time() - done < _RESENT:
+                await self.response(SimpleAckPDU(context=apdu))
+            else:
+                await carry_out(apdu)
+            self._written[client] = request, clock.time()
+
+    return Once
+
+
+def _warn_if_reachable(address: str) -> None:
+    host = address.partition("/")[0].partition(":")[0]
+    try:
+        local = ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        local = False
+    if not local:
+        warnings.warn(
+            f"{address} can be reached from other machines, and BACnet/IP has no authentication: whoever reaches it "
+            "can run and command the simulation",
+            stacklevel=3,
+        )
 
 
 def _check_speed(speed: float | None) -> None:
@@ -189,7 +323,7 @@ def _check_speed(speed: float | None) -> None:
         raise SettingError(f"speed is {speed}; expected a positive number, or None")
 
 
-async def serve(env: BuildingEnv, address: str = "0.0.0.0/24:47808", *, speed: float | None = 1.0) -> None:
+async def serve(env: BuildingEnv, address: str = _ADDRESS, *, speed: float | None = 1.0) -> None:
     """Serves an environment as a BACnet device: see :class:`Plant`.
 
     ``speed`` is the number of simulated seconds per second; the call returns at the end of the episode. With ``None``
@@ -207,7 +341,8 @@ async def serve(env: BuildingEnv, address: str = "0.0.0.0/24:47808", *, speed: f
             while plant.steps_left:
                 step += 1
                 await asyncio.sleep(max(0.0, start + step * interval - clock.time()))
-                plant.step_if_left()
+                async with plant.running:
+                    plant.step_if_left()
     finally:
         plant.close()
 
@@ -220,7 +355,11 @@ def main() -> None:
     parser.add_argument("--weather", help="weather file (EPW); needed for a model file")
     parser.add_argument("--task", default="constant", help="task [default: constant]")
     parser.add_argument("--period", default="winter", help="run period, such as 01-08..01-14 [default: winter]")
-    parser.add_argument("--address", default="0.0.0.0/24:47808", help="ip/bits:port [default: 0.0.0.0/24:47808]")
+    parser.add_argument(
+        "--address",
+        default=_ADDRESS,
+        help=f"ip/bits:port [default: {_ADDRESS}, of this machine alone; 0.0.0.0/24:47808 opens it to the network]",
+    )
     parser.add_argument(
         "--speed",
         type=float,

@@ -26,6 +26,7 @@ from . import _core
 from .env import BuildingEnv, unwrap
 from .errors import SettingError
 from .evaluation import ControllerMaker, ProgressLine, is_built_in, name_of
+from .identity import identity_of
 from .learning import Agent
 from .rollouts import BuiltInController, ReactiveController, Trajectory, rollout
 from .vector import BuildingVectorEnv
@@ -70,7 +71,7 @@ class RestrictedAction(gymnasium.Wrapper[Any, Any, Any, Any]):
         self.action_space = Box(low[kept], high[kept], dtype=np.float32)
         metadata = env.metadata
         names = {key: [metadata[key][each] for each in kept] for key in ("action_names", "action_units")}
-        self.metadata = {**metadata, **names}
+        self.metadata = metadata | names
 
     @property
     def kept(self) -> list[int]:
@@ -202,7 +203,7 @@ class Problem:
         if protocol.get("observation", "roles") == "roles" and building_env.layout.spaces.roles is not None:
             env = RoleObservation(env)
         elif "observation_width" in protocol:
-            env = PadObservation(env, protocol["observation_width"])
+            env = PadObservation(env, width=protocol["observation_width"])
         if protocol["attributes"] == "given":
             env = AugmentObservationWithBuildingParams(env)
         return env
@@ -324,7 +325,7 @@ class Problem:
 
         The folder receives ``result.json`` and the episodes, for ``b2b benchmark report`` and ``b2b benchmark verify``.
         ``verify`` checks them like any other result, but reports that it did not rerun the policy, which is your
-        program. The same call resumes an interrupted run; change ``version`` after further training. With
+        program. The same call resumes an interrupted run; a policy is identified as by :func:`evaluate`. With
         ``by_seed=True``, every seed of the protocol is run (``context.seed``), otherwise only the first.
         ``train_policy`` runs in the training buildings if the problem leaves the agent other actuators there than in
         the test buildings.
@@ -340,7 +341,10 @@ class Problem:
         if train_policy is not None and isinstance(train_policy, type) != whole:
             raise SettingError("policy and train_policy must both be functions, or both controller classes")
         name = name or name_of(policy)
-        identity = f"python {name} {version}, rescale_action={rescale_action}".strip()
+        identity = f"python {name} {version}, rescale_action={rescale_action}"
+        identity += ", ".join(
+            ["", *(identity_of(each, version) for each in (policy, train_policy) if each is not None)]
+        )
         result = self._core.run(
             ControllerMaker(policy, rescale_action, normalize=False),
             None if train_policy is None else ControllerMaker(train_policy, rescale_action, normalize=False),

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 from . import _core, _engine
 from .errors import BuildingError, SettingError
+from .signatures import renamed
 
 #: Splits of the dataset.
 SPLITS = ("train", "test", "test_small", "all")
@@ -62,6 +63,7 @@ def _row(building_id: str) -> dict[str, Any]:
     raise BuildingError(f"unknown building id `{building_id}`; ids look like {building_type}-0042")
 
 
+@renamed(positions=1, building_type="the id is enough, as in get_climate_zone('OfficeSmall-0001')")
 def get_climate_zone(building_id: str) -> str | None:
     """Returns the ASHRAE 169 climate zone of a building of the dataset, such as ``5A``.
 
@@ -241,7 +243,7 @@ def edit_model(
 
 def select_building(
     building_type: str | None,
-    split: str = "train",
+    split: str | None = None,
     index: int | None = None,
     building_id: str | None = None,
     place: str | None = None,
@@ -256,10 +258,16 @@ def select_building(
     if building_type is None:
         raise SettingError("no building selected; pass a building_type, a building_id or a building")
     if index is not None:
+        split = split or "train"
         ids = list_buildings(building_type, split)
         if not 0 <= index < len(ids):
             raise SettingError(f"index {index} is out of range for split `{split}`; expected 0 to {len(ids) - 1}")
         return find_building(ids[index], place, weather)
+    if split is not None:
+        raise SettingError(
+            f"split `{split}` selects a building only with an index; pass index=0 for its first one, or omit split for "
+            "the type's prototype"
+        )
     return find_building(building_type, place, weather)
 
 

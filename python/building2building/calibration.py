@@ -9,9 +9,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from . import command
+from . import _core
 from .buildings import PathLike
-from .errors import BuildingError
 from .temporary import temporary_folder
 
 
@@ -38,16 +37,13 @@ def calibrate(
 
     Returns what ``b2b calibrate --json`` prints: ``parameters``, each with its ``multiplier``; ``fuels``, each with
     metered and simulated energy and the agreement by ASHRAE Guideline 14 before and after; and ``warnings``. Raises
-    :class:`~building2building.errors.BuildingError` for a model that cannot be simulated or a wrong table.
+    :class:`~building2building.errors.BuildingError` for a wrong model or table, and
+    :class:`~building2building.errors.EngineError` for a model that EnergyPlus rejects or crashes with.
     """
-    words = ["calibrate", os.fspath(model), "--out", os.fspath(out), "--iterations", str(iterations), "--json"]
-    for option, value in {"--place": place, "--weather": weather, "--jobs": jobs}.items():
-        words += [option, os.fspath(value) if isinstance(value, os.PathLike) else str(value)] if value else []
-    words += [word for name in parameters for word in ("--parameter", name)]
-    words += ["--allow-external"] if allow_external else []
     with temporary_folder("calibrate") as folder:
         table = energy if isinstance(energy, str | os.PathLike) else _write(energy, folder / "metered.csv")
-        printed = command.run([*words, "--energy", os.fspath(table)], BuildingError)
+        key = (os.fspath(model), place, weather, allow_external)
+        printed = _core.calibrate(key, table, out, parameters, iterations, jobs)
     report: dict[str, Any] = json.loads(printed)
     return report
 

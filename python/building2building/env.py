@@ -6,8 +6,9 @@ import json
 import math
 import os
 import threading
-from collections.abc import Callable, Sequence
-from copy import deepcopy
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from copy import copy, deepcopy
 from typing import Any
 
 import gymnasium
@@ -20,9 +21,10 @@ from .buildings import Building, PathLike, checked_weather, find_building, selec
 from .errors import EpisodeError, ProcessError, SettingError
 from .info import Info, StepInfo
 from .layout import Layout
-from .morphology import Morphology
+from .morphology import Metadata, Morphology
 from .open_envs import close_at_exit
-from .render import Renderer, Scene
+from .physical_actions import warn_of_learner, warn_of_zeros
+from .render import PowerHistory, Renderer, Scene
 from .snapshot import Position, Snapshot
 from .tasks import task_text
 
@@ -36,6 +38,7 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
       target (°C) of every controlled zone for the next step. :attr:`observation` is the same in f64.
     - Action: ``Box`` f32, one value per actuator, in physical units, or in [-1, 1] with ``rescale_action``. Actions in
       f64 are not rounded.
+    - Metadata: names and units of the slots, the task, the zones, and ``["morphology"]``, the building as a graph.
     - Reward: minus the mean squared deviation from target over the controlled zones (K²), minus the weighted energy
       use of the task. ``info["reward_terms"]`` has both terms.
     - Episode end: truncated at the end of the run period; never terminated.
@@ -51,7 +54,7 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
         self,
         building_type: str | None = None,
         *,
-        split: str = "train",
+        split: str | None = None,
         index: int | None = None,
         building_id: str | None = None,
         building: Building | None = None,
@@ -91,6 +94,7 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
         self._engine_output = keep_engine_output
         self._thread = threading.get_ident() if in_process else None
         self._process = os.getpid()
+        self._finish_run = False
         self._base_setting = self._setting_of(self.task)
         #: Building, run period, time step and task of the episode.
         self.setting = self._base_setting
@@ -113,8 +117,9 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
         self.observation_space = self.layout.observation_space()
         self.action_space = self.layout.action_space(self.rescale_action)
         task = json.loads(self.setting.task_json())
-        self.metadata = {**type(self).metadata, **self.layout.metadata(), "task": task}
-        self._morphology: Morphology | None = None
+        values = {**type(self).metadata, **self.layout.metadata(), "task": task}
+        self.metadata = Metadata(values, self.layout.spaces.morphology)
+        self._power = PowerHistory(self.layout)
         #: The observation in f64.
         self.observation = np.zeros(len(self.layout.observation_low))
         self._steps = 0
@@ -142,6 +147,8 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
         """
         super().reset(seed=seed)
         self._open_core()
+        if not self.rescale_action:
+            warn_of_learner()
         if os.getpid() != self._process:
             self._restart_after_fork()
         setting, steps = self._base_setting, None
@@ -154,9 +161,13 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
         if setting is not self.setting:
             self._set_setting(setting)
         core = self._open_core()
-        single, self.observation = core.reset() if isinstance(core, _core.LocalEnv) else core.reset(steps)
+        single, self.observation = (
+            core.reset() if isinstance(core, _core.LocalEnv) else core.reset(steps, self._finish_run)
+        )
         self._steps, self._started, self._truncated = 0, True, False
         self._penalties = math.nan, math.nan
+        if self.render_mode is not None:
+            self._power.add(0, self.observation)
         building = self.building
         info = Info(
             lambda: {"building": building.name, "weather": str(setting.weather), "first_day": setting.first_day}
@@ -210,8 +221,12 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
         if truncated:
             info["metrics"] = core.metrics()
         reward = -temperature - energy if self._reward is None else float(self._reward(info))
-        if self.render_mode == "human":
-            self.render()
+        if self._steps == 1 and not rescale:
+            warn_of_zeros(self.layout, action)
+        if self.render_mode is not None:
+            self._power.add(self._steps, after)
+            if self.render_mode == "human":
+                self.render()
         return single, reward, False, truncated, info
 
     @property
@@ -246,9 +261,8 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
     @property
     def morphology(self) -> Morphology:
         """The building as a graph."""
-        if self._morphology is None:
-            self._morphology = Morphology(self.layout.spaces.morphology())
-        return self._morphology
+        morphology: Morphology = self.metadata["morphology"]
+        return morphology
 
     @property
     def description(self) -> dict[str, Any]:
@@ -265,6 +279,19 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
         self._started = False
         self._read_spaces()
 
+    @contextmanager
+    def finishing_runs(self) -> Iterator[None]:
+        """Lets the engine finish its run after an episode that begins within, so that :meth:`record` has its report."""
+        self._finish_run = True
+        try:
+            yield
+        finally:
+            self._finish_run = False
+
+    def record(self) -> _core.Record:
+        """Returns what the episode leaves besides its steps, which :meth:`Trajectory.write` needs."""
+        return self._open_core().record()
+
     def snapshot(self) -> Snapshot:
         """Takes a snapshot of the episode, in milliseconds; :meth:`restore` returns to it any number of times."""
         core = self._open_core()
@@ -280,6 +307,7 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
             self._steps,
             self._penalties,
             self._truncated,
+            copy(self._power),
         )
         return Snapshot(self, core.snapshot(), position, core.release)
 
@@ -295,6 +323,7 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
         position = snapshot.position
         self.layout, self.setting, self.observation = position.layout, position.setting, position.observation
         self._steps, self._penalties, self._truncated = position.steps, position.penalties, position.truncated
+        self._power = copy(position.power)
         return self.observation.astype(np.float32), Info(lambda: {"building": self.building.name})
 
     def branch(self, count: int) -> list[BuildingEnv]:
@@ -315,6 +344,7 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
         env.__dict__.update(self.__dict__)
         env._arguments = dict(self._arguments)
         env._core, env._renderer, env.np_random = core, None, deepcopy(self.np_random)
+        env._power = copy(self._power)
         close_at_exit(env)
         return env
 
@@ -326,7 +356,7 @@ class BuildingEnv(gymnasium.Env[NDArray[np.float32], ArrayLike]):
         if self._renderer is None:
             self._renderer = Renderer()
         applied = self.applied_action() if self.steps else None
-        scene = Scene(self.building, self.layout, self.setting, self.observation, applied, self.steps)
+        scene = Scene(self.building, self.layout, self.setting, self.observation, applied, self.steps, self._power)
         return self._renderer.draw(scene, show=self.render_mode == "human")
 
     def close(self) -> None:

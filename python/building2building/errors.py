@@ -33,8 +33,8 @@ __all__ = [
     "need",
 ]
 
-#: Extras of this package, as in ``pip install 'building2building[plots]'``.
-_EXTRAS = ("plots", "train")
+#: Packages of this package's extras, which no registry has: those of ``pip install '.[plots]'`` in a clone.
+_EXTRAS = {"plots": "'matplotlib>=3.8'", "train": "'stable-baselines3>=2.6' 'onnxscript>=0.5'"}
 
 
 class MissingExtra(Error, ImportError):
@@ -44,11 +44,11 @@ class MissingExtra(Error, ImportError):
 def need(module: str, extra: str) -> Any:
     """Imports an optional dependency.
 
-    Raises :class:`MissingExtra`, which says how to install it: as an extra of this package or as the package
+    Raises :class:`MissingExtra`, which says how to install it: the packages of an extra of this package, or the package
     ``extra``.
     """
     try:
         return importlib.import_module(module)
     except ImportError as error:
-        target = f"'building2building[{extra}]'" if extra in _EXTRAS else extra
+        target = _EXTRAS.get(extra, extra)
         raise MissingExtra(f"{module.split('.')[0]} is not installed; run: pip install {target}") from error

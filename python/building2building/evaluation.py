@@ -17,11 +17,12 @@ from numpy.typing import ArrayLike, NDArray
 from . import _core
 from .buildings import Building, Found, PathLike
 from .errors import SettingError
+from .identity import identity_of
 from .layout import Layout
-from .morphology import Morphology
+from .morphology import Metadata, Morphology
 from .rollouts import BuiltInController, CallableController, Controller
 from .scaling import Scale
-from .signatures import with_arguments_of
+from .signatures import check_names, renamed, with_arguments_of
 from .tasks import task_text
 from .temporary import temporary_folder
 
@@ -40,6 +41,8 @@ class Evaluation:
     summary: dict[str, Any]
     #: Folder with ``episodes.parquet``, ``summary.json`` and ``report.html``; ``None`` if none was requested.
     folder: Path | None
+    #: Number of episodes that the folder contained before and that did not run again.
+    reused: int = 0
 
     def column(self, name: str) -> Array:
         """Returns a column, such as ``score``, over all episodes; missing values are NaN or ``None``."""
@@ -67,7 +70,7 @@ class EpisodeContext:
         self.seed = seed
         self.building = Building(building, Found(building.name, None, None))
         self.rescale_action = rescale_action
-        self.metadata = self.layout.metadata()
+        self.metadata = Metadata(self.layout.metadata(), spaces.morphology)
         self.scale: Scale | None = None
         self.observation_space = self.layout.observation_space()
         if normalize:
@@ -84,7 +87,8 @@ class EpisodeContext:
     @property
     def morphology(self) -> Morphology:
         """The building as a graph."""
-        return Morphology(self.layout.spaces.morphology())
+        morphology: Morphology = self.metadata["morphology"]
+        return morphology
 
 
 class Request:
@@ -124,6 +128,8 @@ class Request:
         self.name = name or ("" if named is not None else name_of(policy))
         rescale = named is not None if rescale_action is None else rescale_action
         self.identity = f"python {self.name} {version}, rescale_action={rescale}, normalize={normalize}"
+        if named is None and folder is not None:
+            self.identity += f", {identity_of(_function_of(policy), version)}"
         self.rescale = rescale and not is_built_in(policy)
         self.policy: str | _core._ControllerMaker = (
             ControllerMaker(policy, rescale, normalize) if named is None else named
@@ -134,14 +140,14 @@ class Request:
         """Runs the episodes that the folder does not contain, and scores all of them."""
         folder = self._folder
         with temporary_folder("evaluation") as temporary:
-            columns, summary = _core.evaluate(
+            columns, summary, reused = _core.evaluate(
                 self,
                 os.fspath(temporary if folder is None else folder),
                 self._jobs or len(os.sched_getaffinity(0)),
                 ProgressLine() if self._progress else None,
             )
         rows = [dict(zip(columns, row)) for row in zip(*columns.values())]
-        return Evaluation(rows, json.loads(summary), None if folder is None else Path(folder))
+        return Evaluation(rows, json.loads(summary), None if folder is None else Path(folder), reused)
 
     def run_part(self, folder: PathLike, numbers: Sequence[int], baselines: PathLike) -> dict[int, str]:
         """Runs some episodes, by their numbers, one at a time, and stores their baselines in another folder.
@@ -168,18 +174,30 @@ def evaluate(*arguments: Any, **options: Any) -> Evaluation:
 
     ``buildings`` are ids, types, paths of models, or results of :func:`find_building`. ``jobs`` episodes run at a time,
     each in its own process; by default, one per core. With a ``folder``, episodes are written as they end: the same
-    call resumes an interrupted evaluation and gives the same bytes. Two calls are the same if all their
-    arguments are; a policy is identified by ``name`` (by default that of the class or function) and ``version``, so
-    change ``version`` after further training. Observations are not batched, because rounding within a batch depends on
-    its other members.
+    call resumes an interrupted evaluation and gives the same bytes; it says how many episodes are reused. Two calls are
+    the same if all their arguments are. A policy is the same if its ``name`` (by default that of the class or
+    function), its code and the values that it refers to are: closures, global variables, attributes, versions of
+    packages. With a ``version``, values are not compared, so change it after further training. Observations are not
+    batched, because rounding within a batch depends on its other members.
 
     Raises the policy's own exceptions, which end the evaluation, and
-    :class:`~building2building.errors.EvaluationError` if the folder holds another evaluation. An episode whose process
+    :class:`~building2building.errors.EvaluationError` if the folder holds another evaluation, of which an episode has
+    finished. An episode whose process
     dies becomes a row with the reason in ``lost``.
     """
-    return Request(*arguments, **options).run()
+    check_names("evaluate", options, (Request,))
+    request = Request(*arguments, **options)
+    result = request.run()
+    say_reused(result.reused, len(result), result.folder)
+    return result
 
 
+@renamed(
+    positions=4,
+    cumulative_return="pass episode_return, the building's id, task and run_period",
+    building_type="pass the building's id as building",
+    building_id="pass it as building",
+)
 def compute_normalized_score(
     episode_return: float,
     building: str | Building,
@@ -223,11 +241,17 @@ def compute_resolved_score(
     return _core.resolved_score(float(episode_return), baseline, steps)
 
 
+def say_reused(reused: int, episodes: int, folder: PathLike | None) -> None:
+    """Says on standard error how many episodes of a folder are reused."""
+    if reused:
+        print(f"{folder}: {reused} of {episodes} episodes had finished before and are reused", file=sys.stderr)
+
+
 class ControllerMaker:
     """Makes the controller of an episode for the core: a function from an f64 observation to an action."""
 
     def __init__(self, policy: Any, rescale_action: bool, normalize: bool):
-        self._policy = policy.function if isinstance(policy, CallableController) else policy
+        self._policy = _function_of(policy)
         self._rescale, self._normalize = rescale_action, normalize
 
     def __call__(self, spaces: _core.Spaces, building: _core.Building, seed: int) -> Callable[[Array], ArrayLike]:
@@ -270,8 +294,12 @@ def is_built_in(policy: Any) -> TypeGuard[type[BuiltInController]]:
     return isinstance(policy, type) and issubclass(policy, BuiltInController)
 
 
+def _function_of(policy: Any) -> Any:
+    return policy.function if isinstance(policy, CallableController) else policy
+
+
 def name_of(policy: Any) -> str:
-    policy = policy.function if isinstance(policy, CallableController) else policy
+    policy = _function_of(policy)
     name = getattr(policy, "__name__", None) or type(policy).__name__
     if name == "<lambda>":
         raise SettingError("a lambda has no name for the results; pass name=...")

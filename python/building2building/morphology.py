@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from enum import Enum
 from typing import Any
 
@@ -145,6 +145,34 @@ class Morphology:
     def __repr__(self) -> str:
         counts = ", ".join(f"{count} {name}" for name, count in self.counts.items() if count)
         return f"<Morphology of {self.name}: {counts}; {len(self.edges)} edges>"
+
+
+class Metadata(dict[str, Any]):
+    """The metadata of an environment. ``["morphology"]`` is computed when it is read, and is not pickled."""
+
+    def __init__(self, values: Mapping[str, Any], morphology: Callable[[], _core.Morphology]):
+        super().__init__(values)
+        self._compute = morphology
+        self._morphology: Morphology | None = None
+
+    def __missing__(self, name: str) -> Morphology:
+        if name != "morphology":
+            raise KeyError(name)
+        if self._morphology is None:
+            self._morphology = Morphology(self._compute())
+        return self._morphology
+
+    def __contains__(self, name: object) -> bool:
+        return name == "morphology" or super().__contains__(name)
+
+    def get(self, name: str, default: Any = None) -> Any:
+        return self[name] if name in self else default
+
+    def __or__(self, others: Mapping[str, Any]) -> Metadata:  # type: ignore[override]
+        return Metadata({**self, **others}, self._compute)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return dict, (dict(self),)
 
 
 def _views(flat: Array, blocks: dict[str, _Block], single: bool) -> dict[str, Array]:

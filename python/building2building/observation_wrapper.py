@@ -24,12 +24,14 @@ class ObservationWrapper(gymnasium.Wrapper[Any, Any, Any, Any], gymnasium.utils.
     appends_zeros = False
 
     def __init__(self, env: Env, **arguments: Any):
+        if not isinstance(env, gymnasium.Env):
+            raise SettingError(f"{type(self).__name__} wraps an environment; got {env!r}")
         gymnasium.utils.RecordConstructorArgs.__init__(self, **arguments)
         gymnasium.Wrapper.__init__(self, env)
         self._core: BuildingEnv = unwrap(env)
 
     def _rename(self, names: list[str], units: list[str]) -> None:
-        self.metadata = {**self.env.metadata, "observation_names": names, "observation_units": units}
+        self.metadata = self.env.metadata | {"observation_names": names, "observation_units": units}
 
     def _extend(self, low: ArrayLike, high: ArrayLike, names: list[str], units: list[str]) -> None:
         """Appends slots to the observation space."""

@@ -15,7 +15,7 @@ import os
 import shutil
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isfinite, nan
 from pathlib import Path
 from typing import Any
@@ -25,7 +25,7 @@ import ray
 from . import _core, command
 from .buildings import Building, PathLike, list_building_types
 from .errors import EvaluationError, SettingError
-from .evaluation import Evaluation, Policy, Request
+from .evaluation import Evaluation, Policy, Request, say_reused
 from .learning import Agent
 from .learning import train as train_here
 from .temporary import temporary_folder
@@ -78,6 +78,8 @@ def evaluate(
     request.run_part(place, [], _core.baselines_folder())
     missing = [number for number in range(len(request.episodes)) if not _episode_file(place, number).exists()]
     chunks = [missing[start : start + chunk] for start in range(0, len(missing), chunk)]
+    reused = len(request.episodes) - len(missing)
+    say_reused(reused, len(request.episodes), folder)
     done = 0
     for number, files, lost in _map(_evaluate_part, chunks, resources, request, policy_files):
         _write_all(place / "episodes", files["episodes"])
@@ -87,7 +89,7 @@ def evaluate(
             print(f"lost: episode {episode}: {reason}", file=sys.stderr)
         if progress:
             print(f"{done} of {len(missing)} episodes", file=sys.stderr)
-    return request.run()
+    return replace(request.run(), reused=reused)
 
 
 def train(

@@ -9,10 +9,17 @@ import gymnasium
 from .buildings import find_building, list_building_types
 from .env import BuildingEnv
 from .errors import SettingError
-from .signatures import check_names, with_arguments_of
+from .signatures import check_names, renamed, with_arguments_of
 from .vector import BuildingVectorEnv
 
 
+@renamed(
+    eplus_output_dir="pass keep_engine_output",
+    max_episode_steps="pass a run_period, such as 01-01..01-07",
+    normalizer_path="the task's energy_scale sets the scale of energy",
+    target_temperature_mode="name it in the task, such as occupancy",
+    random_schedule_seed="name it in the task, such as random:7",
+)
 @with_arguments_of(BuildingEnv)
 def make_env(building_type: str | None = None, **arguments: Any) -> BuildingEnv:
     """Makes an environment, for example ``make_env("OfficeSmall")`` or ``make_env("OfficeSmall-0042")``.

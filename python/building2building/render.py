@@ -45,6 +45,31 @@ class Scene:
     #: ``None`` before the first step.
     applied_action: NDArray[np.float64] | None
     steps: int
+    power: PowerHistory
+
+
+class PowerHistory:
+    """HVAC power of the last hours of an episode, W/m²."""
+
+    def __init__(self, layout: Layout) -> None:
+        self._layout = layout
+        self._rows: deque[tuple[int, float, float]] = deque(maxlen=_HOURS * layout.steps_per_hour + 1)
+
+    def add(self, step: int, observation: Array) -> None:
+        """Adds the power of a step; forgets those after it, which are of another episode."""
+        rows, layout, rate = self._rows, self._layout, self._layout.steps_per_hour
+        while rows and rows[-1][0] >= step:
+            rows.pop()
+        rows.append((step, observation[layout.electricity] * rate, observation[layout.gas] * rate))
+
+    def rows(self) -> Array:
+        """Returns step, electric power and gas power of the last hours, ``[rows, 3]``."""
+        return np.array(self._rows or [(0, 0.0, 0.0)])
+
+    def __copy__(self) -> PowerHistory:
+        other = PowerHistory(self._layout)
+        other._rows.extend(self._rows)
+        return other
 
 
 class Renderer:
@@ -287,7 +312,6 @@ class _Power:
 
     def __init__(self, layout: Layout, axes: Any) -> None:
         self._axes, self._rate = axes, layout.steps_per_hour
-        self._history: deque[tuple[int, float, float]] = deque()
         style: list[dict[str, Any]] = [
             {"label": "electricity", "color": "#4c78a8"},
             {"label": "gas", "color": "#f58518"},
@@ -301,17 +325,13 @@ class _Power:
         axes.spines[["top", "right"]].set_visible(False)
         axes.set_title("HVAC power, W/m²", fontsize=_TITLE, loc="left")
         axes.legend(fontsize=_MIN_LABEL, loc="lower right", bbox_to_anchor=(1, 1), frameon=False, ncols=2)
-        self.cells = [_Cell(axes.bbox, list(self._areas))]
+        # With the pixels around it that the areas' edges are blended into.
+        self.cells = [_Cell(axes.bbox.padded(2), list(self._areas))]
 
     def update(self, scene: Scene) -> bool:
-        layout, now = scene.layout, scene.observation
-        while self._history and self._history[-1][0] >= scene.steps:
-            self._history.pop()
-        self._history.append((scene.steps, now[layout.electricity] * self._rate, now[layout.gas] * self._rate))
-        while self._history[0][0] < scene.steps - _HOURS * self._rate:
-            self._history.popleft()
-        self.cells[0].shown = self._history[-1]
-        steps, electricity, gas = np.array(self._history).T
+        rows = scene.power.rows()
+        self.cells[0].shown = rows.tobytes()
+        steps, electricity, gas = rows.T
         hours, total = (steps - scene.steps) / self._rate, electricity + gas
         for area, low, high in zip(self._areas, (np.zeros_like(total), electricity), (electricity, total)):
             outline = np.concatenate([np.c_[hours, low], np.c_[hours, high][::-1]])

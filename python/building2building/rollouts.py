@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import json
 import os
-import zipfile
+import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
 
 import gymnasium
@@ -17,6 +18,7 @@ from . import _core
 from .env import unwrap
 from .errors import SettingError, need
 from .layout import Layout, index_of
+from .signatures import renamed
 
 Array = NDArray[Any]
 
@@ -42,7 +44,8 @@ class ControlledEnv(Protocol):
 
 
 class BuiltInController:
-    """A controller of the Rust core by the name of its ``kind``. It computes in f64 and physical units; see :func:`rollout`."""
+    """A controller of the Rust core by the name of its ``kind``. It computes in f64 and physical units: see
+    :func:`rollout`."""
 
     kind = ""
 
@@ -57,9 +60,12 @@ class BuiltInController:
         core: Any = env.unwrapped
         self._layout: Layout = core.layout
         self._rescale: bool = core.rescale_action
-        seed = getattr(core, "seed", 0) if seed is None else seed
+        #: Its random seed.
+        self.seed: int = getattr(core, "seed", 0) if seed is None else seed
         changes = None if parameters is None else dict(parameters)
-        self._core = _core.Controller(kind or self.kind, self._layout.spaces, seed, changes)
+        #: Name of its kind.
+        self.kind = kind or self.kind
+        self._core = _core.Controller(self.kind, self._layout.spaces, self.seed, changes)
 
     def reset(self) -> None:
         """Resets the state for a new episode."""
@@ -68,7 +74,8 @@ class BuiltInController:
     def copy(self) -> BuiltInController:
         """Returns a copy with the same state, for use with snapshots of an environment."""
         other = object.__new__(type(self))
-        other._layout, other._rescale, other._core = self._layout, self._rescale, self._core.copy()
+        other.__dict__.update(self.__dict__)
+        other._core = self._core.copy()
         return other
 
     def __deepcopy__(self, memo: dict[int, Any]) -> BuiltInController:
@@ -133,11 +140,16 @@ def callable_controller(function: Callable[[Array], ArrayLike]) -> Controller:
     return CallableController(function)
 
 
-#: The arrays of a trajectory.
+#: The arrays of a trajectory, and what else is saved of it.
 _ARRAYS = ("observations", "actions", "rewards", "penalties")
+_DESCRIBED = ("truncated", "metadata", "metrics", "controller", "seed")
 
 
-@dataclass
+def _widths(metadata: dict[str, Any]) -> tuple[int, int]:
+    return len(metadata["observation_names"]), len(metadata["action_names"])
+
+
+@dataclass(repr=False)
 class Trajectory:
     """The steps of an episode. ``observations`` has one row more than the others: the first is that of the reset."""
 
@@ -152,12 +164,27 @@ class Trajectory:
     #: Whether the last step ended the episode.
     truncated: bool
     #: The environment's metadata: names, units, building.
-    metadata: dict[str, Any] = field(repr=False)
+    metadata: dict[str, Any]
     #: Metrics of the episode; ``None`` if it did not run to its end.
     metrics: dict[str, Any] | None = None
+    #: Name of the controller.
+    controller: str = ""
+    #: Seed of the controller.
+    seed: int = 0
+    #: Spaces and report of the engine, and the duration of the steps (s), for :meth:`write`; neither saved nor pickled.
+    _record: tuple[_core.Record, float] | None = field(default=None, compare=False)
 
     def __len__(self) -> int:
         return len(self.rewards)
+
+    def __repr__(self) -> str:
+        end = "" if self.truncated else ", before the end of the episode"
+        return (
+            f"<Trajectory of {self.metadata.get('building')}: {len(self)} steps, return {self.episode_return:.6g}{end}>"
+        )
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_record": None}
 
     @property
     def episode_return(self) -> float:
@@ -183,9 +210,33 @@ class Trajectory:
         columns |= {"temperature penalty": self.penalties[:, 0], "energy penalty": self.penalties[:, 1]}
         return columns | {"reward": self.rewards}
 
+    def write(
+        self, folder: str | os.PathLike[str], *, controller: str | None = None, seed: int | None = None
+    ) -> list[Path]:
+        """Writes the files of ``b2b run`` to a folder: ``trajectory.parquet`` (the steps, with date and time),
+        ``summary.json`` and ``picture.html``. Returns their paths.
+
+        ``b2b compare`` and ``b2b score`` read them. If the episode did not run to its end, only the steps are written.
+        ``controller`` and ``seed`` name the run, by default after the controller. The reward in the files is the
+        task's. Raises :class:`~building2building.errors.SettingError` for a trajectory that was loaded or pickled,
+        which lacks the engine's report.
+        """
+        if self._record is None:
+            raise SettingError("this trajectory was loaded or copied; write it in the process that ran its episode")
+        record, seconds = self._record
+        return record.write(
+            folder,
+            controller or self.controller or "policy",
+            self.seed if seed is None else seed,
+            seconds,
+            self.observations[1:],
+            self.actions,
+            self.penalties,
+        )
+
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes a NumPy file (.npz) atomically, which :meth:`load` reads."""
-        described = {"truncated": self.truncated, "metadata": self.metadata, "metrics": self.metrics}
+        described = {name: getattr(self, name) for name in _DESCRIBED}
         text = json.dumps(described, default=lambda value: np.asarray(value).tolist())
         partial = f"{os.fspath(path)}.partial"
         try:
@@ -198,14 +249,29 @@ class Trajectory:
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Trajectory:
-        """Reads a file that :meth:`save` wrote."""
+        """Reads a file that :meth:`save` wrote.
+
+        Raises :class:`~building2building.errors.SettingError` for a file that is missing, damaged or another one.
+        """
         try:
-            with np.load(path, allow_pickle=False) as file:
-                arrays = {name: file[name] for name in _ARRAYS}
-                described = json.loads(str(file["described"]))
-        except (KeyError, ValueError, zipfile.BadZipFile) as error:
+            with open(path, "rb") as opened:
+                return cls._read(opened)
+        except OSError as error:
+            raise SettingError(f"cannot read {os.fspath(path)}: {error.strerror or error}") from error
+        except Exception as error:  # damaged files raise whatever zipfile, zlib, NumPy and json do
             raise SettingError(f"{os.fspath(path)} is not a trajectory; expected a file of Trajectory.save") from error
-        return cls(**arrays, **described)
+
+    @classmethod
+    def _read(cls, opened: Any) -> Trajectory:
+        with np.load(opened, allow_pickle=False) as file:
+            arrays = {name: file[name] for name in _ARRAYS}
+            described = json.loads(str(file["described"]))
+        trajectory = cls(**arrays, **{name: described[name] for name in _DESCRIBED if name in described})
+        steps, slots, actuators = len(trajectory), *_widths(trajectory.metadata)
+        expected = ((steps + 1, slots), (steps, actuators), (steps,), (steps, 2))
+        if tuple(array.shape for array in arrays.values()) != expected:
+            raise ValueError("the arrays do not belong together")
+        return trajectory
 
     def to_parquet(self, path: str | os.PathLike[str]) -> None:
         """Writes a Parquet file atomically. Needs ``pyarrow``."""
@@ -219,6 +285,7 @@ class Trajectory:
                 os.unlink(partial)
 
 
+@renamed(max_steps="pass steps", stop_on_terminated="no episode terminates")
 def rollout(
     env: gymnasium.Env[Any, Any],
     controller: Controller | Callable[[Array], ArrayLike],
@@ -234,7 +301,9 @@ def rollout(
     core = unwrap(env)
     if isinstance(controller, Controller):
         controller.reset()
-    observation, _ = env.reset(seed=seed)
+    with core.finishing_runs():
+        observation, _ = env.reset(seed=seed)
+    began = time.monotonic()
     observations = [core.observation]
     actions: list[Array] = []
     rewards: list[float] = []
@@ -260,4 +329,14 @@ def rollout(
         truncated,
         dict(core.metadata),
         info.get("metrics") if truncated else None,
+        _name_of(controller),
+        getattr(controller, "seed", 0) if isinstance(controller, BuiltInController) else 0,
+        (core.record(), time.monotonic() - began),
     )
+
+
+def _name_of(controller: Any) -> str:
+    if isinstance(controller, CallableController):
+        controller = controller.function
+    name = getattr(controller, "kind", "") if isinstance(controller, BuiltInController) else ""
+    return name or getattr(controller, "__name__", "") or type(controller).__name__

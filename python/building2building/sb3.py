@@ -18,6 +18,7 @@ need("stable_baselines3", "train")
 from stable_baselines3.common.monitor import Monitor  # noqa: E402
 from stable_baselines3.common.vec_env import VecEnv  # noqa: E402
 
+from .physical_actions import warn_of_learner  # noqa: E402
 from .registration import make_vec  # noqa: E402
 from .scaling import Scale  # noqa: E402
 from .vector import BuildingVectorEnv  # noqa: E402
@@ -54,6 +55,8 @@ class SB3VecEnv(VecEnv):
         return observations if self.scale is None or self.envs.normalize else self.scale(observations)
 
     def reset(self) -> Any:
+        if not self.envs.rescale_action:
+            warn_of_learner()
         observations, _ = self.envs.reset(seed=self._seed)
         self._seed = None
         self._returns[:], self._lengths[:] = 0, 0

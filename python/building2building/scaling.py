@@ -69,3 +69,8 @@ class Scale:
     def __call__(self, observation: ArrayLike) -> NDArray[np.float32]:
         shares = (np.asarray(observation, dtype=np.float32) - self.low) / self.span
         return np.clip(2 * shares - 1, -1.0, 1.0)
+
+    def denormalize(self, observation: ArrayLike) -> NDArray[np.float32]:
+        """Maps -1 back to the lower bound of each slot and 1 to its upper bound."""
+        shares = (np.asarray(observation, dtype=np.float32) + 1) / 2
+        return (self.low + shares * self.span).astype(np.float32)

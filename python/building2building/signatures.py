@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import inspect
 from collections.abc import Callable, Iterable
 from difflib import get_close_matches
@@ -21,6 +22,33 @@ def with_arguments_of(maker: Callable[P, object]) -> Callable[[Callable[..., T]]
         return cast(Callable[P, T], function)
 
     return give
+
+
+def renamed(positions: int | None = None, **now: str) -> Callable[[Callable[P, T]], Callable[P, T]]:
+    """Answers arguments of the original implementation by ``now``, what replaces each (docs/coming_from.md).
+
+    More than ``positions`` arguments by position are those of the original, too.
+    """
+
+    def decorate(function: Callable[P, T]) -> Callable[P, T]:
+        # Names of classes, not of their constructors.
+        name = function.__qualname__.removesuffix(".__init__").rpartition(".")[2]
+
+        @functools.wraps(function)
+        def checked(*arguments: P.args, **options: P.kwargs) -> T:
+            old = next((each for each in now if each in options), None)
+            if old is None and positions is not None and len(arguments) > positions:
+                old = next(iter(now))
+            if old is not None:
+                raise TypeError(
+                    f"{name}() has no argument `{old}` of the original implementation: {now[old]} (see "
+                    "docs/coming_from.md)"
+                )
+            return function(*arguments, **options)
+
+        return checked
+
+    return decorate
 
 
 def check_names(name: str, arguments: Iterable[str], takers: Iterable[Callable[..., object]]) -> None:

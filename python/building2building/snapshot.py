@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from . import _core
 from .buildings import Building
 from .layout import Layout
+from .render import PowerHistory
 
 
 @dataclass(frozen=True)
@@ -25,6 +26,7 @@ class Position:
     steps: int
     penalties: tuple[float, float]
     truncated: bool
+    power: PowerHistory
 
 
 class Snapshot:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import gymnasium
@@ -24,7 +25,7 @@ from .buildings import (
     list_buildings,
     select_building,
 )
-from .errors import EpisodeError, SettingError
+from .errors import EpisodeError, ProcessError, SettingError
 from .info import Info
 from .layout import Layout, rounded_inward
 from .open_envs import close_at_exit
@@ -64,7 +65,7 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
         building_type: str | None = None,
         num_envs: int = 1,
         *,
-        split: str = "train",
+        split: str | None = None,
         index: int | None = None,
         building_id: str | None = None,
         building: Building | None = None,
@@ -95,7 +96,7 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
         if weights is not None and not resample:
             raise SettingError("weights apply to draws; pass resample=True")
         if buildings is None and resample and building_type and index is None and (building_id or building) is None:
-            buildings = list_buildings(building_type, split)
+            buildings = list_buildings(building_type, split or "train")
         if buildings is None:
             buildings = [select_building(building_type, split, index, building_id, place, weather, building)]
         if not buildings:
@@ -112,7 +113,8 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
         self.autoreset_mode = _autoreset_mode(autoreset_mode)
         self._reward = reward
         self._process = os.getpid()
-        self._core = core = _core.VecEnv(
+        self._make_core = partial(
+            _core.VecEnv,
             [each if isinstance(each, str) else each._core for each in self.buildings],
             [task_text(each) for each in tasks],
             run_period,
@@ -127,6 +129,7 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
             by_role,
             checked_weather(weather_years),
         )
+        self._core = core = self._make_core()
         close_at_exit(self)
         #: Layouts of the buildings; with ``resample``, of some that represent the others.
         self.layouts = [Layout(spaces) for spaces in core.spaces()]
@@ -186,9 +189,12 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
         ``seed`` determines the buildings with ``resample`` and the days with ``window_days``. Of a list with a number
         per environment, all numbers together are the seed.
         """
-        core = self._open_core()
+        self._open_core()
         number = self._seed_number(seed)
         mask = (options or {}).get("reset_mask")
+        if os.getpid() != self._process:
+            self._restart_after_fork(mask)
+        core = self._open_core()
         if mask is not None:
             if number is not None:
                 raise SettingError("a seed is that of all environments; omit seed or reset_mask")
@@ -205,6 +211,12 @@ class BuildingVectorEnv(VectorEnv[Array, ArrayLike, Array]):
         self._observations = observations
         self._read_rows(np.ones(self.num_envs, dtype=bool) if mask is None else mask)
         return self._seen(observations), {"building": np.array(core.buildings(), dtype=object)}
+
+    def _restart_after_fork(self, mask: Any) -> None:
+        """Abandons the processes of the parent, which still owns them, and starts new ones."""
+        if mask is not None:
+            raise ProcessError("after a fork, the first reset is that of all environments; omit reset_mask")
+        self._core, self._process = self._make_core(), os.getpid()
 
     def _read_rows(self, begun: Array) -> None:
         """Reads the rows of the environments whose episode has begun."""

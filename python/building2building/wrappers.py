@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import gymnasium
@@ -18,6 +18,7 @@ from .layout import index_of
 from .observation_wrapper import Env, ObservationWrapper, Stepped, box_of, is_own
 from .rollouts import BuiltInController, ReactiveController
 from .scaling import Scale
+from .signatures import renamed
 
 __all__ = [
     "AugmentObservationWithBuildingParams",
@@ -47,7 +48,11 @@ class PadObservation(ObservationWrapper):
     with ``zones``, slots of the same quantity have the same bounds, which include 0.
     """
 
-    def __init__(self, env: Env, width: int | None = None, *, zones: int | None = None):
+    @renamed(
+        positions=2,
+        target_size="zones=target_size - 7 aligns the zones, as it did; width=target_size appends zeros",
+    )
+    def __init__(self, env: Env, *, width: int | None = None, zones: int | None = None):
         super().__init__(env, width=width, zones=zones)
         if (width is None) == (zones is None):
             raise SettingError("pass either width or zones")
@@ -145,6 +150,7 @@ class NormalizeObservation(ObservationWrapper):
     """Maps each slot's bounds to [-1, 1] and clips. ``bounds`` replaces the bounds of slots by their name or its last
     words, for example ``{"air temperature": (10, 35)}``."""
 
+    @renamed(dtype="observations are f32")
     def __init__(self, env: Env, bounds: dict[str, tuple[float, float]] | None = None):
         super().__init__(env, bounds=bounds)
         names, box = env.metadata["observation_names"], box_of(env)
@@ -155,6 +161,10 @@ class NormalizeObservation(ObservationWrapper):
     def observation(self, observation: Array) -> Array:
         return self._scale(observation)
 
+    def denormalize(self, observation: ArrayLike) -> Array:
+        """Returns an observation in its units again, but for values out of bounds, which were clipped."""
+        return self._scale.denormalize(observation)
+
 
 class AugmentObservationWithBuildingParams(ObservationWrapper):
     """Appends the common attributes of the building's morphology (size, year, climate, envelope, numbers of systems and
@@ -164,8 +174,14 @@ class AugmentObservationWithBuildingParams(ObservationWrapper):
     without ``scaled``, they are in physical units. Unknown attributes are 0.
     """
 
+    @renamed(
+        building_params="pass the names of attributes as parameters",
+        allow_defaults="attributes are those of the morphology",
+    )
     def __init__(self, env: Env, parameters: Sequence[str] | None = None, *, scaled: bool = True):
         super().__init__(env, parameters=parameters, scaled=scaled)
+        if isinstance(parameters, Mapping):
+            raise SettingError("parameters are names of attributes, whose values are the building's; got a dictionary")
         self._scaled = scaled
         known = self._core.morphology.common_attributes
         self._names = list(known) if parameters is None else list(parameters)
@@ -187,6 +203,13 @@ class AugmentObservationWithBuildingParams(ObservationWrapper):
             self._read()
         return np.concatenate([observation, self._values])
 
+    def denormalize(self, observation: ArrayLike) -> Array:
+        """Returns an observation without the attributes, in its units again if a wrapper inside normalizes it."""
+        own = np.asarray(observation)[..., : -len(self._names) or None]
+        if self.env.has_wrapper_attr("denormalize"):
+            return np.asarray(self.env.get_wrapper_attr("denormalize")(own))
+        return own
+
 
 class ResampleBuildingOnResetWrapper(ObservationWrapper):
     """Draws a new building for every episode.
@@ -202,6 +225,12 @@ class ResampleBuildingOnResetWrapper(ObservationWrapper):
 
     appends_zeros = True
 
+    @renamed(
+        env_factory="pass an environment",
+        available_indices="pass buildings, such as list_buildings('OfficeSmall')",
+        wandb_prefix="log from the training loop",
+        log_interval_steps="log from the training loop",
+    )
     def __init__(
         self,
         env: Env,
@@ -209,6 +238,11 @@ class ResampleBuildingOnResetWrapper(ObservationWrapper):
         split: str = "train",
         width: int | None = None,
     ):
+        if callable(env) and not isinstance(env, gymnasium.Env):
+            raise TypeError(
+                "ResampleBuildingOnResetWrapper() takes an environment and buildings, not a factory and indices as in "
+                "the original implementation (see docs/coming_from.md)"
+            )
         super().__init__(env, buildings=buildings, split=split, width=width)
         box = box_of(env)
         self._width, self._pads = width or box.shape[0], width is not None
@@ -299,8 +333,7 @@ class SubsetAction(ObservationWrapper):
         low, high = box.low[self._actuators], box.high[self._actuators]
         self.action_space = Box(low, high, dtype=box.dtype)
         units = env.metadata["action_units"]
-        self.metadata = {
-            **env.metadata,
+        self.metadata = env.metadata | {
             "action_names": list(names),
             "action_units": [units[each] for each in self._actuators],
         }
@@ -325,6 +358,10 @@ def action_of_shape(action: ArrayLike, shape: tuple[int, ...]) -> Array:
     return array
 
 
+@renamed(
+    normalize_obs="observations are always normalized, to [-1, 1] instead of [0, 1]",
+    rescale_action="actions are always in [-1, 1]",
+)
 def wrap_env_for_rl(env: Env, *, width: int | None = None, parameters: bool = False) -> Env:
     """Wraps an environment for learning: observations and actions in [-1, 1], with ``parameters`` the building's
     scaled attributes appended, and padded to ``width``. Houses have the slots of :class:`RoleObservation` unless
@@ -336,4 +373,4 @@ def wrap_env_for_rl(env: Env, *, width: int | None = None, parameters: bool = Fa
     env = NormalizeObservation(env)
     if parameters:
         env = AugmentObservationWithBuildingParams(env)
-    return env if width is None else PadObservation(env, width)
+    return env if width is None else PadObservation(env, width=width)

@@ -10,13 +10,15 @@ use b2b_dataset::{BuildingName, Catalog, Placement, manifest};
 use b2b_energyplus::install::use_packages_in;
 use b2b_env::{EpisodeConfig, Task};
 use b2b_evaluate::{SiteInfo, Subject};
-use b2b_workers::{AnyOf, Draw, Sampler, Source, Windows};
+use b2b_workers::{AnyOf, Draw, Jobs, Sampler, Source, Windows, WorkerOptions};
 use pyo3::prelude::*;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use crate::error::{of_building, of_env};
-use crate::signals::Signals;
+use crate::evaluation::stopped;
+use crate::pools;
+use crate::signals::{Signals, interrupted};
 use crate::table::{self, Row};
 
 /// Locks a mutex, even if a thread panicked while holding it.
@@ -34,8 +36,24 @@ pub fn catalog() -> PyResult<Arc<Catalog>> {
     if let Some(folder) = site_packages()? {
         use_packages_in(folder);
     }
-    let catalog = Arc::new(Catalog::open(&mut Signals).map_err(of_building)?);
-    Ok(Arc::clone(known.insert(catalog)))
+    let catalog = Catalog::open(&mut Signals).map_err(of_building)?;
+    let catalog = match Python::attach(pools::launcher) {
+        Ok(launcher) => {
+            let options = WorkerOptions::new(launcher, catalog.library().path());
+            catalog.hosted_by(Arc::new(Jobs::new(WorkerOptions {
+                interrupted: stopped_or_interrupted,
+                ..options
+            })))
+        }
+        // An embedded interpreter, which cannot be started again, reads models itself.
+        Err(_) => catalog,
+    };
+    Ok(Arc::clone(known.insert(Arc::new(catalog))))
+}
+
+/// Returns whether an evaluation is to stop or, in the main thread, a signal handler raised an exception.
+fn stopped_or_interrupted() -> bool {
+    stopped() || interrupted()
 }
 
 /// Returns the folder where pip installed the engine.
@@ -112,6 +130,11 @@ impl Inner {
     /// Returns the weather file.
     pub fn weather(&self) -> &Path {
         &self.weather
+    }
+
+    /// Returns the name of the place, or of the weather file.
+    pub fn place(&self) -> &str {
+        &self.place
     }
 
     /// Returns the building type; `None` for an imported model.

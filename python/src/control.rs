@@ -6,7 +6,7 @@ use std::sync::Mutex;
 
 use b2b_agent::Agent;
 use b2b_control::{AnyController, Case, KINDS, ReactiveParameters};
-use b2b_env::{EpisodeMetrics, MetricValue, Metrics, Trajectory};
+use b2b_env::{EpisodeMetrics, MetricValue, Metrics};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -95,22 +95,6 @@ pub fn reactive_parameters(spaces: &Spaces) -> BTreeMap<&'static str, f64> {
     let inner = spaces.inner();
     let tuned = ReactiveParameters::tuned_for(&inner.building, &inner.episode.task);
     ReactiveParameters::TABLE.iter().map(|field| (field.parameter.name, field.of(&tuned))).collect()
-}
-
-/// Returns the trajectory hash that `b2b run` prints; observations, actions and penalties have one row per step.
-#[pyfunction]
-pub fn trajectory_hash(
-    observations: &Bound<'_, PyAny>,
-    actions: &Bound<'_, PyAny>,
-    penalties: &Bound<'_, PyAny>,
-) -> PyResult<String> {
-    let (penalties, _) = arrays::rows(penalties)?;
-    let trajectory = Trajectory {
-        observations: arrays::rows(observations)?.0,
-        actions: arrays::rows(actions)?.0,
-        penalties: penalties.chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect(),
-    };
-    Ok(trajectory.hash())
 }
 
 /// Returns the metrics of an episode as a dictionary, with the names of `b2b run --json`.

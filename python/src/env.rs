@@ -11,6 +11,7 @@ use pyo3::prelude::*;
 use crate::catalog::{Setting, locked};
 use crate::error::{Exception, of_env};
 use crate::pools::{self, Owner};
+use crate::record::Record;
 use crate::spaces::Spaces;
 use crate::{arrays, control};
 
@@ -77,12 +78,18 @@ impl Env {
         })
     }
 
-    /// Starts an episode of `steps` steps, or of the whole run period.
-    #[pyo3(signature = (steps=None))]
-    fn reset<'py>(&self, py: Python<'py>, steps: Option<usize>) -> PyResult<Observations<'py>> {
+    /// Starts an episode of `steps` steps, or of the whole run period. With `finish_run`, the engine finishes its run after
+    /// it, so that [`Env::record`] has its report.
+    #[pyo3(signature = (steps=None, finish_run=false))]
+    fn reset<'py>(
+        &self,
+        py: Python<'py>,
+        steps: Option<usize>,
+        finish_run: bool,
+    ) -> PyResult<Observations<'py>> {
         let observation = self.owner.with(py, &self.state, |state| {
             let episode = &mut state.open()?.episode;
-            episode.set_options(EpisodeOptions { max_steps: steps, ..EpisodeOptions::default() });
+            episode.set_options(EpisodeOptions { max_steps: steps, processor: None, finish_run });
             Ok(episode.reset().map_err(of_env)?.to_vec())
         })?;
         Ok((arrays::single(py, &observation), arrays::row(py, &observation)))
@@ -121,6 +128,21 @@ impl Env {
         let metrics =
             self.owner.with(py, &self.state, |state| Ok(state.open()?.episode.metrics().cloned()))?;
         metrics.map(|metrics| control::metrics(py, &metrics)).transpose()
+    }
+
+    /// Returns what the episode leaves besides its steps.
+    fn record(&self, py: Python<'_>) -> PyResult<Record> {
+        self.owner.with(py, &self.state, |state| {
+            let place = state.setting.building.place().to_owned();
+            let episode = &state.open()?.episode;
+            let (metrics, report) = (episode.metrics().cloned(), episode.report().cloned());
+            Ok(Record {
+                spaces: Arc::clone(episode.spaces()),
+                place,
+                metrics,
+                report: report.unwrap_or_default(),
+            })
+        })
     }
 
     /// Takes a snapshot of the episode and returns its number.

@@ -135,8 +135,15 @@ pub fn of_building(error: impl Into<b2b_dataset::Error>) -> PyErr {
             b2b_energyplus::install::Error::Cancelled { .. } => return interrupt(),
             _ => Exception::Install,
         },
-        Error::Engine(_) => Exception::Engine,
-        Error::Building(source) if matches!(**source, b2b_building::Error::Engine(_)) => Exception::Engine,
+        Error::Engine(source) => match source {
+            b2b_energyplus::Error::Interrupted => return interrupt(),
+            _ => Exception::Engine,
+        },
+        Error::Building(source) => match &**source {
+            b2b_building::Error::Engine(b2b_energyplus::Error::Interrupted) => return interrupt(),
+            b2b_building::Error::Engine(_) => Exception::Engine,
+            _ => Exception::Building,
+        },
         _ => Exception::Building,
     };
     exception.new_err(error.to_string())

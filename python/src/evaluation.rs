@@ -91,8 +91,8 @@ impl Request<'_> {
     }
 }
 
-/// Runs a policy on episodes and returns the columns of their table and the summary as JSON text. Episodes already in
-/// the folder are not run again. `progress` is called regularly with a label, the simulated days and their total.
+/// Runs a policy on episodes and returns the columns of their table, the summary as JSON text, and the number of episodes
+/// that were in the folder already, which are not run again. `progress` is called regularly with a label, the simulated days and their total.
 #[pyfunction]
 #[pyo3(signature = (request, folder, jobs, progress=None))]
 pub fn evaluate<'py>(
@@ -101,9 +101,10 @@ pub fn evaluate<'py>(
     folder: PathBuf,
     jobs: usize,
     progress: Option<Py<PyAny>>,
-) -> PyResult<(Bound<'py, PyDict>, String)> {
+) -> PyResult<(Bound<'py, PyDict>, String, usize)> {
     let run = request.run(py, jobs, progress.as_ref(), |evaluation, policy, episodes, counter| {
         let folder = Folder::open(&folder, policy, episodes)?;
+        let reused = (0..episodes.len()).filter(|number| folder.read(*number).is_some()).count();
         let results = Results::of(evaluation, &folder, episodes, policy, &Baselines::open()?, counter)?;
         if stopped() {
             // The last episode may have ended in an exception.
@@ -111,13 +112,13 @@ pub fn evaluate<'py>(
         }
         let summary = results.summary(policy);
         results.write(&folder, &summary)?;
-        Ok((results, summary))
+        Ok((results, summary, reused))
     });
-    let (results, summary) = run?;
+    let (results, summary, reused) = run?;
     let table = episode_table(&results.rows, &summary.versions);
     let table = table.map_err(|error| Exception::Evaluation.new_err(error.to_string()))?;
     let summary = serde_json::to_string(&summary).expect("a summary is plain data");
-    Ok((columns(py, &table)?, summary))
+    Ok((columns(py, &table)?, summary, reused))
 }
 
 /// Runs a part of the work of [`evaluate`]: the episodes with the given numbers, one at a time, and their baselines if
@@ -188,11 +189,11 @@ pub fn run_policy<T: Send>(
     })
 }
 
-/// Locks the process for one evaluation or training. Errors if another one is running.
+/// Locks the process for one evaluation, training or calibration. Errors if another one is running.
 pub fn running() -> PyResult<MutexGuard<'static, ()>> {
     let one_at_a_time = || {
         Exception::Process
-            .new_err("an evaluation or a training is already running in this process; wait until it ends")
+            .new_err("an evaluation, a training or a calibration is already running in this process; wait until it ends")
     };
     let running = match RUNNING.try_lock() {
         Ok(running) => running,
@@ -221,7 +222,9 @@ pub fn wait_for<T: Send>(run: impl FnOnce() -> T + Send, mut report: impl FnMut(
             }
         }
         report();
-        running.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+        let outcome = running.join();
+        STOP.store(false, Ordering::Relaxed);
+        outcome.unwrap_or_else(|panic| std::panic::resume_unwind(panic))
     })
 }
 

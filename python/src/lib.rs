@@ -1,13 +1,14 @@
 //! `building2building._core`: the Rust crates as Python classes.
 //!
-//! This crate only converts. [`catalog`] finds buildings, [`generator`] makes new ones, [`edit`] changes model files, and
+//! This crate only converts. [`catalog`] finds buildings, [`generator`] makes new ones, [`edit`] changes model files and [`calibration`] fits them to metered energy, and
 //! [`table`] converts the dataset's rows; [`spaces`] and [`morphology`] describe observations and actions; [`env`] is an environment in its own process,
 //! [`local`] one in this process, and [`vector`] a batch over the buildings of [`population`]; [`control`] has the built-in
-//! controllers, [`evaluation`] evaluates a policy on many buildings, [`learning`] trains agents, [`benchmarks`] has the
+//! controllers, [`record`] writes an episode, [`evaluation`] evaluates a policy on many buildings, [`learning`] trains agents, [`benchmarks`] has the
 //! benchmark problems; [`command`] is the command `b2b`, [`signals`] handles Ctrl-C, [`temporary`] makes temporary folders, and [`error`] defines the exceptions.
 
 mod arrays;
 mod benchmarks;
+mod calibration;
 mod catalog;
 mod command;
 mod control;
@@ -22,6 +23,7 @@ mod morphology;
 mod owner;
 mod pools;
 mod population;
+mod record;
 mod signals;
 mod spaces;
 mod table;
@@ -38,13 +40,15 @@ mod _core {
     #[pymodule_export]
     use super::benchmarks::{Problem, Restriction, measures, normalized_score, resolved_score};
     #[pymodule_export]
+    use super::calibration::calibrate;
+    #[pymodule_export]
     use super::catalog::{
         Building, Setting, TypeInfo, building_types, check_weather, dataset_rows, find_building, places,
     };
     #[pymodule_export]
     use super::command::{command_arguments, run_command};
     #[pymodule_export]
-    use super::control::{Controller, reactive_parameters, trajectory_hash};
+    use super::control::{Controller, reactive_parameters};
     #[pymodule_export]
     use super::edit::edit_model;
     #[pymodule_export]
@@ -61,6 +65,8 @@ mod _core {
     use super::morphology::{Edge, Morphology, Node, NodeSlot, NodeType};
     #[pymodule_export]
     use super::owner::Owner;
+    #[pymodule_export]
+    use super::record::{Record, trajectory_hash};
     #[pymodule_export]
     use super::spaces::{Actuator, RoleSlot, Slot, Spaces, Zone};
     #[pymodule_export]

@@ -3,15 +3,15 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use b2b_energyplus::Library;
 use b2b_env::Spaces as EnvSpaces;
-use b2b_workers::Source;
+use b2b_workers::{EpisodeReport, Source};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
 use crate::catalog::{self, Setting};
 use crate::env::{Observations, Stepped};
 use crate::error::{Exception, of_building, of_env};
+use crate::record::Record;
 use crate::spaces::Spaces;
 use crate::{arrays, control};
 
@@ -29,8 +29,7 @@ impl LocalEnv {
     #[new]
     #[pyo3(signature = (setting, engine_output=None))]
     fn new(py: Python<'_>, setting: &Setting, engine_output: Option<PathBuf>) -> PyResult<Self> {
-        let path = py.detach(catalog::library)?;
-        let library = Library::load(&path).map_err(|error| of_env(error.into()))?;
+        let library = py.detach(catalog::catalog)?.library().clone();
         let episode = setting.setting.episode.clone();
         let source = Source::clone(&setting.setting.source);
         let building = source.prepare(&library).map_err(of_building)?;
@@ -97,6 +96,15 @@ impl LocalEnv {
     /// Returns the metrics of the episode so far.
     fn metrics<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         control::metrics(py, self.env()?.metrics())
+    }
+
+    /// Returns what the episode leaves besides its steps.
+    fn record(&mut self) -> PyResult<Record> {
+        let (spaces, place) = (Arc::clone(&self.spaces), self.setting.building.place().to_owned());
+        let env = self.env()?;
+        let metrics = env.is_truncated().then(|| env.metrics().clone());
+        let report = EpisodeReport { engine: env.engine_report(), ..EpisodeReport::default() };
+        Ok(Record { spaces, place, metrics, report })
     }
 
     /// Ends the episode and the engine.

@@ -32,6 +32,13 @@ pub fn interpreter_arguments(file: &str) -> [&str; 5] {
 
 /// Returns the options of a pool whose processes run this interpreter.
 pub fn options(py: Python<'_>) -> PyResult<WorkerOptions> {
+    let launcher = launcher(py)?;
+    let library = py.detach(catalog::library)?;
+    Ok(WorkerOptions { interrupted, template_memory: TEMPLATES, ..WorkerOptions::new(launcher, library) })
+}
+
+/// Returns a launcher of this interpreter as a worker.
+pub fn launcher(py: Python<'_>) -> PyResult<Launcher> {
     let text = |module: &str, name: &str| -> PyResult<String> {
         let value = py.import(module)?.getattr(name)?.extract::<Option<String>>()?;
         value.filter(|value| !value.is_empty()).ok_or_else(|| {
@@ -41,9 +48,7 @@ pub fn options(py: Python<'_>) -> PyResult<WorkerOptions> {
     };
     let file = text("building2building._core", "__file__")?;
     let launcher = Launcher::new(text("sys", "executable")?);
-    let launcher = interpreter_arguments(&file).into_iter().fold(launcher, Launcher::argument);
-    let library = py.detach(catalog::library)?;
-    Ok(WorkerOptions { interrupted, template_memory: TEMPLATES, ..WorkerOptions::new(launcher, library) })
+    Ok(interpreter_arguments(&file).into_iter().fold(launcher, Launcher::argument))
 }
 
 /// The process that owns a resource; a fork of it must not use the resource.

@@ -47,6 +47,9 @@ impl Episodes {
         period: &str,
         steps_per_hour: u32,
     ) -> PyResult<Self> {
+        if tasks.is_empty() {
+            return Err(Exception::Setting.new_err("task is empty; pass at least one"));
+        }
         let tasks = tasks.iter().map(|task| read_task(task)).collect::<PyResult<Vec<_>>>()?;
         let period = period.parse().map_err(of_building)?;
         let mut ids = BTreeMap::<&'static str, Vec<BuildingId>>::new();

@@ -61,6 +61,9 @@ type Masks = (Vec<Vec<bool>>, Vec<Vec<bool>>);
 /// prepared again when they are drawn.
 const KEPT_BUILDINGS: usize = 2;
 
+/// Maximum number of environments in a batch: that of processes in a set of workers.
+const MAX_ENVIRONMENTS: usize = 2048;
+
 /// The end of an episode: last observation, metrics, and the reason if it was lost.
 type Ended<'py> = (Bound<'py, PyArray1<f64>>, Option<Bound<'py, PyAny>>, Option<String>);
 
@@ -93,6 +96,10 @@ impl VecEnv {
         by_role: bool,
         weather_years: Vec<PathBuf>,
     ) -> PyResult<Self> {
+        if count > MAX_ENVIRONMENTS {
+            let message = format!("num_envs is {count}; expected 1 to {MAX_ENVIRONMENTS}");
+            return Err(Exception::Setting.new_err(message));
+        }
         let cut = Cut { weather_years, window };
         let autoreset = match autoreset {
             "NextStep" => Autoreset::NextStep,

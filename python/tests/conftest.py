@@ -23,9 +23,9 @@ def pytest_collection_modifyitems(config, items):
 def b2b_command():
     """The command ``b2b`` that the Rust tests built."""
     root = Path(__file__).parents[2]
-    command = root / os.environ.get("CARGO_TARGET_DIR", "target") / "release/b2b"
+    command = root / os.environ.get("CARGO_TARGET_DIR", "target") / "gate/b2b"
     if not command.exists():
-        pytest.skip(f"{command} does not exist; run: cargo build --release")
+        pytest.skip(f"{command} does not exist; run: cargo build --profile gate")
     return command
 
 

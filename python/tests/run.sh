@@ -17,9 +17,10 @@ venv=$folder/$extras
 }
 # Not `pip install .`, which builds with a new interpreter every time, so that PyO3 would be compiled again.
 rm -rf "$folder/wheels"
-"$venv/bin/maturin" build --quiet --release --interpreter "$venv/bin/python" --out "$folder/wheels"
+"$venv/bin/maturin" build --quiet --profile gate --interpreter "$venv/bin/python" --out "$folder/wheels"
 wheel=("$folder"/wheels/*.whl)
 "$venv/bin/python" -m pip install --quiet --force-reinstall --no-deps "${wheel[0]}"
 "$venv/bin/python" -m pip install --quiet "${wheel[0]}[$extras]"
 export PYTHONDONTWRITEBYTECODE=1
-"$venv/bin/python" -m pytest --quiet -p no:cacheprovider python/tests "$@"
+# The tests of a file share what they trained, and so a process.
+"$venv/bin/python" -m pytest --quiet -p no:cacheprovider --numprocesses auto --dist loadfile python/tests "$@"

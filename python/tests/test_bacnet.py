@@ -1,12 +1,17 @@
 """A building as a BACnet device, driven by BAC0, a client by others."""
 
 import asyncio
+import inspect
 import socket
+import struct
 import subprocess
 import sys
-from contextlib import closing
+import time
+import warnings
+from contextlib import closing, contextmanager
 
 import building2building as b2b
+import numpy as np
 import pytest
 
 BAC0 = pytest.importorskip("BAC0")
@@ -21,16 +26,23 @@ def free_port():
         return probe.getsockname()[1]
 
 
-@pytest.fixture
-def plant():
+@contextmanager
+def served(steps: int, period="01-09..01-09", speed="0"):
     address = f"127.0.0.1:{free_port()}"
-    command = ["-m", "building2building.bacnet", "OfficeSmall", "--period", "01-09..01-09", "--speed", "0"]
+    command = ["-m", "building2building.bacnet", "OfficeSmall", "--period", period, "--speed", speed]
     command += ["--address", address.replace(":", "/24:")]
     process = subprocess.Popen([sys.executable, *command], stdout=subprocess.PIPE, text=True)
-    assert "288 steps" in process.stdout.readline()
+    assert f"{steps} steps" in process.stdout.readline()
     yield address
+    assert process.poll() is None, "the server is running"
     process.terminate()
     process.wait()
+
+
+@pytest.fixture
+def plant():
+    with served(288) as address:
+        yield address
 
 
 def as_client(session):
@@ -100,3 +112,144 @@ def test_a_speed_that_is_not_positive_is_refused():
     env = b2b.make_env("OfficeSmall", run_period="01-09..01-09")
     with pytest.raises(b2b.errors.SettingError, match="speed is -1"):
         asyncio.run(serve(env, speed=-1))
+
+
+#: Types of objects, properties, and codes of errors.
+INPUT, OUTPUT, VALUE, DEVICE = 0, 1, 2, 8
+PRESENT, MAXIMUM, MINIMUM, NAME, OUT_OF_SERVICE, RELINQUISH_DEFAULT = 85, 65, 69, 77, 81, 104
+OUT_OF_RANGE, WRITE_DENIED = 37, 40
+
+
+def real(value: float) -> bytes:
+    return b"\x44" + struct.pack(">f", value)
+
+
+class Client:
+    """A client whose datagrams a test determines byte for byte."""
+
+    def __init__(self, address: str):
+        host, port = address.split(":")
+        self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.socket.connect((host, int(port)))
+        self.invoke = 0
+        # The server opens its socket after its first line.
+        deadline = time.monotonic() + 60
+        while self.ready() is None:
+            assert time.monotonic() < deadline, "the server does not answer"
+
+    def ready(self) -> bytes | None:
+        try:
+            self.socket.send(self.request(0x0C, VALUE, 2, PRESENT))
+            return self.answer(1)
+        except ConnectionRefusedError:
+            time.sleep(0.1)
+            return None
+
+    def request(self, service: int, kind: int, number: int, name: int, rest=b"") -> bytes:
+        self.invoke += 1
+        reference = b"\x0c" + struct.pack(">I", kind << 22 | number) + bytes([0x19, name])
+        apdu = bytes([0x00, 0x05, self.invoke, service]) + reference + rest
+        return struct.pack(">BBHBB", 0x81, 0x0A, len(apdu) + 6, 1, 4) + apdu
+
+    def write_request(self, kind: int, number: int, value: bytes, name: int = PRESENT, priority=None) -> bytes:
+        rest = b"\x3e" + value + b"\x3f" + (b"" if priority is None else bytes([0x49, priority]))
+        return self.request(0x0F, kind, number, name, rest)
+
+    def answer(self, timeout: float) -> bytes | None:
+        self.socket.settimeout(timeout)
+        try:
+            return self.socket.recv(1500)[6:]
+        except TimeoutError:
+            return None
+
+    def write(self, *arguments, **options) -> int | None:
+        """Writes a value and returns the code of the error, if there is one."""
+        self.socket.send(self.write_request(*arguments, **options))
+        answer = self.answer(60)
+        if answer[0] == 0x20:
+            return None
+        assert answer[0] == 0x50 and answer[3] == answer[5] == 0x91, answer.hex()
+        return answer[6]
+
+    def read(self, kind: int, number: int) -> float:
+        self.socket.send(self.request(0x0C, kind, number, PRESENT))
+        answer = self.answer(60)
+        return struct.unpack(">f", answer[answer.index(b"\x3e\x44") + 2 :][:4])[0]
+
+
+def test_steps_run_once_however_often_their_request_is_sent():
+    steps = 31 * 288
+    with served(steps, "01-01..01-31") as plant:
+        client = Client(plant)
+        many, one, two = (client.write_request(VALUE, 1, real(count)) for count in (3000, 10, 10))
+        client.socket.send(many)
+        # As clients do whose request is not answered within three seconds.
+        time.sleep(3.5)
+        client.socket.send(many)
+        assert client.answer(120)[0] == 0x20
+        while client.answer(1) is not None:
+            pass
+        assert client.read(VALUE, 2) == steps - 3000
+        for _ in range(3):
+            client.socket.send(one)
+            assert client.answer(60)[0] == 0x20
+        client.socket.send(two)
+        assert client.answer(60)[0] == 0x20
+        assert client.read(VALUE, 2) == steps - 3020
+
+
+def test_values_out_of_bounds_are_refused_and_end_nothing():
+    with served(288, speed="3000") as plant:
+        client = Client(plant)
+        for value in (float("nan"), float("inf"), -float("inf"), -1.0, 1e6):
+            assert client.write(OUTPUT, 1, real(value), priority=8) == OUT_OF_RANGE
+        for value in (float("nan"), -1.0, 1.5, 1e6):
+            assert client.write(VALUE, 1, real(value)) == OUT_OF_RANGE
+        left = client.read(VALUE, 2)
+        time.sleep(1)
+        assert client.read(VALUE, 2) < left
+
+
+def test_nothing_but_outputs_and_requests_can_be_written(plant):
+    client = Client(plant)
+    before = [client.read(*each) for each in ((INPUT, 1), (VALUE, 2), (VALUE, 3), (VALUE, 4), (OUTPUT, 1))]
+    false, text = b"\x10", b"\x75\x02\x00x"
+    for write in (
+        (INPUT, 1, real(21.0)),
+        (VALUE, 2, real(5.0)),
+        (VALUE, 3, real(0.0)),
+        (VALUE, 4, real(0.0)),
+        (OUTPUT, 1, real(1e6), MAXIMUM),
+        (OUTPUT, 1, real(-1e6), MINIMUM),
+        (OUTPUT, 1, real(float("nan")), RELINQUISH_DEFAULT),
+        (OUTPUT, 1, b"\x11", OUT_OF_SERVICE),
+        (OUTPUT, 1, text, NAME),
+        (VALUE, 1, text, NAME),
+        (INPUT, 1, false, OUT_OF_SERVICE),
+        (DEVICE, 26100, text, NAME),
+    ):
+        assert client.write(*write) == WRITE_DENIED, write
+    after = [client.read(*each) for each in ((INPUT, 1), (VALUE, 2), (VALUE, 3), (VALUE, 4), (OUTPUT, 1))]
+    assert after == before
+    # The bounds as clients read them can be commanded.
+    high = b2b.make_env("OfficeSmall", run_period="01-09..01-09").layout.action[0].high
+    assert client.write(OUTPUT, 1, real(high), priority=8) is None
+    assert client.read(OUTPUT, 1) == np.float32(high)
+    assert client.write(OUTPUT, 1, b"\x00", priority=8) is None
+
+
+def test_the_default_address_is_of_this_machine_and_another_is_a_warning(monkeypatch, capsys):
+    from building2building import bacnet
+
+    for function in (bacnet.serve, bacnet.Plant):
+        assert inspect.signature(function).parameters["address"].default == "127.0.0.1/24:47808"
+    monkeypatch.setattr(sys, "argv", ["bacnet", "--help"])
+    with pytest.raises(SystemExit):
+        bacnet.main()
+    assert "127.0.0.1/24:47808, of this machine" in " ".join(capsys.readouterr().out.split())
+    for address in ("0.0.0.0/24:47808", "192.168.1.10/24", "[::]:47808", "plant"):
+        with pytest.warns(UserWarning, match="no authentication"):
+            bacnet._warn_if_reachable(address)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        bacnet._warn_if_reachable("127.0.0.1/24:47808")

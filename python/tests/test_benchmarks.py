@@ -220,3 +220,17 @@ def test_measures_equal_those_computed_with_numpy():
     width = np.quantile(drawn, 0.975) - np.quantile(drawn, 0.025)
     for end, share in (("low", 0.025), ("high", 0.975)):
         assert abs(measured["test"]["interquartile_mean"][end] - np.quantile(drawn, share)) < 0.06 * width
+
+
+def test_raw_observations_of_houses_have_their_own_width_or_the_paper_s():
+    houses = ["SingleFamilyHouse-0064", "SingleFamilyHouse-0318"]
+    day = {"run_period": "01-01..01-01", "timesteps_per_hour": 1}
+    for changes, width in (({}, None), ({"observation_width": 20}, 20)):
+        problem = DynamicsAdaptation("house", observation="raw", train=houses, **changes)
+        envs = problem.make_train_envs(2, **day)
+        widths = {env.observation_space.shape[0] for env in envs}
+        assert widths == {20} if width else len(widths) == 2 and widths <= {9, 10, 11}
+        vector = problem.make_train_vec(2, resample=False, **day)
+        assert vector.single_observation_space.shape == (max(widths),)
+        for each in (*envs, vector):
+            each.close()

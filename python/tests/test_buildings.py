@@ -7,7 +7,7 @@ import subprocess
 import building2building as b2b
 import numpy as np
 import pytest
-from building2building import _engine, command, errors
+from building2building import _engine, errors
 
 DAY = "01-01..01-01"
 
@@ -92,11 +92,11 @@ def test_a_model_is_calibrated_to_columns_of_metered_energy(tmp_path):
     model["ConvergenceLimits"] = {"Limits": {"minimum_system_timestep": 60}}
     warehouse, out = tmp_path / "warehouse.epJSON", tmp_path / "calibrated.epJSON"
     warehouse.write_text(json.dumps(model))
-    words = ["calibrate", str(warehouse), "--place", "Denver", "--simulate"]
-    simulated = json.loads(command.run(words, errors.BuildingError))
+    options = {"place": "Denver", "parameters": ["infiltration"], "iterations": 1}
+    rough = b2b.calibrate(warehouse, {"month": range(1, 13), "gas_kwh": [1000.0] * 12}, out, **options)
     # A leakier warehouse burns more gas.
-    metered = {"month": range(1, 13), "gas_kwh": [1.2 * kwh for kwh in simulated["gas"]]}
-    report = b2b.calibrate(warehouse, metered, out, place="Denver", parameters=["infiltration"], iterations=1)
+    metered = {"month": range(1, 13), "gas_kwh": [1.2 * kwh for kwh in rough["fuels"][0]["before_kwh"]]}
+    report = b2b.calibrate(warehouse, metered, out, **options)
     (parameter,), (fuel,) = report["parameters"], report["fuels"]
     assert parameter["name"] == "infiltration" and 1.05 < parameter["multiplier"] < 3
     assert abs(fuel["after"]["nmbe_percent"]) < abs(fuel["before"]["nmbe_percent"])

@@ -3,6 +3,9 @@
 import copy
 import json
 import pickle
+import subprocess
+import sys
+import types
 import warnings
 
 import building2building as b2b
@@ -52,6 +55,61 @@ def test_metadata_has_names_and_units_of_all_slots(office):
     assert len(meta["action_names"]) == len(meta["action_units"]) == office.action_space.shape[0]
     assert meta["building"] == "OfficeSmall"
     assert set(meta["action_units"]) == {"kg/s", "°C"}
+
+
+def test_the_morphology_is_metadata(make):
+    env = make()
+    assert env.metadata["morphology"] is env.unwrapped.morphology and "morphology" in env.metadata
+    padded = b2b.wrappers.PadObservation(b2b.wrap_env_for_rl(env), width=20)
+    assert padded.metadata["morphology"].name == "OfficeSmall"
+    assert "morphology" not in json.loads(json.dumps(env.metadata)) and "x" not in env.metadata
+    assert pickle.loads(pickle.dumps(env.metadata)) == dict(env.metadata)
+    with pytest.raises(KeyError, match="nothing"):
+        env.metadata["nothing"]
+
+
+def test_a_first_action_of_zeros_that_are_out_of_bounds_is_a_warning(make):
+    env = make()
+    env.reset()
+    with pytest.warns(UserWarning, match=r"0 for every actuator, but 5 of 10 .*physical units"):
+        env.step(np.zeros(10))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        env.step(np.zeros(10))
+        env.reset()
+        env.step(env.action_space.low)
+        rescaled = make(rescale_action=True)
+        rescaled.reset()
+        rescaled.step(np.zeros(10))
+
+
+def learner(env, rescaled: bool):
+    """Resets an environment as an algorithm of Stable-Baselines3 does."""
+    name = "stable_baselines3.common.on_policy_algorithm"
+    scope = {"__name__": name, "env": env}
+    exec("class PPO:\n    def learn(self):\n        return env.reset()", scope)
+    model = scope["PPO"]()
+    model.action_space = gymnasium.spaces.Box(-1.0, 1.0, (10,)) if rescaled else env.action_space
+    sys.modules.setdefault(name, types.ModuleType(name))
+    model.learn()
+
+
+def test_a_learner_with_actions_in_physical_units_is_warned(make):
+    with pytest.warns(UserWarning, match=r"PPO needs actions in \[-1, 1\].*rescale_action=True"):
+        learner(make(), rescaled=False)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        # The actions of an environment in a wrapper that rescales them, and of others.
+        learner(make(), rescaled=True)
+        learner(make(rescale_action=True), rescaled=True)
+        make().reset()
+
+
+def test_an_id_with_the_name_of_the_package_is_known_in_every_process():
+    """As in workers of `SubprocVecEnv`: Gymnasium imports the package that is named before the colon."""
+    code = "import gymnasium; print(gymnasium.make('building2building:b2b/OfficeSmall-v0', run_period='01-01..01-01'))"
+    ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120)
+    assert "<BuildingEnv OfficeSmall>" in ran.stdout, ran.stderr
 
 
 def test_an_episode_is_truncated_at_the_end_of_its_run_period(make):
@@ -180,9 +238,31 @@ def test_a_rendered_frame_changes_with_the_state(make):
         after = env.render()
     assert before.dtype == np.uint8 and before.shape == (540, 960, 3) and before.std() > 10
     assert (before != after).any()
-    # Cells that were drawn anew look as on an empty canvas; a new renderer lacks the past power, at the bottom.
+    # Cells that were drawn anew look as on an empty canvas.
     env.unwrapped._renderer = None
-    np.testing.assert_array_equal(env.render()[:400], after[:400])
+    np.testing.assert_array_equal(env.render(), after)
+
+
+def test_a_frame_has_the_power_of_the_steps_between_two_calls(make):
+    pytest.importorskip("matplotlib")
+
+    def frames(every):
+        env = make(render_mode="rgb_array", timesteps_per_hour=1)
+        env.reset()
+        for step in range(12):
+            env.step(env.action_space.high if step % 2 else env.action_space.low)
+            if every:
+                env.render()
+        return env, env.render()
+
+    _, every_step = frames(True)
+    env, once = frames(False)
+    np.testing.assert_array_equal(once, every_step)
+    here = env.snapshot()
+    for _ in range(3):
+        env.step(env.action_space.high)
+    env.restore(here)
+    np.testing.assert_array_equal(env.render(), once)
 
 
 @pytest.mark.parametrize(
@@ -192,8 +272,9 @@ def test_a_rendered_frame_changes_with_the_state(make):
         ({"building_type": "OfficeSmall", "building_id": "OfficeSmall-2000"}, errors.BuildingError, "1000"),
         ({"building_type": "OfficeSmall", "place": "Dever"}, errors.BuildingError, "Denver"),
         ({"building_type": "OfficeSmall", "index": 900}, errors.SettingError, "0 to 899"),
+        ({"building_type": "OfficeSmall", "split": "test"}, errors.SettingError, "pass index=0"),
         ({"building_type": "OfficeSmall", "task": "cosy"}, errors.TaskError, "occupancy"),
-        ({"building_type": "OfficeSmall", "task": "task_occ_e05"}, errors.TaskError, "now occupancy.energy0.5"),
+        ({"building_type": "OfficeSmall", "task": "task_occ_e05"}, errors.TaskError, "called occupancy.energy0.5 here"),
         ({"building_type": "OfficeSmall", "run_period": "spring"}, errors.BuildingError, "MM-DD"),
         ({"building_type": "OfficeSmall", "timesteps_per_hour": 7}, errors.Error, "steps per hour 7"),
         ({"building_type": "OfficeSmall", "window_days": 100}, errors.Error, "100 days"),

@@ -64,7 +64,13 @@ def test_every_page_with_a_program_of_its_own_is_tested():
     assert {page for page in written if blocks(DOCS / page)} <= tested
 
 
-@pytest.mark.parametrize("name", PAGES)
+def page(name: str):
+    """Returns the parameter of a page; pages that train are too slow for every change."""
+    trains = "b2b.train(" in blocks(DOCS / f"{name}.md")
+    return pytest.param(name, marks=pytest.mark.nightly if trains else ())
+
+
+@pytest.mark.parametrize("name", map(page, PAGES))
 def test_the_code_of_a_page_runs(name, tmp_path):
     code = blocks(DOCS / f"{name}.md")
     assert code

@@ -84,6 +84,8 @@ def test_an_interrupted_evaluation_resumes_and_gives_the_same_bytes(tmp_path):
             run_periods=DAYS,
             folder=tmp_path / "parts",
             name="Integral",
+            # `left` differs from call to call.
+            version="1",
             jobs=1,
         )
 
@@ -91,13 +93,56 @@ def test_an_interrupted_evaluation_resumes_and_gives_the_same_bytes(tmp_path):
         again()
     assert not (tmp_path / "parts/episodes.parquet").exists()
     Failing.left = 2 * 576 + 576
-    again()
+    assert again().reused == 1
     assert Failing.left == 0, "one of four episodes was kept"
     assert table(tmp_path / "parts") == table(tmp_path / "whole")
     with pytest.raises(errors.EvaluationError, match="identity"):
         b2b.evaluate(
             Integral, HOUSES, ["constant", "occupancy"], run_periods=DAYS, folder=tmp_path / "parts", version="2"
         )
+
+
+def midpoint(share: float, sign: float = 1.0):
+    def policy(observation):
+        return np.full(2, sign * share)
+
+    return policy
+
+
+def test_an_edited_policy_is_not_answered_with_the_results_of_the_old_one(tmp_path, capsys):
+    def evaluate(policy, **options):
+        return b2b.evaluate(
+            policy, HOUSES[0], run_periods="01-10..01-10", rescale_action=True, folder=tmp_path, **options
+        )
+
+    first = evaluate(midpoint(0.1))
+    assert first.reused == 0 and capsys.readouterr().err == ""
+    again = evaluate(midpoint(0.1))
+    assert again.reused == 1 and again.rows == first.rows
+    assert capsys.readouterr().err == f"{tmp_path}: 1 of 1 episodes had finished before and are reused\n"
+    with pytest.raises(errors.EvaluationError, match="policy_identity.*code and values"):
+        evaluate(midpoint(0.2))
+    with pytest.raises(errors.EvaluationError, match="policy_identity"):
+        evaluate(midpoint(0.1), version="2")
+
+
+def test_an_evaluation_in_which_nothing_finished_does_not_block_the_next(tmp_path):
+    def wrong(observation):
+        raise KeyError("a mistake")
+
+    with pytest.raises(KeyError, match="a mistake"):
+        b2b.evaluate(wrong, HOUSES, run_periods="01-10..01-10", folder=tmp_path)
+    evaluated = b2b.evaluate(midpoint(0.1), HOUSES[0], run_periods="01-10..01-10", rescale_action=True, folder=tmp_path)
+    assert len(evaluated) == 1 and evaluated.reused == 0
+
+
+def test_the_other_name_of_the_run_period_is_answered_with_the_right_one():
+    with pytest.raises(TypeError, match=r"evaluate\(\) has no argument `run_period`; did you mean `run_periods`"):
+        b2b.evaluate("reactive", HOUSES[0], run_period=DAYS)
+    with pytest.raises(TypeError, match=r"make_env\(\) has no argument `run_periods`; did you mean `run_period`"):
+        b2b.make_env("OfficeSmall", run_periods=DAYS)
+    with pytest.raises(TypeError, match="`run_period` and `task`"):
+        b2b.train(HOUSES[0], out="nowhere", run_periods=DAYS)
 
 
 def test_ctrl_c_stops_an_evaluation_and_keeps_finished_episodes(tmp_path):

@@ -52,6 +52,7 @@ def test_the_readme_shows_what_it_prints():
     assert run("-c", code) == shown
 
 
+@pytest.mark.nightly
 def test_the_first_agent_of_the_documentation_is_trained_and_evaluated(tmp_path, monkeypatch):
     """With few steps."""
     monkeypatch.chdir(tmp_path)

@@ -1,6 +1,7 @@
 """Training from Python, and agents as controllers and policies."""
 
 import json
+import sys
 
 import building2building as b2b
 import numpy as np
@@ -98,3 +99,30 @@ def test_invalid_options_are_errors(tmp_path):
     ]:
         with pytest.raises(SettingError, match=message):
             b2b.train(None if options.get("resume") else HOUSE, out=tmp_path / "run", **options)
+
+
+def test_the_configuration_of_a_run_can_be_given_back(tmp_path, capsys):
+    first = b2b.train(HOUSE, out=tmp_path / "first", steps=1.92e2, progress=True, **SMALL)
+    shown = capsys.readouterr().err
+    assert "computing baselines" in shown and "192 steps" in shown and "score" in shown
+    assert first.summary["steps"] == 192
+    config = tmp_path / "first" / "config.toml"
+    again = b2b.train(config=config, out=tmp_path / "again")
+    assert capsys.readouterr().err == ""
+    weights = "agent.safetensors"
+    assert (again.path / weights).read_bytes() == (first.path / weights).read_bytes()
+    assert (again.path / "config.toml").read_bytes() == config.read_bytes()
+    other = b2b.train(config=config, out=tmp_path / "other", seed=7)
+    assert (other.path / "config.toml").read_text() == config.read_text().replace("seed = 0", "seed = 7")
+    if sys.version_info >= (3, 11):
+        import tomllib
+
+        options = tomllib.loads(config.read_text())
+        b2b.train(**options, out=tmp_path / "options")
+        assert (tmp_path / "options" / "config.toml").read_bytes() == config.read_bytes()
+
+
+def test_a_callback_is_called_with_progress_too(tmp_path):
+    seen = []
+    b2b.train(HOUSE, out=tmp_path / "run", steps=192, progress=True, callback=seen.append, **SMALL)
+    assert [update["steps"] for update in seen] == [192]

@@ -100,6 +100,35 @@ def test_a_fork_does_not_touch_the_environments_of_its_parent(make):
     env.step(env.action_space.low)
 
 
+@pytest.mark.parametrize("options", [{}, {"resample": True, "split": "test_small"}])
+def test_a_forked_vector_environment_works_after_its_next_reset(options):
+    envs = b2b.make_vec("SingleFamilyHouse", 2, rescale_action=True, timesteps_per_hour=1, **DAY, **options)
+    action = np.zeros(envs.action_space.shape)
+
+    def episode():
+        envs.reset(seed=5)
+        return [envs.step(action)[1].tolist() for _ in range(3)]
+
+    def in_the_fork(queue):
+        try:
+            envs.step(action)
+        except errors.ProcessError as error:
+            queue.put(str(error))
+        queue.put(episode())
+        envs.close()
+
+    expected = episode()
+    queue = multiprocessing.get_context("fork").Queue()
+    process = multiprocessing.get_context("fork").Process(target=in_the_fork, args=(queue,))
+    process.start()
+    assert "fork" in queue.get(timeout=60)
+    assert queue.get(timeout=120) == expected
+    process.join(20)
+    assert process.exitcode == 0
+    envs.step(action)
+    envs.close()
+
+
 def workers_of(pid: int) -> list[int]:
     """The workers that a process started, and their copies, which have its id in their arguments."""
     found = []

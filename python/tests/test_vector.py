@@ -271,3 +271,19 @@ def test_a_place_means_the_same_in_every_house_by_role(make_vec):
         present = [name.split()[0] for name, value in zip(names, row) if name.endswith(" present") and value]
         assert present == zones
     assert (observations[:, names.index("time of day")] == observations[0, names.index("time of day")]).all()
+
+
+@pytest.mark.parametrize(
+    "options, words",
+    [
+        ({"task": []}, "task is empty"),
+        ({"task": [], "resample": True, "split": "test"}, "task is empty"),
+        ({"num_envs": 2**40}, "num_envs is 1099511627776; expected 1 to 2048"),
+        ({"num_envs": 2049, "resample": True}, "expected 1 to 2048"),
+        ({"num_envs": 0}, "num_envs is 0"),
+        ({"split": "train"}, "pass index=0"),
+    ],
+)
+def test_arguments_out_of_bounds_are_errors(options, words, make_vec):
+    with pytest.raises(errors.SettingError, match=words):
+        make_vec("OfficeSmall", **options)

@@ -19,10 +19,10 @@ def stepped(env):
 
 
 def test_padding_is_zeros(make):
-    observation = stepped(wrappers.PadObservation(make(), 20))
+    observation = stepped(wrappers.PadObservation(make(), width=20))
     assert observation.shape == (20,) and not observation[13:].any()
     with pytest.raises(errors.SettingError, match="13"):
-        wrappers.PadObservation(make(), 5)
+        wrappers.PadObservation(make(), width=5)
 
 
 def test_houses_of_one_padded_width_have_one_space():
@@ -287,7 +287,7 @@ def test_a_copied_controller_has_a_state_of_its_own(make):
 
 
 def test_a_spec_makes_the_same_wrapped_environment(make):
-    env = wrappers.PadObservation(wrappers.NormalizeObservation(make()), 20)
+    env = wrappers.PadObservation(wrappers.NormalizeObservation(make()), width=20)
     again = gymnasium.make(env.spec)
     np.testing.assert_array_equal(again.reset(seed=0)[0], env.reset(seed=0)[0])
     again.close()

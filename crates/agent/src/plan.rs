@@ -107,10 +107,7 @@ impl PlannedNode {
             NodeType::Calendar => Owner::Calendar,
             NodeType::Energy => Owner::Energy,
             NodeType::AirLoop => Owner::AirLoop(self.number),
-            NodeType::UnitaryZone
-            | NodeType::VavZone
-            | NodeType::HeatingOnlyZone
-            | NodeType::UncontrolledZone => Owner::Zone(self.number),
+            _ => Owner::Zone(self.number),
         }
     }
 }

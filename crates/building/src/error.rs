@@ -149,6 +149,17 @@ pub enum Error {
         /// The problem, and the remedy.
         why: String,
     },
+    /// More parameters of a calibration than metered values.
+    #[error(
+        "{parameters} parameters cannot be found from {values} metered values; give more months, or name fewer with \
+         --parameter (`parameters` in Python)"
+    )]
+    FewMeteredValues {
+        /// Number of parameters.
+        parameters: usize,
+        /// Number of metered values.
+        values: usize,
+    },
     /// Autosized fields for which the engine reports no size.
     #[error("the engine reports no size for:\n  {}\nGive each field a number in the model.", fields.join("\n  "))]
     Unsized {
@@ -164,6 +175,25 @@ impl Error {
     /// An [`Error::Edit`] for an object.
     pub fn edit(class: &str, name: &str, why: &str) -> Self {
         Self::Edit { class: class.to_owned(), name: name.to_owned(), why: why.to_owned() }
+    }
+
+    /// Names the work of a process that was lost: see [`b2b_energyplus::Error::while_doing`].
+    #[must_use]
+    pub fn while_doing(self, doing: impl Into<String>) -> Self {
+        match self {
+            Self::Engine(error) => Self::Engine(error.while_doing(doing)),
+            other => other,
+        }
+    }
+
+    /// Names the zones of an [`Error::Unsupported`].
+    pub(crate) fn in_zones(self, zones: &[String]) -> Self {
+        match self {
+            Self::Unsupported { class, name, why } if !zones.is_empty() => {
+                Self::Unsupported { class, name, why: format!("{why} (zone `{}`)", zones.join("`, `")) }
+            }
+            other => other,
+        }
     }
 
     /// An [`Error::Unsupported`] for an object.

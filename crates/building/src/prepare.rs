@@ -8,8 +8,7 @@ use b2b_energyplus::Library;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use crate::hvac::energy_management;
-use crate::hvac::{self, Actuator, Discovery, System, SystemLayout, Uncontrolled};
+use crate::hvac::{self, Actuator, Discovery, KINDS, Kind, System, SystemLayout, Uncontrolled, Unsupported};
 use crate::hvac_energy::{Carrier, HvacMeter, hvac_meters};
 use crate::model::Model;
 use crate::outputs;
@@ -34,7 +33,7 @@ pub struct PreparedBuilding {
     /// Every zone, in model order.
     pub zones: Vec<Zone>,
     /// The controlled systems, in the order of the action.
-    pub systems: Vec<System>,
+    pub systems: Vec<Box<dyn System>>,
     /// Places of the systems in the action and in the zones, in the same order.
     layouts: Vec<SystemLayout>,
     /// Systems and equipment that are not controlled, with the reason; empty except for imported buildings.
@@ -78,11 +77,8 @@ impl PreparedBuilding {
     /// # Errors
     /// [`Error::Unsupported`] naming the object that cannot be made controllable; [`Error::NothingToControl`];
     /// [`Error::Engine`] when the engine rejects the model.
-    pub fn new(name: &str, mut model: Model, weather: &Path, library: &Library) -> Result<Self> {
-        let air_density = size(&mut model, weather, library)?;
-        energy_management::remove_ems_programs(&mut model, energy_management::sets_a_schedule);
-        let systems = hvac::make_controllable(&mut model, air_density)?;
-        Self::with(name, model, Discovery { systems, uncontrolled: Vec::new() })
+    pub fn new(name: &str, model: Model, weather: &Path, library: &Library) -> Result<Self> {
+        Self::with_kinds(name, model, weather, library, &KINDS, Unsupported::Refused)
     }
 
     /// As [`PreparedBuilding::new`], but a system that cannot be made controllable is not controlled and is listed in
@@ -90,14 +86,25 @@ impl PreparedBuilding {
     ///
     /// # Errors
     /// As [`PreparedBuilding::new`], without [`Error::Unsupported`].
-    pub fn as_far_as_possible(
+    pub fn as_far_as_possible(name: &str, model: Model, weather: &Path, library: &Library) -> Result<Self> {
+        Self::with_kinds(name, model, weather, library, &KINDS, Unsupported::LeftAlone)
+    }
+
+    /// As [`PreparedBuilding::new`] or [`PreparedBuilding::as_far_as_possible`], with systems of these kinds. Only a building
+    /// of the [`KINDS`] of this crate can be read from a file.
+    ///
+    /// # Errors
+    /// As [`PreparedBuilding::new`].
+    pub fn with_kinds(
         name: &str,
         mut model: Model,
         weather: &Path,
         library: &Library,
+        kinds: &[Kind],
+        unsupported: Unsupported,
     ) -> Result<Self> {
-        let air_density = size(&mut model, weather, library)?;
-        let discovery = hvac::discover(&mut model, air_density)?;
+        let air_density = size(name, &mut model, weather, library)?;
+        let discovery = hvac::discover(&mut model, air_density, kinds, unsupported)?;
         Self::with(name, model, discovery)
     }
 
@@ -162,7 +169,7 @@ impl PreparedBuilding {
 
     /// Returns the actuators, in the order of the action.
     pub fn actuators(&self) -> impl Iterator<Item = &Actuator> {
-        self.systems.iter().flat_map(System::actuators)
+        self.systems.iter().flat_map(|system| system.actuators())
     }
 
     /// Returns what its HVAC energy may consist of.
@@ -176,8 +183,8 @@ impl PreparedBuilding {
     }
 
     /// Returns the systems with their layouts, in the order of the action.
-    pub fn laid_out_systems(&self) -> impl Iterator<Item = (&System, &SystemLayout)> {
-        self.systems.iter().zip(&self.layouts)
+    pub fn laid_out_systems(&self) -> impl Iterator<Item = (&dyn System, &SystemLayout)> {
+        self.systems.iter().map(|system| &**system).zip(&self.layouts)
     }
 
     /// Returns the controlled zones, in model order.
@@ -187,10 +194,12 @@ impl PreparedBuilding {
 }
 
 /// Writes sizes into a model and returns the air density of its design flows, kg/m³.
-fn size(model: &mut Model, weather: &Path, library: &Library) -> Result<f64> {
+fn size(name: &str, model: &mut Model, weather: &Path, library: &Library) -> Result<f64> {
     let site = Site::read(weather)?;
     if sizing::needs_sizing(model) {
-        Sizes::of(model, weather, library)?.write_into(model)?;
+        let sizes = Sizes::of(model, weather, library)
+            .map_err(|error| error.while_doing(format!("sizing {name}")))?;
+        sizes.write_into(model)?;
     }
     Ok(standard_air_density(site.elevation))
 }
@@ -208,14 +217,13 @@ pub fn standard_air_density(elevation: f64) -> f64 {
 fn prepared_zones(
     model: &Model,
     zones: Vec<zone::Zone>,
-    systems: &[System],
+    systems: &[Box<dyn System>],
     layouts: &[SystemLayout],
 ) -> Result<Vec<Zone>> {
     let conditioning = |zone: usize| match systems.iter().zip(layouts).find(|(_, layout)| layout.serves(zone))
     {
         None => Conditioning::None,
-        Some((System::HeatingOnly(_), _)) => Conditioning::Heating,
-        Some(_) => Conditioning::HeatingAndCooling,
+        Some((system, _)) => system.conditioning(),
     };
     let prepared = |(index, zone): (usize, zone::Zone)| {
         let conditioning = conditioning(index);

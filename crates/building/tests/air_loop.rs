@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use b2b_building::hvac::{Actuator, AirLoop, EngineVariable, System, Terminal};
+use b2b_building::hvac::{Actuator, AirLoop, EngineVariable, Terminal};
 use b2b_building::{Date, Model, PreparedBuilding, RunPeriod};
 use b2b_energyplus::install::{Engine, Quiet};
 use b2b_energyplus::{Event, Level, Library, Run, Simulation};
@@ -52,9 +52,9 @@ impl Office {
         let control = model.require_mut("SimulationControl", &control).unwrap();
         control.insert("run_simulation_for_weather_file_run_periods".into(), "Yes".into());
         let building = PreparedBuilding::new("office", model, &Self::weather(), &library).unwrap();
-        let loops = building.systems.iter().map(|system| match system {
-            System::AirLoop(air_loop) => air_loop.clone(),
-            other => panic!("the medium office has central air loops, not {other:?}"),
+        let loops = building.systems.iter().map(|system| match system.as_any().downcast_ref::<AirLoop>() {
+            Some(air_loop) => air_loop.clone(),
+            None => panic!("the medium office has central air loops, not {system:?}"),
         });
         Self { library, loops: loops.collect(), building }
     }

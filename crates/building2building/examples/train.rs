@@ -15,15 +15,13 @@ fn main() -> building2building::Result<()> {
     let period = arguments.next().unwrap_or_else(|| "01-08..01-14".into());
     let steps = arguments.next().and_then(|steps| steps.parse().ok()).unwrap_or(10_000);
 
-    let config = TrainConfig {
-        buildings: vec![building.clone()],
-        task: "occupancy".parse()?,
-        period: period.clone(),
-        steps,
-        environments: 4,
-        window_days: 1,
-        ..TrainConfig::preset("residual")?
-    };
+    let mut config = TrainConfig::preset("residual")?;
+    config.training_set.buildings = vec![building.clone()];
+    config.training_set.task = "occupancy".parse()?;
+    config.training_set.period.clone_from(&period);
+    config.training_set.window_days = 1;
+    config.budget.steps = steps;
+    config.budget.environments = 4;
     let summary = train(&config, &folder)?;
     println!("{} steps at {:.0}/s", summary.steps, summary.steps_per_s);
     if let Some(scores) = summary.scores {

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::thread::available_parallelism;
 
-use b2b_learn::train::{Place, Summary, TrainConfig};
+use b2b_learn::train::{RunOptions, Summary, TrainConfig};
 use b2b_workers::Launcher;
 
 use crate::Result;
@@ -12,13 +12,13 @@ use crate::builder::catalog;
 /// Trains an agent in a folder, as `b2b train` does, or continues the run that the folder has. The folder is the agent's then:
 /// [`Agent::read`](crate::agent::Agent::read). Workers are this program started once more: call
 /// [`run_if_worker`](crate::run_if_worker) first in `main`. For a progress report and interrupts, call
-/// [`learn::train::train`](crate::learn::train::train) with a [`Place`] of your own.
+/// [`learn::train::train`](crate::learn::train::train) with [`RunOptions`] of your own.
 ///
 /// # Errors
 /// [`Error::Training`](crate::Error::Training) for a configuration that cannot be used, a folder of another run, and what goes
 /// wrong in training; those of finding the engine.
 pub fn train(config: &TrainConfig, folder: impl AsRef<Path>) -> Result<Summary> {
-    let place = Place {
+    let options = RunOptions {
         out: folder.as_ref().to_owned(),
         catalog: catalog()?,
         launcher: Launcher::this_program()?,
@@ -26,5 +26,5 @@ pub fn train(config: &TrainConfig, folder: impl AsRef<Path>) -> Result<Summary> 
         interrupted: || false,
         monitor: &mut (),
     };
-    Ok(b2b_learn::train::train(config, place)?)
+    Ok(b2b_learn::train::train(config, options)?)
 }

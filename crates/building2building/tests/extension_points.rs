@@ -57,3 +57,10 @@ fn a_building_type_is_known_to_its_own_file_and_to_the_list() {
     });
     assert_eq!(files, ["building_type/mod.rs", "building_type/restaurant_fast_food.rs"]);
 }
+
+#[test]
+fn a_learner_is_known_to_its_own_folder_and_to_the_list() {
+    let mut files = files_with(&["SacConfig", "sac::", "mod sac", "\"sac\""]);
+    files.retain(|file| !file.starts_with("sac/"));
+    assert_eq!(files, ["learners/mod.rs"]);
+}

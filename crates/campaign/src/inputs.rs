@@ -206,7 +206,7 @@ fn readers(material: &Material, work: &Path) -> Result<Vec<Reader>> {
             "training configuration",
             "train.toml",
             material.bytes("agent/config.toml")?,
-            |path| TrainConfig::default().with_file(path).is_ok_and(|config| config.check().is_ok()),
+            |path| TrainConfig::default().with_file(path, &[]).is_ok_and(|config| config.check().is_ok()),
         )?,
         of_file(
             work,

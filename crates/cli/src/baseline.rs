@@ -17,7 +17,7 @@ use crate::evaluation::{Bars, evaluation};
 use crate::exit_code::ExitCode;
 use crate::output_folder::OutputFolder;
 use crate::progress::Download;
-use crate::{interrupt, shipped, stdout};
+use crate::{interrupt, program, shipped, stdout};
 
 /// Compute the baseline returns that scores are normalized by
 ///
@@ -72,7 +72,7 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn baseline(arguments: &Arguments) -> Result<ExitCode> {
-    let catalog = Catalog::open(&mut Download::new(false))?;
+    let catalog = program::catalog(&mut Download::new(false))?;
     let mut episodes = arguments.episodes(&catalog)?;
     if let Some(count) = arguments.sample {
         draw(&mut episodes, count as usize, arguments.seed);

@@ -2,12 +2,10 @@
 
 use anyhow::{Context, Result};
 use b2b_building::{Conditioning, PreparedBuilding, RunPeriod};
-use b2b_dataset::BuildingId;
-use b2b_dataset::BuildingName;
-use b2b_energyplus::Level;
-use b2b_env::{Env, Task, Trajectory};
+use b2b_dataset::{BuildingId, BuildingName, Catalog};
+use b2b_env::{Spaces, Task, Trajectory};
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use crate::arguments::buildings::DatasetBuildings;
 use crate::arguments::controller::{Parameters, reactive};
@@ -15,10 +13,10 @@ use crate::arguments::jobs::Jobs;
 use crate::arguments::location::Location;
 use crate::exit_code::ExitCode;
 use crate::prepare::Prepared;
-use crate::progress::counter;
-use crate::rollout::roll_out;
+use crate::progress::{Download, counter};
+use crate::rollout::Rollout;
 use crate::table::Table;
-use crate::{child, interrupt, stdout};
+use crate::{interrupt, program, stdout, with_causes};
 
 /// Size and simulate dataset buildings and report failures
 ///
@@ -46,9 +44,6 @@ pub struct Arguments {
     /// Print JSON
     #[arg(long)]
     json: bool,
-    /// Check one building in this process, and print its episodes as JSON
-    #[arg(long, hide = true, value_name = "ID", conflicts_with_all = ["ids", "split", "jobs"])]
-    one: Option<BuildingId>,
 }
 
 /// The default run periods: a winter week and a summer week.
@@ -71,7 +66,7 @@ struct Report {
 }
 
 /// The result of an episode.
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize)]
 struct Outcome {
     period: String,
     severes: usize,
@@ -89,7 +84,7 @@ struct Outcome {
 }
 
 /// An extreme temperature and the zone where it occurred.
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize)]
 struct Extreme {
     zone: String,
     temperature_c: f64,
@@ -97,10 +92,6 @@ struct Extreme {
 
 /// Runs the command.
 pub fn check(arguments: &Arguments) -> Result<ExitCode> {
-    if let Some(id) = arguments.one {
-        stdout::print(&serde_json::to_string(&episodes(id, &arguments.periods)?)?)?;
-        return Ok(ExitCode::Success);
-    }
     let reports = arguments.reports()?;
     stdout::print_result(arguments.json, &reports, || text(&reports))?;
     let passed = reports.iter().all(|report| report.passed);
@@ -108,14 +99,15 @@ pub fn check(arguments: &Arguments) -> Result<ExitCode> {
 }
 
 impl Arguments {
-    /// Checks the buildings, each in its own process: the engine runs once at a time in a process.
+    /// Checks the buildings, each in worker processes of its own.
     fn reports(&self) -> Result<Vec<Report>> {
         let ids = self.buildings.ids()?;
+        let catalog = program::catalog(&mut Download::new(self.json))?;
         let bar = counter(ids.len(), "buildings", self.json);
         let reports = self.jobs.thread_pool()?.install(|| {
             ids.par_iter()
                 .map(|id| {
-                    let report = Report::of(*id, &self.periods);
+                    let report = Report::of(&catalog, *id, &self.periods);
                     bar.inc(1);
                     report
                 })
@@ -127,14 +119,15 @@ impl Arguments {
 }
 
 impl Report {
-    /// Checks a building. Errors only if the user interrupts, or if no process can be started.
-    fn of(id: BuildingId, periods: &[RunPeriod]) -> Result<Self> {
+    /// Checks a building. Errors only if the user interrupts.
+    fn of(catalog: &Catalog, id: BuildingId, periods: &[RunPeriod]) -> Result<Self> {
         interrupt::check()?;
-        let outcome = run_in_process(id, periods)?;
+        let outcome = episodes(catalog, id, periods);
+        interrupt::check()?;
         let place = b2b_dataset::row(id).building.place().to_owned();
         let (episodes, error) = match outcome {
             Ok(episodes) => (episodes, None),
-            Err(error) => (Vec::new(), Some(error)),
+            Err(error) => (Vec::new(), Some(with_causes(&error))),
         };
         let passed = error.is_none() && episodes.iter().all(Outcome::passed);
         Ok(Self { id: id.to_string(), place, error, episodes, passed })
@@ -142,20 +135,19 @@ impl Report {
 }
 
 impl Outcome {
-    fn of(env: &Env, trajectory: &Trajectory) -> Result<Self> {
-        let building = env.building();
-        let severe = env.messages().at_least(Level::Severe).next().map(|message| message.text.clone());
+    fn of(spaces: &Spaces, rollout: Rollout) -> Result<Self> {
+        let (building, Rollout { metrics, engine, trajectory, .. }) = (&spaces.building, &rollout);
         let coldest = |a: &f64, b: &f64| a.total_cmp(b);
         let warmest = |a: &f64, b: &f64| b.total_cmp(a);
         let heated = |conditioning| conditioning != Conditioning::None;
         let cooled = |conditioning| conditioning == Conditioning::HeatingAndCooling;
         Ok(Self {
-            period: env.episode().period.to_string(),
-            severes: env.message_count(Level::Severe),
-            severe_message: severe,
-            rms_deviation_k: env.metrics().rms_deviation(),
-            electricity_kwh_per_m2: env.metrics().electricity / 1000.0,
-            gas_kwh_per_m2: env.metrics().gas / 1000.0,
+            period: spaces.episode.period.to_string(),
+            severes: engine.severes,
+            severe_message: engine.severe_messages.first().cloned(),
+            rms_deviation_k: metrics.rms_deviation(),
+            electricity_kwh_per_m2: metrics.electricity / 1000.0,
+            gas_kwh_per_m2: metrics.gas / 1000.0,
             coldest: extreme(building, trajectory, heated, coldest)?,
             warmest: extreme(building, trajectory, cooled, warmest)?,
         })
@@ -184,27 +176,16 @@ fn extreme(
     Ok(Extreme { zone, temperature_c })
 }
 
-/// Sizes a building and runs its episodes in this process.
-fn episodes(id: BuildingId, periods: &[RunPeriod]) -> Result<Vec<Outcome>> {
-    let prepared = Prepared::new(&BuildingName::Id(id), &Location::default(), true)?;
+/// Sizes a building and runs its episodes.
+fn episodes(catalog: &Catalog, id: BuildingId, periods: &[RunPeriod]) -> Result<Vec<Outcome>> {
+    let prepared = Prepared::of(catalog, &BuildingName::Id(id), &Location::default(), true)?;
     periods.iter().map(|period| run_episode(&prepared, *period)).collect()
 }
 
 fn run_episode(prepared: &Prepared, period: RunPeriod) -> Result<Outcome> {
-    let mut env = prepared.env(period, STEPS_PER_HOUR, Task::default())?;
-    let mut controller = reactive(env.spaces(), &Parameters::Default)?;
-    let recorded = roll_out(&mut env, &mut controller, true)?;
-    Outcome::of(&env, &recorded.trajectory)
-}
-
-/// Runs the episodes of a building in its own process. Returns the error message of that process if it fails.
-fn run_in_process(id: BuildingId, periods: &[RunPeriod]) -> Result<Result<Vec<Outcome>, String>> {
-    let arguments = ["check".to_owned(), "--one".to_owned(), id.to_string()];
-    let periods = periods.iter().map(|period| format!("--period={period}"));
-    match child::run(arguments.into_iter().chain(periods))? {
-        Ok(text) => Ok(Ok(serde_json::from_str(&text)?)),
-        Err(error) => Ok(Err(error)),
-    }
+    let spaces = prepared.spaces(period, STEPS_PER_HOUR, Task::default())?;
+    let mut controller = reactive(&spaces, &Parameters::Default)?;
+    Outcome::of(&spaces, prepared.roll_out(&spaces, &mut controller, true)?)
 }
 
 fn text(reports: &[Report]) -> String {

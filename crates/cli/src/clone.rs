@@ -16,7 +16,7 @@ use b2b_learn::offline::{CloneConfig, Cloned, Contents, Dataset, EpisodeMetadata
 use serde_json::json;
 
 use crate::progress::{Download, counter};
-use crate::{interrupt, stdout};
+use crate::{interrupt, program, stdout};
 
 /// Train an agent to imitate the policies of a dataset (behavior cloning)
 ///
@@ -72,7 +72,7 @@ pub fn clone(arguments: &Arguments) -> Result<()> {
         bail!("--out {} exists; remove it or choose another folder", arguments.out.display());
     }
     let dataset = Dataset::open(&arguments.dataset)?;
-    let catalog = Catalog::open(&mut Download::new(arguments.json))?;
+    let catalog = program::catalog(&mut Download::new(arguments.json))?;
     let config = CloneConfig {
         observation: arguments.observation,
         hidden: arguments.hidden.clone(),

@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
-use b2b_dataset::Catalog;
 use b2b_env::Task;
 use b2b_evaluate::{ActionScale, Policy};
 use b2b_learn::offline::{Collection, Dataset, collect as collect_episodes};
@@ -13,8 +12,8 @@ use crate::arguments::episodes::Episodes;
 use crate::arguments::jobs::Jobs;
 use crate::evaluation::{Bars, evaluation, fetch_weather};
 use crate::progress::Download;
-use crate::stdout;
 use crate::table::Table;
+use crate::{program, stdout};
 
 /// Record episodes as a Minari dataset, for offline learning
 ///
@@ -58,7 +57,7 @@ pub fn collect(arguments: &Arguments) -> Result<()> {
     let policies = arguments.policies.iter().map(load).collect::<b2b_evaluate::Result<Vec<_>>>()?;
     let episodes = arguments.episodes.list(std::slice::from_ref(&arguments.task))?;
     let destination = arguments.root()?.join(&arguments.name);
-    let catalog = Catalog::open(&mut Download::new(arguments.json))?;
+    let catalog = program::catalog(&mut Download::new(arguments.json))?;
     fetch_weather(&episodes, arguments.json)?;
     let evaluation = evaluation(&catalog, arguments.jobs.count()?);
     let bars = Bars::new(arguments.json);

@@ -3,12 +3,12 @@
 use anyhow::Result;
 use b2b_building::{BuildingType, RunPeriod};
 use b2b_climate::weather::PACKAGES;
-use b2b_control::{Constant, Controller};
+use b2b_control::Constant;
 use b2b_dataset::BuildingName;
+use b2b_energyplus::Confinement;
 use b2b_energyplus::install::doctor::{Finding, Health, report};
 use b2b_energyplus::install::{Cache, Engine};
-use b2b_energyplus::{Confinement, Level};
-use b2b_env::{Task, authority};
+use b2b_env::{EngineReport, Task};
 use serde_json::json;
 
 use crate::arguments::location::Location;
@@ -70,7 +70,7 @@ fn confinement() -> Finding {
 /// Checks the actuator response of a building. Exit code 1 if an actuator does not respond.
 fn authority(building: &BuildingName, location: &Location, json: bool) -> Result<ExitCode> {
     let prepared = Prepared::new(building, location, json)?;
-    let report = authority::measure(&prepared.library, &prepared.building, &prepared.weather)?;
+    let report = prepared.authority()?;
     stdout::print_result(json, &report, || report.to_string())?;
     Ok(ExitCode::of(report.failures().next().is_none()))
 }
@@ -86,12 +86,9 @@ fn building(building_type: BuildingType, location: &Location, quiet: bool) -> Fi
 
 fn one_day(building_type: BuildingType, location: &Location, quiet: bool) -> Result<String> {
     let prepared = Prepared::new(&BuildingName::Type(building_type), location, quiet)?;
-    let mut env = prepared.env("01-01..01-01".parse::<RunPeriod>()?, 12, Task::default())?;
-    let mut controller = Constant::middle(env.action_space());
-    let mut action = vec![0.0; env.action_space().len()];
-    controller.act(env.reset()?, &mut action);
-    while !env.step(&action)?.truncated {}
-    let [warnings, severes] = [Level::Warning, Level::Severe].map(|level| env.message_count(level));
+    let spaces = prepared.spaces("01-01..01-01".parse::<RunPeriod>()?, 12, Task::default())?;
+    let EngineReport { warnings, severes, .. } =
+        prepared.roll_out(&spaces, &mut Constant::middle(&spaces.action), quiet)?.engine;
     Ok(format!("simulated one day in {}: {warnings} warnings, {severes} severe messages", prepared.place))
 }
 

@@ -4,12 +4,11 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use b2b_building::edit::{Change, Edits, Effect, Report, check_output, edit_file};
-use b2b_dataset::Catalog;
 use serde::Serialize;
 
 use crate::progress::Download;
-use crate::stdout;
 use crate::table::Table;
+use crate::{program, stdout};
 
 /// Change the envelope, the shape or the internal gains of a model
 ///
@@ -102,7 +101,7 @@ struct Edited<'a> {
 pub fn edit(arguments: &Arguments) -> Result<()> {
     let edits = arguments.changes.edits()?;
     check_output(&arguments.out)?;
-    let catalog = Catalog::open(&mut Download::new(arguments.json))?;
+    let catalog = program::catalog(&mut Download::new(arguments.json))?;
     let Arguments { model, out, allow_external, json, .. } = arguments;
     let report = edit_file(model, out, &edits, catalog.library(), *allow_external)?;
     if !json {

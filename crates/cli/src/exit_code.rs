@@ -19,13 +19,6 @@ impl ExitCode {
     pub(crate) fn of(passed: bool) -> Self {
         if passed { Self::Success } else { Self::Failure }
     }
-
-    /// Returns the outcome of a process of this program from its exit code.
-    #[cfg(target_os = "linux")]
-    pub(crate) fn of_process(code: i32) -> Self {
-        let all = [Self::Success, Self::Usage, Self::Interrupted];
-        all.into_iter().find(|each| *each as i32 == code).unwrap_or(Self::Failure)
-    }
 }
 
 impl From<ExitCode> for std::process::ExitCode {

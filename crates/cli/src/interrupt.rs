@@ -2,6 +2,7 @@
 
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
 
@@ -9,33 +10,35 @@ static REQUESTED: AtomicBool = AtomicBool::new(false);
 /// Id of the process that started this one, if this one is a command of an experiment's job.
 static OWNER: OnceLock<u32> = OnceLock::new();
 
+/// Time that a command has to stop before it is ended, s.
+const GRACE: u32 = 10;
 /// Whether the command may take longer to stop.
 static PATIENT: AtomicBool = AtomicBool::new(false);
 
 /// Installs the handler: an interrupt or a termination request only sets the flag. A second one ends the process
-/// immediately, and so does the first after [`GRACE`](crate::supervision::GRACE), unless the process is supervised.
+/// immediately, and its workers with it, and so does the first after [`GRACE`].
 pub fn listen() -> Result<()> {
     #[cfg(target_os = "linux")]
     if let Some(owner) = std::env::var(b2b_experiment::OWNER).ok().and_then(|owner| owner.parse().ok()) {
         OWNER.get_or_init(|| owner);
     }
     ctrlc::set_handler(|| {
-        let repeated = REQUESTED.swap(true, Ordering::Relaxed);
-        #[cfg(target_os = "linux")]
-        let repeated = repeated && !crate::supervision::is_supervised();
-        if repeated {
+        if REQUESTED.swap(true, Ordering::Relaxed) {
             end();
         }
-        #[cfg(target_os = "linux")]
-        if !crate::supervision::is_supervised() && !PATIENT.load(Ordering::Relaxed) {
-            // Work that does not poll the flag, such as a network that never ends.
-            std::mem::forget(crate::supervision::TimeLimit::start(crate::supervision::GRACE, || {
-                eprintln!("interrupted; what did not stop within 10 s was ended");
-                end();
-            }));
+        if !PATIENT.load(Ordering::Relaxed) {
+            std::thread::spawn(end_after_grace);
         }
     })
     .context("cannot install the Ctrl-C handler")
+}
+
+/// Ends a process with work that does not poll the flag, such as a network that never ends. Time in which the process is
+/// stopped does not count.
+fn end_after_grace() {
+    (0..GRACE).for_each(|_| std::thread::sleep(Duration::from_secs(1)));
+    eprintln!("interrupted; what did not stop within {GRACE} s was ended");
+    end();
 }
 
 /// Ends the process, and with it its workers, without its temporary folders.

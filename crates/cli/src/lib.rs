@@ -10,7 +10,6 @@ mod bench;
 mod benchmark;
 mod calibrate;
 mod check;
-mod child;
 #[cfg(target_os = "linux")]
 mod clone;
 #[cfg(target_os = "linux")]
@@ -49,8 +48,6 @@ mod shipped;
 mod show;
 mod stdout;
 mod suggestion;
-#[cfg(target_os = "linux")]
-mod supervision;
 mod table;
 mod time_series;
 #[cfg(target_os = "linux")]
@@ -70,6 +67,8 @@ use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 pub use exit_code::ExitCode;
 pub use program::Program;
+pub use rollout::Rollout;
+pub use run::Author;
 
 /// Building simulations as reinforcement-learning environments, powered by EnergyPlus
 #[derive(Parser)]
@@ -117,28 +116,9 @@ enum Command {
     Tune(tune::Arguments),
 }
 
-impl Command {
-    /// Returns whether the command may run EnergyPlus on a user's model or weather file in its own process, and
-    /// therefore needs supervision.
-    #[cfg(target_os = "linux")]
-    fn is_foreign(&self) -> bool {
-        matches!(
-            self,
-            Self::Run(_)
-                | Self::Show(_)
-                | Self::View(_)
-                | Self::Doctor(_)
-                | Self::Import(_)
-                | Self::Edit(_)
-                | Self::Calibrate(_)
-                | Self::Export(_)
-        )
-    }
-}
-
 /// Runs the command with these arguments, the first of which is the program's name, and returns its exit code.
 ///
-/// `program` is started for child processes and workers, so it must call this function as well. Must be called before
+/// `program` is started for workers and the jobs of experiments, so it must call this function as well. Must be called before
 /// any thread is started. Does not return if this process was started as a worker.
 pub fn run(program: Program, arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     #[cfg(target_os = "linux")]
@@ -160,14 +140,7 @@ pub fn run(program: Program, arguments: impl IntoIterator<Item = OsString>) -> E
             return if usage.use_stderr() { ExitCode::Usage } else { ExitCode::Success };
         }
     };
-    #[cfg(target_os = "linux")]
-    let outcome = match command.is_foreign() && !supervision::is_supervised() {
-        true => supervision::supervise(&arguments[1..]),
-        false => interrupt::listen().and_then(|()| execute(command)),
-    };
-    #[cfg(not(target_os = "linux"))]
-    let outcome = interrupt::listen().and_then(|()| execute(command));
-    match outcome {
+    match interrupt::listen().and_then(|()| execute(command)) {
         Ok(code) => code,
         Err(error) if interrupt::requested() => {
             eprintln!("{error}");
@@ -233,7 +206,7 @@ fn print_usage(usage: &clap::Error) {
 }
 
 /// Returns the text of an error, followed by the causes that it does not mention.
-fn with_causes(error: &anyhow::Error) -> String {
+pub(crate) fn with_causes(error: &anyhow::Error) -> String {
     let mut text = error.to_string();
     for cause in error.chain().skip(1).map(ToString::to_string) {
         if !text.contains(&cause) {

@@ -11,7 +11,7 @@ use b2b_env::{Env, EpisodeConfig, Spaces, Task};
 
 use crate::arguments::location::Location;
 use crate::progress::{Download, spinner};
-use crate::{interrupt, weather};
+use crate::{interrupt, program, weather};
 
 /// A prepared building with its place and engine.
 pub struct Prepared {
@@ -28,21 +28,24 @@ pub struct Prepared {
 impl Prepared {
     /// Downloads missing files and prepares a building. Shows progress unless `quiet`.
     pub fn new(name: &BuildingName, location: &Location, quiet: bool) -> Result<Self> {
-        let mut download = Download::new(quiet);
-        let catalog = Catalog::open(&mut download)?;
-        let found = catalog.find(name, &location.placement(), &mut download);
+        Self::of(&program::catalog(&mut Download::new(quiet))?, name, location, quiet)
+    }
+
+    /// As [`Prepared::new`], with a catalog that others use too.
+    pub fn of(catalog: &Catalog, name: &BuildingName, location: &Location, quiet: bool) -> Result<Self> {
+        let found = catalog.find(name, &location.placement(), &mut Download::new(quiet));
+        interrupt::check()?;
         let found = found.with_context(|| format!("cannot prepare {name}"))?;
         let (place, weather) = (found.place.clone(), found.weather.clone());
         if let Some(note) = weather::design_day_note(&found.site) {
             eprintln!("{place}: {note}");
         }
         interrupt::check()?;
-        #[cfg(target_os = "linux")]
-        let _limit = crate::supervision::preparation_limit(name);
         let spinner = spinner(format!("preparing {name} in {place}"), quiet);
         let library = catalog.library().clone();
         let building = found.prepare(&library);
         spinner.finish_and_clear();
+        interrupt::check()?;
         let building = Arc::new(building.with_context(|| format!("cannot prepare {name}"))?);
         interrupt::check()?;
         Ok(Self { library, building, place, weather })

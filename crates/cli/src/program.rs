@@ -1,9 +1,14 @@
-//! Starting this program again: as a worker, or as a child process that runs another command.
+//! Starting this program again: as a worker, or for a job of an experiment.
 
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::Command;
 use std::sync::OnceLock;
+
+use anyhow::Result;
+use b2b_dataset::Catalog;
+
+use crate::progress::Download;
 
 /// A program that calls [`run`](crate::run), and the arguments before those of `b2b`.
 #[derive(Clone, Debug)]
@@ -43,6 +48,18 @@ pub fn command() -> Command {
     let mut command = Command::new(executable);
     command.args(arguments);
     command
+}
+
+/// Loads the engine, which is downloaded if it is missing. Worker processes read and size models with it: a crash of theirs is an
+/// error.
+pub fn catalog(download: &mut Download) -> Result<Catalog> {
+    let catalog = Catalog::open(download)?;
+    #[cfg(target_os = "linux")]
+    let catalog = {
+        let jobs = b2b_workers::Jobs::new(crate::workers::worker_options(catalog.library().path()));
+        catalog.hosted_by(std::sync::Arc::new(jobs))
+    };
+    Ok(catalog)
 }
 
 /// Returns a launcher that starts this program as a worker.

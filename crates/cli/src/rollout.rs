@@ -4,8 +4,11 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Result, bail};
 use b2b_env::{
-    Controller, EngineReport, Environment, Metrics, Observer, Spaces, Step, Task, Trajectory, rollout,
+    Controller, EngineReport, Environment, Metrics, Observer, Spaces, Step, Task, Trajectory, authority,
+    rollout,
 };
+#[cfg(target_os = "linux")]
+use b2b_workers::EpisodeReport;
 use cpu_time::ProcessTime;
 
 use crate::interrupt;
@@ -31,6 +34,16 @@ pub struct Rollout {
     pub wall: Duration,
 }
 
+impl Rollout {
+    /// Combines an episode with the report of its worker. The CPU time of this process is that up to now.
+    #[cfg(target_os = "linux")]
+    pub fn new(metrics: Metrics, trajectory: Trajectory, report: EpisodeReport, wall: Duration) -> Self {
+        let EpisodeReport { engine, cpu: env_cpu } = report;
+        let total_cpu = ProcessTime::now().as_duration() + env_cpu;
+        Self { metrics, trajectory, engine, env_cpu, total_cpu, wall }
+    }
+}
+
 impl Prepared {
     /// Runs an episode of this building to its end in a worker process, so that a crash of the engine becomes an error.
     #[cfg(target_os = "linux")]
@@ -43,9 +56,15 @@ impl Prepared {
         let mut episode = workers.episode(&self.setting(spaces.episode.clone()))?.with_options(options);
         let Recorded { metrics, trajectory, wall } = roll_out(&mut episode, controller, quiet)?;
         let report = episode.report().context("the worker process sent no engine report")?;
-        let (engine, env_cpu) = (report.engine.clone(), report.cpu);
-        let total_cpu = ProcessTime::now().as_duration() + env_cpu;
-        Ok(Rollout { metrics, trajectory, engine, env_cpu, total_cpu, wall })
+        Ok(Rollout::new(metrics, trajectory, report.clone(), wall))
+    }
+
+    /// Checks the response of the building to its actuators, in a worker process.
+    pub fn authority(&self) -> Result<authority::Report> {
+        #[cfg(target_os = "linux")]
+        return Ok(b2b_workers::Jobs::new(self.worker_options()).authority(&self.building, &self.weather)?);
+        #[cfg(not(target_os = "linux"))]
+        Ok(authority::measure(&self.library, &self.building, &self.weather)?)
     }
 
     /// Starts an episode of one day in January, up to its first observation: EnergyPlus detects some errors of a model

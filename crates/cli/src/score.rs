@@ -15,7 +15,7 @@ use crate::arguments::location::Location;
 use crate::evaluation::{Bars, evaluation};
 use crate::progress::Download;
 use crate::run::trajectory_file::Stored;
-use crate::stdout;
+use crate::{program, stdout};
 
 /// Score a trajectory against the reactive controllers
 ///
@@ -77,7 +77,7 @@ struct Score {
 pub fn score(arguments: &Arguments) -> Result<()> {
     let trajectory = Trajectory::read(arguments)?;
     let steps_per_hour = trajectory.steps_per_hour(&arguments.trajectory)?;
-    let catalog = Catalog::open(&mut Download::new(arguments.json))?;
+    let catalog = program::catalog(&mut Download::new(arguments.json))?;
     let Trajectory { subject, period, .. } = &trajectory;
     let site = find_site(&catalog, &trajectory, arguments.json)?;
     let task = trajectory.task.clone();

@@ -9,8 +9,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 use b2b_building::description::Origin;
 use b2b_building::{BuildingType, Class, Model, PreparedBuilding, import};
 use b2b_climate::{EpwFile, Place, Site};
-use b2b_energyplus::Library;
 use b2b_energyplus::install::{Cache, Engine, Progress};
+use b2b_energyplus::{Host, Library};
 
 use crate::{Building, BuildingId, Preparation};
 use crate::{Error, Result, archetype, commercial};
@@ -80,6 +80,12 @@ impl Catalog {
             prototypes: Mutex::default(),
             sites: Mutex::default(),
         })
+    }
+
+    /// Has another process read and size models, which may crash the engine.
+    #[must_use]
+    pub fn hosted_by(self, host: Arc<dyn Host>) -> Self {
+        Self { library: self.library.hosted_by(host), ..self }
     }
 
     /// Returns the engine.

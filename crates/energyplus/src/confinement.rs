@@ -51,6 +51,12 @@ pub fn confine() -> Confinement {
     confine_to(None)
 }
 
+/// As [`confine`], and to writing in `folder`.
+pub fn confine_with(folder: &Path) -> Confinement {
+    CONFINED.set(true);
+    confine_to(Some(folder))
+}
+
 /// Runs a function in a confined thread, which may also write to `folder`, and returns its result. Starts a thread
 /// unless this one is already confined.
 pub(crate) fn confined<T: Send>(folder: Option<&Path>, function: impl FnOnce() -> T + Send) -> T {

@@ -18,7 +18,10 @@ impl Library {
         if !idf.is_file() {
             return Err(Error::MissingFile { what: "model", path: idf.to_owned() });
         }
-        confined(None, || self.convert(idf))
+        match &self.host {
+            Some(host) => host.convert_idf(idf),
+            None => confined(None, || self.convert(idf)),
+        }
     }
 
     fn convert(&self, idf: &Path) -> Result<String> {

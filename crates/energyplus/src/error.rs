@@ -42,6 +42,22 @@ pub enum Error {
         /// Messages of EnergyPlus.
         messages: Messages,
     },
+    /// A process that EnergyPlus crashed, or that took too long and was killed.
+    #[error(
+        "EnergyPlus {end} while {doing}{last_messages}\n\
+         Correct the objects of the model or the lines of the weather file that the messages name, or remove objects until it runs"
+    )]
+    Process {
+        /// The work, with the model.
+        doing: String,
+        /// How it ended.
+        end: String,
+        /// Its last messages on lines of their own, if there are any.
+        last_messages: String,
+    },
+    /// An interrupt while waiting for another process.
+    #[error("interrupted")]
+    Interrupted,
     /// A variable that the model does not have, or that was not requested before the start.
     #[error(
         "unknown variable `{name}` of `{key}`: the model does not have it, or it was not requested before the start"
@@ -97,6 +113,19 @@ pub enum Error {
     /// A failed allocation of the stack of the coroutine.
     #[error("cannot allocate the stack of EnergyPlus: {0}")]
     Stack(std::io::Error),
+}
+
+impl Error {
+    /// Names the work of an [`Error::Process`] in the terms of its caller, who knows the name of the model.
+    #[must_use]
+    pub fn while_doing(self, doing: impl Into<String>) -> Self {
+        match self {
+            Self::Process { end, last_messages, .. } => {
+                Self::Process { doing: doing.into(), end, last_messages }
+            }
+            other => other,
+        }
+    }
 }
 
 /// A result of this crate.

@@ -25,7 +25,8 @@
 //! - Runs may be interleaved on one thread, and a process may use several threads, but EnergyPlus itself must never run on two
 //!   threads at once: its results would be silently wrong. Every call into it holds one process-wide lock, which
 //!   [`exclusive`] holds for several calls; use several processes for parallel work.
-//! - A crash of EnergyPlus (a segmentation fault in its C++ code) ends the process. Validate models first.
+//! - A crash of EnergyPlus (a segmentation fault in its C++ code) ends the process. A [`Host`] converts, sizes and runs models
+//!   in other processes.
 
 #[cfg(unix)]
 mod abort_line;
@@ -35,6 +36,7 @@ mod convert;
 mod coroutine;
 mod error;
 mod event;
+mod host;
 pub mod install;
 mod library;
 mod message;
@@ -42,9 +44,10 @@ mod simulation;
 #[cfg(target_os = "linux")]
 pub mod snapshot;
 
-pub use confinement::{Confinement, confine};
+pub use confinement::{Confinement, confine, confine_with};
 pub use error::{Error, Result};
 pub use event::Event;
+pub use host::Host;
 pub use library::{Exclusive, Library, exclusive};
 pub use message::{Level, Message, Messages};
 pub use simulation::{Actuator, Clock, Meter, Run, Simulation, Variable};

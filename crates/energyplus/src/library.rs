@@ -9,13 +9,15 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use crate::api::Api;
-use crate::{Error, Result};
+use crate::{Error, Host, Result};
 
 /// The shared library of EnergyPlus, loaded for the rest of the process. Clones are cheap.
 #[derive(Clone)]
 pub struct Library {
     pub(crate) api: Arc<Api>,
     path: PathBuf,
+    /// Runs whole runs and conversions; this process if `None`.
+    pub(crate) host: Option<Arc<dyn Host>>,
 }
 
 impl std::fmt::Debug for Library {
@@ -32,7 +34,25 @@ impl Library {
     pub fn load(path: &Path) -> Result<Self> {
         let api =
             Api::load(path).map_err(|e| Error::Library { path: path.to_owned(), why: e.to_string() })?;
-        Ok(Self { api: Arc::new(api), path: path.to_owned() })
+        Ok(Self { api: Arc::new(api), path: path.to_owned(), host: None })
+    }
+
+    /// Has another process convert models and run them to their end. A [`Simulation`](crate::Simulation) that is advanced step by
+    /// step stays in this process.
+    #[must_use]
+    pub fn hosted_by(self, host: Arc<dyn Host>) -> Self {
+        Self { host: Some(host), ..self }
+    }
+
+    /// Returns whether other processes run models to their end, so that several may run at a time.
+    pub fn is_hosted(&self) -> bool {
+        self.host.is_some()
+    }
+
+    /// Returns the library without its host, for models that are known not to crash.
+    #[must_use]
+    pub fn in_this_process(&self) -> Self {
+        Self { host: None, ..self.clone() }
     }
 
     /// Path of the library file.

@@ -2,8 +2,11 @@
 
 use std::fmt;
 
+use serde::{Deserialize, Serialize};
+
 /// Severity of a message.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Level {
     /// Information.
     Info,
@@ -27,7 +30,7 @@ impl fmt::Display for Level {
 }
 
 /// A message with its continuation lines.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Message {
     /// Severity.
     pub level: Level,
@@ -37,7 +40,7 @@ pub struct Message {
 
 /// The messages of a run: the count per level, and the first texts. A run may repeat a message for months, so the
 /// number of texts is bounded.
-#[derive(Clone, Default)]
+#[derive(Clone, Default, Serialize, Deserialize)]
 pub struct Messages {
     kept: Vec<Message>,
     counts: [usize; 4],

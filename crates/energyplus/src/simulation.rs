@@ -77,12 +77,15 @@ impl Run {
     }
 
     /// Runs the model to its end without suspending, as the EnergyPlus command does, and returns its messages. Its output is
-    /// in the output folder. Runs in a thread that is confined as by [`confine`](crate::confine) and to this folder.
+    /// in the output folder; without one, nothing but the messages is kept, and a [`Host`](crate::Host) is not used. Runs in a thread that is confined as by [`confine`](crate::confine) and to this folder.
     ///
     /// # Errors
     /// The errors of [`Run::start`].
     pub fn to_end(self, library: &Library) -> Result<Messages> {
         let output = self.output.clone();
+        if let (Some(host), Some(output)) = (&library.host, &output) {
+            return host.run_to_end(&self.model, &self.weather, output);
+        }
         confined(output.as_deref(), || {
             let mut simulation = self.stop_every(0).prepare(library)?;
             while simulation.advance()?.is_some() {}

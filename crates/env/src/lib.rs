@@ -37,7 +37,6 @@ mod spaces;
 mod task;
 mod trajectory;
 mod ventilation;
-mod warmup;
 mod zones;
 
 pub use action::{ActionSpace, rescale, unscale};

@@ -1,7 +1,7 @@
 //! The ventilation interlock, which ensures outdoor air for the people in a building regardless of the action.
 
 use b2b_building::PreparedBuilding;
-use b2b_building::hvac::{AirLoop, System, SystemLayout, Unitary};
+use b2b_building::hvac::{System, SystemLayout};
 use serde::{Deserialize, Serialize};
 
 /// Outdoor air that a task requires.
@@ -59,24 +59,11 @@ impl Interlock {
 }
 
 impl Limits {
-    fn of(system: &System, layout: &SystemLayout) -> Option<Self> {
+    fn of(system: &dyn System, layout: &SystemLayout) -> Option<Self> {
         let minimum = system.ventilation()?.min_outdoor_air;
-        let first = layout.actions.start;
-        let lower = match system {
-            System::Unitary(unit) => vec![(first + Unitary::FLOW, minimum.min(unit.flow.high))],
-            System::AirLoop(air_loop) => air_loop_limits(air_loop, minimum, first),
-            System::HeatingOnly(_) => return None,
-        };
+        let limits = system.outdoor_air_limits().into_iter();
+        let lower = limits.map(|(actuator, lower)| (layout.actions.start + actuator, lower)).collect();
         let zones = layout.zones.iter().map(|zone| zone.controlled).collect();
         (minimum > 0.0).then_some(Self { zones, lower })
     }
-}
-
-/// Returns the limits of an air loop: its outdoor air, and the common damper opening that lets it through.
-fn air_loop_limits(air_loop: &AirLoop, minimum: f64, first: usize) -> Vec<(usize, f64)> {
-    let minimum = minimum.min(air_loop.fan_flow);
-    let design: f64 = air_loop.terminals.iter().map(|terminal| terminal.design_flow).sum();
-    let opening = (minimum / design).min(1.0);
-    let dampers = (0..air_loop.terminals.len()).map(|terminal| (first + AirLoop::damper(terminal), opening));
-    std::iter::once((first + AirLoop::OUTDOOR_AIR, minimum)).chain(dampers).collect()
 }

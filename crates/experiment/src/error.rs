@@ -17,6 +17,19 @@ pub enum Error {
         /// The most similar name.
         near: String,
     },
+    /// A budget that an experiment does not have.
+    #[error("the experiment {experiment} has no budget `{name}`{}; expected {known}",
+        if near.is_empty() { String::new() } else { format!(", did you mean {near}?") })]
+    UnknownBudget {
+        /// The name given.
+        name: String,
+        /// The experiment.
+        experiment: String,
+        /// The most similar name.
+        near: String,
+        /// The names that there are.
+        known: String,
+    },
     /// A definition that is not valid.
     #[error("the experiment {path} is not valid: {why}")]
     Definition {
@@ -77,7 +90,7 @@ pub enum Error {
     Benchmark(#[from] b2b_benchmark::Error),
     /// An error of an evaluation.
     #[error(transparent)]
-    Evaluation(#[from] b2b_evaluate::Error),
+    Evaluation(Box<b2b_evaluate::Error>),
     /// A file that cannot be read or written.
     #[error("{path}: {source}")]
     Io {
@@ -88,7 +101,21 @@ pub enum Error {
     },
 }
 
+impl From<b2b_evaluate::Error> for Error {
+    fn from(error: b2b_evaluate::Error) -> Self {
+        Self::Evaluation(Box::new(error))
+    }
+}
+
 /// Returns how an input or output error becomes one that names its path.
 pub(crate) fn at(path: &Path) -> impl FnOnce(std::io::Error) -> Error + '_ {
     |source| Error::Io { path: path.to_owned(), source }
+}
+
+/// Returns the most similar of some names, quoted; empty if none is similar.
+pub(crate) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> String {
+    let similarity = |known: &str| strsim::jaro_winkler(known, name);
+    let near = known.filter(|known| similarity(known) > 0.75);
+    let near = near.max_by(|a, b| similarity(a).total_cmp(&similarity(b)));
+    near.map_or_else(String::new, |near| format!("`{near}`"))
 }

@@ -6,27 +6,17 @@ use b2b_building::{BuildingType, RunPeriod};
 
 use crate::folder::Folder;
 use crate::job::Job;
+use crate::rates;
 
 /// Seconds of preparation of a building: generation, sizing, warm-up, and starting a process.
-const PREPARATION: f64 = 6.0;
+const PREPARATION: f64 = 2.5;
+/// Preparations of a training: its environments, its evaluations, and their templates.
+const OF_TRAINING: f64 = 8.0;
 /// Zone time steps of a day.
 const STEPS_PER_DAY: f64 = 288.0;
 
-/// Milliseconds of CPU time of a step of training, environment, inference and learner, and of evaluation. Measured with
-/// `b2b bench train` and `b2b bench speed` on two cores of a server; other machines differ, and the jobs that are done correct it.
-fn milliseconds(building_type: BuildingType) -> [f64; 2] {
-    match building_type {
-        BuildingType::SingleFamilyHouse => [0.35, 0.15],
-        BuildingType::RestaurantFastFood => [0.4, 0.2],
-        BuildingType::Warehouse => [0.5, 0.3],
-        BuildingType::RetailStandalone => [0.5, 0.3],
-        BuildingType::OfficeSmall => [0.6, 0.35],
-        BuildingType::OfficeMedium => [1.2, 0.9],
-    }
-}
-
 /// Returns the estimated duration of the unfinished jobs with `parallel` jobs at a time, each on a core of its own: no less than
-/// that of the longest job. The times of finished jobs correct it.
+/// that of the longest job. Speeds are those of `data/rates.csv`; the times of finished jobs correct it.
 pub fn estimate(folder: Option<&Folder>, jobs: &[Job], parallel: usize) -> Duration {
     let (mut left, mut longest, mut expected, mut taken) = (0.0, 0.0_f64, 0.0, 0.0);
     for job in jobs {
@@ -60,35 +50,48 @@ pub fn duration_text(duration: Duration) -> String {
 /// Returns the time of a job on one core, s.
 fn seconds(job: &Job) -> f64 {
     let Some(episodes) = job.episodes() else { return 300.0 };
-    let type_of = |building: &String| building.split('-').next().and_then(|name| name.parse().ok());
-    let types: Vec<BuildingType> = episodes.buildings.iter().filter_map(type_of).collect();
-    let mean = |of: usize| {
-        types.iter().map(|each| milliseconds(*each)[of] / 1000.0).sum::<f64>() / types.len().max(1) as f64
+    let parsed = |name: &str| name.parse::<BuildingType>().ok();
+    let types: Vec<BuildingType> = job.building_types().filter_map(parsed).collect();
+    let step_time =
+        types.iter().map(|each| 1.0 / rates::of_environment(*each)).sum::<f64>() / types.len().max(1) as f64;
+    let periods = episodes.periods.iter().filter_map(|period| period.parse::<RunPeriod>().ok());
+    let days: u32 = periods.map(|each| each.days()).sum();
+    let days_per_episode = f64::from(days) / episodes.periods.len().max(1) as f64;
+    let steps = days_per_episode * STEPS_PER_DAY * job.episode_count() as f64;
+    let training = match job.steps() {
+        0 => 0.0,
+        steps => steps as f64 / rates::of_training(job) + OF_TRAINING * PREPARATION,
     };
-    let days: u32 = episodes
-        .periods
-        .iter()
-        .filter_map(|period| period.parse::<RunPeriod>().ok())
-        .map(|each| each.days())
-        .sum();
-    let steps = f64::from(days) * STEPS_PER_DAY * (episodes.tasks.len() * episodes.buildings.len()) as f64;
-    let training = if job.steps() > 0 { job.steps() as f64 * mean(0) + 8.0 * PREPARATION } else { 0.0 };
     // Most evaluations run the reactive controllers, too, for the baseline.
-    training + 2.0 * steps * mean(1) + PREPARATION * episodes.buildings.len() as f64
+    training + 2.0 * steps * step_time + PREPARATION * episodes.buildings.len() as f64
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{BudgetName, Experiment};
+    use crate::Experiment;
+
+    fn jobs(experiment: &str, budget: &str) -> Vec<Job> {
+        let experiment = Experiment::named(experiment).unwrap();
+        experiment.jobs(experiment.budget(budget).unwrap())
+    }
 
     #[test]
     fn more_steps_take_longer_and_more_cores_less() {
-        let jobs = |budget| Experiment::named("ppo").unwrap().jobs(budget);
-        let (quick, full) = (jobs(BudgetName::Quick), jobs(BudgetName::Full));
-        assert!(estimate(None, &full, 2) > 50 * estimate(None, &quick, 2));
-        assert_eq!(estimate(None, &quick, 4) * 2, estimate(None, &quick, 2));
+        let (quick, full) = (jobs("ppo", "quick"), jobs("ppo", "full"));
+        assert!(estimate(None, &full, 2) > 20 * estimate(None, &quick, 2));
+        let halves = (estimate(None, &quick, 4) * 2).abs_diff(estimate(None, &quick, 2));
+        assert!(halves < Duration::from_micros(1), "{halves:?}");
         assert_eq!(estimate(None, &full, 10_000), estimate(None, &full, 20_000), "the longest job");
         assert_eq!(estimate(None, &[], 2), Duration::ZERO);
+    }
+
+    #[test]
+    fn a_training_takes_its_steps_at_the_measured_speed() {
+        let jobs = jobs("ppo", "paper-part");
+        let of = |key: &str| jobs.iter().find(|job| job.key.starts_with(key)).map(seconds).unwrap();
+        // 5,000,000 steps take 4.3 minutes in a house and 12 in a medium office.
+        let (house, office) = (of("paper/SingleFamilyHouse"), of("paper/OfficeMedium"));
+        assert!((260.0..340.0).contains(&house) && (700.0..820.0).contains(&office), "{house} {office}");
     }
 }

@@ -1,31 +1,29 @@
 //! Experiments: agents to train and evaluate on given buildings, and a report of the results.
 //!
-//! An [`Experiment`] is a TOML file. With a [`BudgetName`] it expands to independent [`Job`]s, each a few `b2b`
+//! An [`Experiment`] is a TOML file. With a [`Budget`] it expands to independent [`Job`]s, each a few `b2b`
 //! commands in a folder of its own: a training and the evaluation of its agent, the trainings of a benchmark problem and
 //! their entry, an evaluation of the reactive controllers, or a measurement. A [`Runner`] starts them as processes, as
-//! many at a time as there are cores, and resumes after an interruption. [`Results`] reads the folder, and [`report`]
-//! writes one page that shows them beside the results of the paper.
+//! many at a time as there are cores, and resumes after an interruption. [`Results`] reads the folder, [`report`]
+//! writes one page that shows them beside the results of the paper, and [`claims`] judges what the paper says of its own.
 
-mod check;
+mod absolute;
+pub mod claims;
 mod definition;
-mod entry;
 mod error;
 mod estimate;
-mod expansion;
 mod folder;
 mod job;
 mod paper;
+mod rates;
 pub mod report;
 mod results;
-mod runner;
-mod shard;
+mod run;
 
-pub use check::{Checked, check};
-pub use definition::{Agent, Budget, BudgetName, Experiment, ReportKind, Training};
+pub use definition::{Agent, Budget, Buildings, Experiment, Policy, ReportKind, Training};
 pub use error::{Error, Result};
 pub use estimate::{duration_text, estimate};
-pub use folder::{Folder, State};
+pub use folder::{Evaluated, Folder, JobFolder, JobResult, State};
 pub use job::{Action, Entry, Episodes, Job};
-pub use results::{JobResult, Results};
-pub use runner::{Ended, OWNER, Runner};
-pub use shard::Shard;
+pub use rates::{Rate, rates, rates_text};
+pub use results::Results;
+pub use run::{Checked, Ended, OWNER, Runner, Shard, check};

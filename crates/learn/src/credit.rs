@@ -18,7 +18,7 @@ use b2b_building::morphology::Owner;
 use b2b_env::Spaces;
 
 use crate::error::{Error, Result};
-use crate::rollout::Widths;
+use crate::widths::Widths;
 
 /// The groups of actions of a building, and the parts of its reward that count in their advantages.
 #[derive(Clone, Debug, PartialEq)]

@@ -124,12 +124,6 @@ impl From<b2b_evaluate::Error> for Error {
     }
 }
 
-impl From<b2b_benchmark::Error> for Error {
-    fn from(error: b2b_benchmark::Error) -> Self {
-        b2b_evaluate::Error::from(error).into()
-    }
-}
-
 impl From<b2b_dataset::Error> for Error {
     fn from(error: b2b_dataset::Error) -> Self {
         Self::Building(Box::new(error))

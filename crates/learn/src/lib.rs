@@ -1,8 +1,8 @@
 //! Training of agents: learners, and the collection of their rollouts.
 //!
 //! A [`Collector`](collector::Collector) steps environments with an actor and writes the steps to a
-//! [`Rollout`](rollout::Rollout). A learner, [`Ppo`](ppo::Ppo) or [`Sac`](sac::Sac), reads the rollout and improves the
-//! actor. Learners compute in single precision on the processor. The same seed, rollouts and machine give the same
+//! [`Rollout`](rollout::Rollout). A [`Learner`](learner::Learner), such as [`Ppo`](ppo::Ppo) or [`Sac`](sac::Sac), reads the rollout
+//! and improves the actor. Learners compute in single precision on the processor. The same seed, rollouts and machine give the same
 //! bits, whatever the number of threads. [`offline`] learns from recorded episodes instead.
 
 pub mod collector;
@@ -10,17 +10,20 @@ pub mod credit;
 pub mod error;
 pub mod fragments;
 pub mod gaussian;
+pub mod learner;
+pub mod learners;
 mod limits;
 pub mod lockstep;
 pub mod nn;
 pub mod offline;
-pub mod ppo;
+mod policy;
 pub mod random;
 pub mod rollout;
-pub mod sac;
 mod sealed_state;
 pub mod state;
 pub mod train;
 mod travel;
+mod widths;
 
 pub use error::{Error, Result};
+pub use learners::{ppo, sac};

@@ -38,6 +38,14 @@ pub(crate) fn check_widths(values: [Named<&[usize]>; 2]) -> Result<()> {
     })
 }
 
+/// Checks a condition.
+///
+/// # Errors
+/// [`Error::Invalid`] with what is wrong.
+pub(crate) fn require(holds: bool, why: impl FnOnce() -> String) -> Result<()> {
+    if holds { Ok(()) } else { Err(Error::Invalid(why())) }
+}
+
 fn check<T: Copy + std::fmt::Display, const N: usize>(
     values: [Named<T>; N],
     is_valid: impl Fn(&T) -> bool,

@@ -11,6 +11,7 @@ use b2b_energyplus::install::Quiet;
 use b2b_env::{EpisodeConfig, Task};
 use b2b_learn::collector::Collector;
 use b2b_learn::fragments::FragmentCollector;
+use b2b_learn::learner::Learner as _;
 use b2b_learn::lockstep::LockstepCollector;
 use b2b_learn::ppo::{Ppo, PpoConfig};
 use b2b_learn::rollout::{Rollout, Widths};

@@ -2,19 +2,19 @@
 
 use std::sync::Arc;
 
+use serde::Serialize;
+use serde_json::value::to_raw_value;
+
 use super::episode_options::EpisodeOptions;
 use super::episode_report::EpisodeReport;
 use super::metrics_report;
+use super::order::{FragmentOrder, Order};
 use super::pool::Place;
 use super::region::{Command, LONG_ORDER, Region, Status};
 use super::setting::Setting;
 use super::time_limit::TimeLimit;
 use super::workers::Workers;
-use b2b_env::Metrics;
-use b2b_env::Spaces;
-use b2b_env::Step;
-use b2b_env::{Error, Result};
-use b2b_env::{Expenses, Reward, from_numbers};
+use b2b_env::{Error, Expenses, Metrics, Result, Reward, Spaces, Step, from_numbers};
 
 /// Copies of a template that may be lost before attaching until the episode is lost.
 const FAILED_STARTS: u32 = 3;
@@ -147,15 +147,17 @@ impl Episode {
         Ok(slot)
     }
 
-    /// Requests a fragment of about `steps` steps from the worker's [`Runner`](super::Runner), without waiting for it.
-    /// An order too long for shared memory, for example an agent of a large building, passes through a file.
+    /// Requests a fragment of about `steps` steps from the worker's [`Runner`](super::Runner) of a kind, without waiting for
+    /// it. An order too long for shared memory, for example an agent of a large building, passes through a file.
     ///
     /// # Errors
     /// [`Error::NotReset`]; [`Error::Busy`]; [`Error::Lost`]; [`Error::Io`] when the file cannot be written.
-    pub fn send_fragment(&mut self, order: &[u8], steps: usize) -> Result<()> {
+    pub fn send_fragment(&mut self, runner: &str, order: &impl Serialize, steps: usize) -> Result<()> {
         let slot = self.slot()?;
-        let command = if Region::has_room_for(order) {
-            self.workers.region().write_report(slot, order);
+        let order = to_raw_value(order).expect("an order is plain data");
+        let order = Order::Fragment(FragmentOrder { runner: runner.to_owned(), order }).to_json();
+        let command = if Region::has_room_for(&order) {
+            self.workers.region().write_report(slot, &order);
             Command::Fragment
         } else {
             let path = self.workers.lock().file(slot, LONG_ORDER);

@@ -31,6 +31,45 @@ pub trait Runner {
 /// Makes a runner from the first order of an episode, or from an order that the previous runner does not serve.
 pub type MakeRunner = fn(&Env, &[u8]) -> Result<Box<dyn Runner>, RunnerError>;
 
+/// The runners that a program's workers can make, by the kind that a request names.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Runners(pub &'static [(&'static str, MakeRunner)]);
+
+impl Runners {
+    /// Makes a runner.
+    ///
+    /// # Errors
+    /// For a kind that the program does not have; those of the runner.
+    pub(super) fn make(self, kind: &str, env: &Env, order: &[u8]) -> Result<RunnerOf, RunnerError> {
+        let Some((kind, make)) = self.0.iter().find(|(known, _)| *known == kind) else {
+            let known: Vec<&str> = self.0.iter().map(|(known, _)| *known).collect();
+            return Err(format!("unknown runner `{kind}`; the worker's program has {known:?}").into());
+        };
+        Ok(RunnerOf { kind, runner: make(env, order)? })
+    }
+}
+
+/// A runner of a kind.
+pub(super) struct RunnerOf {
+    kind: &'static str,
+    runner: Box<dyn Runner>,
+}
+
+impl RunnerOf {
+    pub(super) fn serves(&self, kind: &str, order: &[u8]) -> bool {
+        self.kind == kind && self.runner.serves(order)
+    }
+
+    pub(super) fn run(
+        &mut self,
+        env: &mut Env,
+        order: &[u8],
+        memory: &SharedMemory,
+    ) -> Result<usize, RunnerError> {
+        self.runner.run(env, order, memory)
+    }
+}
+
 /// Memory shared by a set of [`Workers`](super::Workers) and its processes: f32 numbers, initially 0.
 ///
 /// Reads and writes are synchronized only by the exchange of fragments: the runner sees writes before

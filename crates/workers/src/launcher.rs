@@ -3,13 +3,11 @@
 use std::ffi::OsString;
 use std::fs::File;
 use std::io;
-use std::os::fd::OwnedFd;
 use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
-use super::region::Ticket;
-use super::worker::FLAG;
+use super::entry::FLAG;
 
 /// A program that calls [`run_if_worker`](super::run_if_worker), and the arguments that precede the worker's own.
 #[derive(Clone, Debug)]
@@ -39,24 +37,17 @@ impl Launcher {
         self
     }
 
-    /// Starts a worker on shared memory, in a slot, with an order. Its temporary files go to `folder`. It has its own
+    /// Starts a worker with an order; its input is the shared memory of an episode. Its temporary files go to `folder`. It has its own
     /// process group: signals of a terminal or a job scheduler reach only the owner, which ends its workers.
-    pub(super) fn start(
-        &self,
-        memory: OwnedFd,
-        Ticket { slot, generation }: Ticket,
-        order: &Path,
-        folder: &Path,
-        log: File,
-    ) -> io::Result<Child> {
+    pub(super) fn start(&self, input: Stdio, order: &Path, folder: &Path, log: File) -> io::Result<Child> {
         Command::new(&self.program)
             .args(&self.arguments)
             .arg(FLAG)
-            .args([std::process::id(), slot, generation].map(|number| number.to_string()))
+            .arg(std::process::id().to_string())
             .arg(order)
             .env("TMPDIR", folder)
             .env("GLIBC_TUNABLES", tunables())
-            .stdin(Stdio::from(memory))
+            .stdin(input)
             .stdout(Stdio::null())
             .stderr(Stdio::from(log))
             .process_group(0)

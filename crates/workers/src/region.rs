@@ -16,6 +16,7 @@ use std::time::Duration;
 
 use memmap2::{MmapOptions, MmapRaw};
 use rustix::fs::{FallocateFlags, MemfdFlags};
+use serde::{Deserialize, Serialize};
 
 use super::episode_options::EpisodeOptions;
 use b2b_env::StepNumbers;
@@ -79,7 +80,7 @@ pub(super) enum Status {
 }
 
 /// A slot and its generation, for the worker that attaches to it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Ticket {
     pub(super) slot: u32,
     pub(super) generation: u32,

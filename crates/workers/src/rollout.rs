@@ -19,6 +19,9 @@ use b2b_env::{Controller, Env, Error, Observer, Result};
 use b2b_env::{Environment, Step};
 use b2b_env::{StepNumbers, from_numbers};
 
+/// The kind of the runner of rollouts, which makes a [`ControllerRunner`].
+pub const ROLLOUT: &str = "rollout";
+
 /// A request for a part of a rollout. The worker's program makes a [`ControllerRunner`] from the first one of a controller.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct RolloutOrder<C = Value> {
@@ -130,7 +133,7 @@ impl Episode {
         observer.begin(self.reset()?)?;
         let order = order(controller, steps, Some(memory.place));
         while !self.is_truncated() {
-            self.send_fragment(&order, steps)?;
+            self.send_fragment(ROLLOUT, &order, steps)?;
             wait(std::slice::from_mut(self), 1)?;
             self.last_step()?;
             let count = self.fragment_steps();
@@ -151,13 +154,12 @@ impl Episode {
     /// As [`Episode::send_fragment`].
     pub fn send_rollout(&mut self, controller: &Value) -> Result<()> {
         let steps = self.known_spaces().episode_steps();
-        self.send_fragment(&order(controller, steps, None), steps)
+        self.send_fragment(ROLLOUT, &order(controller, steps, None), steps)
     }
 }
 
-fn order(controller: &Value, steps: usize, record: Option<usize>) -> Vec<u8> {
-    let order = RolloutOrder { controller, steps, record };
-    serde_json::to_vec(&order).expect("JSON of values that are JSON")
+fn order(controller: &Value, steps: usize, record: Option<usize>) -> RolloutOrder<&Value> {
+    RolloutOrder { controller, steps, record }
 }
 
 /// Numbers in the record of a step: observation, action, reward and expenses.
@@ -199,6 +201,9 @@ mod tests {
         let description = |order: &[u8]| {
             let order: RolloutOrder<&RawValue> = serde_json::from_slice(order).unwrap();
             Some(order.controller.to_owned())
+        };
+        let order = |controller: &Value, steps, record| {
+            serde_json::to_vec(&super::order(controller, steps, record)).unwrap()
         };
         let first = order(&json!({"kind": "a", "gain": 0.5}), 3, None);
         let mut runner =

@@ -8,8 +8,7 @@ use b2b_dataset::{Found, Preparation};
 use b2b_energyplus::Library;
 use serde::{Deserialize, Serialize};
 
-use b2b_env::Env;
-use b2b_env::{EpisodeConfig, Error};
+use b2b_env::EpisodeConfig;
 
 /// The building of an environment, prepared or not.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -109,23 +108,5 @@ impl Setting {
     pub(super) fn shares_preparation_with(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.source, &other.source)
             || self.source.name() == other.source.name() && self.source == other.source
-    }
-}
-
-/// The input of a template process.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Order {
-    /// The engine's library.
-    pub(super) library: PathBuf,
-    pub(super) source: Source,
-    pub(super) episode: EpisodeConfig,
-}
-
-impl Order {
-    /// The environment, before its first reset.
-    pub(super) fn env(self) -> Result<Env, Box<dyn std::error::Error>> {
-        let library = Library::load(&self.library)?;
-        let building = self.source.prepare(&library).map_err(Error::building)?;
-        Ok(Env::new(library, building.into(), self.episode)?)
     }
 }

@@ -5,30 +5,29 @@
 //! its own slot and takes commands there like its original. The standard error of a worker goes to a log in the pool's
 //! folder, for error messages.
 
+use std::any::Any;
 use std::cell::Cell;
 use std::error::Error;
-use std::ffi::OsString;
 use std::fs::File;
-use std::os::fd::{AsFd, OwnedFd};
+use std::os::fd::AsFd;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::thread::JoinHandle;
 use std::time::Duration;
 
 use b2b_energyplus::snapshot::{Fork, become_ancestor, collapse_pages, give_back_memory, leave};
 use b2b_energyplus::{Level, confine};
-use rustix::event::{EventfdFlags, PollFd, PollFlags, Timespec};
-use rustix::process::{Pid, PidfdFlags, WaitOptions};
+use rustix::process::WaitOptions;
 use rustix::thread::CpuSet;
 use rustix::time::{ClockId, clock_gettime};
 
 use super::episode_report::EpisodeReport;
 use super::form::check_width;
-use super::fragment::{MakeRunner, Runner, SharedMemory};
+use super::fragment::{RunnerOf, Runners, SharedMemory};
 use super::metrics_report;
+use super::order::{EpisodeOrder, FragmentOrder, Order};
+use super::owner::Owner;
 use super::region::{Command, LONG_ORDER, Region, Status, Ticket, WIDTH};
-use super::setting::Order;
 use b2b_env::Env;
 use b2b_env::Spaces;
 use b2b_env::StepNumbers;
@@ -39,65 +38,41 @@ const LOOK_FOR_OWNER: Duration = Duration::from_millis(500);
 /// Steps after which a copy moves its memory to large pages. Shorter episodes do not benefit.
 const COLLAPSE_AFTER: usize = 288;
 
-/// The argument that makes a program a worker: see [`run_if_worker`].
-pub(super) const FLAG: &str = "--b2b-worker";
-
-/// Runs this process as a worker if it was started as one; never returns in that case. A program that uses
-/// [`Launcher::this_program`](super::Launcher::this_program) calls it first in `main`, before it starts a thread.
-pub fn run_if_worker() {
-    run_if_worker_with(|_, _| Err("this program has no runner of fragments".into()));
-}
-
-/// Like [`run_if_worker`], for workers that also run fragments: see [`Runner`].
-pub fn run_if_worker_with(make_runner: MakeRunner) {
-    let arguments: Vec<OsString> = std::env::args_os().collect();
-    if let Some(flag) = arguments.iter().position(|argument| argument == FLAG) {
-        run(&arguments[flag + 1..], make_runner);
-    }
-}
-
-/// The owner's arguments: its process, the slot and its generation, the order's file.
-fn parse(arguments: &[OsString]) -> Option<(i32, Ticket, PathBuf)> {
-    let number = |index: usize| arguments.get(index)?.to_str();
-    let ticket = Ticket { slot: number(1)?.parse().ok()?, generation: number(2)?.parse().ok()? };
-    Some((number(0)?.parse().ok()?, ticket, arguments.get(3)?.into()))
-}
-
-fn run(arguments: &[OsString], make_runner: MakeRunner) -> ! {
-    let Some((owner, ticket, order)) = parse(arguments) else {
-        eprintln!("{FLAG} is for worker processes, which are started automatically");
-        leave(2)
-    };
+/// Serves the episodes of an order, which it read from the file `order`, and then never returns.
+pub(super) fn serve(episode: EpisodeOrder, order: &Path, owner: Owner, runners: Runners) -> ! {
     // The owner passes its memory as the standard input.
     let region = std::io::stdin().as_fd().try_clone_to_owned().and_then(Region::open);
-    let (Ok(region), Some(owner)) = (region, Owner::find(owner)) else { leave(1) };
+    let Ok(region) = region else { leave(1) };
+    let ticket = episode.ticket;
     if !region.attach(ticket) {
         leave(1);
     }
-    let folder = order.parent().unwrap_or(Path::new("")).to_owned();
     let worker = Worker {
         region: Arc::new(region),
-        make_runner,
+        runners,
         owner,
-        folder,
+        folder: order.parent().unwrap_or(Path::new("")).to_owned(),
         ticket: Cell::new(ticket),
         warm_up_cpu: Cell::default(),
         severes: Cell::default(),
         collapse_at: Cell::new(usize::MAX),
     };
     let outcome = catch_unwind(AssertUnwindSafe(|| {
-        let env = worker.prepare(&order)?;
+        let env = worker.prepare(episode, order)?;
         worker.serve(env)
     }));
     match outcome {
         Ok(Ok(())) => leave(0),
         Ok(Err(error)) => worker.fail(&error.to_string()),
-        Err(panic) => {
-            let text = panic.downcast_ref::<String>().map(String::as_str);
-            let text = text.or(panic.downcast_ref::<&str>().copied()).unwrap_or_default();
-            worker.fail(&format!("the worker panicked: {text}"))
-        }
+        Err(panic) => worker.fail(&panic_text(&*panic)),
     }
+}
+
+/// Returns the text of a panic.
+pub(super) fn panic_text(panic: &(dyn Any + Send)) -> String {
+    let text = panic.downcast_ref::<String>().map(String::as_str);
+    let text = text.or(panic.downcast_ref::<&str>().copied()).unwrap_or_default();
+    format!("the worker panicked: {text}")
 }
 
 /// Why a worker cannot continue.
@@ -105,7 +80,7 @@ type Failure = Box<dyn Error>;
 
 struct Worker {
     region: Arc<Region>,
-    make_runner: MakeRunner,
+    runners: Runners,
     owner: Owner,
     /// The pool's folder.
     folder: PathBuf,
@@ -121,12 +96,12 @@ struct Worker {
 
 impl Worker {
     /// Prepares the building of an order up to the end of warm-up, and writes the prepared building for the owner.
-    fn prepare(&self, order: &Path) -> Result<Env, Failure> {
+    fn prepare(&self, episode: EpisodeOrder, order: &Path) -> Result<Env, Failure> {
         become_ancestor()?;
         // The model is untrusted.
         confine();
-        let watch = Watch::start(self.owner.process.try_clone()?, self.folder.clone())?;
-        let mut env = serde_json::from_slice::<Order>(&std::fs::read(order)?)?.env()?;
+        let watch = self.owner.watch(self.folder.clone())?;
+        let mut env = episode.env()?;
         check_widths(env.spaces())?;
         let before = cpu_time();
         env.reset()?;
@@ -189,12 +164,16 @@ impl Worker {
         self.end_step(env)
     }
 
-    /// The order of a fragment.
-    fn order(&self, command: Command) -> Result<Vec<u8>, Failure> {
+    /// The order in the slot.
+    fn order(&self, command: Command) -> Result<FragmentOrder, Failure> {
         let ticket = self.ticket.get();
-        match command {
-            Command::LongFragment => Ok(std::fs::read(self.folder.join(ticket.file(LONG_ORDER)))?),
-            _ => Ok(self.region.report(ticket.slot)),
+        let text = match command {
+            Command::LongFragment => std::fs::read(self.folder.join(ticket.file(LONG_ORDER)))?,
+            _ => self.region.report(ticket.slot),
+        };
+        match Order::parse(&text)? {
+            Order::Fragment(order) => Ok(order),
+            other => Err(format!("an episode cannot carry out the order `{}`", other.name()).into()),
         }
     }
 
@@ -202,16 +181,16 @@ impl Worker {
     fn fragment(
         &self,
         env: &mut Env,
-        runner: &mut Option<Box<dyn Runner>>,
-        order: &[u8],
+        runner: &mut Option<RunnerOf>,
+        FragmentOrder { runner: kind, order }: &FragmentOrder,
     ) -> Result<bool, Failure> {
-        let (region, slot) = (&self.region, self.slot());
-        if runner.as_ref().is_some_and(|runner| !runner.serves(order)) {
+        let (region, slot, order) = (&self.region, self.slot(), order.get().as_bytes());
+        if runner.as_ref().is_some_and(|runner| !runner.serves(kind, order)) {
             *runner = None;
         }
         let runner = match runner {
             Some(runner) => runner,
-            None => runner.insert((self.make_runner)(env, order)?),
+            None => runner.insert(self.runners.make(kind, env, order)?),
         };
         let steps = runner.run(env, order, &SharedMemory::new(Arc::clone(region)))?;
         region.set_fragment_steps(slot, steps);
@@ -351,50 +330,4 @@ fn pin(processor: Option<u32>) {
     one.set(may[processor as usize % may.len()]);
     // A refusal only costs speed.
     let _ = rustix::thread::sched_setaffinity(None, &one);
-}
-
-/// The process that the pool belongs to.
-struct Owner {
-    process: OwnedFd,
-}
-
-impl Owner {
-    /// `None` if it has already ended.
-    fn find(owner: i32) -> Option<Self> {
-        let process = rustix::process::pidfd_open(Pid::from_raw(owner)?, PidfdFlags::empty()).ok()?;
-        let is_parent = rustix::process::getppid().is_some_and(|pid| pid.as_raw_pid() == owner);
-        is_parent.then_some(Self { process })
-    }
-
-    fn is_gone(&self) -> bool {
-        let mut ends = [PollFd::new(&self.process, PollFlags::IN)];
-        rustix::event::poll(&mut ends, Some(&Timespec::default())).is_ok_and(|ready| ready > 0)
-    }
-}
-
-/// A thread that ends this process with its owner, while the process is too busy to check.
-struct Watch {
-    thread: JoinHandle<()>,
-    bell: OwnedFd,
-}
-
-impl Watch {
-    fn start(owner: OwnedFd, folder: PathBuf) -> std::io::Result<Self> {
-        let bell = rustix::event::eventfd(0, EventfdFlags::CLOEXEC)?;
-        let rung = bell.try_clone()?;
-        let thread = std::thread::Builder::new().spawn(move || {
-            let mut ends = [PollFd::new(&owner, PollFlags::IN), PollFd::new(&rung, PollFlags::IN)];
-            let _ = rustix::event::poll(&mut ends, None);
-            if !ends[1].revents().contains(PollFlags::IN) {
-                let _ = std::fs::remove_dir_all(folder);
-                leave(1);
-            }
-        })?;
-        Ok(Self { thread, bell })
-    }
-
-    fn stop(self) -> std::io::Result<()> {
-        rustix::io::write(&self.bell, &1u64.to_ne_bytes())?;
-        self.thread.join().map_err(|_| std::io::Error::other("the watch panicked"))
-    }
 }

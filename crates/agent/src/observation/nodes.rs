@@ -261,10 +261,8 @@ fn computed(interface: Interface, node_type: NodeType, places: &dyn Places) -> V
             owned(&energy(slot(Observed::Electricity), slot(Observed::Gas), places.steps_per_hour()))
         }
         NodeType::AirLoop => Vec::new(),
-        NodeType::UnitaryZone | NodeType::VavZone | NodeType::HeatingOnlyZone => {
-            owned(&places.controlled_zone().features())
-        }
         NodeType::UncontrolledZone => owned(&[("temperature", temperature(slot(Observed::AirTemperature)))]),
+        _ => owned(&places.controlled_zone().features()),
     };
     for action in node_type.action() {
         let actuator = places.actuator(action.quantity);

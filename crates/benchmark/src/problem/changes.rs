@@ -46,6 +46,8 @@ pub struct Changes {
     pub attributes: Option<Attributes>,
     /// Form of the observations of houses.
     pub observation: Option<HouseForm>,
+    /// Width to which observations in model order are zero-padded.
+    pub observation_width: Option<usize>,
     /// Control of the withheld actuators.
     pub fallback: Option<Fallback>,
     /// Value at which withheld actuators are pinned.
@@ -102,6 +104,7 @@ impl Problem {
         protocol.steps_per_hour = changes.steps_per_hour.unwrap_or(protocol.steps_per_hour);
         protocol.attributes = changes.attributes.unwrap_or(protocol.attributes);
         protocol.observation = changes.observation.unwrap_or(protocol.observation);
+        protocol.observation_width = changes.observation_width.or(protocol.observation_width);
         self.check()?;
         Ok(self)
     }

@@ -1,12 +1,14 @@
 //! Calibration of a model against monthly metered energy.
 //!
-//! [`Metered`] energy is read from a table, [`fit`] finds the multipliers of a model's parameters for which a simulation
+//! A [`Calibration`] reads [`Metered`] energy from a table; [`fit`] finds the multipliers of a model's parameters for which a simulation
 //! agrees with it best, and [`Agreement`] has the statistics of ASHRAE Guideline 14.
 
 mod agreement;
 mod fit;
 mod linear;
 mod metered;
+mod report;
+mod search;
 
 use std::fmt;
 
@@ -15,6 +17,8 @@ use serde::{Deserialize, Serialize};
 pub use agreement::Agreement;
 pub use fit::{Fit, Options, fit};
 pub use metered::Metered;
+pub use report::{FuelReport, Parameter, Report};
+pub use search::{Calibration, Progress};
 
 use crate::edit::Change;
 

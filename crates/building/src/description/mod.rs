@@ -12,7 +12,8 @@ use std::path::Path;
 use b2b_climate::EpwFile;
 use serde::Serialize;
 
-pub use equipment::{Equipment, SystemDescription, SystemKind};
+pub use crate::hvac::Equipment;
+pub use equipment::SystemDescription;
 use leakage::Measures;
 
 use crate::construction::{ROOF_FILMS, WALL_FILMS, assembly_resistance, glazing};
@@ -212,7 +213,7 @@ impl Description {
         name: &str,
         model: &Model,
         conditioning: &[Conditioning],
-        systems: &[System],
+        systems: &[Box<dyn System>],
         location: Location,
         origin: Origin,
     ) -> Result<Self> {

@@ -8,22 +8,19 @@
 
 mod change;
 mod copies;
+mod envelope;
 mod equipment;
 mod file;
 pub mod gains;
 pub mod geometry;
-pub mod glazing;
-pub mod infiltration;
 pub mod loads;
 mod measure;
-pub mod opaque;
-mod roof;
 mod separate;
-pub mod windows;
 
 use serde::Serialize;
 
 pub use change::{Change, Edits};
+pub use envelope::{glazing, infiltration, opaque, windows};
 pub use file::{check_output, edit_file, write_aside};
 
 use crate::{Error, Model, Result};

@@ -3,8 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::copies::{copy, layered, spelled, users_of};
+use super::envelope::roof::roof_surfaces;
 use super::geometry::{OTHER_WALLS, require_corners};
-use super::roof::roof_surfaces;
 use crate::zone::surfaces;
 use crate::{Model, Result};
 

@@ -74,7 +74,7 @@ pub struct Actuator {
 
 impl Actuator {
     /// An actuator that sets a `Schedule:Constant` in the unit of its quantity, between two bounds.
-    pub(super) fn of_schedule(
+    pub fn of_schedule(
         schedule: String,
         name: String,
         quantity: Quantity,

@@ -1,27 +1,77 @@
 //! Zones with a heater and no cooling, controlled by the heating setpoint of their thermostat.
 
+use serde::{Deserialize, Serialize};
+
 use super::actuator::{Actuator, EngineVariable, Quantity};
 use super::availability::switch_on;
-use super::references::{Reference, is_one_of, parts};
-use super::system::HeatingOnly;
+use super::kind::{Candidate, KindName};
+use super::references::{Reference, parts};
+use super::sequence::Sequence;
+use super::system::{FromModel, System, ZoneState};
 use super::thermostat::{OUT_OF_REACH, own_thermostat};
+use super::zone_equipment::HEATERS;
 use crate::model::{Model, number, text};
-use crate::{Error, Result};
+use crate::morphology::NodeType;
+use crate::{Conditioning, Error, Result};
 
 /// Bounds of the heating setpoint, °C. The lower bound means "off": no heated zone gets so cold.
 pub const SETPOINT: (f64, f64) = (5.0, 35.0);
 
-const HEATERS: [&str; 5] = [
-    "ZoneHVAC:UnitHeater",
-    "ZoneHVAC:Baseboard:Convective:Electric",
-    "ZoneHVAC:Baseboard:Convective:Water",
-    "ZoneHVAC:Baseboard:RadiantConvective:Electric",
-    "ZoneHVAC:Baseboard:RadiantConvective:Water",
-];
+/// A zone heater without cooling.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct HeatingOnly {
+    /// Zone it serves.
+    pub zone: String,
+    /// [`Quantity::HeatingSetpoint`].
+    pub setpoint: Actuator,
+}
 
-/// Returns whether an object class is a zone heater that follows a thermostat.
-pub(super) fn is_heater(class: &str) -> bool {
-    is_one_of(class, &HEATERS)
+impl HeatingOnly {
+    /// Number of the actuator of the heating setpoint.
+    pub const SETPOINT: usize = 0;
+}
+
+impl System for HeatingOnly {
+    fn name(&self) -> &str {
+        &self.zone
+    }
+
+    fn zones(&self) -> Vec<&str> {
+        vec![&self.zone]
+    }
+
+    fn actuators(&self) -> Vec<&Actuator> {
+        vec![&self.setpoint]
+    }
+
+    fn conditioning(&self) -> Conditioning {
+        Conditioning::Heating
+    }
+
+    fn node_type(&self) -> NodeType {
+        NodeType::HeatingOnlyZone
+    }
+
+    fn warm_up(&self, zone: &dyn Fn(usize) -> ZoneState, action: &mut [f64]) {
+        action[Self::SETPOINT] = zone(0).target;
+    }
+
+    fn sequence(&self) -> Sequence<'_> {
+        Sequence::Thermostat
+    }
+}
+
+impl FromModel for HeatingOnly {
+    const NAME: KindName = KindName { id: "heating_only", name: "heater", plural: "heaters" };
+
+    fn claims(_: &Model, candidate: Candidate<'_>) -> Result<bool> {
+        Ok(candidate.is_equipment(&HEATERS))
+    }
+
+    fn make_controllable(model: &mut Model, candidate: Candidate<'_>, _: f64) -> Result<Self> {
+        let (zone, heater) = candidate.equipment()?;
+        make_controllable(model, zone, heater)
+    }
 }
 
 /// Makes the heater of a zone controllable: always available, under a thermostat of the zone's own.

@@ -1,14 +1,12 @@
 //! The layout of systems: their places in the action vector and the zones that they serve.
 //!
-//! The actuators of a building follow each other in the order of its systems. Within the range of a system, the offsets
-//! of its actuators have names: [`Unitary::FLOW`], [`AirLoop::damper`] and so on.
+//! The actuators of a building follow each other in the order of its systems.
 
 use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
-use super::actuator::Actuator;
-use super::system::{AirLoop, HeatingOnly, System, Unitary};
+use super::system::System;
 use crate::{Error, Result};
 
 /// Place of a system in the action vector and in the zones of its building.
@@ -29,68 +27,15 @@ pub struct ServedZone {
     pub controlled: usize,
 }
 
-impl Unitary {
-    /// Offset of the supply air flow.
-    pub const FLOW: usize = 0;
-    /// Offset of the supply air temperature.
-    pub const SUPPLY_TEMPERATURE: usize = 1;
-
-    fn actuators(&self) -> [&Actuator; 2] {
-        [&self.flow, &self.supply_temperature]
-    }
-}
-
-impl AirLoop {
-    /// Offset of the supply air temperature of the air handler.
-    pub const SUPPLY_TEMPERATURE: usize = 0;
-    /// Offset of the outdoor air flow.
-    pub const OUTDOOR_AIR: usize = 1;
-
-    /// Offset of the damper of a terminal.
-    pub const fn damper(terminal: usize) -> usize {
-        2 + 2 * terminal
-    }
-
-    /// Offset of the reheat setpoint of a terminal.
-    pub const fn reheat(terminal: usize) -> usize {
-        Self::damper(terminal) + 1
-    }
-
-    /// The terminal to which the actuator at an offset belongs; `None` for those of the air handler.
-    pub const fn terminal(offset: usize) -> Option<usize> {
-        if offset < Self::damper(0) { None } else { Some((offset - Self::damper(0)) / 2) }
-    }
-
-    fn actuators(&self) -> Vec<&Actuator> {
-        let terminals = self.terminals.iter().flat_map(|terminal| [&terminal.damper, &terminal.reheat]);
-        [&self.supply_temperature, &self.outdoor_air].into_iter().chain(terminals).collect()
-    }
-}
-
-impl HeatingOnly {
-    /// Offset of the heating setpoint.
-    pub const SETPOINT: usize = 0;
-}
-
-impl System {
-    /// Actuators of the system, in the order of the action.
-    pub fn actuators(&self) -> Vec<&Actuator> {
-        match self {
-            System::Unitary(unit) => unit.actuators().into(),
-            System::AirLoop(air_loop) => air_loop.actuators(),
-            System::HeatingOnly(heater) => vec![&heater.setpoint],
-        }
-    }
-}
-
 impl SystemLayout {
     /// Returns the layouts of the systems of a building with these zones, by name in model order.
     ///
     /// # Errors
     /// [`Error::MissingObject`] for a system whose zone is not among them.
-    pub(crate) fn of_all(systems: &[System], zones: &[&str]) -> Result<Vec<Self>> {
-        let served = |system: &System| system.zones().into_iter().map(|zone| find(zone, zones)).collect();
-        let served: Vec<Vec<usize>> = systems.iter().map(served).collect::<Result<_>>()?;
+    pub(crate) fn of_all(systems: &[Box<dyn System>], zones: &[&str]) -> Result<Vec<Self>> {
+        let served = |system: &dyn System| system.zones().into_iter().map(|zone| find(zone, zones)).collect();
+        let served: Vec<Vec<usize>> =
+            systems.iter().map(|system| served(&**system)).collect::<Result<_>>()?;
         let controlled =
             |index: usize| (0..index).filter(|zone| served.iter().flatten().any(|z| z == zone)).count();
         let mut first = 0;
@@ -117,9 +62,9 @@ fn find(name: &str, zones: &[&str]) -> Result<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::hvac::actuator::{EngineVariable, Quantity};
-    use crate::hvac::system::Terminal;
-    use crate::hvac::ventilation::Ventilation;
+    use crate::hvac::{
+        Actuator, AirLoop, EngineVariable, HeatingOnly, Quantity, Terminal, Unitary, Ventilation,
+    };
 
     fn actuator(name: &str) -> Actuator {
         Actuator {
@@ -147,7 +92,7 @@ mod tests {
         }
     }
 
-    fn systems() -> [System; 3] {
+    fn systems() -> [Box<dyn System>; 3] {
         let unit = Unitary {
             zone: "core".to_owned(),
             flow: actuator("flow"),
@@ -168,7 +113,7 @@ mod tests {
             terminals: vec![terminal("East"), terminal("West")],
         };
         let heater = HeatingOnly { zone: "Hall".to_owned(), setpoint: actuator("setpoint") };
-        [System::Unitary(unit), System::AirLoop(air_loop), System::HeatingOnly(heater)]
+        [Box::new(unit), Box::new(air_loop), Box::new(heater)]
     }
 
     const ZONES: [&str; 5] = ["Attic", "West", "Core", "Hall", "East"];
@@ -176,7 +121,7 @@ mod tests {
     #[test]
     fn named_offsets_are_those_of_the_actuators() {
         let [unit, air_loop, heater] = systems();
-        let name = |system: &System, offset: usize| system.actuators()[offset].name.clone();
+        let name = |system: &Box<dyn System>, offset: usize| system.actuators()[offset].name.clone();
         assert_eq!(name(&unit, Unitary::FLOW), "flow");
         assert_eq!(name(&unit, Unitary::SUPPLY_TEMPERATURE), "unit supply");
         assert_eq!(name(&air_loop, AirLoop::SUPPLY_TEMPERATURE), "supply");
@@ -186,7 +131,7 @@ mod tests {
             assert_eq!(name(&air_loop, AirLoop::reheat(index)), format!("{zone} reheat"));
         }
         assert_eq!(
-            [0, 1, 2, 3, 4, 5].map(AirLoop::terminal),
+            [0, 1, 2, 3, 4, 5].map(|actuator| air_loop.zone_of(actuator)),
             [None, None, Some(0), Some(0), Some(1), Some(1)]
         );
         assert_eq!(name(&heater, HeatingOnly::SETPOINT), "setpoint");

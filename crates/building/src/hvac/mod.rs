@@ -1,28 +1,37 @@
 //! HVAC systems under control: their actuators, with bounds and the engine variables that show the effect.
+//!
+//! A [`System`] has actuators and zones. Each kind of system is a file or a folder ([`unitary`], [`air_loop`],
+//! [`heating_only`]) that implements [`System`] and [`FromModel`], and an entry of [`KINDS`]. All other code knows systems by
+//! these traits.
 
 mod actuator;
 pub mod air_loop;
-pub mod air_loop_graph;
-mod availability;
-mod controllable;
+mod capacity;
 mod discovery;
-pub(crate) mod distribution;
-pub(crate) mod energy_management;
 pub mod heating_only;
+mod kind;
 mod layout;
-pub mod references;
-mod schedules;
-mod setpoint_managers;
+mod objects;
+mod sequence;
 mod system;
-pub mod thermostat;
 pub mod unitary;
 mod ventilation;
-pub mod zone_equipment;
 
 pub use actuator::{Actuator, EngineVariable, Quantity};
-pub use controllable::make_controllable;
-pub use discovery::{Discovery, Uncontrolled};
+pub use air_loop::{AirLoop, Terminal};
+pub use capacity::{Equipment, SystemEquipment};
+pub use discovery::{Discovery, Uncontrolled, Unsupported};
 pub(crate) use discovery::{discover, has_own_controls};
+pub use heating_only::HeatingOnly;
+pub use kind::{Candidate, Kind, KindName};
 pub use layout::{ServedZone, SystemLayout};
-pub use system::{AirLoop, HeatingOnly, System, Terminal, Unitary};
+pub use objects::{air_loop_graph, references, thermostat, zone_equipment};
+use objects::{availability, schedules, setpoint_managers};
+pub(crate) use objects::{distribution, energy_management};
+pub use sequence::Sequence;
+pub use system::{FromModel, Object, SharedFlow, System, ZoneState};
+pub use unitary::Unitary;
 pub use ventilation::{MinimumDamper, Ventilation};
+
+/// Every kind of system, in the order in which they claim a part of a model.
+pub static KINDS: [Kind; 3] = [Kind::of::<Unitary>(), Kind::of::<AirLoop>(), Kind::of::<HeatingOnly>()];

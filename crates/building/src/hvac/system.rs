@@ -1,95 +1,201 @@
-//! The controllable systems of a building.
+//! The interface of a system under control. Each kind implements it in a file or folder of its own; [`super::KINDS`] lists
+//! them.
 
-use serde::{Deserialize, Serialize};
+use std::any::Any;
+use std::collections::BTreeMap;
+use std::fmt::Debug;
+
+use serde::de::{DeserializeOwned, Error as _};
+use serde::ser::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde_json::Value;
 
 use super::actuator::Actuator;
+use super::capacity::SystemEquipment;
+use super::kind::{Candidate, Kind, KindName};
+use super::sequence::Sequence;
 use super::ventilation::Ventilation;
+use crate::morphology::NodeType;
+use crate::{Conditioning, Model, Result};
 
 /// A group of actuators that act together on their zones.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum System {
-    /// One unit, one zone: flow and supply temperature.
-    Unitary(Unitary),
-    /// One air handler, many zones.
-    AirLoop(AirLoop),
-    /// A heater under a thermostat.
-    HeatingOnly(HeatingOnly),
-}
+///
+/// Zones and actuators are numbered within the system: its zones in the order of [`System::zones`], its actuators in the
+/// order of [`System::actuators`], which is that of the action.
+pub trait System: Object + Debug + Send + Sync {
+    /// Name: its air loop or its zone.
+    fn name(&self) -> &str;
 
-impl System {
+    /// Names of the zones that it serves.
+    fn zones(&self) -> Vec<&str>;
+
+    /// Actuators, in the order of the action.
+    fn actuators(&self) -> Vec<&Actuator>;
+
+    /// The zone to which an actuator belongs; `None` for the air handler that several zones share.
+    fn zone_of(&self, _actuator: usize) -> Option<usize> {
+        Some(0)
+    }
+
+    /// Heating and cooling capability in its zones.
+    fn conditioning(&self) -> Conditioning {
+        Conditioning::HeatingAndCooling
+    }
+
+    /// The node type of its zones in the [morphology](crate::morphology), with the quantities of its actuators in its zones.
+    fn node_type(&self) -> NodeType;
+
     /// Its outdoor air, if it has any.
-    pub fn ventilation(&self) -> Option<&Ventilation> {
-        match self {
-            System::Unitary(unit) => unit.ventilation.as_ref(),
-            System::AirLoop(air_loop) => Some(&air_loop.ventilation),
-            System::HeatingOnly(_) => None,
-        }
+    fn ventilation(&self) -> Option<&Ventilation> {
+        None
     }
 
-    /// The zones it serves.
-    pub fn zones(&self) -> Vec<&str> {
-        match self {
-            System::Unitary(unit) => vec![&unit.zone],
-            System::AirLoop(air_loop) => air_loop.terminals.iter().map(|t| t.zone.as_str()).collect(),
-            System::HeatingOnly(heater) => vec![&heater.zone],
-        }
+    /// Lower limits of its actions that ensure the design minimum of outdoor air, each with the number of the actuator.
+    fn outdoor_air_limits(&self) -> Vec<(usize, f64)> {
+        Vec::new()
+    }
+
+    /// The flows that its actuators share, if they share any.
+    fn shared_flow(&self) -> Option<SharedFlow> {
+        None
+    }
+
+    /// Writes the action of the warm-up period, which brings zones near their targets with a proportional rule. It is part of
+    /// the definition of an environment: every episode starts in the same state for every agent. Must not allocate.
+    fn warm_up(&self, zone: &dyn Fn(usize) -> ZoneState, action: &mut [f64]);
+
+    /// The sequence of operation by which rule-based controllers control it.
+    fn sequence(&self) -> Sequence<'_>;
+
+    /// Design flows and capacities, from the model. By default those of the equipment of its zone, without air flow.
+    ///
+    /// # Errors
+    /// [`crate::Error::MissingObject`] for a dangling reference.
+    fn equipment(&self, model: &Model) -> Result<SystemEquipment> {
+        SystemEquipment::of_zone(model, self.name())
     }
 }
 
-/// A unitary system.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Unitary {
-    /// Zone it serves.
-    pub zone: String,
-    /// [`Quantity::SupplyAirFlow`](super::Quantity::SupplyAirFlow).
-    pub flow: Actuator,
-    /// [`Quantity::SupplyAirTemperature`](super::Quantity::SupplyAirTemperature).
-    pub supply_temperature: Actuator,
-    /// Its outdoor air; `None` for a unit without any.
-    pub ventilation: Option<Ventilation>,
+/// How a kind of systems is found in a model.
+pub trait FromModel: System + Clone + PartialEq + Serialize + DeserializeOwned + 'static {
+    /// Name of the kind.
+    const NAME: KindName;
+
+    /// Returns whether this kind controls a candidate. The first of the kinds that does is used.
+    ///
+    /// # Errors
+    /// [`crate::Error::MissingObject`] for a dangling reference.
+    fn claims(model: &Model, candidate: Candidate<'_>) -> Result<bool>;
+
+    /// Makes a candidate of a hard-sized model controllable. `air_density`, kg/m³, turns design volume flows into mass flows.
+    ///
+    /// # Errors
+    /// [`crate::Error::Unsupported`] naming the object that cannot be made controllable;
+    /// [`crate::Error::MissingObject`] for a dangling reference.
+    fn make_controllable(model: &mut Model, candidate: Candidate<'_>, air_density: f64) -> Result<Self>;
 }
 
-/// A central air loop.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct AirLoop {
-    /// Name of the `AirLoopHVAC`.
-    pub name: String,
-    /// [`Quantity::SupplyAirTemperature`](super::Quantity::SupplyAirTemperature), of the air handler.
-    pub supply_temperature: Actuator,
-    /// [`Quantity::OutdoorAirFlow`](super::Quantity::OutdoorAirFlow).
-    pub outdoor_air: Actuator,
-    /// Design flow of the supply fan, kg/s. It limits the flow of all terminals together.
-    pub fan_flow: f64,
+/// What every system can do as an object; implemented for all kinds.
+pub trait Object {
+    /// Returns its kind.
+    fn kind(&self) -> Kind;
+
+    /// Returns it for conversion to its type.
+    fn as_any(&self) -> &dyn Any;
+
+    /// Returns it for conversion to its type.
+    fn as_any_mut(&mut self) -> &mut dyn Any;
+
+    /// Returns a copy.
+    fn to_box(&self) -> Box<dyn System>;
+
+    /// Returns its fields as JSON.
+    ///
+    /// # Errors
+    /// The errors of [`serde_json::to_value`].
+    fn to_json(&self) -> serde_json::Result<Value>;
+
+    /// Returns whether another system is the same.
+    fn equals(&self, other: &dyn System) -> bool;
+}
+
+impl<T: FromModel> Object for T {
+    fn kind(&self) -> Kind {
+        Kind::of::<T>()
+    }
+
+    fn as_any(&self) -> &dyn Any {
+        self
+    }
+
+    fn as_any_mut(&mut self) -> &mut dyn Any {
+        self
+    }
+
+    fn to_box(&self) -> Box<dyn System> {
+        Box::new(self.clone())
+    }
+
+    fn to_json(&self) -> serde_json::Result<Value> {
+        serde_json::to_value(self)
+    }
+
+    fn equals(&self, other: &dyn System) -> bool {
+        other.as_any().downcast_ref::<T>().is_some_and(|other| self == other)
+    }
+}
+
+impl dyn System {
+    /// Returns whether it has an air handler with actuators of its own, beside those of its zones.
+    pub fn has_air_handler(&self) -> bool {
+        (0..self.actuators().len()).any(|actuator| self.zone_of(actuator).is_none())
+    }
+}
+
+impl Clone for Box<dyn System> {
+    fn clone(&self) -> Self {
+        self.to_box()
+    }
+}
+
+impl PartialEq for dyn System {
+    fn eq(&self, other: &dyn System) -> bool {
+        self.equals(other)
+    }
+}
+
+impl Serialize for dyn System {
+    fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+        let fields = self.to_json().map_err(S::Error::custom)?;
+        serializer.collect_map([(self.kind().id(), fields)])
+    }
+}
+
+impl<'de> Deserialize<'de> for Box<dyn System> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> std::result::Result<Self, D::Error> {
+        let tagged = BTreeMap::<String, Value>::deserialize(deserializer)?;
+        let (id, fields) =
+            tagged.into_iter().next().ok_or_else(|| D::Error::custom("a system without a kind"))?;
+        let kind =
+            Kind::find(&id).ok_or_else(|| D::Error::custom(format!("unknown kind of system `{id}`")))?;
+        kind.read(fields).map_err(D::Error::custom)
+    }
+}
+
+/// State of a zone and its target.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ZoneState {
+    /// Air temperature, °C.
+    pub temperature: f64,
+    /// Target temperature, °C.
+    pub target: f64,
+}
+
+/// The flows that the actuators of a system share.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SharedFlow {
+    /// Design flow of the supply fan, kg/s. It limits the flow through all dampers together.
+    pub fan: f64,
     /// Design flow of the exhaust fans in its zones, kg/s. Outdoor air makes up for it, whatever is commanded.
-    pub exhaust_flow: f64,
-    /// Its outdoor air.
-    pub ventilation: Ventilation,
-    /// The terminals, in model order of their zones.
-    pub terminals: Vec<Terminal>,
-}
-
-/// The terminal of one zone on a central air loop.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Terminal {
-    /// Zone it serves.
-    pub zone: String,
-    /// [`Quantity::DamperOpening`](super::Quantity::DamperOpening).
-    pub damper: Actuator,
-    /// [`Quantity::HeatingSetpoint`](super::Quantity::HeatingSetpoint), of the reheat coil.
-    pub reheat: Actuator,
-    /// Design flow, kg/s.
-    pub design_flow: f64,
-    /// Opening above which more air brings no more heat, 0 to 1, because a hot-water coil is at its capacity; 1 for other
-    /// coils.
-    pub heating_opening: f64,
-}
-
-/// A zone heater without cooling.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct HeatingOnly {
-    /// Zone it serves.
-    pub zone: String,
-    /// [`Quantity::HeatingSetpoint`](super::Quantity::HeatingSetpoint).
-    pub setpoint: Actuator,
+    pub exhaust: f64,
 }

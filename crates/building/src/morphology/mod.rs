@@ -27,7 +27,6 @@ pub use owner::Owner;
 pub use universe::{Attribute, COMMON, LocalSlot, LocalSpaces, NodeType, Observed, Universe};
 
 use crate::description::{Description, ZoneDescription};
-use crate::hvac::System;
 use crate::{Conditioning, PreparedBuilding};
 
 /// One building as a graph.
@@ -181,7 +180,9 @@ fn air_loops<'a>(
 ) -> impl Iterator<Item = Node> + 'a {
     let systems = building.systems.iter().zip(&description.systems).enumerate();
     systems.filter_map(|(index, (system, described))| {
-        let System::AirLoop(air_loop) = system else { return None };
+        if !system.has_air_handler() {
+            return None;
+        }
         let attribute = |attribute| match attribute {
             Attribute::DesignFlow => described.design_flow,
             Attribute::HeatingCapacity => described.heating_capacity,
@@ -190,7 +191,7 @@ fn air_loops<'a>(
         };
         Some(Node {
             node_type: NodeType::AirLoop,
-            name: air_loop.name.clone(),
+            name: system.name().to_owned(),
             owner: Owner::AirLoop(index),
             attributes: values(NodeType::AirLoop.attributes(), attribute),
         })
@@ -200,9 +201,7 @@ fn air_loops<'a>(
 fn zone_type(building: &PreparedBuilding, zone: usize) -> NodeType {
     match building.laid_out_systems().find(|(_, layout)| layout.serves(zone)) {
         None => NodeType::UncontrolledZone,
-        Some((System::Unitary(_), _)) => NodeType::UnitaryZone,
-        Some((System::AirLoop(_), _)) => NodeType::VavZone,
-        Some((System::HeatingOnly(_), _)) => NodeType::HeatingOnlyZone,
+        Some((system, _)) => system.node_type(),
     }
 }
 

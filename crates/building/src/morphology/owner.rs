@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::PreparedBuilding;
-use crate::hvac::{Actuator, AirLoop, System};
+use crate::hvac::Actuator;
 
 /// The part of a building that a slot belongs to. Every slot belongs to exactly one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
@@ -25,18 +25,15 @@ impl PreparedBuilding {
     /// Returns the actuators in the order of the action, each with its owner.
     pub fn owned_actuators(&self) -> impl Iterator<Item = (Owner, &Actuator)> {
         self.laid_out_systems().enumerate().flat_map(|(number, (system, layout))| {
-            let owner = move |offset: usize| match system {
-                System::AirLoop(_) => match AirLoop::terminal(offset) {
-                    None => Owner::AirLoop(number),
-                    Some(terminal) => Owner::Zone(layout.zones[terminal].index),
-                },
-                System::Unitary(_) | System::HeatingOnly(_) => Owner::Zone(layout.zones[0].index),
+            let owner = move |actuator: usize| match system.zone_of(actuator) {
+                None => Owner::AirLoop(number),
+                Some(zone) => Owner::Zone(layout.zones[zone].index),
             };
             system
                 .actuators()
                 .into_iter()
                 .enumerate()
-                .map(move |(offset, actuator)| (owner(offset), actuator))
+                .map(move |(number, actuator)| (owner(number), actuator))
         })
     }
 }

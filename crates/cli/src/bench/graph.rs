@@ -2,13 +2,14 @@
 
 use std::sync::Arc;
 
-use anyhow::{Result, bail};
+use anyhow::{Context as _, Result, bail};
 use b2b_agent::network::{Actor, Graph};
 use b2b_agent::{Interface, Pilot};
 use b2b_building::{BuildingType, RunPeriod};
 use b2b_dataset::BuildingName;
 use b2b_env::{Spaces, Task};
 use b2b_learn::credit::Credit;
+use b2b_learn::learner::Learner as _;
 use b2b_learn::ppo::{Ppo, PpoConfig};
 use b2b_learn::random::Random;
 use b2b_learn::rollout::{Rollout, Scene, Widths};
@@ -88,9 +89,9 @@ fn cost(name: &BuildingName, config: &TrainConfig, arguments: &Arguments) -> Res
     let prepared = Prepared::new(name, &Location::default(), arguments.json)?;
     let spaces = Arc::new(prepared.spaces(RunPeriod::WINTER, STEPS_PER_HOUR, Task::default())?);
     let flat = TrainConfig::preset("residual")?;
-    let ppo = PpoConfig { epochs: config.ppo.epochs, batch_size: STEPS, ..flat.ppo.clone() };
-    let of_graph = Learner::new(config, config.ppo.clone(), &spaces)?;
-    let of_flat = Learner::new(&flat, ppo, &spaces)?;
+    let epochs = ppo_of(config)?.epochs;
+    let of_graph = Measured::new(config, ppo_of(config)?, &spaces)?;
+    let of_flat = Measured::new(&flat, PpoConfig { epochs, batch_size: STEPS, ..ppo_of(&flat)? }, &spaces)?;
     let Some(graph) = of_graph.graph.clone() else { bail!("the preset graph has no graph network") };
     Ok(Cost {
         building: name.to_string(),
@@ -120,21 +121,27 @@ fn step(prepared: &Prepared) -> Result<f64> {
     Ok(median(times.split_off(times.len() / 2)))
 }
 
+/// Returns the options of PPO of a configuration.
+fn ppo_of(config: &TrainConfig) -> Result<PpoConfig> {
+    let ppo: Option<&PpoConfig> = config.learner.options();
+    Ok(ppo.context("the presets learn by PPO")?.clone())
+}
+
 /// A learner for a building, with random observations.
-struct Learner {
+struct Measured {
     ppo: Ppo,
     actor: Actor,
     graph: Option<Arc<Graph>>,
     widths: Widths,
 }
 
-impl Learner {
+impl Measured {
     fn new(config: &TrainConfig, ppo: PpoConfig, spaces: &Arc<Spaces>) -> Result<Self> {
-        let interface: Interface = config.interface();
+        let interface: Interface = config.agent.interface();
         let pilot = Pilot::new(interface, spaces)?;
         let (observation, action) = pilot.widths();
         let widths = Widths { observation, action, parts: 1 };
-        let ppo = match &config.policy {
+        let ppo = match &config.agent.policy {
             Policy::Flat => Ppo::new(widths, ppo, 0)?,
             Policy::Graph(policy) => {
                 Ppo::of_graphs(&policy.network(interface), widths, ppo, policy.normalize, 0)?

@@ -1,6 +1,8 @@
 //! `b2b bench`: the cost of environments and of training.
 
 #[cfg(target_os = "linux")]
+mod child;
+#[cfg(target_os = "linux")]
 mod graph;
 #[cfg(target_os = "linux")]
 mod process;

@@ -7,7 +7,8 @@ use std::process::Command;
 use anyhow::{Result, bail};
 use serde::Deserialize;
 
-use crate::{child, interrupt};
+use super::child;
+use crate::interrupt;
 
 /// The speed of training by Stable-Baselines3.
 #[derive(Clone, Copy, Deserialize)]

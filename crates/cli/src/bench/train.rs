@@ -17,7 +17,7 @@ use super::sb3::{Python, Speed};
 use crate::progress::{Download, spinner};
 use crate::table::Table;
 use crate::workers::worker_options;
-use crate::{interrupt, stdout};
+use crate::{interrupt, program, stdout};
 
 /// Measure the speed of training in both loop designs, and the shares of environment, inference and learner
 ///
@@ -84,7 +84,7 @@ struct Measured {
 pub fn bench(arguments: &Arguments) -> Result<()> {
     let buildings = arguments.buildings.iter().map(training_building).collect::<Result<Vec<_>>>()?;
     let python = if arguments.python == "none" { None } else { Python::find(&arguments.python)? };
-    let catalog = Arc::new(Catalog::open(&mut Download::new(arguments.json))?);
+    let catalog = Arc::new(program::catalog(&mut Download::new(arguments.json))?);
     let mut measured = Vec::new();
     for building in buildings {
         let spinner = spinner(format!("training on {building}"), arguments.json);
@@ -118,11 +118,9 @@ fn training_building(name: &BuildingName) -> Result<BuildingId> {
 
 /// Measures both designs on a building.
 fn costs(building: BuildingId, arguments: &Arguments, catalog: &Arc<Catalog>) -> Result<Vec<(Design, Cost)>> {
-    let config = TrainConfig {
-        buildings: vec![building.to_string()],
-        environments: arguments.environments as usize,
-        ..TrainConfig::preset("paper")?
-    };
+    let mut config = TrainConfig::preset("paper")?;
+    config.training_set.buildings = vec![building.to_string()];
+    config.budget.environments = arguments.environments as usize;
     let mut turns = Vec::new();
     for design in Design::ALL {
         let workers = worker_options(catalog.library().path());

@@ -6,7 +6,6 @@ use std::path::PathBuf;
 use anyhow::{Context, Result, bail};
 use b2b_benchmark::entry::{Entry, EntryPolicy, Measures, Performance, RunOutcome, RunResult};
 use b2b_benchmark::problem::{Problem, Stage};
-use b2b_dataset::Catalog;
 use b2b_evaluate::statistics::{Aggregate, score_text};
 use b2b_evaluate::{Baselines, Row};
 
@@ -17,8 +16,8 @@ use crate::evaluate::ratio;
 use crate::evaluation::{Bars, evaluation, fetch_weather};
 use crate::exit_code::ExitCode;
 use crate::progress::Download;
-use crate::stdout;
 use crate::table::Table;
+use crate::{program, stdout};
 
 /// Run a policy on a benchmark problem
 ///
@@ -82,7 +81,7 @@ fn adapted(text: &str) -> std::result::Result<(u64, String), String> {
 pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     let entry = arguments.entry()?;
     entry.check()?;
-    let catalog = Catalog::open(&mut Download::new(arguments.json))?;
+    let catalog = program::catalog(&mut Download::new(arguments.json))?;
     let episodes: Vec<_> = entry.stages().into_iter().flat_map(|stage| entry.episodes(stage)).collect();
     fetch_weather(&episodes, arguments.json)?;
     let evaluation = evaluation(&catalog, arguments.jobs.count()?);

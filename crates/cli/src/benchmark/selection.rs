@@ -105,6 +105,7 @@ impl ChangeArguments {
             observation,
             fallback,
             pin,
+            ..Changes::default()
         }
     }
 }

@@ -5,14 +5,13 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 use b2b_benchmark::entry::{self, Check, Sample};
-use b2b_dataset::Catalog;
 use serde_json::json;
 
 use crate::arguments::jobs::Jobs;
 use crate::evaluation::{Bars, evaluation};
 use crate::exit_code::ExitCode;
 use crate::progress::Download;
-use crate::stdout;
+use crate::{program, stdout};
 
 /// Verify a result
 ///
@@ -49,7 +48,7 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn verify(arguments: &Arguments) -> Result<ExitCode> {
-    let catalog = Catalog::open(&mut Download::new(arguments.json))?;
+    let catalog = program::catalog(&mut Download::new(arguments.json))?;
     let evaluation = evaluation(&catalog, arguments.jobs.count()?);
     let seed = match arguments.sample_seed {
         Some(seed) => seed,

@@ -5,7 +5,6 @@ mod compare;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result};
-use b2b_dataset::Catalog;
 use b2b_env::Task;
 use b2b_evaluate::statistics::{Aggregate, score_text};
 use b2b_evaluate::{Baselines, Folder, Group, Results, Summary, Window};
@@ -16,8 +15,8 @@ use crate::arguments::policy::PolicyArguments;
 use crate::evaluation::{Bars, evaluation, fetch_weather};
 use crate::exit_code::ExitCode;
 use crate::progress::Download;
-use crate::stdout;
 use crate::table::Table;
+use crate::{program, stdout};
 
 /// Evaluate a policy on many buildings and score it against the reactive controllers
 ///
@@ -91,7 +90,7 @@ fn run(arguments: &Run) -> Result<ExitCode> {
     let episodes = arguments.episodes.list(&arguments.tasks)?;
     let out = arguments.out.as_deref().context("--out is required")?;
     let folder = Folder::open(out, policy.as_ref(), &episodes)?;
-    let catalog = Catalog::open(&mut Download::new(arguments.json))?;
+    let catalog = program::catalog(&mut Download::new(arguments.json))?;
     fetch_weather(&episodes, arguments.json)?;
     let evaluation = evaluation(&catalog, arguments.jobs.count()?);
     let baselines = Baselines::open()?;

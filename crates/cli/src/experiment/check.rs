@@ -7,6 +7,7 @@ use anyhow::Result;
 use b2b_experiment::{Checked, Folder, Runner};
 use serde_json::json;
 
+use crate::arguments::jobs::Jobs;
 use crate::exit_code::ExitCode;
 use crate::{interrupt, program, stdout};
 
@@ -23,6 +24,8 @@ pub struct Arguments {
     /// Evaluate at most N buildings of each agent, evenly spaced over its results (default: all)
     #[arg(long, value_name = "N")]
     buildings: Option<NonZeroUsize>,
+    #[command(flatten)]
+    jobs: Jobs,
     /// Print one JSON object instead of the text report
     #[arg(long)]
     json: bool,
@@ -31,8 +34,12 @@ pub struct Arguments {
 /// Runs the command.
 pub fn check(arguments: &Arguments) -> Result<ExitCode> {
     let (folder, experiment, budget) = Folder::open(&arguments.folder)?;
-    let runner =
-        Runner { command: program::command, folder: &folder, parallel: 1, interrupted: interrupt::requested };
+    let runner = Runner {
+        command: program::command,
+        folder: &folder,
+        parallel: arguments.jobs.count()?,
+        interrupted: interrupt::requested,
+    };
     let line = |checked: &Checked| match &checked.fault {
         None => format!("✓ {}", checked.job),
         Some(fault) => format!("✗ {}: {fault}", checked.job),
@@ -42,7 +49,7 @@ pub fn check(arguments: &Arguments) -> Result<ExitCode> {
             eprintln!("{}", line(checked));
         }
     };
-    let all = b2b_experiment::check(&runner, &experiment, budget, arguments.buildings, &done)?;
+    let all = b2b_experiment::check(&runner, &experiment, &budget, arguments.buildings, &done)?;
     let faults: Vec<_> = all.iter().filter(|checked| checked.fault.is_some()).collect();
     let summary = json!({
         "checked": all.len(),

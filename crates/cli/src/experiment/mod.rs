@@ -1,6 +1,8 @@
 //! `b2b experiment`: the paper's experiments and your own, as lists of resumable jobs.
 
 mod check;
+mod claims;
+mod rates;
 mod report;
 mod run;
 mod show;
@@ -24,10 +26,12 @@ Examples:
   b2b experiment run speed
   b2b experiment run dynamics --budget quick --out results/dynamics
   b2b experiment run ppo --budget full --shard 0/16 --out results/ppo    one of 16 parts, into a shared folder
+  b2b experiment run ppo --budget paper-part --out results/ppo-paper     one of the experiment's other budgets
   b2b experiment run ppo --reuse results/residual --out results/ppo      agents that are there already
   b2b experiment run mine.toml --budget quick
   b2b experiment report results/dynamics
-  b2b experiment check results/residual                                  evaluate agents again"
+  b2b experiment check results/residual                                  evaluate agents again
+  b2b experiment claims results/*                                        the claims of the paper, judged"
 )]
 pub struct Arguments {
     #[command(subcommand)]
@@ -41,6 +45,8 @@ enum Command {
     Run(run::Arguments),
     Report(report::Arguments),
     Check(check::Arguments),
+    Claims(claims::Arguments),
+    Rates(rates::Arguments),
 }
 
 /// Runs the command.
@@ -53,6 +59,8 @@ pub fn experiment(arguments: &Arguments) -> Result<ExitCode> {
         Command::Run(arguments) => return run::run(arguments),
         Command::Report(arguments) => report::report(arguments)?,
         Command::Check(arguments) => return check::check(arguments),
+        Command::Claims(arguments) => claims::print(arguments)?,
+        Command::Rates(arguments) => rates::print(arguments)?,
     }
     Ok(ExitCode::Success)
 }

@@ -36,7 +36,7 @@ pub fn report(arguments: &Arguments) -> Result<()> {
 /// Writes the report of the results in a folder.
 pub fn write(path: &Path, json: bool) -> Result<()> {
     let (folder, experiment, budget) = Folder::open(path)?;
-    let results = Results::read(&folder, &experiment, budget)?;
+    let results = Results::read(&folder, &experiment, &budget)?;
     folder.keep(&results.done)?;
     let staged = OutputFolder::stage(path)?;
     staged.write(RESULTS, |file| {
@@ -48,7 +48,7 @@ pub fn write(path: &Path, json: bool) -> Result<()> {
     staged.keep()?;
     let (done, failed, missing) = (results.done.len(), results.failed.len(), results.missing.len());
     let summary = json!({
-        "experiment": experiment.name, "budget": budget, "done": done, "failed": failed, "missing": missing,
+        "experiment": experiment.name, "budget": budget.name, "done": done, "failed": failed, "missing": missing,
         "training_steps": results.steps(), "hours": results.time().as_secs_f64() / 3600.0, "files": files,
     });
     stdout::print_result(json, &summary, || {

@@ -3,10 +3,7 @@
 use std::path::PathBuf;
 
 use anyhow::{Result, bail};
-use b2b_experiment::{
-    BudgetName, Error, Experiment, Folder, Job, Runner, Shard, State, duration_text, estimate,
-};
-
+use b2b_experiment::{Ended, Error, Experiment, Folder, Job, Runner, Shard, State, duration_text, estimate};
 use serde_json::json;
 
 use super::report;
@@ -24,9 +21,9 @@ pub struct Arguments {
     /// Name of an experiment, or a TOML file
     #[arg(value_name = "EXPERIMENT")]
     experiment: String,
-    /// Budget: quick (a few hours on two cores) or full (as in the paper)
+    /// Budget: quick (a few hours on two cores), full (as in the paper), or another that the experiment has
     #[arg(long, value_name = "BUDGET", default_value = "quick")]
-    budget: BudgetName,
+    budget: String,
     /// Run only part I of N of the jobs, with I from 0 to N - 1; the parts may share the output folder
     #[arg(long, value_name = "I/N")]
     shard: Option<Shard>,
@@ -49,27 +46,16 @@ pub struct Arguments {
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     let experiment = Experiment::named(&arguments.experiment)?;
-    let budget = arguments.budget;
-    let default = || PathBuf::from("b2b-out").join(format!("experiment-{}-{budget}", experiment.name));
+    let budget = experiment.budget(&arguments.budget)?;
+    let default = || PathBuf::from("b2b-out").join(format!("experiment-{}-{}", experiment.name, budget.name));
     let out = arguments.out.clone().unwrap_or_else(default);
     let mut folder = Folder::of(&out, &experiment, &source(&arguments.experiment)?, budget)?;
     let shard = arguments.shard.unwrap_or(Shard::WHOLE);
     let numbered = experiment.jobs(budget).into_iter().enumerate();
     let jobs: Vec<Job> = numbered.filter(|(number, _)| shard.contains(*number)).map(|(_, job)| job).collect();
-    for other in &arguments.reuse {
-        let count = folder.reuse(&jobs, experiment.report, other)?;
-        if !arguments.json {
-            stdout::print(&format!("jobs taken over from {}: {count}", other.display()))?;
-        }
-    }
-    if !arguments.dry_run {
-        folder.create()?;
-        if !arguments.reuse.is_empty() {
-            folder.save()?;
-        }
-    }
+    begin(arguments, &experiment, &mut folder, &jobs)?;
     let parallel = arguments.jobs.count()?;
-    let left: Vec<&Job> = jobs.iter().filter(|job| !folder.is_done(job)).collect();
+    let left: Vec<&str> = jobs.iter().filter(|job| !folder.is_done(job)).map(|job| &job.key[..]).collect();
     let time = estimate(Some(&folder), &jobs, parallel);
     if !arguments.json {
         stdout::print(&format!(
@@ -81,29 +67,51 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         ))?;
     }
     if arguments.dry_run {
-        let keys: Vec<&str> = left.iter().map(|job| job.key.as_str()).collect();
-        let text = || keys.iter().map(|key| format!("  {key}")).collect::<Vec<_>>().join("\n");
-        let summary = json!({"jobs": jobs.len(), "left": keys, "hours": time.as_secs_f64() / 3600.0});
+        let text = || left.iter().map(|key| format!("  {key}")).collect::<Vec<_>>().join("\n");
+        let summary = json!({"jobs": jobs.len(), "left": left, "hours": time.as_secs_f64() / 3600.0});
         return stdout::print_result(arguments.json, &summary, text).map(|()| ExitCode::Success);
     }
+    let ended = run_jobs(arguments, &folder, &jobs, parallel)?;
+    report::write(&out, arguments.json)?;
+    Ok(ExitCode::of(ended.failed == 0))
+}
+
+/// Takes over the results of other folders, and creates the folder unless nothing is to run.
+fn begin(arguments: &Arguments, experiment: &Experiment, folder: &mut Folder, jobs: &[Job]) -> Result<()> {
+    for other in &arguments.reuse {
+        let count = folder.reuse(jobs, experiment.report, other)?;
+        if !arguments.json {
+            stdout::print(&format!("jobs taken over from {}: {count}", other.display()))?;
+        }
+    }
+    if !arguments.dry_run {
+        folder.create()?;
+        if !arguments.reuse.is_empty() {
+            folder.save()?;
+        }
+    }
+    Ok(())
+}
+
+/// Runs the jobs that are left, under a progress bar.
+fn run_jobs(arguments: &Arguments, folder: &Folder, jobs: &[Job], parallel: usize) -> Result<Ended> {
     let bar = counter(jobs.len(), "jobs", arguments.json);
-    bar.set_position((jobs.len() - left.len()) as u64);
+    bar.set_position(jobs.iter().filter(|job| folder.is_done(job)).count() as u64);
     bar.reset_eta();
     let ended = |job: &Job, state: &State| {
         bar.inc(1);
         if let Some(error) = &state.error {
-            bar.suspend(|| eprintln!("failed: {}: {error}\n  log: {}", job.key, folder.log(job).display()));
+            let log = folder.job(job).log();
+            bar.suspend(|| eprintln!("failed: {}: {error}\n  log: {}", job.key, log.display()));
         }
     };
-    let command = program::command;
-    let runner = Runner { command, folder: &folder, parallel, interrupted: interrupt::requested };
-    let ended = match runner.run(&jobs, &ended) {
+    let runner = Runner { command: program::command, folder, parallel, interrupted: interrupt::requested };
+    let ended = match runner.run(jobs, &ended) {
         Err(Error::Interrupted) => bail!("interrupted; run the same command again to resume"),
         ended => ended?,
     };
     bar.finish_and_clear();
-    report::write(&out, arguments.json)?;
-    Ok(ExitCode::of(ended.failed == 0))
+    Ok(ended)
 }
 
 /// Returns the name of a shipped experiment, or the absolute path of a file, so that a report can be written from any

@@ -8,7 +8,6 @@ use std::sync::Arc;
 use anyhow::{Context, Result, bail};
 use b2b_building::BuildingType;
 use b2b_climate::WeatherFile;
-use b2b_dataset::Catalog;
 use b2b_dataset::manifest::{Manifest, of_buildings};
 use b2b_dataset::{Building, Places, Row, Setting};
 use b2b_energyplus::install::Quiet;
@@ -19,7 +18,7 @@ use crate::arguments::buildings::Split;
 use crate::arguments::jobs::Jobs;
 use crate::arguments::location::place_name;
 use crate::progress::{Download, counter};
-use crate::{interrupt, stdout, weather};
+use crate::{interrupt, program, stdout, weather};
 use model_folder::{MANIFEST, ModelFolder};
 
 /// Generate buildings as EnergyPlus models
@@ -105,7 +104,7 @@ pub fn generate(arguments: &Arguments) -> Result<()> {
     let selection = arguments.selection()?;
     let folder = ModelFolder::open(&arguments.out, &selection.manifest)?;
     let missing: Vec<_> = selection.buildings.iter().filter(|(name, _)| !folder.contains(name)).collect();
-    let catalog = Catalog::open(&mut Download::new(arguments.json))?;
+    let catalog = program::catalog(&mut Download::new(arguments.json))?;
     weather::fetch(missing.iter().map(|(_, building)| building), arguments.json)?;
     let bar = counter(missing.len(), "buildings", arguments.json);
     let done = arguments.jobs.thread_pool()?.install(|| {

@@ -15,7 +15,7 @@ use crate::arguments::location::Location;
 use crate::exit_code::ExitCode;
 use crate::prepare::Prepared;
 use crate::progress::counter;
-use crate::{child, interrupt, stdout};
+use crate::{interrupt, stdout, with_causes};
 use overview::Imported;
 use report::Report;
 use trial::Trial;
@@ -72,10 +72,13 @@ fn import_all(arguments: &Arguments) -> Result<ExitCode> {
     let bar = counter(models.len(), "models", arguments.json);
     let mut imported = Vec::new();
     for model in models {
-        imported.push(Imported { name: name(&model), report: arguments.report_in_process(&model)? });
+        interrupt::check()?;
+        let report = arguments.report(&model).map_err(|error| with_causes(&error));
+        imported.push(Imported { name: name(&model), report });
         bar.inc(1);
     }
     bar.finish_and_clear();
+    interrupt::check()?;
     let values = imported.iter().map(Imported::json).collect::<Result<Vec<_>>>()?;
     stdout::print_result(arguments.json, &values, || overview::text(&imported))?;
     let all_passed = imported.iter().all(Imported::passed);
@@ -108,7 +111,7 @@ fn name(model: &Path) -> String {
 }
 
 impl Arguments {
-    /// Imports a model in this process.
+    /// Imports a model.
     fn report(&self, model: &Path) -> Result<Report> {
         let name = BuildingName::Model(model.to_owned());
         let prepared = Prepared::new(&name, &self.location, self.json)?;
@@ -120,17 +123,5 @@ impl Arguments {
             }
         };
         Ok(Report::new(&name, &prepared, trial))
-    }
-
-    /// Imports a model in its own process. Returns the error message of that process if it fails.
-    fn report_in_process(&self, model: &Path) -> Result<Result<Report, String>> {
-        interrupt::check()?;
-        let mut arguments = vec!["import".into(), model.as_os_str().to_owned(), "--json".into()];
-        arguments.extend(self.location.arguments());
-        arguments.extend(self.run.map(|period| format!("--run={period}").into()));
-        match child::run(arguments)? {
-            Ok(text) => Ok(Ok(serde_json::from_str(&text)?)),
-            Err(error) => Ok(Err(error)),
-        }
     }
 }

@@ -1,28 +1,23 @@
 //! The text and JSON report on several models.
 
 use anyhow::Result;
+use b2b_building::hvac::KINDS;
 use serde_json::{Value, json};
 
-use super::report::{Report, SystemKind};
+use super::report::Report;
 use super::trial::Trial;
 use crate::table::Table;
 
 /// Smallest RMS deviation of the worst zone at which a note names the zone, K.
 const LARGE_DEVIATION: f64 = 1.0;
 
-const COLUMNS: [&str; 11] = [
-    "model",
-    "zones",
-    "controlled",
-    "unitary",
-    "air loops",
-    "heaters",
-    "actuators",
-    "not controlled",
-    "RMS (K)",
-    "worst zone (K)",
-    "severe",
-];
+/// Returns the names of the columns, of which one counts the systems of each kind.
+fn columns() -> Vec<String> {
+    let kinds = KINDS.iter().map(|kind| kind.plural());
+    let first = ["model", "zones", "controlled"].into_iter();
+    let last = ["actuators", "not controlled", "RMS (K)", "worst zone (K)", "severe"];
+    first.chain(kinds).chain(last).map(str::to_owned).collect()
+}
 
 /// The report on one of several models, or the error if it cannot be imported.
 pub struct Imported {
@@ -48,19 +43,19 @@ impl Imported {
 
 /// Returns a table with a row per model, then notes.
 pub fn text(imported: &[Imported]) -> String {
-    let mut table = Table::new(COLUMNS);
+    let mut table = Table::with_header(columns());
     let mut notes = String::new();
     for each in imported {
         match &each.report {
             Ok(report) => {
-                table.row(row(&each.name, report));
+                table.push(row(&each.name, report));
                 notes += &note(&each.name, report);
             }
             Err(error) => {
-                table.row(
-                    COLUMNS.map(|column| if column == "model" { each.name.clone() } else { "–".into() }),
-                );
-                let error = error.trim_start_matches("error: ").replace('\n', "\n  ");
+                let mut cells = vec!["–".to_owned(); columns().len()];
+                cells[0].clone_from(&each.name);
+                table.push(cells);
+                let error = error.replace('\n', "\n  ");
                 notes += &format!("\n  {}: {error}", each.name);
             }
         }
@@ -69,21 +64,19 @@ pub fn text(imported: &[Imported]) -> String {
     format!("{}\n\n{usable} of {} models can be used as environments{notes}", table.text(), imported.len())
 }
 
-fn row(name: &str, report: &Report) -> [String; 11] {
+fn row(name: &str, report: &Report) -> Vec<String> {
     let of_trial = |value: fn(&Trial) -> String| report.trial.as_ref().map_or_else(|| "–".to_owned(), value);
-    [
-        name.to_owned(),
-        report.zones.len().to_string(),
-        report.controlled_zones().to_string(),
-        report.count(SystemKind::Unitary).to_string(),
-        report.count(SystemKind::AirLoop).to_string(),
-        report.count(SystemKind::Heater).to_string(),
+    let mut cells =
+        vec![name.to_owned(), report.zones.len().to_string(), report.controlled_zones().to_string()];
+    cells.extend(KINDS.iter().map(|kind| report.count(*kind).to_string()));
+    cells.extend([
         report.actuators().to_string(),
         report.not_controlled.len().to_string(),
         of_trial(|trial| format!("{:.2}", trial.rms_deviation_k)),
         of_trial(|trial| format!("{:.2}", trial.worst_zone_rms_k)),
         of_trial(|trial| trial.severes.to_string()),
-    ]
+    ]);
+    cells
 }
 
 /// Returns the components of a model that are not controlled, with the reason, and notes on problems in its trial.

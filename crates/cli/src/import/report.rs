@@ -1,15 +1,15 @@
 //! The zones and systems of an imported model.
 
-use b2b_building::hvac::{self, Uncontrolled};
+use b2b_building::hvac::{self, Kind, Uncontrolled};
 use b2b_building::{Carrier, Conditioning};
 use b2b_dataset::BuildingName;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use super::trial::Trial;
 use crate::prepare::Prepared;
 
 /// The zones and systems of a model, and whether the agent controls them.
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize)]
 pub struct Report {
     pub model: String,
     pub place: String,
@@ -24,7 +24,7 @@ pub struct Report {
     pub trial: Option<Trial>,
 }
 
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize)]
 pub struct Zone {
     pub name: String,
     pub floor_area_m2: f64,
@@ -35,23 +35,16 @@ pub struct Zone {
     pub equipment: String,
 }
 
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize)]
 pub struct System {
-    pub kind: SystemKind,
+    /// Identifier of its kind.
+    pub kind: String,
     pub name: String,
     pub zones: Vec<String>,
     pub actuators: Vec<String>,
     /// Design minimum of outdoor air, which the ventilation interlock keeps while a zone is occupied; `None` without
     /// outdoor air.
     pub min_outdoor_air_kg_s: Option<f64>,
-}
-
-#[derive(Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum SystemKind {
-    Unitary,
-    AirLoop,
-    Heater,
 }
 
 impl Report {
@@ -64,7 +57,7 @@ impl Report {
             conditioned_floor_area_m2: building.conditioned_floor_area,
             energy_carriers: building.carriers().collect(),
             zones: building.zones.iter().map(Zone::of).collect(),
-            systems: building.systems.iter().map(System::of).collect(),
+            systems: building.systems.iter().map(|system| System::of(&**system)).collect(),
             not_controlled: building.uncontrolled.clone(),
             trial,
         }
@@ -81,8 +74,8 @@ impl Report {
     }
 
     /// Returns the number of controlled systems of a kind.
-    pub fn count(&self, kind: SystemKind) -> usize {
-        self.systems.iter().filter(|system| system.kind == kind).count()
+    pub fn count(&self, kind: Kind) -> usize {
+        self.systems.iter().filter(|system| system.kind == kind.id()).count()
     }
 
     /// Returns the components that are not controlled, grouped by class and reason.
@@ -121,29 +114,21 @@ impl Zone {
 }
 
 impl System {
-    fn of(system: &hvac::System) -> Self {
-        let (kind, name) = match system {
-            hvac::System::Unitary(unit) => (SystemKind::Unitary, &unit.zone),
-            hvac::System::AirLoop(air_loop) => (SystemKind::AirLoop, &air_loop.name),
-            hvac::System::HeatingOnly(heater) => (SystemKind::Heater, &heater.zone),
-        };
+    fn of(system: &dyn hvac::System) -> Self {
         Self {
-            kind,
-            name: name.clone(),
+            kind: system.kind().id().to_owned(),
+            name: system.name().to_owned(),
             zones: system.zones().into_iter().map(str::to_owned).collect(),
             actuators: system.actuators().into_iter().map(|actuator| actuator.name.clone()).collect(),
             min_outdoor_air_kg_s: system.ventilation().map(|air| air.min_outdoor_air),
         }
     }
-}
 
-impl SystemKind {
-    /// Returns the name for a table.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Unitary => "unitary system",
-            Self::AirLoop => "central air loop",
-            Self::Heater => "zone heater",
+    /// Returns the name of its kind.
+    pub fn kind_name(&self) -> &str {
+        match Kind::find(&self.kind) {
+            Some(kind) => kind.name(),
+            None => &self.kind,
         }
     }
 }

@@ -34,7 +34,7 @@ fn systems_text(report: &Report) -> String {
     for system in &report.systems {
         table.row([
             system.name.clone(),
-            system.kind.name().to_owned(),
+            system.kind_name().to_owned(),
             system.zones.len().to_string(),
             system.actuators.len().to_string(),
             system.min_outdoor_air_kg_s.map_or_else(|| "–".to_owned(), |flow| format!("{flow:.3}")),

@@ -3,14 +3,14 @@
 use anyhow::{Context, Result};
 use b2b_building::RunPeriod;
 use b2b_env::{Task, ZoneMetrics};
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use crate::arguments::controller::{Parameters, reactive};
 use crate::prepare::Prepared;
 use crate::rollout::Rollout;
 
 /// Temperature deviations and engine messages of a trial episode.
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize)]
 pub struct Trial {
     pub period: String,
     /// Over the controlled zones with heating and cooling.

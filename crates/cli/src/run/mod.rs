@@ -4,20 +4,22 @@ mod picture;
 pub mod summary;
 pub mod trajectory_file;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::{Result, bail};
 use b2b_building::RunPeriod;
 use b2b_dataset::BuildingName;
-use b2b_env::{Spaces, Task, Trajectory};
+use b2b_env::{Inputs, Spaces, Task, Trajectory};
 
 use crate::arguments::controller::{ControllerArguments, Parameters, reactive};
 use crate::arguments::location::Location;
 use crate::output_folder::OutputFolder;
 use crate::prepare::Prepared;
+use crate::rollout::Rollout;
 use crate::{interrupt, stdout};
 use summary::{RunInfo, Summary};
+use trajectory_file::Identity;
 
 /// Run an episode, print its metrics, and write its trajectory and a plot
 ///
@@ -98,23 +100,83 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         false => None,
     };
 
-    let info = RunInfo {
+    let author = Author {
         place: prepared.place,
         controller: arguments.controller.name(),
         seed: arguments.controller.seed(),
-        files: folder.destinations(&[trajectory_file::NAME, Summary::NAME, picture::NAME]),
     };
-    let summary = Summary::of(&spaces, &rollout, info)?;
-    folder.write(trajectory_file::NAME, |file| {
-        trajectory_file::write(file, &spaces, &rollout.trajectory, &summary)
-    })?;
-    folder.write(picture::NAME, |file| {
-        picture::write(file, &spaces, &rollout.trajectory, reactive.as_ref(), &summary)
-    })?;
-    folder.write(Summary::NAME, |file| Ok(serde_json::to_writer_pretty(file, &summary)?))?;
+    let summary = author.write(&folder, &spaces, &rollout, reactive.as_ref())?;
     interrupt::check()?;
     folder.keep()?;
     stdout::print_result(arguments.json, &summary, || summary.text())
+}
+
+/// The origin of an episode that is not part of its environment.
+pub struct Author {
+    /// Name of the place, or of the weather file.
+    pub place: String,
+    /// Name of the controller.
+    pub controller: String,
+    /// Random seed of the controller.
+    pub seed: u64,
+}
+
+impl Author {
+    /// Writes an episode that ran to its end to a folder, as `b2b run` does. Returns the files.
+    ///
+    /// # Errors
+    /// The reason why the folder cannot be written.
+    pub fn write_episode(self, folder: &Path, spaces: &Spaces, rollout: &Rollout) -> Result<Vec<PathBuf>> {
+        let folder = OutputFolder::stage(folder)?;
+        let summary = self.write(&folder, spaces, rollout, None)?;
+        folder.keep()?;
+        Ok(summary.info.files)
+    }
+
+    /// Writes the steps of an episode to a folder, without the metrics that only a complete one has. Returns the files.
+    ///
+    /// # Errors
+    /// The reason why the folder cannot be written.
+    pub fn write_steps(
+        self,
+        folder: &Path,
+        spaces: &Spaces,
+        trajectory: &Trajectory,
+    ) -> Result<Vec<PathBuf>> {
+        let identity = Identity {
+            place: self.place,
+            controller: self.controller,
+            weather_sha256: Inputs::of(spaces)?.weather_sha256,
+            trajectory_hash: trajectory.hash(),
+        };
+        let folder = OutputFolder::stage(folder)?;
+        let files = folder.destinations(&[trajectory_file::NAME]);
+        folder.write(trajectory_file::NAME, |file| {
+            trajectory_file::write(file, spaces, trajectory, identity)
+        })?;
+        folder.keep()?;
+        Ok(files)
+    }
+
+    fn write(
+        self,
+        folder: &OutputFolder,
+        spaces: &Spaces,
+        rollout: &Rollout,
+        reactive: Option<&Trajectory>,
+    ) -> Result<Summary> {
+        let Self { place, controller, seed } = self;
+        let files = folder.destinations(&[trajectory_file::NAME, Summary::NAME, picture::NAME]);
+        let summary = Summary::of(spaces, rollout, RunInfo { place, controller, seed, files })?;
+        folder.write(trajectory_file::NAME, |file| {
+            trajectory_file::write(file, spaces, &rollout.trajectory, summary.identity())
+        })?;
+        folder.write(picture::NAME, |file| {
+            picture::write(file, spaces, &rollout.trajectory, reactive, &summary)
+        })?;
+        folder.write(Summary::NAME, |file| Ok(serde_json::to_writer_pretty(file, &summary)?))?;
+        Ok(summary)
+    }
 }
 
 impl Arguments {

@@ -8,6 +8,7 @@ use b2b_control::Versions;
 use b2b_env::{EpisodeMetrics, Inputs, Metrics, Setpoints, Spaces, Task, ZoneMetrics};
 use serde::Serialize;
 
+use super::trajectory_file::Identity;
 use crate::rollout::Rollout;
 use crate::table::Table;
 
@@ -133,6 +134,16 @@ impl Summary {
             steps_per_s: metrics.steps as f64 / rollout.wall.as_secs_f64(),
             zones: zones(spaces, metrics),
         })
+    }
+
+    /// Returns what the file of the trajectory repeats.
+    pub fn identity(&self) -> Identity {
+        Identity {
+            place: self.info.place.clone(),
+            controller: self.info.controller.clone(),
+            weather_sha256: self.inputs.weather_sha256.clone(),
+            trajectory_hash: self.trajectory_hash.clone(),
+        }
     }
 
     /// Returns the text report.

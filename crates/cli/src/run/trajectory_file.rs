@@ -13,13 +13,12 @@ use arrow_array::{ArrayRef, ArrowPrimitiveType, PrimitiveArray, RecordBatch};
 use arrow_schema::{Field, Schema};
 use b2b_base::digest::sha256;
 use b2b_building::Date;
-use b2b_env::{Spaces, Trajectory};
+use b2b_control::Versions;
+use b2b_env::{EpisodeConfig, Spaces, Trajectory};
 use b2b_evaluate::read_parquet;
 use parquet::arrow::ArrowWriter;
 use parquet::basic::Compression;
 use parquet::file::properties::WriterProperties;
-
-use super::summary::Summary;
 
 /// Name of the file.
 pub const NAME: &str = "trajectory.parquet";
@@ -35,7 +34,7 @@ pub fn write(
     file: &mut (impl Write + Send),
     spaces: &Spaces,
     trajectory: &Trajectory,
-    summary: &Summary,
+    identity: Identity,
 ) -> Result<()> {
     let mut columns = Columns::default();
     columns.calendar(spaces, trajectory.len());
@@ -50,7 +49,19 @@ pub fn write(
     columns.push::<Float64Type>(PENALTIES[0], "K²", penalties.iter().map(|p| p[0]));
     columns.push::<Float64Type>(PENALTIES[1], "1", penalties.iter().map(|p| p[1]));
     columns.push::<Float64Type>(PENALTIES[2], "1", penalties.iter().map(|p| -p[0] - p[1]));
-    columns.write(file, summary, spaces.observation.len())
+    columns.write(file, spaces, identity)
+}
+
+/// What identifies a trajectory besides its spaces.
+pub struct Identity {
+    /// Name of the place, or of the weather file.
+    pub place: String,
+    /// Name of the controller.
+    pub controller: String,
+    /// SHA-256 of the weather file.
+    pub weather_sha256: String,
+    /// SHA-256 of all values.
+    pub trajectory_hash: String,
 }
 
 /// A trajectory read from a file, with the file's metadata.
@@ -167,19 +178,20 @@ impl Columns {
         self.push::<UInt8Type>("minute", "min", ends().map(|step| (step % per_hour * 60 / per_hour) as u8));
     }
 
-    fn write(self, file: &mut (impl Write + Send), summary: &Summary, observations: usize) -> Result<()> {
+    fn write(self, file: &mut (impl Write + Send), spaces: &Spaces, identity: Identity) -> Result<()> {
+        let EpisodeConfig { period, task, .. } = &spaces.episode;
         let metadata = [
-            ("building", summary.building.clone()),
-            ("place", summary.info.place.clone()),
-            ("period", summary.period.clone()),
-            ("controller", summary.info.controller.to_owned()),
-            ("task", summary.task.clone()),
-            ("task_hash", summary.task_hash.clone()),
-            ("versions", serde_json::to_string(&summary.versions)?),
-            ("task_definition", serde_json::to_string(&summary.task_definition)?),
-            ("weather_sha256", summary.inputs.weather_sha256.clone()),
-            ("trajectory_hash", summary.trajectory_hash.clone()),
-            ("observations", observations.to_string()),
+            ("building", spaces.building.name.clone()),
+            ("place", identity.place),
+            ("period", period.to_string()),
+            ("controller", identity.controller),
+            ("task", task.to_string()),
+            ("task_hash", task.hash()),
+            ("versions", serde_json::to_string(&Versions::current())?),
+            ("task_definition", serde_json::to_string(task)?),
+            ("weather_sha256", identity.weather_sha256),
+            ("trajectory_hash", identity.trajectory_hash),
+            ("observations", spaces.observation.len().to_string()),
         ];
         let mut metadata = HashMap::from(metadata.map(|(key, value)| (key.to_owned(), value)));
         let digest = digest(&metadata);

@@ -8,9 +8,9 @@ use std::sync::Arc;
 use anyhow::{Context, Result, bail};
 use b2b_agent::{Acting, ObservationForm};
 use b2b_building::{BuildingType, RunPeriod};
-use b2b_dataset::{BuildingName, Catalog, Placement};
+use b2b_dataset::{BuildingName, Placement};
 use b2b_evaluate::statistics::beats_baseline;
-use b2b_learn::train::{Algorithm, Measures, PAGE, Place, SUMMARY, Summary, Tasks, TrainConfig};
+use b2b_learn::train::{Measures, PAGE, RunOptions, SUMMARY, Summary, Tasks, TrainConfig};
 
 use crate::arguments::jobs::Jobs;
 use crate::arguments::location::Location;
@@ -44,7 +44,7 @@ pub struct Arguments {
     config: Option<PathBuf>,
     /// Algorithm: ppo or sac [default: ppo]
     #[arg(long, value_name = "ALGORITHM")]
-    algorithm: Option<Algorithm>,
+    algorithm: Option<String>,
     /// Task, as for `b2b run`, or several, separated by commas: every episode has another one [default: constant]
     #[arg(long, value_name = "TASK")]
     task: Option<Tasks>,
@@ -52,7 +52,7 @@ pub struct Arguments {
     #[arg(long, value_name = "PERIOD")]
     period: Option<RunPeriod>,
     /// Environment steps in total, over all environments [default: the preset's]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = steps)]
     steps: Option<u64>,
     /// Random seed [default: 0]
     #[arg(long, value_name = "N")]
@@ -109,9 +109,9 @@ pub fn train(arguments: &Arguments) -> Result<()> {
     let out = arguments.folder(&config);
     // An evaluation of training ends first.
     interrupt::be_patient();
-    let catalog = Arc::new(Catalog::open(&mut Download::new(arguments.json))?);
-    let mut bar = Bar::new(config.steps, arguments.json);
-    let place = Place {
+    let catalog = Arc::new(program::catalog(&mut Download::new(arguments.json))?);
+    let mut bar = Bar::new(config.budget.steps, arguments.json);
+    let options = RunOptions {
         out: out.clone(),
         catalog,
         launcher: program::launcher(),
@@ -119,7 +119,7 @@ pub fn train(arguments: &Arguments) -> Result<()> {
         interrupted: interrupt::requested,
         monitor: &mut bar,
     };
-    let trained = b2b_learn::train::train(&config, place);
+    let trained = b2b_learn::train::train(&config, options);
     bar.finish();
     let summary = match trained {
         Err(b2b_learn::Error::Interrupted) => {
@@ -134,79 +134,96 @@ impl Arguments {
     /// Returns the configuration: that of the run to resume, or a preset changed by a file and the arguments.
     fn configuration(&self) -> Result<TrainConfig> {
         if let Some(folder) = &self.resume {
-            let config = TrainConfig::of_run(folder)
+            let mut config = TrainConfig::of_run(folder)
                 .with_context(|| format!("{} has no run to resume", folder.display()))?;
-            let Placement { allow_external, .. } = self.location.placement();
-            return Ok(TrainConfig { steps: self.steps.unwrap_or(config.steps), allow_external, ..config });
+            set(&mut config.budget.steps, &self.steps);
+            config.training_set.allow_external = self.location.placement().allow_external;
+            return Ok(config);
         }
         let base = TrainConfig::preset(self.preset.as_deref().unwrap_or("residual"))?;
-        let base = match self.algorithm {
-            Some(algorithm) => base.with_algorithm(algorithm),
-            None => base,
-        };
+        let base = self.with_algorithm(base)?;
         let base = match &self.problem {
             Some(problem) => base.with_problem(problem)?,
             None => base,
         };
-        let config = match (&self.config, &self.preset) {
-            (Some(path), None) => base.with_file(path)?,
-            // Arguments take precedence over the file.
-            (Some(path), Some(_)) => base.with_options_of_file(path)?,
-            (None, _) => base,
-        };
-        let mut config = match self.algorithm {
-            Some(algorithm) => config.with_algorithm(algorithm),
-            None => config,
+        let mut config = match &self.config {
+            Some(path) => {
+                // Arguments take precedence over the file.
+                let given = [("preset", self.preset.is_some()), ("algorithm", self.algorithm.is_some())];
+                let given: Vec<_> = given.into_iter().filter_map(|(name, is)| is.then_some(name)).collect();
+                self.with_algorithm(base.with_file(path, &given)?)?
+            }
+            None => base,
         };
         self.change(&mut config);
         Ok(config)
     }
 
+    fn with_algorithm(&self, config: TrainConfig) -> Result<TrainConfig> {
+        Ok(match &self.algorithm {
+            Some(algorithm) => config.with_algorithm(algorithm)?,
+            None => config,
+        })
+    }
+
     fn change(&self, config: &mut TrainConfig) {
+        let TrainConfig { training_set, agent, budget, .. } = config;
         if !self.buildings.is_empty() {
-            config.buildings = self.buildings.iter().map(in_config).collect();
-            config.building_type.clear();
+            training_set.buildings = self.buildings.iter().map(in_config).collect();
+            training_set.building_type.clear();
         }
         if !self.building_type.is_empty() {
-            config.building_type = self.building_type.iter().map(ToString::to_string).collect();
-            config.buildings.clear();
+            training_set.building_type = self.building_type.iter().map(ToString::to_string).collect();
+            training_set.buildings.clear();
         }
-        set(&mut config.task, &self.task);
-        set(&mut config.period, &self.period.map(|period| period.to_string()));
-        set(&mut config.steps, &self.steps);
-        set(&mut config.seed, &self.seed);
-        set(&mut config.environments, &self.environments);
-        set(&mut config.observation.form, &self.observation);
+        set(&mut training_set.task, &self.task);
+        set(&mut training_set.period, &self.period.map(|period| period.to_string()));
+        set(&mut budget.steps, &self.steps);
+        set(&mut budget.seed, &self.seed);
+        set(&mut budget.environments, &self.environments);
+        set(&mut agent.observation.form, &self.observation);
         let Placement { place, weather, allow_external } = self.location.placement();
-        set(&mut config.place, &place.map(|place| place.name.to_owned()));
-        set(&mut config.weather, &weather.as_deref().map(absolute));
-        config.allow_external |= allow_external;
+        set(&mut training_set.place, &place.map(|place| place.name.to_owned()));
+        set(&mut training_set.weather, &weather.as_deref().map(absolute));
+        training_set.allow_external |= allow_external;
         if self.direct {
-            config.acting = Acting::Direct;
+            agent.acting = Acting::Direct;
         }
         if let Some(authority) = self.authority {
-            config.acting = Acting::Residual { authority };
+            agent.acting = Acting::Residual { authority };
         }
     }
 
     /// Returns the folder of the run.
     fn folder(&self, config: &TrainConfig) -> PathBuf {
+        let set = &config.training_set;
         let given = self.resume.clone().or_else(|| self.out.clone());
         given.unwrap_or_else(|| {
-            let what = match (&config.buildings[..], &config.building_type) {
+            let what = match (&set.buildings[..], &set.building_type) {
                 ([], types) => types.join("-"),
                 ([one], _) => Path::new(one).file_stem().unwrap_or_default().to_string_lossy().into_owned(),
                 ([first, rest @ ..], _) => format!("{first}-and-{}-more", rest.len()),
             };
-            let what = if config.problem.is_empty() {
-                format!("{what}-{}-{}", config.task, config.period)
+            let what = if set.problem.is_empty() {
+                format!("{what}-{}-{}", set.task, set.period)
             } else {
-                Path::new(&config.problem).file_stem().unwrap_or_default().to_string_lossy().into_owned()
+                Path::new(&set.problem).file_stem().unwrap_or_default().to_string_lossy().into_owned()
             };
             let preset = self.preset.as_deref().unwrap_or("residual");
-            let name = format!("train-{what}-{preset}-{}", config.seed);
+            let name = format!("train-{what}-{preset}-{}", config.budget.seed);
             PathBuf::from("b2b-out").join(name.replace([':', '#', '/', ','], "_"))
         })
+    }
+}
+
+/// Parses a number of steps: 400000, 400_000 or 4e5.
+fn steps(text: &str) -> Result<u64, String> {
+    let number = text.replace('_', "").parse().unwrap_or(f64::NAN);
+    // Larger numbers of f64 are not exact.
+    if (0.0..=2f64.powi(53)).contains(&number) && number.fract() == 0.0 {
+        Ok(number as u64)
+    } else {
+        Err("expected a whole number of steps, such as 400000 or 4e5".into())
     }
 }
 
@@ -267,4 +284,19 @@ fn measures_text(measures: &Measures) -> String {
         measures.relative_travel,
         100.0 * measures.oscillating_share,
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::steps;
+
+    #[test]
+    fn a_number_of_steps_may_be_in_scientific_notation() {
+        for text in ["100000", "100_000", "1e5", "1E5", "100000.0"] {
+            assert_eq!(steps(text), Ok(100_000), "{text}");
+        }
+        for text in ["many", "", "-1", "1.5", "1e-3", "1e300", "nan", "inf"] {
+            assert!(steps(text).unwrap_err().contains("such as 400000 or 4e5"), "{text}");
+        }
+    }
 }

@@ -10,7 +10,7 @@ use b2b_env::EnergyScale;
 use super::rollouts::TrainingRollouts;
 use crate::arguments::buildings::Classes;
 use crate::progress::{Download, counter};
-use crate::{interrupt, shipped, stdout};
+use crate::{interrupt, program, shipped, stdout};
 
 /// Reproduce the results of the shipped parameters
 ///
@@ -27,7 +27,7 @@ pub struct Arguments {
 /// Runs the command.
 pub fn check(arguments: &Arguments) -> Result<()> {
     let classes = arguments.classes.list()?;
-    let catalog = Catalog::open(&mut Download::new(false))?;
+    let catalog = program::catalog(&mut Download::new(false))?;
     let bar = counter(classes.len(), "types and zones", false);
     let mut wrong = Vec::new();
     for class in &classes {

@@ -12,7 +12,7 @@ use super::rollouts::rollouts;
 use crate::arguments::buildings::DatasetBuildings;
 use crate::progress::{Download, counter};
 use crate::table::Table;
-use crate::{interrupt, stdout};
+use crate::{interrupt, program, stdout};
 
 /// Compare default and tuned parameters on test buildings
 ///
@@ -99,7 +99,7 @@ struct Comparison {
 /// Runs the command.
 pub fn compare(arguments: &Arguments) -> Result<()> {
     let buildings = arguments.buildings.ids()?;
-    let catalog = Catalog::open(&mut Download::new(arguments.json))?;
+    let catalog = program::catalog(&mut Download::new(arguments.json))?;
     let bar = counter(buildings.len(), "buildings", arguments.json);
     let mut runs = Vec::new();
     for id in buildings {

@@ -18,7 +18,7 @@ use crate::arguments::jobs::Jobs;
 use crate::output_folder::OutputFolder;
 use crate::progress::{Download, counter};
 use crate::table::Table;
-use crate::{interrupt, stdout};
+use crate::{interrupt, program, stdout};
 
 /// Arguments of the search.
 #[derive(clap::Args)]
@@ -82,7 +82,7 @@ pub fn search(arguments: &Arguments) -> Result<()> {
     let folder = arguments.out.join("evaluations");
     std::fs::create_dir_all(&folder)
         .with_context(|| format!("cannot write the folder {}", folder.display()))?;
-    let catalog = Catalog::open(&mut Download::new(arguments.json))?;
+    let catalog = program::catalog(&mut Download::new(arguments.json))?;
     let each = arguments.evaluations as usize * arguments.searched().count();
     let bar = counter(classes.len() * each, "evaluations", arguments.json);
     let (next, failed) = (AtomicUsize::new(0), AtomicBool::new(false));

@@ -207,8 +207,8 @@ fn a_full_disk_is_reported_with_the_file_and_leaves_nothing_behind() {
     wait_until(|| runs_an_episode(child.id()));
     // Once its workers run, its files may have 400 KiB at most: too little for a season of random actions.
     let limit = Some(400 << 10);
-    let supervised = Pid::from_raw(children_of(child.id())[0] as i32);
-    prlimit(supervised, Resource::Fsize, Rlimit { current: limit, maximum: limit }).unwrap();
+    prlimit(Some(Pid::from_child(&child)), Resource::Fsize, Rlimit { current: limit, maximum: limit })
+        .unwrap();
     let output = child.wait_with_output().unwrap();
     let said = stderr(&output);
     assert_eq!(output.status.code(), Some(1), "{said}");
@@ -234,8 +234,8 @@ fn an_interrupted_run_stops_between_steps_and_leaves_nothing_behind() {
         let sandbox = Sandbox::new();
         let mut command = sandbox.command(B2B, "run OfficeSmall --period full_year");
         let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-        wait_until(|| runs_an_episode(child.id()));
-        let supervised = children_of(child.id())[0];
+        let process = child.id();
+        wait_until(|| runs_an_episode(process));
         std::thread::sleep(Duration::from_secs(1));
         kill_process(Pid::from_child(&child), signal).unwrap();
         let output = child.wait_with_output().unwrap();
@@ -243,7 +243,7 @@ fn an_interrupted_run_stops_between_steps_and_leaves_nothing_behind() {
         assert_eq!((output.status.code(), output.status.signal()), (Some(130), None), "{said}");
         assert!(said.starts_with("interrupted after "), "{said}");
         assert_eq!(sandbox.left_behind(), Vec::<PathBuf>::new());
-        assert_eq!(workers_of(supervised), Vec::<u32>::new(), "processes of the run that are still there");
+        assert_eq!(workers_of(process), Vec::<u32>::new(), "processes of the run that are still there");
     }
 }
 
@@ -257,9 +257,7 @@ fn interrupted_commands_that_start_processes_leave_nothing_behind() {
         let sandbox = Sandbox::new();
         let mut command = sandbox.command(B2B, arguments);
         let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-        let started =
-            |parent: u32| children_of(parent).into_iter().any(|id| !workers_of(parent).contains(&id));
-        wait_until(|| started(child.id()));
+        wait_until(|| !children_of(child.id()).is_empty());
         std::thread::sleep(Duration::from_secs(1));
         kill_process(Pid::from_child(&child), Signal::TERM).unwrap();
         let output = child.wait_with_output().unwrap();
@@ -281,10 +279,10 @@ fn children_of(process: u32) -> Vec<u32> {
     std::fs::read_dir("/proc").unwrap().flatten().filter_map(child).collect()
 }
 
-/// Returns whether a command has a supervised process with a template and the copy that runs the episode.
+/// Returns whether a command has a template and the copy that runs the episode.
 #[cfg(target_os = "linux")]
 fn runs_an_episode(command: u32) -> bool {
-    children_of(command).iter().any(|supervised| workers_of(*supervised).len() >= 2)
+    workers_of(command).len() >= 2
 }
 
 #[test]

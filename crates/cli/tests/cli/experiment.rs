@@ -202,3 +202,72 @@ fn an_agent_is_entered_on_a_benchmark_problem() {
     let page = std::fs::read_to_string(path.join("out/report.html")).unwrap();
     assert!(page.contains("goal-energy-weight"));
 }
+
+/// Agents that keep their best, in an experiment that evaluates nothing else.
+fn with_best_kept() -> String {
+    SMALL.replace("epochs = 2 } }", "epochs = 2 }, keep = \"best\" }")
+}
+
+/// The same agents in a budget that evaluates the last one, too.
+fn with_both() -> String {
+    let budget =
+        "[budgets.part]\nsteps = 1152\nseeds = 1\nbuildings = { SingleFamilyHouse = 2 }\nwith_best = true\n";
+    SMALL.replace("\n[[agents]]", &format!("\n{budget}\n[[agents]]"))
+}
+
+#[test]
+fn a_budget_with_two_policies_of_a_training_takes_over_trainings_that_were_evaluated_once() {
+    let folder = folder_with(&with_best_kept());
+    let path = folder.path();
+    std::fs::write(path.join("both.toml"), with_both()).unwrap();
+    assert_rejected(
+        path,
+        "experiment run both.toml --budget prat",
+        &["no budget `prat`", "did you mean `part`?"],
+    );
+    let summary = json(path, "experiment run small.toml --out once");
+    assert_eq!(summary["done"].as_u64(), Some(3), "{summary}");
+    std::fs::create_dir(path.join("both")).unwrap();
+    std::fs::rename(path.join("once/jobs"), path.join("both/jobs")).unwrap();
+    let mut jobs: Vec<_> = std::fs::read_dir(path.join("both/jobs/specialist"))
+        .unwrap()
+        .map(|job| job.unwrap().path())
+        .collect();
+    jobs.sort();
+    // One training has ended, and its evaluation has not.
+    std::fs::remove_file(jobs[0].join("job.json")).unwrap();
+    std::fs::remove_dir_all(jobs[0].join("evaluation")).unwrap();
+    let dry = json(path, "experiment run both.toml --budget part --out both --dry-run");
+    assert_eq!(dry["left"].as_array().map(Vec::len), Some(2), "{dry}");
+    let summary = json(path, "experiment run both.toml --budget part --out both");
+    assert_eq!((summary["done"].as_u64(), summary["failed"].as_u64()), (Some(3), Some(0)), "{summary}");
+    for job in &jobs {
+        let log = std::fs::read_to_string(job.join("log.txt")).unwrap();
+        assert_eq!(log.matches("$ b2b train").count(), 1, "{log}");
+        assert_eq!(log.matches("$ b2b evaluate --policy agent/last").count(), 1, "{log}");
+    }
+    let all: Value = serde_json::from_str(&results(path, "both")).unwrap();
+    let agents: Vec<&str> = all["episodes"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|episode| episode["agent"].as_str().unwrap())
+        .collect();
+    let count = |name: &str| agents.iter().filter(|agent| **agent == name).count();
+    assert_eq!((count("specialist"), count("specialist, best"), count("reactive")), (2, 2, 2));
+    let checked = json(path, "experiment check both");
+    assert_eq!((checked["checked"].as_u64(), checked["agree"].as_u64()), (Some(4), Some(4)), "{checked}");
+    let page = std::fs::read_to_string(path.join("both/report.html")).unwrap();
+    assert!(page.contains("specialist, best") && page.contains("HVAC energy (kWh/m²)"));
+    let rates = both_outputs(&b2b(path, "experiment rates both"));
+    assert!(rates.contains("SingleFamilyHouse,residual,") && rates.contains(",2,training"), "{rates}");
+
+    // A training that has ended with other options is not taken over.
+    std::fs::remove_file(jobs[0].join("job.json")).unwrap();
+    std::fs::remove_file(path.join("both/jobs.json")).unwrap();
+    let config = std::fs::read_to_string(jobs[0].join("config.toml")).unwrap();
+    std::fs::write(jobs[0].join("config.toml"), config.replace("occupancy", "constant")).unwrap();
+    let output = b2b(path, "experiment run both.toml --budget part --out both");
+    assert_eq!(output.status.code(), Some(1));
+    assert!(both_outputs(&output).contains("has ended with other options"), "{}", both_outputs(&output));
+}

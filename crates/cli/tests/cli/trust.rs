@@ -3,11 +3,11 @@
 use std::ffi::OsStr;
 use std::os::unix::ffi::OsStrExt;
 use std::path::{Path, PathBuf};
-use std::process::Stdio;
+use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
 
 use crate::onnx_file::endless_policy;
-use crate::program::{assert_rejected, b2b, both_outputs, command, json, stderr};
+use crate::program::{assert_rejected, b2b, both_outputs, command, json, stderr, wait_until, workers_of};
 use b2b_energyplus::install::{Engine, Quiet};
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
@@ -90,25 +90,71 @@ fn a_file_next_to_the_model_is_read_and_one_elsewhere_on_request() {
     assert!(json(folder.path(), &format!("{import} --allow-external")).is_object());
 }
 
+/// Runs a command, which fails because the engine crashes, and returns what it says. It leaves nothing.
+fn assert_crash(folder: &Path, arguments: &str, crashed: impl FnOnce(&mut Child)) -> String {
+    let (files, temporary) = (names(folder), tempfile::tempdir().unwrap());
+    let mut command = command(folder, arguments);
+    command.env("TMPDIR", temporary.path()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn().unwrap();
+    crashed(&mut child);
+    let output = child.wait_with_output().unwrap();
+    let said = both_outputs(&output);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert_eq!(names(folder), files, "{said}");
+    assert_eq!(names(temporary.path()), Vec::<PathBuf>::new(), "{said}");
+    said
+}
+
 #[test]
-fn a_crash_of_the_engine_is_an_error_and_leaves_nothing() {
+fn a_crash_while_sizing_is_an_error_and_leaves_nothing() {
     let folder = folder_with("");
     let weather = std::fs::read_to_string(folder.path().join("w.epw")).unwrap();
     let line = weather.lines().find(|line| line.starts_with("HOLIDAYS")).unwrap();
     let crashes = weather.replace(line, "HOLIDAYS/DAYLIGHT SAVINGS,No,0,0");
     std::fs::write(folder.path().join("w.epw"), crashes).unwrap();
-    let (files, temporary) = (names(folder.path()), tempfile::tempdir().unwrap());
-    for arguments in ["run m.idf --weather w.epw --out out", "import m.idf --weather w.epw"] {
-        let output = command(folder.path(), arguments).env("TMPDIR", temporary.path()).output().unwrap();
-        let said = stderr(&output);
-        assert_eq!(output.status.code(), Some(1), "{said}");
-        assert!(said.contains("EnergyPlus crashed with a segmentation fault"), "{said}");
-        assert_eq!(names(folder.path()), files);
-        assert_eq!(names(temporary.path()), Vec::<PathBuf>::new());
+    std::fs::write(folder.path().join("e.csv"), "month,electricity_kwh\n1,2\n2,3\n3,1\n4,5\n").unwrap();
+    for (arguments, doing) in [
+        ("run m.idf --weather w.epw --out out", "sizing m"),
+        ("import m.idf --weather w.epw", "sizing m"),
+        ("show m.idf --weather w.epw", "sizing m"),
+        ("calibrate m.idf --weather w.epw --energy e.csv --out c.epJSON", "simulating a year of m"),
+    ] {
+        let said = assert_crash(folder.path(), arguments, |_| {});
+        let crash = format!("EnergyPlus crashed (signal 11, a segmentation fault) while {doing}");
+        assert!(said.contains(&crash), "{arguments}: {said}");
     }
     std::fs::copy(folder.path().join("m.idf"), folder.path().join("n.idf")).unwrap();
     let all = b2b(folder.path(), "import . --weather w.epw");
     assert_eq!(both_outputs(&all).matches("EnergyPlus crashed").count(), 2, "{}", both_outputs(&all));
+}
+
+/// A program that calls itself without an end, on a day in January.
+const RECURSION: &str = "\nEnergyManagementSystem:Program,Recurse,IF DayOfYear == 10,RUN Recurse,ENDIF;\n\
+                         EnergyManagementSystem:ProgramCallingManager,Call,BeginTimestepBeforePredictor,Recurse;\n";
+
+#[test]
+fn a_crash_in_the_trial_is_an_error_that_names_the_model() {
+    let folder = folder_with(RECURSION);
+    assert!(b2b(folder.path(), "import m.idf --weather w.epw").status.success(), "it is sized");
+    let said = assert_crash(folder.path(), "import m.idf --weather w.epw --run 01-10..01-10", |_| {});
+    assert!(said.contains("the template of m was lost") && said.contains("signal: 11 (SIGSEGV)"), "{said}");
+}
+
+#[test]
+fn a_crash_of_the_converter_is_an_error_that_names_the_model_and_the_signal() {
+    let zones: String = (0..200_000).map(|zone| format!("Zone,Zone {zone};\n")).collect();
+    let folder = folder_with(&zones);
+    for arguments in ["edit m.idf --lights 2 --out e.epJSON", "import m.idf --weather w.epw"] {
+        let said = assert_crash(folder.path(), arguments, |child| {
+            let mut workers = Vec::new();
+            wait_until(|| {
+                workers = workers_of(child.id());
+                !workers.is_empty()
+            });
+            kill_process(Pid::from_raw(workers[0] as i32).unwrap(), Signal::ABORT).unwrap();
+        });
+        assert!(said.contains("EnergyPlus crashed (signal 6, an abort) while converting m.idf"), "{said}");
+    }
 }
 
 #[test]

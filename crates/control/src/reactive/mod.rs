@@ -12,7 +12,7 @@ mod zone;
 use std::ops::Range;
 
 use b2b_building::PreparedBuilding;
-use b2b_building::hvac::{HeatingOnly, ServedZone, System, SystemLayout};
+use b2b_building::hvac::{Sequence, ServedZone, System, SystemLayout};
 use b2b_env::{Controller, Environment, ObservationSpace, Target};
 
 pub use air_loop::AirLoopParameters;
@@ -35,8 +35,8 @@ pub struct Reactive {
 enum Loop {
     Unitary(unitary::Unitary),
     AirLoop(air_loop::AirLoop),
-    /// A heater under its own thermostat, whose setpoint is the target.
-    Heater(Target),
+    /// A thermostat, whose heating setpoint is the target.
+    Thermostat(Target),
 }
 
 impl Reactive {
@@ -53,19 +53,20 @@ impl Reactive {
             target: space.target(zone.controlled),
         };
         let outdoor = space.outdoor_temperature();
-        let control = |(system, layout): (&System, &SystemLayout)| {
+        let control = |(system, layout): (&dyn System, &SystemLayout)| {
             let zone = slots(&layout.zones[0]);
-            let control = match system {
-                System::Unitary(unit) => {
-                    Loop::Unitary(unitary::Unitary::new(unit, zone, hours, &parameters.unitary))
-                }
-                System::AirLoop(air_loop) => {
-                    let zones = layout.zones.iter().map(slots);
-                    let parameters = &parameters.air_loop;
-                    Loop::AirLoop(air_loop::AirLoop::new(air_loop, zones, outdoor, hours, parameters))
-                }
-                System::HeatingOnly(_) => Loop::Heater(zone.target),
-            };
+            let control =
+                match system.sequence() {
+                    Sequence::SingleZone { flow, supply_temperature } => Loop::Unitary(
+                        unitary::Unitary::new([flow, supply_temperature], zone, hours, &parameters.unitary),
+                    ),
+                    Sequence::MultipleZones(air_loop) => {
+                        let zones = layout.zones.iter().map(slots);
+                        let parameters = &parameters.air_loop;
+                        Loop::AirLoop(air_loop::AirLoop::new(air_loop, zones, outdoor, hours, parameters))
+                    }
+                    Sequence::Thermostat => Loop::Thermostat(zone.target),
+                };
             (control, layout.actions.clone())
         };
         Self { systems: building.laid_out_systems().map(control).collect() }
@@ -98,7 +99,7 @@ impl Controller for Reactive {
             match system {
                 Loop::Unitary(unit) => unit.reset(),
                 Loop::AirLoop(air_loop) => air_loop.reset(),
-                Loop::Heater(_) => {}
+                Loop::Thermostat(_) => {}
             }
         }
     }
@@ -109,7 +110,7 @@ impl Controller for Reactive {
             match system {
                 Loop::Unitary(unit) => unit.act(observation, action),
                 Loop::AirLoop(air_loop) => air_loop.act(observation, action),
-                Loop::Heater(target) => action[HeatingOnly::SETPOINT] = target.of(observation),
+                Loop::Thermostat(target) => action[0] = target.of(observation),
             }
         }
     }

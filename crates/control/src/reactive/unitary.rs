@@ -1,7 +1,7 @@
 //! Control of a unitary system: a PI loop stages supply air temperature and air flow, and trim-and-respond resets the supply
 //! air temperature.
 
-use b2b_building::hvac;
+use b2b_building::hvac::{self, Actuator};
 use serde::{Deserialize, Serialize};
 
 use super::pi::{Gains, Pi};
@@ -78,7 +78,7 @@ pub(super) struct Unitary {
 
 impl Unitary {
     pub(super) fn new(
-        unit: &hvac::Unitary,
+        [flow, supply_temperature]: [&Actuator; 2],
         slots: ZoneSlots,
         hours: f64,
         parameters: &UnitaryParameters,
@@ -86,8 +86,8 @@ impl Unitary {
         Self {
             slots,
             hours,
-            flow: unit.flow.high,
-            supply: (unit.supply_temperature.low, unit.supply_temperature.high),
+            flow: flow.high,
+            supply: (supply_temperature.low, supply_temperature.high),
             demand: Pi::new(parameters.gains, [-1.0, 1.0], hours, parameters.restart_jump),
             mode: None,
             reset: [0.0; 2],

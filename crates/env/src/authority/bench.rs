@@ -1,7 +1,7 @@
 //! The response check of a building in one season.
 
 use b2b_building::PreparedBuilding;
-use b2b_building::hvac::{Actuator, AirLoop, Quantity, System};
+use b2b_building::hvac::{Actuator, Quantity};
 
 use super::heat::{heated_zones, judge_heat};
 use super::hold::{Hold, heat_hold};
@@ -58,21 +58,21 @@ impl Bench<'_> {
         self.env.effect(i).unwrap_or(f64::NAN) / actuator.effect_scale
     }
 
-    /// Returns the limit that the air loop of an actuator has reached, if any.
+    /// Returns the limit of its system's shared flow that an actuator has reached, if any.
     fn flow_limit(&self, i: usize, reading: &Reading) -> Option<Limit> {
         let (system, layout) =
             self.building.laid_out_systems().find(|(_, layout)| layout.actions.contains(&i))?;
-        let System::AirLoop(air_loop) = system else { return None };
-        let effect = |offset: usize| self.env.effect(layout.actions.start + offset).unwrap_or(f64::NAN);
-        let supplied: f64 = (0..layout.zones.len()).map(|terminal| effect(AirLoop::damper(terminal))).sum();
+        let shared = system.shared_flow()?;
+        let effect = |index: usize| self.env.effect(index).unwrap_or(f64::NAN);
+        let actuators = layout.actions.clone().zip(system.actuators());
+        let dampers = actuators.filter(|(_, actuator)| actuator.quantity == Quantity::DamperOpening);
+        let supplied: f64 = dampers.map(|(index, _)| effect(index)).sum();
         let command = reading.row.command;
         match reading.row.quantity {
             Quantity::DamperOpening => {
-                damper_limit(command, reading.last, supplied, air_loop.fan_flow).then_some(Limit::Fan)
+                damper_limit(command, reading.last, supplied, shared.fan).then_some(Limit::Fan)
             }
-            Quantity::OutdoorAirFlow => {
-                outdoor_limit(command, effect(AirLoop::OUTDOOR_AIR), supplied, air_loop.exhaust_flow)
-            }
+            Quantity::OutdoorAirFlow => outdoor_limit(command, effect(i), supplied, shared.exhaust),
             _ => None,
         }
     }

@@ -1,7 +1,8 @@
 //! Response to heating setpoints: heat delivered and zone temperature.
 
 use b2b_building::PreparedBuilding;
-use b2b_building::hvac::{AirLoop, HeatingOnly, System};
+use b2b_building::hvac::{Actuator, Quantity};
+use b2b_building::morphology::Owner;
 
 use super::report::{Limit, Row, Verdict};
 
@@ -14,21 +15,11 @@ const SOME_HEAT: f64 = 1.0;
 
 /// Returns the indices of the heating setpoints, each with the slot of its zone temperature.
 pub(super) fn heated_zones(building: &PreparedBuilding) -> Vec<(usize, usize)> {
-    let mut found = Vec::new();
-    for (system, layout) in building.laid_out_systems() {
-        let first = layout.actions.start;
-        match system {
-            System::Unitary(_) => {}
-            System::HeatingOnly(_) => found.push((first + HeatingOnly::SETPOINT, layout.zones[0].index)),
-            System::AirLoop(_) => {
-                let terminals = layout.zones.iter().enumerate();
-                found.extend(
-                    terminals.map(|(terminal, zone)| (first + AirLoop::reheat(terminal), zone.index)),
-                );
-            }
-        }
-    }
-    found
+    let heated = |(index, (owner, actuator)): (usize, (Owner, &Actuator))| match owner {
+        Owner::Zone(zone) if actuator.quantity == Quantity::HeatingSetpoint => Some((index, zone)),
+        _ => None,
+    };
+    building.owned_actuators().enumerate().filter_map(heated).collect()
 }
 
 /// Evaluates the holds low, middle, low, high, low. Every raise is compared with the holds before and after.

@@ -1,7 +1,7 @@
 //! The sequence of holds, with the commands of all actuators.
 
 use b2b_building::PreparedBuilding;
-use b2b_building::hvac::{Actuator, Quantity, System};
+use b2b_building::hvac::{Actuator, Quantity};
 
 use super::report::{Condition, Level, is_flow};
 
@@ -39,31 +39,51 @@ pub(super) struct Hold {
     pub(super) tested: Vec<(usize, Level)>,
 }
 
-impl Hold {
-    /// `command` returns a value or a level for each actuator; those with a level are evaluated.
-    fn new(
-        building: &PreparedBuilding,
-        condition: Condition,
-        command: impl Fn(usize, &Actuator) -> Command,
-    ) -> Self {
-        let mut tested = Vec::new();
-        let action = building.actuators().enumerate().map(|(i, actuator)| match command(i, actuator) {
-            Command::Fixed(value) => value,
-            Command::Tested(level) => {
-                tested.push((i, level));
-                level.of(actuator)
-            }
-        });
-        Self { action: action.collect(), condition, tested }
+/// Commands of the actuators that are not tested.
+#[derive(Clone, Copy)]
+struct Rest {
+    /// Supply air flow, as a fraction of its upper bound.
+    flow: f64,
+    /// Opening of the dampers.
+    opening: f64,
+    /// Outdoor air flow, as a fraction of its upper bound.
+    outdoor_air: f64,
+    /// Supply air temperature, °C.
+    supply: f64,
+}
+
+impl Rest {
+    /// Dampers are open together, as far as the fan supplies them all.
+    const OPEN: Self = Self { flow: 0.5, opening: OPEN_TOGETHER, outdoor_air: 0.1, supply: NEUTRAL_SUPPLY };
+
+    fn command(&self, actuator: &Actuator) -> f64 {
+        match actuator.quantity {
+            Quantity::SupplyAirFlow => self.flow * actuator.high,
+            Quantity::DamperOpening => self.opening,
+            Quantity::OutdoorAirFlow => self.outdoor_air * actuator.high,
+            Quantity::SupplyAirTemperature => self.supply,
+            Quantity::HeatingSetpoint => actuator.low,
+        }
     }
 }
 
-/// Command of an actuator in a hold.
-enum Command {
-    /// A fixed value, not evaluated.
-    Fixed(f64),
-    /// A level whose response is evaluated.
-    Tested(Level),
+impl Hold {
+    /// A hold in which the actuators for which `tested` returns a level are evaluated.
+    fn new(
+        building: &PreparedBuilding,
+        condition: Condition,
+        rest: Rest,
+        tested: impl Fn(usize, Quantity) -> Option<Level>,
+    ) -> Self {
+        let actuators = || building.actuators().enumerate();
+        let level = |(i, actuator): (usize, &Actuator)| Some((i, tested(i, actuator.quantity)?));
+        let command = |(i, actuator): (usize, &Actuator)| match tested(i, actuator.quantity) {
+            Some(level) => level.of(actuator),
+            None => rest.command(actuator),
+        };
+        let action = actuators().map(command).collect();
+        Self { action, condition, tested: actuators().filter_map(level).collect() }
+    }
 }
 
 /// Returns the holds whose commands the equipment must follow, in order.
@@ -72,7 +92,7 @@ pub(super) fn follow_holds(building: &PreparedBuilding) -> Vec<Hold> {
     for (condition, share) in [(Condition::MiddleFlow, 0.5), (Condition::FullFlow, 1.0)] {
         holds.extend(Level::OTHERS.map(|level| temperature_hold(building, condition, share, level)));
     }
-    if building.systems.iter().any(|s| matches!(s, System::AirLoop(_))) {
+    if building.actuators().any(|actuator| actuator.quantity == Quantity::OutdoorAirFlow) {
         holds.extend(Level::FLOWS.map(|level| outdoor_air_hold(building, level)));
         holds.push(all_open_hold(building));
     }
@@ -81,51 +101,37 @@ pub(super) fn follow_holds(building: &PreparedBuilding) -> Vec<Hold> {
 
 /// Flows at their levels, staggered over the dampers of a loop so that their total stays within the fan's flow.
 fn flow_hold(building: &PreparedBuilding, turn: usize) -> Hold {
-    Hold::new(building, Condition::NeutralSupply, |i, actuator| match actuator.quantity {
-        Quantity::SupplyAirFlow => Command::Tested(Level::FLOWS[turn]),
-        Quantity::DamperOpening => Command::Tested(Level::FLOWS[(turn + i / 2) % Level::FLOWS.len()]),
-        Quantity::OutdoorAirFlow => Command::Fixed(0.1 * actuator.high),
-        Quantity::SupplyAirTemperature => Command::Fixed(NEUTRAL_SUPPLY),
-        Quantity::HeatingSetpoint => Command::Fixed(actuator.low),
+    Hold::new(building, Condition::NeutralSupply, Rest::OPEN, |i, quantity| match quantity {
+        Quantity::SupplyAirFlow => Some(Level::FLOWS[turn]),
+        Quantity::DamperOpening => Some(Level::FLOWS[(turn + i / 2) % Level::FLOWS.len()]),
+        _ => None,
     })
 }
 
+/// Supply temperatures at a share of the flows.
 fn temperature_hold(building: &PreparedBuilding, condition: Condition, share: f64, level: Level) -> Hold {
-    Hold::new(building, condition, |_, actuator| match actuator.quantity {
-        Quantity::SupplyAirFlow => Command::Fixed(share * actuator.high),
-        Quantity::DamperOpening => Command::Fixed(share * OPEN_TOGETHER),
-        Quantity::OutdoorAirFlow => Command::Fixed(0.2 * share * actuator.high),
-        Quantity::SupplyAirTemperature => Command::Tested(level),
-        Quantity::HeatingSetpoint => Command::Fixed(actuator.low),
+    let opening = share * OPEN_TOGETHER;
+    let rest = Rest { flow: share, opening, outdoor_air: 0.2 * share, ..Rest::OPEN };
+    Hold::new(building, condition, rest, |_, quantity| {
+        (quantity == Quantity::SupplyAirTemperature).then_some(level)
     })
 }
 
 fn outdoor_air_hold(building: &PreparedBuilding, level: Level) -> Hold {
-    Hold::new(building, Condition::NeutralSupply, |_, actuator| match actuator.quantity {
-        Quantity::SupplyAirFlow => Command::Fixed(0.5 * actuator.high),
-        Quantity::DamperOpening => Command::Fixed(OPEN_TOGETHER),
-        Quantity::OutdoorAirFlow => Command::Tested(level),
-        Quantity::SupplyAirTemperature => Command::Fixed(NEUTRAL_SUPPLY),
-        Quantity::HeatingSetpoint => Command::Fixed(actuator.low),
+    Hold::new(building, Condition::NeutralSupply, Rest::OPEN, |_, quantity| {
+        (quantity == Quantity::OutdoorAirFlow).then_some(level)
     })
 }
 
 fn all_open_hold(building: &PreparedBuilding) -> Hold {
-    Hold::new(building, Condition::AllOpen, |_, actuator| match actuator.quantity {
-        Quantity::SupplyAirFlow => Command::Fixed(0.5 * actuator.high),
-        Quantity::DamperOpening => Command::Tested(Level::High),
-        Quantity::OutdoorAirFlow => Command::Fixed(0.1 * actuator.high),
-        Quantity::SupplyAirTemperature => Command::Fixed(NEUTRAL_SUPPLY),
-        Quantity::HeatingSetpoint => Command::Fixed(actuator.low),
+    Hold::new(building, Condition::AllOpen, Rest::OPEN, |_, quantity| {
+        (quantity == Quantity::DamperOpening).then_some(Level::High)
     })
 }
 
 pub(super) fn heat_hold(building: &PreparedBuilding, level: Level) -> Hold {
-    Hold::new(building, Condition::CoolSupply, |_, actuator| match actuator.quantity {
-        Quantity::SupplyAirFlow => Command::Fixed(0.3 * actuator.high),
-        Quantity::DamperOpening => Command::Fixed(OPEN_TOGETHER),
-        Quantity::OutdoorAirFlow => Command::Fixed(0.1 * actuator.high),
-        Quantity::SupplyAirTemperature => Command::Fixed(COOL_SUPPLY),
-        Quantity::HeatingSetpoint => Command::Tested(level),
+    let rest = Rest { flow: 0.3, supply: COOL_SUPPLY, ..Rest::OPEN };
+    Hold::new(building, Condition::CoolSupply, rest, |_, quantity| {
+        (quantity == Quantity::HeatingSetpoint).then_some(level)
     })
 }

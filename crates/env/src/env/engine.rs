@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use b2b_building::hvac::{EngineVariable, System};
+use b2b_building::hvac::EngineVariable;
 use b2b_building::people::PeopleGroup;
 use b2b_building::{Carrier, CarrierEnergy, HvacMeter, PreparedBuilding};
 use b2b_energyplus::{Actuator, Library, Meter, Run, Simulation, Variable};
@@ -81,7 +81,7 @@ impl Engine {
         for group in &groups {
             run = run.request(SCHEDULE, &group.schedule);
         }
-        for air in building.systems.iter().filter_map(System::ventilation) {
+        for air in building.systems.iter().filter_map(|system| system.ventilation()) {
             run = run.request(&air.outdoor_air.name, &air.outdoor_air.key);
         }
         let observed: Vec<_> = building.actuators().filter(|_| observe_effects).collect();

@@ -1,7 +1,13 @@
-//! The engine's warm-up under a small fixed controller.
+//! The engine's warm-up under a small fixed controller, which each system defines
+//! ([`System::warm_up`](b2b_building::hvac::System::warm_up)).
+//!
+//! It is part of the definition of an environment: every episode starts near its target, the same for every agent.
+//! With idle systems, zones drift to 30 °C and the warm-up of EnergyPlus does not converge.
 
 use std::sync::Arc;
 
+use b2b_building::PreparedBuilding;
+use b2b_building::hvac::ZoneState;
 use b2b_energyplus::Event;
 
 use super::Env;
@@ -9,7 +15,6 @@ use super::engine::Engine;
 use crate::Result;
 use crate::calendar::Moment;
 use crate::reward::ZoneStep;
-use crate::warmup;
 
 impl Env {
     /// Repeats the first day until the engine reports convergence.
@@ -36,7 +41,7 @@ impl Env {
                             penalize_above_target,
                         });
                     }
-                    warmup::act(&spaces.building, &self.zone_steps, &mut self.action);
+                    act(&spaces.building, &self.zone_steps, &mut self.action);
                     self.ventilate(engine);
                     engine.act(&self.action);
                 }
@@ -44,5 +49,16 @@ impl Env {
                 _ => return Err(self.wrong_length()),
             }
         }
+    }
+}
+
+/// Writes the action of the warm-up controller, given the controlled zones in model order.
+fn act(building: &PreparedBuilding, zones: &[ZoneStep], action: &mut [f64]) {
+    for (system, layout) in building.laid_out_systems() {
+        let state = |zone: usize| {
+            let ZoneStep { temperature, target, .. } = zones[layout.zones[zone].controlled];
+            ZoneState { temperature, target }
+        };
+        system.warm_up(&state, &mut action[layout.actions.clone()]);
     }
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::case::Case;
 use b2b_building::BuildingType;
-use b2b_building::hvac::{Quantity, System, Unitary};
+use b2b_building::hvac::{Quantity, Unitary};
 use b2b_env::authority::{Condition, Level, Report, Row, Verdict, measure};
 
 /// Measures a building at its default place: every row follows or is at capacity, and capacity is the exception.
@@ -102,7 +102,7 @@ fn every_actuator_of_an_imported_school_of_mixed_systems_with_exhaust_fans_respo
 fn verdicts_of_a_tampered_house(quantity: Quantity, tamper: impl Fn(&mut Unitary)) -> Vec<(Level, Verdict)> {
     let mut case = Case::at_home(BuildingType::SingleFamilyHouse);
     for system in &mut Arc::make_mut(&mut case.building).systems {
-        if let System::Unitary(unit) = system {
+        if let Some(unit) = system.as_any_mut().downcast_mut::<Unitary>() {
             tamper(unit);
         }
     }

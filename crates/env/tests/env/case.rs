@@ -4,8 +4,10 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use b2b_building::hvac::{KINDS, Kind, Unsupported};
 use b2b_building::{BuildingType, Model, PreparedBuilding, import};
 use b2b_climate::{Place, Site};
+use b2b_dataset::Preparation;
 use b2b_energyplus::Library;
 use b2b_energyplus::install::{Engine, Quiet};
 use b2b_env::{ActionSpace, Env, EpisodeConfig, Task, Trajectory};
@@ -30,8 +32,7 @@ impl Case {
         let weather = Place::find(place).unwrap().epw(&mut Quiet).unwrap();
         let site = Site::read(&weather).unwrap();
         let model = b2b_dataset::archetype::base_model(building_type, &engine, &library, &site).unwrap();
-        let building = PreparedBuilding::new(building_type.name(), model, &weather, &library).unwrap();
-        Self { library, building: Arc::new(building), weather }
+        Self::prepare(building_type.name(), model, false, weather, library)
     }
 
     /// A model shipped with the engine, imported as a user's model, under weather shipped with the engine.
@@ -41,13 +42,31 @@ impl Case {
 
     /// Like [`Case::imported`], after a change to the model.
     pub fn imported_after(model: &str, weather: &str, change: impl FnOnce(&mut Model)) -> Self {
+        Self::imported_with(&KINDS, model, weather, change)
+    }
+
+    /// As [`Case::imported_after`], with these kinds of systems.
+    pub fn imported_with(
+        kinds: &[Kind],
+        model: &str,
+        weather: &str,
+        change: impl FnOnce(&mut Model),
+    ) -> Self {
         let engine = Engine::ensure(&mut Quiet).unwrap();
         let library = Library::load(&engine.library).unwrap();
         let models = engine.models.unwrap();
         let weather = models.parent().unwrap().join("weather").join(weather);
         let mut read = import::read(&models.join(model), &library, false).unwrap();
         change(&mut read);
-        let building = PreparedBuilding::as_far_as_possible(model, read, &weather, &library).unwrap();
+        let left_alone = Unsupported::LeftAlone;
+        let building = PreparedBuilding::with_kinds(model, read, &weather, &library, kinds, left_alone);
+        Self { library, building: Arc::new(building.unwrap()), weather }
+    }
+
+    /// Prepares a model, or takes it from the cache, where the tests of other processes find it.
+    fn prepare(name: &str, model: Model, own: bool, weather: PathBuf, library: Library) -> Self {
+        let preparation = Preparation { name: name.to_owned(), class: None, prototype: false, own, model };
+        let building = preparation.run(&weather, &library).unwrap();
         Self { library, building: Arc::new(building), weather }
     }
 

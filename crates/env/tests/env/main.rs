@@ -4,6 +4,7 @@ mod authority;
 mod case;
 mod energy;
 mod episode;
+mod example_system;
 mod faults;
 mod imported;
 mod morphology;

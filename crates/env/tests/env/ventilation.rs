@@ -2,7 +2,6 @@
 
 use crate::case::Case;
 use b2b_building::BuildingType;
-use b2b_building::hvac::System;
 use b2b_env::Env;
 
 /// Relative difference between our density of standard air and the engine's.
@@ -31,7 +30,7 @@ fn starve(case: &Case, task: &str, days: &str) -> (Vec<Vec<Air>>, Env) {
 }
 
 fn airs(env: &Env) -> Vec<Air> {
-    let minimum = env.building().systems.iter().map(System::ventilation);
+    let minimum = env.building().systems.iter().map(|system| system.ventilation());
     let systems = minimum.zip(env.outdoor_air());
     systems
         .filter_map(|(ventilation, air)| {

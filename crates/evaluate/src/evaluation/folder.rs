@@ -2,6 +2,7 @@
 //! interrupted evaluation resumes.
 
 use std::fs::File;
+use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 
 use b2b_base::aside::{is_unfinished, write_whole, write_whole_by};
@@ -49,7 +50,8 @@ const DEFINITION: &str = "evaluation.json";
 const EPISODES: &str = "episodes";
 
 impl Folder {
-    /// Opens the folder of these episodes under this policy: a new one, or one with some episodes in it already.
+    /// Opens the folder of these episodes under this policy: a new one, or one with some episodes in it already. A folder of
+    /// another evaluation in which nothing has finished becomes that of this one.
     ///
     /// # Errors
     /// [`Error::OtherEvaluation`] with the differences; [`Error::UnrelatedFiles`]; [`Error::Busy`]; [`Error::NoEpisode`];
@@ -77,16 +79,42 @@ impl Folder {
             write_whole_by(&file, |out| serde_json::to_writer_pretty(out, &definition).map_err(Into::into))
                 .map_err(at(&file))?;
         }
-        let damaged = |why: serde_json::Error| Error::Damaged { path: file.clone(), why: why.to_string() };
         let text = std::fs::read(&file).map_err(at(&file))?;
-        let there: Value = serde_json::from_slice(&text).map_err(damaged)?;
-        if there != definition {
-            let differences = differences(&there, &definition);
-            return Err(Error::OtherEvaluation { folder: path.to_owned(), differences });
-        }
+        let there: serde_json::Result<Value> = serde_json::from_slice(&text);
         let folder = Self { path: path.to_owned(), _lock: lock };
+        match there {
+            Ok(there) if there == definition => {}
+            Ok(_) if folder.is_empty()? => {
+                let text = serde_json::to_vec_pretty(&definition).expect("plain data always serializes");
+                write_whole(&file, &text).map_err(at(&file))?;
+            }
+            Ok(there) => {
+                let differences = differences(&there, &definition);
+                return Err(Error::OtherEvaluation { folder: path.to_owned(), differences });
+            }
+            Err(why) => return Err(Error::Damaged { path: file, why: why.to_string() }),
+        }
         folder.remove_temporary()?;
         Ok(folder)
+    }
+
+    /// Returns whether the folder has neither an episode, readable or not, nor results, and its definition is no link.
+    fn is_empty(&self) -> Result<bool> {
+        let definition = self.path.join(DEFINITION);
+        let file = std::fs::symlink_metadata(&definition).map_err(at(&definition))?;
+        if !file.is_file() || file.nlink() > 1 {
+            return Ok(false);
+        }
+        let episodes = self.path.join(EPISODES);
+        for folder in [&self.path, &episodes].into_iter().filter(|folder| folder.exists()) {
+            for entry in std::fs::read_dir(folder).map_err(at(folder))? {
+                let path = entry.map_err(at(folder))?.path();
+                if path != episodes && path != definition && !is_unfinished(&path) {
+                    return Ok(false);
+                }
+            }
+        }
+        Ok(true)
     }
 
     /// Returns an episode by its number; `None` if it has not ended, cannot be read or was changed.
@@ -238,6 +266,7 @@ mod tests {
         let path = root.path().join("results");
         let houses = episodes(&["SingleFamilyHouse-1", "SingleFamilyHouse-2"]);
         drop(Folder::open(&path, &BuiltIn::random(), &houses).unwrap());
+        std::fs::write(episode_path(&path, 0), "").unwrap();
         drop(Folder::open(&path, &BuiltIn::random(), &houses).unwrap());
         let refused = |policy: BuiltIn, episodes: &[Episode]| {
             Folder::open(&path, &policy, episodes).unwrap_err().to_string()
@@ -251,6 +280,22 @@ mod tests {
         assert!(said.contains("building of episode 1") && said.contains("SingleFamilyHouse-0003"), "{said}");
         let said = refused(BuiltIn::random(), &houses[..1]);
         assert!(said.contains("2 episodes in the folder and 1 in this command"), "{said}");
+    }
+
+    #[test]
+    fn a_folder_in_which_nothing_has_finished_does_not_block_another_evaluation() {
+        let root = tempfile::tempdir().unwrap();
+        let path = root.path().join("results");
+        let houses = episodes(&["SingleFamilyHouse-1", "SingleFamilyHouse-2"]);
+        drop(Folder::open(&path, &BuiltIn::random(), &houses).unwrap());
+        let folder = Folder::open(&path, &BuiltIn::constant(), &houses[..1]).unwrap();
+        let busy = Folder::open(&path, &BuiltIn::random(), &houses).unwrap_err();
+        assert!(matches!(busy, Error::Busy { .. }), "{busy}");
+        drop(folder);
+        std::fs::write(episode_path(&path, 0), "").unwrap();
+        drop(Folder::open(&path, &BuiltIn::constant(), &houses[..1]).unwrap());
+        let other = Folder::open(&path, &BuiltIn::random(), &houses).unwrap_err();
+        assert!(matches!(other, Error::OtherEvaluation { .. }), "{other}");
     }
 
     #[test]

@@ -4,55 +4,104 @@ use std::collections::BTreeMap;
 
 use b2b_evaluate::report::{Chart, Series, color, horizontal_line, make_logarithmic, range, rms_deviations};
 use b2b_evaluate::statistics::{mean, median, score_text};
-use b2b_evaluate::{EpisodeInfo, Scored};
+use b2b_evaluate::{EpisodeInfo, Row, Scored};
 use serde_json::json;
 
+use super::content::{Content, SCORES};
 use super::group::Group;
-use super::{Content, SCORES};
-use crate::definition::{Experiment, Training};
+use crate::absolute::{deviation, energy, median_text, reactive_deviation, reactive_energy};
+use crate::definition::{Experiment, Policy, Training};
 use crate::results::Results;
 
+/// The scores of a policy on the test buildings.
+struct Tested<'a> {
+    name: &'a str,
+    group: Group,
+    rows: Vec<&'a Row>,
+    trainings: usize,
+    median: f64,
+    error: Option<f64>,
+}
+
 pub(super) fn content(experiment: &Experiment, results: &Results) -> Content {
-    let mut rows = Vec::new();
-    let (mut names, mut medians, mut errors, mut colors) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-    let mut series = Vec::new();
-    for (number, agent) in experiment.agents.iter().enumerate() {
-        let own = || results.of(&agent.name);
-        let Some(group) = Group::of(own().map(|(_, row)| row)) else { continue };
+    let policies = experiment.policies(&results.budget);
+    let tested: Vec<Tested<'_>> = policies.iter().filter_map(|policy| Tested::of(results, policy)).collect();
+    let title = "on test buildings; ± standard error: over seeds, or by bootstrap over buildings for specialists; medians of RMS \
+                 deviation and of the HVAC energy of the run period";
+    let table = json!({
+        "title": title,
+        "header": ["agent", "trainings", "episodes", "median score", "resolved median", "range", "beats baseline",
+                   "RMS deviation (K)", "mean", "reactive: RMS deviation (K)", "HVAC energy (kWh/m²)",
+                   "reactive: HVAC energy (kWh/m²)"],
+        "rows": tested.iter().map(Tested::cells).collect::<Vec<_>>(),
+    });
+    let series: Vec<Series<'_>> = tested.iter().map(Tested::series).collect();
+    let mut notes = SCORES.to_owned();
+    if !experiment.paper.starts_with("not in") {
+        notes += " The paper's figure is a picture only: its text has no numbers to show here.";
+    }
+    Content {
+        tables: vec![table],
+        charts: vec![medians(&tested), rms_deviations(&series)],
+        notes,
+        ..Content::default()
+    }
+}
+
+impl<'a> Tested<'a> {
+    /// Returns `None` without a score.
+    fn of(results: &'a Results, policy: &'a Policy<'a>) -> Option<Self> {
+        let rows: Vec<&Row> = results.of(&policy.name).map(|(_, row)| row).collect();
+        let group = Group::of(rows.iter().copied())?;
         let mut of_jobs = Vec::new();
         let mut by_building: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
-        for done in results.done.iter().filter(|done| done.agent == agent.name) {
-            let Some(median) = Group::of(done.rows.iter()).map(|group| group.median()) else { continue };
+        for (_, rows) in results.trainings(&policy.name) {
+            let Some(median) = Group::of(rows.iter()).map(|group| group.median()) else { continue };
             of_jobs.push(median);
-            by_building.entry(&done.rows[0].info.building).or_default().push(median);
+            by_building.entry(&rows[0].info.building).or_default().push(median);
         }
         // A generalist's median is the mean over the medians of its seeds; specialists have one building each.
-        let (value, error) = match agent.trains {
+        let (median, error) = match policy.agent.trains {
             Training::Building => {
                 (group.median(), bootstrap_error(&Vec::from_iter(by_building.into_values())))
             }
             _ => (mean(&of_jobs), standard_error(&of_jobs)),
         };
-        let deviation = own().filter_map(|(_, row)| Some(row.metrics()?.rms_deviation)).collect::<Vec<_>>();
-        let [_, resolved, range, beats] = group.cells();
-        rows.push(vec![
-            agent.name.clone(),
-            of_jobs.len().to_string(),
-            group.count().to_string(),
-            score_text(value) + &error.map_or(String::new(), |error| format!(" ± {}", score_text(error))),
+        Some(Self { name: &policy.name, group, rows, trainings: of_jobs.len(), median, error })
+    }
+
+    fn cells(&self) -> Vec<String> {
+        let deviations: Vec<f64> =
+            self.rows.iter().filter_map(|row| Some(row.metrics()?.rms_deviation)).collect();
+        let error = self.error.map_or(String::new(), |error| format!(" ± {}", score_text(error)));
+        let [_, resolved, range, beats] = self.group.cells();
+        vec![
+            self.name.to_owned(),
+            self.trainings.to_string(),
+            self.group.count().to_string(),
+            score_text(self.median) + &error,
             resolved,
             range,
             beats,
-            format!("{:.2}", mean(&deviation)),
-        ]);
-        names.push(agent.name.clone());
-        medians.push(value);
-        errors.push(error);
-        colors.push(color(number));
-        let episodes: Vec<(&EpisodeInfo, &Scored)> =
-            own().filter_map(|(_, row)| Some((&row.info, row.outcome.as_ref().ok()?))).collect();
-        series.push(Series { name: &agent.name, episodes });
+            median_text(&self.rows, deviation),
+            format!("{:.2}", mean(&deviations)),
+            median_text(&self.rows, reactive_deviation),
+            median_text(&self.rows, energy),
+            median_text(&self.rows, reactive_energy),
+        ]
     }
+
+    fn series(&self) -> Series<'a> {
+        let ran = |row: &&'a Row| -> Option<(&'a EpisodeInfo, &'a Scored)> {
+            Some((&row.info, row.outcome.as_ref().ok()?))
+        };
+        Series { name: self.name, episodes: self.rows.iter().filter_map(ran).collect() }
+    }
+}
+
+/// Draws the median scores.
+fn medians(tested: &[Tested<'_>]) -> Chart {
+    let medians: Vec<f64> = tested.iter().map(|each| each.median).collect();
     let mut layout = json!({"xaxis": {"type": "category"}, "yaxis": {"title": {"text": "median score"}, "rangemode": "tozero"},
                             "shapes": [horizontal_line(1.0)], "showlegend": false});
     let (low, high) = range(&medians);
@@ -61,27 +110,18 @@ pub(super) fn content(experiment: &Experiment, results: &Results) -> Content {
         true => ("scatter", 11),
         false => ("bar", 0),
     };
-    let chart = Chart {
+    Chart {
         title: "Median score on the test buildings".into(),
         note: "dashed line: the reactive controllers; below beats them".into(),
         height: 340,
         wide: false,
-        data: json!([{"type": kind, "mode": "markers", "x": names, "y": medians, "marker": {"color": colors, "size": size},
-                      "width": 0.6, "error_y": {"type": "data", "array": errors},
-                      "hovertemplate": "%{x}: %{y:.3f}<extra></extra>"}]),
+        data: json!([{
+            "type": kind, "mode": "markers", "x": tested.iter().map(|each| each.name).collect::<Vec<_>>(), "y": medians,
+            "marker": {"color": (0..tested.len()).map(color).collect::<Vec<_>>(), "size": size}, "width": 0.6,
+            "error_y": {"type": "data", "array": tested.iter().map(|each| each.error).collect::<Vec<_>>()},
+            "hovertemplate": "%{x}: %{y:.3f}<extra></extra>",
+        }]),
         layout,
-    };
-    let table = json!({
-        "title": "on test buildings; ± standard error: over seeds, or by bootstrap over buildings for specialists",
-        "header": ["agent", "trainings", "episodes", "median score", "resolved median", "range", "beats baseline",
-                   "RMS deviation (K)"],
-        "rows": rows,
-    });
-    Content {
-        tables: vec![table],
-        charts: vec![chart, rms_deviations(&series)],
-        notes: SCORES.to_owned(),
-        ..Content::default()
     }
 }
 

@@ -1,6 +1,7 @@
 //! The page of an experiment: tables and charts, beside the results of the paper.
 
 mod adaptation;
+mod content;
 mod group;
 mod scores;
 mod step_times;
@@ -12,47 +13,26 @@ use std::io::Write;
 
 use b2b_benchmark::{RankBy, leaderboard};
 use b2b_evaluate::report::{Chart, Series, step_rewards};
-use serde_json::{Value, json};
+use serde_json::json;
 
-use crate::definition::{Experiment, ReportKind};
+use self::content::Content;
+use crate::claims;
+use crate::definition::{Experiment, REACTIVE, ReportKind};
 use crate::estimate::duration_text;
 use crate::results::Results;
-
-/// Tables and charts of a page.
-#[derive(Default)]
-struct Content {
-    /// Name and value.
-    tiles: Vec<(String, String)>,
-    /// Tables as the page reads them.
-    tables: Vec<Value>,
-    charts: Vec<Chart>,
-    /// Notes that explain the numbers.
-    notes: String,
-}
 
 /// Writes the page of an experiment.
 ///
 /// # Errors
 /// The errors of the writer.
 pub fn write(file: &mut impl Write, experiment: &Experiment, results: &Results) -> std::io::Result<()> {
-    let mut content = match experiment.report {
-        ReportKind::Board => {
-            let entries: Vec<_> = results.done.iter().filter_map(|done| done.entry.clone()).collect();
-            return leaderboard::write(file, &entries, RankBy::default());
-        }
-        ReportKind::Scores => scores::content(experiment, results),
-        ReportKind::StepRewards => rewards(experiment, results),
-        ReportKind::Adaptation => adaptation::content(experiment, results),
-        ReportKind::Transfer => transfer::content(experiment, results),
-        ReportKind::Weights => weights::content(experiment, results),
-        ReportKind::StepTimes => step_times::content(results),
+    let Some(content) = content(experiment, results) else {
+        let entries: Vec<_> = results.done.iter().filter_map(|done| done.entry.clone()).collect();
+        return leaderboard::write(file, &entries, RankBy::default());
     };
-    if matches!(experiment.report, ReportKind::Adaptation | ReportKind::Transfer) {
-        content.tables.extend(tails::table(experiment, results));
-    }
     let jobs = results.done.len() + results.failed.len() + results.missing.len();
     let mut tiles = vec![
-        ("budget".to_owned(), results.budget.to_string()),
+        ("budget".to_owned(), results.budget.name.clone()),
         ("jobs done".to_owned(), format!("{} of {jobs}", results.done.len())),
     ];
     if results.steps() > 0 {
@@ -73,6 +53,40 @@ pub fn write(file: &mut impl Write, experiment: &Experiment, results: &Results) 
     b2b_page::write_page(file, &data)
 }
 
+/// Returns the tables and charts of an experiment; `None` of a leaderboard.
+fn content(experiment: &Experiment, results: &Results) -> Option<Content> {
+    let mut content = match experiment.report {
+        ReportKind::Board => return None,
+        ReportKind::Scores => scores::content(experiment, results),
+        ReportKind::StepRewards => rewards(experiment, results),
+        ReportKind::Adaptation => adaptation::content(experiment, results),
+        ReportKind::Transfer => transfer::content(experiment, results),
+        ReportKind::Weights => weights::content(experiment, results),
+        ReportKind::StepTimes => step_times::content(results),
+    };
+    if matches!(experiment.report, ReportKind::Adaptation | ReportKind::Transfer) {
+        content.tables.extend(tails::table(experiment, results));
+    }
+    content.tables.extend(claims_table(experiment, results));
+    Some(content)
+}
+
+/// Returns the table of the paper's claims; `None` if it makes none about the experiment.
+fn claims_table(experiment: &Experiment, results: &Results) -> Option<serde_json::Value> {
+    let judged = claims::judge(experiment, results);
+    let row = |each: &claims::Judged| {
+        [each.claim.clone(), each.verdict.to_string(), each.measured.clone(), each.reason.clone()]
+    };
+    (!judged.is_empty()).then(|| {
+        json!({
+            "name": "Claims of the paper",
+            "title": claims::RULE,
+            "header": ["claim", "here", "measured", "reason"],
+            "rows": judged.iter().map(row).collect::<Vec<_>>(),
+        })
+    })
+}
+
 /// Returns the sentence that names the result in the paper, if it has one.
 fn in_the_paper(result: &str) -> String {
     match result.strip_prefix("not in the paper") {
@@ -81,20 +95,16 @@ fn in_the_paper(result: &str) -> String {
     }
 }
 
-/// Explains scores under a page.
-const SCORES: &str = "Score: the return of an episode divided by that of the tuned reactive controllers in the same building, \
-                      task and days; lower is better, below 1 beats them. Resolved score: the same after adding 0.2 K of \
-                      deviation to both, which no thermometer resolves.";
-
 fn rewards(experiment: &Experiment, results: &Results) -> Content {
-    let mut names: Vec<&str> = experiment.agents.iter().map(|agent| agent.name.as_str()).collect();
-    names.insert(0, crate::definition::REACTIVE);
+    let mut names = vec![REACTIVE.to_owned()];
+    names.extend(experiment.policies(&results.budget).into_iter().map(|policy| policy.name));
     let charts = experiment.tasks.iter().map(|task| {
-        let episodes = |name| {
+        let episodes = |name: &str| {
             let own = results.of(name).filter(|(_, row)| row.info.task == *task);
-            own.filter_map(|(_, row)| Some((&row.info, row.outcome.as_ref().ok()?))).collect()
+            own.filter_map(|(_, row)| Some((&row.info, row.outcome.as_ref().ok()?))).collect::<Vec<_>>()
         };
-        let series: Vec<_> = names.iter().map(|name| Series { name, episodes: episodes(name) }).collect();
+        let series: Vec<_> =
+            names.iter().map(|name| Series { name: &name[..], episodes: episodes(name) }).collect();
         let chart = step_rewards(&series);
         Chart { title: format!("{}: {task}", chart.title), ..chart }
     });

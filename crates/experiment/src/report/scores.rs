@@ -3,83 +3,116 @@
 use std::collections::BTreeMap;
 
 use b2b_evaluate::report::{Chart, color, horizontal_line, make_logarithmic, range};
-use b2b_evaluate::statistics::{Cluster, aggregate_clusters, beats_baseline, median};
+use b2b_evaluate::statistics::{Cluster, aggregate_clusters, beats_baseline};
 use b2b_evaluate::{Row, Scored};
 use serde_json::{Value, json};
 
+use super::content::{Content, SCORES};
 use super::group::Group;
-use super::{Content, SCORES};
-use crate::definition::Experiment;
+use crate::absolute::{comfort_share, deviation, energy, median_text, reactive_deviation, reactive_energy};
+use crate::definition::{Experiment, Policy};
 use crate::paper;
 use crate::results::Results;
 
 pub(super) fn content(experiment: &Experiment, results: &Results) -> Content {
-    let (mut rows, mut tiles) = (Vec::new(), Vec::new());
-    let mut won: Vec<[usize; 2]> = vec![[0, 0]; experiment.agents.len()];
+    let policies = experiment.policies(&results.budget);
+    let mut won: Vec<[usize; 2]> = vec![[0, 0]; policies.len()];
+    let mut rows = Vec::new();
     for building_type in &experiment.types {
         for task in &experiment.tasks {
             for period in &experiment.periods {
-                let mut cells = vec![building_type.to_string(), task.clone(), period.clone()];
-                cells.extend(paper_cells(building_type.name(), task, period));
-                for (agent, won) in experiment.agents.iter().zip(&mut won) {
-                    let own = results.of(&agent.name).map(|(_, row)| row).filter(|row| {
-                        let info = &row.info;
-                        info.building_type == building_type.name()
-                            && info.task == *task
-                            && info.period == *period
-                    });
-                    match Group::of(own) {
-                        Some(group) => {
-                            cells.extend(group.cells());
-                            *won = [won[0] + usize::from(beats_baseline(group.median())), won[1] + 1];
-                        }
-                        None => cells.extend(["–"; 4].map(str::to_owned)),
-                    }
-                }
-                rows.push(cells);
+                let place = [building_type.name(), &task[..], &period[..]];
+                rows.push(cells(results, &policies, place, &mut won));
             }
         }
     }
-    for (agent, [won, of]) in experiment.agents.iter().zip(won) {
-        tiles.push((
-            format!("rows whose median beats the baseline, {}", agent.name),
-            format!("{won} of {of}"),
-        ));
-    }
-    let mut header: Vec<String> =
-        ["type", "task", "period", "published: median", "published: range", "published: beats"]
-            .map(str::to_owned)
-            .into();
-    for agent in &experiment.agents {
-        let name = &agent.name;
-        header.extend(
-            ["median", "resolved median", "range", "beats"].map(|column| format!("{name}: {column}")),
-        );
-    }
-    let title = "median, lowest and highest score over the buildings, and how many agents beat the reactive controllers; \
+    let tile = |(policy, [won, of]): (&Policy<'_>, [usize; 2])| {
+        (format!("rows whose median beats the baseline, {}", policy.name), format!("{won} of {of}"))
+    };
+    let title = "median, lowest and highest score over the buildings, how many agents beat the reactive controllers, and medians of RMS \
+                 deviation (K) and HVAC energy of the run period (kWh/m²), also of the reactive controllers in the same episodes; \
                  published: in the paper";
-    let tables = vec![by_task(experiment, results), json!({"title": title, "header": header, "rows": rows})];
-    let charts = experiment.tasks.iter().map(|task| chart(experiment, results, task)).collect();
-    Content { tiles, tables, charts, notes: SCORES.to_owned() }
+    let table = json!({"title": title, "header": header(&policies), "rows": rows});
+    Content {
+        tiles: policies.iter().zip(won).map(tile).collect(),
+        tables: vec![by_task(experiment, results, &policies), table],
+        charts: experiment.tasks.iter().map(|task| chart(results, &policies, task)).collect(),
+        notes: SCORES.to_owned(),
+    }
+}
+
+fn header(policies: &[Policy<'_>]) -> Vec<String> {
+    let mut header: Vec<String> = [
+        "type",
+        "task",
+        "period",
+        "published: median",
+        "published: range",
+        "published: beats",
+        "reactive: deviation (K)",
+        "reactive: energy (kWh/m²)",
+    ]
+    .map(str::to_owned)
+    .into();
+    let columns = ["median", "resolved median", "range", "beats", "deviation (K)", "energy (kWh/m²)"];
+    for Policy { name, .. } in policies {
+        header.extend(columns.map(|column| format!("{name}: {column}")));
+    }
+    header
+}
+
+/// Returns the cells of a type, task and period, and counts the policies whose median beats the baseline among those with scores.
+fn cells(
+    results: &Results,
+    policies: &[Policy<'_>],
+    place: [&str; 3],
+    won: &mut [[usize; 2]],
+) -> Vec<String> {
+    let [building_type, task, period] = place;
+    let of = |policy: &Policy<'_>| -> Vec<&Row> {
+        let is_own = |row: &&Row| {
+            let info = &row.info;
+            info.building_type == building_type && info.task == task && info.period == period
+        };
+        results.of(&policy.name).map(|(_, row)| row).filter(is_own).collect()
+    };
+    let mut cells = place.map(str::to_owned).to_vec();
+    cells.extend(paper_cells(building_type, task, period));
+    // Every policy has the same episodes of the reactive controllers.
+    let all = policies.iter().map(of).find(|rows| !rows.is_empty()).unwrap_or_default();
+    cells.extend([reactive_deviation, reactive_energy].map(|figure| median_text(&all, figure)));
+    for (policy, won) in policies.iter().zip(won) {
+        let own = of(policy);
+        match Group::of(own.iter().copied()) {
+            Some(group) => {
+                cells.extend(group.cells());
+                *won = [won[0] + usize::from(beats_baseline(group.median())), won[1] + 1];
+            }
+            None => cells.extend(["–"; 4].map(str::to_owned)),
+        }
+        cells.extend([deviation, energy].map(|figure| median_text(&own, figure)));
+    }
+    cells
 }
 
 /// Returns a table of the interquartile means by task and agent, each building and period counted once.
-fn by_task(experiment: &Experiment, results: &Results) -> Value {
+fn by_task(experiment: &Experiment, results: &Results, policies: &[Policy<'_>]) -> Value {
     let mut rows = Vec::new();
     for task in &experiment.tasks {
-        for agent in &experiment.agents {
+        for policy in policies {
             let own: Vec<&Row> =
-                results.of(&agent.name).map(|(_, row)| row).filter(|row| row.info.task == *task).collect();
+                results.of(&policy.name).map(|(_, row)| row).filter(|row| row.info.task == *task).collect();
             let aggregate = |score| aggregate_clusters(&strata(&own, score), 0);
             let (Some(scores), Some(resolved)) = (aggregate(Row::score), aggregate(Row::resolved_score))
             else {
                 continue;
             };
-            let [share, deviation, energy] =
-                [comfort_share, deviation, Scored::relative_energy].map(|value| median_of(&own, value));
+            let [share, deviation, energy, relative] =
+                [comfort_share, deviation, energy, Scored::relative_energy]
+                    .map(|figure| median_text(&own, figure));
             rows.push(vec![
                 task.clone(),
-                agent.name.clone(),
+                policy.name.clone(),
                 own.len().to_string(),
                 scores.interquartile_mean.to_string(),
                 resolved.interquartile_mean.to_string(),
@@ -87,13 +120,14 @@ fn by_task(experiment: &Experiment, results: &Results) -> Value {
                 share,
                 deviation,
                 energy,
+                relative,
             ]);
         }
     }
     json!({
         "title": "interquartile means by task with 95 % intervals (a bootstrap over buildings and periods within each type, and seeds), and medians",
         "header": ["task", "agent", "episodes", "score", "resolved score", "beats baseline (%)",
-                   "comfort in baseline's penalty", "RMS deviation (K)", "energy / baseline"],
+                   "comfort in baseline's penalty", "RMS deviation (K)", "HVAC energy (kWh/m²)", "energy / baseline"],
         "rows": rows,
     })
 }
@@ -112,25 +146,6 @@ fn strata(rows: &[&Row], score: fn(&Row) -> Option<f64>) -> Vec<Vec<Cluster>> {
     strata.into_values().map(scored).collect()
 }
 
-/// Returns the share of comfort in the penalty of the reactive controllers. Without it, an agent gains by energy alone.
-fn comfort_share(scored: &Scored) -> Option<f64> {
-    let of_energy = match scored.metrics.energy_penalty {
-        0.0 => 0.0,
-        penalty => scored.baseline_energy? * penalty / scored.metrics.energy(),
-    };
-    Some(1.0 + of_energy / scored.baseline_return?)
-}
-
-fn deviation(scored: &Scored) -> Option<f64> {
-    Some(scored.metrics.rms_deviation)
-}
-
-fn median_of(rows: &[&Row], value: fn(&Scored) -> Option<f64>) -> String {
-    let mut values: Vec<f64> = rows.iter().filter_map(|row| value(row.outcome.as_ref().ok()?)).collect();
-    values.sort_by(f64::total_cmp);
-    if values.is_empty() { "–".to_owned() } else { format!("{:.2}", median(&values)) }
-}
-
 fn paper_cells(building_type: &str, task: &str, period: &str) -> [String; 3] {
     match paper::score(building_type, task, period) {
         Some(row) => [
@@ -143,11 +158,11 @@ fn paper_cells(building_type: &str, task: &str, period: &str) -> [String; 3] {
 }
 
 /// Draws the scores of a task, a point per episode.
-fn chart(experiment: &Experiment, results: &Results, task: &str) -> Chart {
+fn chart(results: &Results, policies: &[Policy<'_>], task: &str) -> Chart {
     let mut data = Vec::new();
     let mut all = vec![1.0];
-    for (number, agent) in experiment.agents.iter().enumerate() {
-        let own = || results.of(&agent.name).map(|(_, row)| row).filter(|row| row.info.task == task);
+    for (number, policy) in policies.iter().enumerate() {
+        let own = || results.of(&policy.name).map(|(_, row)| row).filter(|row| row.info.task == task);
         let ran: Vec<_> = own().filter_map(|row| Some((&row.info, row.score()?))).collect();
         let scores: Vec<f64> = ran.iter().map(|(_, score)| *score).collect();
         all.extend(&scores);
@@ -155,7 +170,7 @@ fn chart(experiment: &Experiment, results: &Results, task: &str) -> Chart {
         let symbols =
             ran.iter().map(|(info, _)| if info.period == "summer" { "circle-open" } else { "circle" });
         data.push(json!({
-            "type": "box", "name": agent.name, "boxpoints": "all", "jitter": 0.5, "pointpos": 0,
+            "type": "box", "name": policy.name, "boxpoints": "all", "jitter": 0.5, "pointpos": 0,
             "fillcolor": "rgba(0,0,0,0)", "line": {"color": "rgba(0,0,0,0)"},
             "x": ran.iter().map(|(info, _)| info.building_type.as_str()).collect::<Vec<_>>(), "y": scores,
             "text": text.collect::<Vec<_>>(), "hovertemplate": "%{text}: %{y:.3f}<extra></extra>",

@@ -4,31 +4,22 @@ use b2b_building::BuildingType;
 use b2b_evaluate::report::{Chart, color};
 use serde_json::{Value, json};
 
-use super::Content;
+use super::content::Content;
 use crate::paper;
 use crate::results::Results;
 
 pub(super) fn content(results: &Results) -> Content {
     let measured: Vec<&Value> =
         results.done.iter().filter_map(|done| done.measured.as_array()).flatten().collect();
-    let number = |entry: &Value, name: &str| entry[name].as_f64().unwrap_or(f64::NAN);
     let (mut rows, mut names, mut ours, mut theirs, mut engine) = (vec![], vec![], vec![], vec![], vec![]);
     for entry in measured {
         let name = entry["type"].as_str().unwrap_or_default().to_owned();
         let Ok(building_type) = name.parse::<BuildingType>() else { continue };
-        let [mean, deviation] = paper::step_time(building_type);
-        rows.push(vec![
-            name.clone(),
-            format!("{mean:.3} ± {deviation:.3}"),
-            format!("{:.3} ± {:.3}", number(entry, "env_mean_ms"), number(entry, "env_deviation_ms")),
-            format!("{:.3}", number(entry, "env_ms")),
-            format!("{:.3}", number(entry, "engine_ms")),
-            format!("{:.3}", number(entry, "env_to_engine")),
-        ]);
+        rows.push(cells(entry, building_type));
         names.push(name);
         ours.push(number(entry, "env_ms"));
         engine.push(number(entry, "engine_ms"));
-        theirs.push(mean);
+        theirs.push(paper::step_time(building_type)[0]);
     }
     let bar = |(number, (name, values)): (usize, (&str, &Vec<f64>))| {
         json!({"type": "bar", "name": name, "x": names, "y": values, "marker": {"color": color(number)},
@@ -59,4 +50,20 @@ pub(super) fn content(results: &Results) -> Content {
             .to_owned(),
         ..Content::default()
     }
+}
+
+fn cells(entry: &Value, building_type: BuildingType) -> Vec<String> {
+    let [mean, deviation] = paper::step_time(building_type);
+    vec![
+        building_type.to_string(),
+        format!("{mean:.3} ± {deviation:.3}"),
+        format!("{:.3} ± {:.3}", number(entry, "env_mean_ms"), number(entry, "env_deviation_ms")),
+        format!("{:.3}", number(entry, "env_ms")),
+        format!("{:.3}", number(entry, "engine_ms")),
+        format!("{:.3}", number(entry, "env_to_engine")),
+    ]
+}
+
+fn number(entry: &Value, name: &str) -> f64 {
+    entry[name].as_f64().unwrap_or(f64::NAN)
 }

@@ -29,9 +29,9 @@ struct Difference {
 /// Returns a table of the worst tenth of the test buildings of each agent and type; `None` with few buildings.
 pub(super) fn table(experiment: &Experiment, results: &Results) -> Option<Value> {
     let mut rows = Vec::new();
-    for agent in &experiment.agents {
+    for policy in experiment.policies(&results.budget) {
         for building_type in &experiment.types {
-            rows.extend(cells(results, &agent.name, *building_type));
+            rows.extend(cells(results, &policy.name, *building_type));
         }
     }
     (!rows.is_empty()).then(|| {

@@ -3,22 +3,22 @@
 use b2b_evaluate::report::{Chart, color, horizontal_line, make_logarithmic, range};
 use serde_json::{Value, json};
 
+use super::content::{Content, SCORES};
 use super::group::Group;
-use super::{Content, SCORES};
 use crate::definition::Experiment;
 use crate::results::Results;
 
 pub(super) fn content(experiment: &Experiment, results: &Results) -> Content {
     let mut rows = Vec::new();
-    for agent in &experiment.agents {
+    for policy in experiment.policies(&results.budget) {
         for building_type in &experiment.types {
-            let own = results.of(&agent.name).map(|(_, row)| row);
+            let own = results.of(&policy.name).map(|(_, row)| row);
             let own = own.filter(|row| row.info.building_type == building_type.name());
             let Some(group) = Group::of(own) else { continue };
             let [median, resolved, range, beats] = group.cells();
             let share = format!("{:.0}", 100.0 * group.beats() as f64 / group.count() as f64);
             rows.push(vec![
-                agent.name.clone(),
+                policy.name.clone(),
                 building_type.to_string(),
                 median,
                 resolved,
@@ -40,15 +40,15 @@ pub(super) fn content(experiment: &Experiment, results: &Results) -> Content {
 fn chart(experiment: &Experiment, results: &Results, building_type: &str) -> Chart {
     let mut data = Vec::new();
     let mut all = vec![1.0];
-    for (number, agent) in experiment.agents.iter().enumerate() {
-        let own = results.of(&agent.name).filter(|(_, row)| row.info.building_type == building_type);
+    for (number, policy) in experiment.policies(&results.budget).iter().enumerate() {
+        let own = results.of(&policy.name).filter(|(_, row)| row.info.building_type == building_type);
         let ran: Vec<(String, f64)> = own
             .filter_map(|(done, row)| Some((format!("{}, {}", row.info.building, done.key), row.score()?)))
             .collect();
         let scores: Vec<f64> = ran.iter().map(|(_, score)| *score).collect();
         all.extend(&scores);
         data.push(json!({
-            "type": "box", "name": agent.name, "y": scores, "boxpoints": "all", "jitter": 0.5, "pointpos": -1.6,
+            "type": "box", "name": policy.name, "y": scores, "boxpoints": "all", "jitter": 0.5, "pointpos": -1.6,
             "text": ran.iter().map(|(name, _)| name).collect::<Vec<_>>(), "hoveron": "points",
             "hovertemplate": "%{text}: %{y:.3f}<extra></extra>",
             "marker": {"color": color(number), "size": 5}, "showlegend": false,

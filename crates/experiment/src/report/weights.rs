@@ -5,7 +5,7 @@ use b2b_evaluate::Row;
 use b2b_evaluate::report::{Chart, StepDeviations, color, step_deviations};
 use serde_json::{Value, json};
 
-use super::{Content, SCORES};
+use super::content::{Content, SCORES};
 use crate::definition::{Experiment, REACTIVE};
 use crate::results::Results;
 
@@ -25,14 +25,15 @@ struct Point {
 }
 
 /// The points of a controller, by weight.
-struct Curve<'a> {
-    name: &'a str,
+struct Curve {
+    name: String,
     color: &'static str,
     points: Vec<Point>,
 }
 
 pub(super) fn content(experiment: &Experiment, results: &Results) -> Content {
     let (mut rows, mut charts) = (Vec::new(), Vec::new());
+    let controllers = controllers(experiment, results);
     let mut all_setpoints: Vec<&str> = Vec::new();
     for setpoints in experiment.tasks.iter().map(|task| setpoints(task)) {
         if !all_setpoints.contains(&setpoints) {
@@ -41,12 +42,12 @@ pub(super) fn content(experiment: &Experiment, results: &Results) -> Content {
     }
     for building_type in &experiment.types {
         for setpoints in &all_setpoints {
-            let curve = |(number, name)| Curve {
-                name,
+            let curve = |(number, name): (usize, &'_ String)| Curve {
+                name: name.clone(),
                 color: color(number),
                 points: points(experiment, results, name, building_type.name(), setpoints),
             };
-            let curves: Vec<Curve<'_>> = controllers(experiment).enumerate().map(curve).collect();
+            let curves: Vec<Curve> = controllers.iter().enumerate().map(curve).collect();
             for weight in weights(&curves) {
                 let cells = curves.iter().map(|curve| cell(&curve.points, weight));
                 let place = [building_type.to_string(), (*setpoints).to_owned(), weight.to_string()];
@@ -60,14 +61,14 @@ pub(super) fn content(experiment: &Experiment, results: &Results) -> Content {
     let table = json!({
         "name": "Comfort and energy",
         "title": "RMS deviation (K) · HVAC energy (kWh/m²) · energy / baseline; means over buildings and seeds",
-        "header": place.into_iter().chain(controllers(experiment)).collect::<Vec<_>>(),
+        "header": place.into_iter().map(str::to_owned).chain(controllers.clone()).collect::<Vec<_>>(),
         "rows": rows,
     });
     Content { tables: vec![table], charts, notes: SCORES.to_owned(), ..Content::default() }
 }
 
 /// Returns the weights of some curves in increasing order.
-fn weights(curves: &[Curve<'_>]) -> Vec<f64> {
+fn weights(curves: &[Curve]) -> Vec<f64> {
     let mut weights: Vec<f64> =
         curves.iter().flat_map(|curve| &curve.points).map(|point| point.weight).collect();
     weights.sort_by(f64::total_cmp);
@@ -85,47 +86,24 @@ fn cell(points: &[Point], weight: f64) -> String {
 }
 
 /// Draws comfort against energy, with a slider that marks the points of a weight. Controllers far from all targets are left out.
-fn front(title: String, curves: Vec<Curve<'_>>) -> Chart {
+fn front(title: String, curves: Vec<Curve>) -> Chart {
     let drawn = curves.into_iter().filter(|curve| !curve.points.is_empty());
     let (far, curves): (Vec<_>, Vec<_>) =
         drawn.partition(|curve| curve.points.iter().all(|point| point.deviation > FAR));
     let weights = weights(&curves);
-    let sizes = |weight: f64| {
-        let size = |point: &Point| if point.weight == weight { MARKED } else { UNMARKED };
-        let of_curve = |curve: &Curve<'_>| curve.points.iter().map(size).collect::<Vec<_>>();
-        curves.iter().map(of_curve).collect::<Vec<_>>()
-    };
-    let caption = |weight: f64| {
-        let line = |Curve { name, points, .. }: &Curve<'_>| {
-            let point = points.iter().find(|point| point.weight == weight)?;
-            Some(format!("{name}: {:.2} kWh/m², {:.2} K", point.energy, point.deviation))
-        };
-        let text = curves.iter().filter_map(line).collect::<Vec<_>>().join("<br>");
-        json!([{"text": text, "xref": "paper", "yref": "paper", "x": 1, "y": 0.02, "xanchor": "right", "yanchor": "bottom",
-                "align": "right", "showarrow": false}])
-    };
     let step = |weight: &f64| {
         json!({"label": weight.to_string(), "method": "update",
-               "args": [{"marker.size": sizes(*weight)}, {"annotations": caption(*weight)}]})
+               "args": [{"marker.size": sizes(&curves, *weight)}, {"annotations": caption(&curves, *weight)}]})
     };
     let steps: Vec<Value> = weights.iter().map(step).collect();
     let first = weights.first().copied().unwrap_or_default();
-    let mut data = Vec::new();
-    for (Curve { name, color, points }, sizes) in curves.iter().zip(sizes(first)) {
-        data.push(json!({
-            "type": "scatter", "mode": "lines+markers+text", "name": name, "cliponaxis": false,
-            "x": points.iter().map(|point| point.energy).collect::<Vec<_>>(),
-            "y": points.iter().map(|point| point.deviation).collect::<Vec<_>>(),
-            "text": points.iter().map(|point| point.weight.to_string()).collect::<Vec<_>>(),
-            "textposition": "top center", "line": {"color": color, "width": 1.2}, "marker": {"size": sizes},
-            "hovertemplate": "weight %{text}: %{x:.2f} kWh/m², %{y:.2f} K<extra></extra>",
-        }));
-    }
+    let data: Vec<Value> =
+        curves.iter().zip(sizes(&curves, first)).map(|(curve, sizes)| trace(curve, &sizes)).collect();
     let mut note = "means over buildings; the number is the weight of energy. The reactive controllers have one set of parameters \
                     for weight 0 and one for all others"
         .to_owned();
     if !far.is_empty() {
-        let names: Vec<&str> = far.iter().map(|curve| curve.name).collect();
+        let names: Vec<&str> = far.iter().map(|curve| &curve.name[..]).collect();
         note += &format!(". Not drawn, because it is more than {FAR} K off target: {}", names.join(", "));
     }
     Chart {
@@ -137,10 +115,38 @@ fn front(title: String, curves: Vec<Curve<'_>>) -> Chart {
         layout: json!({
             "xaxis": {"title": {"text": "HVAC energy (kWh/m²)"}, "zeroline": false},
             "yaxis": {"title": {"text": "RMS deviation (K)"}, "rangemode": "tozero", "zeroline": false},
-            "annotations": caption(first),
+            "annotations": caption(&curves, first),
             "sliders": [{"steps": steps, "active": 0, "pad": {"t": 50}, "currentvalue": {"prefix": "weight of energy: "}}],
         }),
     }
+}
+
+/// Returns the sizes of the points of each curve when a weight is marked.
+fn sizes(curves: &[Curve], weight: f64) -> Vec<Vec<u32>> {
+    let size = |point: &Point| if point.weight == weight { MARKED } else { UNMARKED };
+    curves.iter().map(|curve| curve.points.iter().map(size).collect()).collect()
+}
+
+/// Returns the annotation with the points of a weight.
+fn caption(curves: &[Curve], weight: f64) -> Value {
+    let line = |Curve { name, points, .. }: &Curve| {
+        let point = points.iter().find(|point| point.weight == weight)?;
+        Some(format!("{name}: {:.2} kWh/m², {:.2} K", point.energy, point.deviation))
+    };
+    let text = curves.iter().filter_map(line).collect::<Vec<_>>().join("<br>");
+    json!([{"text": text, "xref": "paper", "yref": "paper", "x": 1, "y": 0.02, "xanchor": "right", "yanchor": "bottom",
+            "align": "right", "showarrow": false}])
+}
+
+fn trace(Curve { name, color, points }: &Curve, sizes: &[u32]) -> Value {
+    json!({
+        "type": "scatter", "mode": "lines+markers+text", "name": name, "cliponaxis": false,
+        "x": points.iter().map(|point| point.energy).collect::<Vec<_>>(),
+        "y": points.iter().map(|point| point.deviation).collect::<Vec<_>>(),
+        "text": points.iter().map(|point| point.weight.to_string()).collect::<Vec<_>>(),
+        "textposition": "top center", "line": {"color": color, "width": 1.2}, "marker": {"size": sizes},
+        "hovertemplate": "weight %{text}: %{x:.2f} kWh/m², %{y:.2f} K<extra></extra>",
+    })
 }
 
 /// Draws the deviations from target of all steps by weight, as the paper's figure of temperatures; `None` without kept episodes.
@@ -152,11 +158,10 @@ fn distributions(
 ) -> Option<Chart> {
     let mut all = Vec::new();
     for task in experiment.tasks.iter().filter(|task| setpoints(task) == wanted) {
-        for (number, name) in controllers(experiment).enumerate() {
+        for (number, name) in controllers(experiment, results).iter().enumerate() {
             let is_own = |row: &Row| row.info.building_type == building_type && row.info.task == *task;
-            let mut own = StepDeviations::empty(format!("w_E = {}", weight(task)?), name.to_owned(), number);
-            let jobs = results.done.iter().filter(|done| done.agent == name);
-            jobs.flat_map(|done| done.deviations(is_own)).for_each(|episode| own.add(&episode));
+            let mut own = StepDeviations::empty(format!("w_E = {}", weight(task)?), name.clone(), number);
+            results.deviations(name, is_own).for_each(|episode| own.add(episode));
             all.push(own);
         }
     }
@@ -165,10 +170,11 @@ fn distributions(
     (!all.is_empty()).then(|| step_deviations(title, &all))
 }
 
-/// Returns the names of the agents, after that of the reactive controllers if their episodes are kept.
-fn controllers(experiment: &Experiment) -> impl Iterator<Item = &str> {
-    let reactive = experiment.reactive.then_some(REACTIVE);
-    reactive.into_iter().chain(experiment.agents.iter().map(|agent| agent.name.as_str()))
+/// Returns the names of the policies, after that of the reactive controllers if their episodes are kept.
+fn controllers(experiment: &Experiment, results: &Results) -> Vec<String> {
+    let reactive = experiment.reactive.then(|| REACTIVE.to_owned());
+    let policies = experiment.policies(&results.budget).into_iter().map(|policy| policy.name);
+    reactive.into_iter().chain(policies).collect()
 }
 
 /// Returns the weight of energy in a task; `None` if it penalizes another resource.

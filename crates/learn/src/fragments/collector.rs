@@ -13,8 +13,9 @@ use super::blocks::Block;
 use super::building::GraphBuilding;
 use super::order::{Order, Purpose, stream};
 use super::progress::{Phase, Progress};
+use super::runner::LEARNER;
 use crate::collector::{Collector, count_lost};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::rollout::{End, Rollout, Widths};
 use crate::state::State;
 
@@ -286,8 +287,7 @@ impl FragmentCollector {
             // The scale comes after.
             travel_cost: self.travel_cost / progress.scale,
         };
-        let text = serde_json::to_vec(&order).map_err(|error| Error::Collect(error.into()))?;
-        self.environments.send_fragment(environment, &text, order.steps)?;
+        self.environments.send_fragment(environment, LEARNER, &order, order.steps)?;
         progress.phase = Phase::Running;
         progress.fragments += 1;
         Ok(())

@@ -1,7 +1,7 @@
 //! Collection in the workers: each runs a fragment of its episode with a copy of the actor.
 //!
 //! 1. The owner writes the actor's parameters to shared memory, once for all workers.
-//! 2. Each worker runs its fragment ([`make_runner`]) and leaves observations, actions and rewards in its block of that memory.
+//! 2. Each worker runs its fragment ([`RUNNERS`]) and leaves observations, actions and rewards in its block of that memory.
 //! 3. When an episode ends within a fragment, the next episode begins in a new worker, which runs the rest of the
 //!    fragment.
 //! 4. The owner copies the blocks to the rollout.
@@ -18,10 +18,10 @@ pub(crate) use collector::spaces_of;
 pub use collector::{FragmentCollector, RewardScale};
 pub(crate) use order::stream;
 pub use order::{Order, Purpose};
-pub use runner::make_runner;
+pub use runner::RUNNERS;
 
 /// Runs this process as a worker with runners of fragments if it was started as one, and then never returns. Called first in
 /// `main`, before a thread is started.
 pub fn run_if_worker() {
-    b2b_workers::run_if_worker_with(make_runner);
+    b2b_workers::run_if_worker_with(RUNNERS);
 }

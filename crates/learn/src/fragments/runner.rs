@@ -5,23 +5,27 @@ use std::time::{Duration, Instant};
 use b2b_agent::network::{Actor, Distribution, Scratch};
 use b2b_agent::{ControllerDescription, Pilot};
 use b2b_env::{Env, Reward};
-use b2b_workers::{ControllerRunner, RolloutOrder, Runner, RunnerError, SharedMemory};
+use b2b_workers::{ControllerRunner, ROLLOUT, RolloutOrder, Runner, RunnerError, Runners, SharedMemory};
 
 use super::order::{Order, Purpose};
 use crate::credit::part_places;
 use crate::random::{Noise, Random};
 use crate::travel::TravelCost;
 
-/// Makes the runner of an episode: see [`b2b_workers::run_if_worker_with`].
-///
-/// # Errors
-/// When the order cannot be read.
-pub fn make_runner(env: &Env, order: &[u8]) -> Result<Box<dyn Runner>, RunnerError> {
-    if let Ok(RolloutOrder { controller, .. }) = serde_json::from_slice(order) {
-        let description: ControllerDescription = serde_json::from_value(controller)?;
-        let controller = description.controller(env.spaces())?;
-        return Ok(Box::new(ControllerRunner::new(controller, env)));
-    }
+/// The runners of a worker: see [`b2b_workers::run_if_worker_with`].
+pub const RUNNERS: Runners = Runners(&[(ROLLOUT, make_rollout_runner), (LEARNER, make_runner)]);
+
+/// The kind of the runner that collects steps for a learner.
+pub(super) const LEARNER: &str = "learner";
+
+/// Makes the runner of a rollout from the description of its controller.
+fn make_rollout_runner(env: &Env, order: &[u8]) -> Result<Box<dyn Runner>, RunnerError> {
+    let RolloutOrder::<ControllerDescription> { controller, .. } = serde_json::from_slice(order)?;
+    Ok(Box::new(ControllerRunner::new(controller.controller(env.spaces())?, env)))
+}
+
+/// Makes the runner of an actor in its episode.
+fn make_runner(env: &Env, order: &[u8]) -> Result<Box<dyn Runner>, RunnerError> {
     let order: Order = serde_json::from_slice(order)?;
     let Order { interface, plan, attributes, shape, distribution, block, .. } = order;
     let mut pilot = Pilot::without_model(interface, env.spaces(), plan.as_ref(), &attributes)?;

@@ -1,8 +1,9 @@
 //! Forward and backward passes over batches.
 
+use b2b_agent::network::graph::sized;
 use b2b_agent::network::{Layer, Mlp};
 
-use super::{Matrix, multiply, sized};
+use super::product::{Matrix, multiply};
 
 /// Buffers of passes of batches through a network. They grow to the largest batch and are reused.
 ///

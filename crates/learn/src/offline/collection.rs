@@ -37,56 +37,17 @@ pub fn collect(
 ) -> Result<Dataset> {
     let building_type = collection.building_type()?;
     let new = NewDataset::create(destination)?;
-    let count = collection.episodes.len();
-    let first = Mutex::new(None::<Shape>);
-    let rescaled = collection.buildings() > 1;
+    let shape = Mutex::new(None);
     let mut episodes = Vec::new();
-    for (part, policy) in collection.policies.iter().enumerate() {
-        let numbered: Vec<(usize, &Episode)> = collection.episodes.iter().enumerate().collect();
-        let written = Mutex::new(Vec::new());
-        let write = |number: usize, recorded: &Recorded<'_>| -> Result<()> {
-            let episode = &collection.episodes[number];
-            let shape = Shape::of(recorded.spaces, rescaled);
-            lock(&first).get_or_insert_with(|| shape.clone()).merge(&shape, episode)?;
-            let file = file_of(recorded, rescaled);
-            let placement = &episode.subject.placement;
-            let metadata = EpisodeMetadata {
-                id: part * count + number,
-                total_steps: file.rewards.len(),
-                seed: episode.seed,
-                building: episode.subject.name.to_string(),
-                place: placement.place.map(|place| place.name.to_owned()),
-                weather: placement.weather.clone(),
-                policy: policy.name(),
-                episode_return: file.rewards.iter().sum(),
-            };
-            new.write(&metadata, &file)?;
-            lock(&written).push(metadata);
-            Ok(())
-        };
-        progress.begin(&policy.name(), count, collection.episodes.iter().map(Episode::days).sum());
-        let failure = Mutex::new(None);
-        evaluation
-            .record(&numbered, policy.as_ref(), progress, &|number, recorded| {
-                let outcome = match recorded {
-                    Ok(recorded) => write(number, recorded),
-                    Err(lost) => {
-                        Err(Error::Invalid(format!("{} was lost: {lost}", collection.episodes[number])))
-                    }
-                };
-                outcome.map_err(|error| {
-                    lock(&failure).get_or_insert(error);
-                    b2b_evaluate::Error::Interrupted
-                })
-            })
-            .map_err(|error| lock(&failure).take().unwrap_or_else(|| error.into()))?;
-        episodes.extend(written.into_inner().unwrap_or_else(PoisonError::into_inner));
+    for part in 0..collection.policies.len() {
+        episodes.extend(collection.record(part, evaluation, progress, &new, &shape)?);
     }
     episodes.sort_by_key(|episode| episode.id);
-    let shape = first.into_inner().unwrap_or_else(PoisonError::into_inner);
+    let shape = shape.into_inner().unwrap_or_else(PoisonError::into_inner);
     let (Some(shape), Some(example)) = (shape, collection.episodes.first()) else {
         return Err(Error::Invalid("there is no episode to collect".into()));
     };
+    let rescaled = collection.is_rescaled();
     let contents = Contents {
         building_type: building_type.clone(),
         task: example.task.to_string(),
@@ -103,6 +64,65 @@ pub fn collect(
 }
 
 impl Collection<'_> {
+    /// Returns whether actions are written from -1 to 1: the bounds of buildings differ.
+    fn is_rescaled(&self) -> bool {
+        self.buildings() > 1
+    }
+
+    /// Runs and writes the episodes of a policy, whose spaces must have the shape of those before.
+    fn record(
+        &self,
+        part: usize,
+        evaluation: &Evaluation<'_>,
+        progress: &dyn Progress,
+        new: &NewDataset,
+        shape: &Mutex<Option<Shape>>,
+    ) -> Result<Vec<EpisodeMetadata>> {
+        let policy = &self.policies[part];
+        let numbered: Vec<(usize, &Episode)> = self.episodes.iter().enumerate().collect();
+        progress.begin(&policy.name(), numbered.len(), self.episodes.iter().map(Episode::days).sum());
+        let (written, failure) = (Mutex::new(Vec::new()), Mutex::new(None));
+        let recorded = evaluation.record(&numbered, policy.as_ref(), progress, &|number, recorded| {
+            let outcome = match recorded {
+                Ok(recorded) => self.write((part, number), recorded, new, shape),
+                Err(lost) => Err(Error::Invalid(format!("{} was lost: {lost}", self.episodes[number]))),
+            };
+            outcome.map(|metadata| lock(&written).push(metadata)).map_err(|error| {
+                lock(&failure).get_or_insert(error);
+                b2b_evaluate::Error::Interrupted
+            })
+        });
+        recorded.map_err(|error| lock(&failure).take().unwrap_or_else(|| error.into()))?;
+        Ok(written.into_inner().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// Writes an episode of a policy, both by number.
+    fn write(
+        &self,
+        (part, number): (usize, usize),
+        recorded: &Recorded<'_>,
+        new: &NewDataset,
+        first: &Mutex<Option<Shape>>,
+    ) -> Result<EpisodeMetadata> {
+        let (episode, rescaled) = (&self.episodes[number], self.is_rescaled());
+        let shape = Shape::of(recorded.spaces, rescaled);
+        lock(first).get_or_insert_with(|| shape.clone()).merge(&shape, episode)?;
+        let file = file_of(recorded, rescaled);
+        let placement = &episode.subject.placement;
+        let metadata = EpisodeMetadata {
+            id: part * self.episodes.len() + number,
+            total_steps: file.rewards.len(),
+            seed: episode.seed,
+            building: episode.subject.name.to_string(),
+            place: placement.place.map(|place| place.name.to_owned()),
+            weather: placement.weather.clone(),
+            policy: self.policies[part].name(),
+            episode_return: file.rewards.iter().sum(),
+        };
+        new.write(&metadata, &file)?;
+        Ok(metadata)
+    }
+
     /// Returns the type of all buildings.
     fn building_type(&self) -> Result<String> {
         let mut types: Vec<&str> =

@@ -8,13 +8,13 @@ use b2b_evaluate::{Baselines, Evaluation};
 use b2b_workers::{VecEnv, WorkerOptions};
 
 use super::config::TrainConfig;
-use super::environments::Environments;
-use super::learner::Learner;
+use super::environments::{Environments, learner};
 use crate::collector::Collector;
 use crate::error::Result;
 use crate::fragments::{FragmentCollector, spaces_of};
+use crate::learner::Learner;
 use crate::lockstep::LockstepCollector;
-use crate::rollout::{Rollout, Widths};
+use crate::rollout::Rollout;
 
 /// The design of a training loop: where actions are computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,8 +40,10 @@ impl Design {
 
 /// A training loop without a folder. With the same configuration, both designs learn the same weights.
 pub struct TrainingLoop {
-    collector: EitherCollector,
-    learner: Learner,
+    collector: Box<dyn Timed>,
+    learner: Box<dyn Learner>,
+    /// Steps of each environment in a rollout.
+    steps: usize,
     rollout: Rollout,
 }
 
@@ -82,13 +84,13 @@ impl TrainingLoop {
         let (launcher, interrupted) = (workers.launcher.clone(), workers.interrupted);
         let evaluation = Evaluation { catalog, launcher, jobs: 1, interrupted };
         let scale = environments.scale(&evaluation, &Baselines::open()?)?;
-        let collector = match design {
-            Design::Fragments => EitherCollector::Fragments(environments.fragments(workers, scale)?),
-            Design::Lockstep => EitherCollector::Lockstep(environments.lockstep(workers, scale)?),
+        let collector: Box<dyn Timed> = match design {
+            Design::Fragments => Box::new(environments.fragments(workers, scale)?),
+            Design::Lockstep => Box::new(environments.lockstep(workers, scale)?),
         };
-        let spaces = spaces_of(collector.environments(), 0)?;
-        let learner = Learner::new(config, collector.widths(), spaces)?;
-        Ok(Self { collector, learner, rollout: Rollout::default() })
+        let learner = learner(config, collector.widths(), spaces_of(collector.batch(), 0)?)?;
+        let steps = config.learner.steps_per_rollout();
+        Ok(Self { collector, learner, steps, rollout: Rollout::default() })
     }
 
     /// Collects a rollout and learns from it.
@@ -97,10 +99,9 @@ impl TrainingLoop {
     /// The errors of the collector and of the learner.
     pub fn update(&mut self) -> Result<UpdateTimes> {
         let began = Instant::now();
-        let steps = self.learner.steps_per_rollout();
-        self.collector.collector().collect(&self.learner.actor(), steps, &mut self.rollout)?;
+        self.collector.collect(&self.learner.actor(), self.steps, &mut self.rollout)?;
         let collected = began.elapsed().as_secs_f64();
-        self.learner.update(&self.rollout)?;
+        self.learner.learn(&self.rollout)?;
         let seconds = began.elapsed().as_secs_f64();
         let [acting, all] = self.collector.times();
         let inference = collected * acting / all.max(f64::MIN_POSITIVE);
@@ -114,43 +115,35 @@ impl TrainingLoop {
 
     /// Returns the environments.
     pub fn environments(&self) -> &VecEnv {
-        self.collector.environments()
+        self.collector.batch()
     }
 }
 
-/// The collector of a design.
-enum EitherCollector {
-    Fragments(FragmentCollector),
-    Lockstep(LockstepCollector),
-}
-
-impl EitherCollector {
-    fn collector(&mut self) -> &mut dyn Collector {
-        match self {
-            Self::Fragments(collector) => collector,
-            Self::Lockstep(collector) => collector,
-        }
-    }
-
-    fn widths(&self) -> Widths {
-        match self {
-            Self::Fragments(collector) => collector.widths(),
-            Self::Lockstep(collector) => collector.widths(),
-        }
-    }
-
-    fn environments(&self) -> &VecEnv {
-        match self {
-            Self::Fragments(collector) => collector.environments(),
-            Self::Lockstep(collector) => collector.environments(),
-        }
-    }
+/// A collector whose steps are timed.
+trait Timed: Collector {
+    /// Returns the environments.
+    fn batch(&self) -> &VecEnv;
 
     /// Returns the times spent on actions and on all steps of the last rollout, s.
+    fn times(&self) -> [f64; 2];
+}
+
+impl Timed for FragmentCollector {
+    fn batch(&self) -> &VecEnv {
+        self.environments()
+    }
+
     fn times(&self) -> [f64; 2] {
-        match self {
-            Self::Fragments(collector) => collector.worker_times(),
-            Self::Lockstep(collector) => collector.times(),
-        }
+        self.worker_times()
+    }
+}
+
+impl Timed for LockstepCollector {
+    fn batch(&self) -> &VecEnv {
+        self.environments()
+    }
+
+    fn times(&self) -> [f64; 2] {
+        self.times()
     }
 }

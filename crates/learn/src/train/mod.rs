@@ -5,35 +5,29 @@
 //!    controllers, and writes checkpoints, so that a run that was killed continues to the same weights.
 //! 3. The folder of a run is an agent's: the best one so far. `last/` has the last one.
 
-mod check;
+mod calibration;
 mod checkpoint;
 mod config;
-mod curve;
-mod days;
 mod environments;
-mod journal;
 mod judge;
-mod learner;
 mod lock;
 mod measure;
-mod noise;
-mod one_or_many;
-mod paired;
-mod policy;
+mod monitor;
 mod problem;
 mod progress;
 mod run;
-mod staggered;
-mod suggestion;
-mod tasks;
-mod tensorboard;
+mod side;
+mod summary;
 
+pub use crate::policy::{GraphPolicy, Policy};
 pub use checkpoint::CHECKPOINT;
-pub use config::{Algorithm, EvaluationConfig, Keep, TrainConfig};
-pub use curve::PAGE;
+pub use config::{
+    AgentConfig, Budget, CONFIG, CheckpointConfig, EvaluationConfig, Keep, NoiseConfig, RewardConfig, Tasks,
+    TrainConfig, TrainingSet,
+};
 pub use judge::{BuildingScores, Measures, Scores};
 pub use measure::{Design, TrainingLoop, UpdateTimes};
-pub use policy::{GraphPolicy, Policy};
-pub use progress::{Row, TABLE, read_column};
-pub use run::{CONFIG, LAST, Monitor, Place, SUMMARY, Summary, train};
-pub use tasks::Tasks;
+pub use monitor::Monitor;
+pub use progress::{PAGE, Row, TABLE, read_column};
+pub use run::{LAST, RunOptions, train};
+pub use summary::{SUMMARY, Summary};

@@ -6,39 +6,35 @@ use std::time::Instant;
 
 use b2b_agent::{Agent, AgentInfo, FORMAT, NodeSpaces, Pilot, TrainingInfo};
 use b2b_base::aside::write_whole;
+use b2b_building::morphology::NodeType;
 use b2b_control::Versions;
 use b2b_dataset::Catalog;
 use b2b_evaluate::{Baselines, Evaluation};
 use b2b_workers::{Launcher, WorkerOptions};
-use serde::Serialize;
 
+use super::calibration::calibrate;
 use super::checkpoint::Checkpoint;
-use super::config::{Keep, TrainConfig};
-use super::curve;
-use super::days;
-use super::environments::Environments;
+use super::config::{Budget, CONFIG, Keep, TrainConfig, TrainingSet};
+use super::environments::{Environments, days, learner};
 use super::judge::{Judge, Measures, Rating, Scores};
-use super::learner::Learner;
 use super::lock;
-use super::noise;
-use super::progress::{Progress, Row};
+use super::monitor::Monitor;
+use super::progress::{ProgressFiles, Row, curve};
+use super::summary::Summary;
 use crate::collector::Collector as _;
 use crate::error::{Error, Result, at};
 use crate::fragments::{FragmentCollector, spaces_of};
+use crate::learner::Learner;
 use crate::rollout::Rollout;
 
-/// Name of the configuration in a run's folder.
-pub const CONFIG: &str = "config.toml";
 /// Name of the folder of the last agent in a run's folder.
 pub const LAST: &str = "last";
-/// Name of the result in a run's folder.
-pub const SUMMARY: &str = "summary.json";
 
 /// Cost up to which that of travel grows: five strokes a day then cost 174 times the penalty of the reactive controllers.
 const LARGEST_TRAVEL_COST: f32 = 1e4;
 
 /// Where and how a run is carried out. None of it changes the result.
-pub struct Place<'a> {
+pub struct RunOptions<'a> {
     /// Folder of the run.
     pub out: PathBuf,
     /// Source of buildings.
@@ -53,55 +49,16 @@ pub struct Place<'a> {
     pub monitor: &'a mut (dyn Monitor + Send),
 }
 
-/// Watches a run.
-pub trait Monitor {
-    /// A stage begins, such as `computing baselines`.
-    fn stage(&mut self, _what: &str) {}
-
-    /// An update was made.
-    fn update(&mut self, _row: &Row) {}
-
-    /// Something was not saved, or went wrong without ending the run.
-    fn warn(&mut self, _text: &str) {}
-}
-
-impl Monitor for () {}
-
-/// The result of a run.
-#[derive(Clone, Debug, Serialize)]
-pub struct Summary {
-    /// Scores of the agent in the run's folder over the whole run period, without exploration; `None` without
-    /// `evaluation.whole_period`.
-    #[serde(flatten)]
-    pub scores: Option<Scores>,
-    /// Environment steps.
-    pub steps: u64,
-    /// Environment steps per second of training, without evaluations.
-    pub steps_per_s: f64,
-    /// Random seed.
-    pub seed: u64,
-    /// Training buildings.
-    pub buildings: String,
-    /// Task.
-    pub task: String,
-    /// Run period.
-    pub period: String,
-    /// Episodes that were lost.
-    pub lost_episodes: u64,
-    /// The run's folder, which is the agent's.
-    pub out: PathBuf,
-}
-
 /// Begins a run in a folder that has none, or continues the one that it has from its last checkpoint. Returns its result.
 ///
 /// # Errors
 /// The errors of [`TrainConfig::check`]; [`Error::Resume`] when the folder has another run; [`Error::NotFinite`] with the last good agent
 /// kept; [`Error::Interrupted`] after a checkpoint; those of environments and evaluations.
-pub fn train(config: &TrainConfig, place: Place<'_>) -> Result<Summary> {
+pub fn train(config: &TrainConfig, options: RunOptions<'_>) -> Result<Summary> {
     config.check()?;
-    let _lock = lock::acquire(&place.out)?;
-    begin_folder(config, &place.out)?;
-    let Place { out, catalog, launcher, jobs, interrupted, monitor } = place;
+    let _lock = lock::acquire(&options.out)?;
+    begin_folder(config, &options.out)?;
+    let RunOptions { out, catalog, launcher, jobs, interrupted, monitor } = options;
     let evaluation = Evaluation { catalog: &catalog, launcher: launcher.clone(), jobs, interrupted };
     // An interrupt waits for the evaluations of training, which take seconds: a checkpoint follows each.
     let uninterrupted =
@@ -117,7 +74,7 @@ pub fn train(config: &TrainConfig, place: Place<'_>) -> Result<Summary> {
     monitor.stage("computing baselines");
     let whole = match config.evaluation.whole_period {
         false => None,
-        true => Some(Judge::new(&evaluation, episodes(config.run_period()?)?)),
+        true => Some(Judge::new(&evaluation, episodes(config.training_set.run_period()?)?)),
     };
     let judge = match config.evaluation.every {
         0 => None,
@@ -139,8 +96,10 @@ fn begin_folder(config: &TrainConfig, out: &Path) -> Result<()> {
     if path.exists() {
         let before = TrainConfig::of_run(out)?;
         // More steps continue a run; what its models may do is in no file.
-        let TrainConfig { steps, allow_external, .. } = *config;
-        if (TrainConfig { steps, allow_external, ..before }) != *config {
+        let budget = Budget { steps: config.budget.steps, ..before.budget.clone() };
+        let allow_external = config.training_set.allow_external;
+        let training_set = TrainingSet { allow_external, ..before.training_set.clone() };
+        if (TrainConfig { budget, training_set, ..before }) != *config {
             let why = format!("its {CONFIG} differs from this run's; choose another folder");
             return Err(Error::Resume { path: out.to_owned(), why });
         }
@@ -153,7 +112,7 @@ struct Run<'a> {
     config: &'a TrainConfig,
     out: &'a Path,
     collector: FragmentCollector,
-    learner: Learner,
+    learner: Box<dyn Learner>,
     monitor: &'a mut dyn Monitor,
     /// What could not be saved when it was last tried.
     unsaved: Vec<&'static str>,
@@ -176,12 +135,12 @@ impl<'a> Run<'a> {
         monitor: &'a mut dyn Monitor,
     ) -> Result<Self> {
         let spaces = spaces_of(collector.environments(), 0)?;
-        let interface = config.interface();
+        let interface = config.agent.interface();
         let (slots, actuators) = match interface.nodes {
             None => (Pilot::new(interface, spaces)?.observation().names(), spaces.action.names().to_vec()),
             Some(_) => (NodeSpaces::of(interface).slots(), NodeSpaces::of(interface).actuators()),
         };
-        let learner = Learner::new(config, collector.widths(), spaces)?;
+        let learner = learner(config, collector.widths(), spaces)?;
         let actor = learner.actor();
         let info = AgentInfo {
             format: FORMAT,
@@ -206,7 +165,7 @@ impl<'a> Run<'a> {
             steps: 0,
             best: Rating::default(),
             seconds: 0.0,
-            log_std: config.ppo.initial_log_std.into(),
+            log_std: config.learner.abilities().noise.unwrap_or(0.0).into(),
         })
     }
 
@@ -225,29 +184,30 @@ impl<'a> Run<'a> {
 
     /// Collects and learns until the run has its steps.
     fn learn(&mut self, judge: Option<&Judge<'_>>, interrupted: fn() -> bool) -> Result<()> {
-        if self.steps == 0 && self.config.noise_cost > 0.0 {
+        if self.steps == 0 && self.config.noise.noise_cost > 0.0 {
             self.monitor.stage("calibrating exploration noise");
-            self.log_std = noise::calibrate(self.config, &mut self.learner, &mut self.collector)?.into();
+            self.log_std = calibrate(self.config, &mut *self.learner, &mut self.collector)?.into();
         }
-        let (mut progress, warning) = Progress::open(self.out, self.steps)?;
+        let (mut progress, warning) = ProgressFiles::open(self.out, self.steps)?;
         if let Some(warning) = warning {
             self.monitor.warn(&warning);
         }
         if let Some(judge) = judge.filter(|_| self.steps == 0) {
-            let mut row = self.row([f64::NAN; 7], [f64::NAN; 10]);
+            let learned = self.learner.columns().into_iter().map(|name| (name, f64::NAN)).collect();
+            let mut row = self.row([f64::NAN; 7], learned);
             self.evaluate(judge, &mut row);
             let written = progress.write(&row);
             self.warn_of(written, "the first evaluation");
         }
         let mut rollout = Rollout::default();
-        while self.steps < self.config.steps {
+        while self.steps < self.config.budget.steps {
             let before = self.steps;
             self.anneal_noise();
             let mut row = match self.update(&mut rollout) {
                 Ok(row) => row,
                 Err(error) => return Err(self.give_up(error)),
             };
-            let is_last = self.steps >= self.config.steps;
+            let is_last = self.steps >= self.config.budget.steps;
             let after = self.steps;
             let due = |every: u64| every > 0 && (is_last || before / every != after / every);
             let judge = judge.filter(|_| due(self.config.evaluation.every));
@@ -258,7 +218,7 @@ impl<'a> Run<'a> {
             let written = progress.write(&row);
             self.warn_of(written, "the progress of this update");
             // Whoever is told of an evaluation can resume from it.
-            let is_saved = is_last || judge.is_some() || due(self.config.checkpoint_every);
+            let is_saved = is_last || judge.is_some() || due(self.config.checkpoints.checkpoint_every);
             if is_saved {
                 self.save_or_warn();
             }
@@ -275,18 +235,18 @@ impl<'a> Run<'a> {
 
     /// Lowers the exploration noise by the share of the run that is done.
     fn anneal_noise(&mut self) {
-        if self.config.final_noise < 1.0 {
-            let done = self.steps as f64 / self.config.steps as f64;
-            self.learner.set_log_std((self.log_std + done * self.config.final_noise.ln()) as f32);
+        if self.config.noise.final_noise < 1.0 {
+            let done = self.steps as f64 / self.config.budget.steps as f64;
+            self.learner.set_log_std((self.log_std + done * self.config.noise.final_noise.ln()) as f32);
         }
     }
 
     /// Collects a rollout and learns from it.
     fn update(&mut self, rollout: &mut Rollout) -> Result<Row> {
         let began = Instant::now();
-        self.collector.collect(&self.learner.actor(), self.learner.steps_per_rollout(), rollout)?;
+        self.collector.collect(&self.learner.actor(), self.config.learner.steps_per_rollout(), rollout)?;
         let collected = began.elapsed().as_secs_f64();
-        let learned = self.learner.update(rollout)?;
+        let learned = self.learner.learn(rollout)?;
         let seconds = began.elapsed().as_secs_f64();
         let steps = rollout.rows() as u64;
         self.steps += steps;
@@ -304,7 +264,7 @@ impl<'a> Run<'a> {
     }
 
     /// Returns the row of an update without its evaluation.
-    fn row(&self, counts: [f64; 7], learned: [f64; 10]) -> Row {
+    fn row(&self, counts: [f64; 7], learned: Vec<(&'static str, f64)>) -> Row {
         let names = [
             "seconds",
             "steps_per_s",
@@ -314,8 +274,7 @@ impl<'a> Run<'a> {
             "lost_episodes",
             "travel_cost",
         ];
-        let names = names.into_iter().chain(self.learner.names());
-        Row { steps: self.steps, values: names.zip(counts.into_iter().chain(learned)).collect() }
+        Row { steps: self.steps, values: names.into_iter().zip(counts).chain(learned).collect() }
     }
 
     /// Scores the agent as it is now, and keeps it if it is the best. A failure is a warning: training does not depend on it.
@@ -331,10 +290,11 @@ impl<'a> Run<'a> {
         };
         row.values.extend(measures.named());
         if measures.relative_travel > 1.0 {
-            let grown = self.collector.travel_cost() * self.config.travel_cost_growth;
-            self.collector.set_travel_cost(grown.min(LARGEST_TRAVEL_COST.max(self.config.travel_cost)));
+            let grown = self.collector.travel_cost() * self.config.rewards.travel_cost_growth;
+            self.collector
+                .set_travel_cost(grown.min(LARGEST_TRAVEL_COST.max(self.config.rewards.travel_cost)));
         }
-        if self.config.keep == Keep::Best && measures.rating().is_better_than(self.best) {
+        if self.config.checkpoints.keep == Keep::Best && measures.rating().is_better_than(self.best) {
             let written = Agent::write(self.out, info, &actor);
             if written.is_ok() {
                 self.best = measures.rating();
@@ -367,7 +327,7 @@ impl<'a> Run<'a> {
 
     /// Writes the agent of the run's folder if it is not there yet, scores it over the whole run period and writes the result.
     fn finish(mut self, whole: Option<&Judge<'_>>) -> Result<Summary> {
-        if self.config.keep == Keep::Last || self.best == Rating::default() {
+        if self.config.checkpoints.keep == Keep::Last || self.best == Rating::default() {
             Agent::write(self.out, self.info(), &self.learner.averaged_actor())?;
         } else if !self.best.is_within_travel_limit() {
             self.monitor.warn(&format!(
@@ -384,16 +344,14 @@ impl<'a> Run<'a> {
             scores: whole.map(|judge| self.score(judge, &kept)).transpose()?,
             steps: self.steps,
             steps_per_s: self.steps as f64 / self.seconds.max(f64::MIN_POSITIVE),
-            seed: self.config.seed,
-            buildings: self.config.buildings_text(),
-            task: self.config.task.to_string(),
-            period: self.config.period.clone(),
+            seed: self.config.budget.seed,
+            buildings: self.config.training_set.buildings_text(),
+            task: self.config.training_set.task.to_string(),
+            period: self.config.training_set.period.clone(),
             lost_episodes: self.collector.lost(),
             out: self.out.to_owned(),
         };
-        let text = serde_json::to_vec_pretty(&summary).expect("plain data always serializes");
-        let path = self.out.join(SUMMARY);
-        write_whole(&path, &text).map_err(at(&path))?;
+        summary.write(self.out)?;
         self.warn_of(curve::write(self.out, self.config), "the learning curve");
         Ok(summary)
     }
@@ -432,7 +390,8 @@ impl<'a> Run<'a> {
         let distribution = self.learner.averaged_actor().distribution;
         let mut info = AgentInfo { distribution, training, ..self.info.clone() };
         if self.steps > 0 {
-            info.node_types = self.learner.node_types();
+            let seen = self.learner.seen_types();
+            info.node_types = seen.into_iter().map(|index| NodeType::ALL[index].name().to_owned()).collect();
         }
         info
     }
@@ -441,17 +400,17 @@ impl<'a> Run<'a> {
 fn training_info(config: &TrainConfig) -> TrainingInfo {
     let Versions { package, generator, engine, controllers } = Versions::current();
     TrainingInfo {
-        algorithm: Learner::name(config.algorithm).into(),
-        buildings: config.buildings_text(),
-        tasks: config.task.to_string(),
-        problem: config.problem.clone(),
-        period: config.period.clone(),
-        steps_per_hour: config.steps_per_hour,
+        algorithm: config.learner.name().into(),
+        buildings: config.training_set.buildings_text(),
+        tasks: config.training_set.task.to_string(),
+        problem: config.training_set.problem.clone(),
+        period: config.training_set.period.clone(),
+        steps_per_hour: config.training_set.steps_per_hour,
         steps: 0,
-        seed: config.seed,
+        seed: config.budget.seed,
         package,
         generator,
         engine,
-        base_controllers: config.acting.has_base().then_some(controllers),
+        base_controllers: config.agent.acting.has_base().then_some(controllers),
     }
 }

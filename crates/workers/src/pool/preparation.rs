@@ -8,8 +8,9 @@ use b2b_building::PreparedBuilding;
 use super::template::{Phase, Request, Template, TemplateId, TemplateProcess};
 use super::{FAILURES, Pool, lost, unavailable};
 use crate::episode_options::EpisodeOptions;
+use crate::order::{EpisodeOrder, Order};
 use crate::region::Status;
-use crate::setting::{Order, Setting, Source};
+use crate::setting::{Setting, Source};
 use crate::time_limit::TimeLimit;
 use b2b_env::Spaces;
 use b2b_env::{Error, Result};
@@ -205,9 +206,14 @@ impl Pool {
             Some((_, building)) => Source::Prepared(Box::new(PreparedBuilding::clone(building))),
             None => Source::clone(&setting.source),
         };
-        let order = Order { library: self.options.library.clone(), source, episode: setting.episode.clone() };
         let slot = self.take_slot(EpisodeOptions::default())?;
-        let started = self.start_process_in(slot, &order);
+        let order = EpisodeOrder {
+            ticket: self.region.ticket(slot),
+            library: self.options.library.clone(),
+            source,
+            episode: setting.episode.clone(),
+        };
+        let started = self.start_process_in(slot, &Order::Episode(Box::new(order)));
         if started.is_err() {
             self.slots.release(slot);
         }
@@ -217,13 +223,14 @@ impl Pool {
     /// Starts a process for a slot. If that fails, the caller keeps the slot.
     fn start_process_in(&mut self, slot: u32, order: &Order) -> Result<TemplateProcess> {
         let (path, log) = (self.slots.file(slot, "order"), self.slots.file(slot, "log"));
-        let text = serde_json::to_vec(order).expect("an order is plain data");
-        std::fs::write(&path, text).map_err(|source| Error::Io { path: path.clone(), source })?;
+        std::fs::write(&path, order.to_json()).map_err(|source| Error::Io { path: path.clone(), source })?;
         let log = File::create(&log).map_err(|source| Error::Io { path: log, source })?;
         let memory = self.region.share().map_err(unavailable("a descriptor of the shared memory"))?;
-        let (launcher, ticket) = (&self.options.launcher, self.region.ticket(slot));
-        let child = launcher.start(memory, ticket, &path, self.folder.path(), log).map_err(|source| {
-            Error::Pool { what: format!("a process of {}", launcher.program().display()), source }
+        let launcher = &self.options.launcher;
+        let child = launcher.start(memory.into(), &path, self.folder.path(), log);
+        let child = child.map_err(|source| Error::Pool {
+            what: format!("a process of {}", launcher.program().display()),
+            source,
         })?;
         let mut process = TemplateProcess { slot, child, order: path };
         if let Err(error) = self.slots.adopt_child(slot, process.child.id()) {

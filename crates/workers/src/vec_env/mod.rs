@@ -7,6 +7,7 @@ use std::time::Instant;
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use serde::Serialize;
 
 use super::episode::Episode;
 use super::form::{Arrangement, EpisodeForm, Form, Padded};
@@ -251,17 +252,23 @@ impl VecEnv {
         self.act(environment, action)
     }
 
-    /// Requests a fragment of about `steps` steps from the runner of an environment: see [`Runner`](super::Runner). It
+    /// Requests a fragment of about `steps` steps from the runner of a kind in an environment: see [`Runner`](super::Runner). It
     /// is busy until [`VecEnv::recv`] lists it; [`VecEnv::fragment_steps`] then returns how many steps were made, fewer
     /// than requested if the episode is over.
     ///
     /// # Errors
     /// The errors of [`Episode::send_fragment`].
-    pub fn send_fragment(&mut self, environment: usize, order: &[u8], steps: usize) -> Result<()> {
+    pub fn send_fragment(
+        &mut self,
+        environment: usize,
+        runner: &str,
+        order: &impl Serialize,
+        steps: usize,
+    ) -> Result<()> {
         self.clear_outcome(environment);
         let one = &mut self.environments[environment];
         match (&mut one.episode, one.state) {
-            (Some(episode), State::Ready) => episode.send_fragment(order, steps)?,
+            (Some(episode), State::Ready) => episode.send_fragment(runner, order, steps)?,
             (_, State::Over) => return Err(Error::NotReset),
             _ => return Err(Error::Busy),
         }

@@ -5,6 +5,7 @@ mod batch;
 #[path = "../../../env/tests/env/case.rs"]
 mod case;
 mod copies;
+mod jobs;
 mod losses;
 mod operations;
 mod processes;

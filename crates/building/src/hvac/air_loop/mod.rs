@@ -21,16 +21,17 @@ mod branch;
 mod components;
 mod outdoor_air;
 mod supply_temperature;
+mod system;
 mod terminal;
 mod water_coil;
 
 pub use supply_temperature::{HIGHEST_SUPPLY_TEMPERATURE, LOWEST_SUPPLY_TEMPERATURE};
+pub use system::{AirLoop, Terminal};
 pub use terminal::{HIGHEST_HEATING_SETPOINT, REHEAT_OFF};
 
 use super::availability::always_on;
 use super::references::Reference;
 use super::setpoint_managers::{is_referred_to, remove_setpoint_managers};
-use super::system::AirLoop;
 use super::ventilation::Ventilation;
 use crate::{Error, Model, Result};
 use branch::MainBranch;

@@ -1,13 +1,13 @@
 //! Terminals of a central air loop: dampers and reheat.
 
 use super::components::{AIR_SPECIFIC_HEAT, HEATING, WATER_HEATING};
+use super::system::Terminal;
 use super::water_coil;
 use crate::hvac::actuator::{Actuator, EngineVariable, Quantity};
 use crate::hvac::availability::switch_on;
 use crate::hvac::distribution::{ServedZone, served_zones};
 use crate::hvac::references::{Reference, is_one_of};
 use crate::hvac::schedules::constant_schedule;
-use crate::hvac::system::Terminal;
 use crate::hvac::thermostat::{OUT_OF_REACH, own_thermostat};
 use crate::model::text;
 use crate::{Error, Model, Result};

@@ -1,30 +1,36 @@
-//! Discovery of the systems of a model that can be controlled, and of those that cannot, with the reason.
-//!
-//! [`super::make_controllable`] fails at the first unsupported system. In a user's model each system is tried on its own:
-//! one that is not supported keeps its thermostats, schedules and availability.
+//! Discovery of the systems of a model: those that can be controlled, and those that cannot, with the reason.
 
 use std::collections::HashSet;
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use super::actuator::Quantity;
 use super::air_loop_graph::supply_components;
-use super::controllable::{UNCONTROLLED_EQUIPMENT, drive_air_loop};
 use super::distribution::served_zones;
 use super::energy_management::{objects, remove_ems_programs, sets_a_schedule, silence_sensors};
-use super::heating_only;
+use super::kind::{Candidate, Kind};
 use super::references::{Reference, is_one_of, parts};
 use super::system::System;
 use super::thermostat::{split_thermostats, thermostat};
-use super::zone_equipment::zone_equipment;
+use super::zone_equipment::{UNCONTROLLED, VENTILATION, is_beside, is_distribution, zone_equipment};
 use crate::model::{Fields, Model, text};
 use crate::{Error, Result};
+
+/// What happens to a system that cannot be made controllable.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unsupported {
+    /// It is an error, as in a generated building, whose systems are all controlled.
+    Refused,
+    /// It keeps its thermostats, schedules and availability, and is listed with the reason, as in a user's model.
+    LeftAlone,
+}
 
 /// The systems found in a model.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Discovery {
     /// The controlled systems, in the order of the action.
-    pub systems: Vec<System>,
+    pub systems: Vec<Box<dyn System>>,
     /// The systems and the equipment that are not controlled.
     pub uncontrolled: Vec<Uncontrolled>,
 }
@@ -40,36 +46,34 @@ pub struct Uncontrolled {
     pub reason: String,
 }
 
-const DISTRIBUTION: &str = "ZoneHVAC:AirDistributionUnit";
-/// Zone equipment that moves air without controlling a temperature.
-const VENTILATION: [&str; 2] = ["Fan:ZoneExhaust", "ZoneHVAC:EnergyRecoveryVentilator"];
-
-/// Makes every supported system of a hard-sized model controllable: air loops in model order, then heaters in the order of
-/// their zones.
+/// Makes the systems of a hard-sized model controllable: air loops in model order, then equipment in the order of its zones.
+/// `air_density`, kg/m³, turns design volume flows into mass flows.
+///
+/// Each system is edited on a copy of the model, which is kept only if the whole edit succeeds.
 ///
 /// # Errors
-/// [`Error::MissingObject`] for a dangling reference.
-pub(crate) fn discover(model: &mut Model, air_density: f64) -> Result<Discovery> {
+/// [`Error::MissingObject`] for a dangling reference; [`Error::Unsupported`] naming the object that cannot be made
+/// controllable, if such objects are [`Unsupported::Refused`].
+pub(crate) fn discover(
+    model: &mut Model,
+    air_density: f64,
+    kinds: &[Kind],
+    unsupported: Unsupported,
+) -> Result<Discovery> {
+    if unsupported == Unsupported::Refused {
+        // Once all systems are controlled, no schedule has an effect on them.
+        remove_ems_programs(model, sets_a_schedule);
+    }
     let before = objects(model);
     split_thermostats(model);
-    let mut found = Discovery::default();
-    for air_loop in model.names("AirLoopHVAC") {
-        let own = belongings(model, &air_loop)?;
-        let controlled = attempt(model, |model| {
-            refuse_second_system(model, &air_loop)?;
-            drive_air_loop(model, &air_loop, air_density)
-        });
-        match controlled {
-            Ok(system) => {
-                remove_ems_programs(model, |actuator| acts_on(actuator, &own));
-                found.systems.push(system);
-            }
-            Err(error) => found.uncontrolled.push(uncontrolled_air_loop(model, air_loop, error)?),
-        }
+    let mut search = Search { model, air_density, kinds, unsupported, found: Discovery::default() };
+    for air_loop in search.model.names("AirLoopHVAC") {
+        search.air_loop(&air_loop)?;
     }
-    for zone in model.names("Zone") {
-        discover_equipment(model, &zone, &mut found)?;
+    for zone in search.model.names("Zone") {
+        search.zone(&zone)?;
     }
+    let found = search.found;
     silence_sensors(model, &before);
     Ok(found)
 }
@@ -87,8 +91,9 @@ impl Discovery {
         groups.iter().map(|(class, reason, count)| format!("{count} × {class}: {reason}")).collect()
     }
 
-    fn controls(&self, zone: &str) -> Option<&System> {
-        self.systems.iter().find(|s| s.zones().iter().any(|z| z.eq_ignore_ascii_case(zone)))
+    fn system_of(&self, zone: &str) -> Option<&dyn System> {
+        let serves = |system: &&Box<dyn System>| system.zones().iter().any(|z| z.eq_ignore_ascii_case(zone));
+        self.systems.iter().find(serves).map(|system| &**system)
     }
 }
 
@@ -98,12 +103,116 @@ pub(crate) fn has_own_controls(model: &Model, zone: &str) -> Result<bool> {
     Ok(thermostat(model, zone).is_some() && zone_equipment(model, zone)?.iter().any(conditions))
 }
 
-/// Applies an edit; on failure the model is not changed.
-fn attempt(model: &mut Model, edit: impl FnOnce(&mut Model) -> Result<System>) -> Result<System> {
-    let mut edited = model.clone();
-    let system = edit(&mut edited)?;
-    *model = edited;
-    Ok(system)
+/// A search for the systems of a model.
+struct Search<'a> {
+    model: &'a mut Model,
+    air_density: f64,
+    kinds: &'a [Kind],
+    unsupported: Unsupported,
+    found: Discovery,
+}
+
+impl Search<'_> {
+    fn air_loop(&mut self, air_loop: &str) -> Result<()> {
+        let candidate = Candidate::AirLoop(air_loop);
+        let own = belongings(self.model, air_loop)?;
+        let made = match refuse_second_system(self.model, air_loop) {
+            Ok(()) => self.make_controllable(candidate),
+            Err(error) => Err(error),
+        };
+        match made {
+            Ok(system) => {
+                remove_ems_programs(self.model, |actuator| acts_on(actuator, &own));
+                self.found.systems.push(system);
+                Ok(())
+            }
+            Err(error) => {
+                let served = served_zones(self.model, air_loop).unwrap_or_default();
+                let object = Reference { class: "AirLoopHVAC".into(), name: air_loop.to_owned() };
+                self.leave(object, served.into_iter().map(|served| served.zone).collect(), error)
+            }
+        }
+    }
+
+    /// Makes the equipment of a zone controllable if nothing else conditions the zone.
+    fn zone(&mut self, zone: &str) -> Result<()> {
+        let equipment = zone_equipment(self.model, zone)?;
+        let has_air_system = self.found.system_of(zone).is_some();
+        for item in equipment.iter().filter(|item| !is_distribution(&item.class)) {
+            let candidate = Candidate::Equipment { zone, object: item };
+            let made = match self.objection(candidate, &equipment, has_air_system)? {
+                Some(reason) => Err(Error::unsupported(&item.class, &item.name, &reason)),
+                None => self.make_controllable(candidate),
+            };
+            match made {
+                Ok(system) => self.found.systems.push(system),
+                Err(error) => self.leave(item.clone(), vec![zone.to_owned()], error)?,
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns why the equipment of a zone is not controlled whatever its parts are.
+    fn objection(
+        &self,
+        candidate: Candidate<'_>,
+        equipment: &[Reference],
+        has_air_system: bool,
+    ) -> Result<Option<String>> {
+        let (zone, item) = candidate.equipment()?;
+        if self.kind_of(candidate)?.is_none() {
+            let reason = match is_one_of(&item.class, &VENTILATION) {
+                true => "it ventilates by its own schedule",
+                false if has_air_system => "unsupported component: it follows the controlled thermostat",
+                false => "unsupported component",
+            };
+            return Ok(Some(reason.to_owned()));
+        }
+        if let Some(system) = self.found.system_of(zone) {
+            let holds_setpoint =
+                system.actuators().iter().any(|actuator| actuator.quantity == Quantity::HeatingSetpoint);
+            let reason = match holds_setpoint {
+                true => "it holds the heating setpoint together with the controlled equipment of the zone",
+                false => {
+                    "it stays off: the air system of the zone heats, and the thermostat never calls for heat"
+                }
+            };
+            return Ok(Some(reason.to_owned()));
+        }
+        let rival = equipment.iter().find(|other| *other != item && !is_beside(&other.class));
+        Ok(rival.map(|rival| format!("a {} in the zone follows the same thermostat", rival.class)))
+    }
+
+    fn kind_of(&self, candidate: Candidate<'_>) -> Result<Option<Kind>> {
+        for kind in self.kinds {
+            if kind.claims(self.model, candidate)? {
+                return Ok(Some(*kind));
+            }
+        }
+        Ok(None)
+    }
+
+    /// Makes a candidate controllable; on failure the model is not changed.
+    fn make_controllable(&mut self, candidate: Candidate<'_>) -> Result<Box<dyn System>> {
+        let kind = self.kind_of(candidate)?.ok_or_else(|| candidate.unsupported("unsupported component"))?;
+        let mut edited = self.model.clone();
+        let system = kind.make_controllable(&mut edited, candidate, self.air_density)?;
+        *self.model = edited;
+        Ok(system)
+    }
+
+    /// Records a system or a piece of equipment that cannot be made controllable, or returns the error.
+    fn leave(&mut self, object: Reference, zones: Vec<String>, error: Error) -> Result<()> {
+        match self.unsupported {
+            Unsupported::LeftAlone => {
+                let reason = reason(error, &object.name)?;
+                self.found.uncontrolled.push(Uncontrolled { object, zones, reason });
+                Ok(())
+            }
+            Unsupported::Refused if is_one_of(&object.class, &UNCONTROLLED) => Ok(()),
+            Unsupported::Refused => Err(error.in_zones(&zones)),
+        }
+    }
 }
 
 /// Rejects an air loop with a second system in one of its zones: a packaged unit or another air loop would follow the same
@@ -128,20 +237,6 @@ fn refuse_second_system(model: &Model, air_loop: &str) -> Result<()> {
     Ok(())
 }
 
-/// Returns whether equipment may share a zone with a controlled system.
-fn is_beside(class: &str) -> bool {
-    is_one_of(class, &VENTILATION)
-        || is_one_of(class, &UNCONTROLLED_EQUIPMENT)
-        || heating_only::is_heater(class)
-}
-
-fn uncontrolled_air_loop(model: &Model, air_loop: String, error: Error) -> Result<Uncontrolled> {
-    let reason = reason(error, &air_loop)?;
-    let zones = served_zones(model, &air_loop).map(|served| served.into_iter().map(|s| s.zone).collect());
-    let object = Reference { class: "AirLoopHVAC".into(), name: air_loop };
-    Ok(Uncontrolled { object, zones: zones.unwrap_or_default(), reason })
-}
-
 /// Returns the reason in an error, with the class of its object unless that is the system itself.
 fn reason(error: Error, system: &str) -> Result<String> {
     match error {
@@ -149,51 +244,6 @@ fn reason(error: Error, system: &str) -> Result<String> {
         Error::Unsupported { class, why, .. } => Ok(format!("its {class}: {why}")),
         other => Err(other),
     }
-}
-
-/// Makes the heater of a zone controllable if nothing else conditions the zone, and records why other equipment is not
-/// controlled.
-fn discover_equipment(model: &mut Model, zone: &str, found: &mut Discovery) -> Result<()> {
-    let equipment = zone_equipment(model, zone)?;
-    let air = found.controls(zone).cloned();
-    let rival = |e: &&Reference| !is_beside(&e.class);
-    let mut controlled = false;
-    for item in &equipment {
-        let reason = match &air {
-            _ if item.class.eq_ignore_ascii_case(DISTRIBUTION) => continue,
-            _ if is_one_of(&item.class, &VENTILATION) => "it ventilates by its own schedule".to_owned(),
-            Some(System::AirLoop(_)) if heating_only::is_heater(&item.class) => {
-                "it holds the heating setpoint together with the terminal of the zone".to_owned()
-            }
-            Some(_) if heating_only::is_heater(&item.class) => {
-                "it stays off: the air system of the zone heats, and the thermostat never calls for heat"
-                    .to_owned()
-            }
-            Some(_) => "unsupported component: it follows the controlled thermostat".to_owned(),
-            None if !heating_only::is_heater(&item.class) => "unsupported component".to_owned(),
-            None if controlled => {
-                "it holds the heating setpoint together with the first heater of the zone".to_owned()
-            }
-            None => match equipment.iter().find(rival) {
-                Some(rival) => format!("a {} in the zone follows the same thermostat", rival.class),
-                None => {
-                    let made = attempt(model, |model| {
-                        Ok(System::HeatingOnly(heating_only::make_controllable(model, zone, item)?))
-                    });
-                    match made {
-                        Ok(system) => {
-                            controlled = true;
-                            found.systems.push(system);
-                            continue;
-                        }
-                        Err(error) => reason(error, &item.name)?,
-                    }
-                }
-            },
-        };
-        found.uncontrolled.push(Uncontrolled { object: item.clone(), zones: vec![zone.to_owned()], reason });
-    }
-    Ok(())
 }
 
 /// Returns every name in the objects of an air loop, in lower case: its components and their parts, nodes, terminals, zones.

@@ -5,6 +5,7 @@ use std::path::Path;
 use serde_json::json;
 
 use super::*;
+use crate::hvac::KINDS;
 
 /// A zone with a unit heater, and one with this equipment beside a unit heater.
 fn two_zones(class: &str) -> Model {
@@ -28,14 +29,18 @@ fn two_zones(class: &str) -> Model {
     Model::from_epjson(&model.to_string(), Path::new("two.epJSON")).unwrap()
 }
 
+fn left_alone(model: &mut Model) -> Discovery {
+    discover(model, 1.2, &KINDS, Unsupported::LeftAlone).unwrap()
+}
+
 fn driven(found: &Discovery) -> Vec<&str> {
-    found.systems.iter().flat_map(System::zones).collect()
+    found.systems.iter().flat_map(|system| system.zones()).collect()
 }
 
 #[test]
 fn unsupported_equipment_is_reported_and_keeps_its_thermostat() {
     let mut model = two_zones("ZoneHVAC:PackagedTerminalAirConditioner");
-    let found = discover(&mut model, 1.2).unwrap();
+    let found = left_alone(&mut model);
     assert_eq!(driven(&found), ["A"]);
     let left: Vec<_> = found.uncontrolled.iter().map(|item| item.object.name.as_str()).collect();
     assert_eq!(left, ["X", "HB"]);
@@ -53,7 +58,7 @@ fn unsupported_equipment_is_reported_and_keeps_its_thermostat() {
 #[test]
 fn a_heater_beside_ventilation_is_controlled() {
     let mut model = two_zones("ZoneHVAC:EnergyRecoveryVentilator");
-    let found = discover(&mut model, 1.2).unwrap();
+    let found = left_alone(&mut model);
     assert_eq!(driven(&found), ["A", "B"]);
     assert_eq!(found.uncontrolled.len(), 1);
     assert!(found.uncontrolled[0].reason.contains("ventilates"), "{}", found.uncontrolled[0].reason);
@@ -65,7 +70,7 @@ fn a_failed_edit_does_not_change_the_model() {
     // The heater is switched on before its thermostat is found to be missing.
     model.remove("ZoneControl:Thermostat", "TB");
     let before = model.get("ZoneHVAC:UnitHeater", "HB").cloned();
-    let found = discover(&mut model, 1.2).unwrap();
+    let found = left_alone(&mut model);
     assert_eq!(driven(&found), ["A"]);
     assert_eq!(model.get("ZoneHVAC:UnitHeater", "HB").cloned(), before);
     assert!(
@@ -74,4 +79,43 @@ fn a_failed_edit_does_not_change_the_model() {
         found.uncontrolled
     );
     assert!(!has_own_controls(&model, "B").unwrap());
+}
+
+#[test]
+fn unsupported_equipment_is_rejected_by_name_where_all_systems_are_to_be_controlled() {
+    let mut model = two_zones("ZoneHVAC:PackagedTerminalHeatPump");
+    let error = discover(&mut model, 1.2, &KINDS, Unsupported::Refused).unwrap_err().to_string();
+    for word in ["ZoneHVAC:PackagedTerminalHeatPump", "`X`", "`B`"] {
+        assert!(error.contains(word), "{error}");
+    }
+}
+
+#[test]
+fn an_exhaust_fan_is_not_controlled_and_not_reported_where_all_systems_are_controlled() {
+    let mut model = two_zones("Fan:ZoneExhaust");
+    let found = discover(&mut model, 1.2, &KINDS, Unsupported::Refused).unwrap();
+    assert_eq!(driven(&found), ["A", "B"]);
+    assert_eq!(found.uncontrolled, []);
+}
+
+#[test]
+fn both_ways_of_discovery_control_the_same_systems_in_the_same_model() {
+    let [mut refused, mut left_alone] = [two_zones("Fan:ZoneExhaust"), two_zones("Fan:ZoneExhaust")];
+    let strict = discover(&mut refused, 1.2, &KINDS, Unsupported::Refused).unwrap();
+    let tolerant = discover(&mut left_alone, 1.2, &KINDS, Unsupported::LeftAlone).unwrap();
+    assert_eq!(strict.systems, tolerant.systems);
+    assert_eq!(refused.to_epjson(), left_alone.to_epjson());
+}
+
+#[test]
+fn systems_are_read_back_as_they_were_written_and_an_unknown_kind_is_named() {
+    let found = left_alone(&mut two_zones("Fan:ZoneExhaust"));
+    let written = serde_json::to_value(&found.systems).unwrap();
+    assert_eq!(written[0]["heating_only"]["zone"], "A");
+    let read: Vec<Box<dyn System>> = serde_json::from_value(written.clone()).unwrap();
+    assert_eq!(read, found.systems);
+    assert!(*read[0] != *read[1]);
+    let unknown = json!([{"geothermal": written[0]["heating_only"]}]);
+    let said = serde_json::from_value::<Vec<Box<dyn System>>>(unknown).unwrap_err().to_string();
+    assert!(said.contains("`geothermal`"), "{said}");
 }

@@ -12,14 +12,15 @@ mod cooling_coil;
 mod heat_pump;
 mod outdoor_air;
 mod rewrite;
+mod system;
 mod unit;
 
 pub use commands::{supply_air_flow_fraction, supply_air_temperature};
+pub use system::Unitary;
 
 use super::actuator::{Actuator, EngineVariable, Quantity};
 use super::air_loop_graph::supply_components;
 use super::availability::always_on;
-use super::system::Unitary;
 use super::thermostat::{OUT_OF_REACH, own_thermostat};
 use crate::Result;
 use crate::model::Model;

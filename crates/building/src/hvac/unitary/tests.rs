@@ -11,6 +11,12 @@ use crate::model::{items, text};
 
 /// A rooftop unit with a multi-speed coil, draw-through, on a zone with a constant-volume terminal.
 fn rooftop() -> Model {
+    let mut model = air_handler();
+    model.as_object_mut().unwrap().extend(demand_side());
+    Model::from_epjson(&model.to_string(), Path::new("rooftop.epJSON")).unwrap()
+}
+
+fn cooling_coil() -> Value {
     let curves = |speed: &str| {
         CURVES
             .iter()
@@ -28,7 +34,11 @@ fn rooftop() -> Model {
     for (key, value) in curves("speed_2_") {
         cooling[key] = value;
     }
-    let model = json!({
+    cooling
+}
+
+fn air_handler() -> Value {
+    json!({
         "AirLoopHVAC": {"Loop": {
             "branch_list_name": "Branches", "demand_side_inlet_node_names": "Demand inlet",
             "supply_side_outlet_node_names": "Supply outlet"}},
@@ -53,7 +63,7 @@ fn rooftop() -> Model {
             "availability_schedule_name": "Office hours", "design_maximum_air_flow_rate": 0.6,
             "fan_total_efficiency": 0.58, "design_pressure_rise": 622.5, "motor_efficiency": 0.9,
             "motor_in_air_stream_fraction": 1.0}},
-        "Coil:Cooling:DX:MultiSpeed": {"Cooling": cooling},
+        "Coil:Cooling:DX:MultiSpeed": {"Cooling": cooling_coil()},
         "Coil:Heating:Fuel": {"Heating": {
             "air_inlet_node_name": "After cooling", "air_outlet_node_name": "After heating",
             "nominal_capacity": 20000.0}},
@@ -63,6 +73,11 @@ fn rooftop() -> Model {
         "Controller:OutdoorAir": {"OA control": {
             "economizer_control_type": "DifferentialDryBulb",
             "mixed_air_node_name": "Mixed", "maximum_fraction_of_outdoor_air_schedule_name": "0.75"}},
+    })
+}
+
+fn demand_side() -> serde_json::Map<String, Value> {
+    let objects = json!({
         "ZoneHVAC:EquipmentConnections": {"C": {
             "zone_name": "Zone", "zone_conditioning_equipment_list_name": "Equipment"}},
         "ZoneHVAC:EquipmentList": {"Equipment": {"equipment": [{
@@ -81,7 +96,7 @@ fn rooftop() -> Model {
         "AirLoopHVAC:ZoneSplitter": {"Splitter": {"nodes": [{"outlet_node_name": "Terminal inlet"}]}},
         "ZoneControl:Thermostat": {"T": {"zone_or_zonelist_name": "Zone"}},
     });
-    Model::from_epjson(&model.to_string(), Path::new("rooftop.epJSON")).unwrap()
+    objects.as_object().unwrap().clone()
 }
 
 /// The same as a heat pump with an electric backup, without an economizer.

@@ -1,0 +1,130 @@
+//! The result of a calibration.
+
+use serde::Serialize;
+
+use super::{Agreement, Fit, Fuel, Metered};
+use crate::MonthlyEnergy;
+use crate::edit::Change;
+
+/// Everything that a report is made of.
+pub(super) struct Calibrated<'a> {
+    pub(super) metered: &'a Metered,
+    pub(super) parameters: &'a [Change],
+    pub(super) fit: &'a Fit,
+    pub(super) before: MonthlyEnergy,
+    pub(super) after: MonthlyEnergy,
+}
+
+/// A calibration: the multipliers, and the energy before and after.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    /// Name of the model.
+    pub model: String,
+    /// Name of the place, or of the weather file.
+    pub place: String,
+    /// The calibrated parameters.
+    pub parameters: Vec<Parameter>,
+    /// The metered fuels.
+    pub fuels: Vec<FuelReport>,
+    /// Number of iterations.
+    pub iterations: usize,
+    /// Number of simulated years.
+    pub simulations: usize,
+    /// What to check before the model is used.
+    pub warnings: Vec<String>,
+}
+
+/// A calibrated parameter.
+#[derive(Clone, Debug, Serialize)]
+pub struct Parameter {
+    /// The change of the model.
+    pub name: Change,
+    /// Its multiplier.
+    pub multiplier: f64,
+    /// Whether the multiplier ends at its bound.
+    pub at_bound: bool,
+}
+
+/// A fuel before and after calibration.
+#[derive(Clone, Debug, Serialize)]
+pub struct FuelReport {
+    /// The fuel.
+    pub fuel: Fuel,
+    /// The metered months, from 1.
+    pub months: Vec<usize>,
+    /// Metered energy of each month, kWh.
+    pub metered_kwh: Vec<f64>,
+    /// Simulated energy before calibration, kWh.
+    pub before_kwh: Vec<f64>,
+    /// Simulated energy after calibration, kWh.
+    pub after_kwh: Vec<f64>,
+    /// Agreement before calibration.
+    pub before: Agreement,
+    /// Agreement after calibration.
+    pub after: Agreement,
+}
+
+impl Report {
+    /// Compares the model before and after with the metered energy.
+    pub(super) fn new(model: &str, place: &str, calibrated: Calibrated<'_>) -> Self {
+        let Calibrated { metered, parameters, fit, before, after } = calibrated;
+        let parameter = |(index, name): (usize, &Change)| Parameter {
+            name: *name,
+            multiplier: fit.point[index].exp(),
+            at_bound: fit.at_bound.contains(&index),
+        };
+        let fuel = |(fuel, values): &(Fuel, Vec<f64>)| {
+            let of = |energy: &MonthlyEnergy| -> Vec<f64> {
+                metered.months.iter().map(|month| energy.fuel(*fuel)[month - 1]).collect()
+            };
+            let (before_kwh, after_kwh) = (of(&before), of(&after));
+            FuelReport {
+                fuel: *fuel,
+                months: metered.months.clone(),
+                metered_kwh: values.clone(),
+                before: Agreement::of(values, &before_kwh),
+                after: Agreement::of(values, &after_kwh),
+                before_kwh,
+                after_kwh,
+            }
+        };
+        Self {
+            model: model.to_owned(),
+            place: place.to_owned(),
+            parameters: parameters.iter().enumerate().map(parameter).collect(),
+            fuels: metered.fuels.iter().map(fuel).collect(),
+            iterations: fit.iterations,
+            simulations: fit.evaluations,
+            warnings: warnings(parameters, fit),
+        }
+    }
+}
+
+fn warnings(parameters: &[Change], fit: &Fit) -> Vec<String> {
+    let names = |indices: &[usize]| -> String {
+        indices.iter().map(|index| parameters[*index].name()).collect::<Vec<_>>().join(", ")
+    };
+    let mut warnings = Vec::new();
+    if !fit.collinear.is_empty() {
+        warnings.push(format!(
+            "{} are nearly collinear: monthly energy hardly tells them apart, and other multipliers may agree as well; \
+             calibrate fewer parameters",
+            names(&fit.collinear)
+        ));
+    }
+    for index in &fit.at_bound {
+        warnings.push(format!(
+            "{} ends at its bound, a multiplier of {:.2}: check the model and the metered energy, or calibrate other \
+             parameters",
+            parameters[*index].name(),
+            fit.point[*index].exp()
+        ));
+    }
+    if !fit.without_effect.is_empty() {
+        warnings.push(format!(
+            "{} has almost no effect on the metered energy and is not determined",
+            names(&fit.without_effect)
+        ));
+    }
+    warnings
+}

@@ -1,0 +1,6 @@
+//! Energy of a building: its meters, and what the engine writes about them.
+
+pub(crate) mod hvac_energy;
+pub(crate) mod monthly_energy;
+pub(crate) mod output_database;
+pub(crate) mod outputs;

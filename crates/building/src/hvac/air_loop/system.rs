@@ -1,0 +1,154 @@
+//! The central air loop as a kind of system.
+
+use serde::{Deserialize, Serialize};
+
+use super::make_controllable;
+use crate::hvac::actuator::Actuator;
+use crate::hvac::capacity::{Capacity, Equipment, SystemEquipment};
+use crate::hvac::kind::{Candidate, KindName};
+use crate::hvac::sequence::Sequence;
+use crate::hvac::system::{FromModel, SharedFlow, System, ZoneState};
+use crate::hvac::ventilation::Ventilation;
+use crate::morphology::NodeType;
+use crate::{Model, Result};
+
+/// Temperature deviation at full damper opening during warm-up, K.
+const WARM_UP_BAND: f64 = 2.0;
+/// Supply air temperature during warm-up, °C.
+const WARM_UP_SUPPLY: f64 = 14.0;
+/// Minimum damper opening during warm-up.
+const WARM_UP_OPENING: f64 = 0.2;
+/// Outdoor air during warm-up, as a fraction of the fan's design flow.
+const WARM_UP_OUTDOOR_AIR: f64 = 0.2;
+
+/// A central air loop.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct AirLoop {
+    /// Name of the `AirLoopHVAC`.
+    pub name: String,
+    /// [`Quantity::SupplyAirTemperature`](crate::hvac::Quantity::SupplyAirTemperature), of the air handler.
+    pub supply_temperature: Actuator,
+    /// [`Quantity::OutdoorAirFlow`](crate::hvac::Quantity::OutdoorAirFlow).
+    pub outdoor_air: Actuator,
+    /// Design flow of the supply fan, kg/s. It limits the flow of all terminals together.
+    pub fan_flow: f64,
+    /// Design flow of the exhaust fans in its zones, kg/s. Outdoor air makes up for it, whatever is commanded.
+    pub exhaust_flow: f64,
+    /// Its outdoor air.
+    pub ventilation: Ventilation,
+    /// The terminals, in model order of their zones.
+    pub terminals: Vec<Terminal>,
+}
+
+/// The terminal of one zone on a central air loop.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Terminal {
+    /// Zone it serves.
+    pub zone: String,
+    /// [`Quantity::DamperOpening`](crate::hvac::Quantity::DamperOpening).
+    pub damper: Actuator,
+    /// [`Quantity::HeatingSetpoint`](crate::hvac::Quantity::HeatingSetpoint), of the reheat coil.
+    pub reheat: Actuator,
+    /// Design flow, kg/s.
+    pub design_flow: f64,
+    /// Opening above which more air brings no more heat, 0 to 1, because a hot-water coil is at its capacity; 1 for other
+    /// coils.
+    pub heating_opening: f64,
+}
+
+impl AirLoop {
+    /// Number of the actuator of the supply air temperature of the air handler.
+    pub const SUPPLY_TEMPERATURE: usize = 0;
+    /// Number of the actuator of the outdoor air flow.
+    pub const OUTDOOR_AIR: usize = 1;
+
+    /// Number of the actuator of the damper of a terminal.
+    pub const fn damper(terminal: usize) -> usize {
+        2 + 2 * terminal
+    }
+
+    /// Number of the actuator of the reheat setpoint of a terminal.
+    pub const fn reheat(terminal: usize) -> usize {
+        Self::damper(terminal) + 1
+    }
+}
+
+impl System for AirLoop {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn zones(&self) -> Vec<&str> {
+        self.terminals.iter().map(|terminal| terminal.zone.as_str()).collect()
+    }
+
+    fn actuators(&self) -> Vec<&Actuator> {
+        let terminals = self.terminals.iter().flat_map(|terminal| [&terminal.damper, &terminal.reheat]);
+        [&self.supply_temperature, &self.outdoor_air].into_iter().chain(terminals).collect()
+    }
+
+    fn zone_of(&self, actuator: usize) -> Option<usize> {
+        actuator.checked_sub(Self::damper(0)).map(|of_terminals| of_terminals / 2)
+    }
+
+    fn node_type(&self) -> NodeType {
+        NodeType::VavZone
+    }
+
+    fn ventilation(&self) -> Option<&Ventilation> {
+        Some(&self.ventilation)
+    }
+
+    /// The outdoor air, and the common damper opening that lets it through.
+    fn outdoor_air_limits(&self) -> Vec<(usize, f64)> {
+        let minimum = self.ventilation.min_outdoor_air.min(self.fan_flow);
+        let design: f64 = self.terminals.iter().map(|terminal| terminal.design_flow).sum();
+        let opening = (minimum / design).min(1.0);
+        let dampers = (0..self.terminals.len()).map(|terminal| (Self::damper(terminal), opening));
+        std::iter::once((Self::OUTDOOR_AIR, minimum)).chain(dampers).collect()
+    }
+
+    fn shared_flow(&self) -> Option<SharedFlow> {
+        Some(SharedFlow { fan: self.fan_flow, exhaust: self.exhaust_flow })
+    }
+
+    fn warm_up(&self, zone: &dyn Fn(usize) -> ZoneState, action: &mut [f64]) {
+        action[Self::SUPPLY_TEMPERATURE] = WARM_UP_SUPPLY;
+        action[Self::OUTDOOR_AIR] = WARM_UP_OUTDOOR_AIR * self.fan_flow;
+        for terminal in 0..self.terminals.len() {
+            let zone = zone(terminal);
+            let cooling = (zone.temperature - zone.target) / WARM_UP_BAND;
+            action[Self::damper(terminal)] = (WARM_UP_OPENING + cooling).clamp(WARM_UP_OPENING, 1.0);
+            action[Self::reheat(terminal)] = zone.target;
+        }
+    }
+
+    fn sequence(&self) -> Sequence<'_> {
+        Sequence::MultipleZones(self)
+    }
+
+    fn equipment(&self, model: &Model) -> Result<SystemEquipment> {
+        let terminal = |terminal: &Terminal| {
+            let heating_capacity = Capacity::of_zone_equipment(model, &terminal.zone)?.heating;
+            Ok(Equipment { design_flow: terminal.design_flow, heating_capacity, cooling_capacity: 0.0 })
+        };
+        Ok(SystemEquipment {
+            name: self.name.clone(),
+            central: Capacity::of_air_loop(model, &self.name)?.with_flow(self.fan_flow),
+            zones: self.terminals.iter().map(terminal).collect::<Result<_>>()?,
+        })
+    }
+}
+
+impl FromModel for AirLoop {
+    const NAME: KindName = KindName { id: "air_loop", name: "air loop", plural: "air loops" };
+
+    /// Every air loop without a unit.
+    fn claims(_: &Model, candidate: Candidate<'_>) -> Result<bool> {
+        Ok(matches!(candidate, Candidate::AirLoop(_)))
+    }
+
+    fn make_controllable(model: &mut Model, candidate: Candidate<'_>, air_density: f64) -> Result<Self> {
+        make_controllable(model, candidate.air_loop()?, air_density)
+    }
+}

@@ -1,0 +1,157 @@
+//! The thermostats of zones.
+
+use serde_json::{Value, json};
+
+use super::schedules::constant_schedule;
+use crate::model::{Fields, items, text};
+use crate::zone::covers_zone;
+use crate::{Error, Model, Result};
+
+/// Schedule of the control type of a thermostat with a heating and a cooling setpoint.
+const DUAL_SETPOINT: &str = "B2B Dual Setpoint";
+/// A cooling setpoint that no zone reaches, °C: cooling is controlled through the supply air. Random actions have reached
+/// 46 °C.
+pub const OUT_OF_REACH: f64 = 90.0;
+
+/// The setpoint schedules of a zone's thermostat.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Setpoints {
+    /// Name of the `Schedule:Constant` of the heating setpoint.
+    pub heating: String,
+    /// Name of the `Schedule:Constant` of the cooling setpoint.
+    pub cooling: String,
+}
+
+/// Gives a zone a thermostat of its own: a heating and a cooling setpoint that no other zone shares, in the
+/// schedules `<zone> Heating Setpoint` and `<zone> Cooling Setpoint`, at these values (°C).
+///
+/// # Errors
+/// [`Error::Unsupported`] when the zone has no thermostat, or one that controls a list of zones.
+pub fn own_thermostat(model: &mut Model, zone: &str, heating: f64, cooling: f64) -> Result<Setpoints> {
+    let thermostat = match thermostat(model, zone) {
+        None => {
+            return Err(Error::unsupported("Zone", zone, "it has no thermostat"));
+        }
+        Some((name, None)) => name,
+        Some((name, Some(list))) => {
+            let why = format!("it controls the zone list `{list}`; give each zone a thermostat");
+            return Err(Error::unsupported("ZoneControl:Thermostat", &name, &why));
+        }
+    };
+    let setpoints = Setpoints { heating: heating_setpoint(zone), cooling: cooling_setpoint(zone) };
+    constant_schedule(model, &setpoints.heating, heating);
+    constant_schedule(model, &setpoints.cooling, cooling);
+    constant_schedule(model, DUAL_SETPOINT, 4.0);
+    let dual = format!("{zone} Dual Setpoint");
+    model.insert(
+        "ThermostatSetpoint:DualSetpoint",
+        &dual,
+        json!({
+            "heating_setpoint_temperature_schedule_name": setpoints.heating,
+            "cooling_setpoint_temperature_schedule_name": setpoints.cooling,
+        }),
+    );
+    let fields = model.require_mut("ZoneControl:Thermostat", &thermostat)?;
+    fields.retain(|field, _| matches!(field.as_str(), "idf_order" | "zone_or_zonelist_name"));
+    fields.insert("control_type_schedule_name".into(), DUAL_SETPOINT.into());
+    fields.insert("control_1_object_type".into(), "ThermostatSetpoint:DualSetpoint".into());
+    fields.insert("control_1_name".into(), dual.into());
+    Ok(setpoints)
+}
+
+/// Name of the schedule of a zone's heating setpoint, °C.
+pub fn heating_setpoint(zone: &str) -> String {
+    format!("{zone} Heating Setpoint")
+}
+
+/// Name of the schedule of a zone's cooling setpoint, °C.
+pub fn cooling_setpoint(zone: &str) -> String {
+    format!("{zone} Cooling Setpoint")
+}
+
+/// Replaces each thermostat that controls a list of zones by one per zone. A thermostat that another object refers to is
+/// kept.
+pub(in crate::hvac) fn split_thermostats(model: &mut Model) {
+    const CLASS: &str = "ZoneControl:Thermostat";
+    for name in model.names(CLASS) {
+        let Some(fields) = model.get(CLASS, &name).cloned() else { continue };
+        let list = text(&fields, "zone_or_zonelist_name").and_then(|list| model.get("ZoneList", list));
+        let Some(list) = list else { continue };
+        let zones: Vec<_> =
+            items(list, "zones").filter_map(|item| text(item, "zone_name")).map(str::to_owned).collect();
+        let refers = |(_, fields): (&str, &Fields)| {
+            text(fields, "thermostat_name").is_some_and(|other| other.eq_ignore_ascii_case(&name))
+        };
+        let extensions: Vec<_> =
+            model.classes().filter(|class| class.starts_with("ZoneControl:Thermostat:")).collect();
+        if extensions.iter().any(|class| model.objects(class).into_iter().any(refers)) {
+            continue;
+        }
+        model.remove(CLASS, &name);
+        for zone in zones {
+            let mut own = fields.clone();
+            own.insert("zone_or_zonelist_name".into(), zone.clone().into());
+            model.insert(CLASS, &format!("{zone} {name}"), Value::Object(own));
+        }
+    }
+}
+
+/// Returns the thermostat of a zone, with the zone list if it controls one.
+pub(in crate::hvac) fn thermostat(model: &Model, zone: &str) -> Option<(String, Option<String>)> {
+    model.objects("ZoneControl:Thermostat").into_iter().find_map(|(name, fields)| {
+        let zones = text(fields, "zone_or_zonelist_name").unwrap_or_default();
+        if zones.eq_ignore_ascii_case(zone) {
+            return Some((name.to_owned(), None));
+        }
+        covers_zone(model, zones, zone).then(|| (name.to_owned(), Some(zones.to_owned())))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    fn model(text: Value) -> Model {
+        Model::from_epjson(&text.to_string(), Path::new("test.epJSON")).unwrap()
+    }
+
+    #[test]
+    fn a_thermostat_that_two_zones_shared_is_split() {
+        let mut model = model(json!({"ZoneControl:Thermostat": {
+            "A": {"zone_or_zonelist_name": "ZA", "control_1_name": "Shared", "control_2_name": "X"},
+            "B": {"zone_or_zonelist_name": "ZB", "control_1_name": "Shared"},
+        }}));
+        let setpoints = own_thermostat(&mut model, "ZA", 21.0, 90.0).unwrap();
+        let thermostat = model.require("ZoneControl:Thermostat", "A").unwrap();
+        let dual = model.require("ThermostatSetpoint:DualSetpoint", "ZA Dual Setpoint").unwrap();
+        assert_eq!(thermostat["control_1_name"], "ZA Dual Setpoint");
+        assert!(!thermostat.contains_key("control_2_name"));
+        assert_eq!(dual["heating_setpoint_temperature_schedule_name"], setpoints.heating);
+        assert_eq!(model.require("Schedule:Constant", &setpoints.cooling).unwrap()["hourly_value"], 90.0);
+        assert_eq!(model.require("ZoneControl:Thermostat", "B").unwrap()["control_1_name"], "Shared");
+    }
+
+    #[test]
+    fn a_thermostat_of_a_zone_list_is_rejected_by_name() {
+        let mut model = model(json!({
+            "ZoneControl:Thermostat": {"T": {"zone_or_zonelist_name": "All"}},
+            "ZoneList": {"All": {"zones": [{"zone_name": "ZA"}]}},
+        }));
+        let error = own_thermostat(&mut model, "ZA", 21.0, 90.0).unwrap_err();
+        assert!(error.to_string().contains("`T`"), "{error}");
+    }
+
+    #[test]
+    fn a_thermostat_of_a_zone_list_becomes_one_per_zone() {
+        let mut model = model(json!({
+            "ZoneControl:Thermostat": {"T": {"zone_or_zonelist_name": "ALL", "control_1_name": "Shared"}},
+            "ZoneList": {"All": {"zones": [{"zone_name": "ZA"}, {"zone_name": "ZB"}]}},
+        }));
+        split_thermostats(&mut model);
+        assert_eq!(model.names("ZoneControl:Thermostat"), ["ZA T", "ZB T"]);
+        own_thermostat(&mut model, "ZA", 21.0, 90.0).unwrap();
+        assert_eq!(model.require("ZoneControl:Thermostat", "ZB T").unwrap()["control_1_name"], "Shared");
+    }
+}

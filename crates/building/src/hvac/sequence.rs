@@ -1,0 +1,21 @@
+//! Sequences of operation: how rule-based controllers control a system.
+
+use super::actuator::Actuator;
+use super::air_loop::AirLoop;
+
+/// The sequence of operation that applies to a system. It depends on the actuators rather than on the equipment behind them,
+/// so that several kinds may have the same.
+#[derive(Clone, Copy, Debug)]
+pub enum Sequence<'a> {
+    /// A single zone with supply air: actuator 0 is the supply air flow, actuator 1 the supply air temperature.
+    SingleZone {
+        /// [`Quantity::SupplyAirFlow`](super::Quantity::SupplyAirFlow).
+        flow: &'a Actuator,
+        /// [`Quantity::SupplyAirTemperature`](super::Quantity::SupplyAirTemperature).
+        supply_temperature: &'a Actuator,
+    },
+    /// Several zones with dampers and reheat on one air handler.
+    MultipleZones(&'a AirLoop),
+    /// A zone under a thermostat: actuator 0 is its heating setpoint.
+    Thermostat,
+}

@@ -1,0 +1,72 @@
+//! Figures in units beside scores: RMS deviation and energy, of agents and of the reactive controllers.
+
+use b2b_evaluate::statistics::median;
+use b2b_evaluate::{Row, Scored};
+
+/// A figure of an episode, if it has it.
+pub(crate) type Figure = fn(&Scored) -> Option<f64>;
+
+/// Returns the RMS deviation from target, K.
+pub(crate) fn deviation(scored: &Scored) -> Option<f64> {
+    Some(scored.metrics.rms_deviation)
+}
+
+/// Returns the HVAC energy of the run period, kWh/m².
+pub(crate) fn energy(scored: &Scored) -> Option<f64> {
+    Some(scored.metrics.energy() / 1000.0)
+}
+
+/// Returns the rewarded RMS deviation of the reactive controllers in the same episode, K: from their return without the penalty on
+/// energy.
+pub(crate) fn reactive_deviation(scored: &Scored) -> Option<f64> {
+    let comfort = -scored.baseline_return? * comfort_share(scored)?;
+    Some((comfort.max(0.0) / scored.metrics.steps.max(1) as f64).sqrt())
+}
+
+/// Returns the HVAC energy of the reactive controllers in the same episode, kWh/m².
+pub(crate) fn reactive_energy(scored: &Scored) -> Option<f64> {
+    Some(scored.baseline_energy? / 1000.0)
+}
+
+/// Returns the share of comfort in the penalty of the reactive controllers. Without it, an agent gains by energy alone.
+pub(crate) fn comfort_share(scored: &Scored) -> Option<f64> {
+    let of_energy = match (scored.metrics.energy_penalty, scored.metrics.energy()) {
+        (0.0, _) => 0.0,
+        (_, 0.0) => return None,
+        (penalty, energy) => scored.baseline_energy? * penalty / energy,
+    };
+    Some(1.0 + of_energy / scored.baseline_return?)
+}
+
+/// Returns the median of a figure as a cell.
+pub(crate) fn median_text(rows: &[&Row], figure: Figure) -> String {
+    let mut values: Vec<f64> = rows.iter().filter_map(|row| figure(row.outcome.as_ref().ok()?)).collect();
+    values.sort_by(f64::total_cmp);
+    if values.is_empty() { "–".to_owned() } else { format!("{:.2}", median(&values)) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use b2b_env::EpisodeMetrics;
+
+    #[test]
+    fn the_reactive_deviation_is_their_return_without_the_penalty_on_energy() {
+        // A penalty of 2 per Wh/m²; theirs is 200 of 600, and 400 K² over 100 steps are 2 K.
+        let metrics = EpisodeMetrics {
+            steps: 100,
+            electricity: 50.0,
+            energy_penalty: 100.0,
+            ..EpisodeMetrics::default()
+        };
+        let scored = Scored {
+            metrics,
+            baseline_return: Some(-600.0),
+            baseline_energy: Some(100.0),
+            ..Scored::default()
+        };
+        assert!((reactive_deviation(&scored).unwrap() - 2.0).abs() < 1e-12);
+        assert_eq!((energy(&scored), reactive_energy(&scored)), (Some(0.05), Some(0.1)));
+        assert_eq!(reactive_deviation(&Scored::default()), None);
+    }
+}

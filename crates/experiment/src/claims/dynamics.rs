@@ -1,0 +1,99 @@
+//! The paper's claims about dynamics adaptation.
+
+use b2b_evaluate::Row;
+use b2b_evaluate::statistics::{mean, median, quantile, score_text};
+
+use super::claim::{Claim, Judged, Side, deviations_text};
+use super::interval::{Measured, measured};
+use super::select::{by_building, lists, log_score, median_of, trained};
+use crate::absolute::{deviation, reactive_deviation};
+use crate::results::Results;
+
+const STEPS: u64 = 4_000_000;
+const AGENTS: [&str; 3] = ["specialist", "parameterized", "generalist"];
+const CAVEAT: &str = "houses, their attributes and the scaling of observations are not the paper's";
+
+pub(super) fn judge(results: &Results) -> Vec<Judged> {
+    let [specialist, parameterized, generalist] = AGENTS.map(|agent| trained(results, agent, STEPS));
+    let mut judged = vec![
+        below(
+            "Specialists score lower than the parameterized agent, with a substantial gap",
+            &specialist,
+            &parameterized,
+        ),
+        below(
+            "Specialists score lower than the generalist, with a substantial gap",
+            &specialist,
+            &generalist,
+        ),
+        below("The parameterized agent scores lower than the generalist", &parameterized, &generalist),
+        around_target(&[&specialist, &parameterized, &generalist]),
+    ];
+    judged.push(tail(
+        "The generalist has a long tail: transfer failed in a few houses",
+        Side::Above,
+        &generalist,
+    ));
+    judged.push(tail("The parameterized agent has a long tail, too", Side::Above, &parameterized));
+    judged.push(tail("Specialists are consistent throughout the test set", Side::Below, &specialist));
+    judged
+}
+
+/// Judges that an agent scores lower than another in the houses that both are tested in.
+fn below(text: &str, agent: &[&Row], other: &[&Row]) -> Judged {
+    let claim = Claim {
+        text: text.into(),
+        quantity: "median ratio of scores in the same house",
+        side: Side::Below,
+        bound: 1.0,
+        margin: 0.05,
+        caveat: CAVEAT,
+    };
+    let (own, other_scores) = (by_building(agent, log_score), by_building(other, log_score));
+    let differences: Vec<Vec<f64>> = own
+        .iter()
+        .filter_map(|(house, scores)| Some(vec![mean(scores) - mean(other_scores.get(house)?)]))
+        .collect();
+    let remark = match (median_of(agent, deviation), median_of(other, deviation)) {
+        (Some(own), Some(other)) => {
+            format!("median RMS deviations {} and {} K", score_text(own), score_text(other))
+        }
+        _ => String::new(),
+    };
+    claim.judge(measured(&differences, median).map(Measured::exp), &remark)
+}
+
+/// Judges that all agents control temperature around the target, by the one that does worst.
+fn around_target(agents: &[&[&Row]]) -> Judged {
+    let claim = Claim {
+        text: "All agents control the temperature around the target".into(),
+        quantity: "highest of the three median RMS deviations (K)",
+        side: Side::Below,
+        bound: 1.0,
+        margin: 0.1,
+        caveat: CAVEAT,
+    };
+    let all: Vec<(Measured, &[&Row])> =
+        agents.iter().filter_map(|rows| Some((measured(&lists(rows, deviation), median)?, *rows))).collect();
+    if all.len() < agents.len() {
+        return claim.judge(None, "");
+    }
+    let worst = all.into_iter().max_by(|a, b| a.0.interval.value.total_cmp(&b.0.interval.value));
+    let Some((measured, rows)) = worst else { return claim.judge(None, "") };
+    let remark = deviations_text(median_of(rows, deviation), median_of(rows, reactive_deviation));
+    claim.judge(Some(measured), &remark)
+}
+
+/// Judges the tail of the RMS deviations over houses.
+fn tail(text: &str, side: Side, rows: &[&Row]) -> Judged {
+    let claim = Claim {
+        text: text.into(),
+        quantity: "95th percentile of RMS deviations over their median",
+        side,
+        bound: 2.0,
+        margin: 0.1,
+        caveat: CAVEAT,
+    };
+    let spread = measured(&lists(rows, deviation), |sorted| quantile(sorted, 0.95) / median(sorted));
+    claim.judge(spread, "")
+}

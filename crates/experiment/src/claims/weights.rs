@@ -1,0 +1,114 @@
+//! The paper's claims about the weight of energy.
+
+use std::collections::BTreeMap;
+
+use b2b_env::Task;
+use b2b_evaluate::statistics::{median, score_text};
+use b2b_evaluate::{Row, Scored};
+
+use super::claim::{Claim, Judged, Side};
+use super::interval::{Measured, measured};
+use super::ppo::{AGENT, OFF_ENERGY, STEPS};
+use super::select::{lists, median_of, trained};
+use crate::absolute::{deviation, energy};
+use crate::results::Results;
+
+const CAVEAT: &str =
+    "the baseline energy that the weight is scaled by, and the buildings, are not the paper's";
+/// The highest weight.
+const HIGH: f64 = 5.0;
+
+pub(super) fn judge(results: &Results) -> Vec<Judged> {
+    let all = trained(results, AGENT, STEPS);
+    let of_type =
+        |name: &str| all.iter().filter(|row| row.info.building_type == name).copied().collect::<Vec<_>>();
+    let (small, medium) = (of_type("OfficeSmall"), of_type("OfficeMedium"));
+    vec![
+        less_energy("The higher the weight, the lower the energy, in medium offices", &medium),
+        less_energy("The higher the weight, the lower the energy, in small offices", &small),
+        little_shift(&medium),
+        degenerate(&small),
+    ]
+}
+
+fn claim(text: &str, quantity: &'static str, bound: f64, margin: f64) -> Claim {
+    Claim { text: text.into(), quantity, side: Side::Below, bound, margin, caveat: CAVEAT }
+}
+
+fn less_energy(text: &str, rows: &[&Row]) -> Judged {
+    let claim = claim(text, "energy at weight 5 over that at 0", 1.0, 0.05);
+    let (mut fell, mut steps) = (0, 0);
+    for values in series(rows, energy).values() {
+        steps += values.len() - 1;
+        fell += values.windows(2).filter(|pair| pair[1].1 < pair[0].1).count();
+    }
+    let ratio = |values: &[(f64, f64)]| {
+        let (first, last) = (values.first()?, values.last()?);
+        (first.0 == 0.0 && last.0 == HIGH && first.1 > 0.0).then(|| last.1 / first.1)
+    };
+    let ratios = changes(rows, energy, ratio);
+    claim.judge(measured(&ratios, median), &format!("energy falls at {fell} of {steps} steps of the weight"))
+}
+
+fn little_shift(rows: &[&Row]) -> Judged {
+    let claim = claim(
+        "In medium offices the deviation from target does not shift much with the weight",
+        "RMS deviation at weight 5 less that at 0 (K)",
+        0.5,
+        0.1,
+    );
+    let shift = |values: &[(f64, f64)]| {
+        let (first, last) = (values.first()?, values.last()?);
+        (first.0 == 0.0 && last.0 == HIGH).then_some(last.1 - first.1)
+    };
+    let shifts = changes(rows, deviation, shift);
+    claim.judge(measured(&shifts, median), "")
+}
+
+fn degenerate(rows: &[&Row]) -> Judged {
+    let claim = claim(
+        "In small offices a high weight gives a degenerate policy, which turns HVAC off",
+        "energy at weight 5 over the reactive controllers'",
+        OFF_ENERGY,
+        0.05,
+    );
+    let high: Vec<&Row> = rows.iter().filter(|row| weight(row) == Some(HIGH)).copied().collect();
+    let remark = median_of(&high, deviation)
+        .map(|deviation| format!("median RMS deviation {} K", score_text(deviation)));
+    let relative: Option<Measured> = measured(&lists(&high, Scored::relative_energy), median);
+    claim.judge(relative, &remark.unwrap_or_default())
+}
+
+/// Returns the change of a value with the weight, one list of each building with its kinds of targets.
+fn changes(
+    rows: &[&Row],
+    value: fn(&Scored) -> Option<f64>,
+    change: impl Fn(&[(f64, f64)]) -> Option<f64>,
+) -> Vec<Vec<f64>> {
+    let mut buildings: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
+    for ((building, _), values) in series(rows, value) {
+        buildings.entry(building).or_default().extend(change(&values));
+    }
+    buildings.into_values().collect()
+}
+
+/// Values with their weights, in the order of these.
+type Series = Vec<(f64, f64)>;
+
+/// Returns the values of each building and kind of targets.
+fn series<'a>(rows: &[&'a Row], value: fn(&Scored) -> Option<f64>) -> BTreeMap<(&'a str, &'a str), Series> {
+    let mut all: BTreeMap<(&str, &str), Series> = BTreeMap::new();
+    for row in rows {
+        let value = row.outcome.as_ref().ok().and_then(value);
+        if let (Some(weight), Some(value)) = (weight(row), value) {
+            let setpoints = row.info.task.split('+').next().unwrap_or_default();
+            all.entry((&row.info.building, setpoints)).or_default().push((weight, value));
+        }
+    }
+    all.values_mut().for_each(|values| values.sort_by(|a, b| a.0.total_cmp(&b.0)));
+    all
+}
+
+fn weight(row: &Row) -> Option<f64> {
+    Some(row.info.task.parse::<Task>().ok()?.energy_weight)
+}

@@ -1,0 +1,124 @@
+//! Budgets by name.
+
+use std::collections::BTreeMap;
+
+use b2b_building::BuildingType;
+use serde::Deserialize;
+use toml::Value;
+
+/// The budget of an experiment.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Budget {
+    /// Name: `quick`, `full`, or its key under `[budgets]`.
+    #[serde(skip)]
+    pub name: String,
+    /// Environment steps of each training.
+    pub steps: u64,
+    /// Number of seeds.
+    pub seeds: u64,
+    /// Number of test buildings of each type.
+    pub buildings: Buildings,
+    /// Names of the agents that it has. Empty: all.
+    #[serde(default)]
+    pub agents: Vec<String>,
+    /// Whether trainings keep the best agent by held-out days beside the last one, and both are evaluated.
+    #[serde(default)]
+    pub with_best: bool,
+}
+
+/// Numbers of test buildings, evenly spaced in the list of the dataset.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(try_from = "Value")]
+pub struct Buildings {
+    by_type: BTreeMap<BuildingType, usize>,
+    others: usize,
+}
+
+/// The changes of an agent to a budget.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct BudgetChange {
+    steps: Option<u64>,
+    seeds: Option<u64>,
+    buildings: Option<Buildings>,
+}
+
+/// Key of the number of buildings of the types that are not named.
+const OTHERS: &str = "others";
+
+impl Budget {
+    /// Returns whether the budget has an agent.
+    pub fn has(&self, agent: &str) -> bool {
+        self.agents.is_empty() || self.agents.iter().any(|name| name == agent)
+    }
+
+    /// Returns the budget with the changes of an agent.
+    pub(super) fn with(&self, change: Option<&BudgetChange>) -> Self {
+        let Some(change) = change else { return self.clone() };
+        Self {
+            steps: change.steps.unwrap_or(self.steps),
+            seeds: change.seeds.unwrap_or(self.seeds),
+            buildings: change.buildings.as_ref().unwrap_or(&self.buildings).clone(),
+            ..self.clone()
+        }
+    }
+}
+
+impl Buildings {
+    /// Returns the number of a type.
+    pub fn of(&self, building_type: BuildingType) -> usize {
+        self.by_type.get(&building_type).copied().unwrap_or(self.others)
+    }
+
+    /// Returns the number if it is the same for all types.
+    pub fn of_all(&self) -> Option<usize> {
+        self.by_type.is_empty().then_some(self.others)
+    }
+}
+
+impl TryFrom<Value> for Buildings {
+    type Error = String;
+
+    fn try_from(value: Value) -> Result<Self, String> {
+        let count = |value: &Value| {
+            let count = value.as_integer().and_then(|count| usize::try_from(count).ok());
+            count.ok_or_else(|| {
+                format!("`buildings` is {value}; expected a number, or a table of numbers by type")
+            })
+        };
+        let Value::Table(table) = &value else {
+            return Ok(Self { by_type: BTreeMap::new(), others: count(&value)? });
+        };
+        let mut buildings = Self::default();
+        for (name, value) in table {
+            if name == OTHERS {
+                buildings.others = count(value)?;
+            } else {
+                let building_type = name.parse().map_err(|error: b2b_building::Error| error.to_string())?;
+                buildings.by_type.insert(building_type, count(value)?);
+            }
+        }
+        Ok(buildings)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn buildings(text: &str) -> Result<Buildings, String> {
+        let budget = format!("steps = 1\nseeds = 1\nbuildings = {text}");
+        toml::from_str::<Budget>(&budget).map(|budget| budget.buildings).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn buildings_are_a_number_or_numbers_by_type() {
+        let by_type = buildings("{ SingleFamilyHouse = 8, others = 2 }").unwrap();
+        assert_eq!(by_type.of(BuildingType::SingleFamilyHouse), 8);
+        assert_eq!((by_type.of(BuildingType::Warehouse), by_type.of_all()), (2, None));
+        assert_eq!(buildings("3").unwrap().of_all(), Some(3));
+        assert!(buildings("{ House = 8 }").unwrap_err().contains("House"));
+        assert!(buildings("-1").unwrap_err().contains("`buildings` is -1"));
+    }
+}

@@ -1,0 +1,124 @@
+//! The constraints of a definition that the types do not enforce.
+
+use b2b_benchmark::Problem;
+use b2b_building::RunPeriod;
+use b2b_env::Task;
+use b2b_learn::train::TrainConfig;
+
+use super::agent::{Agent, Training};
+use super::experiment::{Experiment, RANDOM, REACTIVE, ReportKind};
+
+/// Returns the fault of a definition; `None` if it has none.
+pub(super) fn fault(experiment: &Experiment) -> Option<String> {
+    let checks = [tasks, budgets, agents, problems, subjects];
+    checks.iter().find_map(|check| check(experiment).err())
+}
+
+fn tasks(experiment: &Experiment) -> Result<(), String> {
+    for task in &experiment.tasks {
+        task.parse::<Task>().map_err(|error| error.to_string())?;
+    }
+    for period in &experiment.periods {
+        period.parse::<RunPeriod>().map_err(|error| error.to_string())?;
+    }
+    Ok(())
+}
+
+fn budgets(experiment: &Experiment) -> Result<(), String> {
+    for name in experiment.budgets.keys() {
+        check_name("budget", name)?;
+        if ["quick", "full"].contains(&&name[..]) {
+            return Err(format!("two budgets are named `{name}`"));
+        }
+    }
+    for budget in experiment.budgets() {
+        let name = &budget.name;
+        let is_known = |agent: &&String| experiment.agents.iter().any(|each| each.name == **agent);
+        if let Some(unknown) = budget.agents.iter().find(|agent| !is_known(agent)) {
+            return Err(format!("budget `{name}`: the experiment has no agent `{unknown}`"));
+        }
+        let is_board = experiment.report == ReportKind::Board;
+        if is_board && (budget.buildings.of_all().is_none() || budget.with_best) {
+            return Err(format!(
+                "budget `{name}`: `buildings` by type and `with_best` are for experiments without `problems`"
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn agents(experiment: &Experiment) -> Result<(), String> {
+    for (number, agent) in experiment.agents.iter().enumerate() {
+        check_name("agent", &agent.name)?;
+        let is_taken = experiment.agents[..number].iter().any(|other| other.name == agent.name);
+        if is_taken || [REACTIVE, RANDOM].contains(&&agent.name[..]) {
+            return Err(format!("two agents are named `{}`", agent.name));
+        }
+        options(agent).map_err(|error| format!("agent `{}`: {error}", agent.name))?;
+        let unknown = agent.changed_budgets().find(|name| !experiment.budgets.contains_key(*name));
+        if let Some(unknown) = unknown {
+            return Err(format!("agent `{}`: the experiment has no budget `{unknown}`", agent.name));
+        }
+    }
+    Ok(())
+}
+
+fn options(agent: &Agent) -> Result<(), String> {
+    let text = toml::to_string(&agent.options).map_err(|error| error.to_string())?;
+    TrainConfig::default().with_changes(&text).map(drop)
+}
+
+fn check_name(kind: &str, name: &str) -> Result<(), String> {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || c == '-';
+    match !name.is_empty() && name.chars().all(is_plain) {
+        true => Ok(()),
+        false => Err(format!("invalid {kind} name `{name}`; expected letters, digits and hyphens")),
+    }
+}
+
+/// Checks the problems, and that an agent is entered on some if and only if the report is their leaderboard.
+fn problems(experiment: &Experiment) -> Result<(), String> {
+    for name in &experiment.problems {
+        Problem::named(name).map_err(|error| error.to_string())?;
+    }
+    for agent in &experiment.agents {
+        let is_entered = agent.trains == Training::Problem;
+        if is_entered != (experiment.report == ReportKind::Board) || is_entered == agent.problems.is_empty() {
+            return Err(format!(
+                "agent `{}`: an agent is entered on `problems` if it `trains = \"problem\"` for `report = \"board\"`, and \
+                 only then",
+                agent.name
+            ));
+        }
+        if let Some(other) = agent.problems.iter().find(|name| !experiment.problems.contains(name)) {
+            return Err(format!("agent `{}`: `{other}` is not in the experiment's `problems`", agent.name));
+        }
+    }
+    Ok(())
+}
+
+/// Checks that there is something to run or measure.
+fn subjects(experiment: &Experiment) -> Result<(), String> {
+    let Experiment { types, problems, tasks, periods, climate_zones, measure, .. } = experiment;
+    let is_board = experiment.report == ReportKind::Board;
+    if is_board == problems.is_empty() {
+        return Err("`problems` belongs to `report = \"board\"`, which needs it".into());
+    }
+    if is_board {
+        return Ok(());
+    }
+    if types.is_empty() {
+        return Err("`types` is empty".into());
+    }
+    if types.iter().any(|each| experiment.buildings(*each, 1).is_empty()) {
+        return Err(format!("no test building is in the climate zones {}", climate_zones.join(", ")));
+    }
+    let runs = experiment.reactive || !experiment.agents.is_empty();
+    if runs && (tasks.is_empty() || periods.is_empty()) {
+        return Err("it has agents, but `tasks` or `periods` is empty".into());
+    }
+    if runs != measure.is_empty() {
+        return Err("it has either agents (or `reactive = true`) or a command under `measure`".into());
+    }
+    Ok(())
+}

@@ -1,0 +1,172 @@
+//! The result of a job.
+
+use std::path::Path;
+
+use b2b_agent::Agent;
+use b2b_benchmark::entry::{RunResult, Stages, read_result};
+use b2b_benchmark::problem::Stage;
+use b2b_evaluate::{Deviations, Row, read_kept};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::job_folder::{ENTRY, EVALUATION, EVALUATION_LAST, JobFolder, MEASURED, State};
+use crate::definition::{ReportKind, best_of};
+use crate::error::{Result, at};
+use crate::job::{AGENT, Action, Job, LAST_AGENT};
+
+/// The result of a job, as the file of an experiment's jobs keeps it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct JobResult {
+    /// Key of the job.
+    pub key: String,
+    /// Name of the agent.
+    pub agent: String,
+    /// Steps trained.
+    pub steps: u64,
+    /// SHA-256 of the trained agent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub agent_sha256: Option<String>,
+    /// Fingerprint of the machine of the evaluation ([`b2b_base::machine`]): machines with the same one give the same
+    /// bits. Empty without an evaluation.
+    pub machine: String,
+    /// Evaluated episodes of the agent: the last one of its training if the job evaluates two.
+    pub rows: Vec<Row>,
+    /// Distributions of the deviations of each episode from its targets; empty if the report does not show them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub deviations: Vec<Option<Deviations>>,
+    /// The best agent of the training by held-out days, if the job evaluates two.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub best: Option<Evaluated>,
+    /// The entry on a benchmark problem.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub entry: Option<(RunResult, Stages)>,
+    /// What a measurement printed.
+    #[serde(default, skip_serializing_if = "Value::is_null")]
+    pub measured: Value,
+    /// Wall-clock time, s.
+    pub seconds: f64,
+    /// [`Job::actions_sha256`]; empty in older results.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub actions_sha256: String,
+}
+
+/// The evaluation of one agent.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Evaluated {
+    /// SHA-256 of the agent; `None` for the reactive controllers.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub agent_sha256: Option<String>,
+    /// See [`JobResult::machine`].
+    pub machine: String,
+    /// Evaluated episodes.
+    pub rows: Vec<Row>,
+    /// See [`JobResult::deviations`].
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub deviations: Vec<Option<Deviations>>,
+}
+
+impl JobResult {
+    /// Reads the result of a job from its own folder; `None` if the job is not done.
+    pub(super) fn read(folder: &JobFolder, job: &Job, report: ReportKind) -> Result<Option<Self>> {
+        let Some(State { error: None, seconds, actions_sha256 }) = folder.state() else { return Ok(None) };
+        if job.actions_of(&actions_sha256) != Some(job.actions.len()) {
+            return Ok(None);
+        }
+        let (key, agent) = (job.key.clone(), job.agent().to_owned());
+        let mut result = Self { key, agent, steps: job.steps(), seconds, actions_sha256, ..Self::default() };
+        for action in &job.actions {
+            result.add(folder.path(), job, action, report)?;
+        }
+        Ok(Some(result))
+    }
+
+    /// Adds the result of an action.
+    fn add(&mut self, path: &Path, job: &Job, action: &Action, report: ReportKind) -> Result<()> {
+        match action {
+            Action::Train { agent, .. } => {
+                let policy = if job.has_last() { LAST_AGENT } else { &agent[..] };
+                self.agent_sha256 = Some(Agent::read(&path.join(policy))?.sha256().to_owned());
+            }
+            Action::Evaluate(_) if job.has_last() => {
+                let agent_sha256 = Some(Agent::read(&path.join(AGENT))?.sha256().to_owned());
+                let evaluated = Evaluated::read(&path.join(EVALUATION), report)?;
+                self.best = Some(Evaluated { agent_sha256, ..evaluated });
+            }
+            Action::Evaluate(_) => self.set(Evaluated::read(&path.join(EVALUATION), report)?),
+            Action::EvaluateLast(_) => self.set(Evaluated::read(&path.join(EVALUATION_LAST), report)?),
+            Action::Enter(_) => {
+                let (entry, stages) = read_result(&path.join(ENTRY))?;
+                let test = stages.iter().find(|(stage, _)| *stage == Stage::Test);
+                self.rows = test.map_or_else(Vec::new, |(_, rows)| rows.clone());
+                self.entry = Some((entry, stages));
+            }
+            Action::Measure(_) => {
+                let path = path.join(MEASURED);
+                let text = std::fs::read_to_string(&path).map_err(at(&path))?;
+                self.measured = serde_json::from_str(&text).map_err(|error| at(&path)(error.into()))?;
+            }
+        }
+        Ok(())
+    }
+
+    fn set(&mut self, Evaluated { machine, rows, deviations, .. }: Evaluated) {
+        (self.machine, self.rows, self.deviations) = (machine, rows, deviations);
+    }
+
+    /// Returns whether it has what a report shows.
+    pub(super) fn serves(&self, report: ReportKind) -> bool {
+        let has_all = self.policies().all(|(_, rows, deviations)| deviations.len() == rows.len());
+        report != ReportKind::Weights || has_all
+    }
+
+    /// Returns the policies of the job with their episodes and the distributions of the deviations of these.
+    pub fn policies(&self) -> impl Iterator<Item = (String, &[Row], &[Option<Deviations>])> {
+        let best =
+            self.best.as_ref().map(|best| (best_of(&self.agent), &best.rows[..], &best.deviations[..]));
+        [(self.agent.clone(), &self.rows[..], &self.deviations[..])].into_iter().chain(best)
+    }
+}
+
+impl Evaluated {
+    fn read(folder: &Path, report: ReportKind) -> Result<Self> {
+        let (rows, machine) = (read_rows(folder)?, read_machine(folder)?);
+        let mut deviations = Vec::new();
+        if report == ReportKind::Weights {
+            deviations.extend((0..rows.len()).map(|number| Some(read_kept(folder, number)?.deviations)));
+        }
+        Ok(Self { agent_sha256: None, machine, rows, deviations })
+    }
+}
+
+/// Reads the episodes of an evaluation.
+pub fn read_rows(folder: &Path) -> Result<Vec<Row>> {
+    b2b_evaluate::read_rows(folder).map_err(|error| at(folder)(std::io::Error::other(error)))
+}
+
+/// Returns the machine that an evaluation ran on.
+fn read_machine(folder: &Path) -> Result<String> {
+    #[derive(Deserialize)]
+    struct Definition {
+        machine: String,
+    }
+    let path = folder.join("evaluation.json");
+    let text = std::fs::read_to_string(&path).map_err(at(&path))?;
+    let definition: Definition = serde_json::from_str(&text).map_err(|error| at(&path)(error.into()))?;
+    Ok(definition.machine)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shipped_results_are_read_and_written_as_they_are() {
+        for name in ["ppo", "dynamics", "weights", "board"] {
+            let path = format!("{}/../../results/{name}/jobs.json", env!("CARGO_MANIFEST_DIR"));
+            let text = std::fs::read_to_string(path).unwrap();
+            let results: Vec<JobResult> = serde_json::from_str(&text).unwrap();
+            let lines: Vec<_> = results.iter().map(|result| serde_json::to_string(result).unwrap()).collect();
+            assert!(!results.is_empty() && text == format!("[\n{}\n]\n", lines.join(",\n")), "{name}");
+        }
+    }
+}

@@ -1,0 +1,21 @@
+//! What a page shows.
+
+use b2b_evaluate::report::Chart;
+use serde_json::Value;
+
+/// Tables and charts of a page.
+#[derive(Default)]
+pub(super) struct Content {
+    /// Name and value.
+    pub(super) tiles: Vec<(String, String)>,
+    /// Tables as the page reads them.
+    pub(super) tables: Vec<Value>,
+    pub(super) charts: Vec<Chart>,
+    /// Notes that explain the numbers.
+    pub(super) notes: String,
+}
+
+/// Explains scores under a page.
+pub(super) const SCORES: &str = "Score: the return of an episode divided by that of the tuned reactive controllers in the same \
+                                 building, task and days; lower is better, below 1 beats them. Resolved score: the same after \
+                                 adding 0.2 K of deviation to both, which no thermometer resolves.";

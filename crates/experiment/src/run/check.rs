@@ -1,0 +1,160 @@
+//! Checks of results: agents are evaluated again.
+
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+
+use b2b_agent::Agent;
+use b2b_base::machine;
+use b2b_evaluate::Row;
+
+use super::arguments::evaluate;
+use super::runner::Runner;
+use crate::definition::{Budget, Experiment, best_of};
+use crate::error::{Error, Result, at};
+use crate::folder::{EVALUATION, JobResult, read_rows};
+use crate::job::{AGENT, Action, Episodes, Job, LAST_AGENT};
+
+/// Relative difference of scores on machines that do not give the same bits.
+const TOLERANCE: f64 = 1e-3;
+
+/// The check of an agent.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Checked {
+    /// Key of the job, with `, best` for the best agent of one that evaluates two.
+    pub job: String,
+    /// Why its results are not those of its agent; `None` if they are.
+    pub fault: Option<String>,
+}
+
+/// An agent with the results to compare with.
+struct Subject<'a> {
+    name: String,
+    path: PathBuf,
+    episodes: &'a Episodes,
+    agent_sha256: Option<&'a str>,
+    machine: &'a str,
+    rows: &'a [Row],
+}
+
+/// Evaluates the agents again whose folders are at hand, and compares their episodes with the results that
+/// [`Folder::keep`] kept: bit for bit on a machine like that of the results, otherwise scores within a relative 0.001. With
+/// `buildings`, at most that many buildings of each agent are evaluated, evenly spaced over its results. `done` is called with
+/// every check. Entries on benchmark problems are left out: `b2b benchmark verify` checks them.
+///
+/// # Errors
+/// [`Error::NoAgents`] if there is no agent; the errors of [`Runner::run`].
+pub fn check(
+    runner: &Runner<'_>,
+    experiment: &Experiment,
+    budget: &Budget,
+    buildings: Option<NonZeroUsize>,
+    done: &(dyn Fn(&Checked) + Sync),
+) -> Result<Vec<Checked>> {
+    let jobs: Vec<Job> = experiment.jobs(budget);
+    let kept = jobs.iter().filter_map(|job| Some((job, runner.folder.kept(job)?)));
+    let to_check: Vec<Subject<'_>> = kept.flat_map(|(job, result)| subjects(runner, job, result)).collect();
+    let all = runner.each(&to_check, &|subject| {
+        let checked = Checked { fault: fault(runner, subject, buildings)?, job: subject.name.clone() };
+        done(&checked);
+        Ok(checked)
+    })?;
+    match all.is_empty() {
+        true => Err(Error::NoAgents { path: runner.folder.path().to_owned() }),
+        false => Ok(all),
+    }
+}
+
+/// Returns the agents of a job whose folders are at hand.
+fn subjects<'a>(runner: &Runner<'_>, job: &'a Job, result: &'a JobResult) -> Vec<Subject<'a>> {
+    let Some(Action::Evaluate(episodes) | Action::EvaluateLast(episodes)) = job.actions.last() else {
+        return Vec::new();
+    };
+    let folder = runner.folder.job(job);
+    let own = Subject {
+        name: job.key.clone(),
+        path: folder.path().join(if result.best.is_some() { LAST_AGENT } else { AGENT }),
+        episodes,
+        agent_sha256: result.agent_sha256.as_deref(),
+        machine: &result.machine,
+        rows: &result.rows,
+    };
+    let best = result.best.as_ref().map(|best| Subject {
+        name: best_of(&job.key),
+        path: folder.path().join(AGENT),
+        episodes,
+        agent_sha256: best.agent_sha256.as_deref(),
+        machine: &best.machine,
+        rows: &best.rows,
+    });
+    [own].into_iter().chain(best).filter(|subject| subject.path.join("agent.json").exists()).collect()
+}
+
+/// Returns why a result is not that of its agent, if it is not.
+fn fault(
+    runner: &Runner<'_>,
+    subject: &Subject<'_>,
+    buildings: Option<NonZeroUsize>,
+) -> Result<Option<String>> {
+    let Subject { path, episodes, .. } = subject;
+    let agent = match Agent::read(path) {
+        Ok(agent) => agent,
+        Err(error) => return Ok(Some(error.to_string())),
+    };
+    if subject.agent_sha256 != Some(agent.sha256()) {
+        return Ok(Some(format!("{} is another agent than that of the results", path.display())));
+    }
+    let again = b2b_base::scratch::folder_in(&std::env::temp_dir(), "b2b-check-").map_err(at(path))?;
+    let policy = std::path::absolute(path).map_err(at(path))?;
+    let buildings = spread(&episodes.buildings, buildings);
+    let is_own = |row: &&Row| buildings.contains(&row.info.building);
+    let there: Vec<Row> = subject.rows.iter().filter(is_own).cloned().collect();
+    let episodes = Episodes { buildings, ..(*episodes).clone() };
+    let arguments = evaluate(&episodes, &policy.to_string_lossy(), EVALUATION);
+    if let Some(error) = runner.command(again.path(), &again.path().join("log.txt"), &arguments, None)? {
+        return Ok(Some(error));
+    }
+    let rows = read_rows(&again.path().join(EVALUATION))?;
+    Ok(difference(&there, &rows, subject.machine == machine::fingerprint()))
+}
+
+/// Returns at most `limit` of `all`, evenly spaced.
+fn spread(all: &[String], limit: Option<NonZeroUsize>) -> Vec<String> {
+    let count = limit.map_or(all.len(), |limit| limit.get().min(all.len()));
+    (0..count).map(|index| all[index * all.len() / count].clone()).collect()
+}
+
+/// Returns the first difference between the episodes of results and the same that ran again.
+fn difference(there: &[Row], here: &[Row], bits: bool) -> Option<String> {
+    if there.len() != here.len() {
+        return Some(format!("{} episodes in the results, {} now", there.len(), here.len()));
+    }
+    there.iter().zip(here).find_map(|(there, here)| {
+        let (Ok(before), Ok(now)) = (&there.outcome, &here.outcome) else {
+            return Some(format!("{} was lost", there.info));
+        };
+        let is_near = match (before.score, now.score) {
+            (Some(before), Some(now)) => (now / before - 1.0).abs() <= TOLERANCE,
+            (before, now) => before == now,
+        };
+        let is_same = if bits { before.trajectory_hash == now.trajectory_hash } else { is_near };
+        let score =
+            |score: Option<f64>| score.map_or_else(|| "no score".to_owned(), |score| score.to_string());
+        (!is_same).then(|| {
+            format!("{}: {} in the results, {} now", there.info, score(before.score), score(now.score))
+        })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_limit_spreads_over_all_buildings() {
+        let all: Vec<String> = (0..40).map(|index| index.to_string()).collect();
+        let spread = |limit| spread(&all, NonZeroUsize::new(limit));
+        assert_eq!(spread(4), ["0", "10", "20", "30"]);
+        assert_eq!(spread(3), ["0", "13", "26"]);
+        assert_eq!((spread(0), spread(41)), (all.clone(), all.clone()));
+    }
+}

@@ -1,0 +1,100 @@
+//! PPO as a learner of a training run.
+
+use b2b_agent::network::Actor;
+
+use super::config::{LogStd, PpoConfig};
+use super::learner::Ppo;
+use super::update::Update;
+use crate::error::Result;
+use crate::learner::{Abilities, Learner, LearnerOptions, LearnerSetting};
+use crate::policy::Policy;
+use crate::random::Random;
+use crate::rollout::Rollout;
+use crate::state::State;
+
+impl Learner for Ppo {
+    fn set_log_std(&mut self, log_std: f32) {
+        for parameters in [&mut self.parameters, &mut self.average] {
+            parameters[self.networks.log_stds()].fill(log_std);
+            self.networks.project(parameters);
+        }
+    }
+
+    fn seen_types(&self) -> Vec<usize> {
+        self.features.seen()
+    }
+
+    fn columns(&self) -> Vec<&'static str> {
+        Update::default().named().map(|(name, _)| name).to_vec()
+    }
+
+    fn learn(&mut self, rollout: &Rollout) -> Result<Vec<(&'static str, f64)>> {
+        Ok(self.update(rollout)?.named().to_vec())
+    }
+
+    fn actor(&self) -> Actor {
+        self.networks.actor(&self.parameters)
+    }
+
+    /// Returns the actor with the average of the parameters over the last updates: what it has learned, with less of what each
+    /// rollout had by chance (Polyak and Juditsky 1992).
+    fn averaged_actor(&self) -> Actor {
+        self.networks.actor(&self.average)
+    }
+
+    fn state(&self) -> State {
+        let mut state = State::default();
+        state.put_f32("parameters", &self.parameters);
+        state.put_f32("average", &self.average);
+        self.adam.save("adam", &mut state);
+        self.scale.save(&mut state);
+        self.features.save(&mut state);
+        state.put_f64("rate", &[self.rate]);
+        state.put_u64("random", &self.random.words());
+        state.put_u64("updates", &[self.updates, self.failures]);
+        state
+    }
+
+    fn restore(&mut self, state: &State) -> Result<()> {
+        state.read_f32("parameters", &mut self.parameters)?;
+        state.read_f32("average", &mut self.average)?;
+        self.adam.restore("adam", state)?;
+        self.scale.restore(state)?;
+        self.features.restore(state)?;
+        state.read_f64("rate", std::slice::from_mut(&mut self.rate))?;
+        self.random = Random::from_words(state.read_u64("random")?);
+        [self.updates, self.failures] = state.read_u64("updates")?;
+        Ok(())
+    }
+}
+
+impl LearnerOptions for PpoConfig {
+    fn check(&self) -> Result<()> {
+        Self::check(self)
+    }
+
+    fn steps_per_rollout(&self) -> usize {
+        self.n_steps
+    }
+
+    fn abilities(&self) -> Abilities {
+        let noise = match self.log_std {
+            LogStd::Free => Ok(self.initial_log_std),
+            LogStd::OfState => Err("with `ppo.log_std` = of_state, the agent sets the noise"),
+        };
+        Abilities { graphs: true, credit: true, mirrored_noise: true, noise }
+    }
+
+    fn learner(&self, setting: &LearnerSetting<'_>) -> Result<Box<dyn Learner>> {
+        let LearnerSetting { widths, seed, policy, .. } = *setting;
+        let mut ppo = match policy {
+            Policy::Flat => Ppo::new(widths, Self { credit: setting.credit.clone(), ..self.clone() }, seed)?,
+            Policy::Graph(policy) => {
+                let network = policy.network(setting.interface);
+                Ppo::of_graphs(&network, widths, self.clone(), policy.normalize, seed)?
+            }
+        };
+        ppo.set_threads(setting.threads);
+        Ok(Box::new(ppo))
+    }
+}

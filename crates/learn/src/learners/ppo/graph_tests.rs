@@ -1,0 +1,274 @@
+use std::sync::Arc;
+
+use b2b_agent::network::graph::{ActionPlace, Edges, NodeWidths};
+use b2b_agent::network::{Activation, Graph, GraphNetwork};
+
+use super::config::{LogStd, PpoConfig};
+use super::learner::Ppo;
+use super::worker::{Minibatch, Worker};
+use crate::credit::Credit;
+use crate::learner::Learner as _;
+use crate::nn::graph::reference;
+use crate::nn::reference::{assert_gradients, wide};
+use crate::random::Random;
+use crate::rollout::{End, Rollout, Scene};
+use crate::state::State;
+use crate::widths::Widths;
+
+/// The largest building has three zones of two features and one action, and a node of one feature without actions.
+const WIDTHS: Widths = Widths { observation: 7, action: 3, parts: 1 };
+/// With a part of the reward for each node.
+const BY_NODE: Widths = Widths { parts: 4, ..WIDTHS };
+
+fn network() -> GraphNetwork {
+    GraphNetwork {
+        types: vec![NodeWidths { features: 2, outputs: 1 }, NodeWidths { features: 1, outputs: 0 }],
+        embedding: 8,
+        heads: 2,
+        layers: 1,
+        feed_forward: 6,
+        activation: Activation::Tanh,
+        edges: Edges::None,
+    }
+}
+
+/// Returns a building with this number of zones.
+fn building(zones: usize) -> Arc<Graph> {
+    let place = |node| ActionPlace { node, output: 0, number: 0 };
+    let nodes = zones + 1;
+    Arc::new(Graph {
+        names: (0..nodes).map(|node| format!("node {node}")).collect(),
+        types: (0..nodes).map(|node| usize::from(node == zones)).collect(),
+        features: (0..nodes).map(|node| 2 * node).chain([2 * zones + 1]).collect(),
+        actions: (0..zones).map(place).collect(),
+        relations: vec![0; nodes * nodes],
+    })
+}
+
+fn config(log_std: LogStd) -> PpoConfig {
+    PpoConfig {
+        batch_size: 16,
+        epochs: 2,
+        entropy_coefficient: 0.02,
+        actor_gain: 0.5,
+        initial_log_std: -0.3,
+        log_std,
+        ..PpoConfig::default()
+    }
+}
+
+fn learner(log_std: LogStd, seed: u64) -> Ppo {
+    Ppo::of_graphs(&network(), WIDTHS, config(log_std), true, seed).unwrap()
+}
+
+/// Returns random steps of two environments, the second of which goes from a building of three zones to one of two.
+fn rollout(steps: usize, seed: u64) -> Rollout {
+    rollout_of(WIDTHS, steps, seed)
+}
+
+/// Returns the steps with rewards of these widths. By node, zones have one, and so has the last node, which counts for all actions.
+fn rollout_of(widths: Widths, steps: usize, seed: u64) -> Rollout {
+    let mut random = Random::new(seed, 1);
+    let mut draw = |count: usize| {
+        let mut values = vec![0.0; count];
+        random.normals(&mut values);
+        values
+    };
+    let scene = |environment, step, zones: usize| {
+        let (graph, nodes) = (building(zones), zones + 1);
+        let weight = |place: usize| f32::from(u8::from([place / nodes, zones].contains(&(place % nodes))));
+        let credit = match widths.parts {
+            1 => Credit::joint(Widths { action: zones, ..widths }),
+            _ => {
+                let penalized: Vec<usize> = (0..nodes).collect();
+                Credit::of_nodes(&graph, &penalized, (0..zones * nodes).map(weight).collect())
+            }
+        };
+        Scene { environment, step, graph, credit: Arc::new(credit) }
+    };
+    let mut rollout = Rollout {
+        environments: 2,
+        steps,
+        observations: draw(2 * steps * 7),
+        actions: draw(2 * steps * 3),
+        rewards: draw(2 * steps * widths.parts),
+        next: draw(2 * 7),
+        ends: vec![End { environment: 1, step: 5, observation: draw(7) }],
+        scenes: vec![scene(0, 0, 1), scene(1, 0, 3), scene(1, 6, 2)],
+        ..Rollout::default()
+    };
+    rollout.clear_padding(widths);
+    rollout
+}
+
+#[test]
+fn the_same_seed_gives_the_same_bits_on_any_number_of_threads_and_after_a_restart() {
+    for log_std in [LogStd::Free, LogStd::OfState] {
+        let run = |threads: usize| {
+            let config = PpoConfig { batch_size: 300, ..config(log_std) };
+            let mut ppo = Ppo::of_graphs(&network(), WIDTHS, config, true, 3).unwrap();
+            ppo.set_threads(threads);
+            (0..2).for_each(|seed| assert_eq!(ppo.update(&rollout(150, seed)).unwrap().skipped, 0));
+            ppo.state()
+        };
+        assert!(run(1) == run(4));
+        let mut ppo = learner(log_std, 3);
+        ppo.update(&rollout(20, 0)).unwrap();
+        let mut restored = learner(log_std, 8);
+        restored.restore(&State::from_bytes(&ppo.state().to_bytes()).unwrap()).unwrap();
+        assert_eq!(ppo.update(&rollout(20, 1)).unwrap(), restored.update(&rollout(20, 1)).unwrap());
+        assert!(ppo.state() == restored.state() && ppo.actor() == restored.actor());
+        assert_eq!(restored.seen_types(), [0, 1]);
+    }
+}
+
+#[test]
+fn features_are_normalized_over_all_nodes_of_a_type() {
+    let mut ppo = learner(LogStd::Free, 3);
+    assert_eq!(ppo.seen_types(), Vec::<usize>::new());
+    let mut shifted = rollout(200, 0);
+    // The features of zones alternate in every row, before that of the last node.
+    for row in 0..400 {
+        let zones = shifted.scenes[shifted.scene_of(row / 200, row % 200)].graph.nodes() - 1;
+        let row = &mut shifted.observations[row * 7..][..2 * zones];
+        row.iter_mut().step_by(2).for_each(|value| *value = 3.0 + 2.0 * *value);
+    }
+    ppo.update(&shifted).unwrap();
+    for (place, mean, scale) in ppo.networks.feature_places()[0].clone().map(|place| {
+        let of = |range: std::ops::Range<usize>| ppo.parameters[range].to_vec();
+        (place.clone(), of(place.mean), of(place.scale))
+    }) {
+        assert!((mean[0] - 3.0).abs() < 0.2 && mean[1].abs() < 0.2, "{place:?}: {mean:?}");
+        assert!((scale[0] - 0.5).abs() < 0.05 && (scale[1] - 1.0).abs() < 0.1, "{scale:?}");
+    }
+}
+
+/// Returns the loss of a minibatch in double precision.
+fn loss(batch: &Minibatch<'_>, parameters: &[f64]) -> f64 {
+    let Minibatch { networks, samples, config, .. } = batch;
+    let [actor, critic] = [&networks.actor, &networks.critic].map(|shape| shape.graph().unwrap());
+    let mut sum = 0.0;
+    for row in 0..batch.rows {
+        let graph = &batch.graphs[samples.scenes[row]];
+        let input = wide(&samples.observations[row * 7..][..graph.width()]);
+        let outputs = reference::forward(actor, &parameters[networks.actors()], graph, &input);
+        let credit = &batch.credits[samples.scenes[row]];
+        let mut log_densities = vec![0.0; credit.groups()];
+        let mut log_stds = 0.0;
+        for (action, place) in graph.actions.iter().enumerate() {
+            let log_std = match networks.of_state() {
+                true => outputs[place.node][1],
+                false => parameters[networks.log_stds()][place.number],
+            };
+            let taken = f64::from(samples.actions[row * 3 + action]);
+            let normal = (taken - outputs[place.node][0]) / log_std.exp();
+            let group = if networks.is_by_node() { action } else { 0 };
+            log_densities[group] += -0.5 * normal * normal - log_std - 0.5 * std::f64::consts::TAU.ln();
+            log_stds += log_std;
+        }
+        for (group, log_density) in log_densities.into_iter().enumerate() {
+            let at = row * batch.groups + group;
+            let ratio = (log_density - f64::from(samples.old[at])).exp();
+            let advantage = f64::from(samples.advantages[at]);
+            sum -= (advantage * ratio).min(advantage * ratio.clamp(0.8, 1.2));
+        }
+        sum -= f64::from(config.entropy_coefficient) * log_stds;
+        let values = reference::forward(critic, &parameters[networks.critics()], graph, &input);
+        let returns = &samples.returns[row * networks.widths.parts..];
+        let error = |(node, target): (&Vec<f64>, &f32)| (node[0] - f64::from(*target)).powi(2);
+        sum += 0.5
+            * match networks.is_by_node() {
+                true => values.iter().zip(returns).map(error).sum::<f64>() / values.len() as f64,
+                false => {
+                    let value = values.iter().map(|node| node[0]).sum::<f64>() / values.len() as f64;
+                    (value - f64::from(returns[0])).powi(2)
+                }
+            };
+    }
+    sum / batch.rows as f64
+}
+
+#[test]
+fn gradients_of_all_parameters_are_those_of_finite_differences() {
+    let cases = [(LogStd::Free, WIDTHS), (LogStd::OfState, WIDTHS), (LogStd::Free, BY_NODE)];
+    for (log_std, widths) in cases {
+        let mut ppo = Ppo::of_graphs(&network(), widths, config(log_std), true, 3).unwrap();
+        ppo.prepare_for_test(&rollout_of(widths, 20, 0));
+        let mut worker = Worker::new(&ppo.networks);
+        let batch = Minibatch {
+            config: &ppo.config,
+            networks: &ppo.networks,
+            credits: &ppo.credits,
+            groups: ppo.groups,
+            parameters: &ppo.parameters,
+            samples: &ppo.samples,
+            graphs: &ppo.graphs,
+            rows: 40,
+        };
+        // More rows than are passed at a time.
+        worker.learn(&batch, 0..40);
+        let all = wide(&ppo.parameters);
+        let fixed: Vec<std::ops::Range<usize>> = ppo
+            .networks
+            .feature_places()
+            .into_iter()
+            .flatten()
+            .map(|place| place.mean.start..place.scale.end)
+            .collect();
+        let learned: Vec<usize> =
+            (0..all.len()).filter(|place| !fixed.iter().any(|range| range.contains(place))).collect();
+        let gradients: Vec<f32> = learned.iter().map(|place| worker.gradients[*place]).collect();
+        let start: Vec<f64> = learned.iter().map(|place| all[*place]).collect();
+        assert_gradients(&start, &gradients, |moved| {
+            let mut parameters = all.clone();
+            learned.iter().zip(moved).for_each(|(place, value)| parameters[*place] = *value);
+            loss(&batch, &parameters)
+        });
+    }
+}
+
+#[test]
+fn actions_learn_from_the_rewards_of_their_own_nodes_and_of_nodes_that_count_for_all() {
+    let config = PpoConfig { normalize_values: false, ..config(LogStd::Free) };
+    let advantages = |changed: Option<usize>| {
+        let mut ppo = Ppo::of_graphs(&network(), BY_NODE, config.clone(), true, 3).unwrap();
+        let mut rollout = rollout_of(BY_NODE, 20, 0);
+        // A step of the second environment, in the building of three zones.
+        changed.into_iter().for_each(|node| rollout.rewards[(20 + 2) * 4 + node] += 1.0);
+        ppo.prepare(&rollout);
+        ppo.samples.advantages[(20 + 2) * 3..][..3].to_vec()
+    };
+    let before = advantages(None);
+    let gains = |node: usize| -> Vec<f32> {
+        advantages(Some(node)).iter().zip(&before).map(|(after, before)| (after - before).round()).collect()
+    };
+    assert_eq!(gains(1), [0.0, 1.0, 0.0]);
+    assert_eq!(gains(3), [1.0, 1.0, 1.0]);
+}
+
+#[test]
+fn values_of_nodes_stay_as_they_are_when_their_scale_changes() {
+    let mut ppo = Ppo::of_graphs(&network(), BY_NODE, config(LogStd::Free), false, 3).unwrap();
+    let mut shifted = rollout_of(BY_NODE, 20, 0);
+    shifted.rewards.iter_mut().for_each(|reward| *reward = 5.0 * *reward - 40.0);
+    ppo.prepare(&shifted);
+    let values = |ppo: &mut Ppo, rollout: &Rollout| -> Vec<f32> {
+        let values = ppo.evaluate(rollout).steps;
+        // Of a building of one zone, two parts are padding.
+        assert!(values[..20 * 4].chunks(4).all(|row| row[2..] == [0.0; 2]));
+        values
+    };
+    let before = values(&mut ppo, &shifted);
+    assert!(before.iter().any(|value| *value != 0.0));
+    shifted.rewards.iter_mut().for_each(|reward| *reward *= 3.0);
+    ppo.prepare(&shifted);
+    let after = values(&mut ppo, &shifted);
+    assert!(before.iter().zip(&after).all(|(before, after)| (before - after).abs() < 1e-4));
+}
+
+#[test]
+fn a_credit_matrix_is_an_error() {
+    let config = PpoConfig { credit: Some(vec![vec![1.0]; 3]), ..config(LogStd::Free) };
+    let error = Ppo::of_graphs(&network(), WIDTHS, config, true, 0).unwrap_err();
+    assert!(error.to_string().contains("`credit` is a matrix"), "{error}");
+}

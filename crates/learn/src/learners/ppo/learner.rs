@@ -1,0 +1,131 @@
+//! The state of PPO.
+
+use std::sync::Arc;
+
+use b2b_agent::network::{Graph, GraphNetwork};
+
+use super::config::PpoConfig;
+use super::features::FeatureScale;
+use super::networks::Networks;
+use super::samples::Samples;
+use super::scale::ValueScale;
+use super::worker::Worker;
+use crate::credit::Credit;
+use crate::error::{Error, Result};
+use crate::nn::Adam;
+use crate::random::Random;
+use crate::widths::Widths;
+
+/// A learner by proximal policy optimization.
+#[derive(Clone, Debug)]
+pub struct Ppo {
+    pub(super) config: PpoConfig,
+    pub(super) widths: Widths,
+    pub(super) networks: Networks,
+    /// Credit of the buildings of the rollout: for flat networks one, for graph networks one for each of its scenes.
+    pub(super) credits: Vec<Arc<Credit>>,
+    /// Number of groups of actions of the largest building.
+    pub(super) groups: usize,
+    pub(super) parameters: Vec<f32>,
+    /// Running average of the parameters.
+    pub(super) average: Vec<f32>,
+    pub(super) adam: Adam,
+    /// Factor of the learning rate of the actor.
+    pub(super) rate: f64,
+    pub(super) scale: ValueScale,
+    pub(super) features: FeatureScale,
+    pub(super) random: Random,
+    /// Number of updates.
+    pub(super) updates: u64,
+    /// Number of the last updates in a row with steps that were skipped.
+    pub(super) failures: u64,
+    pub(super) threads: usize,
+    /// Steps of the rollout and of the minibatch.
+    pub(super) samples: Samples,
+    /// Buildings of the scenes of the rollout.
+    pub(super) graphs: Vec<Arc<Graph>>,
+    pub(super) minibatch: Samples,
+    pub(super) order: Vec<usize>,
+    pub(super) workers: Vec<Worker>,
+    pub(super) gradients: Vec<f32>,
+}
+
+impl Ppo {
+    /// Returns a learner whose initial parameters are drawn with this seed.
+    ///
+    /// # Errors
+    /// When a value of the configuration is outside its range, or its credit has another shape than actions × parts.
+    pub fn new(widths: Widths, config: PpoConfig, seed: u64) -> Result<Self> {
+        Self::with_networks(Networks::new(widths, &config, None), FeatureScale::new(&[], false), config, seed)
+    }
+
+    /// Returns a learner of graph networks: for an actor of this shape, whose outputs are its actions, and a critic alike. `widths`
+    /// are those of the largest building. With `normalize`, features have mean 0 and deviation 1 over all nodes of a type.
+    ///
+    /// # Errors
+    /// As [`Ppo::new`]; when there is a credit matrix.
+    pub fn of_graphs(
+        network: &GraphNetwork,
+        widths: Widths,
+        config: PpoConfig,
+        normalize: bool,
+        seed: u64,
+    ) -> Result<Self> {
+        if config.credit.is_some() {
+            return Err(Error::config("credit", "a matrix", "graph networks have that of their scenes"));
+        }
+        let networks = Networks::new(widths, &config, Some(network));
+        Self::with_networks(networks, FeatureScale::new(&network.types, normalize), config, seed)
+    }
+
+    fn with_networks(
+        networks: Networks,
+        features: FeatureScale,
+        config: PpoConfig,
+        seed: u64,
+    ) -> Result<Self> {
+        config.check()?;
+        let widths = networks.widths;
+        let mut random = Random::new(seed, 0);
+        let parameters = networks.initialize(&config, &mut random);
+        let credit = Credit::new(config.credit.as_deref(), widths)?;
+        Ok(Self {
+            groups: if networks.is_by_node() { widths.action } else { credit.groups() },
+            credits: vec![Arc::new(credit)],
+            adam: Adam::new(parameters.len(), config.adam_epsilon),
+            rate: 1.0,
+            scale: ValueScale::new(networks.value_kinds(), config.value_rate),
+            gradients: vec![0.0; parameters.len()],
+            average: parameters.clone(),
+            workers: vec![Worker::new(&networks)],
+            threads: 1,
+            features,
+            samples: Samples::default(),
+            graphs: Vec::new(),
+            minibatch: Samples::default(),
+            order: Vec::new(),
+            updates: 0,
+            failures: 0,
+            config,
+            widths,
+            networks,
+            parameters,
+            random,
+        })
+    }
+
+    /// Returns the configuration.
+    pub fn config(&self) -> &PpoConfig {
+        &self.config
+    }
+
+    /// Returns the number of updates so far.
+    pub fn updates(&self) -> u64 {
+        self.updates
+    }
+
+    /// Sets the number of threads, by default 1. Results do not depend on it. Two are faster than one only where two cores are idle.
+    pub fn set_threads(&mut self, threads: usize) {
+        self.threads = threads.max(1);
+    }
+}

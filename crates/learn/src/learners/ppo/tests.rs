@@ -1,0 +1,206 @@
+use b2b_agent::network::Activation;
+
+use super::config::{LogStd, PpoConfig};
+use super::learner::Ppo;
+use super::worker::{Minibatch, Worker};
+use crate::learner::Learner as _;
+use crate::nn::reference::{self, assert_gradients, wide};
+use crate::random::Random;
+use crate::rollout::{End, Rollout};
+use crate::state::State;
+use crate::widths::Widths;
+
+const WIDTHS: Widths = Widths { observation: 4, action: 2, parts: 2 };
+
+fn config(log_std: LogStd) -> PpoConfig {
+    PpoConfig {
+        actor_hidden: vec![12],
+        critic_hidden: vec![10],
+        batch_size: 32,
+        epochs: 2,
+        entropy_coefficient: 0.02,
+        actor_gain: 0.5,
+        log_std,
+        credit: Some(vec![vec![1.0, 0.0], vec![0.3, 1.0]]),
+        ..PpoConfig::default()
+    }
+}
+
+/// Returns random steps of two environments, with an end in each.
+fn rollout(steps: usize, seed: u64) -> Rollout {
+    let mut random = Random::new(seed, 1);
+    let mut draw = |count: usize| {
+        let mut values = vec![0.0; count];
+        random.normals(&mut values);
+        values
+    };
+    let end = |environment, step, observation| End { environment, step, observation };
+    Rollout {
+        environments: 2,
+        steps,
+        observations: draw(2 * steps * 4),
+        actions: draw(2 * steps * 2),
+        rewards: draw(2 * steps * 2),
+        next: draw(2 * 4),
+        ends: vec![end(0, 5, draw(4)), end(1, steps - 1, draw(4))],
+        ..Rollout::default()
+    }
+}
+
+#[test]
+fn the_same_seed_gives_the_same_bits_on_any_number_of_threads() {
+    let run = |threads: usize| {
+        let wide = PpoConfig { actor_hidden: vec![80, 80], batch_size: 150, ..config(LogStd::Free) };
+        let mut ppo = Ppo::new(WIDTHS, wide, 3).unwrap();
+        ppo.set_threads(threads);
+        let update = (0..2).map(|seed| ppo.update(&rollout(150, seed)).unwrap()).last().unwrap();
+        (ppo.state(), update)
+    };
+    let first = run(1);
+    assert_eq!(first, run(1));
+    assert_eq!(first, run(2));
+    assert_eq!(first, run(4));
+}
+
+#[test]
+fn a_restored_learner_continues_bit_for_bit() {
+    for log_std in [LogStd::Free, LogStd::OfState] {
+        let mut ppo = Ppo::new(WIDTHS, config(log_std), 3).unwrap();
+        ppo.update(&rollout(40, 0)).unwrap();
+        let bytes = ppo.state().to_bytes();
+        let mut restored = Ppo::new(WIDTHS, config(log_std), 8).unwrap();
+        restored.restore(&State::from_bytes(&bytes).unwrap()).unwrap();
+        assert_eq!(ppo.update(&rollout(40, 1)).unwrap(), restored.update(&rollout(40, 1)).unwrap());
+        assert_eq!(ppo.state(), restored.state());
+        assert_eq!(ppo.actor(), restored.actor());
+    }
+}
+
+#[test]
+fn the_averaged_actor_has_the_running_average_of_the_parameters() {
+    let mut ppo = Ppo::new(WIDTHS, PpoConfig { average_rate: 0.25, ..config(LogStd::Free) }, 3).unwrap();
+    let mut expected = ppo.actor().parameters;
+    assert_eq!(ppo.averaged_actor(), ppo.actor());
+    // Updates have equal weights until one of them has a quarter.
+    for (number, rate) in [1.0, 1.0 / 2.0, 1.0 / 3.0, 0.25, 0.25].into_iter().enumerate() {
+        ppo.update(&rollout(40, number as u64)).unwrap();
+        let (newest, average) = (ppo.actor().parameters, ppo.averaged_actor().parameters);
+        expected.iter_mut().zip(&newest).for_each(|(mean, newest)| *mean += rate * (newest - *mean));
+        assert!(average.iter().zip(&expected).all(|(average, mean)| (average - mean).abs() < 1e-6));
+        assert_eq!(average != newest, number > 0);
+    }
+    let mut restored = Ppo::new(WIDTHS, config(LogStd::Free), 8).unwrap();
+    restored.restore(&ppo.state()).unwrap();
+    assert_eq!(restored.averaged_actor(), ppo.averaged_actor());
+    // Without an average it is the actor, bit for bit.
+    restored.update(&rollout(40, 9)).unwrap();
+    assert_eq!(restored.averaged_actor(), restored.actor());
+}
+
+#[test]
+fn a_credit_of_ones_is_ordinary_ppo() {
+    let run = |credit| {
+        let mut ppo = Ppo::new(WIDTHS, PpoConfig { credit, ..config(LogStd::Free) }, 3).unwrap();
+        (ppo.update(&rollout(40, 0)).unwrap(), ppo.state())
+    };
+    assert_eq!(run(None), run(Some(vec![vec![1.0; 2]; 2])));
+}
+
+#[test]
+fn steps_that_are_not_finite_change_nothing_and_are_an_error_after_three_updates() {
+    let mut ppo = Ppo::new(WIDTHS, PpoConfig { batch_size: 1000, ..config(LogStd::Free) }, 3).unwrap();
+    let mut broken = rollout(20, 0);
+    broken.rewards[7] = f32::NAN;
+    let before = ppo.parameters.clone();
+    assert_eq!(ppo.update(&broken).unwrap().skipped, 2);
+    assert_eq!(ppo.update(&broken).unwrap().steps, 0);
+    assert_eq!(ppo.parameters, before);
+    assert_eq!(ppo.update(&rollout(20, 0)).unwrap().skipped, 0);
+    assert!(ppo.update(&broken).is_ok() && ppo.update(&broken).is_ok());
+    assert!(matches!(ppo.update(&broken), Err(crate::Error::NotFinite { updates: 3 })));
+}
+
+#[test]
+fn an_update_stops_at_its_target_divergence() {
+    let config = PpoConfig { target_kl: Some(1e-4), learning_rate: 1e-2, ..config(LogStd::Free) };
+    let update = Ppo::new(WIDTHS, config, 3).unwrap().update(&rollout(40, 0)).unwrap();
+    assert!(update.epochs == 0 && update.steps >= 1, "{update:?}");
+}
+
+#[test]
+fn a_rollout_of_other_widths_is_an_error() {
+    let mut ppo = Ppo::new(WIDTHS, config(LogStd::Free), 3).unwrap();
+    let mut short = rollout(20, 0);
+    short.rewards.pop();
+    assert!(matches!(
+        ppo.update(&short),
+        Err(crate::Error::Rollout { name: "rewards", length: 79, expected: 80 })
+    ));
+    let mut swapped = rollout(20, 0);
+    swapped.ends.swap(0, 1);
+    assert!(matches!(ppo.update(&swapped), Err(crate::Error::End { environment: 0, step: 5 })));
+}
+
+/// Returns the loss of a minibatch in double precision.
+fn loss(batch: &Minibatch<'_>, parameters: &[f64]) -> f64 {
+    let Minibatch { networks, credits, samples, config, .. } = batch;
+    let credit = &credits[0];
+    let mut sum = 0.0;
+    for row in 0..batch.rows {
+        let input = wide(&samples.observations[row * 4..][..4]);
+        let outputs =
+            reference::forward(networks.actor.mlp().unwrap(), &parameters[networks.actors()], &input);
+        let log_stds = if networks.of_state() { &outputs[2..] } else { &parameters[networks.log_stds()] };
+        let density = |action: usize| {
+            let normal =
+                (f64::from(samples.actions[row * 2 + action]) - outputs[action]) / log_stds[action].exp();
+            -0.5 * normal * normal - log_stds[action] - 0.5 * std::f64::consts::TAU.ln()
+        };
+        for group in 0..credit.groups() {
+            let at = row * credit.groups() + group;
+            let ratio =
+                (credit.actions(group, 2).map(density).sum::<f64>() - f64::from(samples.old[at])).exp();
+            let advantage = f64::from(samples.advantages[at]);
+            sum -= (advantage * ratio).min(advantage * ratio.clamp(0.8, 1.2));
+        }
+        sum -= f64::from(config.entropy_coefficient) * log_stds.iter().sum::<f64>();
+        let values =
+            reference::forward(networks.critic.mlp().unwrap(), &parameters[networks.critics()], &input);
+        let errors =
+            values.iter().zip(&samples.returns[row * 2..]).map(|(value, target)| value - f64::from(*target));
+        sum += 0.5 * errors.map(|error| error * error).sum::<f64>() / 2.0;
+    }
+    sum / batch.rows as f64
+}
+
+#[test]
+fn gradients_of_all_parameters_are_those_of_finite_differences() {
+    for (log_std, activation) in [(LogStd::Free, Activation::Tanh), (LogStd::OfState, Activation::Relu)] {
+        let config = PpoConfig { activation, ..config(log_std) };
+        let mut ppo = Ppo::new(WIDTHS, config, 3).unwrap();
+        ppo.prepare_for_test(&rollout(16, 0));
+        let parameters = ppo.parameters.clone();
+        let mut worker = Worker::new(&ppo.networks);
+        let batch = Minibatch {
+            config: &ppo.config,
+            networks: &ppo.networks,
+            credits: &ppo.credits,
+            groups: ppo.groups,
+            parameters: &parameters,
+            samples: &ppo.samples,
+            graphs: &[],
+            rows: 32,
+        };
+        worker.learn(&batch, 0..32);
+        assert_gradients(&wide(&parameters), &worker.gradients, |parameters| loss(&batch, parameters));
+    }
+}
+
+impl Ppo {
+    /// Prepares the steps of a rollout as those of an actor that has changed since.
+    pub(super) fn prepare_for_test(&mut self, rollout: &Rollout) {
+        self.prepare(rollout);
+        let mut random = Random::new(1, 0);
+        self.samples.old.iter_mut().for_each(|old| *old += 0.2 * random.normal() as f32);
+    }
+}

@@ -1,0 +1,79 @@
+//! The state of SAC.
+
+use super::config::SacConfig;
+use super::networks::{Networks, Parameters};
+use super::replay::{Batch, Replay};
+use super::worker::Worker;
+use crate::error::Result;
+use crate::nn::Adam;
+use crate::random::Random;
+use crate::widths::Widths;
+
+/// A learner by soft actor-critic.
+#[derive(Clone, Debug)]
+pub struct Sac {
+    pub(super) config: SacConfig,
+    pub(super) widths: Widths,
+    pub(super) networks: Networks,
+    pub(super) parameters: Parameters,
+    /// Optimizers of actor, critics and temperature.
+    pub(super) adams: [Adam; 3],
+    pub(super) replay: Replay,
+    pub(super) random: Random,
+    /// Minibatches that collected steps are worth, and that are not done.
+    pub(super) owed: f64,
+    /// Number of updates.
+    pub(super) updates: u64,
+    /// Number of the last updates in a row with steps that were skipped.
+    pub(super) failures: u64,
+    pub(super) threads: usize,
+    pub(super) batch: Batch,
+    pub(super) workers: Vec<Worker>,
+    /// Gradients of actor and critics.
+    pub(super) gradients: [Vec<f32>; 2],
+}
+
+impl Sac {
+    /// Returns a learner with initial parameters of this seed, for rollouts of this number of environments.
+    ///
+    /// # Errors
+    /// When a value of the configuration is outside its range.
+    pub fn new(widths: Widths, environments: usize, config: SacConfig, seed: u64) -> Result<Self> {
+        config.check()?;
+        let networks = Networks::new(widths, &config);
+        let mut random = Random::new(seed, 0);
+        let parameters = networks.initialize(&config, &mut random);
+        let sizes = [parameters.actor.len(), parameters.critics.len(), 1];
+        Ok(Self {
+            adams: sizes.map(|size| Adam::new(size, config.adam_epsilon)),
+            gradients: [vec![0.0; sizes[0]], vec![0.0; sizes[1]]],
+            replay: Replay::new(widths, environments, config.capacity),
+            workers: vec![Worker::new(&networks)],
+            batch: Batch::default(),
+            owed: 0.0,
+            updates: 0,
+            failures: 0,
+            threads: 1,
+            config,
+            widths,
+            networks,
+            parameters,
+            random,
+        })
+    }
+
+    /// Returns the configuration.
+    pub fn config(&self) -> &SacConfig {
+        &self.config
+    }
+
+    /// Returns the number of updates so far.
+    pub fn updates(&self) -> u64 {
+        self.updates
+    }
+
+    /// Sets the number of threads, by default 1. Results do not depend on it. Two are faster than one only where two cores are idle.
+    pub fn set_threads(&mut self, threads: usize) {
+        self.threads = threads.max(1);
+    }
+}

@@ -1,0 +1,67 @@
+//! Network, observation and actions of an agent.
+
+use b2b_agent::{Acting, Interface, ObservationForm, ObservationOptions};
+use serde::{Deserialize, Serialize};
+
+use crate::error::Result;
+use crate::limits::require;
+use crate::policy::Policy;
+
+/// Network, observation and actions of an agent.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct AgentConfig {
+    /// Kind of network: `{ kind = "flat" }` or `{ kind = "graph" }` with the options of [`GraphPolicy`](crate::train::GraphPolicy).
+    pub policy: Policy,
+    /// What the agent observes: a form, `raw`, `roles` or `features`, or a table with `form`, `attributes` and `forecast`.
+    pub observation: ObservationOptions,
+    /// How the agent acts: `{ kind = "direct" }` or `{ kind = "residual", authority = 0.5 }`.
+    pub acting: Acting,
+}
+
+impl Default for AgentConfig {
+    fn default() -> Self {
+        Self { policy: Policy::Flat, observation: ObservationForm::Features.into(), acting: Acting::Direct }
+    }
+}
+
+impl AgentConfig {
+    /// Returns what the agent observes and how it acts.
+    pub fn interface(&self) -> Interface {
+        Interface { observation: self.observation, acting: self.acting, nodes: self.policy.nodes() }
+    }
+
+    /// Returns whether the agent observes the attributes of its building.
+    pub(crate) fn observes_attributes(&self) -> bool {
+        match &self.policy {
+            Policy::Graph(graph) => graph.attributes,
+            Policy::Flat => self.observation.attributes,
+        }
+    }
+
+    /// Checks the values.
+    pub(super) fn check(&self) -> Result<()> {
+        if self.policy != Policy::Flat {
+            self.check_graph()?;
+        }
+        match self.acting {
+            Acting::Residual { authority } => require(authority > 0.0 && authority <= 1.0, || {
+                format!("`authority` is {authority}; expected more than 0, at most 1")
+            }),
+            Acting::Direct => Ok(()),
+        }
+    }
+
+    fn check_graph(&self) -> Result<()> {
+        let ObservationOptions { form, attributes, forecast } = self.observation;
+        let excluded = [
+            ("observation", form == ObservationForm::Roles, "it must be raw or features"),
+            ("observation.attributes", attributes, "use `policy.attributes`"),
+            ("observation.forecast", forecast > 0, "it must be 0"),
+        ];
+        for (name, is_wrong, remedy) in excluded {
+            require(!is_wrong, || format!("`{name}` with graph networks: {remedy}"))?;
+        }
+        self.policy.check()
+    }
+}

@@ -1,0 +1,43 @@
+//! The rewards that are learned from.
+
+use serde::{Deserialize, Serialize};
+
+use crate::error::Result;
+use crate::limits::require;
+
+/// The rewards that are learned from. Scores do not depend on them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct RewardConfig {
+    /// Whether rewards are divided by the mean penalty of the reactive controllers in the building, so that a mean reward of -1
+    /// is the baseline's.
+    pub scale_rewards: bool,
+    /// What a full stroke costs, averaged over the actuators, in the unit of the rewards that are learned from: with
+    /// `scale_rewards`, the mean penalty per step of the reactive controllers. 0: travel is free.
+    pub travel_cost: f32,
+    /// Factor by which `travel_cost` grows after every evaluation in which actuators hunt: their travel is above its limit. 1: it does
+    /// not grow.
+    pub travel_cost_growth: f32,
+    /// Whether a reward has a part for every zone and one for energy, and each action is credited with the parts that it
+    /// affects.
+    pub credit_by_zone: bool,
+}
+
+impl Default for RewardConfig {
+    fn default() -> Self {
+        Self { scale_rewards: true, travel_cost: 0.0, travel_cost_growth: 1.0, credit_by_zone: false }
+    }
+}
+
+impl RewardConfig {
+    /// Checks the values.
+    pub(super) fn check(&self) -> Result<()> {
+        let Self { travel_cost, travel_cost_growth, .. } = *self;
+        require(travel_cost >= 0.0 && travel_cost.is_finite(), || {
+            format!("`travel_cost` is {travel_cost}; expected 0 or more")
+        })?;
+        require(travel_cost_growth >= 1.0 && travel_cost_growth.is_finite(), || {
+            format!("`travel_cost_growth` is {travel_cost_growth}; expected 1 or more")
+        })
+    }
+}

@@ -1,0 +1,177 @@
+use b2b_agent::{Acting, ObservationForm};
+use b2b_building::BuildingType;
+use b2b_dataset::BuildingId;
+
+use super::TrainConfig;
+use crate::ppo::PpoConfig;
+use crate::sac::SacConfig;
+
+const NAMED: &str = "buildings = ['OfficeSmall-0042']";
+
+fn changed(base: &TrainConfig, changes: &str) -> TrainConfig {
+    base.with_changes(changes).unwrap()
+}
+
+#[test]
+fn every_preset_is_complete_and_valid() {
+    for name in TrainConfig::presets() {
+        let named = changed(&TrainConfig::preset(name).unwrap(), NAMED);
+        named.check().unwrap();
+        assert_eq!(changed(&TrainConfig::default(), &named.to_toml()), named, "{}", named.to_toml());
+    }
+    let said = TrainConfig::preset("papper").unwrap_err().to_string();
+    assert!(said.contains("unknown preset `papper`; expected graph or paper or residual"), "{said}");
+}
+
+#[test]
+fn a_configuration_is_written_with_the_options_of_its_learner_alone() {
+    let residual = TrainConfig::preset("residual").unwrap();
+    let text = residual.to_toml();
+    assert!(text.starts_with("algorithm = \"ppo\"") && text.contains("gamma = 0.98\n"), "{text}");
+    assert!(text.contains("[ppo]") && !text.contains("[sac]"), "{text}");
+    let sac = changed(&residual, "algorithm = 'sac'\n[sac]\ngamma = 0.9\n[ppo]\ngamma = 0.8");
+    assert!(sac.to_toml().contains("[sac]") && !sac.to_toml().contains("[ppo]"));
+    assert_eq!(sac.learner.options::<SacConfig>().unwrap().gamma, 0.9);
+    assert_eq!(changed(&TrainConfig::default(), &sac.to_toml()), sac);
+    // Those of the others are read, so that a mistake in them is an error.
+    assert!(residual.with_changes("[sac]\ngama = 0.9").unwrap_err().contains("did you mean `gamma`?"));
+}
+
+#[test]
+fn options_of_arguments_are_ignored_in_a_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("mine.toml");
+    std::fs::write(&path, "preset = 'residual'\nseed = 7\nalgorithm = 'ppo'\nsac = { gamma = 0.9 }").unwrap();
+    let paper = TrainConfig::preset("paper").unwrap();
+    assert_eq!(paper.with_file(&path, &["preset"]).unwrap(), changed(&paper, "seed = 7"));
+    let residual = TrainConfig::preset("residual").unwrap();
+    assert_eq!(paper.with_file(&path, &[]).unwrap(), changed(&residual, "seed = 7"));
+    let sac = paper.with_algorithm("sac").unwrap().with_file(&path, &["preset", "algorithm"]).unwrap();
+    assert_eq!(sac.learner.options::<SacConfig>().unwrap().gamma, 0.9);
+}
+
+#[test]
+fn the_preset_of_the_paper_has_the_numbers_of_its_table() {
+    let TrainConfig { learner, budget, agent, .. } = TrainConfig::preset("paper").unwrap();
+    let ppo: &PpoConfig = learner.options().unwrap();
+    assert_eq!((ppo.learning_rate, ppo.batch_size, ppo.n_steps, ppo.epochs), (5e-5, 336, 672, 5));
+    assert_eq!((ppo.target_kl, ppo.gamma, ppo.gae_lambda), (Some(0.02), 0.98, 0.95));
+    assert_eq!((ppo.clip_range, ppo.entropy_coefficient, ppo.value_coefficient), (0.2, 0.01, 0.5));
+    assert_eq!((ppo.max_grad_norm, ppo.initial_log_std, budget.environments), (0.5, -1.0, 14));
+    assert_eq!((&ppo.actor_hidden, &ppo.critic_hidden), (&vec![256, 256], &vec![256, 256]));
+    assert_eq!((agent.acting, agent.observation), (Acting::Direct, ObservationForm::Raw.into()));
+}
+
+#[test]
+fn a_wrong_key_or_value_is_an_error_that_names_it() {
+    let base = TrainConfig::default();
+    for (changes, said) in [
+        ("enviroments = 3", &["unknown field `enviroments`", "did you mean `environments`?"][..]),
+        ("[ppo]\ngama = 0.9", &["`ppo`", "did you mean `gamma`?"]),
+        ("[evaluation]\nevry = 3", &["`evaluation`", "did you mean `every`?"]),
+        ("[pppo]\ngamma = 0.9", &["did you mean `ppo`?"]),
+        ("steps = \"many\"", &["`steps`", "many"]),
+        ("keep = \"bst\"", &["`keep`", "did you mean `best`?"]),
+        ("evaluation = 3", &["`evaluation` is 3; expected a table"]),
+        ("algorithm = 'pop'", &["unknown algorithm `pop`; expected ppo or sac"]),
+        ("algorithm = 3", &["`algorithm` is 3; expected a name"]),
+    ] {
+        let error = base.with_changes(changes).unwrap_err();
+        assert!(said.iter().all(|part| error.contains(part)), "{changes}: {error}");
+    }
+    let changed = changed(&base, "preset = \"paper\"\nseed = 7\n[ppo]\ngamma = 0.9");
+    let ppo: &PpoConfig = changed.learner.options().unwrap();
+    assert_eq!((changed.budget.seed, ppo.gamma, ppo.epochs), (7, 0.9, 5));
+}
+
+#[test]
+fn values_that_do_not_go_together_are_errors() {
+    let named = changed(&TrainConfig::default(), NAMED);
+    for (changes, said) in [
+        ("environments = 0", "`environments` is 0"),
+        ("window_days = 100", "window_days"),
+        ("buildings = []", "building_type"),
+        ("travel_cost = -1", "`travel_cost` is -1"),
+        ("travel_cost_growth = 0.5", "`travel_cost_growth` is 0.5"),
+        ("evaluation = { days = 0 }", "`evaluation.days` is 0"),
+        ("noise_cost = 0.5", "`noise_cost` is 0.5"),
+        ("ppo = { gamma = 2.0 }", "`gamma` is 2"),
+        ("place = 'Miami'\nweather = 'x.epw'", "either `place` or `weather`"),
+        ("acting = { kind = 'residual', authority = 1.5 }", "authority"),
+        ("task = 'constant,random'\nobservation = 'raw'", "the observation `features`"),
+        (
+            "algorithm = 'sac'\nmirrored_noise = true",
+            "`mirrored_noise` is for ppo; with sac it must be false",
+        ),
+        ("algorithm = 'sac'\ncredit_by_zone = true", "`credit_by_zone` is for ppo"),
+        ("algorithm = 'sac'\npolicy = { kind = 'graph' }", "`algorithm` with graph networks: it must be ppo"),
+        ("policy = { kind = 'graph', heads = 3 }", "`policy.heads` is 3"),
+        ("ppo = { log_std = 'of_state' }\nfinal_noise = 0.5", "with `ppo.log_std` = of_state"),
+        ("excluded_climate_zones = ['1']", "`excluded_climate_zones` are for `building_type`"),
+    ] {
+        let error = changed(&named, changes).check().unwrap_err().to_string();
+        assert!(error.contains(said), "{changes}: {error}");
+    }
+}
+
+#[test]
+fn buildings_of_excluded_climate_zones_are_not_drawn() {
+    let of = |zones: &str| {
+        changed(
+            &TrainConfig::default(),
+            &format!("building_type = 'OfficeSmall'\nexcluded_climate_zones = [{zones}]"),
+        )
+    };
+    let (all, some) = (of(""), of("'5B', '8'"));
+    let drawn = |config: &TrainConfig| {
+        config.training_set.drawn(BuildingType::OfficeSmall).collect::<Vec<BuildingId>>()
+    };
+    let zone = |id: &BuildingId| b2b_dataset::row(*id).building.location().ashrae_zone().unwrap();
+    assert_eq!(drawn(&all).len(), 900);
+    assert!(drawn(&all).iter().any(|id| zone(id) == "5B"));
+    assert!(drawn(&some).iter().all(|id| !["5B", "8"].contains(&zone(id))));
+    assert!(drawn(&some).iter().any(|id| zone(id) == "5A"));
+    let text = "OfficeSmall of the training split outside of the climate zones 5B, 8";
+    assert_eq!(some.training_set.buildings_text(), text);
+    of("'1', '5B'").check().unwrap();
+    let error = |zones: &str| of(zones).check().unwrap_err().to_string();
+    assert!(error("'9'").contains("`9`, which no OfficeSmall is in"));
+    assert!(error("'1', '2', '3', '4', '5', '6', '7', '8'").contains("leave no OfficeSmall"));
+}
+
+#[test]
+fn a_preset_with_sac_leaves_out_what_is_for_ppo() {
+    let residual = TrainConfig::preset("residual").unwrap();
+    let changes = format!("{NAMED}\nalgorithm = \"sac\"");
+    let sac = changed(&residual, &changes);
+    sac.check().unwrap();
+    assert_eq!(sac.learner.name(), "sac");
+    let error = changed(&residual, &format!("{changes}\nnoise_cost = 2.0")).check().unwrap_err();
+    assert!(error.to_string().contains("noise_cost"), "{error}");
+}
+
+/// The files that runs wrote before had the options of both learners, in another order.
+#[test]
+fn a_configuration_of_an_earlier_run_is_read() {
+    let config = TrainConfig::preset("residual").unwrap();
+    let sac = crate::learners::Kind::find("sac").unwrap();
+    let earlier = format!("{}\n{}", config.to_toml(), crate::learners::LearnerChoice::from(sac).to_toml());
+    assert_eq!(changed(&TrainConfig::default(), &earlier), config);
+}
+
+#[test]
+fn only_the_caller_permits_a_model_to_run_code() {
+    let allowed = TrainConfig::default().with_json(r#"{"allow_external": true}"#).unwrap();
+    assert!(allowed.training_set.allow_external);
+    assert!(allowed.with_changes("seed = 7").unwrap().training_set.allow_external);
+    assert!(!allowed.to_toml().contains("allow_external"));
+    TrainConfig::default().with_changes("allow_external = false").unwrap();
+    let said = TrainConfig::default().with_changes("allow_external = true").unwrap_err();
+    assert!(said.contains("pass --allow-external"), "{said}");
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("config.toml");
+    std::fs::write(&path, "allow_external = true").unwrap();
+    let said = TrainConfig::default().with_file(&path, &[]).unwrap_err().to_string();
+    assert!(said.contains("pass --allow-external"), "{said}");
+    assert!(!TrainConfig::of_run(folder.path()).unwrap().training_set.allow_external);
+}

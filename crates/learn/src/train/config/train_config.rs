@@ -1,0 +1,154 @@
+//! The parts of a configuration, and checks across them.
+
+use b2b_agent::ObservationForm;
+use serde::Serialize;
+
+use super::agent::AgentConfig;
+use super::budget::Budget;
+use super::checkpoints::CheckpointConfig;
+use super::evaluation::EvaluationConfig;
+use super::noise::NoiseConfig;
+use super::rewards::RewardConfig;
+use super::training_set::TrainingSet;
+use crate::error::Result;
+use crate::learner::Abilities;
+use crate::learners::{Kind, LearnerChoice, kinds};
+use crate::limits::require;
+use crate::policy::Policy;
+use crate::train::problem::training_side;
+
+/// The configuration of a training run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct TrainConfig {
+    /// Buildings, tasks and period.
+    #[serde(flatten)]
+    pub training_set: TrainingSet,
+    /// Network, observation and actions.
+    #[serde(flatten)]
+    pub agent: AgentConfig,
+    /// Steps, environments and random seed.
+    #[serde(flatten)]
+    pub budget: Budget,
+    /// Rewards that are learned from.
+    #[serde(flatten)]
+    pub rewards: RewardConfig,
+    /// Exploration noise.
+    #[serde(flatten)]
+    pub noise: NoiseConfig,
+    /// Checkpoints, and the agent that is kept.
+    #[serde(flatten)]
+    pub checkpoints: CheckpointConfig,
+    /// Evaluations during training.
+    pub evaluation: EvaluationConfig,
+    /// The learner. In a file, `algorithm` is its name, and the table of this name has its options.
+    #[serde(skip)]
+    pub learner: LearnerChoice,
+}
+
+impl TrainConfig {
+    /// Returns the configuration with the learner of this name, and with options that it does not support turned off. A different
+    /// learner than before has its default options.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`](crate::Error::Invalid) for an unknown name.
+    pub fn with_algorithm(mut self, name: &str) -> Result<Self> {
+        let kind = Kind::find(name)?;
+        if self.learner.name() != kind.name {
+            self.learner = kind.into();
+        }
+        let Abilities { credit, mirrored_noise, noise, .. } = self.learner.abilities();
+        self.rewards.credit_by_zone &= credit;
+        self.noise.mirrored_noise &= mirrored_noise;
+        if noise.is_err() {
+            (self.noise.noise_cost, self.noise.final_noise) = (0.0, 1.0);
+        }
+        Ok(self)
+    }
+
+    /// Returns the configuration for the training side of a benchmark problem, by name or JSON file: its buildings, tasks, run
+    /// period, steps per hour, training budget and attributes.
+    ///
+    /// # Errors
+    /// [`Error::Evaluation`](crate::Error::Evaluation) for an unknown problem; [`Error::Invalid`](crate::Error::Invalid) for one that
+    /// an agent cannot be trained for, because its buildings differ in what they observe or control.
+    pub fn with_problem(mut self, name: &str) -> Result<Self> {
+        training_side(name)?.apply(&mut self.training_set, &mut self.agent, &mut self.budget)?;
+        self.training_set.problem = name.to_owned();
+        Ok(self)
+    }
+
+    /// Checks every part, and that the parts go together.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`](crate::Error::Invalid) or [`Error::Config`](crate::Error::Config) for the first value that is not allowed.
+    pub fn check(&self) -> Result<()> {
+        let Self { training_set, agent, budget, rewards, noise, evaluation, learner, .. } = self;
+        learner.check()?;
+        training_set.check()?;
+        if !training_set.problem.is_empty() {
+            training_side(&training_set.problem)?.check(training_set, agent, budget)?;
+        }
+        budget.check()?;
+        rewards.check()?;
+        noise.check()?;
+        evaluation.check()?;
+        agent.check()?;
+        self.check_abilities()?;
+        self.check_variety()
+    }
+
+    /// Checks that the learner supports the options of the other parts.
+    fn check_abilities(&self) -> Result<()> {
+        let name = self.learner.name();
+        let Abilities { graphs, credit, mirrored_noise, noise } = self.learner.abilities();
+        require(graphs || self.agent.policy == Policy::Flat, || {
+            let able = able(|abilities| abilities.graphs);
+            format!("`algorithm` with graph networks: it must be {able}")
+        })?;
+        require(credit || !self.rewards.credit_by_zone, || {
+            let able = able(|abilities| abilities.credit);
+            format!("`credit_by_zone` is for {able}; with {name} it must be false")
+        })?;
+        require(mirrored_noise || !self.noise.mirrored_noise, || {
+            let able = able(|abilities| abilities.mirrored_noise);
+            format!("`mirrored_noise` is for {able}; with {name} it must be false")
+        })?;
+        let Err(why) = noise else { return Ok(()) };
+        let NoiseConfig { noise_cost, final_noise, .. } = self.noise;
+        require(noise_cost == 0.0, || format!("`noise_cost` is {noise_cost}; {why}; expected 0"))?;
+        require(final_noise == 1.0, || format!("`final_noise` is {final_noise}; {why}; expected 1"))
+    }
+
+    /// Checks that the agent and the number of environments suit the building types and tasks.
+    fn check_variety(&self) -> Result<()> {
+        let types = self.training_set.building_type.len();
+        let is_one_task = self.training_set.task.as_slice().len() == 1;
+        require(is_one_task || self.agent.observation.form == ObservationForm::Features, || {
+            "tasks with different observations require the observation `features`".into()
+        })?;
+        require(types <= 1 || self.agent.policy != Policy::Flat, || {
+            "several building types are for graph networks; choose the preset graph, or one type".into()
+        })?;
+        let environments = self.budget.environments;
+        require(types <= self.distinct_environments(), || {
+            format!(
+                "`environments` is {environments}; expected at least {} for {types} building types{}",
+                types * environments.div_ceil(self.distinct_environments()),
+                if self.noise.mirrored_noise { " with mirrored noise" } else { "" }
+            )
+        })
+    }
+
+    /// Returns the number of environments that have episodes of their own: with mirrored noise, pairs share theirs.
+    pub(crate) fn distinct_environments(&self) -> usize {
+        let environments = self.budget.environments;
+        if self.noise.mirrored_noise { environments.div_ceil(2) } else { environments }
+    }
+}
+
+/// Returns the names of the learners whose default options have an ability.
+fn able(has: impl Fn(&Abilities) -> bool) -> String {
+    let is_able = |kind: &Kind| has(&LearnerChoice::from(*kind).abilities());
+    let names: Vec<_> = kinds().into_iter().filter(is_able).map(|kind| kind.name).collect();
+    names.join(" or ")
+}

@@ -1,0 +1,192 @@
+//! Buildings, tasks and period of a training run.
+
+use std::path::PathBuf;
+
+use b2b_building::{BuildingType, RunPeriod};
+use b2b_climate::Place;
+use b2b_dataset::{BuildingId, BuildingName, Placement, Row, Split};
+use serde::{Deserialize, Serialize};
+
+use super::one_or_many;
+use super::tasks::Tasks;
+use crate::error::{Error, Result};
+use crate::limits::require;
+
+/// Buildings, tasks and period of a training run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct TrainingSet {
+    /// Training buildings by name, in turn for the environments. Empty: those of `building_type` in the training split.
+    pub buildings: Vec<String>,
+    /// Place of `buildings`, such as `Miami`. Empty: their own.
+    pub place: String,
+    /// Weather file (EPW) of `buildings` instead of a place. Empty: that of the place.
+    pub weather: PathBuf,
+    /// Whether a model file may run code and open files outside its folder. Only the caller sets it: no file may, and none has it.
+    #[serde(skip)]
+    pub allow_external: bool,
+    /// Building type whose training split every episode's building is drawn from, or a list of types, in turn for the
+    /// environments. Empty: `buildings`.
+    #[serde(with = "one_or_many")]
+    pub building_type: Vec<String>,
+    /// ASHRAE 169 climate zones whose buildings are not drawn, such as `1A`, or `1` for 1A to 1C.
+    pub excluded_climate_zones: Vec<String>,
+    /// Episodes that an environment stays in a building that was drawn.
+    pub building_episodes: u32,
+    /// Benchmark problem, by name or JSON file, that the agent is for. It sets buildings, tasks, run period, steps per hour,
+    /// steps and attributes, and none of them may go beyond its training side. Empty: none.
+    pub problem: String,
+    /// Task, such as `occupancy+energy0.5`, or several: every episode has another one. See [`Tasks`].
+    pub task: Tasks,
+    /// Run period: `winter`, `summer`, `full_year` or `MM-DD..MM-DD`.
+    pub period: String,
+    /// Zone time steps per hour, each one step.
+    pub steps_per_hour: u32,
+    /// Days of a training episode, which begins on one of `window_starts` days of the run period. 0: the whole run period.
+    pub window_days: u32,
+    /// Number of first days of training episodes.
+    pub window_starts: u32,
+}
+
+impl Default for TrainingSet {
+    fn default() -> Self {
+        Self {
+            buildings: Vec::new(),
+            place: String::new(),
+            weather: PathBuf::new(),
+            allow_external: false,
+            building_type: Vec::new(),
+            excluded_climate_zones: Vec::new(),
+            building_episodes: 1,
+            problem: String::new(),
+            task: Tasks::default(),
+            period: "winter".into(),
+            steps_per_hour: 12,
+            window_days: 0,
+            window_starts: 1,
+        }
+    }
+}
+
+impl TrainingSet {
+    /// Returns the run period.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`].
+    pub fn run_period(&self) -> Result<RunPeriod> {
+        self.period.parse().map_err(|error: b2b_building::Error| Error::Invalid(error.to_string()))
+    }
+
+    /// Returns the names of the training buildings; empty for those of a type.
+    ///
+    /// # Errors
+    /// [`Error::Building`].
+    pub fn named(&self) -> Result<Vec<BuildingName>> {
+        Ok(self.buildings.iter().map(|name| name.parse()).collect::<b2b_dataset::Result<_>>()?)
+    }
+
+    /// Returns the building types whose buildings are drawn; none for named buildings.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`].
+    pub fn building_types(&self) -> Result<Vec<BuildingType>> {
+        let parsed = |name: &String| {
+            name.parse().map_err(|error: b2b_building::Error| Error::Invalid(error.to_string()))
+        };
+        self.building_type.iter().map(parsed).collect()
+    }
+
+    /// Returns the buildings of a type that are drawn: its training split but for the climate zones that are excluded.
+    pub(crate) fn drawn(&self, building_type: BuildingType) -> impl Iterator<Item = BuildingId> {
+        let is_excluded =
+            |row: &Row| self.excluded_climate_zones.iter().any(|zone| row.is_in_climate_zone(zone));
+        let rows = b2b_dataset::rows(building_type).iter();
+        rows.filter(move |row| row.split == Split::Train && !is_excluded(row)).map(|row| row.id)
+    }
+
+    /// Returns the site of `buildings`.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for an unknown place.
+    pub fn placement(&self) -> Result<Placement> {
+        let find = |name| Place::find(name).map_err(|error| Error::Invalid(error.to_string()));
+        let place = (!self.place.is_empty()).then(|| find(&self.place)).transpose()?;
+        let weather = (!self.weather.as_os_str().is_empty()).then(|| self.weather.clone());
+        Ok(Placement { place, weather, allow_external: self.allow_external })
+    }
+
+    /// Returns the training buildings as a reader names them.
+    pub fn buildings_text(&self) -> String {
+        if !self.building_type.is_empty() {
+            let types = self.building_type.join(", ");
+            let excluded = match &self.excluded_climate_zones[..] {
+                [] => String::new(),
+                zones => format!(" outside of the climate zones {}", zones.join(", ")),
+            };
+            return format!("{types} of the training split{excluded}");
+        }
+        let site = match self.weather.file_stem() {
+            Some(weather) => format!(" in {}", weather.display()),
+            None if self.place.is_empty() => String::new(),
+            None => format!(" in {}", self.place),
+        };
+        // A model is named by its file, not by its path.
+        let name = |text: &String| text.parse().map_or(text.clone(), |name: BuildingName| name.to_string());
+        format!("{}{site}", self.buildings.iter().map(name).collect::<Vec<_>>().join(", "))
+    }
+
+    /// Checks the values.
+    pub(super) fn check(&self) -> Result<()> {
+        self.named()?;
+        self.building_types()?;
+        self.check_site()?;
+        let days = self.run_period()?.days();
+        require(self.window_days <= days, || {
+            format!("`window_days` is {}; the run period has {days} days", self.window_days)
+        })?;
+        require(self.building_episodes > 0, || "`building_episodes` is 0; expected at least 1".into())?;
+        self.check_zones()
+    }
+
+    /// Checks which buildings are named or drawn, and where they are.
+    fn check_site(&self) -> Result<()> {
+        let is_placed = self.placement()? != Placement::default();
+        require(self.buildings.is_empty() != self.building_type.is_empty(), || {
+            "expected either `buildings` or `building_type`".into()
+        })?;
+        require(!is_placed || !self.buildings.is_empty(), || {
+            "`place`, `weather` and `allow_external` are for `buildings`; remove them".into()
+        })?;
+        require(self.place.is_empty() || self.weather.as_os_str().is_empty(), || {
+            "expected either `place` or `weather`".into()
+        })
+    }
+
+    /// Checks the excluded climate zones.
+    fn check_zones(&self) -> Result<()> {
+        let zones = &self.excluded_climate_zones;
+        if zones.is_empty() {
+            return Ok(());
+        }
+        require(!self.building_type.is_empty(), || {
+            "`excluded_climate_zones` are for `building_type`; remove them".into()
+        })?;
+        let types = self.building_types()?;
+        let has = |zone: &String| {
+            types.iter().any(|each| b2b_dataset::rows(*each).iter().any(|row| row.is_in_climate_zone(zone)))
+        };
+        if let Some(zone) = zones.iter().find(|zone| !has(zone)) {
+            let types = self.building_type.join(" or ");
+            return Err(Error::Invalid(format!(
+                "`excluded_climate_zones` has `{zone}`, which no {types} is in; expected an ASHRAE 169 zone, such as 5B, \
+                 or a number, such as 5"
+            )));
+        }
+        match types.iter().find(|each| self.drawn(**each).next().is_none()) {
+            Some(empty) => {
+                Err(Error::Invalid(format!("`excluded_climate_zones` leave no {empty} to train on")))
+            }
+            None => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,288 @@
+//! The training environments of a configuration.
+
+use std::sync::Arc;
+
+use b2b_building::{BuildingType, RunPeriod};
+use b2b_dataset::{BuildingName, Catalog, Placement};
+use b2b_energyplus::install::Quiet;
+use b2b_env::{EpisodeConfig, Spaces, Task};
+use b2b_workers::{
+    Autoreset, Buildings, Kept, Population, Rotating, RoundRobin, Sampler, Setting, Source, VecEnv,
+    VecEnvOptions, Weighted, Windows, WithTask, WorkerOptions,
+};
+
+use super::days;
+use super::paired::Paired;
+use super::staggered::Staggered;
+use crate::credit::credit;
+use crate::error::Result;
+use crate::fragments::{FragmentCollector, GraphBuilding, RewardScale};
+use crate::learner::{Learner, LearnerSetting};
+use crate::limits::require;
+use crate::lockstep::LockstepCollector;
+use crate::train::config::TrainConfig;
+use crate::widths::Widths;
+
+/// Makes the environments of a configuration.
+pub(crate) struct Environments<'a> {
+    pub(super) config: &'a TrainConfig,
+    pub(super) catalog: Arc<Catalog>,
+}
+
+impl<'a> Environments<'a> {
+    pub(crate) fn new(config: &'a TrainConfig, catalog: Arc<Catalog>) -> Self {
+        Self { config, catalog }
+    }
+
+    /// Returns the batch of training environments, before its first reset.
+    fn vector(&self, workers: WorkerOptions) -> Result<VecEnv> {
+        let options = VecEnvOptions { workers, autoreset: Autoreset::Disabled, widths: None };
+        Ok(VecEnv::new(self.config.budget.environments, self.sampler()?, options)?)
+    }
+
+    /// Returns a collector of fragments in the batch, with the first episodes begun.
+    pub(crate) fn fragments(&self, workers: WorkerOptions, scale: RewardScale) -> Result<FragmentCollector> {
+        let Self { config, .. } = self;
+        let mut collector = FragmentCollector::new(
+            self.vector(workers)?,
+            config.agent.interface(),
+            config.rewards.credit_by_zone,
+            config.noise.noise_correlation,
+            config.rewards.travel_cost,
+            scale,
+            config.budget.seed,
+        )?;
+        self.room()?.into_iter().for_each(|widths| collector.make_room(widths));
+        Ok(match config.noise.mirrored_noise {
+            true => collector.with_mirrored_noise(),
+            false => collector,
+        })
+    }
+
+    /// Returns the widths of one building of every shape that may be drawn, for graph networks.
+    fn room(&self) -> Result<Vec<Widths>> {
+        let interface = self.config.agent.interface();
+        if interface.nodes.is_none() {
+            return Ok(Vec::new());
+        }
+        let mut all = Vec::new();
+        for building_type in self.config.training_set.building_types()? {
+            let buildings = self.population(building_type, self.config.training_set.run_period()?)?;
+            for (name, building) in buildings.population.representatives()? {
+                let setting = buildings.setting(name.clone(), &building)?;
+                let found = self.catalog.find(&name.parse()?, &Placement::default(), &mut Quiet)?;
+                let prepared = Arc::new(found.prepare(self.catalog.library())?);
+                let spaces = Arc::new(Spaces::new(prepared, setting.episode));
+                let building = GraphBuilding::of(interface, self.config.rewards.credit_by_zone, &spaces)?;
+                all.extend(building.map(|building| building.widths()));
+            }
+        }
+        Ok(all)
+    }
+
+    fn population(&self, building_type: BuildingType, period: RunPeriod) -> Result<Buildings> {
+        Ok(Buildings {
+            catalog: Arc::clone(&self.catalog),
+            population: Population::Ids(self.config.training_set.drawn(building_type).collect()),
+            period,
+            steps_per_hour: self.config.training_set.steps_per_hour,
+            task: self.config.training_set.task.as_slice()[0].clone(),
+        })
+    }
+
+    /// Returns a collector in lockstep in the batch, with the first episodes begun.
+    pub(crate) fn lockstep(&self, workers: WorkerOptions, scale: RewardScale) -> Result<LockstepCollector> {
+        let Self { config, .. } = self;
+        for (name, is_used, none) in [
+            ("credit_by_zone", config.rewards.credit_by_zone, "false"),
+            ("travel_cost", config.rewards.travel_cost > 0.0, "0"),
+            ("mirrored_noise", config.noise.mirrored_noise, "false"),
+        ] {
+            require(!is_used, || {
+                format!("`{name}` requires the loop design fragments; in lockstep it must be {none}")
+            })?;
+        }
+        LockstepCollector::new(
+            self.vector(workers)?,
+            config.agent.interface(),
+            config.noise.noise_correlation,
+            scale,
+            config.budget.seed,
+        )
+    }
+
+    /// Returns the sampler of training episodes.
+    fn sampler(&self) -> Result<Box<dyn Sampler>> {
+        let one = || self.sampler_for(self.config.distinct_environments());
+        Ok(match self.config.noise.mirrored_noise {
+            true => Box::new(Paired::new([one()?, one()?], self.config.budget.seed)),
+            false => one()?,
+        })
+    }
+
+    /// Returns the sampler for a number of environments: in each part of the run period that episodes may be in, windows of some days.
+    fn sampler_for(&self, environments: usize) -> Result<Box<dyn Sampler>> {
+        let (parts, settings) = (days::trained(self.config)?, self.settings()?);
+        let all: u32 = parts.iter().map(|part| part.days()).sum();
+        let mut samplers = Vec::new();
+        for part in parts {
+            let starts = (self.config.training_set.window_starts * part.days()).div_ceil(all);
+            samplers.push((f64::from(starts), self.part(part, starts, &settings, environments)?));
+        }
+        let all: Box<dyn Sampler> = match samplers.len() {
+            1 => samplers.remove(0).1,
+            _ => Box::new(Weighted::new(samplers)?),
+        };
+        let (learner, day) = (&self.config.learner, 24 * self.config.training_set.steps_per_hour as usize);
+        Ok(match learner.is_on_policy() && !learner.steps_per_rollout().is_multiple_of(day) {
+            true => Box::new(Staggered::new(all, environments)),
+            false => all,
+        })
+    }
+
+    /// Returns the sampler of windows that begin on a number of days of a part of the run period.
+    fn part(
+        &self,
+        part: RunPeriod,
+        starts: u32,
+        settings: &[Setting],
+        environments: usize,
+    ) -> Result<Box<dyn Sampler>> {
+        let buildings = self.buildings(part, settings, environments)?;
+        let buildings = match self.config.training_set.task.as_slice() {
+            [_] => buildings,
+            tasks => Box::new(WithTask { of: buildings, tasks: tasks.to_vec() }),
+        };
+        let days = self.config.training_set.window_days;
+        if days == 0 {
+            return Ok(buildings);
+        }
+        Ok(Box::new(Windows { of: buildings, days: (days, days), starts }))
+    }
+
+    /// Returns the sampler of the buildings over all days of a part of the run period.
+    fn buildings(
+        &self,
+        period: RunPeriod,
+        settings: &[Setting],
+        environments: usize,
+    ) -> Result<Box<dyn Sampler>> {
+        let types = self.config.training_set.building_types()?;
+        if !types.is_empty() {
+            let of_type = |building_type: &BuildingType| -> Result<Box<dyn Sampler>> {
+                Ok(Box::new(self.population(*building_type, period)?))
+            };
+            let all = RoundRobin(types.iter().map(of_type).collect::<Result<_>>()?);
+            return Ok(Box::new(Kept::new(all, self.config.training_set.building_episodes)));
+        }
+        let mut settings = settings.to_vec();
+        settings.iter_mut().for_each(|setting| setting.episode.period = period);
+        Ok(Box::new(Rotating::new(settings, environments)))
+    }
+
+    /// Returns the settings of the buildings that are named, over the whole run period.
+    fn settings(&self) -> Result<Vec<Setting>> {
+        let (period, steps_per_hour) =
+            (self.config.training_set.run_period()?, self.config.training_set.steps_per_hour);
+        let (task, placement) =
+            (&self.config.training_set.task.as_slice()[0], self.config.training_set.placement()?);
+        let setting = |name: &BuildingName| {
+            let found = self.catalog.find(name, &placement, &mut Quiet)?;
+            let weather = found.weather.clone();
+            let episode = EpisodeConfig { weather, period, steps_per_hour, task: task.clone() };
+            Ok(Setting::new(Source::from(found), episode))
+        };
+        self.config.training_set.named()?.iter().map(setting).collect()
+    }
+
+    /// Returns what the agent is evaluated on during training: training buildings, evenly spread, each with every task.
+    pub(crate) fn evaluated(&self) -> Result<Vec<(BuildingName, Task)>> {
+        let all: Vec<BuildingName> = match &self.config.training_set.building_types()?[..] {
+            [] => self.config.training_set.named()?,
+            types => types
+                .iter()
+                .flat_map(|each| self.config.training_set.drawn(*each))
+                .map(BuildingName::Id)
+                .collect(),
+        };
+        let count = self.config.evaluation.buildings.clamp(1, all.len());
+        let spread = (0..count).map(|index| all[index * all.len() / count].clone()).collect();
+        Ok(self.with_every_task(spread))
+    }
+
+    pub(super) fn with_every_task(&self, names: Vec<BuildingName>) -> Vec<(BuildingName, Task)> {
+        let tasks = self.config.training_set.task.as_slice();
+        let with = |name: BuildingName| tasks.iter().map(move |task| (name.clone(), task.clone()));
+        names.into_iter().flat_map(with).collect()
+    }
+}
+
+/// Returns the learner of a configuration, for buildings with these spaces.
+pub(crate) fn learner(config: &TrainConfig, widths: Widths, spaces: &Spaces) -> Result<Box<dyn Learner>> {
+    config.learner.learner(&LearnerSetting {
+        widths,
+        environments: config.budget.environments,
+        interface: config.agent.interface(),
+        policy: &config.agent.policy,
+        credit: config.rewards.credit_by_zone.then(|| credit(spaces)),
+        seed: config.budget.seed,
+        threads: std::thread::available_parallelism().map_or(1, usize::from),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::SeedableRng as _;
+
+    use super::*;
+
+    #[test]
+    fn named_buildings_beyond_the_number_of_environments_are_trained_on_too() {
+        let catalog = Arc::new(Catalog::open(&mut Quiet).unwrap());
+        let names: Vec<String> = (1..=5).map(|number| format!("SingleFamilyHouse-{number:04}")).collect();
+        for (environments, mirrored_noise) in [(2, false), (4, true)] {
+            let mut config = TrainConfig::default();
+            config.training_set.buildings.clone_from(&names);
+            (config.budget.environments, config.noise.mirrored_noise) = (environments, mirrored_noise);
+            let mut sampler = Environments::new(&config, Arc::clone(&catalog)).sampler().unwrap();
+            let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(0);
+            let mut drawn = |environment: usize| {
+                let source = sampler.draw(environment, &mut random).unwrap().setting.source;
+                names.iter().position(|name| source.name() == *name).unwrap()
+            };
+            let of_first: Vec<usize> = (0..4).map(|_| drawn(0)).collect();
+            let of_last: Vec<usize> = (0..4).map(|_| drawn(environments - 1)).collect();
+            assert_eq!((of_first, of_last), (vec![0, 2, 4, 0], vec![1, 3, 0, 1]));
+        }
+    }
+
+    #[test]
+    fn no_training_episode_has_a_day_of_the_evaluations() {
+        let catalog = Arc::new(Catalog::open(&mut Quiet).unwrap());
+        // Rollouts of whole days: all episodes are whole windows.
+        let of = |buildings: &str| {
+            let options =
+                format!("{buildings}\nwindow_days = 14\nwindow_starts = 6\nppo = {{ n_steps = 288 }}");
+            TrainConfig::default().with_changes(&options).unwrap()
+        };
+        for buildings in ["buildings = ['OfficeSmall-0042']", "building_type = 'OfficeSmall'"] {
+            let config = of(buildings);
+            let day = |date: b2b_building::Date| date.day_of_year();
+            let held_out = days::evaluated(&config).unwrap();
+            let mut sampler = Environments::new(&config, Arc::clone(&catalog)).sampler().unwrap();
+            let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(0);
+            let mut first_days: Vec<u32> = Vec::new();
+            for _ in 0..40 {
+                let draw = sampler.draw(0, &mut random).unwrap();
+                let period = draw.setting.episode.period;
+                assert_eq!((period.days(), draw.steps), (14, Some(14 * 288)));
+                let is_apart = period.last() < held_out.first() || period.first() > held_out.last();
+                assert!(is_apart, "{period} has days of {held_out}");
+                first_days.push(day(period.first()));
+            }
+            first_days.sort_unstable();
+            first_days.dedup();
+            assert_eq!(first_days, [1, 13, 25, 53, 65, 77], "six first days");
+        }
+    }
+}

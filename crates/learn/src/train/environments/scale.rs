@@ -1,0 +1,115 @@
+//! The scale of rewards, and the baselines that it comes from.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use b2b_building::RunPeriod;
+use b2b_dataset::{BuildingName, Catalog};
+use b2b_energyplus::install::Quiet;
+use b2b_env::{Spaces, Task};
+use b2b_evaluate::{Baseline, Baselines, Episode, Evaluation, Subject};
+use b2b_workers::Launcher;
+
+use super::days;
+use super::sampling::Environments;
+use crate::error::Result;
+use crate::fragments::RewardScale;
+use crate::train::config::TrainConfig;
+
+/// Smallest mean penalty of a baseline that rewards are divided by, K²: a deviation of 0.02 K.
+const SMALLEST_PENALTY: f64 = 4e-4;
+
+impl Environments<'_> {
+    /// Returns the factors of rewards: 1 over the mean penalty per step of the reactive controllers in the building under the
+    /// task. For a building drawn from many it is the median of those of the evaluated ones, because a baseline of its own
+    /// would have to be run first; only for graph networks, whose buildings differ more, it is that of the building: see
+    /// [`DrawnScale`].
+    pub(crate) fn scale(&self, evaluation: &Evaluation<'_>, baselines: &Baselines) -> Result<RewardScale> {
+        if !self.config.rewards.scale_rewards {
+            return Ok(Box::new(|_: &Spaces| Ok(1.0)));
+        }
+        if self.config.agent.interface().nodes.is_some() && !self.config.training_set.building_type.is_empty()
+        {
+            let scale = DrawnScale {
+                config: self.config.clone(),
+                catalog: Arc::clone(&self.catalog),
+                launcher: evaluation.launcher.clone(),
+                interrupted: evaluation.interrupted,
+                baselines: Baselines::open()?,
+            };
+            return Ok(Box::new(move |spaces: &Spaces| scale.of(spaces)));
+        }
+        let known = match self.config.training_set.building_type.is_empty() {
+            true => self.with_every_task(self.config.training_set.named()?),
+            false => self.evaluated()?,
+        };
+        let period = self.config.training_set.run_period()?;
+        let mut scales: HashMap<String, HashMap<String, f64>> = HashMap::new();
+        for (name, task) in known {
+            let scale = self.scale_of(&name, &task, period, evaluation, baselines)?;
+            scales.entry(task.hash()).or_default().insert(name.to_string(), scale);
+        }
+        Ok(Box::new(move |spaces: &Spaces| {
+            let of_task = &scales[&spaces.episode.task.hash()];
+            Ok(of_task.get(&spaces.building.name).copied().unwrap_or_else(|| median(of_task)))
+        }))
+    }
+
+    fn scale_of(
+        &self,
+        name: &BuildingName,
+        task: &Task,
+        period: RunPeriod,
+        evaluation: &Evaluation<'_>,
+        baselines: &Baselines,
+    ) -> Result<f64> {
+        let (episode, baseline) = self.scored(name, task, period, evaluation, baselines)?;
+        let mean = -baseline.episode_return / episode.steps() as f64;
+        Ok(1.0 / mean.max(SMALLEST_PENALTY))
+    }
+
+    /// Returns the episode of a building over a period, and what it is scored against, which is computed if it is unknown.
+    pub(crate) fn scored(
+        &self,
+        name: &BuildingName,
+        task: &Task,
+        period: RunPeriod,
+        evaluation: &Evaluation<'_>,
+        baselines: &Baselines,
+    ) -> Result<(Episode, Baseline)> {
+        let subject = Subject { name: name.clone(), placement: self.config.training_set.placement()? };
+        let site = subject.locate(&self.catalog, &mut Quiet)?;
+        let (task, steps_per_hour) = (task.clone(), self.config.training_set.steps_per_hour);
+        let episode = Episode { subject, task, period, seed: 0, steps_per_hour };
+        let baseline = baselines.baseline(evaluation, &episode, &site, &())?;
+        Ok((episode, baseline))
+    }
+}
+
+/// The factors of rewards of drawn buildings: 1 over the mean penalty per step of the reactive controllers in the building, over
+/// the days of an evaluation. An episode of them runs when a building is first drawn, and is kept in the cache of baselines.
+struct DrawnScale {
+    config: TrainConfig,
+    catalog: Arc<Catalog>,
+    launcher: Launcher,
+    interrupted: fn() -> bool,
+    baselines: Baselines,
+}
+
+impl DrawnScale {
+    fn of(&self, spaces: &Spaces) -> Result<f64> {
+        let Self { config, catalog, launcher, interrupted, baselines } = self;
+        let environments = Environments::new(config, Arc::clone(catalog));
+        let (launcher, interrupted) = (launcher.clone(), *interrupted);
+        let evaluation = Evaluation { catalog, launcher, jobs: 1, interrupted };
+        let (name, task) = (spaces.building.name.parse()?, &spaces.episode.task);
+        environments.scale_of(&name, task, days::evaluated(config)?, &evaluation, baselines)
+    }
+}
+
+/// Returns the median scale, of an even number the upper one of the two in the middle.
+fn median(scales: &HashMap<String, f64>) -> f64 {
+    let mut sorted: Vec<f64> = scales.values().copied().collect();
+    sorted.sort_by(f64::total_cmp);
+    sorted[sorted.len() / 2]
+}

@@ -1,0 +1,17 @@
+//! Reports of a run under way.
+
+use super::progress::Row;
+
+/// Watches a run.
+pub trait Monitor {
+    /// A stage begins, such as `computing baselines`.
+    fn stage(&mut self, _what: &str) {}
+
+    /// An update was made.
+    fn update(&mut self, _row: &Row) {}
+
+    /// Something was not saved, or went wrong without ending the run.
+    fn warn(&mut self, _text: &str) {}
+}
+
+impl Monitor for () {}

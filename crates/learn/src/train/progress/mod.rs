@@ -1,0 +1,10 @@
+//! The course of a run: a table, TensorBoard events and a page with the learning curve.
+
+pub(super) mod curve;
+mod journal;
+mod table;
+mod tensorboard;
+
+pub use curve::PAGE;
+pub(super) use table::ProgressFiles;
+pub use table::{Row, TABLE, read_column};

@@ -1,0 +1,41 @@
+//! Widths of observations, actions and rewards.
+
+use crate::error::{Error, Result};
+
+/// Widths of the arrays of a rollout.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Widths {
+    /// Width of an observation.
+    pub observation: usize,
+    /// Width of an action.
+    pub action: usize,
+    /// Number of parts of a reward.
+    pub parts: usize,
+}
+
+impl Widths {
+    /// Returns the larger of each width.
+    #[must_use]
+    pub fn covering(self, other: Self) -> Self {
+        Self {
+            observation: self.observation.max(other.observation),
+            action: self.action.max(other.action),
+            parts: self.parts.max(other.parts),
+        }
+    }
+
+    /// Checks that a building has these widths, or for a graph network at most these.
+    ///
+    /// # Errors
+    /// [`Error::Collect`] when it has others.
+    pub(crate) fn check(self, building: &str, widths: Self, is_graph: bool) -> Result<()> {
+        if widths == self || (is_graph && self.covering(widths) == self) {
+            return Ok(());
+        }
+        let why = match is_graph {
+            false => format!("the observation or the actuators of {building} do not match the network"),
+            true => format!("{building} is larger than the training buildings for which there is room"),
+        };
+        Err(Error::Collect(why.into()))
+    }
+}

@@ -1,0 +1,210 @@
+//! The owner's side of jobs: orders that a worker process of its own carries out at once.
+
+use std::fs::File;
+use std::io::{Read, Seek, SeekFrom};
+use std::os::unix::process::ExitStatusExt;
+use std::path::{Path, PathBuf};
+use std::process::{Child, ExitStatus, Stdio};
+
+use b2b_base::scratch::temporary_folder;
+use b2b_building::PreparedBuilding;
+use b2b_energyplus::{Error, Host, Messages, Result};
+use b2b_env::authority;
+use rustix::event::{PollFd, PollFlags, Timespec};
+use rustix::process::{Pid, PidfdFlags, Signal};
+use serde::de::DeserializeOwned;
+
+use super::order::{AuthorityOrder, Convert, Failure, Order, Reply, Simulate, reply_file};
+use super::region::LOOK;
+use super::time_limit::TimeLimit;
+use super::worker_options::WorkerOptions;
+
+/// Number of lines of the engine's error file that are repeated after a crash.
+const LAST_LINES: usize = 5;
+/// Bytes at the end of a file in which they are looked for.
+const LAST_BYTES: u64 = 4000;
+
+/// Jobs for EnergyPlus, each in a worker process of its own: conversions, whole runs and response checks.
+///
+/// A crash, or a job beyond the [time limit of preparations](WorkerOptions::preparation_time_limit), is an error that names the
+/// model. As the [`Host`] of a catalog's library, jobs keep users' models out of this process. Several threads may use them.
+#[derive(Clone, Debug)]
+pub struct Jobs(WorkerOptions);
+
+impl Jobs {
+    /// Jobs in processes that are started as workers are.
+    pub fn new(options: WorkerOptions) -> Self {
+        Self(options)
+    }
+
+    /// Checks the response of a building to its actuators: see [`authority::measure`].
+    ///
+    /// # Errors
+    /// Those of the engine; [`Error::Process`]; [`Error::Interrupted`].
+    pub fn authority(&self, building: &PreparedBuilding, weather: &Path) -> Result<authority::Report> {
+        let doing = format!("checking the actuators of {}", building.name);
+        let (library, building, weather) = (self.library(), building.clone(), absolute(weather)?);
+        let order = Order::Authority(Box::new(AuthorityOrder { library, building, weather }));
+        self.run(&doing, &order, None)
+    }
+
+    fn library(&self) -> PathBuf {
+        self.0.library.clone()
+    }
+
+    /// Has an order carried out. `output` is where the engine writes, if not to a temporary folder of the job.
+    fn run<T: DeserializeOwned>(&self, doing: &str, order: &Order, output: Option<&Path>) -> Result<T> {
+        let folder = temporary_folder("b2b-job-")?;
+        let [path, log] = ["order.json", "worker.log"].map(|name| folder.path().join(name));
+        std::fs::write(&path, order.to_json()).map_err(at(&path))?;
+        let words = File::create(&log).map_err(at(&log))?;
+        let WorkerOptions { launcher, .. } = &self.0;
+        let child = launcher.start(Stdio::null(), &path, folder.path(), words);
+        let mut process = Process(child.map_err(at(launcher.program()))?);
+        let end = match self.wait(&mut process.0)? {
+            Some(status) => match std::fs::read(reply_file(&path)) {
+                Ok(text) => return read_reply(doing, &text),
+                Err(_) => describe(status),
+            },
+            None => format!("took longer than {:?} and was stopped", self.0.preparation_time_limit),
+        };
+        let last_messages = last_messages(output.unwrap_or(folder.path()), &log);
+        Err(Error::Process { doing: doing.to_owned(), end, last_messages })
+    }
+
+    /// Waits for a process and returns how it ended; `None` at the time limit.
+    fn wait(&self, child: &mut Child) -> Result<Option<ExitStatus>> {
+        let mut limit = TimeLimit::new(self.0.preparation_time_limit);
+        let pid = Pid::from_child(child);
+        let handle = rustix::process::pidfd_open(pid, PidfdFlags::empty());
+        let look = Timespec { tv_sec: 0, tv_nsec: LOOK.as_nanos() as i64 };
+        loop {
+            if let Some(status) = child.try_wait().map_err(at(self.0.launcher.program()))? {
+                return Ok(Some(status));
+            }
+            if (self.0.interrupted)() {
+                return Err(Error::Interrupted);
+            }
+            if limit.is_exceeded() {
+                return Ok(None);
+            }
+            match &handle {
+                // A signal ends the wait early.
+                Ok(handle) => {
+                    let _ = rustix::event::poll(&mut [PollFd::new(handle, PollFlags::IN)], Some(&look));
+                }
+                Err(_) => std::thread::sleep(LOOK / 10),
+            }
+        }
+    }
+}
+
+impl Host for Jobs {
+    fn convert_idf(&self, idf: &Path) -> Result<String> {
+        let doing = format!("converting {}", idf.display());
+        let order = Convert { library: self.library(), idf: absolute(idf)? };
+        self.run(&doing, &Order::Convert(order), None).map_err(|error| named(error, idf))
+    }
+
+    fn run_to_end(&self, model: &Path, weather: &Path, output: &Path) -> Result<Messages> {
+        let doing = format!("simulating {}", model.display());
+        let order = Simulate {
+            library: self.library(),
+            model: absolute(model)?,
+            weather: absolute(weather)?,
+            output: absolute(output)?,
+        };
+        self.run(&doing, &Order::Simulate(order), Some(output))
+    }
+}
+
+/// A process that is killed with its owner's interest in it.
+struct Process(Child);
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        // It may have ended already.
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// Names the model in an error as the caller did.
+fn named(error: Error, path: &Path) -> Error {
+    match error {
+        Error::Engine { code, messages, .. } => Error::Engine { code, model: path.to_owned(), messages },
+        other => other,
+    }
+}
+
+fn read_reply<T: DeserializeOwned>(doing: &str, text: &[u8]) -> Result<T> {
+    let failed = |why: String| Error::Process {
+        doing: doing.to_owned(),
+        end: format!("failed ({why})"),
+        last_messages: String::new(),
+    };
+    match serde_json::from_slice(text) {
+        Ok(Reply::Done(result)) => Ok(result),
+        Ok(Reply::Failed(Failure::Engine { code, model, messages })) => {
+            Err(Error::Engine { code, model, messages })
+        }
+        Ok(Reply::Failed(Failure::Other(why))) => Err(failed(why)),
+        Err(error) => Err(failed(format!("its reply is damaged: {error}"))),
+    }
+}
+
+/// Describes the end of a process that left no reply.
+fn describe(status: ExitStatus) -> String {
+    let Some(signal) = status.signal() else { return format!("ended without a reply ({status})") };
+    let known = [
+        (Signal::SEGV, ", a segmentation fault"),
+        (Signal::ABORT, ", an abort"),
+        (Signal::BUS, ", a bus error"),
+        (Signal::ILL, ", an illegal instruction"),
+        (Signal::FPE, ", an arithmetic error"),
+        (Signal::KILL, ", which the system sends when memory is exhausted"),
+    ];
+    let name = known.iter().find(|(known, _)| known.as_raw() == signal).map_or("", |(_, name)| *name);
+    format!("crashed (signal {signal}{name})")
+}
+
+/// Returns the last lines of the engine's error file or, without one, of the log, on lines of their own.
+fn last_messages(output: &Path, log: &Path) -> String {
+    let error_file = error_file(output);
+    let files = error_file.iter().map(PathBuf::as_path).chain([log]);
+    let lines = files.map(last_lines).find(|lines| !lines.is_empty()).unwrap_or_default();
+    match lines.is_empty() {
+        true => ".".into(),
+        false => format!("; its last messages:\n  {}", lines.join("\n  ")),
+    }
+}
+
+/// Finds the engine's error file in a folder or one below it.
+fn error_file(folder: &Path) -> Option<PathBuf> {
+    const NAME: &str = "eplusout.err";
+    let below = std::fs::read_dir(folder).ok()?.flatten().map(|entry| entry.path().join(NAME));
+    std::iter::once(folder.join(NAME)).chain(below).find(|path| path.is_file())
+}
+
+fn last_lines(path: &Path) -> Vec<String> {
+    let read = || -> std::io::Result<String> {
+        let mut file = File::open(path)?;
+        let length = file.metadata()?.len();
+        file.seek(SeekFrom::Start(length.saturating_sub(LAST_BYTES)))?;
+        let mut bytes = Vec::new();
+        file.read_to_end(&mut bytes)?;
+        Ok(String::from_utf8_lossy(&bytes).into_owned())
+    };
+    let text = read().unwrap_or_default();
+    let lines: Vec<String> = text.lines().filter(|line| !line.trim().is_empty()).map(str::to_owned).collect();
+    lines[lines.len().saturating_sub(LAST_LINES)..].to_vec()
+}
+
+/// The worker has the current folder of its owner, but its order should not depend on it.
+fn absolute(path: &Path) -> Result<PathBuf> {
+    std::path::absolute(path).map_err(at(path))
+}
+
+fn at(path: &Path) -> impl Fn(std::io::Error) -> Error + '_ {
+    move |source| Error::Io { path: path.to_owned(), source }
+}
