@@ -72,7 +72,9 @@ impl TrainConfig {
         match permission {
             None => {}
             Some(Value::Boolean(allow)) => config.training_set.allow_external = allow,
-            Some(other) => return Err(Error::Invalid(format!("`{PERMISSION}` is {other}; expected a boolean"))),
+            Some(other) => {
+                return Err(Error::Invalid(format!("`{PERMISSION}` is {other}; expected a boolean")));
+            }
         }
         Ok(config)
     }
