@@ -26,3 +26,10 @@ pub fn run_command(py: Python<'_>, file: &str, arguments: Vec<OsString>) -> PyRe
     // Ends the process, because the interpreter's signal handlers have been replaced.
     std::process::exit(code as i32)
 }
+
+/// Returns the arguments with which an interpreter runs the command `b2b` from this extension module in `file`, without
+/// code of the current folder; those of the command follow.
+#[pyfunction]
+pub fn command_arguments(file: &str) -> [&str; 5] {
+    interpreter_arguments(file)
+}

@@ -46,7 +46,7 @@ mod _core {
         Building, Setting, TypeInfo, building_types, check_weather, dataset_rows, find_building, places,
     };
     #[pymodule_export]
-    use super::command::run_command;
+    use super::command::{command_arguments, run_command};
     #[pymodule_export]
     use super::control::{Controller, reactive_parameters};
     #[pymodule_export]

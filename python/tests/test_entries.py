@@ -49,10 +49,12 @@ def test_an_own_graph_policy_enters_a_problem_over_types(tmp_path, b2b_command):
     verified = subprocess.run(
         [b2b_command, "benchmark", "verify", tmp_path / "entry", "--json"], capture_output=True, text=True
     )
-    assert verified.returncode == 0, verified.stderr + verified.stdout
+    assert verified.returncode == 1, verified.stderr + verified.stdout
     checks = {each["check"]: each for each in json.loads(verified.stdout)["checks"]}
     again = checks["episodes run again"]
-    assert again["passed"] and "not run again: the policy `WarmNodes` is a program of its author" in again["message"]
+    assert all(each["passed"] for each in checks.values() if each is not again)
+    assert again["unverified"] and not again["passed"]
+    assert "not run again: the policy `WarmNodes` is a program of its author" in again["message"]
 
 
 def test_an_own_function_has_what_a_problem_leaves_to_it(tmp_path):

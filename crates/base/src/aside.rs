@@ -1,7 +1,7 @@
-//! Atomic writing of files: a file appears complete or not at all.
+//! Atomic writing of files: a file appears complete or not at all. No file is written through a link.
 
 use std::collections::HashSet;
-use std::fs::File;
+use std::fs::{File, OpenOptions};
 use std::io::{Result, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::{LazyLock, Mutex, PoisonError};
@@ -80,6 +80,21 @@ pub fn write_whole_by(path: &Path, content: impl FnOnce(&mut File) -> Result<()>
     put(write_by(path, content)?, path)
 }
 
+/// Opens a file to append to, or creates it.
+///
+/// # Errors
+/// Errors of the operating system, also for a link.
+pub fn append(path: &Path) -> Result<File> {
+    let mut options = OpenOptions::new();
+    options.append(true).create(true);
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::OpenOptionsExt as _;
+        options.custom_flags(libc::O_NOFOLLOW);
+    }
+    options.open(path)
+}
+
 /// Returns whether a path is a file that is still being written, or was left by a killed process.
 pub fn is_unfinished(path: &Path) -> bool {
     path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(PREFIX))
@@ -104,6 +119,21 @@ mod tests {
         assert_eq!(std::fs::read_to_string(&theirs).unwrap(), "theirs");
         assert_eq!(std::fs::read_to_string(&link).unwrap(), "ours");
         assert!(!link.is_symlink());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_is_not_appended_to() {
+        let root = tempfile::tempdir().unwrap();
+        let (theirs, link) = (root.path().join("theirs"), root.path().join("ours"));
+        std::fs::write(&theirs, "theirs").unwrap();
+        std::os::unix::fs::symlink(&theirs, &link).unwrap();
+        assert!(append(&link).is_err());
+        std::fs::remove_file(&link).unwrap();
+        for _ in 0..2 {
+            append(&link).unwrap().write_all(b"ours").unwrap();
+        }
+        assert_eq!(std::fs::read_to_string(&link).unwrap(), "oursours");
     }
 
     #[test]

@@ -1,8 +1,10 @@
-//! What all crates share: files written atomically, temporary folders that end with their owner, digests, random streams,
-//! and the fingerprint of the machine's arithmetic.
+//! What all crates share: files written atomically, locks of folders, temporary folders that end with their owner, digests,
+//! random streams, and the fingerprint of the machine's arithmetic.
 
 pub mod aside;
 pub mod digest;
+pub mod digest_list;
+pub mod folder_lock;
 pub mod machine;
 pub mod random;
 pub mod scratch;

@@ -3,6 +3,8 @@
 //! glibc chooses its mathematical functions by the instructions of the CPU, and they round differently with and without fused
 //! multiply-add. Networks choose their kernels in the same way.
 
+#![allow(unsafe_code, reason = "the C library")]
+
 use std::hint::black_box;
 use std::sync::OnceLock;
 

@@ -5,6 +5,7 @@
 //! numbering `5f0c9a1e`. Containers that share a folder have separate numberings and do not touch each other's folders.
 
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, SystemTime};
 
 use tempfile::TempDir;
@@ -59,7 +60,22 @@ pub fn folder_in(parent: &Path, prefix: &str) -> std::io::Result<TempDir> {
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(std::fs::Permissions::from_mode(0o700));
     }
-    builder.tempdir_in(parent)
+    let folder = builder.tempdir_in(parent)?;
+    let mut created = CREATED.lock().unwrap_or_else(PoisonError::into_inner);
+    created.retain(|path| path.exists());
+    created.push(std::path::absolute(folder.path())?);
+    Ok(folder)
+}
+
+/// Folders that this process created and that were there when it created the last one.
+static CREATED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// Removes all temporary folders of this process, which is about to end without dropping them.
+pub fn remove_all() {
+    let mut created = CREATED.lock().unwrap_or_else(PoisonError::into_inner);
+    for path in created.drain(..) {
+        let _ = std::fs::remove_dir_all(path);
+    }
 }
 
 /// Returns a name with this prefix that identifies this process as the owner.

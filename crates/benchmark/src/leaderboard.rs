@@ -105,10 +105,13 @@ fn table(title: &str, header: &[&str], rows: Vec<Value>) -> Value {
     json!({"title": title, "header": header, "rows": rows})
 }
 
-/// Returns a remark on the policy of an entry: the base controller that its agents correct, or that it is an external program.
+/// Returns a remark on the policy of an entry: the base controller that its agents correct, or that a policy is a program of
+/// its author, with which nobody else can run the episodes again.
 fn remark(result: &RunResult) -> String {
+    if result.external().is_some() {
+        return " (own program, unverified)".to_owned();
+    }
     match result.policies.get("test") {
-        Some(PolicyDescription::External { .. }) => " (own program)".to_owned(),
         Some(PolicyDescription::Agents { base: Some(base), .. }) => format!(" (on {base})"),
         _ => String::new(),
     }
@@ -254,7 +257,7 @@ fn footer(results: &[Entry], rank_by: RankBy) -> String {
          that of the tuned reactive controllers (the baseline) for the same days, as in the paper, mean over seeds. Resolved \
          score: the same after adding {RESOLUTION} K of RMS deviation, the accuracy of an air temperature sensor, to both. In brackets: 95 % bootstrap confidence intervals over buildings, stratified by building \
          type and task. Random = 0, baseline = 1: the share of the way from random actions to the baseline, above 1 for \
-         what beats it, interquartile mean; known where the board has a result of the random policy. Generalization gap: interquartile mean on test minus that on training buildings. {several}{}.",
+         what beats it, interquartile mean; known where the board has a result of the random policy. Unverified: the policy is a program of its author, so `b2b benchmark verify` cannot run its episodes again. Generalization gap: interquartile mean on test minus that on training buildings. {several}{}.",
         versions.join("; ")
     )
 }

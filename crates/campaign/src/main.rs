@@ -13,6 +13,7 @@ mod material;
 mod mutation;
 mod program;
 mod runs;
+mod tricks;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -58,6 +59,8 @@ enum Part {
     Runs,
     /// Signals and resource limits, at random times of the commands
     Faults,
+    /// Prepared folders and files, and commands that begin at once
+    Tricks,
 }
 
 /// What a part of the campaign works with.
@@ -96,6 +99,7 @@ fn attack(arguments: Arguments) -> Result<ExitCode> {
             Part::Inputs => inputs::attack,
             Part::Runs => runs::attack,
             Part::Faults => faults::attack,
+            Part::Tricks => tricks::attack,
         };
         attack(Campaign { program: &program, material: &material, deadline, random, ledger: &mut ledger })?;
     }

@@ -77,7 +77,7 @@ pub fn baseline(arguments: &Arguments) -> Result<ExitCode> {
     if let Some(count) = arguments.sample {
         draw(&mut episodes, count as usize, arguments.seed);
     }
-    let fresh = tempfile::tempdir()?;
+    let fresh = b2b_base::scratch::temporary_folder("b2b-")?;
     let cache = Baselines::folder_in(&b2b_energyplus::install::cache_dir()?);
     let baselines = Baselines::without_shipped(if arguments.fresh { fresh.path() } else { cache.as_path() });
     let missing = baselines.missing(episodes.clone());

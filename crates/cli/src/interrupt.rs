@@ -2,6 +2,7 @@
 
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
 
@@ -9,8 +10,13 @@ static REQUESTED: AtomicBool = AtomicBool::new(false);
 /// Id of the process that started this one, if this one is a command of an experiment's job.
 static OWNER: OnceLock<u32> = OnceLock::new();
 
+/// Time that a command has to stop before it is ended, s.
+const GRACE: u32 = 10;
+/// Whether the command may take longer to stop.
+static PATIENT: AtomicBool = AtomicBool::new(false);
+
 /// Installs the handler: an interrupt or a termination request only sets the flag. A second one ends the process
-/// immediately, and its workers with it.
+/// immediately, and its workers with it, and so does the first after [`GRACE`].
 pub fn listen() -> Result<()> {
     #[cfg(target_os = "linux")]
     if let Some(owner) = std::env::var(b2b_experiment::OWNER).ok().and_then(|owner| owner.parse().ok()) {
@@ -18,10 +24,33 @@ pub fn listen() -> Result<()> {
     }
     ctrlc::set_handler(|| {
         if REQUESTED.swap(true, Ordering::Relaxed) {
-            std::process::exit(crate::ExitCode::Interrupted as i32);
+            end();
+        }
+        if !PATIENT.load(Ordering::Relaxed) {
+            std::thread::spawn(end_after_grace);
         }
     })
     .context("cannot install the Ctrl-C handler")
+}
+
+/// Ends a process with work that does not poll the flag, such as a network that never ends. Time in which the process is
+/// stopped does not count.
+fn end_after_grace() {
+    (0..GRACE).for_each(|_| std::thread::sleep(Duration::from_secs(1)));
+    eprintln!("interrupted; what did not stop within {GRACE} s was ended");
+    end();
+}
+
+/// Ends the process, and with it its workers, without its temporary folders.
+fn end() -> ! {
+    b2b_base::scratch::remove_all();
+    std::process::exit(crate::ExitCode::Interrupted as i32)
+}
+
+/// Lets the command take longer to stop, because it writes a checkpoint first.
+#[cfg(target_os = "linux")]
+pub fn be_patient() {
+    PATIENT.store(true, Ordering::Relaxed);
 }
 
 /// Returns whether the user asked to stop, or the owner has ended.

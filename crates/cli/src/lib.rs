@@ -47,6 +47,7 @@ mod setup;
 mod shipped;
 mod show;
 mod stdout;
+mod suggestion;
 mod table;
 mod time_series;
 #[cfg(target_os = "linux")]
@@ -134,7 +135,8 @@ pub fn run(program: Program, arguments: impl IntoIterator<Item = OsString>) -> E
     let command = match parsed {
         Ok(cli) => cli.command,
         Err(usage) => {
-            let _ = usage.print();
+            let usage = suggestion::add(usage);
+            print_usage(&usage);
             return if usage.use_stderr() { ExitCode::Usage } else { ExitCode::Success };
         }
     };
@@ -146,7 +148,7 @@ pub fn run(program: Program, arguments: impl IntoIterator<Item = OsString>) -> E
         }
         Err(error) if stdout::is_closed(&error) => ExitCode::Success,
         Err(error) => {
-            eprintln!("error: {}", with_causes(&error));
+            eprintln!("{}", wrap::message(&format!("error: {}", with_causes(&error))));
             ExitCode::Failure
         }
     }
@@ -190,6 +192,17 @@ fn execute(command: Command) -> Result<ExitCode> {
         Command::Dataset(arguments) => dataset::dataset(&arguments)?,
     }
     Ok(ExitCode::Success)
+}
+
+/// Prints help, or what is wrong with the arguments, within the width of the terminal.
+fn print_usage(usage: &clap::Error) {
+    let text = usage.to_string();
+    let wrapped = wrap::message(&text);
+    if usage.use_stderr() && wrapped != text.trim_end() {
+        return eprintln!("{wrapped}");
+    }
+    // A failure to print cannot be reported.
+    let _ = usage.print();
 }
 
 /// Returns the text of an error, followed by the causes that it does not mention.

@@ -19,6 +19,17 @@ pub fn width() -> Option<usize> {
     terminal.map(|(terminal_size::Width(columns), _)| columns.into()).or_else(columns)
 }
 
+/// Returns a message for standard error, wrapped at the width of the terminal, if there is one: a terminal cuts words.
+pub fn message(text: &str) -> String {
+    let terminal = || terminal_size::terminal_size_of(std::io::stderr()).map(|(width, _)| width.0.into());
+    let columns = || std::env::var("COLUMNS").ok()?.parse().ok().filter(|columns| *columns > 0);
+    let width: Option<usize> = std::io::stderr().is_terminal().then(terminal).flatten().or_else(columns);
+    match width {
+        Some(width) => lines(text.trim_end(), width),
+        None => text.trim_end().to_owned(),
+    }
+}
+
 /// Returns the width of help texts.
 pub fn help_width() -> usize {
     width().unwrap_or(HELP_WIDTH).min(WIDEST_HELP)

@@ -15,14 +15,22 @@ const COLUMNS: usize = 35;
 const FLAGS: usize = 5;
 /// Column of the dry-bulb temperature.
 const DRY_BULB: usize = 6;
+/// Plausible values: column, quantity and limits, and the value that stands for a missing one. The first are beyond the
+/// records on Earth.
+const LIMITS: [(usize, &str, [f64; 2], f64); 4] = [
+    (DRY_BULB, "dry-bulb temperature (°C)", [-90.0, 60.0], 99.9),
+    (7, "dew point (°C)", [-100.0, 60.0], 99.9),
+    (8, "relative humidity (%)", [0.0, 110.0], 999.0),
+    (21, "wind speed (m/s)", [0.0, 115.0], 999.0),
+];
 /// Hours of a common and a leap year.
 const HOURS: [usize; 2] = [8760, 8784];
 
 /// Checks that an EPW text holds a whole year, and returns its number of hours (8760 or 8784).
 ///
 /// # Errors
-/// [`Error::Malformed`] naming the line when an hour has fewer than 35 columns or a value that is not a finite
-/// number, or when hours are missing.
+/// [`Error::Malformed`] naming the line when an hour has fewer than 35 columns, or a value that is not a finite number or
+/// not plausible, or when hours are missing.
 pub fn check(text: &str, path: &Path) -> Result<usize> {
     let malformed = |why| Error::Malformed { path: path.to_owned(), why };
     let mut hours = 0;
@@ -63,11 +71,26 @@ fn check_hour(line: &str) -> std::result::Result<(), String> {
         if index != FLAGS && !finite {
             return Err(format!("column {} is `{value}`, not a finite number", index + 1));
         }
+        check_value(index, value)?;
     }
     if columns < COLUMNS {
         return Err(format!("{columns} columns instead of {COLUMNS}"));
     }
     Ok(())
+}
+
+/// Checks that a value is plausible.
+fn check_value(column: usize, text: &str) -> std::result::Result<(), String> {
+    let Some((_, quantity, [low, high], missing)) = LIMITS.iter().find(|(limited, ..)| *limited == column)
+    else {
+        return Ok(());
+    };
+    match text.trim().parse::<f64>() {
+        Ok(value) if value != *missing && !(*low..=*high).contains(&value) => {
+            Err(format!("the {quantity} is {value}; expected {low} to {high}, or {missing} if it is missing"))
+        }
+        _ => Ok(()),
+    }
 }
 
 #[cfg(test)]
@@ -112,5 +135,13 @@ mod tests {
         assert!(why(&text).contains("line 8768"), "{}", why(&text));
         let text = year(8760).replacen("1.5", "nan", 1);
         assert!(why(&text).contains("line 9: column 7"), "{}", why(&text));
+    }
+
+    #[test]
+    fn a_value_that_is_not_plausible_is_an_error_with_its_line_and_limits() {
+        let hot = year(8760).replacen(",1.5", ",300", 1);
+        assert!(why(&hot).contains("line 9: the dry-bulb temperature (°C) is 300; expected -90 to 60"));
+        let missing = year(8760).replacen(",1.5", ",99.9", 1);
+        assert_eq!(check(&missing, Path::new("a.epw")).unwrap(), 8760);
     }
 }

@@ -143,7 +143,10 @@ impl Catalog {
                 return Err(Error::HasPlace { building: id.to_string(), place });
             }
             (BuildingName::Type(building_type), None) => Place::find(building_type.home())?,
-            (BuildingName::Model(path), None) => return Err(Error::NoWeather { path: path.clone() }),
+            (BuildingName::Model(path), None) => {
+                import::check_file(path)?;
+                return Err(Error::NoWeather { path: path.clone() });
+            }
             (_, Some(place)) => place,
         };
         Ok((place.name.to_owned(), place.epw(progress)?))

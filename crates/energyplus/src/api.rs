@@ -1,5 +1,7 @@
 //! The functions of the C API of EnergyPlus that this crate calls.
 
+#![allow(unsafe_code, reason = "the C API of EnergyPlus")]
+
 use std::ffi::{c_char, c_int, c_void};
 use std::path::Path;
 

@@ -4,6 +4,8 @@
 //! Callbacks for messages carry no state pointer, so the context of the current run is kept in a thread-local during every
 //! resume.
 
+#![allow(unsafe_code, reason = "the C API of EnergyPlus")]
+
 use std::cell::{Cell, RefCell};
 use std::ffi::{CStr, CString, c_char, c_int};
 use std::ptr;

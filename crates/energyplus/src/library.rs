@@ -1,5 +1,7 @@
 //! The loaded shared library of EnergyPlus.
 
+#![allow(unsafe_code, reason = "the C API of EnergyPlus")]
+
 use std::cell::RefCell;
 use std::ffi::CStr;
 use std::marker::PhantomData;

@@ -1,5 +1,7 @@
 //! A run of a model over a weather file, advanced one zone time step at a time.
 
+#![allow(unsafe_code, reason = "the C API of EnergyPlus")]
+
 use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;

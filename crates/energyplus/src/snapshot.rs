@@ -9,6 +9,8 @@
 //! 2. Files being read (weather): both processes would share one file position. The copy reopens them.
 //! 3. Files being written: the copy writes to `/dev/null`, except for one file that it may keep a copy of.
 
+#![allow(unsafe_code, reason = "`fork`")]
+
 use std::fs::File;
 use std::io;
 use std::os::fd::{AsFd, BorrowedFd, RawFd};

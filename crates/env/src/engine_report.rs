@@ -9,6 +9,8 @@ pub struct EngineReport {
     pub warnings: usize,
     /// Number of severe messages.
     pub severes: usize,
+    /// The first warnings.
+    pub warning_messages: Vec<String>,
     /// The first severe and fatal messages.
     pub severe_messages: Vec<String>,
     /// HVAC electricity and gas over the run period by EnergyPlus's own meters, Wh/m². `None` where the engine wrote

@@ -1,5 +1,7 @@
 //! A step allocates nothing, for any task. Only Rust's allocations are counted, not the engine's.
 
+#![allow(unsafe_code, reason = "an allocator that counts")]
+
 #[path = "env/case.rs"]
 mod case;
 

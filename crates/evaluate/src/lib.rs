@@ -33,6 +33,7 @@ pub use evaluation::{
     Progress, Record, Recorded, Row, Scored, StepRewards, episode_table, read_episodes, read_kept,
     read_stages, relative_energy, write_episodes, write_stages,
 };
+pub use output::read_rows;
 pub use panics::panic_message;
 pub use parquet_file::read_parquet;
 pub use policy::{

@@ -1,8 +1,12 @@
 //! The files that an evaluation leaves in its folder.
 
-use std::path::PathBuf;
+use std::fs::File;
+use std::path::{Path, PathBuf};
 
-use crate::evaluation::{Folder, write_episodes};
+use b2b_base::digest_list::{DigestList, read_verified};
+
+use crate::error::at;
+use crate::evaluation::{Folder, Row, read_episodes, write_episodes};
 use crate::results::Results;
 use crate::summary::Summary;
 use crate::{Result, report};
@@ -11,8 +15,20 @@ const EPISODES: &str = "episodes.parquet";
 const SUMMARY: &str = "summary.json";
 const REPORT: &str = "report.html";
 
+/// Reads the episodes of an evaluation from its folder, whose digest must be the one that was written with them.
+///
+/// # Errors
+/// [`Error::Io`](crate::Error::Io), also for a table that was changed; [`Error::Table`](crate::Error::Table).
+pub fn read_rows(folder: &Path) -> Result<Vec<Row>> {
+    let path = folder.join(EPISODES);
+    read_verified(folder, EPISODES).map_err(at(&path))?;
+    let file = File::open(&path).map_err(at(&path))?;
+    read_episodes(file).map_err(|source| crate::Error::Table { path, source })
+}
+
 impl Results {
-    /// Writes the table, the summary and the report to the evaluation's folder and returns their paths.
+    /// Writes the table, the summary and the report to the evaluation's folder, with the digests of the first two, and returns
+    /// their paths.
     ///
     /// # Errors
     /// [`Error::Io`](crate::Error::Io).
@@ -22,6 +38,12 @@ impl Results {
         })?;
         folder.write(REPORT, |file| report::write(file, self, summary, &|number| folder.read(number)))?;
         folder.write(SUMMARY, |file| Ok(serde_json::to_writer_pretty(file, summary)?))?;
+        let mut digests = DigestList::default();
+        for name in [EPISODES, SUMMARY] {
+            let path = folder.path_of(name);
+            digests.add(name, &std::fs::read(&path).map_err(at(&path))?);
+        }
+        digests.write(folder.path()).map_err(at(folder.path()))?;
         Ok([EPISODES, SUMMARY, REPORT].map(|name| folder.path_of(name)))
     }
 }

@@ -140,7 +140,7 @@ impl Unscored {
         let site = record.info.site();
         let key = Key::of(episode, &site)?;
         if policy.is_baseline() && baselines.get(&key).is_none() {
-            baselines.keep(&key, terms)?;
+            baselines.remember(&key, terms);
         }
         let task = task_for(&episode.subject, &site, &episode.task, episode.steps_per_hour);
         Ok(Self { record, step_rewards, key, task })

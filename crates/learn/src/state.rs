@@ -1,6 +1,6 @@
 //! Saved states of learners: named tensors, as bytes in the safetensors format. Values are kept bit for bit.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
 use safetensors::tensor::{Dtype, TensorView};
 use safetensors::{SafeTensors, serialize};
@@ -119,12 +119,17 @@ impl State {
 
     /// Returns the bytes of the state.
     pub fn to_bytes(&self) -> Vec<u8> {
+        self.to_bytes_with(None)
+    }
+
+    /// Returns the bytes of the state with metadata.
+    pub(crate) fn to_bytes_with(&self, metadata: Option<HashMap<String, String>>) -> Vec<u8> {
         let bytes: Vec<Vec<u8>> = self.tensors.values().map(Values::to_bytes).collect();
         let views = self.tensors.iter().zip(&bytes).map(|((name, values), bytes)| {
             let view = TensorView::new(values.dtype(), vec![values.len()], bytes);
             (name, view.expect("the bytes are those of the values"))
         });
-        serialize(views, None).expect("names and numbers always serialize")
+        serialize(views, metadata).expect("names and numbers always serialize")
     }
 
     /// Reads the bytes of a state.

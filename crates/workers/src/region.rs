@@ -5,6 +5,8 @@
 //! generation, so a late worker detects that the slot has been reassigned. This is the only module of the crate with
 //! unsafe code.
 
+#![allow(unsafe_code, reason = "memory shared with workers")]
+
 use std::fs::File;
 use std::mem::size_of;
 use std::os::fd::{AsFd, OwnedFd};
@@ -170,7 +172,13 @@ impl Region {
     /// The memory behind a descriptor.
     pub(super) fn open(file: OwnedFd) -> std::io::Result<Self> {
         let file = File::from(file);
-        let map = MmapOptions::new().len(BYTES).map_raw(&file)?;
+        let map = MmapOptions::new().len(BYTES).map_raw(&file).map_err(|error| {
+            let why = format!(
+                "{error}: processes share {} GB of addresses, most of it never used; if",
+                BYTES >> 30
+            );
+            std::io::Error::new(error.kind(), format!("{why} `ulimit -v` limits them, raise the limit"))
+        })?;
         let processors = std::thread::available_parallelism().map_or(1, |count| count.get() as u32);
         Ok(Self { map, file: file.into(), processors, spin: Spin::default() })
     }

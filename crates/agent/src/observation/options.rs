@@ -4,7 +4,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use serde::de::value::MapAccessDeserializer;
-use serde::de::{MapAccess, Visitor};
+use serde::de::{self, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::Error;
@@ -52,9 +52,13 @@ pub struct ObservationOptions {
     /// Whether to append attributes: the building's floor area, climate and envelope
     /// ([`COMMON`](b2b_building::morphology::COMMON)), and the task's energy weight.
     pub attributes: bool,
-    /// Number of hours of a perfect forecast of the outdoor temperature to append, from the weather file.
+    /// Number of hours of a perfect forecast of the outdoor temperature to append, from the weather file, at most
+    /// [`LONGEST_FORECAST`].
     pub forecast: u32,
 }
+
+/// Hours of the longest forecast: a week.
+pub const LONGEST_FORECAST: u32 = 168;
 
 impl From<ObservationForm> for ObservationOptions {
     fn from(form: ObservationForm) -> Self {
@@ -96,6 +100,10 @@ impl<'de> Deserialize<'de> for ObservationOptions {
             fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
                 let Table { form, attributes, forecast } =
                     Table::deserialize(MapAccessDeserializer::new(map))?;
+                if forecast > LONGEST_FORECAST {
+                    let expected = format!("at most {LONGEST_FORECAST} hours");
+                    return Err(de::Error::custom(format!("`forecast` is {forecast}; expected {expected}")));
+                }
                 Ok(ObservationOptions { form, attributes, forecast })
             }
         }
@@ -115,6 +123,10 @@ mod tests {
         let all = ObservationOptions { form: ObservationForm::Raw, attributes: true, forecast: 6 };
         assert_eq!(read(&serde_json::to_string(&all).unwrap()).unwrap(), all);
         assert_eq!(read(r#"{"forecast": 6, "attributes": true, "form": "raw"}"#).unwrap(), all);
+        // As many slots would need more memory than there is.
+        assert_eq!(read(r#"{"forecast": 168}"#).unwrap().forecast, 168);
+        let said = read(r#"{"forecast": 2147483648}"#).unwrap_err().to_string();
+        assert!(said.contains("`forecast` is 2147483648; expected at most 168 hours"), "{said}");
         assert!(read("\"row\"").unwrap_err().contains("unknown observation `row`"));
         assert!(read(r#"{"forcast": 6}"#).unwrap_err().contains("unknown field `forcast`"));
     }

@@ -99,6 +99,14 @@ impl RunResult {
         })
     }
 
+    /// Returns the name of a policy that is a program of its author, if there is one. Its episodes cannot be run again.
+    pub fn external(&self) -> Option<&str> {
+        self.policies.values().find_map(|policy| match policy {
+            PolicyDescription::External { name, .. } => Some(name.as_str()),
+            _ => None,
+        })
+    }
+
     /// Writes the folder, `result.json` last, so that a folder with it is complete.
     pub(super) fn write(&self, entry: &Entry, stages: &[(Stage, Vec<Row>)], folder: &Path) -> Result<()> {
         entry.stages().into_iter().try_for_each(|stage| entry.policy_of(stage).check_files())?;
@@ -197,6 +205,14 @@ pub(super) fn find_result(folder: &Path) -> Result<Option<(RunResult, Stages)>> 
         }
     }
     Ok(Some((result, stages)))
+}
+
+/// Errors if a part of a result is a link to another one, which a run would write to or take for its own.
+pub(super) fn check_no_links(folder: &Path) -> Result<()> {
+    if [RESULT, EPISODES, POLICY, UNFINISHED].iter().any(|name| folder.join(name).is_symlink()) {
+        return Err(b2b_evaluate::Error::UnrelatedFiles { folder: folder.to_owned() }.into());
+    }
+    Ok(())
 }
 
 /// Errors if the folder of a new run contains anything but leftovers of an interrupted run.

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::definition::Entry;
-use super::result::{RunResult, Stages, UNFINISHED, check_new, find_result};
+use super::result::{RunResult, Stages, UNFINISHED, check_new, check_no_links, find_result};
 use crate::Result;
 use crate::error::at;
 use crate::problem::{Stage, WrappedPolicy};
@@ -35,6 +35,7 @@ impl Entry {
         progress: &dyn Progress,
     ) -> Result<RunOutcome> {
         self.check()?;
+        check_no_links(folder)?;
         if let Some((there, stages)) = find_result(folder)? {
             let here = RunResult::of(self, &stages)?;
             there.check_same(&here, folder)?;

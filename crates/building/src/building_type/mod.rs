@@ -84,18 +84,49 @@ impl fmt::Display for BuildingType {
     }
 }
 
+/// Returns how alike two names are, from 0 to 1; words in another order, as in `SmallOffice`, count as alike.
+fn likeness(known: &str, given: &str) -> f64 {
+    let letters = |name: &str| {
+        let mut letters: Vec<_> = name.chars().filter(|letter| letter.is_alphanumeric()).collect();
+        letters.sort_unstable();
+        letters.into_iter().collect::<String>()
+    };
+    let of_letters = strsim::normalized_damerau_levenshtein(&letters(known), &letters(given));
+    strsim::jaro_winkler(known, given).max(of_letters)
+}
+
 impl FromStr for BuildingType {
     type Err = Error;
 
     fn from_str(text: &str) -> Result<Self> {
         Self::ALL.into_iter().find(|t| t.name().eq_ignore_ascii_case(text)).ok_or_else(|| {
-            let near =
-                |t: &&Self| strsim::jaro_winkler(&t.name().to_lowercase(), &text.to_lowercase()) > 0.75;
+            let likeness = |t: &Self| likeness(&t.name().to_lowercase(), &text.to_lowercase());
+            let near = Self::ALL.into_iter().max_by(|a, b| likeness(a).total_cmp(&likeness(b)));
             Error::UnknownType {
                 text: text.to_owned(),
-                near: Self::ALL.iter().find(near).map(|t| t.name()),
+                near: near.filter(|near| likeness(near) > 0.8).map(Self::name),
                 known: Self::ALL.map(Self::name).join(", "),
             }
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_misspelled_type_gets_the_nearest() {
+        for (text, near) in [
+            ("SmallOffice", "OfficeSmall"),
+            ("office-medium", "OfficeMedium"),
+            ("Warehose", "Warehouse"),
+            ("FastFoodRestaurant", "RestaurantFastFood"),
+        ] {
+            let said = text.parse::<BuildingType>().unwrap_err().to_string();
+            assert!(said.contains(&format!("did you mean {near}?")), "{said}");
+        }
+        let said = "Castle".parse::<BuildingType>().unwrap_err().to_string();
+        assert!(!said.contains("did you mean"), "{said}");
     }
 }

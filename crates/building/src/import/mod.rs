@@ -52,7 +52,11 @@ fn refused(path: &Path, problems: Vec<String>) -> Error {
     Error::Import { path: path.to_owned(), problems }
 }
 
-fn check_file(path: &Path) -> Result<()> {
+/// Checks that a path is a file that may be a model.
+///
+/// # Errors
+/// [`Error::Import`] for one that is missing or of another kind; [`Error::Io`].
+pub fn check_file(path: &Path) -> Result<()> {
     let refuse = |problem: String| Err(refused(path, vec![problem]));
     if path.is_dir() {
         return refuse("it is a folder; expected a .idf or .epJSON file".into());

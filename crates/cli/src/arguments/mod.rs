@@ -6,5 +6,6 @@ pub mod controller;
 pub mod episodes;
 pub mod jobs;
 pub mod location;
+pub mod page;
 #[cfg(target_os = "linux")]
 pub mod policy;

@@ -1,5 +1,7 @@
 //! Training by Stable-Baselines3, for comparison.
 
+use std::ffi::OsString;
+use std::path::Path;
 use std::process::Command;
 
 use anyhow::{Result, bail};
@@ -24,7 +26,7 @@ pub(super) struct Python {
 impl Python {
     /// Returns the interpreter if it can import both; otherwise prints the reason on standard error.
     pub(super) fn find(interpreter: &str) -> Result<Option<Self>> {
-        let mut command = Command::new(interpreter);
+        let mut command = isolated(interpreter)?;
         command.args(["-c", "import building2building.bench, stable_baselines3"]);
         let outcome = child::output(command);
         interrupt::check()?;
@@ -42,7 +44,7 @@ impl Python {
 
     /// Measures training on a building of the dataset, over at least `steps` steps after the first rollout.
     pub(super) fn measure(&self, building: &str, environments: u32, steps: u64) -> Result<Speed> {
-        let mut command = Command::new(&self.interpreter);
+        let mut command = isolated(&self.interpreter)?;
         command.args(["-m", "building2building.bench", "--json", "--train", building]);
         command.args(["--environments", &environments.to_string(), "--steps", &steps.to_string()]);
         match child::output(command)? {
@@ -50,4 +52,20 @@ impl Python {
             Err(text) => bail!("training by Stable-Baselines3 failed:\n{text}"),
         }
     }
+}
+
+/// Returns a command that starts an interpreter without code of the current folder.
+fn isolated(interpreter: &str) -> Result<Command> {
+    let path = Path::new(interpreter);
+    let path: OsString = match path.components().count() {
+        // A name, which is searched for.
+        0 | 1 => path.into(),
+        _ => std::path::absolute(path)?.into(),
+    };
+    let mut command = Command::new(path);
+    command.arg("-I").current_dir("/");
+    if let Ok(cache) = b2b_energyplus::install::cache_dir() {
+        command.env("B2B_CACHE", cache);
+    }
+    Ok(command)
 }

@@ -150,7 +150,7 @@ impl Runs {
     /// memory freed by others is slower, so each mode is first once.
     fn start(prepared: &Prepared, days: u32, first: usize) -> Result<Self> {
         let period = RunPeriod::new(Date::of_day(1), Date::of_day(days))?;
-        let folder = tempfile::Builder::new().prefix("b2b-bench-").tempdir()?;
+        let folder = b2b_base::scratch::temporary_folder("b2b-bench-")?;
         let model = folder.path().join("model.epJSON");
         std::fs::write(&model, prepared.building.model_for(period, STEPS_PER_HOUR).to_epjson())?;
         let run = |every| warmed_up(prepared, Run::new(&model, &prepared.weather).stop_every(every));

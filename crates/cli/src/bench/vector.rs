@@ -11,6 +11,7 @@ use b2b_env::{Env, Environment, Task};
 use b2b_workers::{Fixed, Setting, VecEnv, Workers};
 use cpu_time::ProcessTime;
 use serde::Serialize;
+use tempfile::TempDir;
 
 use super::process::{cpu_seconds, private_mb, proportional_mb};
 use super::statistics::{median, percentile};
@@ -249,19 +250,23 @@ struct Single {
     process: Child,
     ask: ChildStdin,
     answers: BufReader<ChildStdout>,
+    /// Removed after the process has been killed, which cannot do it.
+    _temporary: TempDir,
 }
 
 impl Single {
     fn start(building: &BuildingName, days: u32) -> Result<Self> {
+        let temporary = b2b_base::scratch::temporary_folder("b2b-bench-")?;
         let mut process = program::command()
             .args(["bench", "vector", "--single", &building.to_string(), "--days", &days.to_string()])
+            .env("TMPDIR", temporary.path())
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .spawn()
             .context("cannot start a process")?;
         let ask = process.stdin.take().context("no pipe")?;
         let answers = BufReader::new(process.stdout.take().context("no pipe")?);
-        let mut single = Self { process, ask, answers };
+        let mut single = Self { process, ask, answers, _temporary: temporary };
         single.answer()?;
         Ok(single)
     }

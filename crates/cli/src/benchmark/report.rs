@@ -30,7 +30,7 @@ pub struct Arguments {
     #[arg(long, value_enum, default_value_t = Ranking::Resolved)]
     rank_by: Ranking,
     /// HTML file to write
-    #[arg(long, value_name = "FILE", default_value = "leaderboard.html")]
+    #[arg(long, value_name = "FILE", default_value = "leaderboard.html", value_parser = crate::arguments::page::path)]
     out: PathBuf,
 }
 

@@ -18,7 +18,8 @@ use crate::{program, stdout};
 /// Recomputes the list of episodes, the scores and the aggregate measures, checks the SHA-256 of every policy,
 /// simulates a random sample of the episodes and of their baselines again, and compares them bit for bit, or within
 /// 1e-6 if the result is from a machine that rounds differently. Requires the version of b2b that wrote the result.
-/// Exits with code 1 if anything differs.
+/// Exits with code 1 if anything differs, and if the episodes cannot be run again because the policy is a program of
+/// its author: such a result is unverified.
 #[derive(clap::Args)]
 #[command(
     verbatim_doc_comment,
@@ -59,17 +60,18 @@ pub fn verify(arguments: &Arguments) -> Result<ExitCode> {
     let bars = Bars::new(arguments.json);
     let checks = entry::verify(&arguments.folder, &evaluation, sample, &bars)?;
     drop(bars);
-    let passed = checks.iter().all(|check| check.outcome.is_ok());
+    let passed = checks.iter().all(Check::passed);
     if arguments.json {
         let check = |check: &Check| {
             let (Ok(message) | Err(message)) = &check.outcome;
-            json!({"check": check.name, "passed": check.outcome.is_ok(), "message": message})
+            json!({"check": check.name, "passed": check.passed(), "unverified": check.unverified, "message": message})
         };
         stdout::print_json(
             &json!({"passed": passed, "sample_seed": seed, "checks": checks.iter().map(check).collect::<Vec<_>>()}),
         )?;
     } else {
         let line = |check: &Check| match &check.outcome {
+            Ok(message) if check.unverified => format!("  UNVERIFIED  {:<16}{message}", check.name),
             Ok(message) => format!("  passed  {:<20}{message}", check.name),
             Err(message) => format!("  FAILED  {:<20}{message}", check.name),
         };

@@ -38,7 +38,7 @@ pub struct Arguments {
     #[arg(long, value_name = "NAME")]
     name: Vec<String>,
     /// HTML file to write [default: b2b-out/compare-BUILDING-PLACE-PERIOD.html]
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = crate::arguments::page::path)]
     out: Option<PathBuf>,
     /// Print one JSON object instead of the tables
     #[arg(long)]

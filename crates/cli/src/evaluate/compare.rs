@@ -1,11 +1,9 @@
 //! `b2b evaluate compare`: several evaluations on one page.
 
-use std::fs::File;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result};
-use b2b_evaluate::Row;
-use b2b_evaluate::read_episodes;
+use anyhow::{Context, Result, bail};
+use b2b_evaluate::read_rows;
 use b2b_evaluate::report::{Compared, write_comparison};
 
 use crate::exit_code::ExitCode;
@@ -30,7 +28,7 @@ pub struct Arguments {
     #[arg(value_name = "FOLDER", required = true, num_args = 2..)]
     folders: Vec<PathBuf>,
     /// HTML file to write
-    #[arg(long, value_name = "FILE", default_value = "comparison.html")]
+    #[arg(long, value_name = "FILE", default_value = "comparison.html", value_parser = crate::arguments::page::path)]
     out: PathBuf,
 }
 
@@ -44,10 +42,10 @@ pub fn compare(arguments: &Arguments) -> Result<ExitCode> {
 
 /// Reads the episodes of an evaluation, which is named after its folder.
 fn read(folder: &Path) -> Result<Compared> {
-    let path = folder.join("episodes.parquet");
-    let file = File::open(&path)
-        .with_context(|| format!("{} is not the folder of a finished `b2b evaluate`", folder.display()))?;
-    let rows: Vec<Row> = read_episodes(file).with_context(|| format!("cannot read {}", path.display()))?;
+    if !folder.join("episodes.parquet").is_file() {
+        bail!("{} is not the folder of a finished `b2b evaluate`", folder.display());
+    }
+    let rows = read_rows(folder).with_context(|| format!("cannot read {}", folder.display()))?;
     let name = folder.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     Ok(Compared { name, rows })
 }

@@ -51,6 +51,8 @@ enum Command {
 
 /// Runs the command.
 pub fn experiment(arguments: &Arguments) -> Result<ExitCode> {
+    // Its trainings write checkpoints first.
+    crate::interrupt::be_patient();
     match &arguments.command {
         Command::List(arguments) => show::list(arguments)?,
         Command::Show(arguments) => show::show(arguments)?,

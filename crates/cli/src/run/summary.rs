@@ -53,6 +53,8 @@ pub struct Summary {
     pub engine_warnings: usize,
     /// Number of severe engine messages.
     pub engine_severes: usize,
+    /// The first 100 warnings.
+    pub warning_messages: Vec<String>,
     /// The first severe messages.
     pub severe_messages: Vec<String>,
     /// SHA-256 of all observations, actions and penalties: equal hashes mean equal episodes.
@@ -124,6 +126,7 @@ impl Summary {
             meter_relative_error: meter_relative_error(metrics, engine.meters),
             engine_warnings: engine.warnings,
             engine_severes: engine.severes,
+            warning_messages: engine.warning_messages.clone(),
             severe_messages: engine.severe_messages.clone(),
             trajectory_hash: rollout.trajectory.hash(),
             cpu_s: rollout.total_cpu.as_secs_f64(),

@@ -75,7 +75,7 @@ pub struct Arguments {
     /// Folder of a run to resume from its last checkpoint; --steps trains for more steps
     #[arg(long, value_name = "FOLDER", conflicts_with_all = [
         "buildings", "building_type", "problem", "algorithm", "preset", "config", "task", "period", "seed", "environments", "observation",
-        "direct", "authority", "out", "place", "weather", "allow_external",
+        "direct", "authority", "out", "place", "weather",
     ])]
     resume: Option<PathBuf>,
     #[command(flatten)]
@@ -107,6 +107,8 @@ pub fn train(arguments: &Arguments) -> Result<()> {
     let config = arguments.configuration()?;
     config.check()?;
     let out = arguments.folder(&config);
+    // An evaluation of training ends first.
+    interrupt::be_patient();
     let catalog = Arc::new(program::catalog(&mut Download::new(arguments.json))?);
     let mut bar = Bar::new(config.budget.steps, arguments.json);
     let options = RunOptions {
@@ -135,6 +137,7 @@ impl Arguments {
             let mut config = TrainConfig::of_run(folder)
                 .with_context(|| format!("{} has no run to resume", folder.display()))?;
             set(&mut config.budget.steps, &self.steps);
+            config.training_set.allow_external = self.location.placement().allow_external;
             return Ok(config);
         }
         let base = TrainConfig::preset(self.preset.as_deref().unwrap_or("residual"))?;

@@ -42,7 +42,7 @@ pub struct Arguments {
     #[command(flatten)]
     location: Location,
     /// HTML file to write [default: b2b-out/BUILDING-PLACE.html]
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = crate::arguments::page::path)]
     out: Option<PathBuf>,
 }
 

@@ -164,6 +164,21 @@ fn every_side_of_every_problem_has_the_sizes_of_the_paper() {
 }
 
 #[test]
+fn a_result_is_not_a_link_to_another() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    std::fs::create_dir(path.join("theirs")).unwrap();
+    for name in ["result.json", "episodes.parquet", "unfinished", "policy"] {
+        let out = path.join(format!("out-{name}"));
+        std::fs::create_dir(&out).unwrap();
+        std::os::unix::fs::symlink(path.join("theirs"), out.join(name)).unwrap();
+        let arguments = format!("benchmark run dynamics-house --policy reactive --out out-{name}");
+        assert_rejected(path, &arguments, &["is not empty and contains no evaluation"]);
+    }
+    assert_eq!(std::fs::read_dir(path.join("theirs")).unwrap().count(), 0);
+}
+
+#[test]
 fn a_killed_run_resumes_and_is_not_a_result_before_that() {
     let folder = tempfile::tempdir().unwrap();
     let arguments = |out: &str| format!("{SMALL} --policy random --jobs 1 --out {out}");

@@ -247,6 +247,38 @@ fn an_interrupted_run_stops_between_steps_and_leaves_nothing_behind() {
     }
 }
 
+#[test]
+#[cfg(target_os = "linux")]
+fn interrupted_commands_that_start_processes_leave_nothing_behind() {
+    for arguments in [
+        "check RestaurantFastFood-0001 --jobs 1",
+        "bench vector --type RestaurantFastFood --environments 2 --days 20",
+    ] {
+        let sandbox = Sandbox::new();
+        let mut command = sandbox.command(B2B, arguments);
+        let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        wait_until(|| !children_of(child.id()).is_empty());
+        std::thread::sleep(Duration::from_secs(1));
+        kill_process(Pid::from_child(&child), Signal::TERM).unwrap();
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(130), "{arguments}: {}", stderr(&output));
+        assert_eq!(sandbox.left_behind(), Vec::<PathBuf>::new(), "{arguments}");
+    }
+}
+
+/// Returns the child processes of a process.
+#[cfg(target_os = "linux")]
+fn children_of(process: u32) -> Vec<u32> {
+    let child = |entry: std::fs::DirEntry| {
+        let id = entry.file_name().to_str()?.parse().ok()?;
+        let stat = std::fs::read_to_string(entry.path().join("stat")).ok()?;
+        // After the name in parentheses: state, parent.
+        let parent: u32 = stat.rsplit(')').next()?.split_whitespace().nth(1)?.parse().ok()?;
+        (parent == process).then_some(id)
+    };
+    std::fs::read_dir("/proc").unwrap().flatten().filter_map(child).collect()
+}
+
 /// Returns whether a command has a template and the copy that runs the episode.
 #[cfg(target_os = "linux")]
 fn runs_an_episode(command: u32) -> bool {
@@ -281,4 +313,35 @@ fn bench_train_measures_both_designs_and_the_shares_of_their_time() {
         assert!(shares.iter().all(|share| *share > 0.0), "{row}");
         assert!((shares.iter().sum::<f64>() - 1.0).abs() < 1e-9, "{row}");
     }
+}
+
+#[test]
+fn a_typo_gets_the_nearest_name_and_no_word_is_cut() {
+    let sandbox = Sandbox::new();
+    for (arguments, near) in [
+        ("rnu OfficeSmall", "'run'"),
+        ("run SmallOffice", "did you mean OfficeSmall?"),
+        ("run OfficeSmall --task occupency", "did you mean occupancy?"),
+    ] {
+        let output = sandbox.command(B2B, arguments).env("COLUMNS", "80").output().unwrap();
+        let said = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(said.replace('\n', " ").contains(near), "{said}");
+        let longest = said.lines().map(|line| line.chars().count()).max().unwrap();
+        assert!(longest <= 80, "{said}");
+    }
+    sandbox.assert_refused(&mut sandbox.command(B2B, "run nowhere.idf"), &["nowhere.idf", "does not exist"]);
+    for arguments in ["view OfficeSmall", "compare a b", "evaluate compare a b", "benchmark report a"] {
+        let mut command = sandbox.command(B2B, &format!("{arguments} --out x.pdf"));
+        sandbox.assert_refused(&mut command, &["x.pdf", ".html"]);
+    }
+}
+
+#[test]
+fn the_warnings_of_the_engine_are_in_the_summary() {
+    let object = Sandbox::new().json(SHORT);
+    let warnings = object["warning_messages"].as_array().unwrap();
+    assert!(object["engine_warnings"].as_u64().unwrap() > 0, "{object}");
+    assert_eq!(warnings.len() as u64, object["engine_warnings"].as_u64().unwrap().min(100));
+    assert!(warnings.iter().all(|text| !text.as_str().unwrap().is_empty()), "{warnings:?}");
 }

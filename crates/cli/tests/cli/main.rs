@@ -10,6 +10,8 @@ mod calibrate;
 mod command;
 #[cfg(target_os = "linux")]
 mod compare;
+#[cfg(target_os = "linux")]
+mod current_folder;
 #[cfg(unix)]
 mod dataset;
 #[cfg(unix)]

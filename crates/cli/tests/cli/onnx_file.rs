@@ -36,3 +36,30 @@ fn value(name: &str, width: usize) -> Vec<u8> {
     let tensor_type = [integer(1, FLOAT), bytes(2, &shape)].concat();
     [text(1, name), bytes(2, &bytes(1, &tensor_type))].concat()
 }
+
+/// Returns a policy that never ends: a product of thousands of large matrices, which depend on the observation.
+pub fn endless_policy() -> Vec<u8> {
+    const SIZE: u64 = 4096;
+    let name = |place: usize| format!("product {place}");
+    let sum = [text(1, "observation"), text(2, "sum"), text(4, "ReduceSum")].concat();
+    let expand = [text(1, "sum"), text(1, "sizes"), text(2, &name(0)), text(4, "Expand")].concat();
+    let product = |place: usize| {
+        let node = [text(1, &name(place)), text(1, &name(0)), text(2, &name(place + 1)), text(4, "MatMul")];
+        bytes(1, &node.concat())
+    };
+    let sizes: Vec<u8> = [SIZE; 2].iter().flat_map(|size| size.to_le_bytes()).collect();
+    const INT64: u64 = 7;
+    let sizes = [integer(1, 2), integer(2, INT64), text(8, "sizes"), bytes(9, &sizes)].concat();
+    let graph = [
+        bytes(1, &sum),
+        bytes(1, &expand),
+        (0..2000).flat_map(product).collect(),
+        text(2, "endless"),
+        bytes(5, &sizes),
+        bytes(11, &[text(1, "observation"), bytes(2, &bytes(1, &integer(1, FLOAT)))].concat()),
+        bytes(12, &[text(1, &name(2000)), bytes(2, &bytes(1, &integer(1, FLOAT)))].concat()),
+    ]
+    .concat();
+    let opset = [text(1, ""), integer(2, 17)].concat();
+    [integer(1, 8), bytes(7, &graph), bytes(8, &opset)].concat()
+}

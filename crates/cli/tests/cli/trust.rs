@@ -4,7 +4,9 @@ use std::ffi::OsStr;
 use std::os::unix::ffi::OsStrExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Stdio};
+use std::time::{Duration, Instant};
 
+use crate::onnx_file::endless_policy;
 use crate::program::{assert_rejected, b2b, both_outputs, command, json, stderr, wait_until, workers_of};
 use b2b_energyplus::install::{Engine, Quiet};
 use rustix::process::{Pid, Signal, kill_process};
@@ -222,4 +224,100 @@ fn a_temporary_folder_that_cannot_be_used_is_named_with_the_remedy() {
     for word in ["temporary folder", "/none", "TMPDIR"] {
         assert!(said.contains(word), "`{word}` is not in: {said}");
     }
+}
+
+#[test]
+fn a_network_that_never_ends_ends_the_command_and_a_signal_does_within_10_s() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("p.onnx"), endless_policy()).unwrap();
+    let problem = "dynamics-house --test SingleFamilyHouse-0018 --train SingleFamilyHouse-0001 --period 01-10..01-10 --seed 0";
+    for arguments in [
+        "evaluate RestaurantFastFood --policy p.onnx --period 01-01..01-01 --out e".to_owned(),
+        format!("benchmark run {problem} --policy p.onnx --out b"),
+        "collect b2b/endless-v0 RestaurantFastFood --policy p.onnx --period 01-01..01-01 --out .".to_owned(),
+    ] {
+        let output = b2b(folder.path(), &arguments);
+        let said = stderr(&output);
+        assert_eq!(output.status.code(), Some(1), "{arguments}: {said}");
+        assert!(said.contains("p.onnx") && said.contains("not finished within 5 s"), "{arguments}: {said}");
+
+        let mut child = command(folder.path(), &arguments).spawn().unwrap();
+        std::thread::sleep(Duration::from_secs(4));
+        let begun = Instant::now();
+        // It has ended if the machine is fast.
+        let _ = kill_process(Pid::from_child(&child), Signal::TERM);
+        child.wait().unwrap();
+        assert!(begun.elapsed() < Duration::from_secs(12), "{arguments}: {:?}", begun.elapsed());
+    }
+}
+
+#[test]
+fn a_configuration_file_does_not_permit_a_model_to_run_code() {
+    let folder = folder_with("\nPythonPlugin:Instance,Plugin,Yes,module,Class;\n");
+    let config = "buildings = ['m.idf']\nweather = 'w.epw'\nsteps = 400\nallow_external = true\n";
+    std::fs::write(folder.path().join("c.toml"), config).unwrap();
+    assert_rejected(
+        folder.path(),
+        "train --config c.toml --out run",
+        &["c.toml", "`allow_external` cannot be set"],
+    );
+    std::fs::create_dir(folder.path().join("earlier")).unwrap();
+    std::fs::write(folder.path().join("earlier/config.toml"), config).unwrap();
+    assert_rejected(
+        folder.path(),
+        "train --resume earlier",
+        &["PythonPlugin:Instance `Plugin`", "--allow-external"],
+    );
+}
+
+#[test]
+fn evaluations_and_trainings_that_begin_at_once_in_a_new_folder_do_not_mix() {
+    let folder = tempfile::tempdir().unwrap();
+    let evaluate =
+        |policy| format!("evaluate RestaurantFastFood --policy {policy} --period 01-01..01-01 --out e");
+    let short = "window_days = 1\n[evaluation]\nevery = 0\nwhole_period = false\n";
+    std::fs::write(folder.path().join("c.toml"), short).unwrap();
+    let train = |seed| {
+        let options = "--period 01-01..01-02 --steps 2000 --environments 2";
+        format!("train RestaurantFastFood --config c.toml {options} --seed {seed} --out t")
+    };
+    for commands in [[evaluate("constant"), evaluate("random")], [train(1), train(2)]] {
+        let start = |arguments: &String| {
+            let mut command = command(folder.path(), arguments);
+            command.stderr(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap()
+        };
+        let ended: Vec<_> =
+            commands.each_ref().map(start).map(|child| child.wait_with_output().unwrap()).into();
+        let (succeeded, failed): (Vec<_>, Vec<_>) = ended.iter().partition(|output| output.status.success());
+        let said: Vec<_> = ended.iter().map(stderr).collect();
+        assert_eq!((succeeded.len(), failed.len()), (1, 1), "{said:?}");
+        let said = stderr(failed[0]);
+        let other = ["in use", "another evaluation", "differs"];
+        assert!(other.iter().any(|word| said.contains(word)), "{said}");
+    }
+}
+
+#[test]
+fn a_flipped_bit_of_an_evaluation_is_an_error_when_it_is_compared() {
+    let folder = tempfile::tempdir().unwrap();
+    for policy in ["constant", "random"] {
+        let evaluate =
+            format!("evaluate RestaurantFastFood --policy {policy} --period 01-01..01-01 --out {policy}");
+        let output = b2b(folder.path(), &evaluate);
+        assert!(output.status.success(), "{}", stderr(&output));
+    }
+    let compare = "evaluate compare constant random";
+    assert!(b2b(folder.path(), compare).status.success());
+    let path = folder.path().join("random/episodes.parquet");
+    let whole = std::fs::read(&path).unwrap();
+    for place in 0..60 {
+        let mut damaged = whole.clone();
+        damaged[place * (whole.len() - 1) / 59] ^= 1 << (place % 8);
+        std::fs::write(&path, damaged).unwrap();
+        assert_rejected(folder.path(), compare, &["episodes.parquet", "SHA256SUMS"]);
+    }
+    // One of an earlier version has no digests.
+    std::fs::write(&path, whole).unwrap();
+    std::fs::remove_file(folder.path().join("random/SHA256SUMS")).unwrap();
+    assert!(b2b(folder.path(), compare).status.success());
 }

@@ -58,6 +58,17 @@ impl Judged {
         self.wrong(&copy, rerun)
     }
 
+    /// Returns the failed checks of a copy with a changed description, after rerunning a sample.
+    fn described(&self, change: impl Fn(&mut Value), rerun: usize) -> String {
+        let copy = self.folder.path().join("described");
+        std::fs::create_dir_all(&copy).unwrap();
+        let mut result: Value = serde_json::from_slice(&bytes(&self.path(), "result.json")).unwrap();
+        change(&mut result);
+        std::fs::copy(self.path().join("episodes.parquet"), copy.join("episodes.parquet")).unwrap();
+        std::fs::write(copy.join("result.json"), result.to_string()).unwrap();
+        self.wrong(&copy, rerun)
+    }
+
     fn wrong(&self, folder: &Path, episodes: usize) -> String {
         let launcher = Launcher::new(env!("CARGO_BIN_EXE_b2b"));
         let evaluation = Evaluation { catalog: &self.catalog, launcher, jobs: 2, interrupted: || false };
@@ -65,9 +76,43 @@ impl Judged {
             None => check(folder).unwrap(),
             episodes => verify(folder, &evaluation, Sample { episodes, seed: 0 }, &()).unwrap(),
         };
-        let wrong = |check: &Check| Some(format!("{}: {}", check.name, check.outcome.as_ref().err()?));
+        let wrong = |check: &Check| match &check.outcome {
+            Ok(text) if check.unverified => Some(format!("unverified {}: {text}", check.name)),
+            outcome => Some(format!("{}: {}", check.name, outcome.as_ref().err()?)),
+        };
         checks.iter().filter_map(wrong).collect::<Vec<_>>().join("\n")
     }
+}
+
+#[test]
+fn what_a_result_says_of_itself_is_checked_and_a_policy_that_cannot_run_again_is_unverified() {
+    let judged = Judged::new();
+    assert_eq!(judged.described(|_| {}, 0), "");
+    let said = judged.described(|result| result["seeds"]["test"] = json!([0, 7]), 0);
+    assert!(said.contains("episodes: the seeds are stated as"), "{said}");
+    let said = judged.described(|result| result["episodes"]["test"] = json!(3), 0);
+    assert!(said.contains("episodes: the numbers of episodes are stated as"), "{said}");
+    let said = judged.described(|result| result["problem"]["question"] = json!("Is it best?"), 0);
+    assert!(said.contains("problem: its question is not that of dynamics-house: Is it best?"), "{said}");
+
+    // A program whose episodes nobody can run again.
+    let relabel = |result: &mut Value| {
+        for stage in ["test", "train"] {
+            result["policies"][stage] =
+                json!({"kind": "external", "name": "random", "identity": "mine", "by_seed": true});
+        }
+    };
+    let said = judged.described(relabel, 1);
+    assert!(said.starts_with("unverified episodes run again: not run again: the policy `random`"), "{said}");
+    let verify = "benchmark verify described --episodes 1";
+    let output = b2b(judged.folder.path(), verify);
+    let said = both_outputs(&output);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("UNVERIFIED  episodes run again"), "{said}");
+    let page = judged.folder.path().join("leaderboard.html");
+    let report = b2b(judged.folder.path(), "benchmark report described");
+    assert!(report.status.success(), "{}", both_outputs(&report));
+    assert!(std::fs::read_to_string(page).unwrap().contains("(own program, unverified)"));
 }
 
 fn scored(row: &mut Row) -> &mut Scored {

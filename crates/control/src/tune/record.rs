@@ -1,10 +1,11 @@
 //! The file of evaluations, one line each, from which an interrupted tuning run resumes.
 
-use std::fs::{File, OpenOptions};
+use std::fs::File;
 use std::io::Write;
 use std::iter::repeat;
 use std::path::{Path, PathBuf};
 
+use b2b_base::aside::append;
 use serde::{Deserialize, Serialize};
 
 use super::outcome::{Outcome, relative_losses, resolved_losses, worst_loss, worst_travel};
@@ -91,7 +92,7 @@ impl Record {
                 return Err(Error::OtherTuning { path: path.to_owned(), why });
             }
         };
-        let mut file = OpenOptions::new().create(true).append(true).open(path).map_err(io)?;
+        let mut file = append(path).map_err(io)?;
         file.set_len(whole.len() as u64).map_err(io)?;
         if whole.is_empty() {
             file.write_all(head.as_bytes()).map_err(io)?;

@@ -10,10 +10,10 @@ use super::error::{Error, Result, at};
 use super::pinned::Platform;
 use super::progress::Task;
 
-/// Commands of package clients, in order of preference.
+/// Commands of package clients, in order of preference. `-I`, because `-m` otherwise imports from the current folder.
 const CANDIDATES: &[&[&str]] = &[
-    &["python3", "-m", "pip"],
-    &["python", "-m", "pip"],
+    &["python3", "-I", "-m", "pip"],
+    &["python", "-I", "-m", "pip"],
     &["pip3"],
     &["pip"],
     &["uv", "tool", "run", "pip"],
@@ -21,6 +21,9 @@ const CANDIDATES: &[&[&str]] = &[
 
 /// Interval at which a running download is polled.
 const POLL: Duration = Duration::from_millis(50);
+
+/// Folder in which clients run.
+const FOLDER: &str = if cfg!(windows) { r"C:\Windows" } else { "/" };
 
 /// A working package client.
 pub(super) struct Client {
@@ -94,10 +97,11 @@ impl Client {
     }
 }
 
-/// Creates a command without standard input.
+/// Creates a command without standard input, in a folder to which only the administrator can write: interpreters and
+/// package clients read code and settings from the current folder and those above it, which may be a stranger's.
 fn start(words: &[&str]) -> Command {
     let mut command = Command::new(words[0]);
-    command.args(&words[1..]).stdin(Stdio::null());
+    command.args(&words[1..]).stdin(Stdio::null()).current_dir(FOLDER);
     // A separate process group, so that it can be ended with its children: `python3` and `uv` may be wrappers.
     #[cfg(unix)]
     std::os::unix::process::CommandExt::process_group(&mut command, 0);

@@ -171,6 +171,7 @@ impl Engine {
 }
 
 #[cfg(test)]
+#[allow(unsafe_code, reason = "a library that is loaded")]
 mod tests {
     use super::*;
     use crate::install::{Quiet, State};

@@ -339,10 +339,12 @@ impl Env {
     /// Messages, meters and occupancy of the engine's run, for a finished episode.
     pub fn engine_report(&self) -> EngineReport {
         let messages = self.messages();
+        let warnings = messages.iter().filter(|message| message.level == Level::Warning);
         let severes = messages.at_least(Level::Severe).take(SEVERES_KEPT);
         EngineReport {
             warnings: messages.count(Level::Warning),
             severes: messages.count(Level::Severe),
+            warning_messages: warnings.map(|message| message.text.clone()).collect(),
             severe_messages: severes.map(|message| message.text.clone()).collect(),
             meters: self.engine_meters().ok(),
             never_occupied: self.never_occupied.clone(),

@@ -72,8 +72,8 @@ impl FromStr for Task {
         let error = |why: String| Error::UnknownTask { text: text.to_owned(), why };
         let unknown = |part: &str| match of_preset(text) {
             Some(task) => error(format!(", which is called {task} here (docs/coming_from.md)")),
-            None if part == text => error(String::new()),
-            None => error(format!(": unknown part `{part}`")),
+            None if part == text => error(suggestion(part)),
+            None => error(format!(": unknown part `{part}`{}", suggestion(part))),
         };
         let twice = |word: &str| error(format!(": `{word}` is given twice"));
         let no_number = |word: &str| error(format!(": `{word}` needs a number, such as {word}0.5"));
@@ -112,6 +112,33 @@ impl FromStr for Task {
         task.check()?;
         Ok(task)
     }
+}
+
+/// Every word of a text form.
+const WORDS: [&str; 15] = [
+    "constant",
+    "occupancy",
+    "random",
+    "deadband",
+    "pmv",
+    "energy",
+    "cost",
+    "carbon",
+    "peak",
+    FREE_VENTILATION,
+    "presence",
+    "noise",
+    "bias",
+    "stuck",
+    "fouling",
+];
+
+/// Returns a question with the word most similar to a misspelled one; empty if none is similar.
+fn suggestion(part: &str) -> String {
+    let given = word_and_number(part).map_or(part, |(word, _)| word);
+    let near = WORDS.into_iter().map(|word| (strsim::damerau_levenshtein(word, given), word)).min();
+    let near = near.filter(|(distance, word)| *distance > 0 && distance * 3 <= word.len());
+    near.map_or_else(String::new, |(_, word)| format!(": did you mean {word}?"))
 }
 
 /// Returns the text form of a preset of the original Python implementation, such as `task_occ_e05`.
@@ -166,6 +193,18 @@ mod tests {
 
     fn task(text: &str) -> Task {
         text.parse().unwrap()
+    }
+
+    #[test]
+    fn a_misspelled_word_gets_the_nearest() {
+        for (text, near) in
+            [("occupency", "occupancy"), ("constant+enregy0.5", "energy"), ("randon:3", "random")]
+        {
+            let said = text.parse::<Task>().unwrap_err().to_string();
+            assert!(said.contains(&format!("did you mean {near}?")), "{said}");
+        }
+        let said = "warm".parse::<Task>().unwrap_err().to_string();
+        assert!(!said.contains("did you mean"), "{said}");
     }
 
     #[test]

@@ -31,6 +31,8 @@ struct Cached {
 #[derive(Debug)]
 pub struct Baselines {
     shipped: HashMap<Key, ReturnTerms>,
+    /// Those that could not be written to the folder.
+    unwritten: Mutex<HashMap<Key, ReturnTerms>>,
     folder: PathBuf,
 }
 
@@ -51,12 +53,12 @@ impl Baselines {
     /// Opens the shipped baselines and those in a folder.
     pub fn in_folder(folder: &Path) -> Self {
         let shipped = table::read(SHIPPED).expect("a test reads the shipped table");
-        Self { shipped: shipped.into_iter().collect(), folder: folder.to_owned() }
+        Self { shipped: shipped.into_iter().collect(), ..Self::without_shipped(folder) }
     }
 
     /// Opens the baselines in a folder without the shipped ones, to recompute these.
     pub fn without_shipped(folder: &Path) -> Self {
-        Self { shipped: HashMap::new(), folder: folder.to_owned() }
+        Self { shipped: HashMap::new(), unwritten: Mutex::default(), folder: folder.to_owned() }
     }
 
     /// Returns the shipped baselines.
@@ -67,6 +69,9 @@ impl Baselines {
     /// Returns a baseline if it is known.
     pub fn get(&self, key: &Key) -> Option<ReturnTerms> {
         if let Some(terms) = self.shipped.get(key) {
+            return Some(*terms);
+        }
+        if let Some(terms) = self.unwritten.lock().unwrap_or_else(PoisonError::into_inner).get(key) {
             return Some(*terms);
         }
         let file = std::fs::read(self.folder.join(key.file_name())).ok()?;
@@ -88,6 +93,13 @@ impl Baselines {
         write_whole(&path, &seal(&text)).map_err(at(&path))
     }
 
+    /// Writes a baseline to the cache, or remembers it if the cache cannot be written, which only costs time later.
+    pub(crate) fn remember(&self, key: &Key, terms: ReturnTerms) {
+        if self.keep(key, terms).is_err() {
+            self.unwritten.lock().unwrap_or_else(PoisonError::into_inner).insert(key.clone(), terms);
+        }
+    }
+
     /// Computes baselines and caches them. Returns the lost episodes by their keys.
     ///
     /// # Errors
@@ -105,12 +117,12 @@ impl Baselines {
         evaluation.run(&numbered, &BuiltIn::reactive(), progress, &|number, outcome| {
             let key = &episodes[number].0;
             match outcome {
-                Ok(finished) => self.keep(key, finished.terms),
+                Ok(finished) => self.remember(key, finished.terms),
                 Err(why) => {
                     lost.lock().unwrap_or_else(PoisonError::into_inner).insert(key.clone(), why);
-                    Ok(())
                 }
             }
+            Ok(())
         })?;
         Ok(lost.into_inner().unwrap_or_else(PoisonError::into_inner))
     }
@@ -191,6 +203,15 @@ mod tests {
         emissions: 4120.0,
         peak: 13.9,
     };
+
+    #[test]
+    fn a_cache_that_cannot_be_written_is_not_needed() {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        let baselines = Baselines::in_folder(&file.path().join("cache"));
+        assert!(baselines.keep(&key("constant"), TERMS).is_err());
+        baselines.remember(&key("constant"), TERMS);
+        assert_eq!(baselines.get(&key("constant")), Some(TERMS));
+    }
 
     #[test]
     fn one_episode_gives_the_return_for_every_weight_of_every_resource() {

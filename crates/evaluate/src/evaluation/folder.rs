@@ -2,11 +2,11 @@
 //! interrupted evaluation resumes.
 
 use std::fs::File;
-use std::io::BufReader;
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 
 use b2b_base::aside::{is_unfinished, write_whole, write_whole_by};
+use b2b_base::folder_lock::FolderLock;
 use b2b_control::Versions;
 use b2b_energyplus::install::{seal, unseal};
 use serde::Serialize;
@@ -22,7 +22,7 @@ use crate::{Error, Result};
 #[derive(Debug)]
 pub struct Folder {
     path: PathBuf,
-    _lock: File,
+    _lock: FolderLock,
 }
 
 /// The definition of an evaluation: `evaluation.json`.
@@ -63,22 +63,30 @@ impl Folder {
         let definition =
             serde_json::to_value(Definition::of(policy, episodes)?).expect("plain data always serializes");
         let file = path.join(DEFINITION);
+        if path.exists() && !path.is_dir() {
+            return Err(Error::UnrelatedFiles { folder: path.to_owned() });
+        }
+        // Episodes would be written to a folder of somebody else.
+        if [DEFINITION, EPISODES].iter().any(|name| path.join(name).is_symlink()) {
+            return Err(Error::UnrelatedFiles { folder: path.to_owned() });
+        }
+        std::fs::create_dir_all(path).map_err(at(path))?;
+        // Before the definition is written: of two evaluations in a new folder, one defines it.
+        let lock = FolderLock::acquire(path).map_err(at(path))?;
+        let lock = lock.ok_or_else(|| Error::Busy { folder: path.to_owned() })?;
         if !file.exists() {
             check_empty(path)?;
-            let folder = path.join(EPISODES);
-            std::fs::create_dir_all(&folder).map_err(at(&folder))?;
             write_whole_by(&file, |out| serde_json::to_writer_pretty(out, &definition).map_err(Into::into))
                 .map_err(at(&file))?;
         }
-        let lock = lock(path, &file)?;
-        let there: serde_json::Result<Value> = serde_json::from_reader(BufReader::new(&lock));
+        let text = std::fs::read(&file).map_err(at(&file))?;
+        let there: serde_json::Result<Value> = serde_json::from_slice(&text);
         let folder = Self { path: path.to_owned(), _lock: lock };
         match there {
             Ok(there) if there == definition => {}
             Ok(_) if folder.is_empty()? => {
-                // In place, because the lock is that of this file.
                 let text = serde_json::to_vec_pretty(&definition).expect("plain data always serializes");
-                std::fs::write(&file, text).map_err(at(&file))?;
+                write_whole(&file, &text).map_err(at(&file))?;
             }
             Ok(there) => {
                 let differences = differences(&there, &definition);
@@ -133,6 +141,11 @@ impl Folder {
         write_whole_by(&path, content).map_err(at(&path))
     }
 
+    /// Returns its path.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
     /// Returns the path of a results file.
     pub fn path_of(&self, name: &str) -> PathBuf {
         self.path.join(name)
@@ -150,16 +163,6 @@ impl Folder {
             }
         }
         Ok(())
-    }
-}
-
-/// Locks the definition of an evaluation. The lock ends when the file is closed.
-fn lock(folder: &Path, file: &Path) -> Result<File> {
-    let lock = File::open(file).map_err(at(file))?;
-    match lock.try_lock() {
-        Ok(()) => Ok(lock),
-        Err(std::fs::TryLockError::WouldBlock) => Err(Error::Busy { folder: folder.to_owned() }),
-        Err(std::fs::TryLockError::Error(source)) => Err(at(file)(source)),
     }
 }
 
@@ -306,6 +309,11 @@ mod tests {
         drop(folder);
         std::fs::write(root.path().join("thesis.tex"), "").unwrap();
         let foreign = Folder::open(root.path(), &BuiltIn::random(), &houses).unwrap_err();
+        assert!(matches!(foreign, Error::UnrelatedFiles { .. }), "{foreign}");
+        let linked = root.path().join("linked");
+        std::fs::create_dir_all(&linked).unwrap();
+        std::os::unix::fs::symlink(path.join(EPISODES), linked.join(EPISODES)).unwrap();
+        let foreign = Folder::open(&linked, &BuiltIn::random(), &houses).unwrap_err();
         assert!(matches!(foreign, Error::UnrelatedFiles { .. }), "{foreign}");
         let none = Folder::open(&root.path().join("other"), &BuiltIn::random(), &[]).unwrap_err();
         assert!(matches!(none, Error::NoEpisode), "{none}");

@@ -1,6 +1,7 @@
 //! One episode, from its first step to its last.
 
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use b2b_env::{Environment, Inputs, Observer, Spaces, Step, Trajectory, rollout};
 
@@ -57,13 +58,22 @@ struct Recorder<'a> {
     recording: Recording,
     work: &'a Work<'a>,
     steps_per_day: usize,
+    checked: Instant,
 }
+
+/// Interval at which an episode checks whether the evaluation is interrupted, however slow its policy is.
+const CHECK: Duration = Duration::from_millis(500);
 
 impl<'a> Recorder<'a> {
     fn new(spaces: &Spaces, work: &'a Work<'a>) -> Self {
         let trajectory = Trajectory::for_episode(spaces);
         let recording = Recording { first_observation: Vec::new(), trajectory };
-        Self { recording, work, steps_per_day: 24 * spaces.episode.steps_per_hour as usize }
+        Self {
+            recording,
+            work,
+            steps_per_day: 24 * spaces.episode.steps_per_hour as usize,
+            checked: Instant::now(),
+        }
     }
 
     fn check(&self) -> b2b_env::Result<()> {
@@ -81,6 +91,9 @@ impl Observer for Recorder<'_> {
         self.recording.trajectory.push(step);
         if self.recording.trajectory.len().is_multiple_of(self.steps_per_day) {
             self.work.progress.day();
+            self.check()?;
+        } else if self.checked.elapsed() > CHECK {
+            self.checked = Instant::now();
             self.check()?;
         }
         Ok(())

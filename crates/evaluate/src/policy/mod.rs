@@ -5,6 +5,7 @@ mod agent;
 mod built_in;
 mod form;
 mod interface;
+mod limited;
 mod named;
 mod onnx;
 mod onnx_format;

@@ -13,6 +13,7 @@ use rten_tensor::prelude::*;
 
 use super::action_scale::ActionScale;
 use super::interface::{EpisodeContext, Interface, Policy};
+use super::limited::{self, LIMIT, Limited};
 use super::onnx_format;
 use crate::error::at;
 use crate::panics::catch_panic;
@@ -39,7 +40,8 @@ impl OnnxPolicy {
         let identity = format!("onnx {}, actions {scale:?}", sha256(&bytes)).to_lowercase();
         let invalid = |why: String| Error::InvalidOnnx { path: path.to_owned(), why };
         onnx_format::check(&bytes).map_err(invalid)?;
-        let model = guarded(|| Model::load(bytes)).map_err(invalid)?;
+        let load = limited::once(move || guarded(|| Model::load(bytes)));
+        let model = load.unwrap_or_else(|| Err(endless())).map_err(invalid)?;
         let (inputs, outputs) = (model.input_ids().len(), model.output_ids().len());
         if inputs != 1 || outputs == 0 {
             let why = format!("it has {inputs} inputs and {outputs} outputs");
@@ -72,8 +74,8 @@ impl OnnxPolicy {
     }
 
     /// Runs the model once and checks the width of its output.
-    fn check_action(&self, inference: &Inference, spaces: &Spaces, interface: &Interface) -> Result<()> {
-        let output = guarded(|| inference.run(&vec![0.0; interface.observation.len()]));
+    fn check_action(&self, inference: &mut Inference, spaces: &Spaces, interface: &Interface) -> Result<()> {
+        let output = inference.run(&vec![0.0; interface.observation.len()]);
         let given = output.map_err(|why| Error::InvalidPolicy { path: self.path.clone(), why })?.len();
         if given == interface.action.len() {
             return Ok(());
@@ -103,8 +105,8 @@ impl Policy for OnnxPolicy {
     fn controller(&self, context: EpisodeContext<'_>) -> Result<Box<dyn Controller>> {
         let EpisodeContext { spaces, interface, .. } = context;
         self.check_observation(spaces, interface)?;
-        let inference = Inference::new(&self.model);
-        self.check_action(&inference, spaces, interface)?;
+        let mut inference = Inference::new(&self.model);
+        self.check_action(&mut inference, spaces, interface)?;
         Ok(Box::new(OnnxController {
             inference,
             scale: self.scale,
@@ -129,7 +131,8 @@ impl Controller for OnnxController {
         for (single, value) in self.observation.iter_mut().zip(observation) {
             *single = *value as f32;
         }
-        // The model ran on these shapes before; if it fails now, the environment names the action that is not a number.
+        // The model ran on these shapes before; if it fails now, or never ends, the environment names the action that is not a
+        // number.
         let inferred = self.inference.run(&self.observation).unwrap_or_default();
         action.fill(f64::NAN);
         for (value, inferred) in action.iter_mut().zip(inferred) {
@@ -139,26 +142,39 @@ impl Controller for OnnxController {
     }
 }
 
-/// Runs a model on one dedicated thread, so that sums have one order on any number of cores.
-struct Inference {
-    model: Arc<Model>,
-    options: RunOptions,
-}
+/// Runs a model with a time limit, and on one dedicated thread, so that sums have one order on any number of cores.
+struct Inference(Limited<Vec<f32>, Output>);
+
+/// The first output of a model, or why it has none.
+type Output = std::result::Result<Vec<f32>, String>;
 
 impl Inference {
     fn new(model: &Arc<Model>) -> Self {
-        let thread = Arc::new(ThreadPool::with_num_threads(1));
-        Self { model: Arc::clone(model), options: RunOptions::default().with_thread_pool(Some(thread)) }
+        let (model, thread) = (Arc::clone(model), Arc::new(ThreadPool::with_num_threads(1)));
+        let options = RunOptions::default().with_thread_pool(Some(thread));
+        Self(Limited::new(move |observation: Vec<f32>| guarded(|| infer(&model, &options, &observation))))
     }
 
     /// Returns the first output for an observation.
-    fn run(&self, observation: &[f32]) -> std::result::Result<Vec<f32>, RunError> {
-        let input = NdTensorView::from_data([1, observation.len()], observation);
-        let inputs = vec![(self.model.input_ids()[0], ValueOrView::from(input))];
-        let outputs = &self.model.output_ids()[..1];
-        let mut values = self.model.run(inputs, outputs, Some(self.options.clone()))?;
-        Ok(values.swap_remove(0).into_tensor::<f32>().map(|tensor| tensor.to_vec()).unwrap_or_default())
+    fn run(&mut self, observation: &[f32]) -> Output {
+        self.0.call(observation.to_vec()).unwrap_or_else(|| Err(endless()))
     }
+}
+
+fn endless() -> String {
+    format!("it was not finished within {} s", LIMIT.as_secs())
+}
+
+/// Returns the first output of a model for an observation.
+fn infer(
+    model: &Model,
+    options: &RunOptions,
+    observation: &[f32],
+) -> std::result::Result<Vec<f32>, RunError> {
+    let input = NdTensorView::from_data([1, observation.len()], observation);
+    let inputs = vec![(model.input_ids()[0], ValueOrView::from(input))];
+    let mut values = model.run(inputs, &model.output_ids()[..1], Some(options.clone()))?;
+    Ok(values.swap_remove(0).into_tensor::<f32>().map(|tensor| tensor.to_vec()).unwrap_or_default())
 }
 
 /// Runs a function of the ONNX library, whose panics on a model that it cannot run become errors. Errors are in one line.
@@ -171,7 +187,51 @@ fn guarded<T, E: std::error::Error>(
 
 #[cfg(test)]
 mod tests {
+    use b2b_agent::protobuf::{bytes, integer, text};
+
     use super::*;
+
+    /// Returns a model whose nodes are one after another.
+    fn chain(nodes: usize) -> Vec<u8> {
+        let name = |place: usize| format!("value {place}");
+        let node =
+            |place| bytes(1, &[text(1, &name(place)), text(2, &name(place + 1)), text(4, "Relu")].concat());
+        let value = |place| {
+            let width = [bytes(1, &integer(1, 1)), bytes(1, &integer(1, 2))].concat();
+            let tensor = [integer(1, 1), bytes(2, &width)].concat();
+            [text(1, &name(place)), bytes(2, &bytes(1, &tensor))].concat()
+        };
+        let graph = [
+            (0..nodes).flat_map(node).collect(),
+            text(2, "chain"),
+            bytes(11, &value(0)),
+            bytes(12, &value(nodes)),
+        ]
+        .concat();
+        let opset = [text(1, ""), integer(2, 17)].concat();
+        [integer(1, 8), bytes(7, &graph), bytes(8, &opset)].concat()
+    }
+
+    #[test]
+    fn a_chain_of_nodes_runs_on_the_stack_of_a_thread_or_is_rejected() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("policy.onnx");
+        let read = |nodes| {
+            std::fs::write(&path, chain(nodes)).unwrap();
+            OnnxPolicy::read(&path, ActionScale::Rescaled)
+        };
+        std::thread::scope(|scope| {
+            let longest = scope.spawn(|| {
+                let policy = read(onnx_format::MOST_NODES).unwrap();
+                Inference::new(&policy.model).run(&[1.0, -1.0]).unwrap()
+            });
+            assert_eq!(longest.join().unwrap(), [1.0, 0.0]);
+        });
+        for nodes in [onnx_format::MOST_NODES + 1, 50_000] {
+            let said = read(nodes).unwrap_err().to_string();
+            assert!(said.contains("more than 4000 nodes"), "{said}");
+        }
+    }
 
     #[test]
     fn a_file_without_a_model_is_an_error_that_names_it() {

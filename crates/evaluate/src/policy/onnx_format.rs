@@ -4,6 +4,9 @@
 /// Messages inside each other beyond which a model is rejected: reading is recursive.
 const DEEPEST: usize = 100;
 
+/// Nodes beyond which a model is rejected: the library plans a run by recursion along chains of nodes. Policies have tens.
+pub(super) const MOST_NODES: usize = 4000;
+
 /// The messages of `onnx.proto3` that have others.
 #[derive(Clone, Copy)]
 enum Message {
@@ -40,18 +43,20 @@ impl Message {
     }
 }
 
-/// Checks that every field of a model ends inside its message.
+/// Checks that every field of a model ends inside its message, and limits its depth and its number of nodes.
 ///
 /// # Errors
 /// The problem and its byte offset.
 pub(super) fn check(model: &[u8]) -> Result<(), String> {
-    let mut reader = Reader { bytes: model, position: 0 };
+    let mut reader = Reader { bytes: model, position: 0, nodes: 0 };
     reader.message(Message::Model, model.len(), 0)
 }
 
 struct Reader<'a> {
     bytes: &'a [u8],
     position: usize,
+    /// Nodes read so far.
+    nodes: usize,
 }
 
 impl Reader<'_> {
@@ -59,6 +64,10 @@ impl Reader<'_> {
     fn message(&mut self, message: Message, end: usize, depth: usize) -> Result<(), String> {
         if depth > DEEPEST {
             return Err(format!("more than {DEEPEST} messages are inside each other"));
+        }
+        self.nodes += usize::from(matches!(message, Message::Node));
+        if self.nodes > MOST_NODES {
+            return Err(format!("it has more than {MOST_NODES} nodes"));
         }
         while self.position < end {
             let start = self.position;

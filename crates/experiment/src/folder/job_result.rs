@@ -1,12 +1,11 @@
 //! The result of a job.
 
-use std::fs::File;
 use std::path::Path;
 
 use b2b_agent::Agent;
 use b2b_benchmark::entry::{RunResult, Stages, read_result};
 use b2b_benchmark::problem::Stage;
-use b2b_evaluate::{Deviations, Row, read_episodes, read_kept};
+use b2b_evaluate::{Deviations, Row, read_kept};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -141,9 +140,7 @@ impl Evaluated {
 
 /// Reads the episodes of an evaluation.
 pub fn read_rows(folder: &Path) -> Result<Vec<Row>> {
-    let path = folder.join("episodes.parquet");
-    let rows = read_episodes(File::open(&path).map_err(at(&path))?);
-    rows.map_err(|error| at(&path)(std::io::Error::other(error)))
+    b2b_evaluate::read_rows(folder).map_err(|error| at(folder)(std::io::Error::other(error)))
 }
 
 /// Returns the machine that an evaluation ran on.

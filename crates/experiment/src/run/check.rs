@@ -103,7 +103,7 @@ fn fault(
     if subject.agent_sha256 != Some(agent.sha256()) {
         return Ok(Some(format!("{} is another agent than that of the results", path.display())));
     }
-    let again = tempfile::Builder::new().prefix("b2b-check-").tempdir().map_err(at(path))?;
+    let again = b2b_base::scratch::folder_in(&std::env::temp_dir(), "b2b-check-").map_err(at(path))?;
     let policy = std::path::absolute(path).map_err(at(path))?;
     let buildings = spread(&episodes.buildings, buildings);
     let is_own = |row: &&Row| buildings.contains(&row.info.building);

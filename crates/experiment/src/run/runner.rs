@@ -1,6 +1,6 @@
 //! Runs jobs as processes of `b2b`.
 
-use std::fs::{File, OpenOptions};
+use std::fs::File;
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::Path;
@@ -8,7 +8,7 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
-use b2b_base::aside::write_whole;
+use b2b_base::aside::{append, write_whole};
 use rustix::process::{Pid, Signal, kill_process};
 use toml::Table;
 
@@ -133,7 +133,7 @@ impl Runner<'_> {
         arguments: &[String],
         result: Option<&Path>,
     ) -> Result<Option<String>> {
-        let mut file = OpenOptions::new().create(true).append(true).open(log).map_err(at(log))?;
+        let mut file = append(log).map_err(at(log))?;
         writeln!(file, "$ b2b {}", arguments.join(" ")).map_err(at(log))?;
         let begin = file.metadata().map_err(at(log))?.len();
         let mut printed = tempfile::tempfile().map_err(at(path))?;

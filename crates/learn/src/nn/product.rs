@@ -1,5 +1,7 @@
 //! Products of matrices in single precision.
 
+#![allow(unsafe_code, reason = "a matrix product with checked sizes")]
+
 /// A matrix over a slice, with its strides.
 #[derive(Clone, Copy, Debug)]
 pub struct Matrix<'a> {

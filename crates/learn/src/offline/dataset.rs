@@ -1,10 +1,11 @@
 //! The files of a dataset.
 //!
 //! `data/metadata.json` describes all, `data/N/metadata.json` the episode N, and `data/N/part-0.parquet` has its steps: as Minari's
-//! storage of the format `parquet` has them.
+//! storage of the format `parquet` has them. `SHA256SUMS` has their digests.
 
 use std::path::{Path, PathBuf};
 
+use b2b_base::digest_list::DigestList;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use tempfile::TempDir;
@@ -67,6 +68,8 @@ pub struct Dataset {
     pub contents: Contents,
     /// Its episodes, in order.
     pub episodes: Vec<EpisodeMetadata>,
+    /// Digests of its files; `None` in one of an earlier version.
+    digests: Option<DigestList>,
 }
 
 #[derive(Deserialize)]
@@ -80,10 +83,12 @@ impl Dataset {
     /// Reads the description of a dataset that [`collect`](super::collect) wrote.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for a folder that is not such a dataset; [`Error::Io`].
+    /// [`Error::Invalid`] for a folder that is not such a dataset; [`Error::Io`], also for a file that was changed.
     pub fn open(path: &Path) -> Result<Self> {
-        let file = path.join("data").join(METADATA);
-        let Metadata { total_episodes, data_format, b2b } = read_json(&file)?;
+        let digests = DigestList::read(path).map_err(at(path))?;
+        let name = format!("data/{METADATA}");
+        let file = path.join(&name);
+        let Metadata { total_episodes, data_format, b2b } = read_json(path, &name, digests.as_ref())?;
         let wrong = |why: &str| Error::Invalid(format!("{}: {why}", file.display()));
         if data_format != "parquet" {
             return Err(wrong(&format!(
@@ -92,17 +97,21 @@ impl Dataset {
         }
         let contents =
             b2b.ok_or_else(|| wrong("it does not name buildings; expected a dataset of `b2b collect`"))?;
-        let episode = |number: usize| read_json(&path.join("data").join(number.to_string()).join(METADATA));
+        let episode = |number: usize| read_json(path, &format!("data/{number}/{METADATA}"), digests.as_ref());
         let episodes = (0..total_episodes).map(episode).collect::<Result<_>>()?;
-        Ok(Self { path: path.to_owned(), contents, episodes })
+        Ok(Self { path: path.to_owned(), contents, episodes, digests })
     }
 
     /// Reads the steps of an episode.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for a damaged file; [`Error::Io`].
+    /// [`Error::Invalid`] for a damaged file; [`Error::Io`], also for a file that was changed.
     pub fn read(&self, episode: usize) -> Result<EpisodeFile> {
         let path = episodes::path(&self.path.join("data"), episode);
+        let name = episodes::path(Path::new("data"), episode);
+        if let Some(digests) = &self.digests {
+            digests.read_file(&self.path, &name.to_string_lossy()).map_err(at(&path))?;
+        }
         let Contents { observation_names, action_names, .. } = &self.contents;
         episodes::read(&path, observation_names.len(), action_names.len())
     }
@@ -179,12 +188,38 @@ impl NewDataset {
             "b2b": contents,
         });
         write_json(&self.data().join(METADATA), &metadata)?;
+        self.write_digests(episodes)?;
         std::fs::rename(self.whole(), &self.destination).map_err(at(&self.destination))
+    }
+
+    /// Writes the digests of all files.
+    fn write_digests(&self, episodes: &[EpisodeMetadata]) -> Result<()> {
+        let data = Path::new("data");
+        let mut files = vec![data.join(METADATA)];
+        for EpisodeMetadata { id, .. } in episodes {
+            files.extend([data.join(id.to_string()).join(METADATA), episodes::path(data, *id)]);
+        }
+        let mut digests = DigestList::default();
+        for name in files {
+            let path = self.whole().join(&name);
+            digests.add(name.to_string_lossy(), &std::fs::read(&path).map_err(at(&path))?);
+        }
+        digests.write(&self.whole()).map_err(at(&self.destination))
     }
 }
 
-fn read_json<T: for<'a> Deserialize<'a>>(path: &Path) -> Result<T> {
-    let text = std::fs::read(path).map_err(at(path))?;
+/// Reads a file of a dataset, verified if there are digests.
+fn read_json<T: for<'a> Deserialize<'a>>(
+    folder: &Path,
+    name: &str,
+    digests: Option<&DigestList>,
+) -> Result<T> {
+    let path = folder.join(name);
+    let text = match digests {
+        Some(digests) => digests.read_file(folder, name),
+        None => std::fs::read(&path),
+    };
+    let text = text.map_err(at(&path))?;
     serde_json::from_slice(&text).map_err(|error| Error::Invalid(format!("{}: {error}", path.display())))
 }
 
@@ -251,8 +286,34 @@ mod tests {
         assert!(said.contains("small-v0 exists"), "{said}");
         drop(NewDataset::create(&root.path().join("b2b/other-v0")).unwrap());
         assert_eq!(std::fs::read_dir(root.path().join("b2b")).unwrap().count(), 1);
+        assert_every_flipped_bit_is_an_error(&path);
         std::fs::write(path.join("data/1/part-0.parquet"), "damaged").unwrap();
         assert!(dataset.read(1).unwrap_err().to_string().contains("part-0.parquet"));
         assert!(Dataset::open(root.path()).is_err());
+    }
+
+    /// Changes a bit of every byte of every file but the digests.
+    fn assert_every_flipped_bit_is_an_error(path: &Path) {
+        let all =
+            || Dataset::open(path).and_then(|dataset| (0..2).try_for_each(|n| dataset.read(n).map(drop)));
+        all().unwrap();
+        for name in ["metadata.json", "1/metadata.json", "0/part-0.parquet"] {
+            let file = path.join("data").join(name);
+            let whole = std::fs::read(&file).unwrap();
+            for byte in 0..whole.len() {
+                let mut damaged = whole.clone();
+                damaged[byte] ^= 1 << (byte % 8);
+                std::fs::write(&file, damaged).unwrap();
+                let said = all().unwrap_err().to_string();
+                assert!(said.contains(name) && said.contains("changed"), "byte {byte}: {said}");
+            }
+            std::fs::write(&file, whole).unwrap();
+        }
+        // One of an earlier version has no digests.
+        let digests = path.join(b2b_base::digest_list::DIGESTS);
+        let text = std::fs::read(&digests).unwrap();
+        std::fs::remove_file(&digests).unwrap();
+        all().unwrap();
+        std::fs::write(&digests, text).unwrap();
     }
 }

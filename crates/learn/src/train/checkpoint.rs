@@ -6,6 +6,7 @@ use b2b_base::aside::write_whole;
 
 use super::judge::Rating;
 use crate::error::{Error, Result, at};
+use crate::sealed_state::{seal, unseal};
 use crate::state::State;
 
 /// Name of the file.
@@ -40,7 +41,7 @@ impl Checkpoint {
         all.put_all("learner", &self.learner);
         all.put_all("collector", &self.collector);
         let path = folder.join(CHECKPOINT);
-        write_whole(&path, &all.to_bytes()).map_err(at(&path))
+        write_whole(&path, &seal(&all)).map_err(at(&path))
     }
 
     /// Reads the checkpoint of a run's folder; `None` if there is none.
@@ -52,7 +53,7 @@ impl Checkpoint {
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
             Err(error) => return Err(wrong(error.to_string())),
         };
-        let all = State::from_bytes(&bytes).map_err(|error| wrong(error.to_string()))?;
+        let all = unseal(bytes).map_err(|error| wrong(error.to_string()))?;
         let [steps] = all.read_u64("steps").map_err(|error| wrong(error.to_string()))?;
         let mut numbers = [0.0; 4];
         all.read_f64("best", &mut numbers).map_err(|error| wrong(error.to_string()))?;
@@ -91,5 +92,11 @@ mod tests {
         let bytes = std::fs::read(&path).unwrap();
         std::fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();
         assert!(Checkpoint::read(folder.path()).unwrap_err().to_string().contains(CHECKPOINT));
+        let mut flipped = bytes.clone();
+        // The lowest byte of the last number.
+        flipped[bytes.len() - 4] ^= 1;
+        std::fs::write(&path, flipped).unwrap();
+        let said = Checkpoint::read(folder.path()).unwrap_err().to_string();
+        assert!(said.contains(CHECKPOINT) && said.contains("changed"), "{said}");
     }
 }

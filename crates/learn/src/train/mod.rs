@@ -10,6 +10,7 @@ mod checkpoint;
 mod config;
 mod environments;
 mod judge;
+mod lock;
 mod measure;
 mod monitor;
 mod problem;

@@ -14,9 +14,10 @@ use b2b_workers::{Launcher, WorkerOptions};
 
 use super::calibration::calibrate;
 use super::checkpoint::Checkpoint;
-use super::config::{Budget, CONFIG, Keep, TrainConfig};
+use super::config::{Budget, CONFIG, Keep, TrainConfig, TrainingSet};
 use super::environments::{Environments, days, learner};
 use super::judge::{Judge, Measures, Rating, Scores};
+use super::lock;
 use super::monitor::Monitor;
 use super::progress::{ProgressFiles, Row, curve};
 use super::summary::Summary;
@@ -55,6 +56,7 @@ pub struct RunOptions<'a> {
 /// kept; [`Error::Interrupted`] after a checkpoint; those of environments and evaluations.
 pub fn train(config: &TrainConfig, options: RunOptions<'_>) -> Result<Summary> {
     config.check()?;
+    let _lock = lock::acquire(&options.out)?;
     begin_folder(config, &options.out)?;
     let RunOptions { out, catalog, launcher, jobs, interrupted, monitor } = options;
     let evaluation = Evaluation { catalog: &catalog, launcher: launcher.clone(), jobs, interrupted };
@@ -90,13 +92,14 @@ pub fn train(config: &TrainConfig, options: RunOptions<'_>) -> Result<Summary> {
 
 /// Checks that the folder is that of this configuration, or writes it.
 fn begin_folder(config: &TrainConfig, out: &Path) -> Result<()> {
-    std::fs::create_dir_all(out).map_err(at(out))?;
     let path = out.join(CONFIG);
     if path.exists() {
         let before = TrainConfig::of_run(out)?;
-        // More steps continue a run.
+        // More steps continue a run; what its models may do is in no file.
         let budget = Budget { steps: config.budget.steps, ..before.budget.clone() };
-        if (TrainConfig { budget, ..before }) != *config {
+        let allow_external = config.training_set.allow_external;
+        let training_set = TrainingSet { allow_external, ..before.training_set.clone() };
+        if (TrainConfig { budget, training_set, ..before }) != *config {
             let why = format!("its {CONFIG} differs from this run's; choose another folder");
             return Err(Error::Resume { path: out.to_owned(), why });
         }
@@ -349,7 +352,7 @@ impl<'a> Run<'a> {
             out: self.out.to_owned(),
         };
         summary.write(self.out)?;
-        curve::write(self.out, self.config)?;
+        self.warn_of(curve::write(self.out, self.config), "the learning curve");
         Ok(summary)
     }
 

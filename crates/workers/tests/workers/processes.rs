@@ -1,5 +1,7 @@
 //! System resources that a set of workers needs, and files and processes that it leaves.
 
+#![allow(unsafe_code, reason = "`fork`")]
+
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Command, Stdio};

@@ -1,5 +1,6 @@
 //! Verification of a result's folder.
 
+mod accuracy;
 mod rows;
 mod sample;
 
@@ -7,13 +8,12 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
-use b2b_base::machine;
 use b2b_control::Versions;
-use b2b_env::EpisodeMetrics;
 
+use accuracy::{Accuracy, different_metric};
 pub use sample::Sample;
 
-use super::entry_policy::EntryPolicy;
+use super::entry_policy::{EntryPolicy, PolicyDescription};
 use super::external::External;
 use super::measures::Measures;
 use super::result::{POLICY, RunResult, Stages, read_result};
@@ -35,12 +35,25 @@ pub struct Check {
     pub name: &'static str,
     /// A description, or the fault.
     pub outcome: CheckOutcome,
+    /// Whether nothing was verified: the policy is not in the result, so its episodes cannot be run again.
+    pub unverified: bool,
+}
+
+impl Check {
+    fn new(name: &'static str, outcome: CheckOutcome) -> Self {
+        Self { name, outcome, unverified: false }
+    }
+
+    /// Returns whether the check verified its subject and found no fault.
+    pub fn passed(&self) -> bool {
+        self.outcome.is_ok() && !self.unverified
+    }
 }
 
 type CheckOutcome = std::result::Result<String, String>;
 
 /// Verifies a result: checks it as [`check`] does and, if all checks pass, runs a sample of the episodes and their baselines
-/// again. They are compared bit for bit on a machine that computes as that of the result does ([`machine::fingerprint`]),
+/// again. They are compared bit for bit on a machine that computes as that of the result does ([`fingerprint`](b2b_base::machine::fingerprint)),
 /// and within [`TOLERANCE`] on another.
 ///
 /// # Errors
@@ -56,7 +69,8 @@ pub fn verify(
         && checks.iter().all(|check| check.outcome.is_ok())
     {
         let outcome = run_again(&result, &stages, &policies, evaluation, sample, progress)?;
-        checks.push(Check { name: "episodes run again", outcome });
+        let unverified = outcome.is_ok() && result.external().is_some();
+        checks.push(Check { name: "episodes run again", outcome, unverified });
     }
     Ok(checks)
 }
@@ -77,23 +91,21 @@ type Policies = BTreeMap<String, EntryPolicy>;
 fn read_and_check(folder: &Path) -> Result<(Vec<Check>, Option<Read>)> {
     let (result, stages) = match read_result(folder) {
         Ok(read) => read,
-        Err(error) => return Ok((vec![Check { name: "folder", outcome: Err(error.to_string()) }], None)),
+        Err(error) => return Ok((vec![Check::new("folder", Err(error.to_string()))], None)),
     };
     let episodes: usize = stages.iter().map(|(_, rows)| rows.len()).sum();
     let policies = policies(folder, &result);
     let baselines = Baselines::open()?;
+    let named = format!("{} of {}, {episodes} episodes", result.name, result.problem.name);
     let checks = vec![
-        Check {
-            name: "folder",
-            outcome: Ok(format!("{} of {}, {episodes} episodes", result.name, result.problem.name)),
-        },
-        Check { name: "versions", outcome: versions(&result) },
-        Check { name: "problem", outcome: problem(&result) },
-        Check { name: "policies", outcome: policies.as_ref().map(described).map_err(Clone::clone) },
-        Check { name: "episodes", outcome: episode_list(&result, &stages) },
-        Check { name: "scores", outcome: rows::scores(&stages) },
-        Check { name: "baselines", outcome: rows::baselines(&result, &stages, &baselines) },
-        Check { name: "measures", outcome: measures(&result, &stages) },
+        Check::new("folder", Ok(named)),
+        Check::new("versions", versions(&result)),
+        Check::new("problem", problem(&result)),
+        Check::new("policies", policies.as_ref().map(described).map_err(Clone::clone)),
+        Check::new("episodes", episode_list(&result, &stages)),
+        Check::new("scores", rows::scores(&stages)),
+        Check::new("baselines", rows::baselines(&result, &stages, &baselines)),
+        Check::new("measures", measures(&result, &stages)),
     ];
     Ok((checks, policies.ok().map(|policies| (result, stages, policies))))
 }
@@ -144,6 +156,12 @@ fn problem(result: &RunResult) -> CheckOutcome {
     if problem.hash() != result.problem_hash {
         return Err("the problem does not match its hash".into());
     }
+    if let Some(question) =
+        Problem::all().iter().find(|known| known.name == problem.name).map(|known| &known.question)
+        && *question != problem.question
+    {
+        return Err(format!("its question is not that of {}: {}", problem.name, problem.question));
+    }
     if problem.changes() != result.problem_changes {
         return Err(format!("the changes to {} do not match the listed changes", problem.name));
     }
@@ -174,6 +192,7 @@ fn episode_list(result: &RunResult, stages: &[(Stage, Vec<Row>)]) -> CheckOutcom
             return Err(format!("stage {stage} is missing"));
         }
     }
+    counts(result, stages)?;
     for (stage, rows) in stages {
         let expected = expected(result, *stage).ok_or(format!("no policy for stage {stage}"))?;
         for (number, episode) in expected.iter().enumerate() {
@@ -190,6 +209,28 @@ fn episode_list(result: &RunResult, stages: &[(Stage, Vec<Row>)]) -> CheckOutcom
         }
     }
     Ok("exactly those of the problem".into())
+}
+
+/// Checks the stated seeds and numbers of episodes of every stage.
+fn counts(result: &RunResult, stages: &[(Stage, Vec<Row>)]) -> std::result::Result<(), String> {
+    let seeds = |policy: &PolicyDescription| policy.seeds(&result.problem.protocol.seeds);
+    let seeds: BTreeMap<_, _> =
+        result.policies.iter().map(|(stage, policy)| (stage.clone(), seeds(policy))).collect();
+    if seeds != result.seeds {
+        return Err(format!(
+            "the seeds are stated as {:?}; those of the policies are {seeds:?}",
+            result.seeds
+        ));
+    }
+    let episodes: BTreeMap<_, _> =
+        stages.iter().map(|(stage, rows)| (stage.to_string(), rows.len())).collect();
+    if episodes != result.episodes {
+        return Err(format!(
+            "the numbers of episodes are stated as {:?}; the table has {episodes:?}",
+            result.episodes
+        ));
+    }
+    Ok(())
 }
 
 fn near(a: f64, b: f64) -> bool {
@@ -262,39 +303,6 @@ fn run_again(
     Ok(Ok(format!("{size} of {total} agree {accuracy}, and so do their baselines; {power}")))
 }
 
-/// How exactly episodes that ran again are compared.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Accuracy {
-    /// Bit for bit: this machine computes as that of the result does.
-    Bits,
-    /// Within [`TOLERANCE`]: libm or instruction set differ.
-    Tolerance,
-}
-
-impl Accuracy {
-    fn on(machine_of_result: &str) -> Self {
-        if machine_of_result == machine::fingerprint() { Self::Bits } else { Self::Tolerance }
-    }
-
-    fn same(self, there: f64, here: f64) -> bool {
-        match self {
-            Self::Bits => there == here,
-            Self::Tolerance => is_near(there, here, TOLERANCE),
-        }
-    }
-}
-
-impl std::fmt::Display for Accuracy {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Bits => f.write_str("bit for bit"),
-            Self::Tolerance => {
-                write!(f, "within a relative {TOLERANCE:e} (the result is from a different kind of machine)")
-            }
-        }
-    }
-}
-
 fn compare(
     row: &Row,
     episode: &Episode,
@@ -346,7 +354,7 @@ fn compare_baseline(
     progress: &dyn Progress,
 ) -> Result<CheckOutcome> {
     let Ok(there) = &row.outcome else { return Ok(Err("it was lost".into())) };
-    let cache = tempfile::tempdir()
+    let cache = b2b_base::scratch::folder_in(&std::env::temp_dir(), "b2b-")
         .map_err(|source| b2b_evaluate::Error::Io { path: std::env::temp_dir(), source })?;
     let baselines = Baselines::without_shipped(cache.path());
     let baseline = match baselines.baseline(evaluation, episode, site, progress) {
@@ -366,50 +374,4 @@ fn compare_baseline(
         }
     }
     Ok(Ok(String::new()))
-}
-
-/// Returns the first metric that differs: all of them bit for bit, or those that are averages within the tolerance.
-fn different_metric(
-    there: &EpisodeMetrics,
-    here: &EpisodeMetrics,
-    accuracy: Accuracy,
-) -> Option<(&'static str, f64, f64)> {
-    let values = |metrics: &EpisodeMetrics| {
-        [
-            ("return", metrics.episode_return),
-            ("temperature penalty", metrics.temperature_penalty),
-            ("energy penalty", metrics.energy_penalty),
-            ("energy", metrics.energy()),
-            ("RMS deviation", metrics.rms_deviation),
-            ("mean absolute deviation", metrics.mean_abs_deviation),
-            ("discomfort", metrics.discomfort),
-            ("cost", metrics.cost),
-            ("emissions", metrics.emissions),
-        ]
-    };
-    let mut pairs = values(there).into_iter().zip(values(here));
-    let different = pairs.find(|((_, there), (_, here))| !accuracy.same(*there, *here));
-    let found = different.map(|((name, there), (_, here))| (name, there, here));
-    let all_bits = accuracy == Accuracy::Tolerance || there == here;
-    found.or_else(|| (!all_bits).then_some(("return", there.episode_return, here.episode_return)))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn bits_are_compared_on_the_same_kind_of_machine_and_values_on_another() {
-        assert_eq!(Accuracy::on(&machine::fingerprint()), Accuracy::Bits);
-        assert_eq!(Accuracy::on("x86_64, glibc 2.17"), Accuracy::Tolerance);
-        let there =
-            EpisodeMetrics { episode_return: -100.0, temperature_penalty: 100.0, ..Default::default() };
-        let near = EpisodeMetrics { episode_return: -100.0 * (1.0 + 4e-9), ..there.clone() };
-        let far = EpisodeMetrics { episode_return: -100.01, ..there.clone() };
-        let different = |here: &EpisodeMetrics, accuracy| different_metric(&there, here, accuracy);
-        assert_eq!(different(&there, Accuracy::Bits), None);
-        assert_eq!(different(&near, Accuracy::Bits).unwrap().0, "return");
-        assert_eq!(different(&near, Accuracy::Tolerance), None);
-        assert_eq!(different(&far, Accuracy::Tolerance).unwrap().0, "return");
-    }
 }

@@ -26,6 +26,9 @@ const ALGORITHM: &str = "algorithm";
 /// The table of the evaluations.
 const EVALUATION: &str = "evaluation";
 
+/// The option that only the caller may set.
+const PERMISSION: &str = "allow_external";
+
 /// A value read from a table, or what is wrong with the table.
 type Read<T> = std::result::Result<T, String>;
 
@@ -54,16 +57,26 @@ impl TrainConfig {
     /// # Errors
     /// What is wrong with the text: a value of the wrong type, or an unknown key with a suggestion.
     pub fn with_changes(&self, text: &str) -> Read<Self> {
-        self.with_table(toml::from_str(text).map_err(|error| error.to_string())?)
+        self.with_untrusted(toml::from_str(text).map_err(|error| error.to_string())?)
     }
 
-    /// As [`TrainConfig::with_changes`], of a JSON object.
+    /// As [`TrainConfig::with_changes`], of a JSON object with the arguments of the caller, who may set `allow_external`.
     ///
     /// # Errors
     /// [`Error::Invalid`] with what is wrong.
     pub fn with_json(&self, text: &str) -> Result<Self> {
-        let changes = serde_json::from_str(text).map_err(|error| Error::Invalid(error.to_string()))?;
-        self.with_table(changes).map_err(Error::Invalid)
+        let mut changes: Table =
+            serde_json::from_str(text).map_err(|error| Error::Invalid(error.to_string()))?;
+        let permission = changes.remove(PERMISSION);
+        let mut config = self.with_table(changes).map_err(Error::Invalid)?;
+        match permission {
+            None => {}
+            Some(Value::Boolean(allow)) => config.training_set.allow_external = allow,
+            Some(other) => {
+                return Err(Error::Invalid(format!("`{PERMISSION}` is {other}; expected a boolean")));
+            }
+        }
+        Ok(config)
     }
 
     /// Returns the configuration with the changes of a file, without the options in `ignored`.
@@ -73,23 +86,37 @@ impl TrainConfig {
     pub fn with_file(&self, path: &Path, ignored: &[&str]) -> Result<Self> {
         read_table(path, |mut changes| {
             ignored.iter().for_each(|key| drop(changes.remove(*key)));
-            self.with_table(changes)
+            self.with_untrusted(changes)
         })
     }
 
-    /// Returns the configuration of a run, from its folder.
+    /// Returns the configuration of a run, from its folder, without `allow_external`.
     ///
     /// # Errors
     /// [`Error::Io`]; [`Error::ConfigFile`] with what is wrong.
     pub fn of_run(folder: &Path) -> Result<Self> {
         // It has every option, also those that its problem set.
-        read_table(&folder.join(CONFIG), Self::from_table)
+        read_table(&folder.join(CONFIG), |mut table| {
+            table.remove(PERMISSION);
+            Self::from_table(table)
+        })
     }
 
     /// Returns the configuration as a TOML text with every option.
     pub fn to_toml(&self) -> String {
         let parts = toml::to_string(self).expect("plain data always serializes");
         format!("{ALGORITHM} = {:?}\n{parts}\n{}", self.learner.name(), self.learner.to_toml())
+    }
+
+    /// As [`TrainConfig::with_table`], of a file, which cannot permit anything.
+    fn with_untrusted(&self, mut changes: Table) -> Read<Self> {
+        match changes.remove(PERMISSION) {
+            None | Some(Value::Boolean(false)) => self.with_table(changes),
+            Some(_) => Err(format!(
+                "`{PERMISSION}` cannot be set in a file; remove it, and pass --allow-external (allow_external=True in \
+                 Python) if you trust the author of the model"
+            )),
+        }
     }
 
     fn with_table(&self, mut changes: Table) -> Read<Self> {
@@ -116,7 +143,9 @@ impl TrainConfig {
         }
         let mut all: Table = toml::from_str(&base.to_toml()).map_err(|error| error.to_string())?;
         merge(&mut all, changes);
-        Self::from_table(all)
+        let mut config = Self::from_table(all)?;
+        config.training_set.allow_external = self.training_set.allow_external;
+        Ok(config)
     }
 
     /// Reads a table with the options of all parts; what it leaves out has its default.

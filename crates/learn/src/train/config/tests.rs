@@ -158,3 +158,20 @@ fn a_configuration_of_an_earlier_run_is_read() {
     let earlier = format!("{}\n{}", config.to_toml(), crate::learners::LearnerChoice::from(sac).to_toml());
     assert_eq!(changed(&TrainConfig::default(), &earlier), config);
 }
+
+#[test]
+fn only_the_caller_permits_a_model_to_run_code() {
+    let allowed = TrainConfig::default().with_json(r#"{"allow_external": true}"#).unwrap();
+    assert!(allowed.training_set.allow_external);
+    assert!(allowed.with_changes("seed = 7").unwrap().training_set.allow_external);
+    assert!(!allowed.to_toml().contains("allow_external"));
+    TrainConfig::default().with_changes("allow_external = false").unwrap();
+    let said = TrainConfig::default().with_changes("allow_external = true").unwrap_err();
+    assert!(said.contains("pass --allow-external"), "{said}");
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("config.toml");
+    std::fs::write(&path, "allow_external = true").unwrap();
+    let said = TrainConfig::default().with_file(&path, &[]).unwrap_err().to_string();
+    assert!(said.contains("pass --allow-external"), "{said}");
+    assert!(!TrainConfig::of_run(folder.path()).unwrap().training_set.allow_external);
+}

@@ -22,7 +22,8 @@ pub struct TrainingSet {
     pub place: String,
     /// Weather file (EPW) of `buildings` instead of a place. Empty: that of the place.
     pub weather: PathBuf,
-    /// Whether a model file may run code and open files outside its folder.
+    /// Whether a model file may run code and open files outside its folder. Only the caller sets it: no file may, and none has it.
+    #[serde(skip)]
     pub allow_external: bool,
     /// Building type whose training split every episode's building is drawn from, or a list of types, in turn for the
     /// environments. Empty: `buildings`.

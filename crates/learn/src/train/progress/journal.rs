@@ -1,8 +1,10 @@
 //! Files that grow by whole entries.
 
-use std::fs::{File, OpenOptions};
+use std::fs::File;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
+
+use b2b_base::aside::append;
 
 use crate::error::{Result, at};
 
@@ -16,7 +18,7 @@ pub(super) struct Journal {
 impl Journal {
     /// Opens a file, or creates it, to append to.
     pub(super) fn open(path: &Path) -> Result<Self> {
-        let file = OpenOptions::new().append(true).create(true).open(path).map_err(at(path))?;
+        let file = append(path).map_err(at(path))?;
         let length = file.metadata().map_err(at(path))?.len();
         Ok(Self { path: path.to_owned(), file, length })
     }

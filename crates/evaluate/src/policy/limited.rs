@@ -1,0 +1,79 @@
+//! Work with a time limit: a network in a file of somebody else may never end.
+
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
+use std::time::Duration;
+
+/// Time limit of a call, of which networks of policies need a thousandth. Below the time in which a command stops.
+pub(super) const LIMIT: Duration = Duration::from_secs(5);
+/// The most that counts at once: a process that was stopped for longer did not work.
+const TICK: Duration = Duration::from_millis(100);
+
+/// A function in a thread of its own. A call that exceeds [`LIMIT`] is given up: its thread, which cannot be ended, is left
+/// behind until the process ends.
+pub(super) struct Limited<I, O> {
+    inputs: SyncSender<I>,
+    outputs: Receiver<O>,
+    given_up: bool,
+}
+
+impl<I: Send + 'static, O: Send + 'static> Limited<I, O> {
+    /// Starts the thread, which ends when this is dropped.
+    pub(super) fn new(mut function: impl FnMut(I) -> O + Send + 'static) -> Self {
+        let (inputs, to_do) = sync_channel::<I>(1);
+        let (done, outputs) = sync_channel(1);
+        std::thread::spawn(move || {
+            // Until either end of the channels is gone.
+            to_do.into_iter().try_for_each(|input| done.send(function(input)))
+        });
+        Self { inputs, outputs, given_up: false }
+    }
+
+    /// Calls the function; `None` if it exceeds the time limit, now or in an earlier call.
+    pub(super) fn call(&mut self, input: I) -> Option<O> {
+        if self.given_up || self.inputs.send(input).is_err() {
+            return None;
+        }
+        let mut left = LIMIT;
+        while !left.is_zero() {
+            match self.outputs.recv_timeout(TICK) {
+                Ok(output) => return Some(output),
+                Err(RecvTimeoutError::Timeout) => left = left.saturating_sub(TICK),
+                Err(RecvTimeoutError::Disconnected) => break,
+            }
+        }
+        self.given_up = true;
+        None
+    }
+}
+
+/// Calls a function once, in a thread of its own; `None` if it exceeds the time limit.
+pub(super) fn once<O: Send + 'static>(function: impl FnOnce() -> O + Send + 'static) -> Option<O> {
+    let mut function = Some(function);
+    let call = move |()| function.take().map(|function| function());
+    Limited::new(call).call(()).flatten()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Instant;
+
+    use super::*;
+
+    #[test]
+    fn a_call_that_never_ends_is_given_up_and_so_are_later_ones() {
+        let mut endless = Limited::new(|input: u32| {
+            if input == 0 {
+                loop {
+                    std::thread::park();
+                }
+            }
+            input + 1
+        });
+        assert_eq!(endless.call(1), Some(2));
+        let begun = Instant::now();
+        assert_eq!(endless.call(0), None);
+        assert!((LIMIT..2 * LIMIT).contains(&begun.elapsed()), "{:?}", begun.elapsed());
+        assert_eq!(endless.call(1), None);
+        assert_eq!(once(|| 7), Some(7));
+    }
+}
