@@ -121,20 +121,20 @@ mod tests {
     #[test]
     fn named_offsets_are_those_of_the_actuators() {
         let [unit, air_loop, heater] = systems();
-        let name = |system: &Box<dyn System>, offset: usize| system.actuators()[offset].name.clone();
-        assert_eq!(name(&unit, Unitary::FLOW), "flow");
-        assert_eq!(name(&unit, Unitary::SUPPLY_TEMPERATURE), "unit supply");
-        assert_eq!(name(&air_loop, AirLoop::SUPPLY_TEMPERATURE), "supply");
-        assert_eq!(name(&air_loop, AirLoop::OUTDOOR_AIR), "outdoor");
+        let name = |system: &dyn System, offset: usize| system.actuators()[offset].name.clone();
+        assert_eq!(name(&*unit, Unitary::FLOW), "flow");
+        assert_eq!(name(&*unit, Unitary::SUPPLY_TEMPERATURE), "unit supply");
+        assert_eq!(name(&*air_loop, AirLoop::SUPPLY_TEMPERATURE), "supply");
+        assert_eq!(name(&*air_loop, AirLoop::OUTDOOR_AIR), "outdoor");
         for (index, zone) in ["East", "West"].into_iter().enumerate() {
-            assert_eq!(name(&air_loop, AirLoop::damper(index)), format!("{zone} damper"));
-            assert_eq!(name(&air_loop, AirLoop::reheat(index)), format!("{zone} reheat"));
+            assert_eq!(name(&*air_loop, AirLoop::damper(index)), format!("{zone} damper"));
+            assert_eq!(name(&*air_loop, AirLoop::reheat(index)), format!("{zone} reheat"));
         }
         assert_eq!(
             [0, 1, 2, 3, 4, 5].map(|actuator| air_loop.zone_of(actuator)),
             [None, None, Some(0), Some(0), Some(1), Some(1)]
         );
-        assert_eq!(name(&heater, HeatingOnly::SETPOINT), "setpoint");
+        assert_eq!(name(&*heater, HeatingOnly::SETPOINT), "setpoint");
     }
 
     #[test]

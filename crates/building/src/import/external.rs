@@ -1,6 +1,6 @@
 //! Detection of external references in a model: code that the engine would run and files that it would open.
 //!
-//! The classes and fields are those of the schema in the engine, against which `tests/external.rs` compares them.
+//! The classes and fields are those of the schema in the engine, against which `tests/building/external.rs` compares them.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

@@ -92,8 +92,8 @@ impl Discovery {
     }
 
     fn system_of(&self, zone: &str) -> Option<&dyn System> {
-        let serves = |system: &&Box<dyn System>| system.zones().iter().any(|z| z.eq_ignore_ascii_case(zone));
-        self.systems.iter().find(serves).map(|system| &**system)
+        let serves = |system: &&dyn System| system.zones().iter().any(|z| z.eq_ignore_ascii_case(zone));
+        self.systems.iter().map(|system| &**system).find(serves)
     }
 }
 

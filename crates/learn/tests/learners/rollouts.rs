@@ -1,5 +1,4 @@
 //! Rollouts under controllers that act in worker processes, on the real engine.
-#![cfg(target_os = "linux")]
 
 use std::path::Path;
 use std::sync::Arc;

@@ -1,5 +1,4 @@
 //! Collectors in worker processes, on the real engine.
-#![cfg(target_os = "linux")]
 
 use std::time::Duration;
 

@@ -1,0 +1,4 @@
+//! Agents in buildings, on the real engine.
+
+mod agent;
+mod graph;

@@ -1,0 +1,7 @@
+//! Models on the real engine.
+
+mod air_loop;
+mod external;
+mod import;
+mod kinds;
+mod sizing;

@@ -1,0 +1,5 @@
+//! The crate as a Rust program uses it.
+
+mod builder;
+mod examples;
+mod extension_points;

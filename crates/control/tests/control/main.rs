@@ -1,0 +1,5 @@
+//! Controllers on the real engine.
+
+mod commercial;
+mod houses;
+mod tasks;

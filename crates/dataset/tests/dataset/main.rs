@@ -1,0 +1,6 @@
+//! Generated buildings on the real engine.
+
+mod any_place;
+mod commercial;
+mod description;
+mod exhaust;
